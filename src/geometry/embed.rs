@@ -1,0 +1,1 @@
+//! Points inside cells: trilinear weights (J6).

@@ -1,0 +1,1 @@
+//! Model files to meshes: OBJ through tobj (J1).

@@ -1,0 +1,11 @@
+//! Shapes to shapes, no physics: a model file becomes a triangle mesh, a mesh becomes cells of a grid, cells become
+//! the particles and links of a lattice, and points of the mesh find their place in it.
+
+pub mod embed;
+pub mod import;
+pub mod lattice;
+pub mod trimesh;
+pub mod voxel;
+
+pub use lattice::Lattice;
+pub use trimesh::TriMesh;

@@ -1,0 +1,10 @@
+//! Small numeric vocabulary shared by every layer: the scalar and vector traits the physics is generic over,
+//! boxes, rotations and a seeded random generator. Knows nothing of bodies, files or pictures.
+
+pub mod aabb;
+pub mod real;
+pub mod rng;
+pub mod rotation;
+
+pub use aabb::Aabb;
+pub use real::{Real, Vector};

@@ -1,0 +1,56 @@
+//! Rotations from the three Euler angles a person types.
+
+use glam::{DMat3, DVec3};
+
+/// The rotation about x, then y, then z (fixed axes, Blender's "XYZ Euler"), angles in degrees.
+///
+/// Multiples of a quarter turn are exact, so that an upright plane has an exactly horizontal normal. Sine and
+/// cosine come from `libm`, whose results do not depend on the machine.
+#[must_use]
+pub fn from_euler_deg(angles_deg: [f64; 3]) -> DMat3 {
+    let [x, y, z] = angles_deg.map(sin_cos_deg);
+    let about_x = DMat3::from_cols(DVec3::X, DVec3::new(0.0, x.1, x.0), DVec3::new(0.0, -x.0, x.1));
+    let about_y = DMat3::from_cols(DVec3::new(y.1, 0.0, -y.0), DVec3::Y, DVec3::new(y.0, 0.0, y.1));
+    let about_z = DMat3::from_cols(DVec3::new(z.1, z.0, 0.0), DVec3::new(-z.0, z.1, 0.0), DVec3::Z);
+    about_z * about_y * about_x
+}
+
+fn sin_cos_deg(angle_deg: f64) -> (f64, f64) {
+    let reduced = angle_deg % 360.0;
+    let quarters = reduced / 90.0;
+    if quarters == libm::trunc(quarters) {
+        return match ((quarters as i32) + 4) % 4 {
+            0 => (0.0, 1.0),
+            1 => (1.0, 0.0),
+            2 => (0.0, -1.0),
+            _ => (-1.0, 0.0),
+        };
+    }
+    let angle_rad = reduced.to_radians();
+    (libm::sin(angle_rad), libm::cos(angle_rad))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quarter_turns_are_exact() {
+        assert_eq!(from_euler_deg([90.0, 0.0, 0.0]) * DVec3::Y, DVec3::Z, "about x, y goes to z");
+        assert_eq!(from_euler_deg([0.0, -270.0, 0.0]) * DVec3::Z, DVec3::X, "about y, z goes to x");
+        assert_eq!(from_euler_deg([0.0, 0.0, 90.0]) * DVec3::X, DVec3::Y, "about z, x goes to y");
+    }
+
+    #[test]
+    fn x_comes_first_and_z_last() {
+        let turned = from_euler_deg([90.0, 0.0, 90.0]) * DVec3::Y;
+        assert_eq!(turned, DVec3::Z, "y goes to z about x; the turn about z leaves it");
+    }
+
+    #[test]
+    fn an_odd_angle_keeps_lengths_and_handedness() {
+        let r = from_euler_deg([12.0, 34.0, 56.0]);
+        assert!((r.determinant() - 1.0).abs() < 1e-14, "a rotation has determinant one");
+        assert!(((r * DVec3::X).length() - 1.0).abs() < 1e-14, "a rotation keeps lengths");
+    }
+}

@@ -1,0 +1,131 @@
+//! Soft bodies: a shape, where it starts, what it is made of, what is held.
+
+use serde::{Deserialize, Serialize};
+
+use super::Material;
+use crate::geometry::voxel::{Keep, OccupancyChoice};
+
+/// A soft body.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Body {
+    /// What it is called in lists.
+    pub name: String,
+    /// Which cells it has.
+    pub shape: Shape,
+    /// Where it starts.
+    pub pose: Pose,
+    /// Initial velocity of every particle, m/s.
+    pub velocity: [f64; 3],
+    /// What it is made of.
+    pub material: Material,
+    /// Boxes in body coordinates (m, origin at the middle of the body's box, before the pose) whose particles are held.
+    pub pins: Vec<PinBox>,
+    /// Which surface is drawn.
+    pub skin: Skin,
+    /// Drawn or not; a hidden body still moves.
+    pub hidden: bool,
+}
+
+/// The cells of a body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    /// A full cube.
+    Cube(CubeShape),
+    /// Cells given one by one.
+    Cells(CellsShape),
+    /// A jellified model.
+    Model(ModelShape),
+}
+
+impl Default for Shape {
+    fn default() -> Self {
+        Self::Cube(CubeShape::default())
+    }
+}
+
+/// A full cube of cells.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CubeShape {
+    /// Cells along an edge; one more particle.
+    pub cells: u32,
+    /// Edge length, m.
+    pub size: f64,
+}
+
+impl Default for CubeShape {
+    fn default() -> Self {
+        Self { cells: 9, size: 1.0 }
+    }
+}
+
+/// Cells given one by one ("Minecraft" style, GC §11).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CellsShape {
+    /// Grid coordinates of the filled cells; duplicates count once.
+    pub list: Vec<[i32; 3]>,
+    /// Cell edge, m.
+    pub size: f64,
+}
+
+impl Default for CellsShape {
+    fn default() -> Self {
+        Self { list: vec![[0, 0, 0]], size: 0.25 }
+    }
+}
+
+/// A surface model to be filled with cells (GC §12, SC).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ModelShape {
+    /// The model file, relative to the scene file; `builtin:NAME` for one that the program carries.
+    pub path: String,
+    /// Cells along the longest extent.
+    pub divisions: u32,
+    /// Which cells are filled.
+    pub occupancy: OccupancyChoice,
+    /// Which connected components of cells are kept.
+    pub keep: Keep,
+    /// Longest extent after scaling, m; 0 keeps the file's own size.
+    pub length: f64,
+}
+
+impl Default for ModelShape {
+    fn default() -> Self {
+        Self { path: String::new(), divisions: 20, occupancy: OccupancyChoice::Auto, keep: Keep::Largest, length: 1.0 }
+    }
+}
+
+/// Where a body starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Pose {
+    /// The middle of the body's box, m.
+    pub position: [f64; 3],
+    /// Euler angles about x, then y, then z (fixed axes), degrees.
+    pub rotation_deg: [f64; 3],
+}
+
+/// A box in body coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PinBox {
+    /// The lowest corner, m.
+    pub min: [f64; 3],
+    /// The highest corner, m.
+    pub max: [f64; 3],
+}
+
+/// The surface that is drawn for a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Skin {
+    /// The original mesh where the body is a model, the cells otherwise.
+    #[default]
+    Auto,
+    /// The outer faces of the cells.
+    Cells,
+}

@@ -1,0 +1,51 @@
+//! The document: everything a person decides, and nothing that is computed. A [`Scene`] is serialised, edited and
+//! undone; it is never simulated. [`crate::physics::compile`] turns it into a constant model and a first state.
+
+pub mod body;
+pub mod material;
+pub mod obstacle;
+pub mod settings;
+pub mod view_settings;
+
+use serde::{Deserialize, Serialize};
+
+pub use body::{Body, Pose, Shape, Skin};
+pub use material::{Family, Material, Springs};
+pub use obstacle::{Obstacle, ObstacleShape};
+pub use settings::Settings;
+pub use view_settings::{ColorBy, ViewSettings};
+
+/// The version of the scene format this program writes.
+pub const VERSION: u32 = 1;
+
+/// A whole sandbox: settings, soft bodies, obstacles and how to look at them. SI units, right-handed, y up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// The format version, [`VERSION`].
+    pub version: u32,
+    /// How the scene is simulated.
+    #[serde(default)]
+    pub settings: Settings,
+    /// The soft bodies.
+    #[serde(default)]
+    pub bodies: Vec<Body>,
+    /// The fixed things they meet.
+    #[serde(default)]
+    pub obstacles: Vec<Obstacle>,
+    /// How the scene is looked at; never changes the motion.
+    #[serde(default)]
+    pub view: ViewSettings,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            version: VERSION,
+            settings: Settings::default(),
+            bodies: Vec::new(),
+            obstacles: Vec::new(),
+            view: ViewSettings::default(),
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! How a scene is simulated.
+
+use serde::{Deserialize, Deserializer, Serialize, de};
+
+/// How a scene is simulated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Settings {
+    /// The step a person asks for, s.
+    pub dt: f64,
+    /// The scheme that advances a step.
+    pub integrator: Integrator,
+    /// Who answers for the step being small enough.
+    pub stepping: Stepping,
+    /// How obstacles push back.
+    pub contact: ContactRule,
+    /// Acceleration of gravity, m/s². In files and on the command line a single number g means (0, −g, 0).
+    #[serde(deserialize_with = "gravity")]
+    pub gravity: [f64; 3],
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            dt: 0.001,
+            integrator: Integrator::SemiImplicit,
+            stepping: Stepping::Auto,
+            contact: ContactRule::Implicit,
+            gravity: [0.0, -9.81, 0.0],
+        }
+    }
+}
+
+/// The scheme that advances a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Integrator {
+    /// Semi-implicit Euler (GC §4.1): velocity first, position with the new velocity.
+    #[serde(alias = "semi-implicit")]
+    SemiImplicit,
+}
+
+/// Who answers for the step being small enough.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stepping {
+    /// The program: a step is subdivided until it respects the stability bound.
+    Auto,
+    /// The person: the step is taken as it is, stable or not.
+    Manual,
+}
+
+/// How obstacles push back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactRule {
+    /// A stiff, critically damped spring taken implicitly, with Coulomb friction: never limits the step.
+    Implicit,
+    /// The thesis's own rule (GC §5.2, §6), to teach with: it injects energy and creeps.
+    Thesis,
+}
+
+fn gravity<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 3], D::Error> {
+    struct Visitor;
+    impl<'de> de::Visitor<'de> for Visitor {
+        type Value = [f64; 3];
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("three numbers in m/s², or a single number g for (0, -g, 0)")
+        }
+        fn visit_f64<E: de::Error>(self, g: f64) -> Result<Self::Value, E> {
+            Ok([0.0, 0.0 - g, 0.0])
+        }
+        fn visit_i64<E: de::Error>(self, g: i64) -> Result<Self::Value, E> {
+            self.visit_f64(g as f64)
+        }
+        fn visit_u64<E: de::Error>(self, g: u64) -> Result<Self::Value, E> {
+            self.visit_f64(g as f64)
+        }
+        fn visit_seq<A: de::SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+            let mut gravity = [0.0; 3];
+            for (axis, slot) in gravity.iter_mut().enumerate() {
+                *slot = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(axis, &self))?;
+            }
+            if seq.next_element::<f64>()?.is_some() {
+                return Err(de::Error::invalid_length(4, &self));
+            }
+            Ok(gravity)
+        }
+    }
+    deserializer.deserialize_any(Visitor)
+}

@@ -1,0 +1,34 @@
+//! What the panels show of a running sandbox: plain numbers and words, no physics types.
+
+/// The state of a session, published with every snapshot.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Status {
+    /// A preset's name or a file's.
+    pub title: String,
+    /// Whether time runs.
+    pub playing: bool,
+    /// Simulated time, s.
+    pub time_secs: f64,
+    /// Speed asked for: simulated seconds a wall second.
+    pub speed: f64,
+    /// Speed reached over the last second; 1 is real time.
+    pub real_time_factor: f64,
+    /// Why the speed asked for is not reached, in plain words; empty when it is.
+    pub limited_by: String,
+    /// The step in use, s: a whole step divided by its substeps.
+    pub dt_secs: f64,
+    /// The largest step that automatic stepping allows, s.
+    pub dt_safe_secs: f64,
+    /// What limits the step, in plain words ("shear stiffness", "the step asked for").
+    pub dt_limited_by: String,
+    /// Substeps in a whole step.
+    pub substeps: u32,
+    /// Particles in the scene.
+    pub particles: usize,
+    /// Links in the scene.
+    pub links: usize,
+    /// Contacts in the last substep.
+    pub contacts: usize,
+    /// The last thing that went wrong, as a sentence; empty when nothing did.
+    pub message: String,
+}
