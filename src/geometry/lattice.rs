@@ -20,13 +20,11 @@ pub struct Lattice {
 
 impl Lattice {
     /// Builds the lattice of a set of cells.
-    #[must_use]
     pub fn new(cells: &Cells) -> Self {
         todo!()
     }
 
     /// The position of a particle at rest, in the grid's coordinates, m.
-    #[must_use]
     pub fn rest_position(&self, particle: usize) -> DVec3 {
         self.grid.corner(self.corners[particle])
     }

@@ -13,7 +13,6 @@ pub struct Aabb<R: Real> {
 
 impl<R: Real> Aabb<R> {
     /// The box that contains nothing: the identity of [`Aabb::include`].
-    #[must_use]
     pub fn empty() -> Self {
         let infinity = R::from_f64(f64::INFINITY);
         Self { min: R::Vec3::new(infinity, infinity, infinity), max: R::Vec3::new(-infinity, -infinity, -infinity) }
@@ -25,21 +24,18 @@ impl<R: Real> Aabb<R> {
     }
 
     /// The smallest box that holds this one and a point.
-    #[must_use]
     #[inline]
     pub fn include(self, point: R::Vec3) -> Self {
         Self { min: self.min.min(point), max: self.max.max(point) }
     }
 
     /// The box grown by `margin` (m) on every side.
-    #[must_use]
     pub fn grown(self, margin: R) -> Self {
         let margin = R::Vec3::new(margin, margin, margin);
         Self { min: self.min - margin, max: self.max + margin }
     }
 
     /// Whether two boxes share a point; touching counts, an empty box overlaps nothing.
-    #[must_use]
     #[inline]
     pub fn overlaps(&self, other: &Self) -> bool {
         let (a_min, a_max) = (self.min.components(), self.max.components());
@@ -48,13 +44,11 @@ impl<R: Real> Aabb<R> {
     }
 
     /// The middle of the box.
-    #[must_use]
     pub fn center(&self) -> R::Vec3 {
         (self.min + self.max) * R::from_f64(0.5)
     }
 
     /// The edge lengths.
-    #[must_use]
     pub fn size(&self) -> R::Vec3 {
         self.max - self.min
     }

@@ -6,7 +6,6 @@ use glam::{DMat3, DVec3};
 ///
 /// Multiples of a quarter turn are exact, so that an upright plane has an exactly horizontal normal. Sine and
 /// cosine come from `libm`, whose results do not depend on the machine.
-#[must_use]
 pub fn from_euler_deg(angles_deg: [f64; 3]) -> DMat3 {
     let [x, y, z] = angles_deg.map(sin_cos_deg);
     let about_x = DMat3::from_cols(DVec3::X, DVec3::new(0.0, x.1, x.0), DVec3::new(0.0, -x.0, x.1));

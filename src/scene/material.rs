@@ -66,7 +66,6 @@ impl Family {
     pub const ALL: [Self; 3] = [Self::Structural, Self::Shear, Self::Bending];
 
     /// The family's word in files, figures and on screen.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Structural => "structural",
@@ -78,7 +77,6 @@ impl Family {
 
 impl Springs {
     /// The constants of one family.
-    #[must_use]
     pub fn family(&self, family: Family) -> Spring {
         match family {
             Family::Structural => self.structural,

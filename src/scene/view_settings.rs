@@ -84,7 +84,6 @@ impl ColorBy {
         [Self::Plain, Self::Load, Self::Force, Self::Net, Self::Strain, Self::Speed, Self::Contact];
 
     /// The word in files, on the command line and on screen.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Plain => "plain",
@@ -98,7 +97,6 @@ impl ColorBy {
     }
 
     /// The unit of the scalar; empty for [`ColorBy::Plain`].
-    #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
             Self::Plain => "",

@@ -22,26 +22,22 @@ pub struct Grid {
 
 impl Grid {
     /// The number of cells in the box.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.dims.iter().map(|&n| n as usize).product()
     }
 
     /// Whether the box has no cell.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// The index of a cell.
-    #[must_use]
     pub fn index(&self, [i, j, k]: [u32; 3]) -> usize {
         let [nx, ny, _] = self.dims.map(|n| n as usize);
         i as usize + nx * (j as usize + ny * k as usize)
     }
 
     /// The position of a grid corner; corner (0, 0, 0) is the origin.
-    #[must_use]
     pub fn corner(&self, [i, j, k]: [u32; 3]) -> DVec3 {
         self.origin + self.cell_size * DVec3::new(f64::from(i), f64::from(j), f64::from(k))
     }
