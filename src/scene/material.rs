@@ -32,10 +32,11 @@ pub struct Springs {
 }
 
 impl Default for Springs {
-    /// A 1 m cube of 9 cells an edge that sags a few per cent under its own weight and settles in a few swings.
+    /// A 1 m cube of 9 cells an edge weighs 10 kg, sags one or two per cent under its own weight and settles after a
+    /// few swings; alike along and across the axes (structural + 2 bending ≈ 2.2 shear).
     fn default() -> Self {
-        let spring = Spring { stiffness: 200.0, damping: 0.5 };
-        Self { structural: spring, shear: spring, bending: spring, particle_mass: 0.01 }
+        let spring = |stiffness| Spring { stiffness, damping: 0.005 * stiffness };
+        Self { structural: spring(12.0), shear: spring(10.0), bending: spring(5.0), particle_mass: 0.01 }
     }
 }
 

@@ -2,10 +2,12 @@
 //! undone; it is never simulated. [`crate::physics::compile`] turns it into a constant model and a first state.
 
 pub mod body;
+pub mod builtin;
 pub mod edit;
 pub mod material;
 pub mod obstacle;
 pub mod param;
+pub mod presets;
 pub mod settings;
 pub mod view_settings;
 

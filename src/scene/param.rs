@@ -63,6 +63,8 @@ pub enum Kind {
     List,
 }
 
+const MODEL_PATH: &str = "bodies.*.shape.model.path";
+
 /// Metres to the edge of the world: further out a single-precision position is coarser than a millimetre.
 const FAR: f64 = 1e4;
 
@@ -80,7 +82,7 @@ pub const PARAMS: &[Param] = &[
     list("bodies.*.shape.cells.list", "The filled cells as [i, j, k]."),
     integer("bodies.*.shape.cells.list.*", -1000, 1000, "Grid coordinates of a filled cell.").of(3),
     number("bodies.*.shape.cells.size", "m", 1e-4, 1e3, "Edge of a cell.").log(),
-    text("bodies.*.shape.model.path", "The model file, relative to the scene file; builtin:NAME for one the program carries."),
+    text(MODEL_PATH, "The model file, relative to the scene file; builtin:NAME for one the program carries."),
     integer("bodies.*.shape.model.divisions", 1, 256, "Cells along the model's longest extent."),
     words("bodies.*.shape.model.occupancy", &["auto", "centre", "surface", "solid"], "Which cells of the grid are filled."),
     words("bodies.*.shape.model.keep", &["all", "largest"], "Which connected pieces of the cells are kept."),
@@ -184,7 +186,7 @@ fn problems(path: &str, node: &impl Serialize) -> Vec<Problem> {
             found.extend(message.map(|message| Problem { path: path.to_owned(), message }));
         }),
         Err(error) => {
-            found.push(Problem { path: path.to_owned(), message: format!("a value that cannot be written: {error}") })
+            found.push(Problem { path: path.to_owned(), message: format!("a value that cannot be written: {error}") });
         }
     }
     found
@@ -247,7 +249,7 @@ impl Param {
             },
             (Kind::NumberOr { word, .. }, Value::String(text)) if text == word => None,
             (Kind::Word(words), Value::String(text)) if words.contains(&text.as_str()) => None,
-            (Kind::Text, Value::String(text)) if self.path.ends_with(".path") && text.trim().is_empty() => {
+            (Kind::Text, Value::String(text)) if self.path == MODEL_PATH && text.trim().is_empty() => {
                 Some("\"\" names no file; give a path, or builtin:NAME".to_owned())
             }
             (Kind::Flag, Value::Bool(_)) | (Kind::Text, Value::String(_)) => None,
@@ -330,9 +332,10 @@ pub(super) struct Figure(pub(super) f64);
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let magnitude = self.0.abs();
-        match magnitude == 0.0 || (1e-3..1e5).contains(&magnitude) {
-            true => write!(f, "{}", self.0),
-            false => write!(f, "{:e}", self.0),
+        if magnitude == 0.0 || (1e-3..1e5).contains(&magnitude) {
+            write!(f, "{}", self.0)
+        } else {
+            write!(f, "{:e}", self.0)
         }
     }
 }
