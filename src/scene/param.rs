@@ -175,6 +175,31 @@ pub(super) fn first_problem(path: &str, node: &impl Serialize) -> Option<Problem
     problems(path, node).into_iter().next()
 }
 
+/// The first value at or below one path of a serialised scene that is not allowed.
+pub(super) fn tree_problem(path: &str, tree: &Value) -> Option<Problem> {
+    let mut first = None;
+    walk("", tree, &mut |at, value, param| {
+        let below = at.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        let above = path.strip_prefix(at).is_some_and(|rest| rest.starts_with('.'));
+        if (below || above) && first.is_none() {
+            let message =
+                param.map_or_else(|| Some(format!("{value} is not a setting of a scene")), |param| param.check(value));
+            first = message.map(|message| Problem { path: at.to_owned(), message });
+        }
+    });
+    first
+}
+
+/// The default of any node, a single value or a whole form; places in lists are ignored.
+pub(super) fn default_at(path: &str) -> Option<Value> {
+    if path == "view.color_range" {
+        return Some(Value::Null);
+    }
+    let is_place = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
+    let names: Vec<&str> = path.split('.').map(|name| if is_place(name) { "*" } else { name }).collect();
+    pick(&serde_json::to_value(defaults()).ok()?, &names).cloned()
+}
+
 fn problems(path: &str, node: &impl Serialize) -> Vec<Problem> {
     let mut found = Vec::new();
     match serde_json::to_value(node) {
@@ -211,8 +236,12 @@ fn walk(path: &str, value: &Value, visit: &mut impl FnMut(&str, &Value, Option<&
 impl Param {
     /// The value that the `Default` implementations give; absent where there is none (automatic).
     pub fn default_value(&self) -> Option<Value> {
-        let defaults = serde_json::to_value(defaults()).ok()?;
-        pick(&defaults, &self.path.split('.').collect::<Vec<_>>()).cloned()
+        default_at(self.path).filter(|default| !default.is_null())
+    }
+
+    /// Whether the value may be absent, which means automatic.
+    pub fn is_optional(&self) -> bool {
+        self.path == "view.color_range"
     }
 
     /// The range or the words, for a person: `0 … 1e8 N`, `auto, manual`.
@@ -311,7 +340,7 @@ fn pick<'a>(value: &'a Value, path: &[&str]) -> Option<&'a Value> {
     }
 }
 
-fn matches(pattern: &str, path: &str) -> bool {
+pub(super) fn matches(pattern: &str, path: &str) -> bool {
     let mut names = path.split('.');
     let fits = pattern.split('.').all(|wanted| match names.next() {
         Some(name) if wanted == "*" => name == "*" || name.bytes().all(|byte| byte.is_ascii_digit()),
