@@ -4,9 +4,11 @@
 pub mod body;
 pub mod builtin;
 pub mod edit;
+pub mod file;
 pub mod material;
 pub mod obstacle;
 pub mod param;
+pub mod path;
 pub mod presets;
 pub mod settings;
 pub mod view_settings;
