@@ -4,7 +4,7 @@ pub mod grid;
 
 use serde::{Deserialize, Serialize};
 
-pub use grid::{Cells, Grid};
+pub use grid::{Cells, CellsError, Grid};
 
 /// Which cells of the grid are filled (GC §12.2, SC).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
