@@ -5,6 +5,7 @@ mod failure;
 mod out;
 mod presets;
 mod scene_args;
+mod voxelize;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -27,6 +28,8 @@ struct Arguments {
 enum Command {
     /// List the scenes that the program carries, and everything that can be set.
     Presets(presets::PresetsArgs),
+    /// Fill a model with cells and say what came of it.
+    Voxelize(voxelize::VoxelizeArgs),
 }
 
 /// Runs the program with its arguments, the program's name first. Reports a failure as one line on standard error.
@@ -52,6 +55,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
         None => window(arguments.scene),
         Some(Command::Presets(args)) => presets::run(&args),
+        Some(Command::Voxelize(args)) => voxelize::run(&args),
     }
 }
 

@@ -75,7 +75,11 @@ impl Progress {
 
 impl Watch for Progress {
     fn progress(&self, fraction: f64) {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates; 0 … 1000 is meant")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "the cast saturates; 0 … 1000 is meant"
+        )]
         let part = (fraction * Self::PARTS as f64) as u64;
         if let Ok(bar) = self.0.lock() {
             bar.set_position(part);

@@ -46,8 +46,11 @@ impl SceneArgs {
     /// Opens the scene, sets the values and starts the worker threads.
     pub(super) fn open(&self) -> Result<Opened, Failure> {
         let mut opened = open(&self.scene)?;
-        let options =
-            [("settings.dt", &self.dt), ("settings.integrator", &self.integrator), ("settings.stepping", &self.stepping)];
+        let options = [
+            ("settings.dt", &self.dt),
+            ("settings.integrator", &self.integrator),
+            ("settings.stepping", &self.stepping),
+        ];
         for (name, value) in options {
             if let Some(value) = value {
                 path::set(&mut opened.scene, name, value).map_err(Failure::usage)?;

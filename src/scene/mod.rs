@@ -10,6 +10,7 @@ pub mod obstacle;
 pub mod param;
 pub mod path;
 pub mod presets;
+pub mod resolve;
 pub mod settings;
 pub mod view_settings;
 
