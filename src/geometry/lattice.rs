@@ -40,8 +40,8 @@ impl Lattice {
                 lattice.corners.push(corner);
             }
         }
-        for (particle, &corner) in (0_u32..).zip(&lattice.corners) {
-            table.link(particle, corner, &mut lattice.links);
+        for (particle, &corner) in (0..).zip(&lattice.corners) {
+            table.link(corner, |family, other| lattice.links[family].push([particle, other]));
         }
         for (cell, _) in grid.iter().zip(&cells.filled).filter(|&(_, &filled)| filled) {
             lattice.cells.push(table.particles_of(cell));
@@ -52,6 +52,28 @@ impl Lattice {
     /// The position of a particle at rest, in the grid's coordinates, m.
     pub fn rest_position(&self, particle: usize) -> DVec3 {
         self.grid.corner(self.corners[particle])
+    }
+}
+
+/// How large a lattice is, without building it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LatticeCounts {
+    /// Particles.
+    pub particles: usize,
+    /// Links by family (structural, shear, bending).
+    pub links: [usize; 3],
+}
+
+impl LatticeCounts {
+    /// Counts what [`Lattice::new`] would build.
+    pub fn of(cells: &Cells) -> Self {
+        let table = CornerTable::new(cells);
+        let mut counts = Self::default();
+        for corner in table.corners.iter().filter(|&corner| table.particle(corner).is_some()) {
+            counts.particles += 1;
+            table.link(corner, |family, _| counts.links[family] += 1);
+        }
+        counts
     }
 }
 
@@ -129,8 +151,8 @@ impl CornerTable {
         [0, 1, 2, 3, 4, 5, 6, 7].map(|place| self.particles[self.corners.index(corner_of(cell, place))])
     }
 
-    /// Adds the links that lead from a particle to higher ones.
-    fn link(&self, particle: u32, corner: [u32; 3], [structural, shear, bending]: &mut [Vec<[u32; 2]>; 3]) {
+    /// Calls `found` with the family and other end of the links that lead from a corner to higher ones.
+    fn link(&self, corner: [u32; 3], mut found: impl FnMut(usize, u32)) {
         let around = self.around[self.corners.index(corner)];
         for direction in DIRECTIONS {
             let holders = holders(direction);
@@ -139,13 +161,13 @@ impl CornerTable {
             }
             let next = self.corners.index(step(corner, direction));
             if direction.iter().filter(|&&d| d != 0).count() > 1 {
-                shear.push([particle, self.particles[next]]);
+                found(1, self.particles[next]);
                 continue;
             }
-            structural.push([particle, self.particles[next]]);
+            found(0, self.particles[next]);
             if self.around[next] & holders != 0 {
                 let second = self.corners.index(step(step(corner, direction), direction));
-                bending.push([particle, self.particles[second]]);
+                found(2, self.particles[second]);
             }
         }
     }
@@ -193,6 +215,8 @@ mod tests {
 
     fn check(list: &[[i32; 3]]) {
         let lattice = lattice(list);
+        let counted = LatticeCounts::of(&Cells::from_list(list, 1.0).expect("a small list"));
+        assert_eq!(counted, LatticeCounts { particles: lattice.corners.len(), links: counts(&lattice) }, "counted");
         let low = [0, 1, 2].map(|axis| list.iter().map(|cell| cell[axis]).min().expect("not empty"));
         let place = |particle: u32| {
             let [i, j, k] = lattice.corners[particle as usize].map(|n| i32::try_from(n).expect("small"));
