@@ -1,6 +1,7 @@
 //! The command line: `gelatin [SCENE]` opens the window, the subcommands work without one. Figures go to standard
 //! output, messages and progress bars to standard error; exit code 0, 1 when the work failed, 2 for wrong usage.
 
+mod check;
 mod failure;
 mod out;
 mod presets;
@@ -30,6 +31,8 @@ enum Command {
     Presets(presets::PresetsArgs),
     /// Fill a model with cells and say what came of it.
     Voxelize(voxelize::VoxelizeArgs),
+    /// Parse and validate a scene and say how large it is.
+    Check(check::CheckArgs),
 }
 
 /// Runs the program with its arguments, the program's name first. Reports a failure as one line on standard error.
@@ -56,6 +59,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         None => window(arguments.scene),
         Some(Command::Presets(args)) => presets::run(&args),
         Some(Command::Voxelize(args)) => voxelize::run(&args),
+        Some(Command::Check(args)) => check::run(&args),
     }
 }
 

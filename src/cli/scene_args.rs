@@ -7,6 +7,8 @@ use anyhow::{Context, anyhow};
 use clap::Args;
 
 use super::Failure;
+use crate::geometry::Watch;
+use crate::scene::resolve::{Jelly, resolve};
 use crate::scene::{Scene, file, param, path, presets};
 
 /// The scene and what is set on it.
@@ -27,7 +29,7 @@ pub(super) struct SceneArgs {
     #[arg(long, value_parser = ["auto", "manual"])]
     stepping: Option<String>,
     /// Worker threads; 0 takes all cores.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
 }
 
@@ -71,6 +73,15 @@ impl SceneArgs {
             .context("the worker threads cannot be started")?;
         Ok(opened)
     }
+}
+
+/// Builds the lattice of every body.
+pub(super) fn resolve_bodies(opened: &Opened, watch: &dyn Watch) -> anyhow::Result<Vec<Jelly>> {
+    let bodies = opened.scene.bodies.iter().enumerate();
+    let resolved = bodies.map(|(index, body)| {
+        resolve(&body.shape, &opened.base_dir, watch).with_context(|| format!("bodies.{index}.shape"))
+    });
+    resolved.collect()
 }
 
 /// Opens a preset, a scene file or a model.

@@ -20,7 +20,7 @@ pub(super) struct VoxelizeArgs {
     /// The model file.
     model: OsString,
     /// Cells along the longest extent.
-    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DIVISIONS)))]
+    #[arg(long, default_value_t = 20, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DIVISIONS)))]
     divisions: u32,
     /// Which cells are filled.
     #[arg(long, value_enum, default_value_t = Occupancy::Auto)]
@@ -88,7 +88,9 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
         out::json(&object)?;
     } else {
         out::figures(&text(&shown, &report, wall_secs))?;
-        report.warnings.iter().for_each(|warning| out::note(&format!("warning: {warning}")));
+        for warning in &report.warnings {
+            out::note(&format!("warning: {warning}"));
+        }
     }
     Ok(())
 }

@@ -51,11 +51,7 @@ fn a_box_on_cell_boundaries_gives_exactly_its_cells() {
             assert_eq!((report.components, report.dropped_cells, report.warnings.len()), (1, 0, 0), "nothing to say");
         }
     }
-    assert_eq!(
-        run(&brick, 6, OccupancyChoice::Surface, Keep::All).cells.count(),
-        48,
-        "all are at the wall"
-    );
+    assert_eq!(run(&brick, 6, OccupancyChoice::Surface, Keep::All).cells.count(), 48, "all are at the wall");
 }
 
 #[test]
