@@ -81,7 +81,7 @@ fn unknown_names_and_paths_are_refused_with_the_nearest() {
     refused(&folder, "check cube-on-plane --integrator rk4", USAGE, &["semi-implicit"]);
     refused(&folder, "check cube-on-plane --threads -2", USAGE, &["threads"]);
     refused(&folder, "check", USAGE, &["SCENE"]);
-    refused(&folder, "report error", USAGE, &["report"]);
+    refused(&folder, "report error", USAGE, &[]);
     refused(&folder, "--wobble", USAGE, &["--wobble"]);
 }
 

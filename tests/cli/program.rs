@@ -59,8 +59,7 @@ impl Folder {
 /// A square of two triangles, with a scale and a place for its corners.
 pub(crate) fn square(scale: f64, offset: f64) -> String {
     let at = |x: f64| offset + scale * x;
-    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-    let vertices: String =
-        corners.iter().map(|[x, z]| format!("v {:e} {:e} {:e}\n", at(*x), at(0.0), at(*z))).collect();
-    vertices + "f 1 2 3 4\n"
+    let vertex = |x: f64, z: f64| format!("v {:e} {:e} {:e}", at(x), at(0.0), at(z));
+    let corners = [vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(1.0, 1.0), vertex(0.0, 1.0)];
+    corners.join("\n") + "\nf 1 2 3 4\n"
 }
