@@ -4,7 +4,11 @@
 pub const PREFIX: &str = "builtin:";
 
 /// Every model carried: its name and the bytes of its OBJ file.
-pub const MODELS: &[(&str, &[u8])] = &[("spot.obj", include_bytes!("../../assets/spot.obj"))];
+pub const MODELS: &[(&str, &[u8])] = &[
+    ("coupler.obj", include_bytes!("../../assets/coupler.obj")),
+    ("spot.obj", include_bytes!("../../assets/spot.obj")),
+    ("tree.obj", include_bytes!("../../assets/tree.obj")),
+];
 
 /// The bytes of a carried model by its name, without [`PREFIX`].
 pub fn model(name: &str) -> Option<&'static [u8]> {

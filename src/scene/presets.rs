@@ -60,7 +60,7 @@ const PRESETS: [Preset; 11] = [
 fn cube_on_plane() -> Scene {
     let cube = Body {
         name: "Jelly".to_owned(),
-        pose: Pose { position: [0.0, 1.25, 0.0], rotation_deg: [8.0, 0.0, 14.0] },
+        pose: Pose { position: [0.0, 1.05, 0.0], rotation_deg: [6.0, 0.0, 10.0] },
         ..Body::default()
     };
     scene(cube, vec![ball([1.35, 0.4, 0.25], 0.4)])
@@ -69,7 +69,7 @@ fn cube_on_plane() -> Scene {
 fn cube_on_sphere() -> Scene {
     let cube = Body {
         name: "Jelly".to_owned(),
-        pose: Pose { position: [0.3, 2.1, 0.1], rotation_deg: [0.0, 20.0, 0.0] },
+        pose: Pose { position: [0.25, 1.95, 0.08], rotation_deg: [0.0, 20.0, 0.0] },
         ..Body::default()
     };
     looking_at([0.2, 0.9, 0.0], 6.0, scene(cube, vec![ball([0.0, 0.6, 0.0], 0.6)]))
@@ -132,8 +132,8 @@ fn u_on_sphere() -> Scene {
 }
 
 fn tree() -> Scene {
-    let shape = ModelShape { divisions: 12, length: 1.5, ..carried("tree.obj") };
-    let body = Body { skin: Skin::Cells, ..model_body("Tree", shape, 1.25) };
+    let shape = ModelShape { divisions: 10, length: 1.5, ..carried("tree.obj") };
+    let body = Body { skin: Skin::Cells, ..model_body("Tree", shape, 1.15) };
     looking_at([0.0, 0.8, 0.0], 6.0, scene(body, Vec::new()))
 }
 
@@ -165,7 +165,7 @@ fn model_body(name: &str, shape: ModelShape, height: f64) -> Body {
 fn jelly(cell_size: f64) -> Material {
     let Material::Springs(default) = Material::default();
     let ratio = cell_size / (1.0 / 9.0);
-    let spring = |of: Spring| Spring { stiffness: of.stiffness * ratio * ratio, damping: of.damping * ratio * ratio };
+    let spring = |of: Spring| Spring { stiffness: of.stiffness * ratio * ratio, damping: of.damping * ratio * ratio * ratio };
     Material::Springs(Springs {
         structural: spring(default.structural),
         shear: spring(default.shear),
@@ -176,7 +176,7 @@ fn jelly(cell_size: f64) -> Material {
 
 /// A body above the ground, with more obstacles.
 fn scene(body: Body, more: Vec<Obstacle>) -> Scene {
-    let plane = Plane { half_extents: [6.0, 6.0], ..Plane::default() };
+    let plane = Plane { half_extents: [10.0, 10.0], ..Plane::default() };
     let ground = Obstacle { name: "Ground".to_owned(), shape: ObstacleShape::Plane(plane), ..Obstacle::default() };
     Scene { bodies: vec![body], obstacles: std::iter::once(ground).chain(more).collect(), ..Scene::default() }
 }
