@@ -143,16 +143,17 @@ fn tree() -> Scene {
 
 /// Set down rather than dropped: its thin webs would swing for long.
 fn coupler(divisions: u32) -> Scene {
-    let body = model_body("Coupler", ModelShape { divisions, ..carried("coupler.obj") }, 0.58);
+    let body = model_body("Coupler", ModelShape { divisions, ..carried("coupler.obj") }, 0.56);
     let turned = Pose { rotation_deg: [0.0, 30.0, 0.0], ..body.pose };
-    let material = damped(&body.material, if divisions > 20 { 1.0 } else { 2.0 });
+    let material = damped(&body.material, if divisions > 20 { 1.3 } else { 2.0 });
     scene(Body { skin: Skin::Cells, pose: turned, material, ..body }, Vec::new())
 }
 
 fn spot() -> Scene {
-    let body = model_body("Spot", carried("spot.obj"), 0.9);
+    let body = model_body("Spot", carried("spot.obj"), 0.65);
     let turned = Pose { rotation_deg: [0.0, -30.0, 0.0], ..body.pose };
-    scene(Body { pose: turned, ..body }, Vec::new())
+    let material = damped(&body.material, 3.0);
+    scene(Body { pose: turned, material, ..body }, Vec::new())
 }
 
 fn carried(name: &str) -> ModelShape {
