@@ -239,7 +239,10 @@ fn the_coupler_is_one_body_with_a_bore_at_every_resolution() {
         let is_filled = |cell: [u32; 3]| cells.filled[cells.grid.index(cell)];
         assert!((0..ny).all(|j| !is_filled([nx / 2, j, nz / 2])), "the bore goes through at {divisions}");
         let layer = |j: u32| cells.grid.iter().filter(|&cell| cell[1] == j && is_filled(cell)).count();
-        assert!((0..ny).all(|j| layer(j) <= layer(0) + layer(0) / 10), "the flat end is the widest at {divisions}");
+        assert!(
+            (0..ny).all(|j| layer(j) <= layer(0) + layer(0) / 5),
+            "the flat end is as wide as any layer, but for its chamfer, at {divisions}"
+        );
     }
 }
 
