@@ -1,10 +1,30 @@
 //! From a surface to the cells of a grid (GC §12, SC).
+//!
+//! ```text
+//!   mesh ─► placed ─┬─► centre: rays along x ──────────┐
+//!                   └─► shell: touched cells, flood ───┴─► components ─► cells + report
+//! ```
 
+mod centre;
+mod components;
 pub mod grid;
+mod placed;
+mod report;
+mod shell;
+mod touch;
 
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
-pub use grid::{Cells, Grid};
+use super::lattice::LatticeCounts;
+use super::trimesh::MeshFacts;
+use super::watch::Pieces;
+use super::{TriMesh, Watch};
+use components::Components;
+pub use grid::{Cells, CellsError, Grid};
+use placed::Placed;
+pub use report::VoxelReport;
+use shell::Shell;
 
 /// Which cells of the grid are filled (GC §12.2, SC).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,3 +51,210 @@ pub enum Keep {
     #[default]
     Largest,
 }
+
+/// The finest grid: cells along the longest extent.
+pub const MAX_DIVISIONS: u32 = 256;
+
+/// How a mesh is filled with cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VoxelizeOptions {
+    /// Cells along the longest extent, 1 to [`MAX_DIVISIONS`].
+    pub divisions: u32,
+    /// Which cells are filled.
+    pub occupancy: OccupancyChoice,
+    /// Which components are kept.
+    pub keep: Keep,
+}
+
+impl Default for VoxelizeOptions {
+    fn default() -> Self {
+        Self { divisions: 20, occupancy: OccupancyChoice::Auto, keep: Keep::Largest }
+    }
+}
+
+/// A mesh as cells, in the mesh's own coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Voxelization {
+    /// The filled cells.
+    pub cells: Cells,
+    /// What was found on the way.
+    pub report: VoxelReport,
+}
+
+/// Why a mesh cannot be filled with cells.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum VoxelizeError {
+    /// No surface.
+    #[error("the model has no triangles; a surface is needed")]
+    NoTriangles,
+    /// Only points and lines.
+    #[error("no triangle of the model has an area; a surface is needed")]
+    NoArea,
+    /// A grid too fine or none.
+    #[error("{0} divisions are not possible; a number from 1 to {MAX_DIVISIONS} is needed")]
+    Divisions(u32),
+    /// Too large or too small for numbers.
+    #[error("the model's longest extent is {0}; it must lie between about 1e-300 and 1e308")]
+    Extent(f64),
+    /// Centre occupancy found nothing inside.
+    #[error(
+        "no cell of {0} divisions has its centre inside the model; use solid or surface occupancy or more divisions"
+    )]
+    NoCells(u32),
+    /// Stopped by the one who asked.
+    #[error("filling the model with cells was cancelled")]
+    Cancelled,
+}
+
+/// Fills a mesh with cubic cells (J2, J3, J4). The result does not depend on the number of threads.
+///
+/// An axis-aligned shape whose faces all lie on cell boundaries gives exactly its own cells under `Centre` and `Solid`.
+pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) -> Result<Voxelization, VoxelizeError> {
+    let VoxelizeOptions { divisions, occupancy, keep } = *options;
+    if !(1..=MAX_DIVISIONS).contains(&divisions) {
+        return Err(VoxelizeError::Divisions(divisions));
+    }
+    if mesh.triangles.is_empty() {
+        return Err(VoxelizeError::NoTriangles);
+    }
+    let placed = Placed::new(mesh, divisions)?;
+    if mesh.is_degenerate() {
+        return Err(VoxelizeError::NoArea);
+    }
+    let facts = mesh.facts();
+    let Filled { mut cells, used, why, mut warnings } = fill(&placed, &facts, occupancy, watch)?;
+    let mut components = Components::new(&cells);
+    let found = components.sizes.len();
+    if found == 0 {
+        return Err(VoxelizeError::NoCells(divisions));
+    }
+    let dropped_cells = components.keep(keep, &mut cells);
+    let pairs = report::parts_in_components(&placed, &facts, &components);
+    let joined_parts = report::joined_parts(&pairs, facts.parts, found);
+    let thin_parts = report::thin_parts(&placed, &facts);
+    let absent_parts = facts.parts - pairs.chunk_by(|a, b| a[0] == b[0]).count();
+    if dropped_cells > 0 {
+        warnings.push(format!(
+            "the cells fall into {found} components; the largest was kept and {dropped_cells} cells were dropped"
+        ));
+    }
+    if absent_parts > 0 {
+        warnings.push(format!("{absent_parts} of {} parts of the mesh have no cell in the result", facts.parts));
+    }
+    if joined_parts > 0 {
+        warnings.push(format!("{joined_parts} of {} parts of the mesh are joined by shared cells", facts.parts));
+    }
+    if thin_parts > 0 {
+        warnings.push(format!("{thin_parts} of {} parts of the mesh are thinner than a cell", facts.parts));
+    }
+    let counts = LatticeCounts::of(&cells);
+    watch.progress(1.0);
+    let report = VoxelReport {
+        vertices: mesh.positions.len(),
+        triangles: mesh.triangles.len(),
+        boundary_edges: facts.boundary_edges,
+        non_manifold_edges: facts.non_manifold_edges,
+        closed: facts.closed,
+        parts: facts.parts,
+        divisions,
+        dims: placed.grid.dims,
+        cell_size_m: placed.grid.cell_size,
+        occupancy: used,
+        why,
+        cells: cells.count(),
+        particles: counts.particles,
+        links: counts.links.iter().sum(),
+        components: found,
+        dropped_cells,
+        joined_parts,
+        thin_parts,
+        warnings,
+    };
+    Ok(Voxelization { cells, report })
+}
+
+/// Cells before any are dropped, and how they came about.
+struct Filled {
+    cells: Cells,
+    used: OccupancyChoice,
+    why: String,
+    warnings: Vec<String>,
+}
+
+fn fill(
+    placed: &Placed,
+    facts: &MeshFacts,
+    occupancy: OccupancyChoice,
+    watch: &dyn Watch,
+) -> Result<Filled, VoxelizeError> {
+    let chunks = placed.triangles.len().div_ceil(shell::CHUNK);
+    let shell = |from: f64| Shell::new(placed, &Pieces::new(watch, chunks, [from, 0.9]));
+    let parity = || centre::parity(placed, &Pieces::new(watch, chunks, [0.0, 0.4]));
+    let filled = |used, cells, why: String| Filled { cells, used, why, warnings: Vec::new() };
+    let asked = || "asked for".to_owned();
+    match occupancy {
+        OccupancyChoice::Surface => Ok(filled(occupancy, shell(0.0)?.surface(), asked())),
+        OccupancyChoice::Solid => Ok(filled(occupancy, shell(0.0)?.solid(), asked())),
+        OccupancyChoice::Centre => {
+            let mut filled = filled(occupancy, parity()?.cells, asked());
+            if !facts.closed {
+                let open = "the mesh is not closed, so that counting crossings may leave streaks; solid does not";
+                filled.warnings.push(open.to_owned());
+            }
+            Ok(filled)
+        }
+        OccupancyChoice::Auto if placed.is_flat() => {
+            let why = "the mesh is flat: the cells that it touches";
+            Ok(filled(OccupancyChoice::Surface, shell(0.0)?.surface(), why.to_owned()))
+        }
+        OccupancyChoice::Auto if !facts.closed => {
+            let why = format!("the mesh is open ({}): the cells that it touches and what they enclose", opening(facts));
+            Ok(filled(OccupancyChoice::Solid, shell(0.0)?.solid(), why))
+        }
+        OccupancyChoice::Auto => {
+            let inside = parity()?;
+            let solid = shell(0.4)?.solid();
+            Ok(match centre_fails(placed, facts, &inside, &solid) {
+                None => {
+                    let why = "the mesh is closed: the cells whose centre is inside";
+                    filled(OccupancyChoice::Centre, inside.cells, why.to_owned())
+                }
+                Some(reason) => {
+                    let why = format!("{reason}: the cells that the mesh touches and what they enclose");
+                    filled(OccupancyChoice::Solid, solid, why)
+                }
+            })
+        }
+    }
+}
+
+/// Why the cells whose centres are inside would misrepresent a closed mesh, if they would.
+fn centre_fails(placed: &Placed, facts: &MeshFacts, inside: &centre::Parity, solid: &Cells) -> Option<String> {
+    let components = Components::new(&inside.cells);
+    if components.sizes.is_empty() {
+        return Some("the mesh is closed but so thin that no cell has its centre inside".to_owned());
+    }
+    if inside.overlaps > 0 {
+        return Some("the mesh is closed but passes through itself, where counting crossings leaves holes".to_owned());
+    }
+    let pairs = report::parts_in_components(placed, facts, &components);
+    let lost = facts.parts - pairs.chunk_by(|a, b| a[0] == b[0]).count();
+    if lost > 0 {
+        return Some(format!("the mesh is closed but {lost} of its {} parts hold no cell's centre", facts.parts));
+    }
+    if components.sizes.len() > Components::new(solid).sizes.len() {
+        return Some("the mesh is closed but so thin in places that the cells inside fall apart".to_owned());
+    }
+    None
+}
+
+fn opening(facts: &MeshFacts) -> String {
+    match facts.boundary_edges {
+        0 => "edges with an odd number of triangles".to_owned(),
+        1 => "1 boundary edge".to_owned(),
+        n => format!("{n} boundary edges"),
+    }
+}
+
+#[cfg(test)]
+mod tests;
