@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn a_polygon_of_no_area_or_any_size_still_gives_its_triangles() {
-        let line: Vec<DVec3> = [0.0, 1.0, 2.0, 3.0].map(|t| DVec3::splat(t)).to_vec();
+        let line: Vec<DVec3> = [0.0, 1.0, 2.0, 3.0].map(DVec3::splat).to_vec();
         assert_eq!(Cutter::new().cut(&line).len(), 2, "a degenerate quad");
         for scale in [1e-300, 1e-30, 1e30, 1e300] {
             let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0) * scale);

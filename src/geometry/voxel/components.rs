@@ -30,15 +30,11 @@ impl Components {
             open.push(start);
             while let Some(cell) = open.pop() {
                 size += 1;
-                let [x, y, z] =
-                    [0, 1, 2].map(|axis| cell[axis].saturating_sub(1)..=(cell[axis] + 1).min(grid.dims[axis] - 1));
-                for (k, j) in z.flat_map(|k| y.clone().map(move |j| (k, j))) {
-                    for i in x.clone() {
-                        let at = grid.index([i, j, k]);
-                        if cells.filled[at] && labels[at] == NONE {
-                            labels[at] = label;
-                            open.push([i, j, k]);
-                        }
+                for next in grid.around(cell) {
+                    let at = grid.index(next);
+                    if cells.filled[at] && labels[at] == NONE {
+                        labels[at] = label;
+                        open.push(next);
                     }
                 }
             }

@@ -68,6 +68,16 @@ impl Grid {
         self.origin + self.cell_size * DVec3::new(f64::from(i), f64::from(j), f64::from(k))
     }
 
+    /// A cell of the box and those of the up to 26 around it that are in the box, in the order of [`Grid::index`].
+    pub fn around(&self, cell: [u32; 3]) -> impl Iterator<Item = [u32; 3]> + use<> {
+        let reach = |axis: usize| cell[axis].saturating_sub(1)..=(cell[axis] + 1).min(self.dims[axis] - 1);
+        let [x, y, z] = [reach(0), reach(1), reach(2)];
+        z.flat_map(move |k| {
+            let x = x.clone();
+            y.clone().flat_map(move |j| x.clone().map(move |i| [i, j, k]))
+        })
+    }
+
     /// Every cell of the box in the order of [`Grid::index`].
     pub fn iter(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
         let [nx, ny, nz] = self.dims;
@@ -154,6 +164,13 @@ mod tests {
         let grid = Grid::centred([3, 2, 4], 1.0);
         assert!(grid.iter().enumerate().all(|(at, cell)| grid.index(cell) == at), "x runs fastest");
         assert_eq!(grid.iter().count(), grid.len(), "every cell once");
+    }
+
+    #[test]
+    fn a_cell_has_at_most_26_cells_around_it() {
+        let grid = Grid::centred([3, 3, 2], 1.0);
+        assert_eq!(grid.around([1, 1, 1]).count(), 18, "nine of them would lie above the box");
+        assert_eq!(grid.around([0, 0, 0]).last(), Some([1, 1, 1]), "the corner of the box has seven");
     }
 
     #[test]

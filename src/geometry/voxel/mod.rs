@@ -6,6 +6,7 @@
 //! ```
 
 mod centre;
+mod choice;
 mod components;
 pub mod grid;
 mod placed;
@@ -17,14 +18,12 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::lattice::LatticeCounts;
-use super::trimesh::MeshFacts;
-use super::watch::Pieces;
 use super::{TriMesh, Watch};
+use choice::Filled;
 use components::Components;
 pub use grid::{Cells, CellsError, Grid};
 use placed::Placed;
 pub use report::VoxelReport;
-use shell::Shell;
 
 /// Which cells of the grid are filled (GC §12.2, SC).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -122,7 +121,7 @@ pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) ->
         return Err(VoxelizeError::NoArea);
     }
     let facts = mesh.facts();
-    let Filled { mut cells, used, why, mut warnings } = fill(&placed, &facts, occupancy, watch)?;
+    let Filled { mut cells, used, why, mut warnings } = choice::fill(&placed, &facts, occupancy, watch)?;
     let mut components = Components::new(&cells);
     let found = components.sizes.len();
     if found == 0 {
@@ -171,89 +170,6 @@ pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) ->
         warnings,
     };
     Ok(Voxelization { cells, report })
-}
-
-/// Cells before any are dropped, and how they came about.
-struct Filled {
-    cells: Cells,
-    used: OccupancyChoice,
-    why: String,
-    warnings: Vec<String>,
-}
-
-fn fill(
-    placed: &Placed,
-    facts: &MeshFacts,
-    occupancy: OccupancyChoice,
-    watch: &dyn Watch,
-) -> Result<Filled, VoxelizeError> {
-    let chunks = placed.triangles.len().div_ceil(shell::CHUNK);
-    let shell = |from: f64| Shell::new(placed, &Pieces::new(watch, chunks, [from, 0.9]));
-    let parity = || centre::parity(placed, &Pieces::new(watch, chunks, [0.0, 0.4]));
-    let filled = |used, cells, why: String| Filled { cells, used, why, warnings: Vec::new() };
-    let asked = || "asked for".to_owned();
-    match occupancy {
-        OccupancyChoice::Surface => Ok(filled(occupancy, shell(0.0)?.surface(), asked())),
-        OccupancyChoice::Solid => Ok(filled(occupancy, shell(0.0)?.solid(), asked())),
-        OccupancyChoice::Centre => {
-            let mut filled = filled(occupancy, parity()?.cells, asked());
-            if !facts.closed {
-                let open = "the mesh is not closed, so that counting crossings may leave streaks; solid does not";
-                filled.warnings.push(open.to_owned());
-            }
-            Ok(filled)
-        }
-        OccupancyChoice::Auto if placed.is_flat() => {
-            let why = "the mesh is flat: the cells that it touches";
-            Ok(filled(OccupancyChoice::Surface, shell(0.0)?.surface(), why.to_owned()))
-        }
-        OccupancyChoice::Auto if !facts.closed => {
-            let why = format!("the mesh is open ({}): the cells that it touches and what they enclose", opening(facts));
-            Ok(filled(OccupancyChoice::Solid, shell(0.0)?.solid(), why))
-        }
-        OccupancyChoice::Auto => {
-            let inside = parity()?;
-            let solid = shell(0.4)?.solid();
-            Ok(match centre_fails(placed, facts, &inside, &solid) {
-                None => {
-                    let why = "the mesh is closed: the cells whose centre is inside";
-                    filled(OccupancyChoice::Centre, inside.cells, why.to_owned())
-                }
-                Some(reason) => {
-                    let why = format!("{reason}: the cells that the mesh touches and what they enclose");
-                    filled(OccupancyChoice::Solid, solid, why)
-                }
-            })
-        }
-    }
-}
-
-/// Why the cells whose centres are inside would misrepresent a closed mesh, if they would.
-fn centre_fails(placed: &Placed, facts: &MeshFacts, inside: &centre::Parity, solid: &Cells) -> Option<String> {
-    let components = Components::new(&inside.cells);
-    if components.sizes.is_empty() {
-        return Some("the mesh is closed but so thin that no cell has its centre inside".to_owned());
-    }
-    if inside.overlaps > 0 {
-        return Some("the mesh is closed but passes through itself, where counting crossings leaves holes".to_owned());
-    }
-    let pairs = report::parts_in_components(placed, facts, &components);
-    let lost = facts.parts - pairs.chunk_by(|a, b| a[0] == b[0]).count();
-    if lost > 0 {
-        return Some(format!("the mesh is closed but {lost} of its {} parts hold no cell's centre", facts.parts));
-    }
-    if components.sizes.len() > Components::new(solid).sizes.len() {
-        return Some("the mesh is closed but so thin in places that the cells inside fall apart".to_owned());
-    }
-    None
-}
-
-fn opening(facts: &MeshFacts) -> String {
-    match facts.boundary_edges {
-        0 => "edges with an odd number of triangles".to_owned(),
-        1 => "1 boundary edge".to_owned(),
-        n => format!("{n} boundary edges"),
-    }
 }
 
 #[cfg(test)]

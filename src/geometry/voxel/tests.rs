@@ -51,11 +51,7 @@ fn a_box_on_cell_boundaries_gives_exactly_its_cells() {
             assert_eq!((report.components, report.dropped_cells, report.warnings.len()), (1, 0, 0), "nothing to say");
         }
     }
-    assert_eq!(
-        run(&brick, 6, OccupancyChoice::Surface, Keep::All).cells.count(),
-        48,
-        "all are at the wall"
-    );
+    assert_eq!(run(&brick, 6, OccupancyChoice::Surface, Keep::All).cells.count(), 48, "all are at the wall");
 }
 
 #[test]
@@ -157,6 +153,14 @@ fn parts_that_a_cell_joins_are_counted() {
     assert_eq!((report.parts, report.components, report.joined_parts), (3, 2, 2), "a gap of a tenth is bridged");
 }
 
+struct Never;
+
+impl Watch for Never {
+    fn cancelled(&self) -> bool {
+        true
+    }
+}
+
 #[test]
 fn what_cannot_be_filled_is_refused() {
     let fails = |mesh: &TriMesh, divisions: u32| {
@@ -169,12 +173,6 @@ fn what_cannot_be_filled_is_refused() {
     assert_eq!(fails(&line, 20), VoxelizeError::NoArea, "a line");
     let point = TriMesh { positions: vec![DVec3::ONE], triangles: vec![[0, 0, 0]] };
     assert_eq!(fails(&point, 20), VoxelizeError::Extent(0.0), "a point");
-    struct Never;
-    impl Watch for Never {
-        fn cancelled(&self) -> bool {
-            true
-        }
-    }
     let cancelled = voxelize(&solid_box([0.0; 3], [1.0; 3]), &VoxelizeOptions::default(), &Never);
     assert_eq!(cancelled, Err(VoxelizeError::Cancelled), "stopped");
 }
