@@ -38,15 +38,20 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     let facing = dot(normal, frame.light_direction);
     let diffuse = max((facing + 0.25) / 1.25, 0.0) * mix(0.15, 1.0, share);
     // Light that entered elsewhere and comes out here, less the longer its way (Beer and Lambert).
-    let through = exp(-3.0 * depth_below_light(place) / frame.body_size) * (1.0 - max(facing, 0.0)) * 0.55;
+    let through = exp(-4.0 * depth_below_light(place) / frame.body_size) * (1.0 - max(facing, 0.0)) * 0.6;
     let halfway = normalize(frame.light_direction + to_eye);
     let aligned = max(dot(normal, halfway), 0.0);
     let seen = select(0.0, share, facing > 0.0);
-    let specular = (0.9 * pow(aligned, 160.0) + 0.10 * pow(aligned, 18.0)) * seen * gloss;
-    let rim = pow(1.0 - max(dot(normal, to_eye), 0.0), 3.0) * gloss;
+    let specular = (0.9 * pow(aligned, 160.0) + 0.10 * pow(aligned, 18.0)) * seen;
+    // A rim of light, and the bright sky mirrored at grazing angles (Schlick's approximation).
+    let grazing = 1.0 - max(dot(normal, to_eye), 0.0);
+    let rim = 0.40 * grazing * grazing * grazing;
+    let mirrored = smoothstep(-0.1, 0.9, reflect(-to_eye, normal).y);
+    let sky_shine = mirrored * (0.06 + 0.5 * pow(grazing, 5.0));
 
-    let sky = mix(0.6, 1.0, 0.5 + 0.5 * normal.y);
-    let body = albedo * (frame.ambient * sky + frame.light_color * (0.7 * diffuse + through));
-    let shine = frame.light_color * (specular + rim * 0.45 * mix(albedo, vec3f(1.0), 0.35));
+    let sky = mix(0.45, 1.0, 0.5 + 0.5 * normal.y);
+    let body = albedo * (frame.ambient * sky + frame.light_color * (0.72 * diffuse + through));
+    let tint = mix(albedo, vec3f(1.0), 0.35);
+    let shine = frame.light_color * (vec3f(specular + sky_shine) + rim * tint) * gloss;
     return vec4f(body + shine, 1.0);
 }

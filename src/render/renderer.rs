@@ -12,7 +12,6 @@ use super::scene::SceneBuffers;
 use super::shadow_fit::{self, ShadowFit};
 use super::shared::Shared;
 use super::target::{self, Target};
-use crate::math::Aabb;
 use crate::view::{DrawList, Solid};
 
 /// Draws draw lists into targets of one format.
@@ -115,7 +114,7 @@ impl Renderer {
         let bodies: Vec<BodyInstance> =
             draw_list.skins.iter().map(|instance| BodyInstance { color: instance.color }).collect();
         let solids: Vec<SolidInstance> = draw_list.solids.iter().map(SolidInstance::from).collect();
-        let uniform = frame_uniform(draw_list, viewport, &fit, core);
+        let uniform = frame_uniform(draw_list, viewport, &fit);
         counters.frame_bytes = self.shared.update(device, queue, &uniform, draw_list.colormap, &bodies, &solids);
 
         if deform {
@@ -186,12 +185,12 @@ fn checked_viewport(device: &wgpu::Device, frame: &FrameTarget<'_>) -> Result<Vi
     if inside { Ok(viewport) } else { Err(RenderError::Viewport { origin, size, picture: frame.size }) }
 }
 
-fn frame_uniform(draw_list: &DrawList, viewport: Viewport, fit: &ShadowFit, core: Aabb<f32>) -> layout::Frame {
+fn frame_uniform(draw_list: &DrawList, viewport: Viewport, fit: &ShadowFit) -> layout::Frame {
     let DrawList { camera, light, style, color_range: [low, high], .. } = draw_list;
     let [width, height] = viewport.size;
     let distance = camera.distance();
     let span = high - low;
-    let size = core.size().max_element();
+    let size = draw_list.body_bounds().size().max_element();
     layout::Frame {
         clip_from_world: camera.clip_from_world(width as f32 / height as f32).to_cols_array_2d(),
         shadow_from_world: fit.place_from_world.to_cols_array_2d(),
