@@ -37,8 +37,10 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     let share = light_share(place);
     let facing = dot(normal, frame.light_direction);
     let diffuse = max((facing + 0.25) / 1.25, 0.0) * mix(0.15, 1.0, share);
-    // Light that entered elsewhere and comes out here, less the longer its way (Beer and Lambert).
-    let through = exp(-4.0 * depth_below_light(place) / frame.body_size) * (1.0 - max(facing, 0.0)) * 0.6;
+    // Light that has come through the body to a point under the skin, less the longer its way (Beer and Lambert): thin
+    // parts and edges towards the light glow, the heart of the body is deeper in colour.
+    let under = shadow_place(in.world - normal * (0.18 * frame.body_size), vec3f(0.0));
+    let through = exp(-4.5 * depth_below_light(under) / frame.body_size);
     let halfway = normalize(frame.light_direction + to_eye);
     let aligned = max(dot(normal, halfway), 0.0);
     let seen = select(0.0, share, facing > 0.0);
@@ -50,7 +52,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     let sky_shine = mirrored * (0.06 + 0.5 * pow(grazing, 5.0));
 
     let sky = mix(0.45, 1.0, 0.5 + 0.5 * normal.y);
-    let body = albedo * (frame.ambient * sky + frame.light_color * (0.72 * diffuse + through));
+    let body = albedo * (frame.ambient * sky + frame.light_color * (0.52 * diffuse + 0.62 * through));
     let tint = mix(albedo, vec3f(1.0), 0.35);
     let shine = frame.light_color * (vec3f(specular + sky_shine) + rim * tint) * gloss;
     return vec4f(body + shine, 1.0);

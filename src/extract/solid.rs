@@ -19,11 +19,7 @@ fn solid(shape: &ObstacleShape) -> Solid {
             // z before x: their cross product is the plane's own y.
             let [x, z] = [DVec3::X, DVec3::Z].map(|axis| (rotation * axis).as_vec3());
             let [half_x, half_z] = plane.half_extents.map(|half| half as f32);
-            Solid::Plane {
-                center: DVec3::from(plane.center).as_vec3(),
-                axes: [z, x],
-                half_extents: [half_z, half_x],
-            }
+            Solid::Plane { center: DVec3::from(plane.center).as_vec3(), axes: [z, x], half_extents: [half_z, half_x] }
         }
         ObstacleShape::Sphere(sphere) => {
             Solid::Sphere { center: DVec3::from(sphere.center).as_vec3(), radius: sphere.radius as f32 }

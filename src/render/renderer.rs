@@ -1,13 +1,15 @@
 //! From a draw list to a finished picture: what is uploaded, and the order of the passes.
 
 use super::error::RenderError;
-use super::layout::{self, BodyInstance, SolidInstance};
+use super::gpu::Gpu;
+use super::layout::{self, BodyInstance, DeformedVertex, SolidInstance};
 use super::passes::background::BackgroundPass;
 use super::passes::ground::GroundPass;
 use super::passes::mesh::MeshPass;
 use super::passes::shadow::{Casters, ShadowPass};
 use super::passes::skin::SkinPass;
 use super::passes::solid::SolidPass;
+use super::readback::read_buffer;
 use super::scene::SceneBuffers;
 use super::shadow_fit::{self, ShadowFit};
 use super::shared::Shared;
@@ -76,7 +78,7 @@ impl Renderer {
         Self {
             format,
             skin: SkinPass::new(device),
-            solid: SolidPass::new(device, format, &lit),
+            solid: SolidPass::new(device, queue, format, &lit),
             mesh: MeshPass::new(device, format, &lit),
             background: BackgroundPass::new(device, format, &lit[..1]),
             ground: GroundPass::new(device, format, &lit),
@@ -132,6 +134,14 @@ impl Renderer {
         self.shadow.run(encoder, self.shared.frame(), casters);
         self.draw(encoder, frame, viewport, &draw_list.solids, &mut counters);
         Ok(counters)
+    }
+
+    /// The deformed vertices of the n-th skin of the last draw list, read back from the device; `None` where there is
+    /// no such skin. Waits for the device: for tests and export.
+    pub fn read_skin(&self, gpu: &Gpu, index: usize) -> Result<Option<Vec<DeformedVertex>>, RenderError> {
+        let Some(skin) = self.scene.skins.get(index) else { return Ok(None) };
+        let bytes = read_buffer(gpu, &skin.deformed)?;
+        Ok(Some(bytemuck::pod_collect_to_vec(&bytes)))
     }
 
     fn draw(
