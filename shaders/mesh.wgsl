@@ -40,7 +40,11 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     // Light that has come through the body to a point under the skin, less the longer its way (Beer and Lambert): thin
     // parts and edges towards the light glow, the heart of the body is deeper in colour.
     let under = shadow_place(in.world - normal * (0.18 * frame.body_size), vec3f(0.0));
-    let through = exp(-4.5 * depth_below_light(under) / frame.body_size);
+    var through = exp(-4.5 * depth_below_light(under) / frame.body_size);
+    if frame.show_scalars != 0u {
+        // Colours that are to be read must not depend on how deep the body is.
+        through = mix(0.5, through, 0.2);
+    }
     let halfway = normalize(frame.light_direction + to_eye);
     let aligned = max(dot(normal, halfway), 0.0);
     let seen = select(0.0, share, facing > 0.0);

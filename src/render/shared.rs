@@ -96,7 +96,9 @@ impl Shared {
                 },
                 wgpu::BindGroupEntry {
                     binding: 2,
-                    resource: wgpu::BindingResource::TextureView(&table.create_view(&Default::default())),
+                    resource: wgpu::BindingResource::TextureView(
+                        &table.create_view(&wgpu::TextureViewDescriptor::default()),
+                    ),
                 },
                 wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Sampler(&sampler(None)) },
             ],
@@ -166,7 +168,7 @@ impl Shared {
 fn table_texture(device: &wgpu::Device) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some("colormap"),
-        size: wgpu::Extent3d { width: TABLE_SIZE as u32, height: 1, depth_or_array_layers: 1 },
+        size: wgpu::Extent3d { width: TABLE_SIZE, height: 1, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,

@@ -21,8 +21,8 @@ impl MeshPass {
             shader: shader::MESH,
             layouts,
             buffers: &[
-                vertex_layout::<DeformedVertex>(wgpu::VertexStepMode::Vertex, &DeformedVertex::ATTRIBUTES),
-                vertex_layout::<BodyInstance>(wgpu::VertexStepMode::Instance, &BodyInstance::ATTRIBUTES),
+                Some(vertex_layout::<DeformedVertex>(wgpu::VertexStepMode::Vertex, &DeformedVertex::ATTRIBUTES)),
+                Some(vertex_layout::<BodyInstance>(wgpu::VertexStepMode::Instance, &BodyInstance::ATTRIBUTES)),
             ],
             topology: wgpu::PrimitiveTopology::TriangleList,
             writes_depth: true,

@@ -64,6 +64,6 @@ fn drawing_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat, drawing:
 fn vertex_layout<T>(
     step_mode: wgpu::VertexStepMode,
     attributes: &[wgpu::VertexAttribute],
-) -> Option<wgpu::VertexBufferLayout<'_>> {
-    Some(wgpu::VertexBufferLayout { array_stride: size_of::<T>() as u64, step_mode, attributes })
+) -> wgpu::VertexBufferLayout<'_> {
+    wgpu::VertexBufferLayout { array_stride: size_of::<T>() as u64, step_mode, attributes }
 }

@@ -41,8 +41,8 @@ impl SolidPass {
             shader: shader::SOLID,
             layouts,
             buffers: &[
-                vertex_layout::<SolidVertex>(wgpu::VertexStepMode::Vertex, &SolidVertex::ATTRIBUTES),
-                vertex_layout::<SolidInstance>(wgpu::VertexStepMode::Instance, &SolidInstance::ATTRIBUTES),
+                Some(vertex_layout::<SolidVertex>(wgpu::VertexStepMode::Vertex, &SolidVertex::ATTRIBUTES)),
+                Some(vertex_layout::<SolidInstance>(wgpu::VertexStepMode::Instance, &SolidInstance::ATTRIBUTES)),
             ],
             topology: wgpu::PrimitiveTopology::TriangleList,
             writes_depth: true,
