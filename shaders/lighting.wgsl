@@ -3,7 +3,6 @@
 @group(1) @binding(0) var shadow_map: texture_depth_2d;
 @group(1) @binding(1) var shadow_sampler: sampler_comparison;
 @group(1) @binding(2) var colormap: texture_2d<f32>;
-@group(1) @binding(3) var colormap_sampler: sampler;
 
 // Where a point lands in the shadow map, moved along the normal so that a surface does not shadow itself.
 fn shadow_place(position: vec3f, normal: vec3f) -> vec3f {

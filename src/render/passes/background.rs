@@ -22,6 +22,7 @@ impl BackgroundPass {
             topology: wgpu::PrimitiveTopology::TriangleList,
             writes_depth: false,
             blend: None,
+            cull: None,
         };
         Self { pipeline: drawing_pipeline(device, format, &drawing) }
     }

@@ -22,6 +22,7 @@ impl GroundPass {
             topology: wgpu::PrimitiveTopology::TriangleStrip,
             writes_depth: false,
             blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+            cull: None,
         };
         Self { pipeline: drawing_pipeline(device, format, &drawing) }
     }

@@ -18,6 +18,7 @@ struct Drawing<'a> {
     topology: wgpu::PrimitiveTopology,
     writes_depth: bool,
     blend: Option<wgpu::BlendState>,
+    cull: Option<wgpu::Face>,
 }
 
 /// A pipeline from entry point `vertex` to entry point `fragment`; nearer (greater) depth wins.
@@ -37,7 +38,7 @@ fn drawing_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat, drawing:
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: drawing.buffers,
         },
-        primitive: wgpu::PrimitiveState { topology: drawing.topology, ..Default::default() },
+        primitive: wgpu::PrimitiveState { topology: drawing.topology, cull_mode: drawing.cull, ..Default::default() },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(drawing.writes_depth),

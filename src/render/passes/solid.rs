@@ -47,6 +47,7 @@ impl SolidPass {
             topology: wgpu::PrimitiveTopology::TriangleList,
             writes_depth: true,
             blend: None,
+            cull: None,
         };
         Self { pipeline: drawing_pipeline(device, format, &drawing), shapes: Shapes::new(device, queue) }
     }
