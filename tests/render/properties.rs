@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use gelatin::render::layout::DeformedVertex;
+use gelatin::render::{Renderer, offscreen};
 use gelatin::view::color::{linear_from_srgb, srgb_from_linear};
 use gelatin::view::{Camera, DrawList, Image, Light, Solid};
 use glam::{Vec2, Vec3};
@@ -175,4 +176,15 @@ fn bodies_keep_their_own_colours() {
     let [r, g, b] = linear_from_srgb(pixel(&Studio::new().picture(&scene, SIZE), Vec2::new(110.0, 130.0)));
     let [own_r, own_g, own_b] = scene.skins[0].color;
     assert!(own_r > own_b && own_b > own_g && r > b && b > g, "the order of channels is the body's");
+}
+
+#[test]
+fn without_antialiasing_only_edges_differ() {
+    let mut studio = Studio::new();
+    let smooth = studio.picture(&cube(), SIZE);
+    studio.renderer = Renderer::without_antialiasing(&studio.gpu.device, &studio.gpu.queue, offscreen::FORMAT);
+    let rough = studio.picture(&cube(), SIZE);
+    let pixels = smooth.rgba.chunks(4).zip(rough.rgba.chunks(4));
+    let differing = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 8)).count();
+    assert!((1..smooth.rgba.len() / 4 / 20).contains(&differing), "{differing} pixels differ");
 }

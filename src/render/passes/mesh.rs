@@ -4,6 +4,7 @@ use super::{Drawing, drawing_pipeline, vertex_layout};
 use crate::render::layout::{BodyInstance, DeformedVertex};
 use crate::render::scene::SkinBuffers;
 use crate::render::shader;
+use crate::render::target::Output;
 
 /// Draws bodies.
 #[derive(Debug)]
@@ -15,7 +16,7 @@ pub(in crate::render) struct MeshPass {
 impl MeshPass {
     pub(in crate::render) fn new(
         device: &wgpu::Device,
-        format: wgpu::TextureFormat,
+        output: Output,
         layouts: &[Option<&wgpu::BindGroupLayout>],
     ) -> Self {
         let buffers = [
@@ -31,7 +32,7 @@ impl MeshPass {
             blend: None,
             cull: Some(cull),
         };
-        let pipeline = |cull| drawing_pipeline(device, format, &drawing(cull));
+        let pipeline = |cull| drawing_pipeline(device, output, &drawing(cull));
         Self { pipelines: [wgpu::Face::Back, wgpu::Face::Front].map(pipeline) }
     }
 

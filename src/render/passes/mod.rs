@@ -8,7 +8,7 @@ pub(super) mod skin;
 pub(super) mod solid;
 
 use super::shader::Shader;
-use super::target::{DEPTH_FORMAT, SAMPLES};
+use super::target::{DEPTH_FORMAT, Output};
 
 /// What a pipeline that draws into the picture differs in.
 struct Drawing<'a> {
@@ -22,7 +22,7 @@ struct Drawing<'a> {
 }
 
 /// A pipeline from entry point `vertex` to entry point `fragment`; nearer (greater) depth wins.
-fn drawing_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat, drawing: &Drawing<'_>) -> wgpu::RenderPipeline {
+fn drawing_pipeline(device: &wgpu::Device, output: Output, drawing: &Drawing<'_>) -> wgpu::RenderPipeline {
     let module = drawing.shader.module(device);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(drawing.shader.name),
@@ -46,13 +46,13 @@ fn drawing_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat, drawing:
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }),
-        multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
+        multisample: wgpu::MultisampleState { count: output.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: Some("fragment"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(wgpu::ColorTargetState {
-                format,
+                format: output.format,
                 blend: drawing.blend,
                 write_mask: wgpu::ColorWrites::ALL,
             })],

@@ -8,6 +8,7 @@ use super::{Drawing, drawing_pipeline, vertex_layout};
 use crate::render::buffer::filled;
 use crate::render::layout::{SolidInstance, SolidVertex};
 use crate::render::shader;
+use crate::render::target::Output;
 use crate::view::Solid;
 
 /// Sides of the ball's equator; half as many from pole to pole.
@@ -34,7 +35,7 @@ impl SolidPass {
     pub(in crate::render) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        format: wgpu::TextureFormat,
+        output: Output,
         layouts: &[Option<&wgpu::BindGroupLayout>],
     ) -> Self {
         let drawing = Drawing {
@@ -49,7 +50,7 @@ impl SolidPass {
             blend: None,
             cull: None,
         };
-        Self { pipeline: drawing_pipeline(device, format, &drawing), shapes: Shapes::new(device, queue) }
+        Self { pipeline: drawing_pipeline(device, output, &drawing), shapes: Shapes::new(device, queue) }
     }
 
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, solids: &[Solid], instances: &wgpu::Buffer) {
