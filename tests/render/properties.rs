@@ -13,6 +13,7 @@ use crate::scenes::{camera, camera_above, cube, cube_at};
 
 const SIZE: [u32; 2] = [240, 240];
 
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place within the picture")]
 fn pixel(image: &Image, at: Vec2) -> [u8; 3] {
     let [r, g, b, _] = image.pixel([at.x.round() as u32, at.y.round() as u32]).unwrap();
     [r, g, b]
