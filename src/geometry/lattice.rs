@@ -1,4 +1,4 @@
-//! From filled cells to particles and links (S3, S4; GC §3, §11).
+//! From filled cells to particles and links (S3, S4; GC §3, §11). Knows nothing of masses, stiffness or motion.
 
 use glam::DVec3;
 
@@ -6,6 +6,16 @@ use super::voxel::{Cells, Grid};
 
 /// The particles and links of a body at rest. A grid corner is one particle however many cells meet there; no link
 /// exists twice.
+///
+/// A structural link (one cell edge) or shear link (a diagonal of a cell's face or body) exists exactly where a filled
+/// cell holds both its ends; a bending link p–p+2e exactly where the structural links p–p+e and p+e–p+2e both exist.
+///
+/// ```text
+///   +───+───+     structural  +───+      shear  +   +       bending  +───+───+
+///   │ a │ b │                                    ╲ ╱                 ╰───────╯
+///   +───+───+     (and the other edges)          ╱ ╲  (and body
+///                                               +   +  diagonals)
+/// ```
 #[derive(Clone, Debug)]
 pub struct Lattice {
     /// The grid the cells came from.
@@ -14,18 +24,274 @@ pub struct Lattice {
     pub corners: Vec<[u32; 3]>,
     /// Links by family (structural, shear, bending), each as (lower, higher) particle, ascending.
     pub links: [Vec<[u32; 2]>; 3],
-    /// The particles of every filled cell; bit 0 of the place is x, bit 1 y, bit 2 z.
+    /// The particles of every filled cell, cells in the order of [`Grid::index`]; bit 0 of the place is x, bit 1 y,
+    /// bit 2 z.
     pub cells: Vec<[u32; 8]>,
 }
 
 impl Lattice {
-    /// Builds the lattice of a set of cells.
+    /// Builds the lattice of a set of cells, in time linear in the grid.
     pub fn new(cells: &Cells) -> Self {
-        todo!()
+        let grid = cells.grid;
+        let table = CornerTable::new(cells);
+        let mut lattice = Self { grid, corners: Vec::new(), links: Default::default(), cells: Vec::new() };
+        for corner in table.corners.iter() {
+            if table.particle(corner).is_some() {
+                lattice.corners.push(corner);
+            }
+        }
+        for (particle, &corner) in (0..).zip(&lattice.corners) {
+            table.link(corner, |family, other| lattice.links[family].push([particle, other]));
+        }
+        for (cell, _) in grid.iter().zip(&cells.filled).filter(|&(_, &filled)| filled) {
+            lattice.cells.push(table.particles_of(cell));
+        }
+        lattice
     }
 
     /// The position of a particle at rest, in the grid's coordinates, m.
     pub fn rest_position(&self, particle: usize) -> DVec3 {
         self.grid.corner(self.corners[particle])
+    }
+}
+
+/// How large a lattice is, without building it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LatticeCounts {
+    /// Particles.
+    pub particles: usize,
+    /// Links by family (structural, shear, bending).
+    pub links: [usize; 3],
+}
+
+impl LatticeCounts {
+    /// Counts what [`Lattice::new`] would build.
+    pub fn of(cells: &Cells) -> Self {
+        let table = CornerTable::new(cells);
+        let mut counts = Self::default();
+        for corner in table.corners.iter().filter(|&corner| table.particle(corner).is_some()) {
+            counts.particles += 1;
+            table.link(corner, |family, _| counts.links[family] += 1);
+        }
+        counts
+    }
+}
+
+/// The 13 directions that lead to a higher corner (z, then y, then x decides), ascending.
+const DIRECTIONS: [[i32; 3]; 13] = [
+    [1, 0, 0],
+    [-1, 1, 0],
+    [0, 1, 0],
+    [1, 1, 0],
+    [-1, -1, 1],
+    [0, -1, 1],
+    [1, -1, 1],
+    [-1, 0, 1],
+    [0, 0, 1],
+    [1, 0, 1],
+    [-1, 1, 1],
+    [0, 1, 1],
+    [1, 1, 1],
+];
+
+/// Which of the eight cells around a corner also hold the corner one step away in `direction`, as bits of
+/// [`CornerTable::around`].
+const fn holders([dx, dy, dz]: [i32; 3]) -> u8 {
+    let mut mask = 0;
+    let mut place = 0;
+    while place < 8 {
+        let x_fits = dx == 0 || (dx > 0) == (place & 1 != 0);
+        let y_fits = dy == 0 || (dy > 0) == (place & 2 != 0);
+        let z_fits = dz == 0 || (dz > 0) == (place & 4 != 0);
+        if x_fits && y_fits && z_fits {
+            mask |= 1 << place;
+        }
+        place += 1;
+    }
+    mask
+}
+
+/// What stands at every corner of the grid.
+struct CornerTable {
+    /// The corners, seen as the cells of a grid that is one larger.
+    corners: Grid,
+    /// Which of the eight cells around a corner are filled: bit 0 of the bit's place says that the cell lies on the
+    /// upper side in x, bit 1 in y, bit 2 in z.
+    around: Vec<u8>,
+    /// The particle at every corner that has one.
+    particles: Vec<u32>,
+}
+
+impl CornerTable {
+    fn new(cells: &Cells) -> Self {
+        let corners = Grid { dims: cells.grid.dims.map(|n| n + 1), ..cells.grid };
+        let mut around = vec![0_u8; corners.len()];
+        for (cell, _) in cells.grid.iter().zip(&cells.filled).filter(|&(_, &filled)| filled) {
+            for place in 0..8 {
+                // Seen from its lowest corner (place 0) a cell lies on the upper side of all three axes (bit 7).
+                around[corners.index(corner_of(cell, place))] |= 1 << (7 - place);
+            }
+        }
+        let mut next = 0;
+        let mut number = |&filled: &u8| {
+            let particle = next;
+            next += u32::from(filled != 0);
+            particle
+        };
+        let particles = around.iter().map(&mut number).collect();
+        Self { corners, around, particles }
+    }
+
+    fn particle(&self, corner: [u32; 3]) -> Option<u32> {
+        let at = self.corners.index(corner);
+        (self.around[at] != 0).then(|| self.particles[at])
+    }
+
+    fn particles_of(&self, cell: [u32; 3]) -> [u32; 8] {
+        [0, 1, 2, 3, 4, 5, 6, 7].map(|place| self.particles[self.corners.index(corner_of(cell, place))])
+    }
+
+    /// Calls `found` with the family and other end of the links that lead from a corner to higher ones.
+    fn link(&self, corner: [u32; 3], mut found: impl FnMut(usize, u32)) {
+        let around = self.around[self.corners.index(corner)];
+        for direction in DIRECTIONS {
+            let holders = holders(direction);
+            if around & holders == 0 {
+                continue;
+            }
+            let next = self.corners.index(step(corner, direction));
+            if direction.iter().filter(|&&d| d != 0).count() > 1 {
+                found(1, self.particles[next]);
+                continue;
+            }
+            found(0, self.particles[next]);
+            if self.around[next] & holders != 0 {
+                let second = self.corners.index(step(step(corner, direction), direction));
+                found(2, self.particles[second]);
+            }
+        }
+    }
+}
+
+fn corner_of([i, j, k]: [u32; 3], place: u32) -> [u32; 3] {
+    [i + (place & 1), j + (place >> 1 & 1), k + (place >> 2)]
+}
+
+/// The corner one step away; the caller knows that a cell holds it, so it is inside the grid.
+fn step([i, j, k]: [u32; 3], [dx, dy, dz]: [i32; 3]) -> [u32; 3] {
+    [i.wrapping_add_signed(dx), j.wrapping_add_signed(dy), k.wrapping_add_signed(dz)]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    fn lattice(list: &[[i32; 3]]) -> Lattice {
+        Lattice::new(&Cells::from_list(list, 1.0).expect("a small list"))
+    }
+
+    fn counts(lattice: &Lattice) -> [usize; 3] {
+        lattice.links.each_ref().map(Vec::len)
+    }
+
+    /// The links of S4 by their definition: every pair of corners, every cell.
+    fn by_definition(list: &[[i32; 3]]) -> [BTreeSet<[[i32; 3]; 2]>; 3] {
+        let mut short = [BTreeSet::new(), BTreeSet::new()];
+        for &[i, j, k] in list {
+            let corners = (0..8).map(|place| [k + (place >> 2), j + (place >> 1 & 1), i + (place & 1)]);
+            for (a, b) in corners.clone().flat_map(|a| corners.clone().map(move |b| (a, b))).filter(|(a, b)| a < b) {
+                let axes = (0..3).filter(|&axis| a[axis] != b[axis]).count();
+                short[usize::from(axes > 1)].insert([a, b]);
+            }
+        }
+        let [structural, shear] = short;
+        let second = |&[a, b]: &[[i32; 3]; 2]| [b, [0, 1, 2].map(|axis| 2 * b[axis] - a[axis])];
+        let straight = structural.iter().filter(|&link| structural.contains(&second(link)));
+        let bending = straight.map(|link| [link[0], second(link)[1]]).collect();
+        [structural, shear, bending]
+    }
+
+    fn check(list: &[[i32; 3]]) {
+        let lattice = lattice(list);
+        let counted = LatticeCounts::of(&Cells::from_list(list, 1.0).expect("a small list"));
+        assert_eq!(counted, LatticeCounts { particles: lattice.corners.len(), links: counts(&lattice) }, "counted");
+        let low = [0, 1, 2].map(|axis| list.iter().map(|cell| cell[axis]).min().expect("not empty"));
+        let place = |particle: u32| {
+            let [i, j, k] = lattice.corners[particle as usize].map(|n| i32::try_from(n).expect("small"));
+            [k + low[2], j + low[1], i + low[0]]
+        };
+        for (family, expected) in by_definition(list).into_iter().enumerate() {
+            let links = &lattice.links[family];
+            assert!(links.is_sorted_by(|a, b| a < b), "family {family} ascends without duplicates");
+            let found: BTreeSet<_> = links.iter().map(|link| link.map(place)).collect();
+            assert_eq!(found, expected, "family {family} of {list:?}");
+        }
+    }
+
+    #[test]
+    fn a_cube_has_the_links_of_the_formulas() {
+        for (n, total) in [(2_usize, 28), (3, 185), (8, 6_220), (10, 12_876), (20, 115_156)] {
+            let cells = Cells::cube(u32::try_from(n - 1).expect("small"), 1.0).expect("a cube");
+            let lattice = Lattice::new(&cells);
+            let formulas = [3 * n * n * (n - 1), 6 * n * (n - 1).pow(2) + 4 * (n - 1).pow(3), 3 * n * n * (n - 2)];
+            assert_eq!(lattice.corners.len(), n.pow(3), "particles of {n}");
+            assert_eq!(counts(&lattice), formulas, "links by family of {n}");
+            assert_eq!(counts(&lattice).iter().sum::<usize>(), total, "links of {n}");
+            assert_eq!(lattice.cells.len(), (n - 1).pow(3), "cells of {n}");
+        }
+    }
+
+    #[test]
+    fn two_joined_cubes_are_one_lattice() {
+        let box_of = |x: std::ops::Range<i32>| {
+            x.flat_map(|i| (0..3).flat_map(move |j| (0..3).map(move |k| [i, j, k]))).collect::<Vec<_>>()
+        };
+        let joined = [box_of(3..6), box_of(0..3)].concat();
+        let one = lattice(&box_of(0..6));
+        let two = lattice(&joined);
+        assert_eq!((&two.corners, &two.links, &two.cells), (&one.corners, &one.links, &one.cells), "same lattice");
+        check(&joined);
+    }
+
+    #[test]
+    fn any_shape_has_the_links_of_the_definition() {
+        check(&[[0, 0, 0]]);
+        check(&[[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [2, 1, 0], [0, 2, 0], [2, 2, 0]]);
+        let mut rng = crate::math::rng::Rng::new(3);
+        for _ in 0..20 {
+            let mut coordinate = || i32::try_from(rng.next_u64() % 6).expect("small");
+            let list: Vec<_> = (0..25).map(|_| [coordinate(), coordinate(), coordinate()]).collect();
+            check(&list);
+        }
+    }
+
+    #[test]
+    fn no_link_crosses_the_gap_of_a_u() {
+        let u = lattice(&[[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [2, 1, 0]]);
+        let at = |corner: [u32; 3]| u.corners.iter().position(|&c| c == corner).expect("a corner of the U");
+        let linked = |a: [u32; 3], b: [u32; 3]| {
+            let mut link = [at(a), at(b)].map(|p| u32::try_from(p).expect("small"));
+            link.sort_unstable();
+            u.links.iter().any(|family| family.contains(&link))
+        };
+        assert!(!linked([1, 2, 0], [2, 2, 0]), "the tips of the arms are not joined");
+        assert!(linked([1, 1, 0], [2, 1, 0]), "the floor of the U is");
+    }
+
+    #[test]
+    fn cells_that_meet_at_an_edge_or_corner_share_its_particles() {
+        assert_eq!(lattice(&[[0, 0, 0], [1, 1, 0]]).corners.len(), 14, "two shared along the edge");
+        let corner = lattice(&[[0, 0, 0], [1, 1, 1]]);
+        assert_eq!(corner.corners.len(), 15, "one shared at the corner");
+        assert_eq!(counts(&corner), [24, 32, 3], "three bending links run straight through it");
+    }
+
+    #[test]
+    fn a_cell_lists_its_particles_with_x_in_the_lowest_bit() {
+        let lattice = lattice(&[[4, 4, 4]]);
+        assert_eq!(lattice.cells, [[0, 1, 2, 3, 4, 5, 6, 7]], "corners ascend as the bits do");
+        assert_eq!(lattice.rest_position(1), DVec3::new(0.5, -0.5, -0.5), "bit 0 is x");
     }
 }

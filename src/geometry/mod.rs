@@ -6,6 +6,8 @@ pub mod import;
 pub mod lattice;
 pub mod trimesh;
 pub mod voxel;
+pub mod watch;
 
 pub use lattice::Lattice;
 pub use trimesh::TriMesh;
+pub use watch::Watch;

@@ -1,1 +1,27 @@
-//! render
+//! The renderer: a [`crate::view::DrawList`] becomes a picture, in a window or without one. Knows meshes carried by
+//! points, solids, a camera and a light; it has never heard of a spring, a scene or a window.
+//!
+//! ```text
+//! particles, scalars ─► skin (compute) ─► shadow ─► solid ─► mesh ─► background ─► ground ─► resolve ─► target
+//! ```
+//!
+//! Lifetimes: a [`Gpu`] lives as long as the program, a [`Renderer`] as long as the device and the target's format,
+//! what it uploads as long as the `Arc`s of the draw list are the same, a [`FrameTarget`] for one picture.
+
+pub mod error;
+pub mod gpu;
+pub mod layout;
+pub mod offscreen;
+pub mod readback;
+pub mod renderer;
+pub mod shader;
+pub mod target;
+
+mod passes;
+mod scene;
+mod shadow_fit;
+mod shared;
+
+pub use error::{GpuError, RenderError};
+pub use gpu::{Gpu, Preference};
+pub use renderer::{FrameCounters, FrameTarget, Renderer, Viewport};

@@ -1,1 +1,25 @@
 //! The abstract picture: what is to be drawn and from where, with no graphics library and no physics.
+//!
+//! A [`DrawList`] is plain data that any thread may build and any renderer may consume. Distances are metres,
+//! right-handed, y up; colours are linear red, green, blue unless a name says sRGB.
+
+pub mod camera;
+pub mod color;
+pub mod colormap;
+pub mod draw_list;
+pub mod image;
+pub mod legend;
+pub mod orbit;
+pub mod pick;
+pub mod skin;
+pub mod style;
+
+pub use camera::Camera;
+pub use colormap::Colormap;
+pub use draw_list::{DrawList, Light, SkinInstance, Solid};
+pub use image::Image;
+pub use legend::Legend;
+pub use orbit::Orbit;
+pub use pick::Ray;
+pub use skin::{Skin, SkinVertex};
+pub use style::Style;

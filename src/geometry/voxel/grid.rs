@@ -1,6 +1,9 @@
-//! A box of cubic cells, and which of them are filled.
+//! A box of cubic cells, and which of them are filled. Knows nothing of meshes, particles or links.
 
 use glam::DVec3;
+
+/// The most cells a grid may have: the dense tables over it stay below a few hundred megabytes.
+pub const MAX_CELLS: u64 = 20_000_000;
 
 /// A box of cubic cells.
 ///
@@ -20,7 +23,30 @@ pub struct Grid {
     pub dims: [u32; 3],
 }
 
+/// Why a set of cells cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum CellsError {
+    /// No cell at all.
+    #[error("the list of cells is empty; at least one [i, j, k] is needed")]
+    Empty,
+    /// The box around the cells is too big to hold.
+    #[error("the cells span {} x {} x {} grid cells; at most {MAX_CELLS} in all can be held", dims[0], dims[1], dims[2])]
+    TooManyCells {
+        /// Cells along x, y, z.
+        dims: [u64; 3],
+    },
+    /// The edge of a cell is no length.
+    #[error("the cell size is {0} m; it must be a positive, finite number")]
+    CellSize(f64),
+}
+
 impl Grid {
+    /// The grid of some cells whose middle is the origin: body coordinates.
+    pub fn centred(dims: [u32; 3], cell_size: f64) -> Self {
+        let extent = DVec3::from_array(dims.map(f64::from)) * cell_size;
+        Self { origin: extent * -0.5, cell_size, dims }
+    }
+
     /// The number of cells in the box.
     pub fn len(&self) -> usize {
         self.dims.iter().map(|&n| n as usize).product()
@@ -41,6 +67,22 @@ impl Grid {
     pub fn corner(&self, [i, j, k]: [u32; 3]) -> DVec3 {
         self.origin + self.cell_size * DVec3::new(f64::from(i), f64::from(j), f64::from(k))
     }
+
+    /// A cell of the box and those of the up to 26 around it that are in the box, in the order of [`Grid::index`].
+    pub fn around(&self, cell: [u32; 3]) -> impl Iterator<Item = [u32; 3]> + use<> {
+        let reach = |axis: usize| cell[axis].saturating_sub(1)..=(cell[axis] + 1).min(self.dims[axis] - 1);
+        let [x, y, z] = [reach(0), reach(1), reach(2)];
+        z.flat_map(move |k| {
+            let x = x.clone();
+            y.clone().flat_map(move |j| x.clone().map(move |i| [i, j, k]))
+        })
+    }
+
+    /// Every cell of the box in the order of [`Grid::index`].
+    pub fn iter(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
+        let [nx, ny, nz] = self.dims;
+        (0..nz).flat_map(move |k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])))
+    }
 }
 
 /// The filled cells of a grid: the shape of a body.
@@ -50,4 +92,95 @@ pub struct Cells {
     pub grid: Grid,
     /// One flag a cell, by [`Grid::index`].
     pub filled: Vec<bool>,
+}
+
+impl Cells {
+    /// A full cube of `cells` cells an edge, each `cell_size` m, centred on the origin.
+    pub fn cube(cells: u32, cell_size: f64) -> Result<Self, CellsError> {
+        if cells == 0 {
+            return Err(CellsError::Empty);
+        }
+        let grid = checked_grid([u64::from(cells); 3], cell_size)?;
+        Ok(Self { grid, filled: vec![true; grid.len()] })
+    }
+
+    /// The cells of a list of grid coordinates (duplicates count once), each `cell_size` m; the origin is the middle
+    /// of the box around them.
+    pub fn from_list(list: &[[i32; 3]], cell_size: f64) -> Result<Self, CellsError> {
+        let first = list.first().ok_or(CellsError::Empty)?;
+        let (mut low, mut high) = (*first, *first);
+        for cell in list {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(cell[axis]);
+                high[axis] = high[axis].max(cell[axis]);
+            }
+        }
+        let extent = |axis: usize| u64::from(high[axis].abs_diff(low[axis])) + 1;
+        let grid = checked_grid([extent(0), extent(1), extent(2)], cell_size)?;
+        let mut filled = vec![false; grid.len()];
+        for &[i, j, k] in list {
+            filled[grid.index([i.abs_diff(low[0]), j.abs_diff(low[1]), k.abs_diff(low[2])])] = true;
+        }
+        Ok(Self { grid, filled })
+    }
+
+    /// The number of filled cells.
+    pub fn count(&self) -> usize {
+        self.filled.iter().filter(|&&filled| filled).count()
+    }
+}
+
+fn checked_grid(dims: [u64; 3], cell_size: f64) -> Result<Grid, CellsError> {
+    if !(cell_size.is_finite() && cell_size > 0.0) {
+        return Err(CellsError::CellSize(cell_size));
+    }
+    let total = dims.iter().try_fold(1_u64, |product, &n| product.checked_mul(n));
+    match (total, dims.map(u32::try_from)) {
+        (Some(total), [Ok(nx), Ok(ny), Ok(nz)]) if total <= MAX_CELLS => Ok(Grid::centred([nx, ny, nz], cell_size)),
+        _ => Err(CellsError::TooManyCells { dims }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_is_centred_and_duplicates_count_once() {
+        let cells = Cells::from_list(&[[5, -1, 0], [6, -1, 0], [5, -1, 0]], 0.5).expect("a small list");
+        assert_eq!(cells.grid.dims, [2, 1, 1], "the box is as large as the cells need");
+        assert_eq!(cells.grid.origin, DVec3::new(-0.5, -0.25, -0.25), "the middle of the box is the origin");
+        assert_eq!(cells.count(), 2, "one of the three is a duplicate");
+    }
+
+    #[test]
+    fn a_cube_is_full() {
+        let cells = Cells::cube(4, 0.25).expect("a small cube");
+        assert_eq!((cells.count(), cells.grid.corner([4; 3])), (64, DVec3::splat(0.5)), "4³ cells of a unit cube");
+    }
+
+    #[test]
+    fn cells_come_in_the_order_of_their_index() {
+        let grid = Grid::centred([3, 2, 4], 1.0);
+        assert!(grid.iter().enumerate().all(|(at, cell)| grid.index(cell) == at), "x runs fastest");
+        assert_eq!(grid.iter().count(), grid.len(), "every cell once");
+    }
+
+    #[test]
+    fn a_cell_has_at_most_26_cells_around_it() {
+        let grid = Grid::centred([3, 3, 2], 1.0);
+        assert_eq!(grid.around([1, 1, 1]).count(), 18, "nine of them would lie above the box");
+        assert_eq!(grid.around([0, 0, 0]).last(), Some([1, 1, 1]), "the corner of the box has seven");
+    }
+
+    #[test]
+    fn what_cannot_be_held_is_refused() {
+        let far = [[i32::MIN; 3], [i32::MAX; 3]];
+        assert_eq!(Cells::from_list(&far, 1.0), Err(CellsError::TooManyCells { dims: [1 << 32; 3] }), "2⁹⁶ cells");
+        assert!(matches!(Cells::cube(u32::MAX, 1.0), Err(CellsError::TooManyCells { .. })), "2⁹⁶ cells again");
+        assert_eq!(Cells::from_list(&[], 1.0), Err(CellsError::Empty), "nothing to fill");
+        assert_eq!(Cells::cube(0, 1.0), Err(CellsError::Empty), "nothing to fill");
+        assert_eq!(Cells::cube(1, -1.0), Err(CellsError::CellSize(-1.0)), "no length");
+        assert!(matches!(Cells::cube(1, f64::NAN), Err(CellsError::CellSize(_))), "no number");
+    }
 }

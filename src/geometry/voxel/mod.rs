@@ -1,10 +1,29 @@
 //! From a surface to the cells of a grid (GC §12, SC).
+//!
+//! ```text
+//!   mesh ─► placed ─┬─► centre: rays along x ──────────┐
+//!                   └─► shell: touched cells, flood ───┴─► components ─► cells + report
+//! ```
 
+mod centre;
+mod choice;
+mod components;
 pub mod grid;
+mod placed;
+mod report;
+mod shell;
+mod touch;
 
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
-pub use grid::{Cells, Grid};
+use super::lattice::LatticeCounts;
+use super::{TriMesh, Watch};
+use choice::Filled;
+use components::Components;
+pub use grid::{Cells, CellsError, Grid};
+use placed::Placed;
+pub use report::VoxelReport;
 
 /// Which cells of the grid are filled (GC §12.2, SC).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,3 +50,127 @@ pub enum Keep {
     #[default]
     Largest,
 }
+
+/// The finest grid: cells along the longest extent.
+pub const MAX_DIVISIONS: u32 = 256;
+
+/// How a mesh is filled with cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VoxelizeOptions {
+    /// Cells along the longest extent, 1 to [`MAX_DIVISIONS`].
+    pub divisions: u32,
+    /// Which cells are filled.
+    pub occupancy: OccupancyChoice,
+    /// Which components are kept.
+    pub keep: Keep,
+}
+
+impl Default for VoxelizeOptions {
+    fn default() -> Self {
+        Self { divisions: 20, occupancy: OccupancyChoice::Auto, keep: Keep::Largest }
+    }
+}
+
+/// A mesh as cells, in the mesh's own coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Voxelization {
+    /// The filled cells.
+    pub cells: Cells,
+    /// What was found on the way.
+    pub report: VoxelReport,
+}
+
+/// Why a mesh cannot be filled with cells.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum VoxelizeError {
+    /// No surface.
+    #[error("the model has no triangles; a surface is needed")]
+    NoTriangles,
+    /// Only points and lines.
+    #[error("no triangle of the model has an area; a surface is needed")]
+    NoArea,
+    /// A grid too fine or none.
+    #[error("{0} divisions are not possible; a number from 1 to {MAX_DIVISIONS} is needed")]
+    Divisions(u32),
+    /// Too large or too small for numbers.
+    #[error("the model's longest extent is {0}; it must lie between about 1e-300 and 1e308")]
+    Extent(f64),
+    /// Centre occupancy found nothing inside.
+    #[error(
+        "no cell of {0} divisions has its centre inside the model; use solid or surface occupancy or more divisions"
+    )]
+    NoCells(u32),
+    /// Stopped by the one who asked.
+    #[error("filling the model with cells was cancelled")]
+    Cancelled,
+}
+
+/// Fills a mesh with cubic cells (J2, J3, J4). The result does not depend on the number of threads.
+///
+/// An axis-aligned shape whose faces all lie on cell boundaries gives exactly its own cells under `Centre` and `Solid`.
+pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) -> Result<Voxelization, VoxelizeError> {
+    let VoxelizeOptions { divisions, occupancy, keep } = *options;
+    if !(1..=MAX_DIVISIONS).contains(&divisions) {
+        return Err(VoxelizeError::Divisions(divisions));
+    }
+    if mesh.triangles.is_empty() {
+        return Err(VoxelizeError::NoTriangles);
+    }
+    let placed = Placed::new(mesh, divisions)?;
+    if mesh.is_degenerate() {
+        return Err(VoxelizeError::NoArea);
+    }
+    let facts = mesh.facts();
+    let Filled { mut cells, used, why, mut warnings } = choice::fill(&placed, &facts, occupancy, watch)?;
+    let mut components = Components::new(&cells);
+    let found = components.sizes.len();
+    if found == 0 {
+        return Err(VoxelizeError::NoCells(divisions));
+    }
+    let dropped_cells = components.keep(keep, &mut cells);
+    let pairs = report::parts_in_components(&placed, &facts, &components);
+    let joined_parts = report::joined_parts(&pairs, facts.parts, found);
+    let thin_parts = report::thin_parts(&placed, &facts);
+    let absent_parts = facts.parts - pairs.chunk_by(|a, b| a[0] == b[0]).count();
+    if dropped_cells > 0 {
+        warnings.push(format!(
+            "the cells fall into {found} components; the largest was kept and {dropped_cells} cells were dropped"
+        ));
+    }
+    if absent_parts > 0 {
+        warnings.push(format!("{absent_parts} of {} parts of the mesh have no cell in the result", facts.parts));
+    }
+    if joined_parts > 0 {
+        warnings.push(format!("{joined_parts} of {} parts of the mesh are joined by shared cells", facts.parts));
+    }
+    if thin_parts > 0 {
+        warnings.push(format!("{thin_parts} of {} parts of the mesh are thinner than a cell", facts.parts));
+    }
+    let counts = LatticeCounts::of(&cells);
+    watch.progress(1.0);
+    let report = VoxelReport {
+        vertices: mesh.positions.len(),
+        triangles: mesh.triangles.len(),
+        boundary_edges: facts.boundary_edges,
+        non_manifold_edges: facts.non_manifold_edges,
+        closed: facts.closed,
+        parts: facts.parts,
+        divisions,
+        dims: placed.grid.dims,
+        cell_size_m: placed.grid.cell_size,
+        occupancy: used,
+        why,
+        cells: cells.count(),
+        particles: counts.particles,
+        links: counts.links.iter().sum(),
+        components: found,
+        dropped_cells,
+        joined_parts,
+        thin_parts,
+        warnings,
+    };
+    Ok(Voxelization { cells, report })
+}
+
+#[cfg(test)]
+mod tests;

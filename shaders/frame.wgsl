@@ -1,0 +1,36 @@
+// What every drawing pass knows about the frame. Put in front of each of their files.
+
+struct Frame {
+    clip_from_world: mat4x4f,
+    // Texture coordinates (x, y) and depth (z) of the shadow map.
+    shadow_from_world: mat4x4f,
+    eye: vec3f,
+    ambient: f32,
+    light_direction: vec3f,
+    // Size of a texel of the shadow map, m.
+    shadow_texel: f32,
+    light_color: vec3f,
+    // Distance that the depth of the shadow map spans, m.
+    shadow_span: f32,
+    background_top: vec3f,
+    shadow_opacity: f32,
+    background_bottom: vec3f,
+    grid_opacity: f32,
+    grid: vec3f,
+    // Distance between strong lines of the grid, m.
+    grid_spacing: f32,
+    obstacle: vec3f,
+    // Distance at which the ground has faded out, m.
+    ground_radius: f32,
+    obstacle_edge: vec3f,
+    // A typical thickness of a body, m.
+    body_size: f32,
+    camera_target: vec3f,
+    color_low: f32,
+    // One over the range of colours; 0 shows bodies in their own colours.
+    color_scale: f32,
+    show_scalars: u32,
+    padding: vec2u,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;

@@ -1,0 +1,247 @@
+//! The surface of a body: the outer faces of its cells, or a model's mesh embedded in them.
+
+use glam::DVec3;
+
+use crate::geometry::embed::{Embedder, Embedding};
+use crate::geometry::{Lattice, TriMesh};
+use crate::view::{Skin, SkinVertex};
+
+/// Faces of a mesh that meet at a smaller angle than this share a smooth normal; at a larger one there is a crease.
+const CREASE_DEG: f64 = 40.0;
+
+/// A particle's neighbours within the patch of outer faces of one direction, along the patch's two axes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Patch {
+    /// The vertex of the skin, one per particle and direction.
+    vertex: Option<u32>,
+    /// The neighbours before and after along u, then along v.
+    neighbours: [[Option<u32>; 2]; 2],
+}
+
+/// The outer faces of a body's cells (GC §3.2), two triangles each. Particle `p` of the lattice is particle
+/// `first_particle + p` of the draw list.
+///
+/// A particle is one vertex for each direction its faces have: smooth across a face of the body, crisp at its edges.
+pub fn cells_skin(lattice: &Lattice, first_particle: u32) -> Skin {
+    let mut filled = vec![false; lattice.grid.len()];
+    for cell in &lattice.cells {
+        filled[lattice.grid.index(lattice.corners[cell[0] as usize])] = true;
+    }
+    let mut skin = Skin::default();
+    for direction in Direction::ALL {
+        let mut patches = vec![Patch::default(); lattice.corners.len()];
+        for cell in &lattice.cells {
+            let place = lattice.corners[cell[0] as usize];
+            let covered = direction.step(place, lattice.grid.dims).is_some_and(|next| filled[lattice.grid.index(next)]);
+            if !covered {
+                add_face(&mut skin, &mut patches, direction.face(cell));
+            }
+        }
+        for (particle, patch) in (0..).zip(&patches) {
+            if let Some(vertex) = patch.vertex {
+                skin.vertices[vertex as usize] = patch.skin_vertex(particle, first_particle);
+            }
+        }
+    }
+    skin
+}
+
+/// Two triangles over the corners of a face, given at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1).
+fn add_face(skin: &mut Skin, patches: &mut [Patch], face: [u32; 4]) {
+    let [a, b, c, d] = face.map(|particle| {
+        let patch = &mut patches[particle as usize];
+        *patch.vertex.get_or_insert_with(|| {
+            skin.vertices.push(SkinVertex::default());
+            last_index(skin.vertices.len())
+        })
+    });
+    skin.triangles.extend([[a, b, d], [a, d, c]]);
+    for (axis, [from, to]) in [(0, [0, 1]), (0, [2, 3]), (1, [0, 2]), (1, [1, 3])] {
+        patches[face[from] as usize].neighbours[axis][1] = Some(face[to]);
+        patches[face[to] as usize].neighbours[axis][0] = Some(face[from]);
+    }
+}
+
+impl Patch {
+    fn skin_vertex(&self, particle: u32, first_particle: u32) -> SkinVertex {
+        let mut vertex = SkinVertex::default();
+        vertex.particles[0] = first_particle + particle;
+        vertex.position[0] = 1.0;
+        let mut used = 1;
+        for (axis, ends) in self.neighbours.iter().enumerate() {
+            for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
+                // At the rim of the patch the particle itself stands in for the missing neighbour.
+                let slot = end.map_or(0, |neighbour| {
+                    vertex.particles[used] = first_particle + neighbour;
+                    used += 1;
+                    used - 1
+                });
+                let tangent = if axis == 0 { &mut vertex.tangent_u } else { &mut vertex.tangent_v };
+                tangent[slot] += sign;
+            }
+        }
+        vertex
+    }
+}
+
+/// One of the six directions a face can have.
+#[derive(Clone, Copy, Debug)]
+struct Direction {
+    axis: usize,
+    positive: bool,
+}
+
+impl Direction {
+    const ALL: [Self; 6] = [
+        Self { axis: 0, positive: false },
+        Self { axis: 0, positive: true },
+        Self { axis: 1, positive: false },
+        Self { axis: 1, positive: true },
+        Self { axis: 2, positive: false },
+        Self { axis: 2, positive: true },
+    ];
+
+    /// The cell next to this one, if the grid has it.
+    fn step(self, mut cell: [u32; 3], dims: [u32; 3]) -> Option<[u32; 3]> {
+        let next = if self.positive { cell[self.axis].checked_add(1) } else { cell[self.axis].checked_sub(1) };
+        cell[self.axis] = next.filter(|&next| next < dims[self.axis])?;
+        Some(cell)
+    }
+
+    /// The particles of a cell's face at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1), where u × v points outward.
+    ///
+    /// ```text
+    ///   v           +x: u = y, v = z      −x: u = z, v = y
+    ///   c───d       and so on around x, y, z; place of a cell's particle: bit 0 is x, bit 1 y, bit 2 z
+    ///   │ ⊙ │
+    ///   a───b  u
+    /// ```
+    fn face(self, cell: &[u32; 8]) -> [u32; 4] {
+        let (next, other) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
+        let (u, v) = if self.positive { (next, other) } else { (other, next) };
+        let base = usize::from(self.positive) << self.axis;
+        [base, base | 1 << u, base | 1 << v, base | 1 << u | 1 << v].map(|place| cell[place])
+    }
+}
+
+/// A model's mesh, given in the lattice's own coordinates, carried by the cells around it; every vertex moves with the
+/// eight particles of one cell. Vertices are split where faces meet at a crease.
+///
+/// Particle `p` of the lattice is particle `first_particle + p` of the draw list. Empty where the lattice has no cells.
+pub fn model_skin(lattice: &Lattice, mesh: &TriMesh, first_particle: u32) -> Skin {
+    let embedder = Embedder::new(lattice);
+    let Some(embeddings) = embedder.embed_all(&mesh.positions) else { return Skin::default() };
+    let CreasedMesh { corners, triangles } = creased(mesh);
+    let vertices = corners
+        .iter()
+        .map(|&Corner { vertex, normal }| {
+            let embedding = &embeddings[vertex as usize];
+            embedded_vertex(&embedder, embedding, mesh.positions[vertex as usize], normal, first_particle)
+        })
+        .collect();
+    Skin { vertices, triangles }
+}
+
+fn embedded_vertex(
+    embedder: &Embedder<'_>,
+    embedding: &Embedding,
+    point: DVec3,
+    normal: DVec3,
+    first_particle: u32,
+) -> SkinVertex {
+    let [tangent_u, tangent_v] = embedder.embed_normal(embedding, point, normal).along;
+    SkinVertex {
+        particles: embedding.particles.map(|particle| first_particle + particle),
+        position: embedding.weights.map(narrow),
+        tangent_u: tangent_u.map(narrow),
+        tangent_v: tangent_v.map(narrow),
+    }
+}
+
+/// A mesh whose vertices carry normals: a vertex of the source appears once for every smooth group of faces around it.
+struct CreasedMesh {
+    corners: Vec<Corner>,
+    triangles: Vec<[u32; 3]>,
+}
+
+/// A vertex of the source with one of its normals.
+struct Corner {
+    vertex: u32,
+    normal: DVec3,
+}
+
+fn creased(mesh: &TriMesh) -> CreasedMesh {
+    let face_normals: Vec<DVec3> = mesh.triangles.iter().map(|triangle| area_normal(mesh, triangle)).collect();
+    let points = welded(mesh);
+    let mut around: Vec<Vec<u32>> = vec![Vec::new(); mesh.positions.len()];
+    for (face, triangle) in (0..).zip(&mesh.triangles) {
+        for &vertex in triangle {
+            around[points[vertex as usize] as usize].push(face);
+        }
+    }
+    let least_cos = libm::cos(CREASE_DEG.to_radians());
+    let mut corners: Vec<Corner> = Vec::new();
+    let mut made: Vec<Vec<u32>> = vec![Vec::new(); mesh.positions.len()];
+    let mut triangles = Vec::with_capacity(mesh.triangles.len());
+    for (triangle, face_normal) in mesh.triangles.iter().zip(&face_normals) {
+        if *face_normal == DVec3::ZERO {
+            continue;
+        }
+        let own = face_normal.normalize();
+        triangles.push(triangle.map(|vertex| {
+            let smooth = around[points[vertex as usize] as usize]
+                .iter()
+                .map(|&face| face_normals[face as usize])
+                .filter(|other| other.dot(own) >= least_cos * other.length());
+            // Weighted by area: a large face tells more about the surface than a sliver.
+            let normal = smooth.sum::<DVec3>().normalize_or(own);
+            let known = &mut made[vertex as usize];
+            let found = known.iter().find(|&&corner| corners[corner as usize].normal.distance(normal) < 1e-6).copied();
+            found.unwrap_or_else(|| {
+                corners.push(Corner { vertex, normal });
+                let corner = last_index(corners.len());
+                known.push(corner);
+                corner
+            })
+        }));
+    }
+    CreasedMesh { corners, triangles }
+}
+
+/// For every vertex the first of those at the very same position: files repeat vertices along seams.
+fn welded(mesh: &TriMesh) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..).take(mesh.positions.len()).collect();
+    let at = |vertex: u32| (mesh.positions[vertex as usize] + DVec3::ZERO).to_array();
+    let compare = |a: u32, b: u32| {
+        let (a, b) = (at(a), at(b));
+        a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
+    };
+    order.sort_by(|&a, &b| compare(a, b));
+    let mut first = vec![0; order.len()];
+    for group in order.chunk_by(|&a, &b| compare(a, b).is_eq()) {
+        for &vertex in group {
+            first[vertex as usize] = group[0];
+        }
+    }
+    first
+}
+
+/// Twice the area times the unit normal; null for a triangle without area.
+fn area_normal(mesh: &TriMesh, triangle: &[u32; 3]) -> DVec3 {
+    let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+    (b - a).cross(c - a)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "weights need no more than single precision")]
+fn narrow(weight: f64) -> f32 {
+    weight as f32
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "indices of a mesh are 32 bits wide, as in its file")]
+fn last_index(length: usize) -> u32 {
+    (length - 1) as u32
+}
+
+#[cfg(test)]
+#[path = "skin_tests.rs"]
+mod tests;

@@ -1,0 +1,60 @@
+//! Obstacles as things to draw.
+
+use glam::DVec3;
+
+use crate::math::rotation::from_euler_deg;
+use crate::scene::obstacle::{Obstacle, ObstacleShape};
+use crate::view::Solid;
+
+/// The visible obstacles of a scene, in its order.
+pub fn solids(obstacles: &[Obstacle]) -> Vec<Solid> {
+    obstacles.iter().filter(|obstacle| !obstacle.hidden).map(|obstacle| solid(&obstacle.shape)).collect()
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
+fn solid(shape: &ObstacleShape) -> Solid {
+    match shape {
+        ObstacleShape::Plane(plane) => {
+            let rotation = from_euler_deg(plane.rotation_deg);
+            // z before x: their cross product is the plane's own y.
+            let [x, z] = [DVec3::X, DVec3::Z].map(|axis| (rotation * axis).as_vec3());
+            let [half_x, half_z] = plane.half_extents.map(|half| half as f32);
+            Solid::Plane {
+                center: DVec3::from(plane.center).as_vec3(),
+                axes: [z, x],
+                half_extents: [half_z, half_x],
+            }
+        }
+        ObstacleShape::Sphere(sphere) => {
+            Solid::Sphere { center: DVec3::from(sphere.center).as_vec3(), radius: sphere.radius as f32 }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::scene::obstacle::{Plane, Sphere};
+
+    #[test]
+    fn a_turned_plane_keeps_its_extents_and_its_upper_side() {
+        let plane = Plane { rotation_deg: [0.0, 90.0, 90.0], half_extents: [2.0, 3.0], ..Plane::default() };
+        let turned = Obstacle { shape: ObstacleShape::Plane(plane), ..Obstacle::default() };
+        let [Solid::Plane { axes: [z, x], half_extents, .. }] = solids(&[turned])[..] else {
+            panic!("a plane stays a plane")
+        };
+        assert_eq!(half_extents, [3.0, 2.0], "the extent along z, then along x");
+        assert!(z.cross(x).distance(Vec3::NEG_X) < 1e-6, "up was turned about z to −x, not {}", z.cross(x));
+    }
+
+    #[test]
+    fn hidden_obstacles_are_not_drawn() {
+        let sphere = ObstacleShape::Sphere(Sphere { center: [1.0, 2.0, 3.0], radius: 0.5 });
+        let shown = Obstacle { shape: sphere, ..Obstacle::default() };
+        let hidden = Obstacle { hidden: true, ..shown.clone() };
+        let center = Vec3::new(1.0, 2.0, 3.0);
+        assert_eq!(solids(&[hidden, shown]), [Solid::Sphere { center, radius: 0.5 }], "only the visible one");
+    }
+}

@@ -1,1 +1,0 @@
-//! Model files to meshes: OBJ through tobj (J1).

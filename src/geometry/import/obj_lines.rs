@@ -1,0 +1,354 @@
+//! The text of an OBJ file as the lines that matter here: checked, cleaned and counted, for tobj to parse.
+//!
+//! tobj names no line in its errors, takes `l` for a face, wants every texture coordinate in order and opens
+//! materials. So it is handed only vertices (three coordinates) and faces (position indices, counted from 1), each
+//! checked where it stands; everything else a surface does not need stays behind.
+
+use std::io::{self, BufRead, Read};
+
+use thiserror::Error;
+
+use crate::geometry::Watch;
+
+/// What is wrong with a line of an OBJ file.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum LineProblem {
+    /// A `v` with fewer than three numbers.
+    #[error("a vertex needs three coordinates, as in `v 0 0.5 1`; here are {0}")]
+    MissingCoordinate(usize),
+    /// A coordinate that is no number.
+    #[error("`{0}` is not a number; a coordinate such as 0.5 is needed")]
+    BadNumber(String),
+    /// A coordinate that is NaN, infinite or too large for a double.
+    #[error("the coordinate `{0}` is not finite; every coordinate must be a number below 1e308")]
+    NotFinite(String),
+    /// A face corner that is no index.
+    #[error("`{0}` is not a vertex index; whole numbers are needed, as in `f 1 2 3` or `f 1/1/1 2/2/2 3/3/3`")]
+    BadIndex(String),
+    /// Index 0.
+    #[error("vertex index 0 does not exist; the first vertex is 1, the latest is -1")]
+    ZeroIndex,
+    /// An index beyond the vertices.
+    #[error("the face asks for vertex {index}, but {}", count_of(*.vertices, *.index < 0))]
+    OutOfRange {
+        /// The index as written.
+        index: i64,
+        /// The vertices of the file, or those before the line for a negative index.
+        vertices: u64,
+    },
+    /// tobj refuses the line although nothing above does.
+    #[error("the line cannot be read as OBJ ({0})")]
+    Refused(String),
+}
+
+fn count_of(vertices: u64, so_far: bool) -> String {
+    let (one, many) =
+        if so_far { ("stands before it", "stand before it") } else { ("is in the file", "are in the file") };
+    match vertices {
+        0 => format!("no vertex {one}"),
+        1 => format!("only 1 vertex {one}"),
+        _ => format!("only {vertices} vertices {many}"),
+    }
+}
+
+/// What was left out on the way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct LeftOut {
+    /// Faces with fewer than three different corners.
+    pub(super) small_faces: usize,
+    /// `p` and `l` elements.
+    pub(super) points_and_lines: usize,
+    /// Curves and free-form surfaces.
+    pub(super) curves: usize,
+}
+
+/// Reads the bytes of an OBJ file and gives them on as clean lines, one at a time.
+pub(super) struct ObjLines<'a> {
+    rest: &'a [u8],
+    total_bytes: usize,
+    total_vertices: u64,
+    vertices: u64,
+    faces: usize,
+    next_line: usize,
+    /// The line being read, counted from 1; of a continued line the first.
+    line: usize,
+    clean: Vec<u8>,
+    given: usize,
+    left_out: LeftOut,
+    stop: Option<Stop>,
+    watch: &'a dyn Watch,
+}
+
+/// Why reading ended early.
+#[derive(Debug)]
+pub(super) enum Stop {
+    Problem(LineProblem),
+    Cancelled,
+}
+
+impl<'a> ObjLines<'a> {
+    pub(super) fn new(bytes: &'a [u8], watch: &'a dyn Watch) -> Self {
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        let mut lines = Self {
+            rest: bytes,
+            total_bytes: bytes.len(),
+            total_vertices: 0,
+            vertices: 0,
+            faces: 0,
+            next_line: 1,
+            line: 0,
+            clean: Vec::new(),
+            given: 0,
+            left_out: LeftOut::default(),
+            stop: None,
+            watch,
+        };
+        while let Some(line) = lines.take_line() {
+            lines.total_vertices += u64::from(words(&line).next() == Some(b"v"));
+        }
+        lines.rest = bytes;
+        lines.next_line = 1;
+        lines
+    }
+
+    pub(super) fn line(&self) -> usize {
+        self.line
+    }
+
+    pub(super) fn faces(&self) -> usize {
+        self.faces
+    }
+
+    pub(super) fn left_out(&self) -> LeftOut {
+        self.left_out
+    }
+
+    pub(super) fn take_stop(&mut self) -> Option<Stop> {
+        self.stop.take()
+    }
+
+    /// The next line of the file without its comment, joined with those it continues on.
+    fn take_line(&mut self) -> Option<std::borrow::Cow<'a, [u8]>> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        self.line = self.next_line;
+        let (first, continued) = self.take_physical_line();
+        if !continued {
+            return Some(first.into());
+        }
+        let mut whole = first.to_vec();
+        let mut more = true;
+        while more && !self.rest.is_empty() {
+            let (next, continued) = self.take_physical_line();
+            whole.push(b' ');
+            whole.extend_from_slice(next);
+            more = continued;
+        }
+        Some(whole.into())
+    }
+
+    /// One line as it stands, without comment, line end and continuation mark; whether it has such a mark.
+    fn take_physical_line(&mut self) -> (&'a [u8], bool) {
+        let is_end = |&byte: &u8| byte == b'\n' || byte == b'\r';
+        let end = self.rest.iter().position(is_end).unwrap_or(self.rest.len());
+        let (line, rest) = self.rest.split_at(end);
+        let end_len = if rest.starts_with(b"\r\n") { 2 } else { rest.len().min(1) };
+        self.rest = &rest[end_len..];
+        self.next_line += 1;
+        let code = line.split(|&byte| byte == b'#').next().unwrap_or(line);
+        let comment_follows = code.len() < line.len();
+        match code.trim_ascii_end().strip_suffix(b"\\") {
+            Some(continued) if !comment_follows => (continued, true),
+            _ => (code, false),
+        }
+    }
+
+    /// Fills `clean` with the next line that tobj should see; leaves it empty at the end of the file.
+    fn advance(&mut self) -> Result<(), Stop> {
+        self.clean.clear();
+        self.given = 0;
+        while self.clean.is_empty() {
+            let Some(line) = self.take_line() else { return Ok(()) };
+            if self.line.is_multiple_of(1 << 16) {
+                self.watch.progress(1.0 - self.rest.len() as f64 / self.total_bytes as f64);
+                if self.watch.cancelled() {
+                    return Err(Stop::Cancelled);
+                }
+            }
+            let mut words = words(&line);
+            match words.next() {
+                Some(b"v") => self.vertex(words),
+                Some(b"f" | b"fo") => self.face(words),
+                Some(b"p" | b"l") => {
+                    self.left_out.points_and_lines += 1;
+                    Ok(())
+                }
+                Some(b"curv" | b"curv2" | b"surf") => {
+                    self.left_out.curves += 1;
+                    Ok(())
+                }
+                _ => Ok(()),
+            }
+            .map_err(Stop::Problem)?;
+        }
+        Ok(())
+    }
+
+    fn vertex<'w>(&mut self, mut words: impl Iterator<Item = &'w [u8]>) -> Result<(), LineProblem> {
+        self.clean.push(b'v');
+        for found in 0..3 {
+            let word = words.next().ok_or(LineProblem::MissingCoordinate(found))?;
+            let number = std::str::from_utf8(word).ok().and_then(|text| text.parse::<f64>().ok());
+            match number {
+                None => return Err(LineProblem::BadNumber(quote(word))),
+                Some(number) if !number.is_finite() => return Err(LineProblem::NotFinite(quote(word))),
+                Some(_) => {}
+            }
+            self.clean.push(b' ');
+            self.clean.extend_from_slice(word);
+        }
+        self.clean.push(b'\n');
+        self.vertices += 1;
+        Ok(())
+    }
+
+    fn face<'w>(&mut self, words: impl Iterator<Item = &'w [u8]>) -> Result<(), LineProblem> {
+        let mut corners = words.map(|word| self.position_index(word)).collect::<Result<Vec<_>, _>>()?;
+        corners.dedup();
+        while corners.len() > 1 && corners.first() == corners.last() {
+            corners.pop();
+        }
+        if corners.len() < 3 {
+            self.left_out.small_faces += 1;
+            return Ok(());
+        }
+        self.faces += 1;
+        self.clean.push(b'f');
+        for corner in corners {
+            self.clean.extend_from_slice(format!(" {corner}").as_bytes());
+        }
+        self.clean.push(b'\n');
+        Ok(())
+    }
+
+    /// The position index of a face corner (`1`, `1/2`, `1//3`, `-4/…`), counted from 1.
+    fn position_index(&self, word: &[u8]) -> Result<u64, LineProblem> {
+        let parse = |part: &[u8]| std::str::from_utf8(part).ok().and_then(|text| text.parse::<i64>().ok());
+        let bad = || LineProblem::BadIndex(quote(word));
+        let mut parts = word.split(|&byte| byte == b'/');
+        let index = parts.next().and_then(parse).ok_or_else(bad)?;
+        let rest_is_good = parts.clone().count() <= 2 && parts.all(|part| part.is_empty() || parse(part).is_some());
+        if !rest_is_good {
+            return Err(bad());
+        }
+        let found = match index {
+            0 => return Err(LineProblem::ZeroIndex),
+            1.. => u64::try_from(index).ok().filter(|&position| position <= self.total_vertices),
+            _ => (self.vertices + 1).checked_sub(index.unsigned_abs()).filter(|&position| position > 0),
+        };
+        let vertices = if index < 0 { self.vertices } else { self.total_vertices };
+        found.ok_or(LineProblem::OutOfRange { index, vertices })
+    }
+}
+
+impl Read for ObjLines<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let count = self.fill_buf()?.read(into)?;
+        self.consume(count);
+        Ok(count)
+    }
+}
+
+impl BufRead for ObjLines<'_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.given == self.clean.len() {
+            self.advance().map_err(|stop| {
+                self.stop = Some(stop);
+                io::Error::from(io::ErrorKind::InvalidData)
+            })?;
+        }
+        Ok(&self.clean[self.given..])
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.given += count;
+    }
+}
+
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+/// A word of the file fit for a message: short, printable.
+fn quote(word: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&word[..word.len().min(200)]);
+    let printable = text.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c });
+    let short: String = printable.clone().take(30).collect();
+    if printable.count() > 30 { short + "…" } else { short }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn clean(text: &str) -> (String, LeftOut) {
+        let mut lines = ObjLines::new(text.as_bytes(), &());
+        let mut all = String::new();
+        lines.read_to_string(&mut all).expect("good lines");
+        (all, lines.left_out())
+    }
+
+    fn problem(text: &str) -> (usize, LineProblem) {
+        let mut lines = ObjLines::new(text.as_bytes(), &());
+        lines.read_to_end(&mut Vec::new()).expect_err("a bad line");
+        match lines.take_stop() {
+            Some(Stop::Problem(problem)) => (lines.line(), problem),
+            stop => panic!("a problem was expected, not {stop:?}"),
+        }
+    }
+
+    #[test]
+    fn only_vertices_and_faces_come_through() {
+        let text = "mtllib gone.mtl\r\nv 0 0 0 1 0 0 # red\rv 1 0 0\nv 0 1\\\n 0\nvt 1\nusemtl\no a\ns off\nf 1/9 2//7 -1/2/3\n";
+        assert_eq!(clean(text).0, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "three line ends, a comment, a continuation");
+    }
+
+    #[test]
+    fn small_faces_points_and_lines_are_counted_and_left_out() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 1 2\nf 1 2 2 3 1\np 1\nl 1 2 3\nf 1 2 3\nsurf 0 1\n";
+        let (all, left_out) = clean(text);
+        assert!(all.ends_with("f 1 2 3\nf 1 2 3\n"), "a repeated corner is dropped, the face kept: {all}");
+        assert_eq!(left_out, LeftOut { small_faces: 2, points_and_lines: 2, curves: 1 }, "two faces collapse");
+    }
+
+    #[test]
+    fn a_face_may_name_vertices_that_follow_but_none_that_do_not_exist() {
+        assert!(clean("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").0.starts_with("f 1 2 3"), "all three follow");
+        let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+        let fails = |face: &str| problem(&format!("{vertices}{face}\nv 1 1 1\n"));
+        assert_eq!(fails("f 1 2 5"), (4, LineProblem::OutOfRange { index: 5, vertices: 4 }), "beyond the file");
+        assert_eq!(fails("f 1 2 -4"), (4, LineProblem::OutOfRange { index: -4, vertices: 3 }), "before the file");
+        assert_eq!(fails("f 1 2 0"), (4, LineProblem::ZeroIndex), "OBJ counts from 1");
+        assert_eq!(fails("f 1 2 x"), (4, LineProblem::BadIndex("x".into())), "no number");
+        assert_eq!(fails("f 1 2 3/4/5/6"), (4, LineProblem::BadIndex("3/4/5/6".into())), "too many parts");
+        assert_eq!(fails("f 1 2 3/a"), (4, LineProblem::BadIndex("3/a".into())), "a bad texture index");
+        let min = format!("f 1 2 {}", i64::MIN);
+        assert!(matches!(fails(&min).1, LineProblem::OutOfRange { .. }), "the lowest number has no magnitude");
+    }
+
+    #[test]
+    fn a_bad_coordinate_is_named_with_its_line() {
+        assert_eq!(problem("v 0 0 0\n\nv 1 nan 2\n"), (3, LineProblem::NotFinite("nan".into())), "NaN");
+        assert_eq!(problem("v 0 -inf 0"), (1, LineProblem::NotFinite("-inf".into())), "infinite");
+        assert_eq!(problem("v 0 1e400 0"), (1, LineProblem::NotFinite("1e400".into())), "beyond a double");
+        assert_eq!(problem("v 0 0,5 0"), (1, LineProblem::BadNumber("0,5".into())), "a comma");
+        assert_eq!(problem("v 0 \\\n 0 \\\n"), (1, LineProblem::MissingCoordinate(2)), "continued into the void");
+    }
+
+    #[test]
+    fn a_long_or_unprintable_word_is_cut() {
+        assert_eq!(quote(&[b'x'; 500]), "x".repeat(30) + "…", "thirty letters are enough");
+        assert_eq!(quote(b"a\x1b[1mb"), "a\u{fffd}[1mb", "no escape sequence reaches a terminal");
+    }
+}

@@ -1,0 +1,148 @@
+//! Polygons to triangles: concave ones right, bent and broken ones somehow, never leaving a gap.
+
+use earcut::Earcut;
+use glam::{DVec2, DVec3};
+
+/// Cuts polygons into triangles; kept between calls for its buffers.
+pub(super) struct Cutter {
+    earcut: Earcut<f64>,
+    flat: Vec<[f64; 2]>,
+    cut: Vec<u32>,
+}
+
+impl Cutter {
+    pub(super) fn new() -> Self {
+        Self { earcut: Earcut::new(), flat: Vec::new(), cut: Vec::new() }
+    }
+
+    /// The triangles of a polygon of at least three corners, as places in it, turning as the polygon does.
+    ///
+    /// The polygon is seen along its mean normal (Newell). Corners on a straight edge are kept: every edge of the
+    /// polygon is the edge of exactly one triangle, or the neighbour across it would see a hole.
+    pub(super) fn cut(&mut self, corners: &[DVec3]) -> Vec<[u32; 3]> {
+        let count = u32::try_from(corners.len()).unwrap_or(u32::MAX);
+        if count == 3 || !self.flatten(corners) {
+            return fan(&(0..count).collect::<Vec<_>>());
+        }
+        self.earcut.earcut_slice::<u32>(&self.flat, &[], &mut self.cut);
+        let mut triangles: Vec<[u32; 3]> = self.cut.as_chunks().0.to_vec();
+        let twice_area = |&[a, b, c]: &[u32; 3]| {
+            let [a, b, c] = [a, b, c].map(|place| DVec2::from_array(self.flat[place as usize]));
+            (b - a).perp_dot(c - a)
+        };
+        // Seen along its own normal the polygon turns left; so must its triangles.
+        if triangles.iter().map(twice_area).sum::<f64>() < 0.0 {
+            for triangle in &mut triangles {
+                triangle.swap(1, 2);
+            }
+        }
+        if triangles.len() + 2 < corners.len() {
+            restore_skipped_corners(&mut triangles, count);
+        }
+        if triangles.len() + 2 == corners.len() { triangles } else { fan(&(0..count).collect::<Vec<_>>()) }
+    }
+
+    /// Projects the polygon onto its best plane, scaled to about one; false where it has none.
+    fn flatten(&mut self, corners: &[DVec3]) -> bool {
+        let first = corners[0];
+        let size = corners.iter().map(|&corner| (corner - first).abs().max_element()).fold(0.0, f64::max);
+        if !(size > 0.0 && size.is_finite()) {
+            return false;
+        }
+        let scaled = |corner: DVec3| (corner - first) / size;
+        let next = corners.iter().cycle().skip(1);
+        let normal: DVec3 = corners.iter().zip(next).map(|(&a, &b)| scaled(a).cross(scaled(b))).sum();
+        let Some(normal) = normal.try_normalize() else { return false };
+        let (u, v) = normal.any_orthonormal_pair();
+        self.flat.clear();
+        self.flat.extend(corners.iter().map(|&corner| [scaled(corner).dot(u), scaled(corner).dot(v)]));
+        true
+    }
+}
+
+/// Triangles that share the first corner.
+fn fan(corners: &[u32]) -> Vec<[u32; 3]> {
+    corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]).collect()
+}
+
+/// Ear clipping leaves out corners on straight edges: there an edge a→b of the triangles stands for a chain
+/// a→a+1→…→b of the polygon. Fills the gap between the two with triangles (of no area, if the chain is straight).
+fn restore_skipped_corners(triangles: &mut Vec<[u32; 3]>, count: u32) {
+    let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+    edges.sort_unstable();
+    let outer = |&[a, b]: &[u32; 2]| edges.binary_search(&[b, a]).is_err();
+    let skipping = edges.iter().filter(|edge| outer(edge) && edge[1] != (edge[0] + 1) % count);
+    for &[a, b] in skipping {
+        let length = (b + count - a) % count;
+        let chain: Vec<u32> = (0..=length).map(|step| (a + step) % count).collect();
+        triangles.extend(fan(&chain));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cuts a polygon of the plane z = x + y and checks that its edges are the outer edges of the triangles.
+    fn check(outline: &[[f64; 2]]) -> f64 {
+        let corners: Vec<DVec3> = outline.iter().map(|&[x, y]| DVec3::new(x, y, x + y)).collect();
+        let triangles = Cutter::new().cut(&corners);
+        assert_eq!(triangles.len(), corners.len() - 2, "n corners make n − 2 triangles: {triangles:?}");
+        let edges: Vec<_> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+        let count = u32::try_from(corners.len()).expect("small");
+        for at in 0..count {
+            let edge = [at, (at + 1) % count];
+            assert_eq!(edges.iter().filter(|&&e| e == edge).count(), 1, "edge {edge:?} of {triangles:?}");
+        }
+        let area = |[a, b, c]: [u32; 3]| {
+            let [a, b, c] = [a, b, c].map(|place| DVec2::from_array(outline[place as usize]));
+            0.5 * (b - a).perp_dot(c - a)
+        };
+        assert!(triangles.iter().all(|&triangle| area(triangle) > -1e-12), "no triangle is turned: {triangles:?}");
+        triangles.iter().map(|&triangle| area(triangle)).sum()
+    }
+
+    #[test]
+    fn a_concave_polygon_keeps_its_area() {
+        let l = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        assert!((check(&l) - 3.0).abs() < 1e-12, "an L of three squares");
+        let arrow = [[0.0, 0.0], [2.0, -1.0], [1.0, 0.0], [2.0, 1.0]];
+        assert!((check(&arrow) - 1.0).abs() < 1e-12, "a fan from any corner but two would leave it");
+    }
+
+    #[test]
+    fn a_reversed_polygon_stays_reversed() {
+        let mut square = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+        square.reverse();
+        for [a, b, c] in Cutter::new().cut(&square) {
+            let [a, b, c] = [a, b, c].map(|place| square[place as usize]);
+            assert!((b - a).cross(c - a).z < 0.0, "seen from above it turns right");
+        }
+    }
+
+    #[test]
+    fn corners_on_straight_edges_are_kept_wherever_the_polygon_starts() {
+        let outline = [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [1.0, 0.3], [1.0, 0.6], [1.0, 1.0], [0.0, 1.0], [0.0, 0.5]];
+        for start in 0..outline.len() {
+            let mut turned = outline;
+            turned.rotate_left(start);
+            assert!((check(&turned) - 1.0).abs() < 1e-12, "a square, first corner {start}");
+        }
+        let triangle = [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        for start in 0..4 {
+            let mut turned = triangle;
+            turned.rotate_left(start);
+            check(&turned);
+        }
+    }
+
+    #[test]
+    fn a_polygon_of_no_area_or_any_size_still_gives_its_triangles() {
+        let line: Vec<DVec3> = [0.0, 1.0, 2.0, 3.0].map(DVec3::splat).to_vec();
+        assert_eq!(Cutter::new().cut(&line).len(), 2, "a degenerate quad");
+        for scale in [1e-300, 1e-30, 1e30, 1e300] {
+            let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0) * scale);
+            assert_eq!(Cutter::new().cut(&square).len(), 2, "a square of {scale}");
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The choice between the ways to fill a mesh, and why: what the mesh is like decides (J3).
+
+use super::centre::{self, Parity};
+use super::components::Components;
+use super::placed::Placed;
+use super::shell::{self, Shell};
+use super::{Cells, OccupancyChoice, VoxelizeError, report};
+use crate::geometry::Watch;
+use crate::geometry::trimesh::MeshFacts;
+use crate::geometry::watch::Pieces;
+
+/// The share of a body, in percent of its solid cells, that centre occupancy may leave far from any filled cell before
+/// the automatic choice leaves it: legs and horns go before the tip of a tail does.
+const FAR_PERCENT: f64 = 2.0;
+
+/// Cells before any are dropped, and how they came about.
+pub(super) struct Filled {
+    pub(super) cells: Cells,
+    /// Never `Auto`.
+    pub(super) used: OccupancyChoice,
+    pub(super) why: String,
+    pub(super) warnings: Vec<String>,
+}
+
+/// Fills the cells that were asked for, or chooses.
+pub(super) fn fill(
+    placed: &Placed,
+    facts: &MeshFacts,
+    occupancy: OccupancyChoice,
+    watch: &dyn Watch,
+) -> Result<Filled, VoxelizeError> {
+    let chunks = placed.triangles.len().div_ceil(shell::CHUNK);
+    let shell = |from: f64| Shell::new(placed, &Pieces::new(watch, chunks, [from, 0.9]));
+    let parity = || centre::parity(placed, &Pieces::new(watch, chunks, [0.0, 0.4]));
+    let filled = |used, cells, why: String| Filled { cells, used, why, warnings: Vec::new() };
+    let asked = || "asked for".to_owned();
+    match occupancy {
+        OccupancyChoice::Surface => Ok(filled(occupancy, shell(0.0)?.surface(), asked())),
+        OccupancyChoice::Solid => Ok(filled(occupancy, shell(0.0)?.solid(), asked())),
+        OccupancyChoice::Centre => {
+            let mut filled = filled(occupancy, parity()?.cells, asked());
+            if !facts.closed {
+                let open = "the mesh is not closed, so that counting crossings may leave streaks; solid does not";
+                filled.warnings.push(open.to_owned());
+            }
+            Ok(filled)
+        }
+        OccupancyChoice::Auto if placed.is_flat() => {
+            let why = "the mesh is flat: the cells that it touches";
+            Ok(filled(OccupancyChoice::Surface, shell(0.0)?.surface(), why.to_owned()))
+        }
+        OccupancyChoice::Auto if !facts.closed => {
+            let why = format!("the mesh is open ({}): the cells that it touches and what they enclose", opening(facts));
+            Ok(filled(OccupancyChoice::Solid, shell(0.0)?.solid(), why))
+        }
+        OccupancyChoice::Auto => {
+            let inside = parity()?;
+            let solid = shell(0.4)?.solid();
+            Ok(match centre_fails(placed, facts, &inside, &solid) {
+                None => {
+                    let why = "the mesh is closed: the cells whose centre is inside";
+                    filled(OccupancyChoice::Centre, inside.cells, why.to_owned())
+                }
+                Some(reason) => {
+                    let why = format!("{reason}: the cells that the mesh touches and what they enclose");
+                    filled(OccupancyChoice::Solid, solid, why)
+                }
+            })
+        }
+    }
+}
+
+/// Why the cells whose centres are inside would misrepresent a closed mesh, if they would.
+fn centre_fails(placed: &Placed, facts: &MeshFacts, inside: &Parity, solid: &Cells) -> Option<String> {
+    let components = Components::new(&inside.cells);
+    if components.sizes.is_empty() {
+        return Some("the mesh is closed but so thin that no cell has its centre inside".to_owned());
+    }
+    if inside.overlaps > 0 {
+        return Some("the mesh is closed but passes through itself, where counting crossings leaves holes".to_owned());
+    }
+    let pairs = report::parts_in_components(placed, facts, &components);
+    let lost = facts.parts - pairs.chunk_by(|a, b| a[0] == b[0]).count();
+    if lost > 0 {
+        return Some(format!("the mesh is closed but {lost} of its {} parts hold no cell's centre", facts.parts));
+    }
+    if components.sizes.len() > Components::new(solid).sizes.len() {
+        return Some("the mesh is closed but so thin in places that the cells inside fall apart".to_owned());
+    }
+    let far = far_cells(&inside.cells, solid);
+    let share = 100.0 * far as f64 / solid.count() as f64;
+    if share > FAR_PERCENT {
+        Some(format!("the mesh is closed but {share:.0} % of it is too thin to hold a cell's centre"))
+    } else {
+        None
+    }
+}
+
+/// Filled cells of `all` that share no particle with a filled cell of `some`.
+fn far_cells(some: &Cells, all: &Cells) -> usize {
+    let grid = all.grid;
+    let is_far = |cell: [u32; 3]| grid.around(cell).all(|near| !some.filled[grid.index(near)]);
+    grid.iter().zip(&all.filled).filter(|&(cell, &filled)| filled && is_far(cell)).count()
+}
+
+fn opening(facts: &MeshFacts) -> String {
+    match facts.boundary_edges {
+        0 => "edges with an odd number of triangles".to_owned(),
+        1 => "1 boundary edge".to_owned(),
+        n => format!("{n} boundary edges"),
+    }
+}

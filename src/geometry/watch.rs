@@ -1,0 +1,66 @@
+//! How long work tells how far it is and hears that nobody wants it any more. Knows no progress bar and no thread.
+
+/// Someone who waits for long work. `()` waits in silence.
+pub trait Watch: Sync {
+    /// Hears how far the work is, 0..1, never falling.
+    fn progress(&self, _fraction: f64) {}
+
+    /// Whether the work should stop; it then returns its `Cancelled` error soon.
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+impl Watch for () {}
+
+/// Work in equal pieces whose order does not matter: counts them and passes the count on.
+pub(crate) struct Pieces<'a> {
+    watch: &'a dyn Watch,
+    done: std::sync::Mutex<usize>,
+    total: usize,
+    span: [f64; 2],
+}
+
+impl<'a> Pieces<'a> {
+    /// `total` pieces that lead from the first fraction of `span` to the second.
+    pub(crate) fn new(watch: &'a dyn Watch, total: usize, span: [f64; 2]) -> Self {
+        Self { watch, done: std::sync::Mutex::new(0), total, span }
+    }
+
+    /// One more piece is done. Whether to go on.
+    pub(crate) fn advance(&self) -> bool {
+        // A poisoned lock means that a watcher panicked elsewhere; the count is still good.
+        let mut done = self.done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        *done += 1;
+        let [start, end] = self.span;
+        self.watch.progress(start + (end - start) * (*done as f64 / self.total.max(1) as f64));
+        !self.watch.cancelled()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use super::*;
+
+    struct Log(Mutex<Vec<f64>>);
+
+    impl Watch for Log {
+        fn progress(&self, fraction: f64) {
+            self.0.lock().expect("no panic before").push(fraction);
+        }
+        fn cancelled(&self) -> bool {
+            self.0.lock().expect("no panic before").len() >= 2
+        }
+    }
+
+    #[test]
+    fn pieces_report_their_share_and_pass_a_cancel_on() {
+        let log = Log(Mutex::default());
+        let pieces = Pieces::new(&log, 4, [0.5, 1.0]);
+        assert_eq!([pieces.advance(), pieces.advance()], [true, false], "cancelled after the second");
+        assert_eq!(*log.0.lock().expect("no panic before"), [0.625, 0.75], "a quarter of the span each");
+        assert!(Pieces::new(&(), 1, [0.0, 1.0]).advance(), "nobody cancels in silence");
+    }
+}

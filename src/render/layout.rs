@@ -1,0 +1,148 @@
+//! Every struct that the program and the shaders share, each with a WGSL twin of the same name and the same members.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::view;
+
+/// `Frame` in `frame.wgsl`: what every drawing pass knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Frame {
+    /// World to clip space, column by column.
+    pub clip_from_world: [[f32; 4]; 4],
+    /// World to texture coordinates and depth of the shadow map.
+    pub shadow_from_world: [[f32; 4]; 4],
+    /// Where the eye is, m.
+    pub eye: [f32; 3],
+    /// White light from everywhere, 0..1.
+    pub ambient: f32,
+    /// Unit vector from the scene towards the light.
+    pub light_direction: [f32; 3],
+    /// Size of a texel of the shadow map, m.
+    pub shadow_texel: f32,
+    /// Linear red, green, blue times strength.
+    pub light_color: [f32; 3],
+    /// Distance that the depth of the shadow map spans, m.
+    pub shadow_span: f32,
+    /// Linear red, green, blue.
+    pub background_top: [f32; 3],
+    /// How opaque a full shadow on the ground is, 0..1.
+    pub shadow_opacity: f32,
+    /// Linear red, green, blue.
+    pub background_bottom: [f32; 3],
+    /// How opaque the strongest lines of the grid are, 0..1.
+    pub grid_opacity: f32,
+    /// Linear red, green, blue.
+    pub grid: [f32; 3],
+    /// Distance between strong lines of the grid, m.
+    pub grid_spacing: f32,
+    /// Linear red, green, blue.
+    pub obstacle: [f32; 3],
+    /// Distance at which the ground has faded out, m.
+    pub ground_radius: f32,
+    /// Linear red, green, blue.
+    pub obstacle_edge: [f32; 3],
+    /// A typical thickness of a body, m.
+    pub body_size: f32,
+    /// The point looked at, m.
+    pub camera_target: [f32; 3],
+    /// The scalar at the low end of the colour map.
+    pub color_low: f32,
+    /// One over the range of the colour map.
+    pub color_scale: f32,
+    /// 1 to show scalars, 0 to show bodies in their own colours.
+    pub show_scalars: u32,
+    /// Fills up to a multiple of 16 bytes.
+    pub padding: [u32; 2],
+}
+
+/// `SkinVertex` in `skin.wgsl`: see [`view::SkinVertex`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SkinVertex {
+    /// Indices into the particles of all bodies.
+    pub particles: [u32; 8],
+    /// Weights of the position.
+    pub position: [f32; 8],
+    /// Weights of the first tangent.
+    pub tangent_u: [f32; 8],
+    /// Weights of the second tangent.
+    pub tangent_v: [f32; 8],
+}
+
+impl From<&view::SkinVertex> for SkinVertex {
+    fn from(vertex: &view::SkinVertex) -> Self {
+        let view::SkinVertex { particles, position, tangent_u, tangent_v } = *vertex;
+        Self { particles, position, tangent_u, tangent_v }
+    }
+}
+
+/// `DeformedVertex` in `skin.wgsl`: a vertex of a skin where its particles have carried it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct DeformedVertex {
+    /// World coordinates, m.
+    pub position: [f32; 3],
+    /// The scalar shown.
+    pub scalar: f32,
+    /// Outward, of unit length; null where the surface has collapsed.
+    pub normal: [f32; 3],
+    /// Fills up to a multiple of 16 bytes.
+    pub padding: f32,
+}
+
+impl DeformedVertex {
+    /// The vertex inputs of `mesh.wgsl`; the first alone serves `shadow.wgsl`.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
+        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3];
+}
+
+/// The inputs of `mesh.wgsl` that are the same for a whole body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct BodyInstance {
+    /// Linear red, green, blue.
+    pub color: [f32; 3],
+}
+
+impl BodyInstance {
+    /// The vertex inputs of `mesh.wgsl`.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![3 => Float32x3];
+}
+
+/// A vertex of the unit square (in x and y) or the unit sphere.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SolidVertex {
+    /// Within −1..1.
+    pub position: [f32; 3],
+    /// Of unit length.
+    pub normal: [f32; 3],
+}
+
+impl SolidVertex {
+    /// The vertex inputs of `solid.wgsl`; the first alone serves `shadow.wgsl`.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
+}
+
+/// Where an obstacle is: the inputs of `solid.wgsl` that are the same for a whole obstacle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SolidInstance {
+    /// The middle, m.
+    pub center: [f32; 3],
+    /// Where the shape's x axis ends, m from the middle.
+    pub axis_x: [f32; 3],
+    /// Where the shape's y axis ends, m from the middle.
+    pub axis_y: [f32; 3],
+    /// Where the shape's z axis ends, m from the middle.
+    pub axis_z: [f32; 3],
+    /// Half the sides of a plane, m; 0 for a sphere.
+    pub half_extents: [f32; 2],
+}
+
+impl SolidInstance {
+    /// The vertex inputs of `solid.wgsl`; all but the last serve `shadow.wgsl`.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 5] =
+        wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32x3, 4 => Float32x3, 5 => Float32x3, 6 => Float32x2];
+}

@@ -1,0 +1,33 @@
+//! The grid on the ground and the shadows that fall on it.
+
+use super::{Drawing, drawing_pipeline};
+use crate::render::shader;
+
+/// Draws the ground.
+#[derive(Debug)]
+pub(in crate::render) struct GroundPass {
+    pipeline: wgpu::RenderPipeline,
+}
+
+impl GroundPass {
+    pub(in crate::render) fn new(
+        device: &wgpu::Device,
+        format: wgpu::TextureFormat,
+        layouts: &[Option<&wgpu::BindGroupLayout>],
+    ) -> Self {
+        let drawing = Drawing {
+            shader: shader::GROUND,
+            layouts,
+            buffers: &[],
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            writes_depth: false,
+            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+        };
+        Self { pipeline: drawing_pipeline(device, format, &drawing) }
+    }
+
+    pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_pipeline(&self.pipeline);
+        pass.draw(0..4, 0..1);
+    }
+}

@@ -1,0 +1,69 @@
+//! The passes of a frame: one file each, beside the WGSL file of the same name.
+
+pub(super) mod background;
+pub(super) mod ground;
+pub(super) mod mesh;
+pub(super) mod shadow;
+pub(super) mod skin;
+pub(super) mod solid;
+
+use super::shader::Shader;
+use super::target::{DEPTH_FORMAT, SAMPLES};
+
+/// What a pipeline that draws into the picture differs in.
+struct Drawing<'a> {
+    shader: Shader,
+    layouts: &'a [Option<&'a wgpu::BindGroupLayout>],
+    buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    topology: wgpu::PrimitiveTopology,
+    writes_depth: bool,
+    blend: Option<wgpu::BlendState>,
+}
+
+/// A pipeline from entry point `vertex` to entry point `fragment`; nearer (greater) depth wins.
+fn drawing_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat, drawing: &Drawing<'_>) -> wgpu::RenderPipeline {
+    let module = drawing.shader.module(device);
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(drawing.shader.name),
+        bind_group_layouts: drawing.layouts,
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(drawing.shader.name),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: drawing.buffers,
+        },
+        primitive: wgpu::PrimitiveState { topology: drawing.topology, ..Default::default() },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(drawing.writes_depth),
+            depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fragment"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format,
+                blend: drawing.blend,
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn vertex_layout<T>(
+    step_mode: wgpu::VertexStepMode,
+    attributes: &[wgpu::VertexAttribute],
+) -> Option<wgpu::VertexBufferLayout<'_>> {
+    Some(wgpu::VertexBufferLayout { array_stride: size_of::<T>() as u64, step_mode, attributes })
+}

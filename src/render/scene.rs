@@ -1,0 +1,210 @@
+//! What lies on the device between frames: particles, scalars and skins, uploaded only when they are new.
+
+use std::sync::Arc;
+
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+use super::error::RenderError;
+use super::layout::{DeformedVertex, SkinVertex};
+use super::passes::skin::SkinPass;
+use super::renderer::FrameCounters;
+use crate::view::{DrawList, Skin};
+
+/// What lies on the device between frames.
+#[derive(Debug, Default)]
+pub(super) struct SceneBuffers {
+    particles: Option<Uploaded<Vec<[f32; 3]>>>,
+    scalars: Option<Uploaded<Vec<f32>>>,
+    /// Stands in where no scalars are shown.
+    no_scalars: Option<wgpu::Buffer>,
+    /// One per skin of the last draw list, in its order.
+    pub(super) skins: Vec<SkinBuffers>,
+}
+
+/// Data on the device, and where it came from.
+#[derive(Debug)]
+struct Uploaded<T> {
+    source: Arc<T>,
+    buffer: wgpu::Buffer,
+}
+
+/// A skin on the device.
+#[derive(Debug)]
+pub(super) struct SkinBuffers {
+    source: Arc<Skin>,
+    particles_needed: usize,
+    vertices: wgpu::Buffer,
+    /// [`DeformedVertex`] by [`DeformedVertex`].
+    pub(super) deformed: wgpu::Buffer,
+    /// Three a triangle.
+    pub(super) indices: wgpu::Buffer,
+    /// How many indices there are.
+    pub(super) index_count: u32,
+    /// How many vertices there are.
+    pub(super) vertex_count: u32,
+    /// Names the buffers to the skin pass; none until particles are there.
+    pub(super) bind_group: Option<wgpu::BindGroup>,
+}
+
+impl SceneBuffers {
+    /// Brings the device up to date with a draw list; true when skins have to be deformed anew.
+    pub(super) fn update(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        pass: &SkinPass,
+        draw_list: &DrawList,
+        counters: &mut FrameCounters,
+    ) -> Result<bool, RenderError> {
+        check(device, draw_list)?;
+        let new_skins = self.update_skins(device, draw_list, counters)?;
+        let (moved, moved_buffer) =
+            upload(device, queue, "particles", &mut self.particles, &draw_list.particles, &mut counters.particle_bytes);
+        let (colored, colored_buffer) = match &draw_list.scalars {
+            None => {
+                let had_scalars = self.scalars.take().is_some();
+                (had_scalars, had_scalars)
+            }
+            Some(scalars) => upload(device, queue, "scalars", &mut self.scalars, scalars, &mut counters.scalar_bytes),
+        };
+        if new_skins || moved_buffer || colored_buffer {
+            self.bind(device, pass);
+        }
+        Ok(new_skins || moved || colored)
+    }
+
+    fn update_skins(
+        &mut self,
+        device: &wgpu::Device,
+        draw_list: &DrawList,
+        counters: &mut FrameCounters,
+    ) -> Result<bool, RenderError> {
+        let mut old = std::mem::take(&mut self.skins);
+        let mut changed = old.len() != draw_list.skins.len();
+        let given = draw_list.particles.len();
+        for (place, instance) in draw_list.skins.iter().enumerate() {
+            let known = old.iter().position(|skin| Arc::ptr_eq(&skin.source, &instance.skin));
+            changed |= known.is_none() || place > 0 && known != Some(0);
+            let skin = match known {
+                Some(index) => old.remove(index),
+                None => SkinBuffers::new(device, &instance.skin, counters)?,
+            };
+            let needed = skin.particles_needed;
+            self.skins.push(skin);
+            if needed > given {
+                return Err(RenderError::MissingParticles { needed, given });
+            }
+        }
+        Ok(changed)
+    }
+
+    fn bind(&mut self, device: &wgpu::Device, pass: &SkinPass) {
+        let no_scalars = self.no_scalars.get_or_insert_with(|| {
+            device.create_buffer_init(&BufferInitDescriptor {
+                label: Some("no scalars"),
+                contents: &[0; 4],
+                usage: wgpu::BufferUsages::STORAGE,
+            })
+        });
+        let scalars = self.scalars.as_ref().map_or(&*no_scalars, |scalars| &scalars.buffer);
+        for skin in &mut self.skins {
+            skin.bind_group = self
+                .particles
+                .as_ref()
+                .map(|particles| pass.bind(device, [&particles.buffer, scalars, &skin.vertices, &skin.deformed]));
+        }
+    }
+}
+
+impl SkinBuffers {
+    fn new(device: &wgpu::Device, skin: &Arc<Skin>, counters: &mut FrameCounters) -> Result<Self, RenderError> {
+        let limit = storage_limit(device);
+        let bytes = (skin.vertices.len() * size_of::<SkinVertex>()) as u64;
+        let most = u64::from(SkinPass::MOST_VERTICES) * size_of::<SkinVertex>() as u64;
+        let index_bytes = (skin.triangles.len() * size_of::<[u32; 3]>()) as u64;
+        if bytes > limit.min(most) {
+            return Err(RenderError::TooMuch { what: "vertices of a skin", bytes, limit: limit.min(most) });
+        }
+        if index_bytes > device.limits().max_buffer_size {
+            let limit = device.limits().max_buffer_size;
+            return Err(RenderError::TooMuch { what: "triangles of a skin", bytes: index_bytes, limit });
+        }
+        let vertices: Vec<SkinVertex> = skin.vertices.iter().map(SkinVertex::from).collect();
+        let filled = |label, contents: &[u8], usage| {
+            // A skin without triangles is drawn as nothing, but a buffer has to hold something.
+            let contents = if contents.is_empty() { &[0; size_of::<SkinVertex>()] } else { contents };
+            device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+        };
+        let deformed = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("deformed skin"),
+            size: (vertices.len().max(1) * size_of::<DeformedVertex>()) as u64,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        counters.static_bytes += bytes + index_bytes;
+        Ok(Self {
+            source: Arc::clone(skin),
+            particles_needed: skin.particles_needed(),
+            vertices: filled("skin", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::STORAGE),
+            deformed,
+            indices: filled("triangles", bytemuck::cast_slice(&skin.triangles), wgpu::BufferUsages::INDEX),
+            index_count: count(skin.triangles.len() * 3),
+            vertex_count: count(skin.vertices.len()),
+            bind_group: None,
+        })
+    }
+}
+
+/// Uploads where the source is another one than last frame's: (whether it was, whether the buffer is a new one).
+fn upload<T: bytemuck::NoUninit>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    slot: &mut Option<Uploaded<Vec<T>>>,
+    source: &Arc<Vec<T>>,
+    bytes_counted: &mut u64,
+) -> (bool, bool) {
+    if slot.as_ref().is_some_and(|uploaded| Arc::ptr_eq(&uploaded.source, source)) {
+        return (false, false);
+    }
+    let bytes: &[u8] = bytemuck::cast_slice(source.as_slice());
+    *bytes_counted += bytes.len() as u64;
+    match slot {
+        Some(uploaded) if uploaded.buffer.size() == bytes.len() as u64 => {
+            queue.write_buffer(&uploaded.buffer, 0, bytes);
+            uploaded.source = Arc::clone(source);
+            (true, false)
+        }
+        _ => {
+            let contents = if bytes.is_empty() { &[0; 16] } else { bytes };
+            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+            let buffer = device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage });
+            *slot = Some(Uploaded { source: Arc::clone(source), buffer });
+            (true, true)
+        }
+    }
+}
+
+fn check(device: &wgpu::Device, draw_list: &DrawList) -> Result<(), RenderError> {
+    let particles = draw_list.particles.len();
+    let (bytes, limit) = ((particles * size_of::<[f32; 3]>()) as u64, storage_limit(device));
+    if bytes > limit {
+        return Err(RenderError::TooMuch { what: "particles", bytes, limit });
+    }
+    match &draw_list.scalars {
+        Some(scalars) if scalars.len() != particles => {
+            Err(RenderError::ScalarCount { scalars: scalars.len(), particles })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn storage_limit(device: &wgpu::Device) -> u64 {
+    let limits = device.limits();
+    limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "limits of the device, checked before, are below 2^32")]
+fn count(length: usize) -> u32 {
+    length as u32
+}

@@ -1,0 +1,48 @@
+//! The table of shaders: one file a pass, some with shared declarations put in front.
+
+use std::borrow::Cow;
+
+const FRAME: &str = include_str!("../../shaders/frame.wgsl");
+const LIGHTING: &str = include_str!("../../shaders/lighting.wgsl");
+
+/// A shader module.
+#[derive(Clone, Copy, Debug)]
+pub struct Shader {
+    /// The pass it belongs to and the name of its file.
+    pub name: &'static str,
+    /// The parts of its source, in order.
+    parts: &'static [&'static str],
+}
+
+/// Carries skins along with their particles.
+pub const SKIN: Shader = Shader { name: "skin", parts: &[include_str!("../../shaders/skin.wgsl")] };
+/// Depth as the light sees it.
+pub const SHADOW: Shader = Shader { name: "shadow", parts: &[FRAME, include_str!("../../shaders/shadow.wgsl")] };
+/// Obstacles.
+pub const SOLID: Shader = Shader { name: "solid", parts: &[FRAME, LIGHTING, include_str!("../../shaders/solid.wgsl")] };
+/// Jelly.
+pub const MESH: Shader = Shader { name: "mesh", parts: &[FRAME, LIGHTING, include_str!("../../shaders/mesh.wgsl")] };
+/// The gradient behind everything.
+pub const BACKGROUND: Shader =
+    Shader { name: "background", parts: &[FRAME, include_str!("../../shaders/background.wgsl")] };
+/// The grid and the shadows on the ground.
+pub const GROUND: Shader =
+    Shader { name: "ground", parts: &[FRAME, LIGHTING, include_str!("../../shaders/ground.wgsl")] };
+
+/// Every shader, in the order in which passes run.
+pub const ALL: [Shader; 6] = [SKIN, SHADOW, SOLID, MESH, BACKGROUND, GROUND];
+
+impl Shader {
+    /// The whole source.
+    pub fn source(&self) -> String {
+        self.parts.join("\n")
+    }
+
+    /// Compiles it on a device.
+    pub(super) fn module(&self, device: &wgpu::Device) -> wgpu::ShaderModule {
+        device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(self.name),
+            source: wgpu::ShaderSource::Wgsl(Cow::Owned(self.source())),
+        })
+    }
+}

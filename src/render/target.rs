@@ -1,0 +1,66 @@
+//! What is drawn into before the finished picture: antialiased colour and depth, and the sizes that are possible.
+
+use super::error::RenderError;
+
+/// Samples a pixel.
+pub const SAMPLES: u32 = 4;
+/// The format of depth; see [`crate::view::camera`] for why it is floating-point.
+pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Antialiased colour and depth of one size.
+#[derive(Debug)]
+pub struct Target {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// [`SAMPLES`] colours a pixel.
+    pub color: wgpu::TextureView,
+    /// [`SAMPLES`] depths a pixel.
+    pub depth: wgpu::TextureView,
+}
+
+impl Target {
+    /// Textures for pictures of `size` pixels.
+    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat, size: [u32; 2]) -> Result<Self, RenderError> {
+        check_size(device, size)?;
+        let texture = |label, format| attachment(device, label, format, size, SAMPLES, wgpu::TextureUsages::empty());
+        let view = |texture: wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        Ok(Self { size, color: view(texture("color", format)), depth: view(texture("depth", DEPTH_FORMAT)) })
+    }
+}
+
+/// Whether a device can draw a picture of `size` pixels.
+pub fn check_size(device: &wgpu::Device, [width, height]: [u32; 2]) -> Result<(), RenderError> {
+    let limits = device.limits();
+    let limit = limits.max_texture_dimension_2d;
+    let bytes = u64::from(width) * u64::from(height) * u64::from(4 * SAMPLES);
+    if width == 0 || height == 0 {
+        Err(RenderError::EmptySize { width, height })
+    } else if width > limit || height > limit {
+        Err(RenderError::HugeSize { width, height, limit })
+    } else if bytes > limits.max_buffer_size {
+        Err(RenderError::TooMuch { what: "pixels", bytes, limit: limits.max_buffer_size })
+    } else {
+        Ok(())
+    }
+}
+
+/// A texture that is drawn into.
+pub(super) fn attachment(
+    device: &wgpu::Device,
+    label: &str,
+    format: wgpu::TextureFormat,
+    [width, height]: [u32; 2],
+    sample_count: u32,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    })
+}

@@ -1,0 +1,116 @@
+//! One frame as plain data: what the session makes and the renderer consumes.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::{Camera, Colormap, Skin, Style};
+use crate::math::Aabb;
+
+/// Everything that is in a picture. Skins rarely change; particles and scalars change every frame, and an `Arc` that
+/// is the same as last frame's is not uploaded again.
+#[derive(Clone, Debug, Default)]
+pub struct DrawList {
+    /// Where the eye is.
+    pub camera: Camera,
+    /// The directional light.
+    pub light: Light,
+    /// The colours of everything else.
+    pub style: Style,
+    /// One per visible body.
+    pub skins: Vec<SkinInstance>,
+    /// Positions of the particles of all bodies, m; skins refer to them by index.
+    pub particles: Arc<Vec<[f32; 3]>>,
+    /// One value per particle, shown through the colour map; `None` shows every body in its own colour.
+    pub scalars: Option<Arc<Vec<f32>>>,
+    /// The scalars at the two ends of the colour map.
+    pub color_range: [f32; 2],
+    /// The colours of scalars.
+    pub colormap: Colormap,
+    /// Obstacles.
+    pub solids: Vec<Solid>,
+}
+
+/// A body's surface.
+#[derive(Clone, Debug)]
+pub struct SkinInstance {
+    /// How the surface follows the particles.
+    pub skin: Arc<Skin>,
+    /// Linear red, green, blue.
+    pub color: [f32; 3],
+}
+
+/// A light infinitely far away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// From the scene towards the light; any length but zero.
+    pub direction: Vec3,
+    /// Linear red, green, blue times strength.
+    pub color: [f32; 3],
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self { direction: Vec3::new(0.45, 1.0, 0.6), color: [1.0; 3] }
+    }
+}
+
+/// An obstacle's form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Solid {
+    /// A two-sided rectangle `center ± half_extents[0] axes[0] ± half_extents[1] axes[1]`.
+    Plane {
+        /// The middle, m.
+        center: Vec3,
+        /// The directions of its sides; unit length, at right angles.
+        axes: [Vec3; 2],
+        /// Half its sides, m.
+        half_extents: [f32; 2],
+    },
+    /// A ball.
+    Sphere {
+        /// The middle, m.
+        center: Vec3,
+        /// The radius, m.
+        radius: f32,
+    },
+}
+
+impl Solid {
+    /// The smallest box around it, m.
+    pub fn bounds(&self) -> Aabb<f32> {
+        let (center, reach) = match *self {
+            Self::Plane { center, axes: [u, v], half_extents: [a, b] } => (center, u.abs() * a + v.abs() * b),
+            Self::Sphere { center, radius } => (center, Vec3::splat(radius)),
+        };
+        Aabb { min: center - reach, max: center + reach }
+    }
+}
+
+impl DrawList {
+    /// The smallest box around all finite particles, m; empty when there is none.
+    pub fn body_bounds(&self) -> Aabb<f32> {
+        Aabb::around(self.particles.iter().map(|&point| Vec3::from(point)).filter(|point| point.is_finite()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tilted_plane_reaches_as_far_as_its_corners() {
+        let tilted = Vec3::new(0.6, 0.8, 0.0);
+        let plane = Solid::Plane { center: Vec3::Y, axes: [tilted, Vec3::Z], half_extents: [5.0, 2.0] };
+        let bounds = plane.bounds();
+        assert!(bounds.min.distance(Vec3::new(-3.0, -3.0, -2.0)) < 1e-5, "lowest corner {}", bounds.min);
+        assert!(bounds.max.distance(Vec3::new(3.0, 5.0, 2.0)) < 1e-5, "highest corner {}", bounds.max);
+    }
+
+    #[test]
+    fn particles_that_flew_to_infinity_do_not_spoil_the_bounds() {
+        let particles = Arc::new(vec![[0.0, 1.0, 2.0], [f32::NAN, 0.0, 0.0], [1.0, f32::INFINITY, 0.0]]);
+        let bounds = DrawList { particles, ..DrawList::default() }.body_bounds();
+        assert_eq!(bounds.min, bounds.max, "one finite particle is left");
+    }
+}
