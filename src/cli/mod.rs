@@ -1,1 +1,70 @@
-//! The command line.
+//! The command line: `gelatin [SCENE]` opens the window, the subcommands work without one. Figures go to standard
+//! output, messages and progress bars to standard error; exit code 0, 1 when the work failed, 2 for wrong usage.
+
+mod check;
+mod failure;
+mod out;
+mod presets;
+mod scene_args;
+mod voxelize;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+pub use failure::Failure;
+
+/// An interactive sandbox for soft bodies.
+#[derive(Debug, Parser)]
+#[command(name = "gelatin", version, args_conflicts_with_subcommands = true)]
+struct Arguments {
+    /// A preset's name, a .ron scene or a model file to open in the window.
+    scene: Option<OsString>,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// List the scenes that the program carries, and everything that can be set.
+    Presets(presets::PresetsArgs),
+    /// Fill a model with cells and say what came of it.
+    Voxelize(voxelize::VoxelizeArgs),
+    /// Parse and validate a scene and say how large it is.
+    Check(check::CheckArgs),
+}
+
+/// Runs the program with its arguments, the program's name first. Reports a failure as one line on standard error.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version come here too; a closed pipe is nobody's fault.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { Failure::USAGE } else { 0 });
+        }
+    };
+    match dispatch(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            out::note(&format!("error: {failure}"));
+            ExitCode::from(failure.code())
+        }
+    }
+}
+
+fn dispatch(arguments: Arguments) -> Result<(), Failure> {
+    match arguments.command {
+        None => window(arguments.scene),
+        Some(Command::Presets(args)) => presets::run(&args),
+        Some(Command::Voxelize(args)) => voxelize::run(&args),
+        Some(Command::Check(args)) => check::run(&args),
+    }
+}
+
+fn window(scene: Option<OsString>) -> Result<(), Failure> {
+    let opened = scene_args::open(&scene.unwrap_or_else(|| crate::scene::presets::DEFAULT.into()))?;
+    let _ = opened;
+    Ok(())
+}

@@ -2,8 +2,15 @@
 //! undone; it is never simulated. [`crate::physics::compile`] turns it into a constant model and a first state.
 
 pub mod body;
+pub mod builtin;
+pub mod edit;
+pub mod file;
 pub mod material;
 pub mod obstacle;
+pub mod param;
+pub mod path;
+pub mod presets;
+pub mod resolve;
 pub mod settings;
 pub mod view_settings;
 

@@ -140,7 +140,9 @@ struct ObstacleFile {
 
 impl Default for ObstacleFile {
     fn default() -> Self {
-        Self { plane: None, ..Obstacle::default().into() }
+        let mut file: Self = Obstacle::default().into();
+        file.plane = None;
+        file
     }
 }
 

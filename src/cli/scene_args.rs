@@ -1,0 +1,114 @@
+//! Which scene a command works on: a preset, a scene file or a model, with values set on the command line.
+
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, anyhow};
+use clap::Args;
+
+use super::Failure;
+use crate::geometry::Watch;
+use crate::scene::resolve::{Jelly, resolve};
+use crate::scene::{Scene, file, param, path, presets};
+
+/// The scene and what is set on it.
+#[derive(Debug, Args)]
+pub(super) struct SceneArgs {
+    /// A preset's name, a .ron scene or a model file.
+    scene: OsString,
+    /// Set a value of the scene (see `gelatin presets --params`); may be given again.
+    #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
+    set: Vec<String>,
+    /// The step, s.
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
+    dt: Option<String>,
+    /// The scheme that advances a step.
+    #[arg(long, value_parser = ["semi-implicit"])]
+    integrator: Option<String>,
+    /// Whether steps are divided so that they stay stable.
+    #[arg(long, value_parser = ["auto", "manual"])]
+    stepping: Option<String>,
+    /// Worker threads; 0 takes all cores.
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    threads: u16,
+}
+
+/// A scene that is open.
+#[derive(Debug)]
+pub(super) struct Opened {
+    /// The scene; all its values are within their ranges.
+    pub(super) scene: Scene,
+    /// A preset's name or a file's.
+    pub(super) title: String,
+    /// The folder that relative model paths start at.
+    pub(super) base_dir: PathBuf,
+}
+
+impl SceneArgs {
+    /// Opens the scene, sets the values and starts the worker threads.
+    pub(super) fn open(&self) -> Result<Opened, Failure> {
+        let mut opened = open(&self.scene)?;
+        let options = [
+            ("settings.dt", &self.dt),
+            ("settings.integrator", &self.integrator),
+            ("settings.stepping", &self.stepping),
+        ];
+        for (name, value) in options {
+            if let Some(value) = value {
+                path::set(&mut opened.scene, name, value).map_err(Failure::usage)?;
+            }
+        }
+        for assignment in &self.set {
+            let (name, value) = assignment
+                .split_once('=')
+                .ok_or_else(|| Failure::usage(anyhow!("--set {assignment} has no value; write --set PATH=VALUE")))?;
+            path::set(&mut opened.scene, name, value).map_err(Failure::usage)?;
+        }
+        if let Some(problem) = param::validate(&opened.scene).first() {
+            return Err(Failure::usage(anyhow!("{problem}")));
+        }
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(usize::from(self.threads))
+            .build_global()
+            .context("the worker threads cannot be started")?;
+        Ok(opened)
+    }
+}
+
+/// Builds the lattice of every body.
+pub(super) fn resolve_bodies(opened: &Opened, watch: &dyn Watch) -> anyhow::Result<Vec<Jelly>> {
+    let bodies = opened.scene.bodies.iter().enumerate();
+    let resolved = bodies.map(|(index, body)| {
+        resolve(&body.shape, &opened.base_dir, watch).with_context(|| format!("bodies.{index}.shape"))
+    });
+    resolved.collect()
+}
+
+/// Opens a preset, a scene file or a model.
+pub(super) fn open(given: &OsStr) -> Result<Opened, Failure> {
+    let path = Path::new(given);
+    let shown = path.display();
+    if let Some(preset) = given.to_str().and_then(presets::preset) {
+        let (title, base_dir) = (preset.name.to_owned(), PathBuf::from("."));
+        return Ok(Opened { scene: (preset.build)(), title, base_dir });
+    }
+    if !path.exists() {
+        let names: Vec<&str> = presets::presets().iter().map(|preset| preset.name).collect();
+        let error = anyhow!("there is no file and no preset called {shown:?}; the presets are {}", names.join(", "));
+        // A name with an ending or a folder was meant as a file: its absence is no slip of the command line.
+        let meant_as_file = path.extension().is_some() || path.components().count() > 1;
+        return Err(if meant_as_file { Failure::Work(error) } else { Failure::usage(error) });
+    }
+    if path.is_dir() {
+        return Err(anyhow!("{shown} is a folder; give a preset's name, a .ron scene or a model file").into());
+    }
+    let title = path.file_name().unwrap_or(given).to_string_lossy().into_owned();
+    let is_scene = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron"));
+    let scene = if is_scene {
+        Scene::load(path)?
+    } else {
+        let name = path.file_name().and_then(OsStr::to_str);
+        presets::drop_model(name.with_context(|| format!("{shown}: the file's name is not UTF-8; rename it"))?)
+    };
+    Ok(Opened { scene, title, base_dir: file::folder_of(path) })
+}

@@ -1,0 +1,177 @@
+//! `gelatin voxelize`: fills a model with cells and says what came of it.
+
+use std::ffi::OsString;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+use serde_json::json;
+
+use super::Failure;
+use super::out::{self, Progress};
+use crate::geometry::voxel::{Cells, Keep, MAX_DIVISIONS, OccupancyChoice, VoxelReport, VoxelizeOptions, voxelize};
+use crate::scene::resolve;
+
+/// The model and how it is filled.
+#[derive(Debug, Args)]
+pub(super) struct VoxelizeArgs {
+    /// The model file.
+    model: OsString,
+    /// Cells along the longest extent.
+    #[arg(long, default_value_t = 20, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DIVISIONS)))]
+    divisions: u32,
+    /// Which cells are filled.
+    #[arg(long, value_enum, default_value_t = Occupancy::Auto)]
+    occupancy: Occupancy,
+    /// Which connected pieces of the cells are kept.
+    #[arg(long, value_enum, default_value_t = KeepWord::Largest)]
+    keep: KeepWord,
+    /// Write the outer faces of the cells to an OBJ file, in the model's own coordinates.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Occupancy {
+    Auto,
+    Centre,
+    Surface,
+    Solid,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum KeepWord {
+    All,
+    Largest,
+}
+
+/// Fills the model and prints the report.
+pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
+    if let Some(path) = &args.output {
+        out::check_writable(path)?;
+    }
+    let shown = Path::new(&args.model).display().to_string();
+    let model = args.model.to_str().with_context(|| format!("{shown}: the name is not UTF-8; rename the file"))?;
+    let options = VoxelizeOptions {
+        divisions: args.divisions,
+        occupancy: match args.occupancy {
+            Occupancy::Auto => OccupancyChoice::Auto,
+            Occupancy::Centre => OccupancyChoice::Centre,
+            Occupancy::Surface => OccupancyChoice::Surface,
+            Occupancy::Solid => OccupancyChoice::Solid,
+        },
+        keep: match args.keep {
+            KeepWord::All => Keep::All,
+            KeepWord::Largest => Keep::Largest,
+        },
+    };
+    let started = Instant::now();
+    let progress = Progress::new("filling");
+    let imported = resolve::load_model(model, Path::new(""), &progress)?;
+    let filled = voxelize(&imported.mesh, &options, &progress).with_context(|| shown.clone())?;
+    drop(progress);
+    let wall_secs = started.elapsed().as_secs_f64();
+    if let Some(path) = &args.output {
+        out::write(path, outer_faces(&filled.cells).as_bytes())?;
+    }
+    let mut report = filled.report;
+    report.warnings.splice(0..0, imported.warnings);
+    if args.json {
+        let mut object = serde_json::to_value(&report)?;
+        object["model"] = json!(shown);
+        object["wall_secs"] = json!(wall_secs);
+        out::json(&object)?;
+    } else {
+        out::figures(&text(&shown, &report, wall_secs))?;
+        for warning in &report.warnings {
+            out::note(&format!("warning: {warning}"));
+        }
+    }
+    Ok(())
+}
+
+fn text(model: &str, report: &VoxelReport, wall_secs: f64) -> String {
+    let closed = if report.closed { "closed" } else { "open" };
+    let occupancy = format!("{:?}", report.occupancy).to_lowercase();
+    format!(
+        "{model}: {} vertices, {} triangles, {closed} ({} boundary edges), {} parts\n\
+         {occupancy} occupancy: {}\n\
+         {} divisions, cell size {} → {} cells, {} particles, {} links\n\
+         {} components, {} cells dropped, {} parts joined, {} parts thinner than a cell\n\
+         {wall_secs:.3} s",
+        report.vertices,
+        report.triangles,
+        report.boundary_edges,
+        report.parts,
+        report.why,
+        report.divisions,
+        report.cell_size_m,
+        report.cells,
+        report.particles,
+        report.links,
+        report.components,
+        report.dropped_cells,
+        report.joined_parts,
+        report.thin_parts,
+    )
+}
+
+/// The faces between filled cells and empty ones as an OBJ file: quads, counter-clockwise from outside, corners
+/// shared.
+fn outer_faces(cells: &Cells) -> String {
+    /// The corners of the face towards −x, and the axes of the other faces by turning them cyclically.
+    const LOW: [[u32; 3]; 4] = [[0, 0, 0], [0, 0, 1], [0, 1, 1], [0, 1, 0]];
+    let grid = cells.grid;
+    let [nx, ny, _] = grid.dims.map(|n| n as usize + 1);
+    let mut names = vec![0_u32; grid.dims.iter().map(|&n| n as usize + 1).product()];
+    let (mut vertices, mut faces, mut count) = (String::new(), String::new(), 0);
+    for cell in grid.iter().filter(|&cell| cells.filled[grid.index(cell)]) {
+        for (axis, high) in (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]) {
+            let mut next = cell;
+            next[axis] = if high == 1 { cell[axis] + 1 } else { cell[axis].wrapping_sub(1) };
+            if next[axis] < grid.dims[axis] && cells.filled[grid.index(next)] {
+                continue;
+            }
+            let mut face = LOW.map(|mut corner| {
+                corner[0] += high;
+                corner.rotate_right(axis);
+                let corner = [0, 1, 2].map(|axis| cell[axis] + corner[axis]);
+                let name = &mut names[corner[0] as usize + nx * (corner[1] as usize + ny * corner[2] as usize)];
+                if *name == 0 {
+                    count += 1;
+                    *name = count;
+                    let p = grid.corner(corner);
+                    // Writing to a string cannot fail.
+                    let _ = writeln!(vertices, "v {} {} {}", p.x, p.y, p.z);
+                }
+                *name
+            });
+            if high == 1 {
+                face.reverse();
+            }
+            let _ = writeln!(faces, "f {} {} {} {}", face[0], face[1], face[2], face[3]);
+        }
+    }
+    format!("# The outer faces of {} cells, written by gelatin.\n{vertices}{faces}", cells.count())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::import::parse_obj;
+
+    #[test]
+    fn the_outer_faces_close_around_the_volume_of_the_cells() {
+        let cells = Cells::from_list(&[[0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1]], 0.5).expect("four cells");
+        let mesh = parse_obj(outer_faces(&cells).as_bytes(), "cells.obj").expect("an OBJ file").mesh;
+        assert!(mesh.facts().closed, "no hole");
+        let six_volumes: f64 =
+            (0..mesh.triangles.len()).map(|at| mesh.corners(at)).map(|[a, b, c]| a.dot(b.cross(c))).sum();
+        assert!((six_volumes / 6.0 - 0.5).abs() < 1e-12, "four times an eighth, facing outward: {six_volumes}");
+    }
+}

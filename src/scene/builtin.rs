@@ -1,0 +1,16 @@
+//! The model files that the program carries, so that presets need no file beside it.
+
+/// What a model path starts with when it names one of these.
+pub const PREFIX: &str = "builtin:";
+
+/// Every model carried: its name and the bytes of its OBJ file.
+pub const MODELS: &[(&str, &[u8])] = &[
+    ("coupler.obj", include_bytes!("../../assets/coupler.obj")),
+    ("spot.obj", include_bytes!("../../assets/spot.obj")),
+    ("tree.obj", include_bytes!("../../assets/tree.obj")),
+];
+
+/// The bytes of a carried model by its name, without [`PREFIX`].
+pub fn model(name: &str) -> Option<&'static [u8]> {
+    MODELS.iter().find(|(carried, _)| *carried == name).map(|(_, bytes)| *bytes)
+}

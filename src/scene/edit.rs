@@ -1,0 +1,254 @@
+//! Changing a scene: every edit replaces, inserts or removes one node of the document, so that its inverse is an edit
+//! of the same kind and a later edit of the same node stands for both. Knows nothing of how a change is carried out;
+//! it only says how deep it goes ([`Impact`]).
+
+use thiserror::Error;
+
+use super::param::{self, Problem};
+use super::{Body, Obstacle, Scene, Settings, ViewSettings};
+
+/// A body's place in [`Scene::bodies`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct BodyId(pub usize);
+
+/// An obstacle's place in [`Scene::obstacles`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ObstacleId(pub usize);
+
+/// One change of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Edit {
+    /// Replaces the settings.
+    Settings(Settings),
+    /// Replaces how the scene is looked at.
+    View(ViewSettings),
+    /// Replaces a body.
+    Body(BodyId, Box<Body>),
+    /// Inserts a body; the ones from this place on move up. The place after the last one is allowed.
+    InsertBody(BodyId, Box<Body>),
+    /// Removes a body; the ones after it move down.
+    RemoveBody(BodyId),
+    /// Replaces an obstacle.
+    Obstacle(ObstacleId, Box<Obstacle>),
+    /// Inserts an obstacle; the ones from this place on move up. The place after the last one is allowed.
+    InsertObstacle(ObstacleId, Box<Obstacle>),
+    /// Removes an obstacle; the ones after it move down.
+    RemoveObstacle(ObstacleId),
+}
+
+/// How deep a change goes; a deeper one includes all before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Impact {
+    /// Only the picture or a name changes.
+    Appearance,
+    /// Constants of the model change; the motion goes on.
+    Parameters,
+    /// A body's start changes: it moves there; nothing is rebuilt.
+    Motion,
+    /// Particles, links or pins change: the model is compiled anew.
+    Topology,
+}
+
+/// What applying an edit did.
+#[derive(Clone, Debug, PartialEq)]
+#[must_use = "the inverse is the only way back"]
+pub struct Applied {
+    /// The edit that takes the change back, exactly.
+    pub inverse: Edit,
+    /// How deep the change goes.
+    pub impact: Impact,
+}
+
+/// Why an edit was refused. The scene is then unchanged.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum EditError {
+    /// The body does not exist.
+    #[error("there is no body {}: the scene has {count}", id.0)]
+    NoSuchBody {
+        /// The body asked for.
+        id: BodyId,
+        /// How many there are.
+        count: usize,
+    },
+    /// The obstacle does not exist.
+    #[error("there is no obstacle {}: the scene has {count}", id.0)]
+    NoSuchObstacle {
+        /// The obstacle asked for.
+        id: ObstacleId,
+        /// How many there are.
+        count: usize,
+    },
+    /// A value is not allowed.
+    #[error("{0}")]
+    BadValue(Problem),
+}
+
+impl Scene {
+    /// Applies an edit; on an error nothing changes.
+    pub fn apply(&mut self, edit: Edit) -> Result<Applied, EditError> {
+        self.check(&edit)?;
+        let (inverse, impact) = match edit {
+            Edit::Settings(settings) => {
+                let impact = leaf_impact(self.settings != settings, Impact::Parameters);
+                (Edit::Settings(std::mem::replace(&mut self.settings, settings)), impact)
+            }
+            Edit::View(view) => (Edit::View(std::mem::replace(&mut self.view, view)), Impact::Appearance),
+            Edit::Body(id, body) => {
+                let impact = body_impact(&self.bodies[id.0], &body);
+                let old = std::mem::replace(&mut self.bodies[id.0], *body);
+                (Edit::Body(id, Box::new(old)), impact)
+            }
+            Edit::InsertBody(id, body) => {
+                self.bodies.insert(id.0, *body);
+                (Edit::RemoveBody(id), Impact::Topology)
+            }
+            Edit::RemoveBody(id) => {
+                let old = self.bodies.remove(id.0);
+                (Edit::InsertBody(id, Box::new(old)), Impact::Topology)
+            }
+            Edit::Obstacle(id, obstacle) => {
+                let impact = obstacle_impact(&self.obstacles[id.0], &obstacle);
+                let old = std::mem::replace(&mut self.obstacles[id.0], *obstacle);
+                (Edit::Obstacle(id, Box::new(old)), impact)
+            }
+            Edit::InsertObstacle(id, obstacle) => {
+                self.obstacles.insert(id.0, *obstacle);
+                (Edit::RemoveObstacle(id), Impact::Parameters)
+            }
+            Edit::RemoveObstacle(id) => {
+                let old = self.obstacles.remove(id.0);
+                (Edit::InsertObstacle(id, Box::new(old)), Impact::Parameters)
+            }
+        };
+        Ok(Applied { inverse, impact })
+    }
+
+    fn check(&self, edit: &Edit) -> Result<(), EditError> {
+        let (bodies, obstacles) = (self.bodies.len(), self.obstacles.len());
+        let body =
+            |id: BodyId, end: usize| if id.0 < end { Ok(()) } else { Err(EditError::NoSuchBody { id, count: bodies }) };
+        let obstacle = |id: ObstacleId, end: usize| {
+            if id.0 < end { Ok(()) } else { Err(EditError::NoSuchObstacle { id, count: obstacles }) }
+        };
+        let problem = match edit {
+            Edit::Settings(settings) => param::first_problem("settings", settings),
+            Edit::View(view) => param::first_problem("view", view),
+            Edit::Body(id, new) | Edit::InsertBody(id, new) => {
+                body(*id, bodies + usize::from(matches!(edit, Edit::InsertBody(..))))?;
+                param::first_problem(&format!("bodies.{}", id.0), new)
+            }
+            Edit::Obstacle(id, new) | Edit::InsertObstacle(id, new) => {
+                obstacle(*id, obstacles + usize::from(matches!(edit, Edit::InsertObstacle(..))))?;
+                param::first_problem(&format!("obstacles.{}", id.0), new)
+            }
+            Edit::RemoveBody(id) => return body(*id, bodies),
+            Edit::RemoveObstacle(id) => return obstacle(*id, obstacles),
+        };
+        problem.map_or(Ok(()), |problem| Err(EditError::BadValue(problem)))
+    }
+}
+
+fn leaf_impact(changed: bool, impact: Impact) -> Impact {
+    if changed { impact } else { Impact::Appearance }
+}
+
+fn body_impact(old: &Body, new: &Body) -> Impact {
+    leaf_impact(old.shape != new.shape || old.pins != new.pins, Impact::Topology)
+        .max(leaf_impact((old.pose, old.velocity) != (new.pose, new.velocity), Impact::Motion))
+        .max(leaf_impact(old.material != new.material, Impact::Parameters))
+}
+
+fn obstacle_impact(old: &Obstacle, new: &Obstacle) -> Impact {
+    let same_to_physics = Obstacle { name: old.name.clone(), hidden: old.hidden, ..new.clone() } == *old;
+    leaf_impact(!same_to_physics, Impact::Parameters)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::rng::Rng;
+    use crate::scene::material::Springs;
+    use crate::scene::{ColorBy, Material, Pose, Shape, body::CubeShape};
+
+    fn impact_of(change: impl FnOnce(&mut Body)) -> Impact {
+        let mut scene = param::specimen();
+        let mut body = scene.bodies[0].clone();
+        change(&mut body);
+        scene.apply(Edit::Body(BodyId(0), Box::new(body))).expect("the change is allowed").impact
+    }
+
+    #[test]
+    fn the_impact_follows_from_what_changed() {
+        assert_eq!(impact_of(|_| ()), Impact::Appearance, "nothing changed");
+        assert_eq!(impact_of(|body| body.name = "jelly".into()), Impact::Appearance, "a name");
+        let heavy = Material::Springs(Springs { particle_mass: 1.0, ..Springs::default() });
+        assert_eq!(impact_of(|body| body.material = heavy), Impact::Parameters, "a mass");
+        assert_eq!(impact_of(|body| body.velocity[1] = 2.0), Impact::Motion, "a velocity");
+        assert_eq!(impact_of(|body| body.pins.clear()), Impact::Topology, "pins");
+        let cube = Shape::Cube(CubeShape { cells: 3, size: 1.0 });
+        let all = impact_of(|body| *body = Body { shape: cube, name: "other".into(), ..Body::default() });
+        assert_eq!(all, Impact::Topology, "the deepest of several");
+    }
+
+    #[test]
+    fn a_refused_edit_changes_nothing() {
+        let mut scene = param::specimen();
+        let before = scene.clone();
+        let count = scene.bodies.len();
+        let heavy = Material::Springs(Springs { particle_mass: -1.0, ..Springs::default() });
+        let bad = [
+            Edit::RemoveBody(BodyId(count)),
+            Edit::InsertBody(BodyId(count + 1), Box::default()),
+            Edit::Obstacle(ObstacleId(99), Box::default()),
+            Edit::Body(BodyId(0), Box::new(Body { material: heavy, ..Body::default() })),
+            Edit::Settings(Settings { dt: f64::NAN, ..Settings::default() }),
+        ];
+        for edit in bad {
+            scene.apply(edit.clone()).expect_err(&format!("{edit:?} is refused"));
+            assert_eq!(scene, before, "{edit:?} left its mark");
+        }
+    }
+
+    #[test]
+    fn any_run_of_edits_undoes_to_the_same_bytes() {
+        for seed in 0..50 {
+            let mut rng = Rng::new(seed);
+            let mut scene = param::specimen();
+            let before = serde_json::to_string(&scene).expect("a scene serialises");
+            let mut inverses = Vec::new();
+            for _ in 0..60 {
+                if let Ok(applied) = scene.apply(random_edit(&mut rng, &scene)) {
+                    inverses.push(applied.inverse);
+                }
+            }
+            assert!(inverses.len() > 20, "most random edits are allowed");
+            for inverse in inverses.into_iter().rev() {
+                let applied = scene.apply(inverse);
+                assert!(applied.is_ok(), "an inverse applies: {applied:?}");
+            }
+            assert_eq!(serde_json::to_string(&scene).expect("a scene serialises"), before, "seed {seed}");
+        }
+    }
+
+    fn random_edit(rng: &mut Rng, scene: &Scene) -> Edit {
+        let mut below = |end: usize| usize::try_from(rng.next_u64() % end as u64).expect("small");
+        let (body_id, obstacle_id) = (BodyId(below(scene.bodies.len() + 2)), ObstacleId(below(5)));
+        let body = Body {
+            name: format!("body {}", below(100)),
+            shape: Shape::Cube(CubeShape { cells: u32::try_from(below(5)).expect("small"), size: 1.0 }),
+            pose: Pose { position: [0.0, below(10) as f64 * 0.1, 0.0], ..Pose::default() },
+            ..Body::default()
+        };
+        let obstacle = Obstacle { friction_static: below(12) as f64, ..Obstacle::default() };
+        match below(8) {
+            0 => Edit::Settings(Settings { dt: below(9) as f64 * 1e-3, ..Settings::default() }),
+            1 => Edit::View(ViewSettings { color: ColorBy::ALL[below(7)], ..ViewSettings::default() }),
+            2 => Edit::Body(body_id, Box::new(body)),
+            3 => Edit::InsertBody(body_id, Box::new(body)),
+            4 => Edit::RemoveBody(body_id),
+            5 => Edit::Obstacle(obstacle_id, Box::new(obstacle)),
+            6 => Edit::InsertObstacle(obstacle_id, Box::new(obstacle)),
+            _ => Edit::RemoveObstacle(obstacle_id),
+        }
+    }
+}

@@ -1,0 +1,301 @@
+//! Setting one value of a scene by its path and a text, as `--set PATH=VALUE` does. Works on the serialised tree, so
+//! that every name is the one of the file; what a value may be comes from [`super::param`].
+
+use serde_json::{Number, Value};
+use thiserror::Error;
+
+use super::Scene;
+use super::param::{self, Kind, PARAMS, Param, Problem};
+
+/// Why a path or a value was refused. The scene is then unchanged.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PathError {
+    /// No such setting.
+    #[error("there is no {path} in a scene; did you mean {nearest}?")]
+    Unknown {
+        /// The path asked for.
+        path: String,
+        /// The paths nearest to it.
+        nearest: String,
+    },
+    /// A place beyond the end of a list.
+    #[error("there is no {list}.{index}: the scene has {count} in {list}, counted from 0")]
+    OutOfRange {
+        /// The list.
+        list: String,
+        /// The place asked for.
+        index: String,
+        /// How many there are.
+        count: usize,
+    },
+    /// A text that is no value of this kind.
+    #[error("{path} = {text} does not fit; allowed: {allowed}")]
+    BadText {
+        /// The path.
+        path: String,
+        /// The text given.
+        text: String,
+        /// What would be right.
+        allowed: String,
+    },
+    /// A value outside its range.
+    #[error("{0}")]
+    BadValue(Problem),
+}
+
+/// The nodes that are one of several forms, and the names of the forms.
+const FORMS: [(&str, &[&str]); 3] = [
+    ("bodies.*.shape", &["cube", "cells", "model"]),
+    ("bodies.*.material", &["springs"]),
+    ("obstacles.*", &["plane", "sphere"]),
+];
+
+/// Sets the value at a path. A path into a form that the body or obstacle does not have now switches to that form
+/// with its defaults. Vectors may be written `(0, -9.81, 0)`, `[0, -9.81, 0]` or `0, -9.81, 0`; a word may have
+/// hyphens for underscores. On an error nothing changes.
+pub fn set(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathError> {
+    let (path, text) = (path.trim(), text.trim());
+    let refused = |reason: String| PathError::BadText { path: path.to_owned(), text: text.to_owned(), allowed: reason };
+    let mut tree = serde_json::to_value(&*scene).map_err(|error| refused(error.to_string()))?;
+    let value = match param::find(path) {
+        Some(param) => parse(param, path, text).ok_or_else(|| refused(allowed(param, path)))?,
+        None => parse_tree(text).unwrap_or(Value::Null),
+    };
+    match (path.rsplit_once('.'), value) {
+        (Some((above, name)), Value::Null) if param::find(path).is_some_and(Param::is_optional) => {
+            if let Value::Object(fields) = navigate(&mut tree, above, path)? {
+                fields.remove(name);
+            }
+        }
+        (_, value) => *navigate(&mut tree, path, path)? = value,
+    }
+    if let Some(problem) = param::tree_problem(path, &tree) {
+        return Err(PathError::BadValue(problem));
+    }
+    *scene = serde_json::from_value(tree).map_err(|error| refused(error.to_string()))?;
+    Ok(())
+}
+
+/// The node at a path, made where it belongs to another form.
+fn navigate<'a>(tree: &'a mut Value, path: &str, asked: &str) -> Result<&'a mut Value, PathError> {
+    let unknown = || PathError::Unknown { path: asked.to_owned(), nearest: nearest(asked) };
+    let mut node = tree;
+    let mut above = String::new();
+    for name in path.split('.') {
+        let here = if above.is_empty() { name.to_owned() } else { format!("{above}.{name}") };
+        node = match node {
+            Value::Array(entries) => {
+                let count = entries.len();
+                let index: usize = name.parse().unwrap_or(usize::MAX);
+                let out = PathError::OutOfRange { list: above, index: name.to_owned(), count };
+                entries.get_mut(index).ok_or(out)?
+            }
+            Value::Object(fields) => {
+                if !fields.contains_key(name) {
+                    let default = param::default_at(&here).ok_or_else(unknown)?;
+                    if let Some((_, forms)) = FORMS.iter().find(|(pattern, _)| param::matches(pattern, &above)) {
+                        fields.retain(|field, _| !forms.contains(&field.as_str()));
+                    }
+                    fields.insert(name.to_owned(), default);
+                }
+                fields.get_mut(name).ok_or_else(unknown)?
+            }
+            _ => return Err(unknown()),
+        };
+        above = here;
+    }
+    Ok(node)
+}
+
+fn parse(param: &Param, path: &str, text: &str) -> Option<Value> {
+    let word = || text.trim_matches('"').replace('-', "_");
+    let is_component = !param::matches(param.path, path);
+    match param.kind {
+        Kind::Text => Some(Value::from(unquoted(text))),
+        Kind::Flag => text.parse::<bool>().ok().map(Value::from),
+        Kind::Word(words) => words.contains(&word().as_str()).then(|| Value::from(word())),
+        Kind::NumberOr { word: allowed, .. } if word() == allowed => Some(Value::from(allowed)),
+        Kind::List => parse_tree(text).filter(Value::is_array),
+        _ if param.is_optional() && ["auto", "none", "null"].contains(&text) => Some(Value::Null),
+        _ if param.len == 1 || is_component => scalar(param, text),
+        _ => {
+            let inner = text.strip_prefix(['(', '[']).and_then(|rest| rest.strip_suffix([')', ']'])).unwrap_or(text);
+            let entries: Vec<Value> =
+                inner.split(',').map(|entry| scalar(param, entry.trim())).collect::<Option<_>>()?;
+            match (entries.as_slice(), param.path) {
+                ([Value::Number(g)], "settings.gravity") => {
+                    Some(Value::from(vec![0.0, 0.0 - g.as_f64().unwrap_or(f64::NAN), 0.0]))
+                }
+                _ => (entries.len() == param.len).then_some(Value::Array(entries)),
+            }
+        }
+    }
+}
+
+fn scalar(param: &Param, text: &str) -> Option<Value> {
+    let number: f64 = text.parse().ok()?;
+    match param.kind {
+        #[expect(clippy::cast_possible_truncation, reason = "whole and below 2^53")]
+        Kind::Integer { .. } if number.fract() == 0.0 && number.abs() < 9e15 => Some(Value::from(number as i64)),
+        Kind::Integer { .. } => None,
+        _ => Some(Number::from_f64(number).map_or(Value::Null, Value::Number)),
+    }
+}
+
+/// A whole node written as JSON or RON.
+fn parse_tree(text: &str) -> Option<Value> {
+    serde_json::from_str(text).ok().or_else(|| ron::from_str(text).ok())
+}
+
+fn unquoted(text: &str) -> String {
+    match text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) {
+        Some(_) => serde_json::from_str(text).unwrap_or_else(|_| text.trim_matches('"').to_owned()),
+        None => text.to_owned(),
+    }
+}
+
+fn allowed(param: &Param, path: &str) -> String {
+    let of = if param.len > 1 && param::matches(param.path, path) {
+        format!("{} numbers, each ", param.len)
+    } else {
+        String::new()
+    };
+    format!("{of}{}", param.range_text())
+}
+
+/// The three paths nearest to one that does not exist, with the places in lists that it gave.
+fn nearest(path: &str) -> String {
+    let is_place = |name: &&str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
+    let generic: Vec<&str> = path.split('.').map(|name| if is_place(&name) { "*" } else { name }).collect();
+    let generic = generic.join(".");
+    let mut ranked: Vec<(usize, &str)> =
+        PARAMS.iter().map(|param| (distance(&generic, param.path), param.path)).collect();
+    ranked.sort_unstable();
+    let mut named = Vec::new();
+    for (_, pattern) in ranked.into_iter().take(3) {
+        let mut places = path.split('.').filter(is_place);
+        let names: Vec<&str> =
+            pattern.split('.').map(|name| if name == "*" { places.next().unwrap_or("0") } else { name }).collect();
+        named.push(names.join("."));
+    }
+    named.join(", ")
+}
+
+/// The number of letters to insert, remove or exchange (Levenshtein).
+fn distance(from: &str, to: &str) -> usize {
+    let to: Vec<char> = to.chars().collect();
+    let mut row: Vec<usize> = (0..=to.len()).collect();
+    for (i, a) in from.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &b) in to.iter().enumerate() {
+            let exchanged = diagonal + usize::from(a != b);
+            diagonal = row[j + 1];
+            row[j + 1] = exchanged.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[to.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::scene::body::PinBox;
+    use crate::scene::obstacle::Sphere;
+    use crate::scene::{ObstacleShape, Shape, presets};
+
+    fn changed(path: &str, text: &str) -> Result<Scene, String> {
+        let mut scene = param::specimen();
+        set(&mut scene, path, text).map_err(|error| error.to_string())?;
+        Ok(scene)
+    }
+
+    fn refusal(path: &str, text: &str) -> String {
+        changed(path, text).expect_err(&format!("{path} = {text} is refused"))
+    }
+
+    #[test]
+    fn every_parameter_can_be_set_to_its_default() {
+        for param in PARAMS {
+            let Some(default) = param.default_value().filter(|default| default != "") else { continue };
+            let model = param.path.replace("bodies.*.shape.model", "bodies.2.shape.model");
+            let path = model.replace("obstacles.*.sphere", "obstacles.1.sphere").replace('*', "0");
+            let done = changed(&path, &default.to_string());
+            assert!(done.is_ok(), "{path} = {default}: {done:?}");
+        }
+    }
+
+    #[test]
+    fn vectors_have_three_spellings_and_gravity_a_fourth() {
+        for text in ["(0, -3, 0)", "[0,-3,0]", "0, -3, 0", "3"] {
+            let gravity = changed("settings.gravity", text).map(|scene| scene.settings.gravity);
+            assert_eq!(gravity, Ok([0.0, -3.0, 0.0]), "{text}");
+        }
+        let component = changed("settings.gravity.0", "2").map(|scene| scene.settings.gravity);
+        assert_eq!(component, Ok([2.0, -9.81, 0.0]));
+    }
+
+    #[test]
+    fn words_take_hyphens_and_texts_take_quotes() {
+        assert!(changed("settings.integrator", "semi-implicit").is_ok(), "hyphen");
+        assert!(changed("settings.integrator", "semi_implicit").is_ok(), "underscore");
+        let name = |text| changed("bodies.0.name", text).map(|scene| scene.bodies[0].name.clone());
+        assert_eq!(name("red jelly"), name("\"red jelly\""), "with and without quotes");
+        assert!(changed("bodies.0.hidden", "true").is_ok_and(|scene| scene.bodies[0].hidden), "a flag");
+        assert!(changed("obstacles.0.stiffness", "1e4").is_ok() && changed("obstacles.0.stiffness", "auto").is_ok());
+    }
+
+    #[test]
+    fn a_path_of_another_form_switches_to_it() {
+        let scene = changed("bodies.0.shape.model.path", "cow.obj").expect("a switch");
+        assert!(
+            matches!(&scene.bodies[0].shape, Shape::Model(model) if model.path == "cow.obj" && model.divisions == 20)
+        );
+        let scene = changed("obstacles.0.sphere.radius", "0.3").expect("a switch");
+        assert_eq!(scene.obstacles[0].shape, ObstacleShape::Sphere(Sphere { radius: 0.3, ..Sphere::default() }));
+    }
+
+    #[test]
+    fn lists_and_absent_values_can_be_set() {
+        let scene = changed("bodies.0.shape.cells.list", "[[0,0,0],[1,0,0]]").expect("a list");
+        assert!(matches!(&scene.bodies[0].shape, Shape::Cells(cells) if cells.list.len() == 2));
+        let scene = changed("bodies.0.pins", "[(min: (0, 0, 0), max: (1, 1, 1))]").expect("RON");
+        assert_eq!(scene.bodies[0].pins, [PinBox { min: [0.0; 3], max: [1.0; 3] }]);
+        let mut scene = changed("view.color_range", "0, 5").expect("a range");
+        assert_eq!(scene.view.color_range, Some([0.0, 5.0]));
+        set(&mut scene, "view.color_range", "auto").expect("back to automatic");
+        assert_eq!(scene.view.color_range, None);
+    }
+
+    #[test]
+    fn refusals_say_what_would_be_right() {
+        let stiffness = "bodies.0.material.springs.structural.stiffness";
+        assert_eq!(refusal(stiffness, "-1"), format!("{stiffness} = -1 N is outside 0 … 1e8 N"));
+        assert!(refusal("settings.dt", "fast").ends_with("allowed: 1e-6 … 0.1 s"), "a word for a number");
+        assert!(refusal("settings.dt", "nan").contains("not a finite number"), "NaN");
+        assert!(refusal("settings.integrator", "magic").contains("semi_implicit"), "the words are listed");
+        assert!(refusal("settings.gravity", "1,2").contains("3 numbers"), "how many numbers");
+        assert!(refusal("bodies.0.shape.cube.cells", "2.5").contains("1 … 199"), "a fraction of a cell");
+        assert!(refusal("bodies.9.name", "x").contains("the scene has 3 in bodies"), "how many there are");
+        assert!(refusal("bodies.0.shape.cube.sells", "3").contains("bodies.0.shape.cube.cells"), "the nearest path");
+        assert!(refusal("settings.solver", "x").contains("settings."), "the nearest path");
+        for path in ["", ".", "bodies", "bodies.", "bodies.0", "settings.dt.x", "version"] {
+            refusal(path, "7");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_path_and_no_text_panics(at in 0..PARAMS.len(), path in ".{0,30}", text in ".{0,20}", place in 0usize..4) {
+            let mut scene = (presets::presets()[0].build)();
+            let _ = set(&mut scene, &path, &text);
+            let known = PARAMS[at].path.replace('*', &place.to_string());
+            let _ = set(&mut scene, &known, &text);
+            let _ = set(&mut scene, &format!("{known}.{path}"), &text);
+            let same = crate::scene::param::validate(&scene);
+            prop_assert!(same.iter().all(|problem| problem.path.ends_with("model.path")), "{same:?}");
+        }
+    }
+}

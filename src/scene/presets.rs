@@ -1,0 +1,225 @@
+//! The scenes that the program carries. Tests, benches, the window and the command line use the same ones.
+
+use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin};
+use super::material::{Material, Spring, Springs};
+use super::obstacle::{Obstacle, ObstacleShape, Plane, Sphere};
+use super::view_settings::{CameraSettings, ViewSettings};
+use super::{Scene, builtin};
+
+/// The preset that opens when none is asked for.
+pub const DEFAULT: &str = "cube-on-plane";
+
+/// A scene that the program carries.
+#[derive(Clone, Copy, Debug)]
+pub struct Preset {
+    /// The name on the command line and in lists.
+    pub name: &'static str,
+    /// One line for a person.
+    pub summary: &'static str,
+    /// Builds the scene.
+    pub build: fn() -> Scene,
+}
+
+/// Every preset, in the order of lists.
+pub fn presets() -> &'static [Preset] {
+    &PRESETS
+}
+
+/// A preset by its name.
+pub fn preset(name: &str) -> Option<&'static Preset> {
+    PRESETS.iter().find(|preset| preset.name == name)
+}
+
+/// The scene a model file opens in: jellified with default settings, dropped on the default ground. `path` is as in
+/// [`ModelShape::path`].
+pub fn drop_model(path: &str) -> Scene {
+    let shape = ModelShape { path: path.to_owned(), ..ModelShape::default() };
+    let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    let name = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+    scene(model_body(name, shape, 1.1), Vec::new())
+}
+
+const PRESETS: [Preset; 11] = [
+    Preset { name: DEFAULT, summary: "A jelly cube falls on the ground beside a sphere.", build: cube_on_plane },
+    Preset {
+        name: "cube-on-sphere",
+        summary: "A cube lands off-centre on a sphere, turns and falls off.",
+        build: cube_on_sphere,
+    },
+    Preset { name: "incline", summary: "A cube on a slope that friction holds.", build: incline },
+    Preset { name: "incline-slide", summary: "A cube on a slope too steep for its friction.", build: incline_slide },
+    Preset { name: "u-on-sphere", summary: "A U made of cells drops on a sphere.", build: u_on_sphere },
+    Preset { name: "tree", summary: "A tree made of blocks falls on the ground.", build: tree },
+    Preset { name: "coupler-7", summary: "An elastic coupler in 7 divisions.", build: || coupler(7) },
+    Preset { name: "coupler-8", summary: "The same coupler in 8 divisions.", build: || coupler(8) },
+    Preset { name: "coupler-20", summary: "The same coupler in 20 divisions.", build: || coupler(20) },
+    Preset { name: "coupler-40", summary: "The same coupler in 40 divisions.", build: || coupler(40) },
+    Preset { name: "spot", summary: "A cow by Keenan Crane, jellified in 20 divisions.", build: spot },
+];
+
+fn cube_on_plane() -> Scene {
+    let cube = Body {
+        name: "Jelly".to_owned(),
+        pose: Pose { position: [0.0, 1.05, 0.0], rotation_deg: [6.0, 0.0, 10.0] },
+        ..Body::default()
+    };
+    scene(cube, vec![ball([1.35, 0.4, 0.25], 0.4)])
+}
+
+fn cube_on_sphere() -> Scene {
+    let cube = Body {
+        name: "Jelly".to_owned(),
+        pose: Pose { position: [0.25, 1.95, 0.08], rotation_deg: [0.0, 20.0, 0.0] },
+        ..Body::default()
+    };
+    looking_at([0.2, 0.9, 0.0], 6.0, scene(cube, vec![ball([0.0, 0.6, 0.0], 0.6)]))
+}
+
+/// Held with μ = 0.6: tan 20° = 0.36.
+fn incline() -> Scene {
+    on_incline(20.0, 0.6)
+}
+
+/// Not held with μ = 0.3: tan 30° = 0.58.
+fn incline_slide() -> Scene {
+    on_incline(30.0, 0.3)
+}
+
+/// A cube aligned with a slope and as good as touching it; it rises towards +x.
+fn on_incline(angle_deg: f64, friction: f64) -> Scene {
+    const CENTER: [f64; 3] = [0.0, 1.4, 0.0];
+    const GAP: f64 = 1e-4;
+    let shape = CubeShape::default();
+    let (sin, cos) = (libm::sin(angle_deg.to_radians()), libm::cos(angle_deg.to_radians()));
+    let (along, above) = (0.8, shape.size / 2.0 + GAP);
+    let cube = Body {
+        name: "Jelly".to_owned(),
+        pose: Pose {
+            position: [CENTER[0] + cos * along - sin * above, CENTER[1] + sin * along + cos * above, CENTER[2]],
+            rotation_deg: [0.0, 0.0, angle_deg],
+        },
+        shape: Shape::Cube(shape),
+        ..Body::default()
+    };
+    let plane = Plane { center: CENTER, rotation_deg: [0.0, 0.0, angle_deg], half_extents: [2.0, 1.2] };
+    let slope = Obstacle {
+        name: "Slope".to_owned(),
+        shape: ObstacleShape::Plane(plane),
+        friction_static: friction,
+        friction_dynamic: friction,
+        ..Obstacle::default()
+    };
+    looking_at([0.0, 1.2, 0.0], 7.0, scene(cube, vec![slope]))
+}
+
+fn u_on_sphere() -> Scene {
+    const SIZE: f64 = 0.11;
+    let is_filled = |i, j| !(3..6).contains(&i) || j < 3;
+    let mut list = Vec::new();
+    for k in 0..3 {
+        for j in 0..8 {
+            list.extend((0..9).filter(|&i| is_filled(i, j)).map(|i| [i, j, k]));
+        }
+    }
+    let body = Body {
+        name: "U".to_owned(),
+        shape: Shape::Cells(CellsShape { list, size: SIZE }),
+        pose: Pose { position: [0.2, 1.9, 0.05], rotation_deg: [0.0, 25.0, 0.0] },
+        material: jelly(SIZE),
+        ..Body::default()
+    };
+    looking_at([0.0, 0.9, 0.0], 6.0, scene(body, vec![ball([0.0, 0.5, 0.0], 0.5)]))
+}
+
+fn tree() -> Scene {
+    let shape = ModelShape { divisions: 10, length: 1.5, ..carried("tree.obj") };
+    let body = Body { skin: Skin::Cells, ..model_body("Tree", shape, 1.15) };
+    looking_at([0.0, 0.8, 0.0], 6.0, scene(body, Vec::new()))
+}
+
+fn coupler(divisions: u32) -> Scene {
+    let body = model_body("Coupler", ModelShape { divisions, ..carried("coupler.obj") }, 1.0);
+    let tilted = Pose { rotation_deg: [0.0, 30.0, 20.0], ..body.pose };
+    scene(Body { skin: Skin::Cells, pose: tilted, ..body }, Vec::new())
+}
+
+fn spot() -> Scene {
+    let body = model_body("Spot", carried("spot.obj"), 1.1);
+    let turned = Pose { rotation_deg: [0.0, -30.0, 0.0], ..body.pose };
+    scene(Body { pose: turned, ..body }, Vec::new())
+}
+
+fn carried(name: &str) -> ModelShape {
+    ModelShape { path: format!("{}{name}", builtin::PREFIX), ..ModelShape::default() }
+}
+
+fn model_body(name: &str, shape: ModelShape, height: f64) -> Body {
+    let length = if shape.length > 0.0 { shape.length } else { 1.0 };
+    let material = jelly(length / f64::from(shape.divisions));
+    let pose = Pose { position: [0.0, height, 0.0], ..Pose::default() };
+    Body { name: name.to_owned(), shape: Shape::Model(shape), pose, material, ..Body::default() }
+}
+
+/// The default material for cells of another size, so that bodies of the same outer size sag and wobble alike: the
+/// link constants of a given Young's modulus grow with the square of the cell, a particle's mass with its cube.
+fn jelly(cell_size: f64) -> Material {
+    let Material::Springs(default) = Material::default();
+    let ratio = cell_size / (1.0 / 9.0);
+    let spring = |of: Spring| Spring { stiffness: of.stiffness * ratio * ratio, damping: of.damping * ratio * ratio * ratio };
+    Material::Springs(Springs {
+        structural: spring(default.structural),
+        shear: spring(default.shear),
+        bending: spring(default.bending),
+        particle_mass: default.particle_mass * ratio * ratio * ratio,
+    })
+}
+
+/// A body above the ground, with more obstacles.
+fn scene(body: Body, more: Vec<Obstacle>) -> Scene {
+    let plane = Plane { half_extents: [10.0, 10.0], ..Plane::default() };
+    let ground = Obstacle { name: "Ground".to_owned(), shape: ObstacleShape::Plane(plane), ..Obstacle::default() };
+    Scene { bodies: vec![body], obstacles: std::iter::once(ground).chain(more).collect(), ..Scene::default() }
+}
+
+fn ball(center: [f64; 3], radius: f64) -> Obstacle {
+    let shape = ObstacleShape::Sphere(Sphere { center, radius });
+    Obstacle { name: "Sphere".to_owned(), shape, ..Obstacle::default() }
+}
+
+fn looking_at(target: [f64; 3], distance: f64, scene: Scene) -> Scene {
+    let camera = CameraSettings { target, distance, ..CameraSettings::default() };
+    Scene { view: ViewSettings { camera, ..ViewSettings::default() }, ..scene }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::param;
+
+    #[test]
+    fn every_preset_is_sound_and_stands_on_its_own_ground() {
+        for preset in presets() {
+            let scene = (preset.build)();
+            assert_eq!(param::validate(&scene), [], "{}", preset.name);
+            assert_eq!(param::warnings(&scene), [], "{}", preset.name);
+            assert_eq!(scene.obstacles[0].name, "Ground", "{}", preset.name);
+            assert!(preset.summary.ends_with('.'), "the summary of {} is a sentence", preset.name);
+        }
+    }
+
+    #[test]
+    fn a_name_finds_its_preset_and_no_other() {
+        for listed in presets() {
+            assert_eq!(preset(listed.name).map(|found| found.summary), Some(listed.summary), "{}", listed.name);
+        }
+        assert!(preset("nothing").is_none(), "an unknown name finds none");
+        assert!(preset(DEFAULT).is_some(), "the default exists");
+    }
+
+    #[test]
+    fn a_model_file_gives_its_name_to_the_body() {
+        let scene = drop_model("some/folder/cow.obj");
+        assert_eq!(scene.bodies[0].name, "cow");
+        assert_eq!(param::validate(&scene), []);
+    }
+}

@@ -1,0 +1,194 @@
+//! From the shape in the document to the lattice it stands for: cubes and lists of cells are built, models are read
+//! and filled. The only place where a scene reaches for other files.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+use thiserror::Error;
+
+use super::body::{ModelShape, Shape};
+use super::builtin;
+use crate::geometry::import::{self, ImportError, Imported};
+use crate::geometry::voxel::{Cells, CellsError, Grid, VoxelReport, VoxelizeError, VoxelizeOptions, voxelize};
+use crate::geometry::{Lattice, TriMesh, Watch};
+
+/// The most particles of a body: its links alone then take more than a gigabyte.
+pub const MAX_PARTICLES: usize = 8_000_000;
+
+/// The shortest and longest a body may be, m: what single precision can move and a camera can see.
+pub const LENGTHS: [f64; 2] = [1e-4, 1e4];
+
+/// A body's shape, ready to be given a material. Body coordinates: the origin is the middle of the grid's box.
+#[derive(Clone, Debug)]
+pub struct Jelly {
+    /// Particles, links and cells.
+    pub lattice: Arc<Lattice>,
+    /// The model's own surface; none for cubes and lists of cells.
+    pub mesh: Option<Arc<TriMesh>>,
+    /// How the model was filled, lengths in metres; none for cubes and lists of cells.
+    pub report: Option<VoxelReport>,
+    /// What a person should know, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Why a shape gives no lattice.
+#[derive(Debug, Error)]
+pub enum ResolveError {
+    /// The cells cannot be held.
+    #[error(transparent)]
+    Cells(#[from] CellsError),
+    /// The model cannot be read.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// The model cannot be filled.
+    #[error("{model}: {source}")]
+    Voxelize {
+        /// The model's path.
+        model: String,
+        /// Why.
+        source: VoxelizeError,
+    },
+    /// The program carries no such model.
+    #[error("the program carries no model {name}; it carries {}", carried())]
+    NoSuchBuiltin {
+        /// The name asked for.
+        name: String,
+    },
+    /// Too many particles to hold.
+    #[error("the body would have {particles} particles, at most {MAX_PARTICLES} can be held; use fewer divisions")]
+    TooManyParticles {
+        /// How many it would have.
+        particles: usize,
+    },
+    /// Too long or too short to simulate.
+    #[error("{model}: the body would be {length_m:e} m long; set its length to something from 1e-4 to 1e4 m")]
+    Length {
+        /// The model's path.
+        model: String,
+        /// The longest extent, m.
+        length_m: f64,
+    },
+}
+
+/// Builds the lattice of a shape. Relative model paths start at `base_dir`.
+pub fn resolve(shape: &Shape, base_dir: &Path, watch: &dyn Watch) -> Result<Jelly, ResolveError> {
+    let cells = match shape {
+        Shape::Cube(cube) => Cells::cube(cube.cells, cube.size / f64::from(cube.cells.max(1)))?,
+        Shape::Cells(cells) => Cells::from_list(&cells.list, cells.size)?,
+        Shape::Model(model) => return resolve_model(model, base_dir, watch),
+    };
+    // Every filled cell has at most eight particles of its own, so that this is no refusal of a body that fits.
+    Ok(Jelly { lattice: Arc::new(Lattice::new(&cells)), mesh: None, report: None, warnings: Vec::new() })
+}
+
+/// Reads a model: a file, or one that the program carries.
+pub fn load_model(path: &str, base_dir: &Path, watch: &dyn Watch) -> Result<Imported, ResolveError> {
+    match path.strip_prefix(builtin::PREFIX) {
+        Some(name) => {
+            let bytes = builtin::model(name).ok_or_else(|| ResolveError::NoSuchBuiltin { name: name.to_owned() })?;
+            Ok(import::parse_obj(bytes, path)?)
+        }
+        None => Ok(import::load_watched(&base_dir.join(path), &CancelOnly(watch))?),
+    }
+}
+
+fn resolve_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<Jelly, ResolveError> {
+    let Imported { mut mesh, mut warnings } = load_model(&model.path, base_dir, watch)?;
+    let options = VoxelizeOptions { divisions: model.divisions, occupancy: model.occupancy, keep: model.keep };
+    let named = |source| ResolveError::Voxelize { model: model.path.clone(), source };
+    let filled = voxelize(&mesh, &options, watch).map_err(named)?;
+    let (mut cells, mut report) = (filled.cells, filled.report);
+    if report.particles > MAX_PARTICLES {
+        return Err(ResolveError::TooManyParticles { particles: report.particles });
+    }
+    let Grid { origin, cell_size, dims } = cells.grid;
+    let own_length = mesh.bounds().size().max_element();
+    let length_m = if model.length > 0.0 { model.length } else { own_length };
+    if !(LENGTHS[0]..=LENGTHS[1]).contains(&length_m) {
+        return Err(ResolveError::Length { model: model.path.clone(), length_m });
+    }
+    let scale = length_m / own_length;
+    let middle = origin + DVec3::from_array(dims.map(f64::from)) * (0.5 * cell_size);
+    for position in &mut mesh.positions {
+        *position = (*position - middle) * scale;
+    }
+    cells.grid = Grid::centred(dims, cell_size * scale);
+    report.cell_size_m = cells.grid.cell_size;
+    warnings.extend(report.warnings.iter().cloned());
+    Ok(Jelly { lattice: Arc::new(Lattice::new(&cells)), mesh: Some(Arc::new(mesh)), report: Some(report), warnings })
+}
+
+/// Passes a wish to stop on, but keeps the progress to itself: reading is the short part.
+struct CancelOnly<'a>(&'a dyn Watch);
+
+impl Watch for CancelOnly<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
+fn carried() -> String {
+    builtin::MODELS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::body::CellsShape;
+    use crate::scene::{Shape, presets};
+
+    fn jelly(shape: &Shape) -> Jelly {
+        resolve(shape, Path::new("."), &()).expect("a sound shape")
+    }
+
+    #[test]
+    fn cubes_and_cells_are_centred_on_the_origin() {
+        let cube = jelly(&Shape::default());
+        assert_eq!(cube.lattice.corners.len(), 1000, "9 cells an edge are 10 particles an edge");
+        assert!((cube.lattice.grid.origin - DVec3::splat(-0.5)).length() < 1e-12, "half a metre on every side");
+        let two = jelly(&Shape::Cells(CellsShape { list: vec![[0, 0, 0], [1, 0, 0]], size: 0.5 }));
+        assert_eq!(two.lattice.corners.len(), 12, "two cells share four particles");
+    }
+
+    #[test]
+    fn a_model_is_scaled_and_centred_together_with_its_cells() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("slab.obj");
+        let slab = "v 10 0 0\nv 30 0 0\nv 30 5 0\nv 10 5 0\nf 1 2 3 4\n";
+        std::fs::write(&path, slab).expect("a file");
+        let shape = ModelShape { path: "slab.obj".into(), divisions: 4, length: 2.0, ..ModelShape::default() };
+        let body = resolve(&Shape::Model(shape.clone()), folder.path(), &()).expect("a flat model");
+        let bounds = body.mesh.expect("a model has a mesh").bounds();
+        assert!((bounds.size().x - 2.0).abs() < 1e-12, "as long as asked: {bounds:?}");
+        assert!((body.lattice.grid.cell_size - 0.5).abs() < 1e-12, "a quarter of it");
+        let grid = body.lattice.grid;
+        let far_corner = grid.corner(grid.dims);
+        assert!((far_corner + grid.origin).length() < 1e-12, "the middle of the box is the origin");
+        assert!(bounds.center().x.abs() < 1e-12, "the mesh moved with it");
+        let own = ModelShape { length: 0.0, ..shape };
+        let body = resolve(&Shape::Model(own), folder.path(), &()).expect("a flat model");
+        assert!((body.lattice.grid.cell_size - 5.0).abs() < 1e-12, "0 keeps the file's size");
+    }
+
+    #[test]
+    fn every_preset_resolves() {
+        for preset in presets::presets() {
+            for body in (preset.build)().bodies {
+                let jelly = jelly(&body.shape);
+                assert!(!jelly.lattice.corners.is_empty(), "{}", preset.name);
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_resolved_is_a_sentence() {
+        let model =
+            |path: &str, length| Shape::Model(ModelShape { path: path.into(), length, ..ModelShape::default() });
+        let message = |shape: &Shape| resolve(shape, Path::new("/nowhere"), &()).expect_err("refused").to_string();
+        assert!(message(&model("builtin:none.obj", 1.0)).contains("spot.obj"), "the carried ones are listed");
+        assert!(message(&model("none.obj", 1.0)).contains("/nowhere/none.obj does not exist"), "the full path");
+        let far = Shape::Cells(CellsShape { list: vec![[-1000; 3], [1000; 3]], size: 1.0 });
+        assert!(message(&far).contains("at most"), "too large a box");
+    }
+}

@@ -1,0 +1,117 @@
+//! Whatever a person gives: one sentence, the right exit code, no panic, nothing overwritten.
+
+use std::fs;
+
+use crate::program::{Folder, square};
+
+const FAILED: i32 = 1;
+const USAGE: i32 = 2;
+
+/// Each line is refused with this code and a sentence that holds the words; no file changes.
+fn refused(folder: &Folder, line: &str, code: i32, words: &[&str]) {
+    let before = listing(folder);
+    let ran = folder.run(line);
+    assert_eq!(ran.code, Some(code), "gelatin {line}: {ran:?}");
+    assert!(!ran.notes.contains("panicked"), "gelatin {line}: {}", ran.notes);
+    assert!(ran.notes.starts_with("error: "), "gelatin {line}: {}", ran.notes);
+    for word in words {
+        assert!(ran.notes.contains(word), "gelatin {line} says nothing of {word}: {}", ran.notes);
+    }
+    assert_eq!(listing(folder), before, "gelatin {line} changed a file");
+}
+
+fn listing(folder: &Folder) -> Vec<(String, Vec<u8>)> {
+    let entries = fs::read_dir(folder.path("")).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let mut files: Vec<_> = entries
+        .filter(|path| path.is_file())
+        .map(|path| (path.display().to_string(), fs::read(&path).expect("a file")))
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn models_that_are_none_are_refused() {
+    let folder = Folder::new();
+    let nan = square(1.0, 0.0).replacen("1e0", "nan", 1);
+    let infinite = square(1.0, 0.0).replacen("1e0", "inf", 1);
+    folder
+        .write("empty.obj", "")
+        .write("binary.obj", [0_u8, 1, 2, 255, 254])
+        .write("face.obj", square(1.0, 0.0).replace("3 4", "3 9"))
+        .write("nan.obj", nan)
+        .write("infinite.obj", infinite)
+        .write("point.obj", square(0.0, 1.0));
+    fs::create_dir(folder.path("folder.obj")).expect("a folder");
+    for command in ["voxelize", "check"] {
+        refused(&folder, &format!("{command} missing.obj"), FAILED, &["missing.obj"]);
+        refused(&folder, &format!("{command} folder.obj"), FAILED, &["folder.obj"]);
+        refused(&folder, &format!("{command} empty.obj"), FAILED, &["empty.obj", "is empty"]);
+        refused(&folder, &format!("{command} binary.obj"), FAILED, &["binary.obj", "binary"]);
+        refused(&folder, &format!("{command} face.obj"), FAILED, &["line 5", "vertex 9"]);
+        refused(&folder, &format!("{command} nan.obj"), FAILED, &["nan.obj", "line "]);
+        refused(&folder, &format!("{command} infinite.obj"), FAILED, &["infinite.obj", "line "]);
+        refused(&folder, &format!("{command} point.obj"), FAILED, &["point.obj"]);
+    }
+}
+
+#[test]
+fn divisions_outside_their_range_are_refused() {
+    let folder = Folder::new();
+    folder.write("flat.obj", square(1.0, 0.0));
+    refused(&folder, "voxelize flat.obj --divisions 0", USAGE, &["1..=256"]);
+    refused(&folder, "voxelize flat.obj --divisions 100000", USAGE, &["1..=256"]);
+    refused(&folder, "check flat.obj --set bodies.0.shape.model.divisions=0", USAGE, &["1 … 256"]);
+    refused(&folder, "check flat.obj --set bodies.0.shape.model.divisions=100000", USAGE, &["1 … 256"]);
+}
+
+#[test]
+fn unknown_names_and_paths_are_refused_with_the_nearest() {
+    let folder = Folder::new();
+    refused(&folder, "check cube-on-plain", USAGE, &["cube-on-plane"]);
+    refused(&folder, "nothing", USAGE, &["cube-on-plane"]);
+    refused(&folder, "check cube-on-plane --set bodies.0.shape.cube.sells=3", USAGE, &["bodies.0.shape.cube.cells"]);
+    refused(&folder, "check cube-on-plane --set bodies.7.name=x", USAGE, &["the scene has 1 in bodies"]);
+    refused(&folder, "check cube-on-plane --set settings.dt", USAGE, &["PATH=VALUE"]);
+    refused(&folder, "check cube-on-plane --set settings.dt=fast", USAGE, &["1e-6 … 0.1 s"]);
+    let stiffness = "bodies.0.material.springs.structural.stiffness";
+    refused(&folder, &format!("check cube-on-plane --set {stiffness}=-1"), USAGE, &[stiffness, "-1 N", "0 … 1e8 N"]);
+    refused(&folder, "check cube-on-plane --set bodies.0.shape.model.divisions=5", USAGE, &["names no file"]);
+    refused(&folder, "check cube-on-plane --dt -1", USAGE, &["settings.dt", "1e-6 … 0.1 s"]);
+    refused(&folder, "check cube-on-plane --integrator rk4", USAGE, &["semi-implicit"]);
+    refused(&folder, "check cube-on-plane --threads -2", USAGE, &["threads"]);
+    refused(&folder, "check", USAGE, &["SCENE"]);
+    refused(&folder, "report error", USAGE, &[]);
+    refused(&folder, "--wobble", USAGE, &["--wobble"]);
+}
+
+#[test]
+fn damaged_scene_files_are_refused_with_the_line() {
+    let folder = Folder::new();
+    folder
+        .write("empty.ron", "")
+        .write("binary.ron", [0_u8, 200, 201])
+        .write("damaged.ron", "(version: 1,\n bodies: [(")
+        .write("field.ron", "(version: 1,\n settings: (\n  tempo: 3))")
+        .write("newer.ron", "(version: 2, wobble: ((((")
+        .write("none.ron", "(bodies: [])")
+        .write("range.ron", "(version: 1, settings: (dt: 9.0))");
+    refused(&folder, "check gone.ron", FAILED, &["gone.ron"]);
+    refused(&folder, "check empty.ron", FAILED, &["is empty"]);
+    refused(&folder, "check binary.ron", FAILED, &["is not text"]);
+    refused(&folder, "check damaged.ron", FAILED, &["damaged.ron:2:"]);
+    refused(&folder, "check field.ron", FAILED, &["field.ron:3:", "tempo", "gravity"]);
+    refused(&folder, "check newer.ron", FAILED, &["newer Gelatin"]);
+    refused(&folder, "check none.ron", FAILED, &["version"]);
+    refused(&folder, "check range.ron", FAILED, &["settings.dt = 9 s", "1e-6 … 0.1 s"]);
+}
+
+#[test]
+fn output_that_cannot_be_written_is_refused_first() {
+    let folder = Folder::new();
+    folder.write("flat.obj", square(1.0, 0.0)).write("keep.obj", "kept");
+    fs::create_dir(folder.path("out")).expect("a folder");
+    refused(&folder, "voxelize flat.obj -o gone/cells.obj", FAILED, &["gone", "does not exist"]);
+    refused(&folder, "voxelize flat.obj -o out", FAILED, &["is a folder"]);
+    refused(&folder, "voxelize missing.obj -o keep.obj", FAILED, &["missing.obj"]);
+}

@@ -1,0 +1,5 @@
+//! The built program, run as a person runs it: what it prints, what it refuses, with which exit code.
+
+mod bad_input;
+mod figures;
+mod program;

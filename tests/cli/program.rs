@@ -1,0 +1,65 @@
+//! Running the program in a folder of its own.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+use tempfile::TempDir;
+
+/// A folder to run the program in.
+pub(crate) struct Folder(TempDir);
+
+/// What a run left behind.
+#[derive(Debug)]
+pub(crate) struct Ran {
+    pub(crate) code: Option<i32>,
+    pub(crate) figures: String,
+    pub(crate) notes: String,
+}
+
+impl Folder {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().expect("a folder"))
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub(crate) fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> &Self {
+        fs::write(self.path(name), bytes).expect("a file");
+        self
+    }
+
+    /// Runs the program there, with the words of `line` as arguments; nobody listens to a window.
+    pub(crate) fn run(&self, line: &str) -> Ran {
+        let output = Command::new(env!("CARGO_BIN_EXE_gelatin"))
+            .args(line.split_whitespace())
+            .current_dir(self.0.path())
+            .env_remove("DISPLAY")
+            .env_remove("WAYLAND_DISPLAY")
+            .stdin(Stdio::null())
+            .output()
+            .expect("the program starts");
+        Ran {
+            code: output.status.code(),
+            figures: String::from_utf8_lossy(&output.stdout).into_owned(),
+            notes: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+
+    /// Runs the program, which must succeed with one JSON object.
+    pub(crate) fn json(&self, line: &str) -> serde_json::Value {
+        let ran = self.run(line);
+        assert_eq!(ran.code, Some(0), "gelatin {line}: {ran:?}");
+        serde_json::from_str(&ran.figures).unwrap_or_else(|error| panic!("gelatin {line}: {error}: {}", ran.figures))
+    }
+}
+
+/// A square of two triangles, with a scale and a place for its corners.
+pub(crate) fn square(scale: f64, offset: f64) -> String {
+    let at = |x: f64| offset + scale * x;
+    let vertex = |x: f64, z: f64| format!("v {:e} {:e} {:e}", at(x), at(0.0), at(z));
+    let corners = [vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(1.0, 1.0), vertex(0.0, 1.0)];
+    corners.join("\n") + "\nf 1 2 3 4\n"
+}
