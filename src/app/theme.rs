@@ -112,7 +112,7 @@ fn glyph_width(ui: &Ui, font: &FontId, letter: char) -> f32 {
 
 fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::default();
-    let inter = FontData::from_static(include_bytes!("../../assets/fonts/Inter-Regular.ttf"));
+    let inter = FontData::from_static(include_bytes!("../../assets/fonts/Inter-Regular.otf"));
     fonts.font_data.insert("Inter".to_owned(), Arc::new(inter));
     fonts.families.entry(FontFamily::Proportional).or_default().insert(0, "Inter".to_owned());
     fonts

@@ -42,7 +42,7 @@ pub struct Running<'a> {
 #[derive(Debug)]
 pub struct UiState {
     /// The scenes to choose from.
-    pub presets: Vec<Preset>,
+    pub presets: &'static [Preset],
     /// Whether the list of keys is open.
     pub keys_open: bool,
     /// The message a person has read and closed.
@@ -57,7 +57,7 @@ pub struct UiState {
 
 impl UiState {
     /// The state of a fresh window.
-    pub fn new(presets: Vec<Preset>) -> Self {
+    pub fn new(presets: &'static [Preset]) -> Self {
         Self {
             presets,
             keys_open: false,
@@ -109,7 +109,7 @@ fn colored(view: &ViewSettings, color: ColorBy) -> ViewSettings {
 /// Something that floats over the view, at one of its corners.
 fn over_view(ui: &Ui, name: &str, view: Rect, corner: Align2, contents: impl FnOnce(&mut Ui)) {
     let inner = view.shrink(14.0);
-    Area::new(Id::new(name))
+    Area::new(Id::unique(name))
         .order(Order::Middle)
         .movable(false)
         .pivot(corner)

@@ -46,12 +46,12 @@ fn preset_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<C
         .selected_text(RichText::new(&status.title).color(theme::STRONG));
     let response = combo.show_ui(ui, |ui| {
         ui.set_min_width(360.0);
-        for preset in &state.presets {
+        for preset in state.presets {
             let chosen = preset.name == status.title;
-            let row = ui.selectable_label(chosen, preset.name).on_hover_text(preset.about);
+            let row = ui.selectable_label(chosen, preset.name).on_hover_text(preset.summary);
             if row.clicked() {
                 commands.push(Command::Replace {
-                    scene: Box::new(preset.scene()),
+                    scene: Box::new((preset.build)()),
                     base_dir: PathBuf::new(),
                     title: preset.name.to_owned(),
                 });
