@@ -202,7 +202,7 @@ impl Input {
     }
 
     /// What an event asks for, if anything.
-    pub fn on_event(&mut self, event: Event, situation: &Situation) -> Option<Action> {
+    pub fn on_event(&mut self, event: Event, situation: Situation) -> Option<Action> {
         let scale = situation.scale.max(f32::EPSILON);
         match event {
             Event::PointerMoved(pixel) => {
@@ -247,7 +247,7 @@ impl Input {
         }
     }
 
-    fn on_key(&self, key: Key, repeat: bool, situation: &Situation) -> Option<Action> {
+    fn on_key(&self, key: Key, repeat: bool, situation: Situation) -> Option<Action> {
         // Holding a key down steps on and on; everything else happens once.
         let stepping = matches!(key, Key::Right | Key::Char('.'));
         if self.control || self.other || (repeat && !stepping) {
@@ -278,7 +278,7 @@ impl Input {
         }
     }
 
-    fn over(&self, situation: &Situation, camera_move: CameraMove) -> Option<Action> {
+    fn over(&self, situation: Situation, camera_move: CameraMove) -> Option<Action> {
         (situation.over_view || self.drag.is_some()).then_some(Action::Camera(camera_move))
     }
 }
@@ -286,10 +286,9 @@ impl Input {
 fn dragged(drag: Drag, pixels: Vec2, scale: f32) -> CameraMove {
     let points = pixels / scale;
     match drag {
-        Drag::Orbit => CameraMove::Orbit {
-            yaw_rad: -points.x * ORBIT_RAD_PER_POINT,
-            pitch_rad: points.y * ORBIT_RAD_PER_POINT,
-        },
+        Drag::Orbit => {
+            CameraMove::Orbit { yaw_rad: -points.x * ORBIT_RAD_PER_POINT, pitch_rad: points.y * ORBIT_RAD_PER_POINT }
+        }
         Drag::Pan => CameraMove::Pan(pixels),
         Drag::Zoom { at } => CameraMove::Zoom { factor: (points.y * ZOOM_PER_POINT).exp(), at },
     }

@@ -128,7 +128,7 @@ impl Shell {
             _ => (),
         }
         let response = self.egui.on_window_event(&self.window, event);
-        let action = input::from_winit(event).and_then(|event| self.input.on_event(event, &self.situation()));
+        let action = input::from_winit(event).and_then(|event| self.input.on_event(event, self.situation()));
         if let Some(action) = action {
             self.act(action);
         }
@@ -144,7 +144,9 @@ impl Shell {
             Wake::Worker => self.receive()?,
             Wake::Accessibility(event) => match event.window_event {
                 accesskit_winit::WindowEvent::InitialTreeRequested => self.context.enable_accesskit(),
-                accesskit_winit::WindowEvent::ActionRequested(request) => self.egui.on_accesskit_action_request(request),
+                accesskit_winit::WindowEvent::ActionRequested(request) => {
+                    self.egui.on_accesskit_action_request(request);
+                }
                 accesskit_winit::WindowEvent::AccessibilityDeactivated => self.context.disable_accesskit(),
             },
         }
@@ -178,6 +180,9 @@ impl Shell {
             Some(ended @ Ended::NotStarted(_)) if self.snapshot.is_none() => Err(ShellError::Start(ended)),
             Some(ended) => {
                 self.failure = sentence(&ended);
+                if let Some(snapshot) = &mut self.snapshot {
+                    snapshot.status.playing = false;
+                }
                 Ok(())
             }
             None => Ok(()),
@@ -209,9 +214,9 @@ impl Shell {
             Action::ToggleKeys => self.ui.keys_open = !self.ui.keys_open,
             Action::Close => {
                 self.ui.keys_open = false;
-                if let Some(snapshot) = &self.snapshot {
-                    self.ui.dismissed.clone_from(&snapshot.status.message);
-                }
+                let message = self.snapshot.as_ref().map(|snapshot| &snapshot.status.message);
+                let shown = if self.failure.is_empty() { message } else { Some(&self.failure) };
+                self.ui.dismissed = shown.cloned().unwrap_or_default();
             }
         }
     }

@@ -47,8 +47,7 @@ pub fn apply(context: &Context) {
         ]
         .into_iter()
         .map(|(style, size)| {
-            let family =
-                if style == TextStyle::Monospace { FontFamily::Monospace } else { FontFamily::Proportional };
+            let family = if style == TextStyle::Monospace { FontFamily::Monospace } else { FontFamily::Proportional };
             (style, FontId::new(size, family))
         })
         .collect();

@@ -252,8 +252,7 @@ impl Canvas {
         let Self { gpu, panels, .. } = self;
         let extra = panels.update_buffers(&gpu.device, &gpu.queue, encoder, frame.panels, &screen);
         let view = output.create_view(&wgpu::TextureViewDescriptor::default());
-        let load =
-            if frame.draw_list.is_some() { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(wgpu::Color::BLACK) };
+        let load = if frame.draw_list.is_some() { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(wgpu::Color::BLACK) };
         let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("panels"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -298,8 +297,7 @@ fn configuration(
     let mut config =
         surface.get_default_config(&gpu.adapter, size.width.max(1), size.height.max(1)).ok_or_else(unusable)?;
     let wanted = [wgpu::TextureFormat::Bgra8Unorm, wgpu::TextureFormat::Rgba8Unorm];
-    config.format =
-        wanted.into_iter().find(|format| capabilities.formats.contains(format)).ok_or_else(unusable)?;
+    config.format = wanted.into_iter().find(|format| capabilities.formats.contains(format)).ok_or_else(unusable)?;
     if !capabilities.usages.contains(usage) {
         return Err(unusable());
     }

@@ -1,6 +1,8 @@
 //! What the jelly's colour shows, and the legend to read it by.
 
-use egui::{Align2, ComboBox, FontId, Mesh, Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Ui, WidgetInfo, vec2};
+use egui::{
+    Align2, ComboBox, FontId, Mesh, Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Ui, WidgetInfo, vec2,
+};
 
 use super::{colored, theme};
 use crate::scene::edit::Edit;
@@ -52,7 +54,13 @@ fn legend_ui(ui: &mut Ui, legend: &Legend, colormap: Colormap, unit: &str) {
     let (rect, response) = ui.allocate_exact_size(BAR + vec2(0.0, text_height + 7.0), Sense::hover());
     let spoken = || {
         let values: Vec<&str> = legend.ticks.iter().map(|tick| tick.label.as_str()).collect();
-        format!("Legend: {} from {:.3} to {:.3} ({})", legend.title, legend.range[0], legend.range[1], values.join(", "))
+        format!(
+            "Legend: {} from {:.3} to {:.3} ({})",
+            legend.title,
+            legend.range[0],
+            legend.range[1],
+            values.join(", ")
+        )
     };
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, spoken()));
     let bar = Rect::from_min_size(rect.min, BAR);
@@ -71,7 +79,11 @@ fn ticks(ui: &Ui, legend: &Legend, unit: &str, bar: Rect, font: &FontId) {
         let text = ui.painter().layout_no_wrap(tick.label.clone(), font.clone(), theme::STRONG);
         let left = (x - 0.5 * text.size().x).max(bar.left());
         // A number that would run into its neighbour or into the unit is left out; its mark stays.
-        ui.painter().vline(x.clamp(bar.left() + 0.5, bar.right() - 0.5), bar.bottom()..=bar.bottom() + 3.0, (1.0, theme::WEAK));
+        ui.painter().vline(
+            x.clamp(bar.left() + 0.5, bar.right() - 0.5),
+            bar.bottom()..=bar.bottom() + 3.0,
+            (1.0, theme::WEAK),
+        );
         if left >= free_from && left + text.size().x + 6.0 <= unit_left {
             free_from = left + text.size().x + 6.0;
             ui.painter().galley(Pos2::new(left, top), text, theme::STRONG);

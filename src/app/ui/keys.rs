@@ -17,7 +17,7 @@ const KEYS: [(&str, &str); 8] = [
 
 const POINTER: [(&str, &str); 3] = [
     ("turn", "middle drag · left drag · two fingers"),
-    ("shift", "shift + middle drag · right drag · shift + two fingers"),
+    ("pan", "shift + middle drag · right drag · shift + two fingers"),
     ("zoom", "wheel, to the pointer · pinch · ctrl + two fingers"),
 ];
 
@@ -31,6 +31,7 @@ pub(super) fn keys_ui(ui: &Ui, state: &mut UiState) {
         .pivot(Align2::CENTER_CENTER)
         .fixed_pos(state.view_rect.center())
         .show(ui.ctx(), |ui| {
+            ui.spacing_mut().interact_size.y = 20.0;
             rows_ui(ui, "keys", &KEYS);
             ui.add_space(6.0);
             ui.label(RichText::new("In the view").color(theme::WEAK));
@@ -40,7 +41,7 @@ pub(super) fn keys_ui(ui: &Ui, state: &mut UiState) {
 }
 
 fn rows_ui(ui: &mut Ui, name: &str, rows: &[(&str, &str)]) {
-    Grid::new(name).num_columns(2).spacing([18.0, 6.0]).min_col_width(70.0).show(ui, |ui| {
+    Grid::new(name).num_columns(2).spacing([18.0, 6.0]).min_col_width(70.0).min_row_height(20.0).show(ui, |ui| {
         for (key, meaning) in rows {
             ui.label(RichText::new(*key).color(theme::STRONG));
             ui.label(*meaning);

@@ -3,7 +3,7 @@
 use egui::{Align2, RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
-use super::{UiState, over_view, theme};
+use super::{UiState, capitalised, over_view, theme};
 use crate::session::Status;
 
 /// The last thing that went wrong, if it was not put away. A `failure` of the program offers a new start.
@@ -26,7 +26,7 @@ pub(super) fn message_ui(ui: &Ui, status: &Status, failure: &str, state: &mut Ui
                 theme::dot_ui(ui, theme::ERROR);
                 ui.scope(|ui| {
                     ui.set_max_width(width - 20.0);
-                    ui.add(egui::Label::new(RichText::new(text).color(theme::STRONG)).wrap());
+                    ui.add(egui::Label::new(RichText::new(capitalised(text)).color(theme::STRONG)).wrap());
                 });
                 if icon_button_ui(ui, Icon::Close, "Close message", "Esc", true).clicked() {
                     text.clone_into(&mut state.dismissed);

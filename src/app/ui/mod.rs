@@ -106,6 +106,12 @@ fn colored(view: &ViewSettings, color: ColorBy) -> ViewSettings {
     ViewSettings { color, color_range, ..view.clone() }
 }
 
+/// A text with a capital letter at its start.
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// Something that floats over the view, at one of its corners.
 fn over_view(ui: &Ui, name: &str, view: Rect, corner: Align2, contents: impl FnOnce(&mut Ui)) {
     let inner = view.shrink(14.0);

@@ -3,7 +3,7 @@
 use egui::{Align, Layout, RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
-use super::{UiState, theme};
+use super::{UiState, capitalised, theme};
 use crate::session::{Command, Status};
 
 /// Below this width (points) the counts give way to the words.
@@ -45,15 +45,20 @@ pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, state: &UiState, command
 
 /// Written from right to left.
 fn counts_ui(ui: &mut Ui, status: &Status) {
-    for (name, count, widest) in [
+    for (index, (name, count, widest)) in [
         ("contacts", status.contacts, "00\u{2009}000"),
         ("links", status.links, "000\u{2009}000"),
         ("particles", status.particles, "00\u{2009}000"),
-    ] {
-        ui.label(RichText::new(name).color(theme::WEAK));
+    ]
+    .into_iter()
+    .enumerate()
+    {
         ui.spacing_mut().item_spacing.x = 5.0;
+        if index > 0 {
+            ui.add_space(9.0);
+        }
+        ui.label(RichText::new(name).color(theme::WEAK));
         theme::figures_ui(ui, &grouped(count), widest, theme::STRONG);
-        ui.spacing_mut().item_spacing.x = 8.0;
     }
 }
 
@@ -72,11 +77,6 @@ fn status_words(status: &Status) -> String {
         0 | 1 => "Running.".to_owned(),
         substeps => format!("Running. Steps are divided by {substeps}: limited by {}.", status.dt_limited_by),
     }
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// A count with thin spaces between thousands.

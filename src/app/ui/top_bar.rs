@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, ComboBox, Layout, RichText, Ui};
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Align, ComboBox, FontId, Layout, RichText, Ui, WidgetInfo, vec2};
 
 use super::icon::{Icon, icon_button_ui};
 use super::{UiState, theme};
+use crate::scene::presets::Preset;
 use crate::session::{Command, Status};
 
 /// Speeds to choose from, simulated seconds a wall second.
@@ -13,8 +15,16 @@ const SPEEDS: [f64; 8] = [0.01, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0];
 /// A scene this close to the speed asked for keeps up, as a share.
 const KEEPS_UP: f64 = 0.95;
 
+/// The width of the box with the scene's name, points.
+const SCENE_WIDTH: f32 = 168.0;
+/// Where summaries begin in the list of presets, points from the names.
+const SUMMARY_COLUMN: f32 = 124.0;
+/// Below this width (points) the bar has no room for the step.
+const STEP_NEEDS: f32 = 840.0;
+
 /// The bar along the top.
 pub(super) fn top_bar_ui(ui: &mut Ui, status: &Status, state: &mut UiState, commands: &mut Vec<Command>) {
+    let wide = ui.available_width() >= STEP_NEEDS;
     ui.horizontal(|ui| {
         preset_ui(ui, status, state, commands);
         ui.add_space(6.0);
@@ -29,8 +39,10 @@ pub(super) fn top_bar_ui(ui: &mut Ui, status: &Status, state: &mut UiState, comm
             ui.add_space(6.0);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 // Written from the right, so that the numbers keep their places whatever else the bar holds.
-                step_ui(ui, status);
-                ui.add_space(10.0);
+                if wide {
+                    step_ui(ui, status);
+                    ui.add_space(10.0);
+                }
                 real_time_ui(ui, status);
             });
         });
@@ -40,25 +52,40 @@ pub(super) fn top_bar_ui(ui: &mut Ui, status: &Status, state: &mut UiState, comm
 fn preset_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
     let label = ui.label(RichText::new("Scene").color(theme::WEAK));
     let combo = ComboBox::from_id_salt("scene")
-        .width(168.0)
+        .width(SCENE_WIDTH)
         .height(420.0)
         .truncate()
         .selected_text(RichText::new(&status.title).color(theme::STRONG));
-    let response = combo.show_ui(ui, |ui| {
-        ui.set_min_width(360.0);
-        for preset in state.presets {
-            let chosen = preset.name == status.title;
-            let row = ui.selectable_label(chosen, preset.name).on_hover_text(preset.summary);
-            if row.clicked() {
-                commands.push(Command::Replace {
-                    scene: Box::new((preset.build)()),
-                    base_dir: PathBuf::new(),
-                    title: preset.name.to_owned(),
-                });
-            }
-        }
-    });
+    // A box no wider than this, or a long name would push the rest of the bar away.
+    let room = vec2(SCENE_WIDTH, ui.spacing().interact_size.y);
+    let response = ui.allocate_ui(room, |ui| combo.show_ui(ui, |ui| presets_ui(ui, status, state, commands))).inner;
     response.response.labelled_by(label.id);
+}
+
+fn presets_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
+    for preset in state.presets {
+        let chosen = preset.name == status.title;
+        let row = ui.selectable_label(chosen, preset_line(ui, preset));
+        row.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, chosen, preset.name));
+        if row.clicked() {
+            commands.push(Command::Replace {
+                scene: Box::new((preset.build)()),
+                base_dir: PathBuf::new(),
+                title: preset.name.to_owned(),
+            });
+        }
+    }
+}
+
+/// The name, and beside it in a column what happens.
+fn preset_line(ui: &Ui, preset: &Preset) -> LayoutJob {
+    let font = FontId::proportional(theme::TEXT_SIZE);
+    let name = ui.painter().layout_no_wrap(preset.name.to_owned(), font, theme::STRONG).size().x;
+    let format = |color| TextFormat { font_id: FontId::proportional(theme::TEXT_SIZE), color, ..TextFormat::default() };
+    let mut line = LayoutJob::default();
+    line.append(preset.name, 0.0, format(theme::STRONG));
+    line.append(preset.summary, (SUMMARY_COLUMN - name).max(12.0), format(theme::WEAK));
+    line
 }
 
 fn speed_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
