@@ -29,7 +29,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     var gloss = 1.0;
     if frame.show_scalars != 0u {
         let level = clamp((in.scalar - frame.color_low) * frame.color_scale, 0.0, 1.0);
-        albedo = textureSampleLevel(colormap, colormap_sampler, vec2f((level * 255.0 + 0.5) / 256.0, 0.5), 0.0).rgb;
+        albedo = textureLoad(colormap, vec2i(i32(level * 255.0 + 0.5), 0), 0).rgb;
         gloss = 0.35;
     }
 
@@ -37,16 +37,35 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     let share = light_share(place);
     let facing = dot(normal, frame.light_direction);
     let diffuse = max((facing + 0.25) / 1.25, 0.0) * mix(0.15, 1.0, share);
-    // Light that entered elsewhere and comes out here, less the longer its way (Beer and Lambert).
-    let through = exp(-3.0 * depth_below_light(place) / frame.body_size) * (1.0 - max(facing, 0.0)) * 0.55;
+    // Light that has come through the body to a point under the skin, less the longer its way (Beer and Lambert): thin
+    // parts and edges towards the light glow, the heart of the body is deeper in colour.
+    let under = shadow_place(in.world - normal * (0.18 * frame.body_size), vec3f(0.0));
+    var through = exp(-4.5 * depth_below_light(under) / frame.body_size);
+    if frame.show_scalars != 0u {
+        // Colours that are to be read must not depend on how deep the body is.
+        through = mix(0.5, through, 0.2);
+    }
     let halfway = normalize(frame.light_direction + to_eye);
     let aligned = max(dot(normal, halfway), 0.0);
     let seen = select(0.0, share, facing > 0.0);
-    let specular = (0.9 * pow(aligned, 160.0) + 0.10 * pow(aligned, 18.0)) * seen * gloss;
-    let rim = pow(1.0 - max(dot(normal, to_eye), 0.0), 3.0) * gloss;
+    // Powers 16 and 128, by squaring: a fraction of the cost of pow in software.
+    let aligned_2 = aligned * aligned;
+    let aligned_4 = aligned_2 * aligned_2;
+    let aligned_8 = aligned_4 * aligned_4;
+    let aligned_16 = aligned_8 * aligned_8;
+    let aligned_32 = aligned_16 * aligned_16;
+    let aligned_64 = aligned_32 * aligned_32;
+    let specular = (0.9 * aligned_64 * aligned_64 + 0.10 * aligned_16) * seen;
+    // A rim of light, and the bright sky mirrored at grazing angles (Schlick's approximation).
+    let grazing = 1.0 - max(dot(normal, to_eye), 0.0);
+    let grazing_2 = grazing * grazing;
+    let rim = 0.40 * grazing_2 * grazing;
+    let mirrored = smoothstep(-0.1, 0.9, reflect(-to_eye, normal).y);
+    let sky_shine = mirrored * (0.06 + 0.5 * grazing_2 * grazing_2 * grazing);
 
-    let sky = mix(0.6, 1.0, 0.5 + 0.5 * normal.y);
-    let body = albedo * (frame.ambient * sky + frame.light_color * (0.7 * diffuse + through));
-    let shine = frame.light_color * (specular + rim * 0.45 * mix(albedo, vec3f(1.0), 0.35));
+    let sky = mix(0.45, 1.0, 0.5 + 0.5 * normal.y);
+    let body = albedo * (frame.ambient * sky + frame.light_color * (0.52 * diffuse + 0.62 * through));
+    let tint = mix(albedo, vec3f(1.0), 0.35);
+    let shine = frame.light_color * (vec3f(specular + sky_shine) + rim * tint) * gloss;
     return vec4f(body + shine, 1.0);
 }

@@ -33,9 +33,8 @@ fn vertex(
 
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
-    let to_eye = normalize(frame.eye - in.world);
     var normal = normalize(in.normal);
-    normal = select(-normal, normal, dot(normal, to_eye) >= 0.0);
+    normal = select(-normal, normal, dot(normal, frame.eye - in.world) >= 0.0);
 
     var albedo = frame.obstacle;
     let lines = grid_lines(in.place, frame.grid_spacing, 1.2);
@@ -48,10 +47,7 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     }
 
     let facing = max(dot(normal, frame.light_direction), 0.0);
-    var share = 0.0;
-    if facing > 0.0 {
-        share = light_share(shadow_place(in.world, normal));
-    }
+    let share = light_share(shadow_place(in.world, normal));
     let sky = mix(0.55, 1.0, 0.5 + 0.5 * normal.y);
     let light = vec3f(frame.ambient * sky) + frame.light_color * (0.75 * facing * share);
     return vec4f(albedo * light, 1.0);

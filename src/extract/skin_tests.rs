@@ -1,1 +1,177 @@
+use std::collections::BTreeMap;
+
+use glam::{DMat3, Vec3};
+
 use super::*;
+use crate::geometry::voxel::Cells;
+use crate::math::rotation::from_euler_deg;
+
+const SIZE: f64 = 0.5;
+const U: [[i32; 3]; 7] = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [2, 1, 0], [0, 2, 0], [2, 2, 0]];
+
+fn lattice(list: &[[i32; 3]]) -> Lattice {
+    Lattice::new(&Cells::from_list(list, SIZE).expect("a small list of cells"))
+}
+
+/// The particles after an affine motion.
+fn moved(lattice: &Lattice, motion: DMat3) -> Vec<[f32; 3]> {
+    (0..lattice.corners.len()).map(|p| (motion * lattice.rest_position(p)).as_vec3().to_array()).collect()
+}
+
+/// A closed box of 12 triangles whose corners are shared, or repeated for every face.
+fn boxed(half: f64, repeat: bool) -> TriMesh {
+    let skin = cells_skin(&lattice(&[[0, 0, 0]]), 0);
+    let corners = lattice(&[[0, 0, 0]]);
+    let place = |vertex: u32| {
+        let particle = skin.vertices[vertex as usize].particles[0];
+        corners.rest_position(particle as usize) * (2.0 * half / SIZE)
+    };
+    if repeat {
+        let positions = (0..).take(skin.vertices.len()).map(place).collect();
+        return TriMesh { positions, triangles: skin.triangles.clone() };
+    }
+    let particle = |vertex: u32| skin.vertices[vertex as usize].particles[0];
+    TriMesh {
+        positions: (0..8).map(|p| corners.rest_position(p) * (2.0 * half / SIZE)).collect(),
+        triangles: skin.triangles.iter().map(|triangle| triangle.map(particle)).collect(),
+    }
+}
+
+#[test]
+fn every_outer_face_is_there_exactly_once() {
+    for (cells, faces) in [(&U[..1], 6), (&U[..], 30)] {
+        let skin = cells_skin(&lattice(cells), 0);
+        assert_eq!(skin.triangles.len(), 2 * faces, "two triangles a face");
+        let mut corners: Vec<Vec<u32>> = skin
+            .triangles
+            .chunks(2)
+            .map(|pair| {
+                let mut corners: Vec<u32> = pair.iter().flatten().copied().collect();
+                corners.sort_unstable();
+                corners.dedup();
+                corners
+            })
+            .collect();
+        corners.sort();
+        corners.dedup();
+        assert_eq!(corners.len(), faces, "no face twice");
+    }
+}
+
+#[test]
+fn the_surface_is_closed() {
+    let skin = cells_skin(&lattice(&U), 0);
+    let mut edges: BTreeMap<[u32; 2], i32> = BTreeMap::new();
+    for triangle in &skin.triangles {
+        let [a, b, c] = triangle.map(|vertex| skin.vertices[vertex as usize].particles[0]);
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            *edges.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
+        }
+    }
+    assert!(edges.values().all(|&balance| balance == 0), "every edge is passed as often there as back");
+}
+
+#[test]
+fn normals_point_outward_at_rest_and_edges_are_crisp() {
+    for cells in [&U[..], &[[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]] {
+        let lattice = lattice(cells);
+        let skin = cells_skin(&lattice, 0);
+        let surface = skin.evaluate(&moved(&lattice, DMat3::IDENTITY));
+        for triangle in &skin.triangles {
+            let [a, b, c] = triangle.map(|vertex| surface[vertex as usize]);
+            let facing = (b.0 - a.0).cross(c.0 - a.0).normalize();
+            for (position, normal) in [a, b, c] {
+                assert!(normal.distance(facing) < 1e-5, "at {position} the normal is {normal}, the face {facing}");
+            }
+            let outside = ((a.0 + b.0 + c.0) / 3.0 + facing * 0.1).as_dvec3();
+            let cell = ((outside - lattice.grid.origin) / SIZE).floor();
+            let filled = lattice.cells.iter().any(|cell_particles| {
+                let low = lattice.corners[cell_particles[0] as usize].map(f64::from);
+                DVec3::from(low) == cell
+            });
+            assert!(!filled, "the face at {} points into a cell", a.0);
+        }
+    }
+}
+
+#[test]
+fn normals_turn_with_the_particles() {
+    let lattice = lattice(&U);
+    let skin = cells_skin(&lattice, 0);
+    let rotation = from_euler_deg([20.0, -35.0, 110.0]);
+    let rest = skin.evaluate(&moved(&lattice, DMat3::IDENTITY));
+    let turned = skin.evaluate(&moved(&lattice, rotation));
+    for (before, after) in rest.iter().zip(&turned) {
+        let expected = (rotation * before.1.as_dvec3()).as_vec3();
+        assert!(after.1.distance(expected) < 1e-5, "{} turned to {} and not {expected}", before.1, after.1);
+    }
+}
+
+#[test]
+fn particles_of_other_bodies_come_first() {
+    let lattice = lattice(&[[0, 0, 0]]);
+    let mut particles = vec![[9.0; 3]; 5];
+    particles.extend(moved(&lattice, DMat3::IDENTITY));
+    assert_eq!(
+        cells_skin(&lattice, 5).evaluate(&particles),
+        cells_skin(&lattice, 0).evaluate(&particles[5..]),
+        "the same surface, five particles later"
+    );
+    assert_eq!(
+        model_skin(&lattice, &boxed(0.2, false), 5).evaluate(&particles),
+        model_skin(&lattice, &boxed(0.2, false), 0).evaluate(&particles[5..]),
+        "for a model too"
+    );
+}
+
+#[test]
+fn a_model_stays_at_rest_and_follows_affine_motion_exactly() {
+    let lattice = lattice(&U);
+    let mesh = boxed(0.7, false);
+    let skin = model_skin(&lattice, &mesh, 0);
+    let squeeze = DMat3::from_diagonal(DVec3::new(1.4, 0.5, 1.1)) * from_euler_deg([10.0, 70.0, -30.0]);
+    for motion in [DMat3::IDENTITY, squeeze] {
+        let cofactors = motion.determinant() * motion.inverse().transpose();
+        let surface = skin.evaluate(&moved(&lattice, motion));
+        for triangle in &skin.triangles {
+            let [a, b, c] = triangle.map(|vertex| surface[vertex as usize]);
+            let facing = (b.0 - a.0).cross(c.0 - a.0).normalize();
+            assert!(a.1.distance(facing) < 1e-4, "a flat face keeps its normal: {} and {facing}", a.1);
+        }
+        for (position, normal) in surface {
+            let rest = (motion.inverse() * position.as_dvec3()).abs();
+            assert!((rest - DVec3::splat(0.7)).abs().max_element() < 1e-5, "a corner of the box, not {rest}");
+            let at_rest = (cofactors.inverse() * normal.as_dvec3()).normalize().abs();
+            assert!((at_rest.max_element() - 1.0).abs() < 1e-4, "a normal along an axis at rest, not {at_rest}");
+        }
+    }
+}
+
+#[test]
+fn creases_split_vertices_and_gentle_bends_do_not() {
+    let lattice = lattice(&U);
+    for repeat in [false, true] {
+        let cube = model_skin(&lattice, &boxed(0.7, repeat), 0);
+        assert_eq!(cube.vertices.len(), 24, "a cube has three normals a corner");
+    }
+    let roof = |height: f64| TriMesh {
+        positions: vec![
+            DVec3::new(-0.5, 0.0, 0.0),
+            DVec3::new(0.0, height, -0.5),
+            DVec3::new(0.0, height, 0.5),
+            DVec3::new(0.5, 0.0, 0.0),
+        ],
+        triangles: vec![[0, 2, 1], [1, 2, 3]],
+    };
+    let gentle = model_skin(&lattice, &roof(0.1), 0);
+    assert_eq!(gentle.vertices.len(), 4, "23 degrees are smooth");
+    assert_eq!(model_skin(&lattice, &roof(0.3), 0).vertices.len(), 6, "62 degrees are a crease");
+    let ridge = gentle.evaluate(&moved(&lattice, DMat3::IDENTITY));
+    assert!(ridge.iter().any(|(_, normal)| normal.distance(Vec3::Y) < 1e-5), "the ridge looks straight up");
+}
+
+#[test]
+fn triangles_without_area_are_left_out() {
+    let mesh = TriMesh { positions: vec![DVec3::ZERO, DVec3::X * 0.1, DVec3::X * 0.2], triangles: vec![[0, 1, 2]] };
+    assert_eq!(model_skin(&lattice(&U), &mesh, 0).triangles, Vec::<[u32; 3]>::new(), "nothing to see");
+}

@@ -76,6 +76,11 @@ impl Gpu {
         describe(&self.adapter)
     }
 
+    /// Whether a processor does the drawing: antialiasing is dear then.
+    pub fn is_software(&self) -> bool {
+        self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
+    }
+
     /// What has gone wrong since the device was opened. A lost device stays lost; a refused command is told once.
     pub fn check(&self) -> Result<(), GpuError> {
         let mut fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);

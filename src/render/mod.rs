@@ -17,6 +17,7 @@ pub mod renderer;
 pub mod shader;
 pub mod target;
 
+mod buffer;
 mod passes;
 mod scene;
 mod shadow_fit;

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
-
+use super::buffer::filled;
 use super::error::RenderError;
 use super::layout::{DeformedVertex, SkinVertex};
 use super::passes::skin::SkinPass;
@@ -57,7 +56,7 @@ impl SceneBuffers {
         counters: &mut FrameCounters,
     ) -> Result<bool, RenderError> {
         check(device, draw_list)?;
-        let new_skins = self.update_skins(device, draw_list, counters)?;
+        let new_skins = self.update_skins(device, queue, draw_list, counters)?;
         let (moved, moved_buffer) =
             upload(device, queue, "particles", &mut self.particles, &draw_list.particles, &mut counters.particle_bytes);
         let (colored, colored_buffer) = match &draw_list.scalars {
@@ -68,7 +67,7 @@ impl SceneBuffers {
             Some(scalars) => upload(device, queue, "scalars", &mut self.scalars, scalars, &mut counters.scalar_bytes),
         };
         if new_skins || moved_buffer || colored_buffer {
-            self.bind(device, pass);
+            self.bind(device, queue, pass);
         }
         Ok(new_skins || moved || colored)
     }
@@ -76,6 +75,7 @@ impl SceneBuffers {
     fn update_skins(
         &mut self,
         device: &wgpu::Device,
+        queue: &wgpu::Queue,
         draw_list: &DrawList,
         counters: &mut FrameCounters,
     ) -> Result<bool, RenderError> {
@@ -87,7 +87,7 @@ impl SceneBuffers {
             changed |= known.is_none() || place > 0 && known != Some(0);
             let skin = match known {
                 Some(index) => old.remove(index),
-                None => SkinBuffers::new(device, &instance.skin, counters)?,
+                None => SkinBuffers::new(device, queue, &instance.skin, counters)?,
             };
             let needed = skin.particles_needed;
             self.skins.push(skin);
@@ -98,14 +98,10 @@ impl SceneBuffers {
         Ok(changed)
     }
 
-    fn bind(&mut self, device: &wgpu::Device, pass: &SkinPass) {
-        let no_scalars = self.no_scalars.get_or_insert_with(|| {
-            device.create_buffer_init(&BufferInitDescriptor {
-                label: Some("no scalars"),
-                contents: &[0; 4],
-                usage: wgpu::BufferUsages::STORAGE,
-            })
-        });
+    fn bind(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, pass: &SkinPass) {
+        let no_scalars = self
+            .no_scalars
+            .get_or_insert_with(|| filled(device, queue, "no scalars", &[0; 4], wgpu::BufferUsages::STORAGE));
         let scalars = self.scalars.as_ref().map_or(&*no_scalars, |scalars| &scalars.buffer);
         for skin in &mut self.skins {
             skin.bind_group = self
@@ -117,7 +113,12 @@ impl SceneBuffers {
 }
 
 impl SkinBuffers {
-    fn new(device: &wgpu::Device, skin: &Arc<Skin>, counters: &mut FrameCounters) -> Result<Self, RenderError> {
+    fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        skin: &Arc<Skin>,
+        counters: &mut FrameCounters,
+    ) -> Result<Self, RenderError> {
         let limit = storage_limit(device);
         let bytes = (skin.vertices.len() * size_of::<SkinVertex>()) as u64;
         let most = u64::from(SkinPass::MOST_VERTICES) * size_of::<SkinVertex>() as u64;
@@ -130,10 +131,10 @@ impl SkinBuffers {
             return Err(RenderError::TooMuch { what: "triangles of a skin", bytes: index_bytes, limit });
         }
         let vertices: Vec<SkinVertex> = skin.vertices.iter().map(SkinVertex::from).collect();
-        let filled = |label, contents: &[u8], usage| {
+        let uploaded = |label, contents: &[u8], usage| {
             // A skin without triangles is drawn as nothing, but a buffer has to hold something.
             let contents = if contents.is_empty() { &[0; size_of::<SkinVertex>()] } else { contents };
-            device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+            filled(device, queue, label, contents, usage)
         };
         let deformed = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("deformed skin"),
@@ -145,9 +146,9 @@ impl SkinBuffers {
         Ok(Self {
             source: Arc::clone(skin),
             particles_needed: skin.particles_needed(),
-            vertices: filled("skin", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::STORAGE),
+            vertices: uploaded("skin", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::STORAGE),
             deformed,
-            indices: filled("triangles", bytemuck::cast_slice(&skin.triangles), wgpu::BufferUsages::INDEX),
+            indices: uploaded("triangles", bytemuck::cast_slice(&skin.triangles), wgpu::BufferUsages::INDEX),
             index_count: count(skin.triangles.len() * 3),
             vertex_count: count(skin.vertices.len()),
             bind_group: None,
@@ -177,8 +178,7 @@ fn upload<T: bytemuck::NoUninit>(
         }
         _ => {
             let contents = if bytes.is_empty() { &[0; 16] } else { bytes };
-            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-            let buffer = device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage });
+            let buffer = filled(device, queue, label, contents, wgpu::BufferUsages::STORAGE);
             *slot = Some(Uploaded { source: Arc::clone(source), buffer });
             (true, true)
         }

@@ -34,7 +34,7 @@ impl Shared {
         })
     }
 
-    /// Group 1: the shadow map and the table of colours, each with its sampler.
+    /// Group 1: the shadow map with its sampler, and the table of colours.
     pub(super) fn lighting_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
             binding,
@@ -52,8 +52,7 @@ impl Shared {
             entries: &[
                 entry(0, texture(wgpu::TextureSampleType::Depth)),
                 entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison)),
-                entry(2, texture(wgpu::TextureSampleType::Float { filterable: true })),
-                entry(3, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
+                entry(2, texture(wgpu::TextureSampleType::Float { filterable: false })),
             ],
         })
     }
@@ -76,29 +75,25 @@ impl Shared {
             layout: frame_layout,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
         });
-        let sampler = |compare| {
-            device.create_sampler(&wgpu::SamplerDescriptor {
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                compare,
-                ..Default::default()
-            })
-        };
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            compare: Some(wgpu::CompareFunction::LessEqual),
+            ..Default::default()
+        });
         let table = table_texture(device);
         let lighting = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("lighting"),
             layout: lighting_layout,
             entries: &[
                 wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(shadow_map) },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::Sampler(&sampler(Some(wgpu::CompareFunction::LessEqual))),
-                },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&sampler) },
                 wgpu::BindGroupEntry {
                     binding: 2,
-                    resource: wgpu::BindingResource::TextureView(&table.create_view(&Default::default())),
+                    resource: wgpu::BindingResource::TextureView(
+                        &table.create_view(&wgpu::TextureViewDescriptor::default()),
+                    ),
                 },
-                wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Sampler(&sampler(None)) },
             ],
         });
         let mut shared = Self {
@@ -166,7 +161,7 @@ impl Shared {
 fn table_texture(device: &wgpu::Device) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some("colormap"),
-        size: wgpu::Extent3d { width: TABLE_SIZE as u32, height: 1, depth_or_array_layers: 1 },
+        size: wgpu::Extent3d { width: TABLE_SIZE, height: 1, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,

@@ -7,24 +7,35 @@ pub const SAMPLES: u32 = 4;
 /// The format of depth; see [`crate::view::camera`] for why it is floating-point.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Antialiased colour and depth of one size.
+/// What pipelines draw into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// The format of colours.
+    pub format: wgpu::TextureFormat,
+    /// Samples a pixel: [`SAMPLES`], or 1 without antialiasing.
+    pub samples: u32,
+}
+
+/// Colour and depth of one size.
 #[derive(Debug)]
 pub struct Target {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// [`SAMPLES`] colours a pixel.
-    pub color: wgpu::TextureView,
-    /// [`SAMPLES`] depths a pixel.
+    /// Several colours a pixel; absent without antialiasing, where the picture itself is drawn into.
+    pub color: Option<wgpu::TextureView>,
+    /// As many depths a pixel.
     pub depth: wgpu::TextureView,
 }
 
 impl Target {
     /// Textures for pictures of `size` pixels.
-    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat, size: [u32; 2]) -> Result<Self, RenderError> {
+    pub fn new(device: &wgpu::Device, output: Output, size: [u32; 2]) -> Result<Self, RenderError> {
         check_size(device, size)?;
-        let texture = |label, format| attachment(device, label, format, size, SAMPLES, wgpu::TextureUsages::empty());
+        let texture =
+            |label, format| attachment(device, label, format, size, output.samples, wgpu::TextureUsages::empty());
         let view = |texture: wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        Ok(Self { size, color: view(texture("color", format)), depth: view(texture("depth", DEPTH_FORMAT)) })
+        let color = (output.samples > 1).then(|| view(texture("color", output.format)));
+        Ok(Self { size, color, depth: view(texture("depth", DEPTH_FORMAT)) })
     }
 }
 

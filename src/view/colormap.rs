@@ -14,7 +14,7 @@ pub enum Colormap {
 }
 
 /// Entries of [`Colormap::table`].
-pub const TABLE_SIZE: usize = 256;
+pub const TABLE_SIZE: u32 = 256;
 
 impl Colormap {
     /// All of them, in the order of lists.
@@ -41,7 +41,7 @@ impl Colormap {
     }
 
     /// The sRGB colours of [`TABLE_SIZE`] evenly spaced places, lowest first.
-    pub fn table(self) -> [[u8; 3]; TABLE_SIZE] {
+    pub fn table(self) -> [[u8; 3]; TABLE_SIZE as usize] {
         std::array::from_fn(|entry| self.srgb(entry as f32 / (TABLE_SIZE - 1) as f32))
     }
 }
@@ -71,7 +71,7 @@ mod tests {
     fn values_outside_the_range_take_the_end_colours() {
         let map = Colormap::Viridis;
         assert_eq!(map.srgb(-3.0), map.table()[0], "below is lowest");
-        assert_eq!(map.srgb(f32::INFINITY), map.table()[TABLE_SIZE - 1], "above is highest");
+        assert_eq!(map.srgb(f32::INFINITY), map.table()[TABLE_SIZE as usize - 1], "above is highest");
         assert_eq!(map.srgb(f32::NAN), map.table()[0], "not a number is lowest");
     }
 }

@@ -33,11 +33,11 @@ impl Style {
             background_top: linear_from_srgb([58, 62, 70]),
             background_bottom: linear_from_srgb([26, 28, 32]),
             grid: linear_from_srgb([196, 202, 212]),
-            grid_opacity: 0.16,
+            grid_opacity: 0.11,
             shadow_opacity: 0.55,
             obstacle: linear_from_srgb([118, 121, 127]),
             obstacle_edge: linear_from_srgb([208, 212, 220]),
-            ambient: 0.34,
+            ambient: 0.30,
             bodies: Self::bodies(),
         }
     }
@@ -48,11 +48,11 @@ impl Style {
             background_top: linear_from_srgb([242, 244, 247]),
             background_bottom: linear_from_srgb([206, 211, 218]),
             grid: linear_from_srgb([70, 76, 88]),
-            grid_opacity: 0.22,
+            grid_opacity: 0.18,
             shadow_opacity: 0.35,
             obstacle: linear_from_srgb([186, 189, 194]),
             obstacle_edge: linear_from_srgb([92, 97, 106]),
-            ambient: 0.42,
+            ambient: 0.38,
             bodies: Self::bodies(),
         }
     }

@@ -1,1 +1,17 @@
-//! x
+//! The renderer, on a software adapter: layouts shared with shaders, shaders, analytic pictures, and whether the
+//! comparison of pictures can fail. A machine without an adapter fails these tests and says what to install.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod errors;
+mod harness;
+mod layout;
+mod properties;
+mod shaders;
+mod uploads;
+
+#[path = "../support/gpu.rs"]
+mod gpu;
+#[path = "../support/image_diff.rs"]
+mod image_diff;
+#[path = "../support/scenes.rs"]
+mod scenes;

@@ -2,6 +2,7 @@
 
 use super::{Drawing, drawing_pipeline};
 use crate::render::shader;
+use crate::render::target::Output;
 
 /// Draws the background.
 #[derive(Debug)]
@@ -12,7 +13,7 @@ pub(in crate::render) struct BackgroundPass {
 impl BackgroundPass {
     pub(in crate::render) fn new(
         device: &wgpu::Device,
-        format: wgpu::TextureFormat,
+        output: Output,
         layouts: &[Option<&wgpu::BindGroupLayout>],
     ) -> Self {
         let drawing = Drawing {
@@ -22,8 +23,9 @@ impl BackgroundPass {
             topology: wgpu::PrimitiveTopology::TriangleList,
             writes_depth: false,
             blend: None,
+            cull: None,
         };
-        Self { pipeline: drawing_pipeline(device, format, &drawing) }
+        Self { pipeline: drawing_pipeline(device, output, &drawing) }
     }
 
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {

@@ -8,7 +8,7 @@ pub(super) mod skin;
 pub(super) mod solid;
 
 use super::shader::Shader;
-use super::target::{DEPTH_FORMAT, SAMPLES};
+use super::target::{DEPTH_FORMAT, Output};
 
 /// What a pipeline that draws into the picture differs in.
 struct Drawing<'a> {
@@ -18,10 +18,11 @@ struct Drawing<'a> {
     topology: wgpu::PrimitiveTopology,
     writes_depth: bool,
     blend: Option<wgpu::BlendState>,
+    cull: Option<wgpu::Face>,
 }
 
 /// A pipeline from entry point `vertex` to entry point `fragment`; nearer (greater) depth wins.
-fn drawing_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat, drawing: &Drawing<'_>) -> wgpu::RenderPipeline {
+fn drawing_pipeline(device: &wgpu::Device, output: Output, drawing: &Drawing<'_>) -> wgpu::RenderPipeline {
     let module = drawing.shader.module(device);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(drawing.shader.name),
@@ -37,7 +38,7 @@ fn drawing_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat, drawing:
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: drawing.buffers,
         },
-        primitive: wgpu::PrimitiveState { topology: drawing.topology, ..Default::default() },
+        primitive: wgpu::PrimitiveState { topology: drawing.topology, cull_mode: drawing.cull, ..Default::default() },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(drawing.writes_depth),
@@ -45,13 +46,13 @@ fn drawing_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat, drawing:
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }),
-        multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
+        multisample: wgpu::MultisampleState { count: output.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: Some("fragment"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(wgpu::ColorTargetState {
-                format,
+                format: output.format,
                 blend: drawing.blend,
                 write_mask: wgpu::ColorWrites::ALL,
             })],
@@ -64,6 +65,6 @@ fn drawing_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat, drawing:
 fn vertex_layout<T>(
     step_mode: wgpu::VertexStepMode,
     attributes: &[wgpu::VertexAttribute],
-) -> Option<wgpu::VertexBufferLayout<'_>> {
-    Some(wgpu::VertexBufferLayout { array_stride: size_of::<T>() as u64, step_mode, attributes })
+) -> wgpu::VertexBufferLayout<'_> {
+    wgpu::VertexBufferLayout { array_stride: size_of::<T>() as u64, step_mode, attributes }
 }

@@ -67,10 +67,10 @@ impl ShadowPass {
             })
         };
         let per_vertex = wgpu::VertexStepMode::Vertex;
-        let body = [vertex_layout::<DeformedVertex>(per_vertex, &DeformedVertex::ATTRIBUTES[..1])];
+        let body = [Some(vertex_layout::<DeformedVertex>(per_vertex, &DeformedVertex::ATTRIBUTES[..1]))];
         let obstacle = [
-            vertex_layout::<SolidVertex>(per_vertex, &SolidVertex::ATTRIBUTES[..1]),
-            vertex_layout::<SolidInstance>(wgpu::VertexStepMode::Instance, &SolidInstance::ATTRIBUTES[..4]),
+            Some(vertex_layout::<SolidVertex>(per_vertex, &SolidVertex::ATTRIBUTES[..1])),
+            Some(vertex_layout::<SolidInstance>(wgpu::VertexStepMode::Instance, &SolidInstance::ATTRIBUTES[..4])),
         ];
         let usage = wgpu::TextureUsages::TEXTURE_BINDING;
         let map = attachment(device, "shadow map", DEPTH_FORMAT, [SHADOW_SIZE; 2], 1, usage);

@@ -3,11 +3,12 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::{Drawing, drawing_pipeline, vertex_layout};
+use crate::render::buffer::filled;
 use crate::render::layout::{SolidInstance, SolidVertex};
 use crate::render::shader;
+use crate::render::target::Output;
 use crate::view::Solid;
 
 /// Sides of the ball's equator; half as many from pole to pole.
@@ -33,21 +34,23 @@ pub(in crate::render) struct Shapes {
 impl SolidPass {
     pub(in crate::render) fn new(
         device: &wgpu::Device,
-        format: wgpu::TextureFormat,
+        queue: &wgpu::Queue,
+        output: Output,
         layouts: &[Option<&wgpu::BindGroupLayout>],
     ) -> Self {
         let drawing = Drawing {
             shader: shader::SOLID,
             layouts,
             buffers: &[
-                vertex_layout::<SolidVertex>(wgpu::VertexStepMode::Vertex, &SolidVertex::ATTRIBUTES),
-                vertex_layout::<SolidInstance>(wgpu::VertexStepMode::Instance, &SolidInstance::ATTRIBUTES),
+                Some(vertex_layout::<SolidVertex>(wgpu::VertexStepMode::Vertex, &SolidVertex::ATTRIBUTES)),
+                Some(vertex_layout::<SolidInstance>(wgpu::VertexStepMode::Instance, &SolidInstance::ATTRIBUTES)),
             ],
             topology: wgpu::PrimitiveTopology::TriangleList,
             writes_depth: true,
             blend: None,
+            cull: None,
         };
-        Self { pipeline: drawing_pipeline(device, format, &drawing), shapes: Shapes::new(device) }
+        Self { pipeline: drawing_pipeline(device, output, &drawing), shapes: Shapes::new(device, queue) }
     }
 
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, solids: &[Solid], instances: &wgpu::Buffer) {
@@ -57,15 +60,13 @@ impl SolidPass {
 }
 
 impl Shapes {
-    fn new(device: &wgpu::Device) -> Self {
+    fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
             .map(|[x, y]| SolidVertex { position: [x, y, 0.0], normal: [0.0, 0.0, 1.0] });
         let mut vertices = square.to_vec();
         let mut indices = vec![0, 1, 2, 0, 2, 3];
         add_ball(&mut vertices, &mut indices);
-        let buffer = |label, contents: &[u8], usage| {
-            device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
-        };
+        let buffer = |label, contents: &[u8], usage| filled(device, queue, label, contents, usage);
         Self {
             vertices: buffer("solid shapes", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::VERTEX),
             indices: buffer("solid triangles", bytemuck::cast_slice(&indices), wgpu::BufferUsages::INDEX),

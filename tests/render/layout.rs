@@ -1,0 +1,54 @@
+//! Structs that the program and the shaders share have the same members at the same places.
+
+use std::mem::offset_of;
+
+use gelatin::render::layout::{DeformedVertex, Frame, SkinVertex};
+use gelatin::render::shader::{self, Shader};
+use wgpu::naga::front::wgsl;
+use wgpu::naga::{Module, TypeInner};
+
+/// Members by name and offset, and the size of the whole.
+type Members = (Vec<(String, usize)>, usize);
+
+fn shader_members(source: &str, name: &str) -> Members {
+    let module: Module = wgsl::parse_str(source).unwrap();
+    let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+    let TypeInner::Struct { members, span } = &found.unwrap().1.inner else { panic!("{name} is no struct") };
+    let member = |member: &wgpu::naga::StructMember| (member.name.clone().unwrap(), member.offset as usize);
+    (members.iter().map(member).collect(), *span as usize)
+}
+
+macro_rules! members {
+    ($type:ty: $($member:ident),+) => {
+        (vec![$((stringify!($member).to_owned(), offset_of!($type, $member))),+], size_of::<$type>())
+    };
+}
+
+fn check(shader: Shader, name: &str, ours: &Members) {
+    assert_eq!(&shader_members(&shader.source(), name), ours, "{name} in {}.wgsl", shader.name);
+}
+
+#[test]
+fn the_frame_agrees() {
+    let ours = members!(Frame:
+        clip_from_world, shadow_from_world, eye, ambient, light_direction, shadow_texel, light_color, shadow_span,
+        background_top, shadow_opacity, background_bottom, grid_opacity, grid, grid_spacing, obstacle, ground_radius,
+        obstacle_edge, body_size, camera_target, color_low, color_scale, show_scalars, padding);
+    for shader in [shader::SHADOW, shader::SOLID, shader::MESH, shader::BACKGROUND, shader::GROUND] {
+        check(shader, "Frame", &ours);
+    }
+}
+
+#[test]
+fn skin_vertices_agree() {
+    check(shader::SKIN, "SkinVertex", &members!(SkinVertex: particles, position, tangent_u, tangent_v));
+    check(shader::SKIN, "DeformedVertex", &members!(DeformedVertex: position, scalar, normal, padding));
+}
+
+#[test]
+fn a_struct_in_another_order_is_found() {
+    let (ours, size) = members!(DeformedVertex: position, scalar, normal, padding);
+    let swapped =
+        shader::SKIN.source().replacen("position: vec3f,\n    scalar: f32", "scalar: f32,\n    position: vec3f", 1);
+    assert_ne!(shader_members(&swapped, "DeformedVertex"), (ours, size), "position and scalar have changed places");
+}
