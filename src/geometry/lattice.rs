@@ -34,7 +34,9 @@ impl Lattice {
     pub fn new(cells: &Cells) -> Self {
         let grid = cells.grid;
         let table = CornerTable::new(cells);
-        let mut lattice = Self { grid, corners: Vec::new(), links: Default::default(), cells: Vec::new() };
+        let counts = table.counts();
+        let links = counts.links.map(Vec::with_capacity);
+        let mut lattice = Self { grid, corners: Vec::with_capacity(counts.particles), links, cells: Vec::new() };
         for corner in table.corners.iter() {
             if table.particle(corner).is_some() {
                 lattice.corners.push(corner);
@@ -67,13 +69,7 @@ pub struct LatticeCounts {
 impl LatticeCounts {
     /// Counts what [`Lattice::new`] would build.
     pub fn of(cells: &Cells) -> Self {
-        let table = CornerTable::new(cells);
-        let mut counts = Self::default();
-        for corner in table.corners.iter().filter(|&corner| table.particle(corner).is_some()) {
-            counts.particles += 1;
-            table.link(corner, |family, _| counts.links[family] += 1);
-        }
-        counts
+        CornerTable::new(cells).counts()
     }
 }
 
@@ -94,22 +90,27 @@ const DIRECTIONS: [[i32; 3]; 13] = [
     [1, 1, 1],
 ];
 
-/// Which of the eight cells around a corner also hold the corner one step away in `direction`, as bits of
+/// For every direction, which of the eight cells around a corner also hold the corner one step away, as bits of
 /// [`CornerTable::around`].
-const fn holders([dx, dy, dz]: [i32; 3]) -> u8 {
-    let mut mask = 0;
-    let mut place = 0;
-    while place < 8 {
-        let x_fits = dx == 0 || (dx > 0) == (place & 1 != 0);
-        let y_fits = dy == 0 || (dy > 0) == (place & 2 != 0);
-        let z_fits = dz == 0 || (dz > 0) == (place & 4 != 0);
-        if x_fits && y_fits && z_fits {
-            mask |= 1 << place;
+const HOLDERS: [u8; 13] = {
+    let mut holders = [0; 13];
+    let mut at = 0;
+    while at < 13 {
+        let [dx, dy, dz] = DIRECTIONS[at];
+        let mut place = 0;
+        while place < 8 {
+            let x_fits = dx == 0 || (dx > 0) == (place & 1 != 0);
+            let y_fits = dy == 0 || (dy > 0) == (place & 2 != 0);
+            let z_fits = dz == 0 || (dz > 0) == (place & 4 != 0);
+            if x_fits && y_fits && z_fits {
+                holders[at] |= 1 << place;
+            }
+            place += 1;
         }
-        place += 1;
+        at += 1;
     }
-    mask
-}
+    holders
+};
 
 /// What stands at every corner of the grid.
 struct CornerTable {
@@ -142,6 +143,15 @@ impl CornerTable {
         Self { corners, around, particles }
     }
 
+    fn counts(&self) -> LatticeCounts {
+        let mut counts = LatticeCounts::default();
+        for corner in self.corners.iter().filter(|&corner| self.particle(corner).is_some()) {
+            counts.particles += 1;
+            self.link(corner, |family, _| counts.links[family] += 1);
+        }
+        counts
+    }
+
     fn particle(&self, corner: [u32; 3]) -> Option<u32> {
         let at = self.corners.index(corner);
         (self.around[at] != 0).then(|| self.particles[at])
@@ -154,8 +164,7 @@ impl CornerTable {
     /// Calls `found` with the family and other end of the links that lead from a corner to higher ones.
     fn link(&self, corner: [u32; 3], mut found: impl FnMut(usize, u32)) {
         let around = self.around[self.corners.index(corner)];
-        for direction in DIRECTIONS {
-            let holders = holders(direction);
+        for (direction, holders) in DIRECTIONS.into_iter().zip(HOLDERS) {
             if around & holders == 0 {
                 continue;
             }
@@ -214,9 +223,12 @@ mod tests {
     }
 
     fn check(list: &[[i32; 3]]) {
-        let lattice = lattice(list);
+        check_lattice(list, &lattice(list));
+    }
+
+    fn check_lattice(list: &[[i32; 3]], lattice: &Lattice) {
         let counted = LatticeCounts::of(&Cells::from_list(list, 1.0).expect("a small list"));
-        assert_eq!(counted, LatticeCounts { particles: lattice.corners.len(), links: counts(&lattice) }, "counted");
+        assert_eq!(counted, LatticeCounts { particles: lattice.corners.len(), links: counts(lattice) }, "counted");
         let low = [0, 1, 2].map(|axis| list.iter().map(|cell| cell[axis]).min().expect("not empty"));
         let place = |particle: u32| {
             let [i, j, k] = lattice.corners[particle as usize].map(|n| i32::try_from(n).expect("small"));
@@ -265,6 +277,16 @@ mod tests {
             let list: Vec<_> = (0..25).map(|_| [coordinate(), coordinate(), coordinate()]).collect();
             check(&list);
         }
+    }
+
+    #[test]
+    #[should_panic(expected = "family 1")]
+    fn the_check_sees_a_link_that_does_not_belong() {
+        let list = [[0, 0, 0], [1, 0, 0], [2, 0, 0]];
+        let mut wrong = lattice(&list);
+        let last = wrong.links[1].len() - 1;
+        wrong.links[1][last][0] = 0;
+        check_lattice(&list, &wrong);
     }
 
     #[test]

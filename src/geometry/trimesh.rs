@@ -1,5 +1,7 @@
 //! A bag of triangles: no promise of being closed, connected or oriented. Says what it is like.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 
 use crate::math::Aabb;
@@ -76,6 +78,28 @@ impl TriMesh {
             parts,
             part_of_triangle,
         }
+    }
+
+    /// The mesh with every triangle once: of triangles with the same corners in the same turning direction, at exactly
+    /// equal positions, the first stays. (In opposite directions they are the two sides of something, and both stay.)
+    pub fn without_duplicates(&self) -> Cow<'_, Self> {
+        let weld = self.weld();
+        let key = |triangle: &u32| {
+            let mut corners = self.triangles[*triangle as usize].map(|vertex| weld[vertex as usize]);
+            let lowest = usize::from(corners[1] < corners[0]);
+            let lowest = if corners[2] < corners[lowest] { 2 } else { lowest };
+            corners.rotate_left(lowest);
+            corners
+        };
+        let mut kept: Vec<u32> = (0..).take(self.triangles.len()).collect();
+        kept.sort_by_cached_key(key);
+        kept.dedup_by_key(|triangle| key(triangle));
+        if kept.len() == self.triangles.len() {
+            return Cow::Borrowed(self);
+        }
+        kept.sort_unstable();
+        let triangles = kept.into_iter().map(|triangle| self.triangles[triangle as usize]).collect();
+        Cow::Owned(Self { positions: self.positions.clone(), triangles })
     }
 
     /// For every vertex the first one (in a fixed order) at exactly the same position.
@@ -234,6 +258,16 @@ pub(crate) mod tests {
             assert!(!mesh.is_degenerate(), "a proper triangle at {scale}");
         }
         assert!(TriMesh::default().is_degenerate(), "nothing has no area");
+    }
+
+    #[test]
+    fn a_triangle_counts_once_per_turning_direction() {
+        let mut mesh = unit_box();
+        let [a, b, c] = mesh.triangles[3];
+        mesh.triangles.extend([[b, c, a], [c, a, b], [a, c, b]]);
+        let distinct = mesh.without_duplicates();
+        assert_eq!(distinct.triangles[..12], unit_box().triangles, "the first ones stay, in order");
+        assert_eq!(distinct.triangles[12..], [[a, c, b]], "the other side is not a duplicate");
     }
 
     #[test]

@@ -50,7 +50,11 @@ const PRESETS: [Preset; 11] = [
     Preset { name: "incline-slide", summary: "A cube on a slope too steep for its friction.", build: incline_slide },
     Preset { name: "u-on-sphere", summary: "A U made of cells drops on a sphere.", build: u_on_sphere },
     Preset { name: "tree", summary: "A tree made of blocks falls on the ground.", build: tree },
-    Preset { name: "coupler-7", summary: "An elastic coupler in 7 divisions.", build: || coupler(7) },
+    Preset {
+        name: "coupler-7",
+        summary: "An elastic coupler in 7 divisions, set down on the ground.",
+        build: || coupler(7),
+    },
     Preset { name: "coupler-8", summary: "The same coupler in 8 divisions.", build: || coupler(8) },
     Preset { name: "coupler-20", summary: "The same coupler in 20 divisions.", build: || coupler(20) },
     Preset { name: "coupler-40", summary: "The same coupler in 40 divisions.", build: || coupler(40) },
@@ -60,19 +64,19 @@ const PRESETS: [Preset; 11] = [
 fn cube_on_plane() -> Scene {
     let cube = Body {
         name: "Jelly".to_owned(),
-        pose: Pose { position: [0.0, 1.05, 0.0], rotation_deg: [6.0, 0.0, 10.0] },
+        pose: Pose { position: [0.0, 1.0, 0.0], rotation_deg: [5.0, 0.0, 8.0] },
         ..Body::default()
     };
-    scene(cube, vec![ball([1.35, 0.4, 0.25], 0.4)])
+    scene(cube, vec![ball([1.5, 0.4, -0.3], 0.4)])
 }
 
 fn cube_on_sphere() -> Scene {
     let cube = Body {
         name: "Jelly".to_owned(),
-        pose: Pose { position: [0.25, 1.95, 0.08], rotation_deg: [0.0, 20.0, 0.0] },
+        pose: Pose { position: [0.22, 1.65, 0.06], rotation_deg: [0.0, 20.0, 0.0] },
         ..Body::default()
     };
-    looking_at([0.2, 0.9, 0.0], 6.0, scene(cube, vec![ball([0.0, 0.6, 0.0], 0.6)]))
+    looking_at([0.2, 0.9, 0.0], 6.0, scene(cube, vec![ball([0.0, 0.45, 0.0], 0.45)]))
 }
 
 /// Held with μ = 0.6: tan 20° = 0.36.
@@ -137,16 +141,21 @@ fn tree() -> Scene {
     looking_at([0.0, 0.8, 0.0], 6.0, scene(body, Vec::new()))
 }
 
+/// Set down rather than dropped: its thin webs would swing for long. The finest one is set down from lower, as the
+/// damping that would quiet it sooner would cost it many substeps.
 fn coupler(divisions: u32) -> Scene {
-    let body = model_body("Coupler", ModelShape { divisions, ..carried("coupler.obj") }, 1.0);
-    let tilted = Pose { rotation_deg: [0.0, 30.0, 20.0], ..body.pose };
-    scene(Body { skin: Skin::Cells, pose: tilted, ..body }, Vec::new())
+    let (height, damping) = if divisions > 20 { (0.52, 1.3) } else { (0.56, 2.0) };
+    let body = model_body("Coupler", ModelShape { divisions, ..carried("coupler.obj") }, height);
+    let turned = Pose { rotation_deg: [0.0, 30.0, 0.0], ..body.pose };
+    let material = damped(&body.material, damping);
+    scene(Body { skin: Skin::Cells, pose: turned, material, ..body }, Vec::new())
 }
 
 fn spot() -> Scene {
-    let body = model_body("Spot", carried("spot.obj"), 1.1);
+    let body = model_body("Spot", carried("spot.obj"), 0.65);
     let turned = Pose { rotation_deg: [0.0, -30.0, 0.0], ..body.pose };
-    scene(Body { pose: turned, ..body }, Vec::new())
+    let material = damped(&body.material, 3.0);
+    scene(Body { pose: turned, material, ..body }, Vec::new())
 }
 
 fn carried(name: &str) -> ModelShape {
@@ -161,16 +170,32 @@ fn model_body(name: &str, shape: ModelShape, height: f64) -> Body {
 }
 
 /// The default material for cells of another size, so that bodies of the same outer size sag and wobble alike: the
-/// link constants of a given Young's modulus grow with the square of the cell, a particle's mass with its cube.
+/// link constants of a given Young's modulus grow with the square of the cell, a particle's mass with its cube. The
+/// damping grows with the cube too: less of it in fine bodies, whose step it would limit. Models fill a small part of
+/// their box, so they are made denser, and stiffer in the same measure.
 fn jelly(cell_size: f64) -> Material {
+    const DENSER: f64 = 3.0;
     let Material::Springs(default) = Material::default();
     let ratio = cell_size / (1.0 / 9.0);
-    let spring = |of: Spring| Spring { stiffness: of.stiffness * ratio * ratio, damping: of.damping * ratio * ratio * ratio };
+    let (area, volume) = (DENSER * ratio * ratio, DENSER * ratio * ratio * ratio);
+    let spring = |of: Spring| Spring { stiffness: of.stiffness * area, damping: of.damping * volume };
     Material::Springs(Springs {
         structural: spring(default.structural),
         shear: spring(default.shear),
         bending: spring(default.bending),
-        particle_mass: default.particle_mass * ratio * ratio * ratio,
+        particle_mass: default.particle_mass * volume,
+    })
+}
+
+/// A material with more damping.
+fn damped(material: &Material, factor: f64) -> Material {
+    let Material::Springs(springs) = material;
+    let spring = |of: Spring| Spring { damping: of.damping * factor, ..of };
+    Material::Springs(Springs {
+        structural: spring(springs.structural),
+        shear: spring(springs.shear),
+        bending: spring(springs.bending),
+        ..*springs
     })
 }
 

@@ -86,7 +86,10 @@ mod tests {
     /// Cuts a polygon of the plane z = x + y and checks that its edges are the outer edges of the triangles.
     fn check(outline: &[[f64; 2]]) -> f64 {
         let corners: Vec<DVec3> = outline.iter().map(|&[x, y]| DVec3::new(x, y, x + y)).collect();
-        let triangles = Cutter::new().cut(&corners);
+        check_cut(outline, &Cutter::new().cut(&corners))
+    }
+
+    fn check_cut(corners: &[[f64; 2]], triangles: &[[u32; 3]]) -> f64 {
         assert_eq!(triangles.len(), corners.len() - 2, "n corners make n − 2 triangles: {triangles:?}");
         let edges: Vec<_> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
         let count = u32::try_from(corners.len()).expect("small");
@@ -95,7 +98,7 @@ mod tests {
             assert_eq!(edges.iter().filter(|&&e| e == edge).count(), 1, "edge {edge:?} of {triangles:?}");
         }
         let area = |[a, b, c]: [u32; 3]| {
-            let [a, b, c] = [a, b, c].map(|place| DVec2::from_array(outline[place as usize]));
+            let [a, b, c] = [a, b, c].map(|place| DVec2::from_array(corners[place as usize]));
             0.5 * (b - a).perp_dot(c - a)
         };
         assert!(triangles.iter().all(|&triangle| area(triangle) > -1e-12), "no triangle is turned: {triangles:?}");
@@ -108,6 +111,12 @@ mod tests {
         assert!((check(&l) - 3.0).abs() < 1e-12, "an L of three squares");
         let arrow = [[0.0, 0.0], [2.0, -1.0], [1.0, 0.0], [2.0, 1.0]];
         assert!((check(&arrow) - 1.0).abs() < 1e-12, "a fan from any corner but two would leave it");
+    }
+
+    #[test]
+    #[should_panic(expected = "no triangle is turned")]
+    fn the_check_sees_a_fan_that_leaves_its_polygon() {
+        check_cut(&[[2.0, -1.0], [1.0, 0.0], [2.0, 1.0], [0.0, 0.0]], &fan(&[0, 1, 2, 3]));
     }
 
     #[test]

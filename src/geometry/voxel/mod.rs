@@ -93,7 +93,7 @@ pub enum VoxelizeError {
     #[error("{0} divisions are not possible; a number from 1 to {MAX_DIVISIONS} is needed")]
     Divisions(u32),
     /// Too large or too small for numbers.
-    #[error("the model's longest extent is {0}; it must lie between about 1e-300 and 1e308")]
+    #[error("the model's longest extent is {0:e}; it must lie between about 1e-300 and 1e308")]
     Extent(f64),
     /// Centre occupancy found nothing inside.
     #[error(
@@ -116,6 +116,9 @@ pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) ->
     if mesh.triangles.is_empty() {
         return Err(VoxelizeError::NoTriangles);
     }
+    let distinct = mesh.without_duplicates();
+    let duplicates = mesh.triangles.len() - distinct.triangles.len();
+    let (whole, mesh) = (mesh, distinct.as_ref());
     let placed = Placed::new(mesh, divisions)?;
     if mesh.is_degenerate() {
         return Err(VoxelizeError::NoArea);
@@ -137,20 +140,32 @@ pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) ->
             "the cells fall into {found} components; the largest was kept and {dropped_cells} cells were dropped"
         ));
     }
+    let said_of = |count: usize, one: &str, many: &str| match (count, facts.parts) {
+        (_, 1) => format!("the mesh {one}"),
+        (1, parts) => format!("1 of {parts} parts of the mesh {one}"),
+        (_, parts) => format!("{count} of {parts} parts of the mesh {many}"),
+    };
+    if duplicates > 0 {
+        warnings.push(format!("triangles that repeat another one were left out: {duplicates}"));
+    }
     if absent_parts > 0 {
-        warnings.push(format!("{absent_parts} of {} parts of the mesh have no cell in the result", facts.parts));
+        warnings.push(said_of(absent_parts, "has no cell in the result", "have no cell in the result"));
     }
     if joined_parts > 0 {
-        warnings.push(format!("{joined_parts} of {} parts of the mesh are joined by shared cells", facts.parts));
+        warnings.push(said_of(
+            joined_parts,
+            "is joined to another",
+            "are joined to others by cells that share particles",
+        ));
     }
     if thin_parts > 0 {
-        warnings.push(format!("{thin_parts} of {} parts of the mesh are thinner than a cell", facts.parts));
+        warnings.push(said_of(thin_parts, "is thinner than a cell", "are thinner than a cell"));
     }
     let counts = LatticeCounts::of(&cells);
     watch.progress(1.0);
     let report = VoxelReport {
-        vertices: mesh.positions.len(),
-        triangles: mesh.triangles.len(),
+        vertices: whole.positions.len(),
+        triangles: whole.triangles.len(),
         boundary_edges: facts.boundary_edges,
         non_manifold_edges: facts.non_manifold_edges,
         closed: facts.closed,

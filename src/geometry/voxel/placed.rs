@@ -1,4 +1,4 @@
-//! A mesh laid into its grid, in whole numbers. On a grid of 1/16384 of a cell every question that follows (does this
+//! A mesh laid into its grid, in whole numbers. On a grid of 1/1024 of a cell every question that follows (does this
 //! triangle touch that cell, is this centre inside) has an exact answer, and a face meant to lie on a cell boundary
 //! lies on it in spite of the rounding in its file.
 
@@ -8,7 +8,7 @@ use super::{Grid, VoxelizeError};
 use crate::geometry::TriMesh;
 
 /// Steps of the whole-number coordinates along a cell.
-pub(super) const CELL: i64 = 1 << 14;
+pub(super) const CELL: i64 = 1 << 10;
 
 /// A point in steps of 1/[`CELL`] cells. The grid is padded: its origin stands at (CELL, CELL, CELL).
 pub(super) type Point = [i64; 3];

@@ -1,6 +1,7 @@
 //! Meshes in, cells out: the three ways, the choice between them and what the report says.
 
 use glam::DVec3;
+use proptest::prelude::*;
 
 use super::*;
 use crate::geometry::trimesh::tests::{boxed, together};
@@ -137,6 +138,25 @@ fn the_automatic_choice_says_why_it_leaves_centre() {
 }
 
 #[test]
+fn repeated_triangles_count_once() {
+    let ball = ball(DVec3::ZERO, 1.0, 20);
+    let mut repeated = ball.clone();
+    repeated.triangles.extend(ball.triangles.iter().map(|&[a, b, c]| [b, c, a]));
+    let twice = auto(&repeated, 12);
+    assert_eq!(twice.cells, auto(&ball, 12).cells, "parity would find nothing inside");
+    assert_eq!(twice.report.warnings.len(), 1, "said once: {:?}", twice.report.warnings);
+}
+
+#[test]
+fn legs_too_thin_for_a_centre_are_kept() {
+    let legs = [0.0, 3.6].map(|x| solid_box([x, 0.0, 0.0], [x + 0.4, 3.0, 0.4]));
+    let table = together(&[solid_box([0.0, 3.0, 0.0], [4.0, 5.0, 4.0]), legs[0].clone(), legs[1].clone()]);
+    let joined = auto(&table, 5);
+    assert_eq!(joined.report.occupancy, OccupancyChoice::Solid, "the legs hold no centre: {}", joined.report.why);
+    assert_eq!(joined.cells.count(), 2 * 16 + 2 * 3, "a top of two layers and two legs of three cells");
+}
+
+#[test]
 fn components_are_counted_kept_or_dropped() {
     let boxes = [0.0, 2.0, 8.0].map(|x| solid_box([x, 0.0, 0.0], [x + 1.0, if x > 7.0 { 2.0 } else { 1.0 }, 1.0]));
     let Voxelization { cells, report } = run(&together(&boxes), 9, OccupancyChoice::Auto, Keep::Largest);
@@ -185,4 +205,73 @@ fn the_result_is_the_same_for_any_number_of_threads() {
         pool.install(|| auto(&mesh, 30))
     };
     assert_eq!(with(1), with(4), "cells and report");
+}
+
+fn asset(bytes: &[u8]) -> TriMesh {
+    let imported = crate::geometry::import::parse_obj(bytes, "asset").expect("a good file");
+    assert_eq!(imported.warnings, [""; 0], "nothing is left out");
+    imported.mesh
+}
+
+#[test]
+fn the_tree_is_its_blocks_and_stands_on_its_roots() {
+    let tree = asset(include_bytes!("../../../assets/tree.obj"));
+    for (divisions, cells) in [(10, 214), (20, 214 * 8)] {
+        let report = auto(&tree, divisions).report;
+        assert_eq!((report.cells, report.components, report.non_manifold_edges), (cells, 1, 0), "{report:?}");
+    }
+    let roots = auto(&tree, 10).cells.filled.chunks(7).step_by(10).flatten().filter(|&&filled| filled).count();
+    assert_eq!(roots, 21, "the lowest layer");
+}
+
+#[test]
+fn the_coupler_is_one_body_with_a_bore_at_every_resolution() {
+    let coupler = asset(include_bytes!("../../../assets/coupler.obj"));
+    for (divisions, rough) in [(7, 144), (8, 212), (20, 3273), (40, 26104)] {
+        let Voxelization { cells, report } = auto(&coupler, divisions);
+        assert_eq!((report.closed, report.parts, report.non_manifold_edges), (true, 1, 0), "a closed surface");
+        assert_eq!(
+            (report.components, report.cells, report.occupancy),
+            (1, rough, OccupancyChoice::Centre),
+            "{divisions}"
+        );
+        let [nx, ny, nz] = report.dims;
+        let is_filled = |cell: [u32; 3]| cells.filled[cells.grid.index(cell)];
+        assert!((0..ny).all(|j| !is_filled([nx / 2, j, nz / 2])), "the bore goes through at {divisions}");
+        let layer = |j: u32| cells.grid.iter().filter(|&cell| cell[1] == j && is_filled(cell)).count();
+        assert!(
+            (0..ny).all(|j| layer(j) <= layer(0) + layer(0) / 5),
+            "the flat end is as wide as any layer, but for its chamfer, at {divisions}"
+        );
+    }
+}
+
+#[test]
+fn spot_is_one_closed_body() {
+    let report = auto(&asset(include_bytes!("../../../assets/spot.obj")), 20).report;
+    assert_eq!((report.triangles, report.closed, report.parts), (5856, true, 1), "as published");
+    assert_eq!((report.components, report.occupancy), (1, OccupancyChoice::Centre), "{}", report.why);
+}
+
+proptest! {
+    #[test]
+    fn any_triangles_on_and_off_the_grid_give_cells_or_a_sentence(
+        corners in prop::collection::vec(prop::array::uniform3(0_u8..9), 3..40),
+        divisions in 1_u32..9,
+    ) {
+        let positions: Vec<DVec3> = corners.iter().map(|&at| DVec3::from_array(at.map(f64::from)) * 0.5).collect();
+        let triangles = (0..u32::try_from(positions.len() / 3).expect("small")).map(|at| [3 * at, 3 * at + 1, 3 * at + 2]);
+        let mesh = TriMesh { triangles: triangles.collect(), positions };
+        let fill = |occupancy| voxelize(&mesh, &VoxelizeOptions { divisions, occupancy, keep: Keep::All }, &());
+        let (surface, solid) = (fill(OccupancyChoice::Surface), fill(OccupancyChoice::Solid));
+        prop_assert_eq!(surface.is_ok(), !mesh.is_degenerate(), "an area gives cells");
+        if let (Ok(surface), Ok(solid)) = (surface, solid) {
+            let mut both = surface.cells.filled.iter().zip(&solid.cells.filled);
+            prop_assert!(both.all(|(&surface, &solid)| solid || !surface), "solid holds the surface");
+            prop_assert!(fill(OccupancyChoice::Auto).is_ok(), "the automatic choice finds a way");
+        }
+        if let Ok(centre) = fill(OccupancyChoice::Centre) {
+            prop_assert!(centre.cells.count() > 0, "success means cells");
+        }
+    }
 }

@@ -1,6 +1,8 @@
 //! One definition per tunable: path, unit, range, words and help. Sliders, tooltips, file errors, `--set` and the
 //! printed list derive from this table; default values are read from the `Default` implementations, never repeated.
 
+mod table;
+
 use std::fmt;
 
 use serde::Serialize;
@@ -8,7 +10,9 @@ use serde_json::Value;
 
 use super::body::{CellsShape, CubeShape, ModelShape, PinBox};
 use super::obstacle::{Plane, Sphere};
-use super::{Body, Obstacle, ObstacleShape, Scene, Shape, VERSION};
+use super::{Body, Obstacle, ObstacleShape, Scene, Shape};
+use table::MODEL_PATH;
+pub use table::PARAMS;
 
 /// A value a person can set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,70 +66,6 @@ pub enum Kind {
     /// A list; what its entries hold has its own parameters.
     List,
 }
-
-const MODEL_PATH: &str = "bodies.*.shape.model.path";
-
-/// Metres to the edge of the world: further out a single-precision position is coarser than a millimetre.
-const FAR: f64 = 1e4;
-
-/// Every tunable of a scene.
-pub const PARAMS: &[Param] = &[
-    integer("version", 1, VERSION as i64, "The version of the scene format."),
-    number("settings.dt", "s", 1e-6, 0.1, "The step asked for; automatic stepping divides it where it must.").log(),
-    words("settings.integrator", &["semi_implicit"], "The scheme that advances a step."),
-    words("settings.stepping", &["auto", "manual"], "Whether the program divides steps so that they stay stable."),
-    words("settings.contact", &["implicit", "thesis"], "How obstacles push back; the thesis's rule is there to teach with."),
-    number("settings.gravity", "m/s²", -1000.0, 1000.0, "Acceleration of gravity; a single number g means (0, −g, 0).").of(3),
-    text("bodies.*.name", "What the body is called in lists."),
-    integer("bodies.*.shape.cube.cells", 1, 199, "Cells along an edge of the cube."),
-    number("bodies.*.shape.cube.size", "m", 1e-3, 1e3, "Edge length of the cube.").log(),
-    list("bodies.*.shape.cells.list", "The filled cells as [i, j, k]."),
-    integer("bodies.*.shape.cells.list.*", -1000, 1000, "Grid coordinates of a filled cell.").of(3),
-    number("bodies.*.shape.cells.size", "m", 1e-4, 1e3, "Edge of a cell.").log(),
-    text(MODEL_PATH, "The model file, relative to the scene file; builtin:NAME for one the program carries."),
-    integer("bodies.*.shape.model.divisions", 1, 256, "Cells along the model's longest extent."),
-    words("bodies.*.shape.model.occupancy", &["auto", "centre", "surface", "solid"], "Which cells of the grid are filled."),
-    words("bodies.*.shape.model.keep", &["all", "largest"], "Which connected pieces of the cells are kept."),
-    number("bodies.*.shape.model.length", "m", 0.0, 1e3, "Longest extent after scaling; 0 keeps the file's own size."),
-    number("bodies.*.pose.position", "m", -FAR, FAR, "Where the middle of the body's box starts.").of(3),
-    number("bodies.*.pose.rotation_deg", "°", -360.0, 360.0, "Turns about x, then y, then z (fixed axes).").of(3),
-    number("bodies.*.velocity", "m/s", -1e3, 1e3, "Velocity at the start.").of(3),
-    number("bodies.*.material.springs.structural.stiffness", "N", 0.0, 1e8, "Force at 100 % strain of the links to the nearest particles; seven free values make a material that is in general anisotropic.").log(),
-    number("bodies.*.material.springs.structural.damping", "N·s", 0.0, 1e5, "Damping of the links to the nearest particles.").log(),
-    number("bodies.*.material.springs.shear.stiffness", "N", 0.0, 1e8, "Force at 100 % strain of the diagonal links.").log(),
-    number("bodies.*.material.springs.shear.damping", "N·s", 0.0, 1e5, "Damping of the diagonal links.").log(),
-    number("bodies.*.material.springs.bending.stiffness", "N", 0.0, 1e8, "Force at 100 % strain of the links to the second neighbours.").log(),
-    number("bodies.*.material.springs.bending.damping", "N·s", 0.0, 1e5, "Damping of the links to the second neighbours.").log(),
-    number("bodies.*.material.springs.particle_mass", "kg", 1e-6, 1e3, "Mass of every particle.").log(),
-    list("bodies.*.pins", "Boxes in body coordinates whose particles are held."),
-    number("bodies.*.pins.*.min", "m", -FAR, FAR, "The lowest corner of a box whose particles are held.").of(3),
-    number("bodies.*.pins.*.max", "m", -FAR, FAR, "The highest corner of a box whose particles are held.").of(3),
-    words("bodies.*.skin", &["auto", "cells"], "Which surface is drawn: the model's own where there is one, or the cells'."),
-    flag("bodies.*.hidden", "Hidden bodies are not drawn but still move."),
-    text("obstacles.*.name", "What the obstacle is called in lists."),
-    number("obstacles.*.plane.center", "m", -FAR, FAR, "The middle of the plane.").of(3),
-    number("obstacles.*.plane.rotation_deg", "°", -360.0, 360.0, "Turns about x, then y, then z (fixed axes); none faces up.").of(3),
-    number("obstacles.*.plane.half_extents", "m", 1e-3, FAR, "Half the plane's extents along its own x and z axes.").of(2).log(),
-    number("obstacles.*.sphere.center", "m", -FAR, FAR, "The middle of the sphere.").of(3),
-    number("obstacles.*.sphere.radius", "m", 1e-3, FAR, "The radius of the sphere.").log(),
-    Param {
-        kind: Kind::NumberOr { word: "auto", min: 0.0, max: 1e9 },
-        ..number("obstacles.*.stiffness", "N/m", 0.0, 1e9, "How hard the obstacle pushes a particle back; auto chooses so that resting bodies sink little.").log()
-    },
-    number("obstacles.*.friction_static", "", 0.0, 10.0, "Coulomb coefficient below which a touching particle stays."),
-    number("obstacles.*.friction_dynamic", "", 0.0, 10.0, "Coulomb coefficient of a sliding particle."),
-    flag("obstacles.*.hidden", "Hidden obstacles are not drawn but still stop bodies."),
-    number("view.camera.target", "m", -FAR, FAR, "The point looked at.").of(3),
-    number("view.camera.yaw_deg", "°", -360.0, 360.0, "Turn about the vertical; 0 looks along −z."),
-    number("view.camera.pitch_deg", "°", -90.0, 90.0, "Angle above the horizon."),
-    number("view.camera.distance", "m", 1e-3, 1e5, "From the eye to the point looked at.").log(),
-    number("view.camera.fov_deg", "°", 5.0, 120.0, "Vertical field of view."),
-    number("view.light.direction", "", -100.0, 100.0, "From the scene towards the light; any length but zero.").of(3),
-    number("view.light.strength", "", 0.0, 10.0, "Multiplies the light's colour."),
-    number("view.light.color", "", 0.0, 1.0, "Linear red, green and blue of the light.").of(3),
-    words("view.color", &["plain", "load", "force", "net", "strain", "speed", "contact"], "The scalar that colours the jelly."),
-    number("view.color_range", "", -1e12, 1e12, "Fixed ends of the colour range in the scalar's unit; automatic when absent.").of(2),
-];
 
 /// A value that is not allowed. Reads as one sentence: `settings.dt = 7 s is outside 1e-6 … 0.1 s`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -367,40 +307,6 @@ impl fmt::Display for Figure {
             write!(f, "{:e}", self.0)
         }
     }
-}
-
-impl Param {
-    const fn of(self, len: usize) -> Self {
-        Self { len, ..self }
-    }
-
-    const fn log(self) -> Self {
-        Self { logarithmic: true, ..self }
-    }
-}
-
-const fn number(path: &'static str, unit: &'static str, min: f64, max: f64, help: &'static str) -> Param {
-    Param { path, kind: Kind::Number { min, max }, len: 1, unit, logarithmic: false, help }
-}
-
-const fn integer(path: &'static str, min: i64, max: i64, help: &'static str) -> Param {
-    Param { path, kind: Kind::Integer { min, max }, len: 1, unit: "", logarithmic: false, help }
-}
-
-const fn words(path: &'static str, words: &'static [&'static str], help: &'static str) -> Param {
-    Param { path, kind: Kind::Word(words), len: 1, unit: "", logarithmic: false, help }
-}
-
-const fn text(path: &'static str, help: &'static str) -> Param {
-    Param { path, kind: Kind::Text, len: 1, unit: "", logarithmic: false, help }
-}
-
-const fn flag(path: &'static str, help: &'static str) -> Param {
-    Param { path, kind: Kind::Flag, len: 1, unit: "", logarithmic: false, help }
-}
-
-const fn list(path: &'static str, help: &'static str) -> Param {
-    Param { path, kind: Kind::List, len: 1, unit: "", logarithmic: false, help }
 }
 
 #[cfg(test)]
