@@ -270,6 +270,7 @@ impl Shell {
         let frame = Frame {
             draw_list: self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list),
             changed: self.changed,
+            moving: self.input.dragging() || self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.playing),
             view,
             panels: &panels,
             pixels_per_point: output.pixels_per_point,

@@ -69,6 +69,8 @@ pub struct Frame<'a> {
     pub draw_list: Option<&'a DrawList>,
     /// Whether the picture differs from the last one.
     pub changed: bool,
+    /// Whether the next picture will differ too: where a processor draws, it then does so faster and less finely.
+    pub moving: bool,
     /// Where the view is in the window.
     pub view: ViewRect,
     /// The panels.
@@ -91,6 +93,8 @@ pub struct Canvas {
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
     renderer: Renderer,
+    /// For pictures that move, where a processor does the drawing: without antialiasing.
+    quick: Option<Renderer>,
     panels: egui_wgpu::Renderer,
     picture: Option<Picture>,
     refusals: u32,
@@ -108,7 +112,14 @@ struct Picture {
     view: wgpu::TextureView,
     origin: [u32; 2],
     size: [u32; 2],
-    drawn: bool,
+    quality: Option<Quality>,
+}
+
+/// How finely a picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Quality {
+    Quick,
+    Fine,
 }
 
 impl Canvas {
@@ -121,8 +132,11 @@ impl Canvas {
         log::info!("drawing with {}", gpu.description());
         let config = configuration(&gpu, &surface, window.inner_size())?;
         let renderer = Renderer::new(&gpu.device, &gpu.queue, config.format.add_srgb_suffix());
+        let quick = gpu
+            .is_software()
+            .then(|| Renderer::without_antialiasing(&gpu.device, &gpu.queue, config.format.add_srgb_suffix()));
         let panels = egui_wgpu::Renderer::new(&gpu.device, config.format, RendererOptions::default());
-        let mut canvas = Self { window, gpu, surface, config, renderer, panels, picture: None, refusals: 0 };
+        let mut canvas = Self { window, gpu, surface, config, renderer, quick, panels, picture: None, refusals: 0 };
         canvas.resize();
         Ok(canvas)
     }
@@ -227,10 +241,15 @@ impl Canvas {
         let format = self.renderer.format();
         let picture = self.picture.get_or_insert_with(|| Picture::new(&self.gpu.device, format, size));
         picture.origin = origin;
-        if frame.changed || !picture.drawn {
+        let (renderer, quality) = match &mut self.quick {
+            Some(quick) if frame.moving => (quick, Quality::Quick),
+            _ => (&mut self.renderer, Quality::Fine),
+        };
+        // A picture that has come to rest is drawn once more, finely.
+        if frame.changed || picture.quality.is_none_or(|drawn| drawn == Quality::Quick && quality == Quality::Fine) {
             let target = FrameTarget { view: &picture.view, size, viewport: None };
-            self.renderer.render(&self.gpu.device, &self.gpu.queue, encoder, &target, draw_list)?;
-            picture.drawn = true;
+            renderer.render(&self.gpu.device, &self.gpu.queue, encoder, &target, draw_list)?;
+            picture.quality = Some(quality);
         }
         let [x, y] = picture.origin;
         let mut place = output.as_image_copy();
@@ -281,7 +300,7 @@ impl Picture {
             view_formats: &[],
         });
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        Self { texture, view, origin: [0, 0], size: [width, height], drawn: false }
+        Self { texture, view, origin: [0, 0], size: [width, height], quality: None }
     }
 }
 
