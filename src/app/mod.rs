@@ -1,1 +1,132 @@
-//! The window.
+//! The window: an event loop around a running sandbox. The sandbox lives on a [`worker`] thread; the window draws the
+//! newest snapshot and sends commands, and never sees the physics.
+//!
+//! ```text
+//! winit event ─ input ──┐                              ┌─ worker thread ─┐
+//! egui panel ── ui ─────┼─ Command ─── channel ──────► │     Session     │
+//! surface ◄─ window ◄─ shell ◄─ newest Snapshot ◄ slot ┴─────────────────┘
+//! ```
+//!
+//! Everything is event-driven: without a new snapshot, an event or an animation nothing is drawn.
+
+pub mod input;
+pub mod theme;
+pub mod ui;
+pub mod window;
+pub mod worker;
+
+mod shell;
+
+use std::path::PathBuf;
+
+use egui_winit::accesskit_winit;
+use thiserror::Error;
+use winit::application::ApplicationHandler;
+use winit::error::EventLoopError;
+use winit::event::{StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::window::WindowId;
+
+use self::shell::Shell;
+pub use self::shell::ShellError;
+use self::worker::Worker;
+use crate::scene::Scene;
+
+/// Why there is no window, or none any more.
+#[derive(Debug, Error)]
+pub enum AppError {
+    /// There is no display.
+    #[error(
+        "there is no display to open a window on: set DISPLAY (or WAYLAND_DISPLAY), or use `gelatin render` to make \
+         a picture without a window"
+    )]
+    NoDisplay(#[source] EventLoopError),
+    /// The event loop broke.
+    #[error("the connection to the display was lost")]
+    Display(#[source] EventLoopError),
+    /// The window cannot go on.
+    #[error(transparent)]
+    Shell(#[from] ShellError),
+}
+
+/// Opens the sandbox on a scene and returns when it is closed. Relative model paths start at `base_dir`; `title` is a
+/// preset's name or a file's.
+pub fn run(scene: Scene, title: String, base_dir: PathBuf) -> Result<(), AppError> {
+    let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(AppError::NoDisplay)?;
+    let proxy = event_loop.create_proxy();
+    // The scene is prepared while the window opens.
+    let worker = shell::start_worker(&proxy, scene, base_dir.clone(), title);
+    let mut app = App { proxy, start: Some((worker, base_dir)), shell: None, error: None };
+    event_loop.run_app(&mut app).map_err(AppError::Display)?;
+    app.error.map_or(Ok(()), |error| Err(error.into()))
+}
+
+/// A wake-up from another thread.
+#[derive(Debug)]
+pub(crate) enum Wake {
+    /// The worker has something to take.
+    Worker,
+    /// Somebody looks at the window through its accessibility tree.
+    Accessibility(accesskit_winit::Event),
+}
+
+impl From<accesskit_winit::Event> for Wake {
+    fn from(event: accesskit_winit::Event) -> Self {
+        Self::Accessibility(event)
+    }
+}
+
+struct App {
+    proxy: EventLoopProxy<Wake>,
+    start: Option<(Worker, PathBuf)>,
+    shell: Option<Shell>,
+    error: Option<ShellError>,
+}
+
+impl App {
+    /// Runs `what` on the open window; an error closes it.
+    fn with_shell(&mut self, event_loop: &ActiveEventLoop, what: impl FnOnce(&mut Shell) -> Result<(), ShellError>) {
+        let outcome = self.shell.as_mut().map_or(Ok(()), what);
+        self.end_on_error(event_loop, outcome);
+    }
+
+    fn end_on_error(&mut self, event_loop: &ActiveEventLoop, outcome: Result<(), ShellError>) {
+        if let Err(error) = outcome {
+            self.error.get_or_insert(error);
+            event_loop.exit();
+        }
+    }
+}
+
+impl ApplicationHandler<Wake> for App {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        let Some((worker, base_dir)) = self.start.take() else { return };
+        let opened = Shell::open(event_loop, self.proxy.clone(), worker, base_dir);
+        let outcome = opened.and_then(|mut shell| {
+            // The worker may have spoken before there was a window to wake.
+            let outcome = shell.on_wake(Wake::Worker);
+            self.shell = Some(shell);
+            outcome
+        });
+        self.end_on_error(event_loop, outcome);
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
+        self.with_shell(event_loop, |shell| shell.on_window_event(event_loop, &event));
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, wake: Wake) {
+        self.with_shell(event_loop, |shell| shell.on_wake(wake));
+    }
+
+    fn new_events(&mut self, _event_loop: &ActiveEventLoop, _cause: StartCause) {
+        if let Some(shell) = &mut self.shell {
+            shell.on_time();
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let next = self.shell.as_ref().and_then(Shell::next_frame);
+        event_loop.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+    }
+}

@@ -1,0 +1,373 @@
+//! The open window: what it remembers, what it does with an event, how a frame comes about. Holds the pieces together
+//! and decides when to draw; what the pieces do stands in their own modules.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::ViewportId;
+use egui_winit::accesskit_winit;
+use glam::Vec2;
+use thiserror::Error;
+use winit::dpi::LogicalSize;
+use winit::error::OsError;
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
+use winit::window::Window;
+
+use super::input::{self, Action, CameraMove, Input, Situation, ViewRect};
+use super::ui::{self, Running, UiState};
+use super::window::{Canvas, CanvasError, Frame, Shown};
+use super::worker::{Ended, Snapshot, Worker, sentence};
+use super::{Wake, theme};
+use crate::extract;
+use crate::scene::{ColorBy, Scene, presets};
+use crate::session::Command;
+use crate::view::{DrawList, Orbit};
+
+/// The window's size at the start, points.
+const SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
+/// The smallest window in which everything can be reached, points.
+const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(760.0, 420.0);
+/// How long to wait before a frame that the surface refused is tried again.
+const RETRY: Duration = Duration::from_millis(30);
+
+/// Why the window cannot go on.
+#[derive(Debug, Error)]
+pub enum ShellError {
+    /// The system gives no window.
+    #[error("the window could not be opened")]
+    Window(#[from] OsError),
+    /// Nothing can be drawn in it.
+    #[error(transparent)]
+    Canvas(#[from] CanvasError),
+    /// The first scene cannot be simulated.
+    #[error(transparent)]
+    Start(Ended),
+}
+
+/// The open window.
+pub(super) struct Shell {
+    window: Arc<Window>,
+    canvas: Canvas,
+    context: egui::Context,
+    egui: egui_winit::State,
+    proxy: EventLoopProxy<Wake>,
+    worker: Worker,
+    /// Where relative model paths of the scene start.
+    base_dir: PathBuf,
+    snapshot: Option<Snapshot>,
+    orbit: Orbit,
+    input: Input,
+    ui: UiState,
+    failure: String,
+    /// The view's picture differs from the one on the screen.
+    changed: bool,
+    visible: bool,
+    /// When the panels want to be drawn again, if nothing else happens.
+    next_frame: Option<Instant>,
+}
+
+impl Shell {
+    /// Opens the window on a running worker.
+    pub(super) fn open(
+        event_loop: &ActiveEventLoop,
+        proxy: EventLoopProxy<Wake>,
+        worker: Worker,
+        base_dir: PathBuf,
+    ) -> Result<Self, ShellError> {
+        // Hidden until the accessibility tree is connected, as its adapter demands.
+        let attributes = Window::default_attributes()
+            .with_title("Gelatin")
+            .with_inner_size(SIZE)
+            .with_min_inner_size(MIN_SIZE)
+            .with_visible(false);
+        let window = Arc::new(event_loop.create_window(attributes)?);
+        let canvas = Canvas::new(event_loop, Arc::clone(&window))?;
+        let (context, egui) = interface(event_loop, &window, &canvas, proxy.clone());
+        window.set_visible(true);
+        window.request_redraw();
+        Ok(Self {
+            window,
+            canvas,
+            context,
+            egui,
+            proxy,
+            worker,
+            base_dir,
+            snapshot: None,
+            orbit: Orbit::default(),
+            input: Input::default(),
+            ui: UiState::new(presets::presets()),
+            failure: String::new(),
+            changed: true,
+            visible: true,
+            next_frame: None,
+        })
+    }
+
+    /// When the event loop must wake by itself, if at all.
+    pub(super) fn next_frame(&self) -> Option<Instant> {
+        self.next_frame
+    }
+
+    /// Answers an event of the window.
+    pub(super) fn on_window_event(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        event: &WindowEvent,
+    ) -> Result<(), ShellError> {
+        match event {
+            WindowEvent::RedrawRequested => return self.draw(event_loop),
+            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
+                self.canvas.resize();
+                self.changed = true;
+            }
+            WindowEvent::Occluded(occluded) => self.set_visible(!occluded),
+            _ => (),
+        }
+        let response = self.egui.on_window_event(&self.window, event);
+        let action = input::from_winit(event).and_then(|event| self.input.on_event(event, self.situation()));
+        if let Some(action) = action {
+            self.act(action);
+        }
+        if response.repaint && self.visible {
+            self.window.request_redraw();
+        }
+        Ok(())
+    }
+
+    /// Answers a wake-up from another thread.
+    pub(super) fn on_wake(&mut self, wake: Wake) -> Result<(), ShellError> {
+        match wake {
+            Wake::Worker => self.receive()?,
+            Wake::Accessibility(event) => match event.window_event {
+                accesskit_winit::WindowEvent::InitialTreeRequested => self.context.enable_accesskit(),
+                accesskit_winit::WindowEvent::ActionRequested(request) => {
+                    self.egui.on_accesskit_action_request(request);
+                }
+                accesskit_winit::WindowEvent::AccessibilityDeactivated => self.context.disable_accesskit(),
+            },
+        }
+        if self.visible {
+            self.window.request_redraw();
+        }
+        Ok(())
+    }
+
+    /// Draws when the panels asked for it some time ago.
+    pub(super) fn on_time(&mut self) {
+        if self.next_frame.is_some_and(|due| due <= Instant::now()) {
+            self.next_frame = None;
+            self.window.request_redraw();
+        }
+    }
+
+    fn receive(&mut self) -> Result<(), ShellError> {
+        if let Some(snapshot) = self.worker.take() {
+            let old = self.snapshot.as_ref();
+            if old.is_none_or(|old| old.generation != snapshot.generation) {
+                self.orbit = extract::view::orbit(&snapshot.scene.view.camera);
+            }
+            if old.is_none_or(|old| old.status.title != snapshot.status.title) {
+                self.window.set_title(&format!("{} — Gelatin", snapshot.status.title));
+            }
+            self.snapshot = Some(snapshot);
+            self.changed = true;
+        }
+        match self.worker.take_ended() {
+            Some(ended @ Ended::NotStarted(_)) if self.snapshot.is_none() => Err(ShellError::Start(ended)),
+            Some(ended) => {
+                self.failure = sentence(&ended);
+                if let Some(snapshot) = &mut self.snapshot {
+                    snapshot.status.playing = false;
+                }
+                Ok(())
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn situation(&self) -> Situation {
+        let pointer = self.input.pointer();
+        let points = egui::pos2(pointer.x, pointer.y) / self.pixels_per_point();
+        let covered = self.context.layer_id_at(points).is_some_and(|layer| layer.order != egui::Order::Background);
+        Situation {
+            over_view: self.view().contains(pointer) && !covered && !self.context.egui_is_using_pointer(),
+            typing: self.context.egui_wants_keyboard_input(),
+            playing: self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.playing),
+            scale: self.pixels_per_point(),
+        }
+    }
+
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::Camera(CameraMove::Frame) => self.frame_everything(),
+            Action::Camera(camera_move) => {
+                let view = self.view();
+                input::move_camera(&mut self.orbit, camera_move, view);
+                self.changed = true;
+            }
+            Action::Send(command) => self.worker.send(command),
+            Action::ColorBy(color) => self.color_by(color),
+            Action::ToggleKeys => self.ui.keys_open = !self.ui.keys_open,
+            Action::Close => {
+                self.ui.keys_open = false;
+                let message = self.snapshot.as_ref().map(|snapshot| &snapshot.status.message);
+                let shown = if self.failure.is_empty() { message } else { Some(&self.failure) };
+                self.ui.dismissed = shown.cloned().unwrap_or_default();
+            }
+        }
+    }
+
+    fn color_by(&self, color: ColorBy) {
+        if let Some(snapshot) = &self.snapshot {
+            self.worker.send(ui::color_command(&snapshot.scene.view, color));
+        }
+    }
+
+    fn frame_everything(&mut self) {
+        if let Some(snapshot) = &self.snapshot {
+            self.orbit.frame(snapshot.draw_list.body_bounds(), self.view().aspect());
+            self.changed = true;
+        }
+    }
+
+    fn set_visible(&mut self, visible: bool) {
+        if self.visible != visible {
+            self.visible = visible;
+            self.worker.set_visible(visible);
+        }
+    }
+
+    fn pixels_per_point(&self) -> f32 {
+        egui_winit::pixels_per_point(&self.context, &self.window)
+    }
+
+    fn view(&self) -> ViewRect {
+        let rect = self.ui.view_rect;
+        if !rect.is_positive() {
+            return ViewRect::default();
+        }
+        let scale = self.pixels_per_point();
+        ViewRect {
+            origin: Vec2::new(rect.left(), rect.top()) * scale,
+            size: Vec2::new(rect.width(), rect.height()) * scale,
+        }
+    }
+
+    fn draw(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
+        let mut output = self.run_panels();
+        self.egui.handle_platform_output_with_event_loop(&self.window, event_loop, output.platform_output);
+        let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |root| root.repaint_delay);
+        self.next_frame = Instant::now().checked_add(delay);
+        let panels = self.context.tessellate(output.shapes, output.pixels_per_point);
+        let view = self.view();
+        if let Some(snapshot) = &mut self.snapshot {
+            snapshot.draw_list.camera = self.orbit.camera();
+        }
+        let frame = Frame {
+            draw_list: self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list),
+            changed: self.changed,
+            moving: self.input.dragging() || self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.playing),
+            view,
+            panels: &panels,
+            pixels_per_point: output.pixels_per_point,
+        };
+        self.canvas.update_textures(&mut output.textures_delta);
+        let shown = self.canvas.show(&frame);
+        self.canvas.free_textures(&mut output.textures_delta);
+        match shown {
+            Ok(Shown::Presented) => self.changed = false,
+            Ok(Shown::Again) => self.next_frame = Some(Instant::now() + RETRY),
+            Ok(Shown::Unseen) => self.next_frame = None,
+            Err(error) => self.recover(event_loop, error)?,
+        }
+        if self.next_frame.is_some_and(|due| due <= Instant::now()) {
+            self.next_frame = None;
+            self.window.request_redraw();
+        }
+        Ok(())
+    }
+
+    fn run_panels(&mut self) -> egui::FullOutput {
+        let raw_input = self.egui.take_egui_input(&self.window);
+        let Self { context, snapshot, ui, failure, worker, base_dir, .. } = self;
+        let shown = ui::Shown { running: snapshot.as_ref().map(running), failure };
+        let mut commands = Vec::new();
+        let output = context.run_ui(raw_input, |root| ui::panels_ui(root, &shown, ui, &mut commands));
+        for command in commands {
+            if let Command::Replace { base_dir: new, .. } = &command {
+                base_dir.clone_from(new);
+            }
+            worker.send(command);
+        }
+        if std::mem::take(&mut self.ui.frame) {
+            self.frame_everything();
+        }
+        if std::mem::take(&mut self.ui.revive) {
+            self.revive();
+        }
+        output
+    }
+
+    /// Starts a new worker on the last scene, after the old one has failed.
+    fn revive(&mut self) {
+        if let Some(snapshot) = self.snapshot.take() {
+            let Snapshot { scene, status, .. } = snapshot;
+            self.failure.clear();
+            self.worker = start_worker(&self.proxy, Scene::clone(&scene), self.base_dir.clone(), status.title);
+        }
+    }
+
+    /// A device that is lost is opened anew, once: if that fails too, the error stands.
+    fn recover(&mut self, event_loop: &ActiveEventLoop, error: CanvasError) -> Result<(), ShellError> {
+        log::error!("{}: opening the graphics device anew", sentence(&error));
+        if matches!(error, CanvasError::Render(_) | CanvasError::Surface { .. }) {
+            return Err(error.into());
+        }
+        self.canvas = Canvas::new(event_loop, Arc::clone(&self.window))?;
+        // The panels' textures went with the device: a new context sends them again.
+        let (context, egui) = interface(event_loop, &self.window, &self.canvas, self.proxy.clone());
+        (self.context, self.egui, self.changed) = (context, egui, true);
+        self.window.request_redraw();
+        Ok(())
+    }
+}
+
+/// Runs a session on a worker that wakes the event loop.
+pub(super) fn start_worker(proxy: &EventLoopProxy<Wake>, scene: Scene, base_dir: PathBuf, title: String) -> Worker {
+    let proxy = proxy.clone();
+    Worker::session(scene, base_dir, title, move || {
+        if proxy.send_event(Wake::Worker).is_err() {
+            log::debug!("the event loop has ended: nobody is woken");
+        }
+    })
+}
+
+fn running(snapshot: &Snapshot) -> Running<'_> {
+    let DrawList { scalars, colormap, color_range, .. } = &snapshot.draw_list;
+    Running {
+        status: &snapshot.status,
+        scene: &snapshot.scene,
+        color_key: scalars.as_ref().map(|_scalars| (*colormap, *color_range)),
+    }
+}
+
+fn interface(
+    event_loop: &ActiveEventLoop,
+    window: &Window,
+    canvas: &Canvas,
+    proxy: EventLoopProxy<Wake>,
+) -> (egui::Context, egui_winit::State) {
+    let context = egui::Context::default();
+    theme::apply(&context);
+    let scale = window.scale_factor();
+    #[expect(clippy::cast_possible_truncation, reason = "a scale factor needs no double precision")]
+    let scale = scale as f32;
+    let side = Some(canvas.max_texture_side());
+    let mut egui = egui_winit::State::new(context.clone(), ViewportId::ROOT, window, Some(scale), None, side);
+    egui.init_accesskit(event_loop, window, proxy);
+    (context, egui)
+}

@@ -1,0 +1,131 @@
+//! What the jelly's colour shows, and the legend to read it by.
+
+use egui::{
+    Align2, ComboBox, FontId, Mesh, Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Ui, WidgetInfo, vec2,
+};
+
+use super::{colored, theme};
+use crate::scene::edit::Edit;
+use crate::scene::{ColorBy, ViewSettings};
+use crate::session::Command;
+use crate::view::{Colormap, Legend};
+
+/// Size of the bar, points.
+const BAR: egui::Vec2 = vec2(236.0, 12.0);
+/// Values written under the bar, about.
+const TICKS: usize = 4;
+/// Places at which the bar's colour is looked up.
+const STOPS: u8 = 64;
+
+/// Colours the jelly by another scalar.
+pub fn color_command(view: &ViewSettings, color: ColorBy) -> Command {
+    Command::Edit(Edit::View(colored(view, color)))
+}
+
+/// The choice of what the colour shows, with its legend.
+pub(super) fn color_ui(
+    ui: &mut Ui,
+    view: &ViewSettings,
+    key: Option<(Colormap, [f32; 2])>,
+    commands: &mut Vec<Command>,
+) {
+    ui.horizontal(|ui| {
+        let label = ui.label(RichText::new("Colour by").color(theme::WEAK));
+        let combo = ComboBox::from_id_salt("colour by").width(158.0).height(420.0).selected_text(words(view.color));
+        let response = combo.show_ui(ui, |ui| {
+            for (index, color) in ColorBy::ALL.into_iter().enumerate() {
+                let row = ui.selectable_label(color == view.color, words(color));
+                if row.on_hover_text(format!("{}  ({})", help(color), index + 1)).clicked() && color != view.color {
+                    commands.push(color_command(view, color));
+                }
+            }
+        });
+        response.response.labelled_by(label.id).on_hover_text(help(view.color));
+    });
+    if let (Some((colormap, range)), true) = (key, view.color != ColorBy::Plain) {
+        let legend = Legend::new(view.color.name(), view.color.unit(), range, TICKS);
+        legend_ui(ui, &legend, colormap, view.color.unit());
+    }
+}
+
+fn legend_ui(ui: &mut Ui, legend: &Legend, colormap: Colormap, unit: &str) {
+    let font = TextStyle::Small.resolve(ui.style());
+    let text_height = ui.fonts_mut(|fonts| fonts.row_height(&font));
+    let (rect, response) = ui.allocate_exact_size(BAR + vec2(0.0, text_height + 7.0), Sense::hover());
+    let spoken = || {
+        let values: Vec<&str> = legend.ticks.iter().map(|tick| tick.label.as_str()).collect();
+        format!(
+            "Legend: {} from {:.3} to {:.3} ({})",
+            legend.title,
+            legend.range[0],
+            legend.range[1],
+            values.join(", ")
+        )
+    };
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, spoken()));
+    let bar = Rect::from_min_size(rect.min, BAR);
+    ui.painter().add(gradient(bar, colormap));
+    ui.painter().rect_stroke(bar, 0.0, Stroke::new(1.0, egui::Color32::from_black_alpha(90)), egui::StrokeKind::Inside);
+    ticks(ui, legend, unit, bar, &font);
+}
+
+fn ticks(ui: &Ui, legend: &Legend, unit: &str, bar: Rect, font: &FontId) {
+    let unit_text = ui.painter().layout_no_wrap(unit.to_owned(), font.clone(), theme::WEAK);
+    let unit_left = bar.right() - unit_text.size().x;
+    let top = bar.bottom() + 5.0;
+    let mut free_from = bar.left();
+    for tick in &legend.ticks {
+        let x = bar.left() + tick.place * bar.width();
+        let text = ui.painter().layout_no_wrap(tick.label.clone(), font.clone(), theme::STRONG);
+        let left = (x - 0.5 * text.size().x).max(bar.left());
+        // A number that would run into its neighbour or into the unit is left out; its mark stays.
+        ui.painter().vline(
+            x.clamp(bar.left() + 0.5, bar.right() - 0.5),
+            bar.bottom()..=bar.bottom() + 3.0,
+            (1.0, theme::WEAK),
+        );
+        if left >= free_from && left + text.size().x + 6.0 <= unit_left {
+            free_from = left + text.size().x + 6.0;
+            ui.painter().galley(Pos2::new(left, top), text, theme::STRONG);
+        }
+    }
+    ui.painter().text(Pos2::new(bar.right(), top), Align2::RIGHT_TOP, unit, font.clone(), theme::WEAK);
+}
+
+fn gradient(bar: Rect, colormap: Colormap) -> Shape {
+    let mut mesh = Mesh::default();
+    for stop in 0..=STOPS {
+        let place = f32::from(stop) / f32::from(STOPS);
+        let [red, green, blue] = colormap.srgb(place);
+        let x = bar.left() + place * bar.width();
+        let color = egui::Color32::from_rgb(red, green, blue);
+        mesh.colored_vertex(Pos2::new(x, bar.top()), color);
+        mesh.colored_vertex(Pos2::new(x, bar.bottom()), color);
+        if stop > 0 {
+            let first = 2 * (u32::from(stop) - 1);
+            mesh.add_triangle(first, first + 1, first + 2);
+            mesh.add_triangle(first + 1, first + 3, first + 2);
+        }
+    }
+    Shape::mesh(mesh)
+}
+
+/// The scalar's name with its unit.
+fn words(color: ColorBy) -> String {
+    match color.unit() {
+        "" => color.name().to_owned(),
+        unit => format!("{}, {unit}", color.name()),
+    }
+}
+
+fn help(color: ColorBy) -> &'static str {
+    match color {
+        ColorBy::Plain => "The jelly's own colour",
+        ColorBy::Load => "Mean force in a particle's links: shows inner stress, also at rest",
+        ColorBy::Force => "Sum of a particle's link forces",
+        ColorBy::Net => "Net force on a particle: zero at rest",
+        ColorBy::Strain => "Largest stretch of a particle's links",
+        ColorBy::Speed => "Speed of a particle",
+        ColorBy::Contact => "Force of an obstacle on a particle",
+    }
+}

@@ -1,0 +1,76 @@
+//! Buttons with drawn signs: sharp at any scale, and no font has to have them.
+
+use egui::{Color32, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
+
+use super::theme;
+
+/// A sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Icon {
+    /// Let time run.
+    Play,
+    /// Stop time.
+    Pause,
+    /// One step.
+    Step,
+    /// Back to the start.
+    Restart,
+    /// Show everything.
+    Frame,
+    /// The list of keys.
+    Help,
+    /// Put away.
+    Close,
+}
+
+/// A button with a sign, named for those who cannot see it, with its key in the tooltip.
+pub(super) fn icon_button_ui(ui: &mut Ui, icon: Icon, name: &str, key: &str, enabled: bool) -> Response {
+    let sense = if enabled { Sense::click() } else { Sense::hover() };
+    let (rect, response) = ui.allocate_exact_size(Vec2::new(32.0, 26.0), sense);
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled && ui.is_enabled(), name));
+    let visuals = ui.style().interact(&response);
+    let color = match (enabled, icon) {
+        (false, _) => theme::WEAK.gamma_multiply(0.45),
+        (true, Icon::Play) => theme::ACCENT,
+        (true, _) => visuals.fg_stroke.color,
+    };
+    ui.painter().rect_filled(rect, visuals.corner_radius, if enabled { visuals.bg_fill } else { Color32::TRANSPARENT });
+    if response.has_focus() {
+        let outline = Stroke::new(1.5, theme::ACCENT);
+        ui.painter().rect_stroke(rect, visuals.corner_radius, outline, egui::StrokeKind::Inside);
+    }
+    ui.painter().extend(shapes(icon, rect.center(), color));
+    if key.is_empty() { response.on_hover_text(name) } else { response.on_hover_text(format!("{name}  ({key})")) }
+}
+
+fn shapes(icon: Icon, center: Pos2, color: Color32) -> Vec<Shape> {
+    let at = |x: f32, y: f32| center + vec2(x, y);
+    let bar = |x: f32| Shape::rect_filled(Rect::from_center_size(at(x, 0.0), vec2(3.0, 11.0)), 0.5, color);
+    let triangle = |x: f32, width: f32| {
+        let points = vec![at(x, -5.5), at(x + width, 0.0), at(x, 5.5)];
+        Shape::convex_polygon(points, color, Stroke::NONE)
+    };
+    let line = |from: Pos2, to: Pos2| Shape::line_segment([from, to], Stroke::new(1.6, color));
+    match icon {
+        Icon::Play => vec![triangle(-3.5, 9.5)],
+        Icon::Pause => vec![bar(-3.0), bar(3.0)],
+        Icon::Step => vec![triangle(-5.5, 8.5), bar(4.5)],
+        Icon::Restart => vec![bar(-4.5), triangle(5.5, -8.5)],
+        Icon::Frame => {
+            let corner = |sx: f32, sy: f32| {
+                let points = vec![at(6.0 * sx, 2.5 * sy), at(6.0 * sx, 5.5 * sy), at(2.5 * sx, 5.5 * sy)];
+                Shape::line(points, Stroke::new(1.6, color))
+            };
+            vec![corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)]
+        }
+        Icon::Help => {
+            let hook = (0..=12).map(|step| {
+                let angle = std::f32::consts::PI * (1.0 - 1.5 * step as f32 / 12.0);
+                pos2(center.x + 3.2 * angle.cos(), center.y - 2.2 - 3.2 * angle.sin())
+            });
+            let hook: Vec<Pos2> = hook.chain([at(0.0, 2.6)]).collect();
+            vec![Shape::line(hook, Stroke::new(1.6, color)), Shape::circle_filled(at(0.0, 5.4), 1.2, color)]
+        }
+        Icon::Close => vec![line(at(-4.0, -4.0), at(4.0, 4.0)), line(at(-4.0, 4.0), at(4.0, -4.0))],
+    }
+}

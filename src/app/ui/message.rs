@@ -1,0 +1,40 @@
+//! What went wrong, as a sentence over the view, until it is read or no longer true.
+
+use egui::{Align2, RichText, Ui};
+
+use super::icon::{Icon, icon_button_ui};
+use super::{UiState, capitalised, over_view, theme};
+use crate::session::Status;
+
+/// The last thing that went wrong, if it was not put away. A `failure` of the program offers a new start.
+pub(super) fn message_ui(ui: &Ui, status: &Status, failure: &str, state: &mut UiState) {
+    let failed = !failure.is_empty();
+    let text = if failed { failure } else { &status.message };
+    if text.is_empty() {
+        state.dismissed.clear();
+        return;
+    }
+    if state.dismissed == text {
+        return;
+    }
+    let view = state.view_rect;
+    over_view(ui, "message", view, Align2::CENTER_TOP, |ui| {
+        theme::float_frame().show(ui, |ui| {
+            ui.set_max_width((view.width() - 80.0).clamp(200.0, 640.0));
+            ui.horizontal(|ui| {
+                let width = ui.available_width() - 44.0;
+                theme::dot_ui(ui, theme::ERROR);
+                ui.scope(|ui| {
+                    ui.set_max_width(width - 20.0);
+                    ui.add(egui::Label::new(RichText::new(capitalised(text)).color(theme::STRONG)).wrap());
+                });
+                if icon_button_ui(ui, Icon::Close, "Close message", "Esc", true).clicked() {
+                    text.clone_into(&mut state.dismissed);
+                }
+            });
+            if failed && ui.button("Start the scene anew").clicked() {
+                state.revive = true;
+            }
+        });
+    });
+}

@@ -1,0 +1,118 @@
+//! The bar along the bottom: time, what lets it run, and in plain words how it goes.
+
+use egui::{Align, Layout, RichText, Ui};
+
+use super::icon::{Icon, icon_button_ui};
+use super::{UiState, capitalised, theme};
+use crate::session::{Command, Status};
+
+/// Below this width (points) the counts give way to the words.
+const COUNTS_NEED: f32 = 860.0;
+
+/// The bar along the bottom.
+pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
+    let ready = status.particles > 0 || !status.title.is_empty();
+    let wide = state.view_rect.width() >= COUNTS_NEED;
+    ui.horizontal(|ui| {
+        if icon_button_ui(ui, Icon::Restart, "Restart", "R", ready).clicked() {
+            commands.push(Command::Restart);
+        }
+        if status.playing {
+            if icon_button_ui(ui, Icon::Pause, "Pause", "Space", ready).clicked() {
+                commands.push(Command::Pause);
+            }
+        } else if icon_button_ui(ui, Icon::Play, "Play", "Space", ready).clicked() {
+            commands.push(Command::Play);
+        }
+        if icon_button_ui(ui, Icon::Step, "One step", ".", ready).clicked() {
+            commands.push(Command::StepOnce);
+        }
+        ui.add_space(4.0);
+        theme::figures_ui(ui, &format!("{:.3} s", status.time_secs), "000.000 s", theme::STRONG)
+            .on_hover_text("Simulated time");
+        ui.add_space(8.0);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if wide {
+                counts_ui(ui, status);
+                ui.add_space(8.0);
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(egui::Label::new(RichText::new(status_words(status)).color(theme::WEAK)).truncate());
+            });
+        });
+    });
+}
+
+/// Written from right to left.
+fn counts_ui(ui: &mut Ui, status: &Status) {
+    for (index, (name, count, widest)) in [
+        ("contacts", status.contacts, "00\u{2009}000"),
+        ("links", status.links, "000\u{2009}000"),
+        ("particles", status.particles, "00\u{2009}000"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        if index > 0 {
+            ui.add_space(9.0);
+        }
+        ui.label(RichText::new(name).color(theme::WEAK));
+        theme::figures_ui(ui, &grouped(count), widest, theme::STRONG);
+    }
+}
+
+/// How the simulation goes, as a sentence.
+fn status_words(status: &Status) -> String {
+    if status.title.is_empty() {
+        return String::new();
+    }
+    if !status.playing {
+        return "Paused. Space plays, a full stop takes one step.".to_owned();
+    }
+    if !status.limited_by.is_empty() {
+        return capitalised(&status.limited_by);
+    }
+    match status.substeps {
+        0 | 1 => "Running.".to_owned(),
+        substeps => format!("Running. Steps are divided by {substeps}: limited by {}.", status.dt_limited_by),
+    }
+}
+
+/// A count with thin spaces between thousands.
+fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push('\u{2009}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_grouped_by_thousands() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(115_156), "115\u{2009}156");
+        assert_eq!(grouped(1_000_000), "1\u{2009}000\u{2009}000");
+    }
+
+    #[test]
+    fn the_words_say_what_limits_the_speed() {
+        let running = Status { title: "spot".into(), playing: true, substeps: 1, ..Status::default() };
+        assert_eq!(status_words(&running), "Running.");
+        let divided = Status { substeps: 4, dt_limited_by: "shear stiffness".into(), ..running.clone() };
+        assert_eq!(status_words(&divided), "Running. Steps are divided by 4: limited by shear stiffness.");
+        let slow = Status { limited_by: "3 times slower than real time: limited by shear stiffness".into(), ..divided };
+        assert_eq!(status_words(&slow), "3 times slower than real time: limited by shear stiffness");
+        let paused = Status { playing: false, ..slow };
+        assert!(status_words(&paused).starts_with("Paused"), "a paused session is not slow");
+    }
+}

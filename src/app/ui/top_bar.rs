@@ -1,0 +1,170 @@
+//! The bar along the top: which scene, how fast, and how the steps are.
+
+use std::path::PathBuf;
+
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Align, ComboBox, FontId, Layout, RichText, Ui, WidgetInfo, vec2};
+
+use super::icon::{Icon, icon_button_ui};
+use super::{UiState, theme};
+use crate::scene::presets::Preset;
+use crate::session::{Command, Status};
+
+/// Speeds to choose from, simulated seconds a wall second.
+const SPEEDS: [f64; 8] = [0.01, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0];
+/// A scene this close to the speed asked for keeps up, as a share.
+const KEEPS_UP: f64 = 0.95;
+
+/// The width of the box with the scene's name, points.
+const SCENE_WIDTH: f32 = 168.0;
+/// Where summaries begin in the list of presets, points from the names.
+const SUMMARY_COLUMN: f32 = 124.0;
+/// Below this width (points) the bar has no room for the step.
+const STEP_NEEDS: f32 = 840.0;
+
+/// The bar along the top.
+pub(super) fn top_bar_ui(ui: &mut Ui, status: &Status, state: &mut UiState, commands: &mut Vec<Command>) {
+    let wide = ui.available_width() >= STEP_NEEDS;
+    ui.horizontal(|ui| {
+        preset_ui(ui, status, state, commands);
+        ui.add_space(6.0);
+        speed_ui(ui, status, commands);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if icon_button_ui(ui, Icon::Help, "Keys", "F1", true).clicked() {
+                state.keys_open = !state.keys_open;
+            }
+            if icon_button_ui(ui, Icon::Frame, "Show everything", "F", true).clicked() {
+                state.frame = true;
+            }
+            ui.add_space(6.0);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                // Written from the right, so that the numbers keep their places whatever else the bar holds.
+                if wide {
+                    step_ui(ui, status);
+                    ui.add_space(10.0);
+                }
+                real_time_ui(ui, status);
+            });
+        });
+    });
+}
+
+fn preset_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
+    let label = ui.label(RichText::new("Scene").color(theme::WEAK));
+    let combo = ComboBox::from_id_salt("scene")
+        .width(SCENE_WIDTH)
+        .height(420.0)
+        .truncate()
+        .selected_text(RichText::new(&status.title).color(theme::STRONG));
+    // A box no wider than this, or a long name would push the rest of the bar away.
+    let room = vec2(SCENE_WIDTH, ui.spacing().interact_size.y);
+    let response = ui.allocate_ui(room, |ui| combo.show_ui(ui, |ui| presets_ui(ui, status, state, commands))).inner;
+    response.response.labelled_by(label.id);
+}
+
+fn presets_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
+    for preset in state.presets {
+        let chosen = preset.name == status.title;
+        let row = ui.selectable_label(chosen, preset_line(ui, preset));
+        row.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, chosen, preset.name));
+        if row.clicked() {
+            commands.push(Command::Replace {
+                scene: Box::new((preset.build)()),
+                base_dir: PathBuf::new(),
+                title: preset.name.to_owned(),
+            });
+        }
+    }
+}
+
+/// The name, and beside it in a column what happens.
+fn preset_line(ui: &Ui, preset: &Preset) -> LayoutJob {
+    let font = FontId::proportional(theme::TEXT_SIZE);
+    let name = ui.painter().layout_no_wrap(preset.name.to_owned(), font, theme::STRONG).size().x;
+    let format = |color| TextFormat { font_id: FontId::proportional(theme::TEXT_SIZE), color, ..TextFormat::default() };
+    let mut line = LayoutJob::default();
+    line.append(preset.name, 0.0, format(theme::STRONG));
+    line.append(preset.summary, (SUMMARY_COLUMN - name).max(12.0), format(theme::WEAK));
+    line
+}
+
+fn speed_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
+    let label = ui.label(RichText::new("Speed").color(theme::WEAK));
+    let combo = ComboBox::from_id_salt("speed").width(72.0).height(420.0).selected_text(speed_text(status.speed));
+    let response = combo.show_ui(ui, |ui| {
+        for speed in SPEEDS {
+            #[expect(clippy::float_cmp, reason = "the status repeats the very number that was chosen")]
+            let chosen = speed == status.speed;
+            if ui.selectable_label(chosen, speed_text(speed)).clicked() {
+                commands.push(Command::SetSpeed(speed));
+            }
+        }
+    });
+    response.response.labelled_by(label.id).on_hover_text("Simulated seconds a second");
+}
+
+fn speed_text(speed: f64) -> String {
+    format!("{speed}×")
+}
+
+/// Written from right to left.
+fn real_time_ui(ui: &mut Ui, status: &Status) {
+    let keeps_up = status.real_time_factor >= KEEPS_UP * status.speed;
+    let (color, words) = match (status.playing, keeps_up) {
+        (false, _) => (theme::WEAK, "Paused"),
+        (true, true) => (theme::GOOD, "As fast as asked"),
+        (true, false) => (theme::WARNING, "Slower than asked"),
+    };
+    theme::dot_ui(ui, color);
+    let text = if status.playing { format!("{:.2}×", status.real_time_factor) } else { "–".to_owned() };
+    theme::figures_ui(ui, &text, "10.00×", theme::STRONG).on_hover_text(words);
+    ui.label(RichText::new("real time").color(theme::WEAK)).on_hover_text("Simulated seconds a second, measured");
+}
+
+/// Written from right to left.
+fn step_ui(ui: &mut Ui, status: &Status) {
+    theme::figures_ui(ui, &milliseconds(status.dt_safe_secs), "00.00 ms", theme::STRONG)
+        .on_hover_text(format!("The largest step that is safe, limited by {}", limit_words(status)));
+    ui.label(RichText::new("safe").color(theme::WEAK));
+    ui.label(RichText::new("/").color(theme::WEAK));
+    let unsafe_step = status.dt_safe_secs > 0.0 && status.dt_secs > status.dt_safe_secs * (1.0 + 1e-9);
+    let color = if unsafe_step { theme::WARNING } else { theme::STRONG };
+    theme::figures_ui(ui, &milliseconds(status.dt_secs), "00.00 ms", color).on_hover_text("The step in use");
+    ui.label(RichText::new("step").color(theme::WEAK));
+}
+
+fn limit_words(status: &Status) -> &str {
+    if status.dt_limited_by.is_empty() { "nothing" } else { &status.dt_limited_by }
+}
+
+/// A duration in milliseconds to three significant digits or so, "∞" without a limit.
+fn milliseconds(secs: f64) -> String {
+    let ms = secs * 1e3;
+    match ms {
+        _ if !ms.is_finite() || ms > 1e4 => "∞".to_owned(),
+        _ if ms >= 99.95 => format!("{ms:.0} ms"),
+        _ if ms >= 9.995 => format!("{ms:.1} ms"),
+        _ if ms >= 0.01 || ms == 0.0 => format!("{ms:.2} ms"),
+        _ => format!("{:.1} µs", ms * 1e3),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_written_short_and_with_its_unit() {
+        let cases = [
+            (0.001, "1.00 ms"),
+            (0.003_4, "3.40 ms"),
+            (0.016, "16.0 ms"),
+            (0.1, "100 ms"),
+            (2e-6, "2.0 µs"),
+            (f64::INFINITY, "∞"),
+        ];
+        for (secs, text) in cases {
+            assert_eq!(milliseconds(secs), text, "{secs} s");
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! The sandbox on a thread of its own: commands go in through a channel, the newest snapshot comes out through a slot.
+//! The window never waits for a step, however dear; a paused sandbox that nobody touches costs nothing. Knows nothing
+//! of windows: whoever starts a worker says how it is to be woken.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use thiserror::Error;
+
+use crate::scene::Scene;
+use crate::session::{Command, Session, SessionError, Status};
+use crate::view::DrawList;
+
+/// Wall time between two snapshots of a running sandbox: a frame of a common display.
+const FRAME: Duration = Duration::from_nanos(16_666_667);
+
+/// What a worker runs: a [`Session`], or something simpler in a test.
+pub trait Sandbox {
+    /// Does what a person asked for.
+    fn handle(&mut self, command: Command) -> Result<(), SessionError>;
+    /// Lets `wall` time pass and returns after about `budget`.
+    fn advance(&mut self, wall: Duration, budget: Duration);
+    /// What the panels show.
+    fn status(&self) -> Status;
+    /// The document.
+    fn scene(&self) -> &Scene;
+    /// The picture, but for the camera.
+    fn draw_list(&mut self) -> DrawList;
+}
+
+impl Sandbox for Session {
+    fn handle(&mut self, command: Command) -> Result<(), SessionError> {
+        self.handle(command)
+    }
+
+    fn advance(&mut self, wall: Duration, budget: Duration) {
+        self.advance(wall, budget);
+    }
+
+    fn status(&self) -> Status {
+        self.status()
+    }
+
+    fn scene(&self) -> &Scene {
+        self.scene()
+    }
+
+    fn draw_list(&mut self) -> DrawList {
+        self.draw_list()
+    }
+}
+
+/// The sandbox as the window sees it.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// The picture, but for the camera.
+    pub draw_list: DrawList,
+    /// What the panels show.
+    pub status: Status,
+    /// The document; the same allocation as before when nothing touched it.
+    pub scene: Arc<Scene>,
+    /// Counts the scenes there have been: when it grows, the camera starts anew.
+    pub generation: u64,
+}
+
+/// Why a worker stopped by itself.
+#[derive(Debug, Error)]
+pub enum Ended {
+    /// The scene could not be made into a sandbox.
+    #[error("the scene cannot be simulated")]
+    NotStarted(#[source] SessionError),
+    /// A bug.
+    #[error("the simulation stopped because of an error in the program: {0}")]
+    Panicked(String),
+}
+
+/// A sandbox on its own thread. Dropping it lets the thread end after the step it is in.
+#[derive(Debug)]
+pub struct Worker {
+    orders: Sender<Order>,
+    slot: Arc<Mutex<Slot>>,
+}
+
+#[derive(Debug)]
+enum Order {
+    Do(Command),
+    Visible(bool),
+}
+
+#[derive(Debug, Default)]
+struct Slot {
+    snapshot: Option<Snapshot>,
+    ended: Option<Ended>,
+}
+
+impl Worker {
+    /// Runs a session on a new thread. `wake` is called when there is something to [`Worker::take`].
+    pub fn session(scene: Scene, base_dir: PathBuf, title: String, wake: impl Fn() + Send + 'static) -> Self {
+        Self::spawn(move || Session::new(scene, base_dir, title), wake)
+    }
+
+    /// Runs what `make` makes on a new thread.
+    pub fn spawn<S: Sandbox>(
+        make: impl FnOnce() -> Result<S, SessionError> + Send + 'static,
+        wake: impl Fn() + Send + 'static,
+    ) -> Self {
+        let (orders, received) = channel();
+        let slot = Arc::new(Mutex::new(Slot::default()));
+        let publisher = Publisher { slot: Arc::clone(&slot), wake };
+        std::thread::spawn(move || {
+            let outcome = catch_unwind(AssertUnwindSafe(|| match make() {
+                Ok(sandbox) => Loop::new(sandbox, &received, &publisher).run(),
+                Err(error) => publisher.end(Ended::NotStarted(error)),
+            }));
+            if let Err(panic) = outcome {
+                publisher.end(Ended::Panicked(panic_text(panic.as_ref())));
+            }
+        });
+        Self { orders, slot }
+    }
+
+    /// Asks for something. A worker that has ended ignores it.
+    pub fn send(&self, command: Command) {
+        self.order(Order::Do(command));
+    }
+
+    /// Says whether anyone can see the picture: an unseen sandbox keeps its time and publishes nothing.
+    pub fn set_visible(&self, visible: bool) {
+        self.order(Order::Visible(visible));
+    }
+
+    /// The newest snapshot, if there is one that was not taken yet.
+    pub fn take(&self) -> Option<Snapshot> {
+        lock(&self.slot).snapshot.take()
+    }
+
+    /// Why the worker stopped by itself, once.
+    pub fn take_ended(&self) -> Option<Ended> {
+        lock(&self.slot).ended.take()
+    }
+
+    fn order(&self, order: Order) {
+        if self.orders.send(order).is_err() {
+            log::debug!("the worker has ended: an order is dropped");
+        }
+    }
+}
+
+/// The worker's side of the slot.
+struct Publisher<W> {
+    slot: Arc<Mutex<Slot>>,
+    wake: W,
+}
+
+impl<W: Fn()> Publisher<W> {
+    fn publish(&self, snapshot: Snapshot) {
+        // A window that has not taken the last one was woken already.
+        let untaken = lock(&self.slot).snapshot.replace(snapshot).is_some();
+        if !untaken {
+            (self.wake)();
+        }
+    }
+
+    fn end(&self, ended: Ended) {
+        lock(&self.slot).ended = Some(ended);
+        (self.wake)();
+    }
+}
+
+/// The worker thread's loop.
+struct Loop<'a, S, W> {
+    sandbox: S,
+    orders: &'a Receiver<Order>,
+    publisher: &'a Publisher<W>,
+    scene: Arc<Scene>,
+    generation: u64,
+    failure: Option<String>,
+    visible: bool,
+    last: Instant,
+}
+
+impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
+    fn new(sandbox: S, orders: &'a Receiver<Order>, publisher: &'a Publisher<W>) -> Self {
+        let scene = Arc::new(sandbox.scene().clone());
+        let last = Instant::now();
+        Self { sandbox, orders, publisher, scene, generation: 0, failure: None, visible: true, last }
+    }
+
+    fn run(&mut self) {
+        self.publish();
+        loop {
+            let playing = self.sandbox.status().playing;
+            let Ok(touched) = self.obey(playing) else { return };
+            let now = Instant::now();
+            if playing && self.sandbox.status().playing {
+                self.sandbox.advance(now - self.last, FRAME);
+            }
+            self.last = now;
+            if self.visible && (playing || touched) {
+                self.publish();
+            }
+        }
+    }
+
+    /// Waits until it is time for a step or something was asked for, and does all that was. Says whether there was
+    /// anything; an error means that the window is gone.
+    fn obey(&mut self, playing: bool) -> Result<bool, WindowGone> {
+        let first = if playing {
+            let due = FRAME.saturating_sub(self.last.elapsed());
+            match self.orders.recv_timeout(due) {
+                Ok(order) => order,
+                Err(RecvTimeoutError::Timeout) => return Ok(false),
+                Err(RecvTimeoutError::Disconnected) => return Err(WindowGone),
+            }
+        } else {
+            self.orders.recv().map_err(|_gone| WindowGone)?
+        };
+        self.follow(first);
+        loop {
+            match self.orders.try_recv() {
+                Ok(order) => self.follow(order),
+                Err(TryRecvError::Empty) => return Ok(true),
+                Err(TryRecvError::Disconnected) => return Err(WindowGone),
+            }
+        }
+    }
+
+    fn follow(&mut self, order: Order) {
+        match order {
+            Order::Visible(visible) => self.visible = visible,
+            Order::Do(command) => {
+                let replaces = matches!(command, Command::Replace { .. });
+                self.failure = self.sandbox.handle(command).err().map(|error| sentence(&error));
+                self.generation += u64::from(replaces && self.failure.is_none());
+                if *self.sandbox.scene() != *self.scene {
+                    self.scene = Arc::new(self.sandbox.scene().clone());
+                }
+            }
+        }
+    }
+
+    fn publish(&mut self) {
+        let mut status = self.sandbox.status();
+        if let Some(failure) = &self.failure {
+            status.message.clone_from(failure);
+        }
+        let (scene, generation) = (Arc::clone(&self.scene), self.generation);
+        self.publisher.publish(Snapshot { draw_list: self.sandbox.draw_list(), status, scene, generation });
+    }
+}
+
+struct WindowGone;
+
+/// An error and its causes as one sentence.
+pub fn sentence(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text = format!("{text}: {error}");
+        cause = error.source();
+    }
+    text
+}
+
+fn panic_text(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no reason given".to_owned())
+}
+
+fn lock(slot: &Mutex<Slot>) -> MutexGuard<'_, Slot> {
+    // A panic while the slot was held left a whole snapshot or none: both are fit to be read.
+    slot.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,147 @@
+//! What a pointer and a keyboard mean, without a window.
+
+use gelatin::app::input::{Action, Button, CameraMove, Event, Input, Key, Situation, ViewRect, move_camera};
+use gelatin::scene::ColorBy;
+use gelatin::session::Command;
+use gelatin::view::Orbit;
+use glam::Vec2;
+
+const OVER_VIEW: Situation = Situation { over_view: true, typing: false, playing: false, scale: 1.0 };
+const OVER_PANEL: Situation = Situation { over_view: false, ..OVER_VIEW };
+const SHIFT: Event = Event::Modifiers { shift: true, control: false, other: false };
+
+/// The moves of the camera that a run of events asks for.
+fn moves(events: &[Event], situation: Situation) -> Vec<CameraMove> {
+    let mut input = Input::default();
+    let actions = events.iter().filter_map(|&event| input.on_event(event, situation));
+    actions.filter_map(|action| if let Action::Camera(camera) = action { Some(camera) } else { None }).collect()
+}
+
+fn drag(button: Button) -> [Event; 4] {
+    [
+        Event::PointerMoved(Vec2::new(100.0, 100.0)),
+        Event::Button { button, pressed: true },
+        Event::PointerMoved(Vec2::new(110.0, 100.0)),
+        Event::Button { button, pressed: false },
+    ]
+}
+
+fn key(key: Key, situation: Situation) -> Option<Action> {
+    Input::default().on_event(Event::Key { key, repeat: false }, situation)
+}
+
+#[test]
+fn dragging_turns_the_eye_with_the_middle_or_the_left_button() {
+    for button in [Button::Middle, Button::Primary] {
+        let moves = moves(&drag(button), OVER_VIEW);
+        let turned = matches!(moves[..], [CameraMove::Orbit { yaw_rad, pitch_rad: 0.0 }] if yaw_rad < 0.0);
+        assert!(turned, "{button:?}: {moves:?}");
+    }
+}
+
+#[test]
+fn dragging_pans_with_shift_or_the_right_button() {
+    let shifted = |button| [&[SHIFT][..], &drag(button)].concat();
+    for events in [shifted(Button::Middle), shifted(Button::Primary), drag(Button::Secondary).to_vec()] {
+        assert_eq!(moves(&events, OVER_VIEW), [CameraMove::Pan(Vec2::new(10.0, 0.0))], "{events:?}");
+    }
+}
+
+#[test]
+fn a_pointer_over_a_panel_never_moves_the_camera() {
+    for button in [Button::Middle, Button::Primary, Button::Secondary] {
+        assert_eq!(moves(&drag(button), OVER_PANEL), [], "{button:?}");
+    }
+    for event in [Event::Wheel(1.0), Event::Scroll(Vec2::ONE), Event::Pinch(0.1)] {
+        assert_eq!(moves(&[event], OVER_PANEL), [], "{event:?}");
+    }
+}
+
+#[test]
+fn a_drag_that_began_in_the_view_goes_on_over_a_panel() {
+    let mut input = Input::default();
+    for event in &drag(Button::Middle)[..3] {
+        input.on_event(*event, OVER_VIEW);
+    }
+    let moved = input.on_event(Event::PointerMoved(Vec2::new(300.0, 10.0)), OVER_PANEL);
+    assert!(matches!(moved, Some(Action::Camera(CameraMove::Orbit { .. }))), "{moved:?}");
+}
+
+#[test]
+fn a_drag_ends_when_the_window_loses_the_keyboard() {
+    let mut events = drag(Button::Middle).to_vec();
+    events.insert(2, Event::FocusLost);
+    assert_eq!(moves(&events, OVER_VIEW), []);
+}
+
+#[test]
+fn the_wheel_keeps_what_is_under_the_pointer() {
+    let view = ViewRect { origin: Vec2::new(0.0, 40.0), size: Vec2::new(900.0, 500.0) };
+    let at = Vec2::new(600.0, 200.0);
+    let mut orbit = Orbit::default();
+    let ray = orbit.camera().ray_through(at - view.origin, view.size);
+    let point = ray.at(ray.hit_plane(orbit.target, orbit.camera().forward()).expect("the plane lies ahead"));
+    for camera in moves(&[Event::PointerMoved(at), Event::Wheel(3.0)], OVER_VIEW) {
+        move_camera(&mut orbit, camera, view);
+    }
+    assert!(orbit.distance < Orbit::default().distance, "the wheel goes nearer");
+    let seen = orbit.camera().pixel_of(point, view.size).expect("the point lies ahead") + view.origin;
+    assert!(seen.distance(at) < 0.5, "the point under the pointer stays there: {seen} is not {at}");
+}
+
+#[test]
+fn two_fingers_turn_pan_with_shift_and_zoom_with_control() {
+    let scroll = Event::Scroll(Vec2::new(0.0, 10.0));
+    let control = Event::Modifiers { shift: false, control: true, other: false };
+    assert!(matches!(moves(&[scroll], OVER_VIEW)[..], [CameraMove::Orbit { .. }]));
+    assert!(matches!(moves(&[SHIFT, scroll], OVER_VIEW)[..], [CameraMove::Pan(_)]));
+    assert!(matches!(moves(&[control, scroll], OVER_VIEW)[..], [CameraMove::Zoom { .. }]));
+    assert!(matches!(moves(&[Event::Pinch(0.2)], OVER_VIEW)[..], [CameraMove::Zoom { factor, .. }] if factor < 1.0));
+}
+
+#[test]
+fn a_view_of_no_size_swallows_every_move() {
+    let mut orbit = Orbit::default();
+    for camera in [CameraMove::Zoom { factor: 0.5, at: Vec2::ZERO }, CameraMove::Pan(Vec2::ONE), CameraMove::Frame] {
+        move_camera(&mut orbit, camera, ViewRect::default());
+    }
+    assert!(orbit.camera().eye.is_finite(), "{orbit:?}");
+}
+
+#[test]
+fn space_plays_and_pauses() {
+    let playing = Situation { playing: true, ..OVER_VIEW };
+    assert!(matches!(key(Key::Space, OVER_VIEW), Some(Action::Send(Command::Play))));
+    assert!(matches!(key(Key::Space, playing), Some(Action::Send(Command::Pause))));
+}
+
+#[test]
+fn every_key_does_what_the_list_of_keys_says() {
+    assert!(matches!(key(Key::Right, OVER_VIEW), Some(Action::Send(Command::StepOnce))));
+    assert!(matches!(key(Key::Char('.'), OVER_VIEW), Some(Action::Send(Command::StepOnce))));
+    assert!(matches!(key(Key::Char('r'), OVER_VIEW), Some(Action::Send(Command::Restart))));
+    assert!(matches!(key(Key::Char('f'), OVER_VIEW), Some(Action::Camera(CameraMove::Frame))));
+    assert!(matches!(key(Key::Char('1'), OVER_VIEW), Some(Action::ColorBy(ColorBy::Plain))));
+    assert!(matches!(key(Key::Char('7'), OVER_VIEW), Some(Action::ColorBy(ColorBy::Contact))));
+    assert!(matches!(key(Key::F1, OVER_VIEW), Some(Action::ToggleKeys)));
+    for unused in ['0', '8', 'x'] {
+        assert!(key(Key::Char(unused), OVER_VIEW).is_none(), "{unused}");
+    }
+}
+
+#[test]
+fn typing_into_a_field_does_not_drive_the_sandbox() {
+    let typing = Situation { typing: true, ..OVER_VIEW };
+    for typed in [Key::Space, Key::Right, Key::Char('r'), Key::Char('3')] {
+        assert!(key(typed, typing).is_none(), "{typed:?}");
+    }
+    assert!(matches!(key(Key::F1, typing), Some(Action::ToggleKeys)), "help is always there");
+}
+
+#[test]
+fn holding_a_key_repeats_steps_and_nothing_else() {
+    let held = |key| Input::default().on_event(Event::Key { key, repeat: true }, OVER_VIEW);
+    assert!(matches!(held(Key::Char('.')), Some(Action::Send(Command::StepOnce))));
+    assert!(held(Key::Space).is_none(), "play and pause do not flicker");
+    assert!(held(Key::Char('r')).is_none());
+}

@@ -1,0 +1,351 @@
+//! The real program in a real window under a virtual display, driven by real mouse and keys, judged by screenshots.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use gelatin::app::input::ViewRect;
+use glam::Vec2;
+
+/// Between two events of the mouse: sent in one burst they fall into one frame and a drag is missed.
+const HAND: Duration = Duration::from_millis(300);
+/// Longer than the program may take to do what is waited for, even on a busy machine.
+const PATIENCE: Duration = Duration::from_mins(1);
+/// A pixel of the view, away from the panels and from what lies over the view.
+const IN_VIEW: [i32; 2] = [640, 200];
+/// One window at a time: screenshots of two would time out on a small machine.
+static ALONE: Mutex<()> = Mutex::new(());
+
+#[test]
+fn the_picture_lives_while_playing_and_stands_still_when_paused() {
+    with_window("cube-on-sphere", |window| {
+        let first = window.shot();
+        window.wait_until("the picture moves", |shot| shot.differs(&first, shot.view()));
+        window.key("space");
+        window.wait_until_still();
+        let paused = window.shot();
+        std::thread::sleep(Duration::from_secs(1));
+        assert!(!window.shot().differs(&paused, paused.whole()), "a paused window does not change by a pixel");
+        window.key("period");
+        window.wait_until("one step changes the time shown", |shot| shot.differs(&paused, shot.whole()));
+    });
+}
+
+#[test]
+fn a_paused_window_uses_no_processor() {
+    with_window("cube-on-plane", |window| {
+        window.key("space");
+        window.wait_until_still();
+        let before = window.cpu_ticks();
+        std::thread::sleep(Duration::from_secs(2));
+        let used = window.cpu_ticks() - before;
+        assert!(used <= 4, "{used} hundredths of a second of processor time in two idle seconds");
+    });
+}
+
+#[test]
+fn dragging_turns_the_view_and_f_comes_back_to_the_jelly() {
+    with_window("cube-on-plane", |window| {
+        window.key("space");
+        window.wait_until_still();
+        for button in ["1", "2", "3"] {
+            let before = window.shot();
+            window.drag(button, IN_VIEW, [IN_VIEW[0] + 120, IN_VIEW[1] + 30]);
+            window.wait_until("a drag moves the picture", |shot| shot.differs(&before, shot.view()));
+        }
+        let before = window.shot();
+        window.click("4", IN_VIEW);
+        window.wait_until("the wheel moves the picture", |shot| shot.differs(&before, shot.view()));
+        window.key("f");
+        window.wait_until("the jelly is in sight", |shot| shot.jelly_share() > 0.02);
+    });
+}
+
+#[test]
+fn a_drag_on_a_panel_leaves_the_picture_alone() {
+    with_window("cube-on-plane", |window| {
+        window.key("space");
+        window.wait_until_still();
+        let before = window.shot();
+        let bar = window.size[1] - 20;
+        window.drag("2", [500, bar], [700, bar - 200]);
+        window.click("4", [500, bar]);
+        window.point_at(IN_VIEW);
+        std::thread::sleep(HAND);
+        let after = window.shot();
+        assert!(!after.differs(&before, after.view()), "the view has not moved");
+    });
+}
+
+#[test]
+fn colours_get_a_legend_and_the_list_of_keys_opens() {
+    with_window("cube-on-plane", |window| {
+        window.key("space");
+        window.wait_until_still();
+        let plain = window.shot();
+        window.key("2");
+        window.wait_until("the jelly is coloured", |shot| shot.differs(&plain, shot.view()));
+        window.wait_until_still();
+        let colored = window.shot();
+        window.key("F1");
+        window.wait_until("the keys are listed", |shot| shot.differs(&colored, shot.view()));
+    });
+}
+
+#[test]
+fn the_picture_follows_the_size_of_the_window() {
+    with_window("cube-on-plane", |window| {
+        for size in [[900, 600], [1600, 900], [820, 460]] {
+            window.resize(size);
+            window.wait_until("the jelly is in sight", |shot| shot.size == size && shot.jelly_share() > 0.005);
+            window.wait_until("the bar at the bottom has moved along", Shot::has_bottom_bar);
+        }
+    });
+}
+
+#[test]
+fn without_a_display_there_is_a_sentence_and_no_panic() {
+    let output = Command::new(env!("CARGO_BIN_EXE_gelatin"))
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .output()
+        .expect("the program starts");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("DISPLAY") && said.contains("gelatin render") && !said.contains("panicked"), "{said}");
+}
+
+#[test]
+fn screenshots_that_differ_in_one_place_are_told_apart_only_there() {
+    let black = Shot { size: [4, 2], pixels: vec![[0; 3]; 8] };
+    let mut dotted = black.clone();
+    dotted.pixels[7] = [90, 90, 90];
+    assert!(dotted.differs(&black, dotted.whole()), "the dot is seen");
+    let left = ViewRect { origin: Vec2::ZERO, size: Vec2::new(2.0, 2.0) };
+    assert!(!dotted.differs(&black, left), "but not where it is not");
+    let other = Shot { size: [2, 4], ..black.clone() };
+    assert!(other.differs(&black, black.whole()), "another size is another picture");
+}
+
+/// Runs a test on a window of the program, one at a time.
+fn with_window(scene: &str, test: impl FnOnce(&mut Window)) {
+    let _alone = ALONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    test(&mut Window::open(scene));
+}
+
+/// The program under a virtual display of its own.
+struct Window {
+    program: Child,
+    server: Child,
+    display: String,
+    folder: PathBuf,
+    size: [i32; 2],
+}
+
+impl Drop for Window {
+    fn drop(&mut self) {
+        for child in [&mut self.program, &mut self.server] {
+            drop(child.kill());
+            drop(child.wait());
+        }
+        drop(std::fs::remove_dir_all(&self.folder));
+    }
+}
+
+impl Window {
+    fn open(scene: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("gelatin-window-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a temporary folder can be made");
+        let (server, display) = start_server(&folder);
+        let log = std::fs::File::create(folder.join("log")).expect("a file in the temporary folder");
+        let program = Command::new(env!("CARGO_BIN_EXE_gelatin"))
+            .arg(scene)
+            .env("DISPLAY", &display)
+            .env("XDG_RUNTIME_DIR", &folder)
+            .env_remove("WAYLAND_DISPLAY")
+            .env("WINIT_X11_SCALE_FACTOR", "1")
+            .stderr(log)
+            .spawn()
+            .expect("the program starts");
+        let mut window = Self { program, server, display, folder, size: [1280, 800] };
+        window.wait_until("the window shows the jelly", |shot| shot.jelly_share() > 0.005);
+        window.focus();
+        window
+    }
+
+    fn tool(&self, name: &str, arguments: &[&str]) -> String {
+        let output = Command::new(name).args(arguments).env("DISPLAY", &self.display).output();
+        let output = output.unwrap_or_else(|error| panic!("{name}: {error}; {INSTALL}"));
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{name} {arguments:?} failed: {said}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    fn hand(&self, arguments: &[&str]) {
+        self.tool("xdotool", arguments);
+        std::thread::sleep(HAND);
+    }
+
+    fn id(&self) -> String {
+        let found = self.tool("xdotool", &["search", "--onlyvisible", "--name", "Gelatin"]);
+        found.lines().last().expect("the window is there").to_owned()
+    }
+
+    /// There is no window manager that would give the window the keyboard.
+    fn focus(&self) {
+        self.click("1", IN_VIEW);
+        self.hand(&["windowfocus", "--sync", &self.id()]);
+    }
+
+    fn key(&self, key: &str) {
+        self.hand(&["key", key]);
+    }
+
+    fn point_at(&self, [x, y]: [i32; 2]) {
+        self.hand(&["mousemove", &x.to_string(), &y.to_string()]);
+    }
+
+    fn click(&self, button: &str, at: [i32; 2]) {
+        self.point_at(at);
+        self.hand(&["click", button]);
+    }
+
+    fn drag(&self, button: &str, from: [i32; 2], to: [i32; 2]) {
+        self.point_at(from);
+        self.hand(&["mousedown", button]);
+        self.point_at([i32::midpoint(from[0], to[0]), i32::midpoint(from[1], to[1])]);
+        self.point_at(to);
+        self.hand(&["mouseup", button]);
+    }
+
+    fn resize(&mut self, size: [i32; 2]) {
+        self.hand(&["windowsize", &self.id(), &size[0].to_string(), &size[1].to_string()]);
+        self.size = size;
+    }
+
+    fn shot(&mut self) -> Shot {
+        if let Some(status) = self.program.try_wait().expect("the program can be asked") {
+            panic!("the program ended with {status}: {}", self.log());
+        }
+        let path = self.folder.join("shot.png");
+        let [width, height] = self.size;
+        let crop = format!("{width}x{height}+0+0");
+        self.tool("import", &["-window", "root", "-crop", &crop, "+repage", &path.to_string_lossy()]);
+        let image = image::open(&path).expect("a screenshot is a picture").into_rgb8();
+        let size = [image.width(), image.height()].map(|side| i32::try_from(side).expect("a small picture"));
+        Shot { size, pixels: image.pixels().map(|pixel| pixel.0).collect() }
+    }
+
+    fn wait_until(&mut self, what: &str, holds: impl Fn(&Shot) -> bool) {
+        let until = Instant::now() + PATIENCE;
+        while Instant::now() < until {
+            if holds(&self.shot()) {
+                return;
+            }
+            std::thread::sleep(HAND);
+        }
+        panic!("not within {PATIENCE:?}: {what}; the program said: {}", self.log());
+    }
+
+    fn wait_until_still(&mut self) {
+        let mut last = self.shot();
+        let until = Instant::now() + PATIENCE;
+        while Instant::now() < until {
+            std::thread::sleep(2 * HAND);
+            let now = self.shot();
+            if !now.differs(&last, last.whole()) {
+                return;
+            }
+            last = now;
+        }
+        panic!("the window does not come to rest within {PATIENCE:?}");
+    }
+
+    /// Processor time the program has used, hundredths of a second.
+    fn cpu_ticks(&self) -> u64 {
+        let path = format!("/proc/{}/stat", self.program.id());
+        let stat = std::fs::read_to_string(path).expect("the program runs");
+        let (_, fields) = stat.rsplit_once(')').expect("a name in brackets");
+        let ticks = fields.split_whitespace().skip(11).take(2);
+        ticks.map(|field| field.parse::<u64>().expect("a number")).sum()
+    }
+
+    fn log(&self) -> String {
+        std::fs::read_to_string(self.folder.join("log")).unwrap_or_default()
+    }
+}
+
+const INSTALL: &str = "the tests of the window need the packages `xvfb`, `xdotool` and `imagemagick`";
+
+/// A virtual display with a number that is free.
+fn start_server(folder: &Path) -> (Child, String) {
+    let number_path = folder.join("display");
+    let number_file = std::fs::File::create(&number_path).expect("a file in the temporary folder");
+    let mut server = Command::new("Xvfb")
+        .args(["-displayfd", "1", "-screen", "0", "1920x1080x24", "-nolisten", "tcp"])
+        .stdout(number_file)
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap_or_else(|error| panic!("Xvfb: {error}; {INSTALL}"));
+    let until = Instant::now() + PATIENCE;
+    while Instant::now() < until {
+        let number = std::fs::read_to_string(&number_path).unwrap_or_default();
+        if number.ends_with('\n') {
+            return (server, format!(":{}", number.trim()));
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    drop(server.kill());
+    drop(server.wait());
+    panic!("Xvfb names no display within {PATIENCE:?}");
+}
+
+/// A screenshot.
+#[derive(Clone)]
+struct Shot {
+    size: [i32; 2],
+    pixels: Vec<[u8; 3]>,
+}
+
+impl Shot {
+    fn whole(&self) -> ViewRect {
+        ViewRect { origin: Vec2::ZERO, size: Vec2::new(self.size[0] as f32, self.size[1] as f32) }
+    }
+
+    /// The part between the bars.
+    fn view(&self) -> ViewRect {
+        let whole = self.whole().size;
+        ViewRect { origin: Vec2::new(0.0, 50.0), size: whole - Vec2::new(0.0, 100.0) }
+    }
+
+    fn within(&self, part: ViewRect) -> impl Iterator<Item = usize> {
+        let width = usize::try_from(self.size[0]).expect("not negative");
+        let at = move |index: usize| Vec2::new((index % width) as f32, (index / width) as f32);
+        (0..self.pixels.len()).filter(move |&index| part.contains(at(index)))
+    }
+
+    fn differs(&self, other: &Self, part: ViewRect) -> bool {
+        self.size != other.size || self.within(part).any(|index| self.pixels[index] != other.pixels[index])
+    }
+
+    /// The share of the view that is the raspberry of the first body.
+    fn jelly_share(&self) -> f32 {
+        let is_jelly = |[red, green, blue]: [u8; 3]| red > 120 && red > green.saturating_mul(2) && red > blue;
+        let (mut jelly, mut all) = (0, 0);
+        for index in self.within(self.view()) {
+            all += 1;
+            jelly += usize::from(is_jelly(self.pixels[index]));
+        }
+        jelly as f32 / all.max(1) as f32
+    }
+
+    /// The last rows are dark and of one colour at the left edge, the rows above the bar are not.
+    fn has_bottom_bar(&self) -> bool {
+        let width = usize::try_from(self.size[0]).expect("not negative");
+        let row = |from_bottom: usize| self.pixels[self.pixels.len() - from_bottom * width];
+        let dark = |[red, green, blue]: [u8; 3]| red < 50 && green < 50 && blue < 50;
+        dark(row(2)) && dark(row(30)) && !dark(row(60))
+    }
+}

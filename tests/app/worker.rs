@@ -1,0 +1,185 @@
+//! The worker thread, with sandboxes that are slow, broken or idle.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use gelatin::app::worker::{Ended, Sandbox, Snapshot, Worker};
+use gelatin::scene::Scene;
+use gelatin::session::{Command, Session, SessionError, Status};
+use gelatin::view::DrawList;
+
+/// Longer than anything here should take, even on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A sandbox whose `advance` takes long or panics.
+struct Odd {
+    playing: bool,
+    cost: Duration,
+    panics: bool,
+    scene: Scene,
+    advances: Arc<AtomicUsize>,
+}
+
+impl Sandbox for Odd {
+    fn handle(&mut self, command: Command) -> Result<(), SessionError> {
+        match command {
+            Command::Play => self.playing = true,
+            Command::Pause => self.playing = false,
+            // The error of a real session that is given a bad scene.
+            Command::Replace { scene, base_dir, title } => drop(Session::new(*scene, base_dir, title)?),
+            _ => (),
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self, _wall: Duration, _budget: Duration) {
+        assert!(!self.panics, "a number was lost");
+        std::thread::sleep(self.cost);
+        self.advances.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn status(&self) -> Status {
+        Status { playing: self.playing, time_secs: self.advances.load(Ordering::Relaxed) as f64, ..Status::default() }
+    }
+
+    fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    fn draw_list(&mut self) -> DrawList {
+        DrawList::default()
+    }
+}
+
+struct Bench {
+    worker: Worker,
+    wakes: Receiver<()>,
+    advances: Arc<AtomicUsize>,
+}
+
+fn start(playing: bool, cost: Duration, panics: bool) -> Bench {
+    let (wake, wakes) = channel();
+    let advances = Arc::new(AtomicUsize::new(0));
+    let odd = Odd { playing, cost, panics, scene: Scene::default(), advances: Arc::clone(&advances) };
+    let worker = Worker::spawn(
+        move || Ok(odd),
+        move || {
+            let _ignored = wake.send(());
+        },
+    );
+    Bench { worker, wakes, advances }
+}
+
+impl Bench {
+    /// The next snapshot that `fits`.
+    fn wait_for(&self, fits: impl Fn(&Snapshot) -> bool) -> Snapshot {
+        let until = Instant::now() + PATIENCE;
+        while let Ok(()) = self.wakes.recv_timeout(until.saturating_duration_since(Instant::now())) {
+            if let Some(snapshot) = self.worker.take().filter(&fits) {
+                return snapshot;
+            }
+        }
+        panic!("no such snapshot within {PATIENCE:?}");
+    }
+
+    fn wait_for_end(&self) -> Ended {
+        let until = Instant::now() + PATIENCE;
+        while let Ok(()) = self.wakes.recv_timeout(until.saturating_duration_since(Instant::now())) {
+            if let Some(ended) = self.worker.take_ended() {
+                return ended;
+            }
+        }
+        panic!("the worker did not end within {PATIENCE:?}");
+    }
+}
+
+#[test]
+fn a_running_sandbox_publishes_again_and_again() {
+    let bench = start(true, Duration::ZERO, false);
+    let first = bench.wait_for(|_| true);
+    bench.wait_for(|snapshot| snapshot.status.time_secs > first.status.time_secs + 3.0);
+}
+
+#[test]
+fn commands_reach_the_sandbox_and_come_back_in_the_status() {
+    let bench = start(true, Duration::ZERO, false);
+    bench.worker.send(Command::Pause);
+    bench.wait_for(|snapshot| !snapshot.status.playing);
+    bench.worker.send(Command::Play);
+    bench.wait_for(|snapshot| snapshot.status.playing);
+}
+
+#[test]
+fn the_window_never_waits_for_a_dear_step() {
+    let bench = start(true, Duration::from_millis(700), false);
+    std::thread::sleep(Duration::from_millis(100));
+    let start = Instant::now();
+    bench.worker.send(Command::Pause);
+    bench.worker.take();
+    assert!(start.elapsed() < Duration::from_millis(300), "a command and a look at the slot do not wait for a step");
+}
+
+#[test]
+fn a_paused_sandbox_that_nobody_touches_does_nothing() {
+    let bench = start(false, Duration::ZERO, false);
+    bench.wait_for(|_| true);
+    assert!(bench.wakes.recv_timeout(Duration::from_millis(400)).is_err(), "nothing more is published");
+    assert_eq!(bench.advances.load(Ordering::Relaxed), 0, "and nothing is simulated");
+}
+
+#[test]
+fn an_unseen_sandbox_keeps_its_time_and_publishes_nothing() {
+    let bench = start(true, Duration::ZERO, false);
+    bench.wait_for(|_| true);
+    bench.worker.set_visible(false);
+    std::thread::sleep(Duration::from_millis(300));
+    while bench.wakes.try_recv().is_ok() {}
+    bench.worker.take();
+    let before = bench.advances.load(Ordering::Relaxed);
+    assert!(bench.wakes.recv_timeout(Duration::from_millis(400)).is_err(), "nothing is published");
+    assert!(bench.advances.load(Ordering::Relaxed) > before, "time goes on");
+    bench.worker.set_visible(true);
+    bench.wait_for(|_| true);
+}
+
+#[test]
+fn a_window_that_looks_away_is_woken_once() {
+    let bench = start(true, Duration::ZERO, false);
+    std::thread::sleep(Duration::from_millis(400));
+    assert_eq!(bench.wakes.try_iter().count(), 1, "wake-ups do not pile up");
+}
+
+#[test]
+fn the_scene_is_shared_until_it_changes() {
+    let bench = start(true, Duration::ZERO, false);
+    let first = bench.wait_for(|_| true);
+    let second = bench.wait_for(|_| true);
+    assert!(Arc::ptr_eq(&first.scene, &second.scene), "no copy a frame");
+}
+
+#[test]
+fn a_panic_becomes_a_sentence() {
+    let bench = start(true, Duration::ZERO, true);
+    let ended = bench.wait_for_end();
+    assert!(ended.to_string().contains("a number was lost"), "{ended}");
+    bench.worker.send(Command::Play);
+}
+
+#[test]
+fn a_refused_command_is_told_until_the_next_one_succeeds() {
+    let bench = start(false, Duration::ZERO, false);
+    let mut bad = Scene::default();
+    let path = PathBuf::from("/nowhere");
+    let shape = gelatin::scene::body::ModelShape { path: "missing.obj".into(), ..Default::default() };
+    let shape = gelatin::scene::Shape::Model(shape);
+    bad.bodies.push(gelatin::scene::Body { shape, ..Default::default() });
+    bench.worker.send(Command::Replace { scene: Box::new(bad), base_dir: path, title: "bad".into() });
+    let told = bench.wait_for(|snapshot| !snapshot.status.message.is_empty());
+    assert!(told.status.message.contains("missing.obj"), "{}", told.status.message);
+    assert_eq!(told.generation, 0, "the camera stays where it is");
+    bench.worker.send(Command::Play);
+    bench.wait_for(|snapshot| snapshot.status.message.is_empty());
+}
