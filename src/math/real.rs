@@ -33,6 +33,8 @@ pub trait Real:
     const ZERO: Self;
     /// 1.
     const ONE: Self;
+    /// The distance from 1 to the next larger number.
+    const EPSILON: Self;
 
     /// Rounds a double to this precision.
     fn from_f64(value: f64) -> Self;
@@ -102,6 +104,7 @@ macro_rules! real {
 
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
+            const EPSILON: Self = <$scalar>::EPSILON;
 
             #[inline]
             fn from_f64(value: f64) -> Self {

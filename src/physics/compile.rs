@@ -1,0 +1,171 @@
+//! From the document to the constant model: particles placed, links measured, obstacles framed.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use super::model::{
+    BodyModel, ContactModel, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel,
+};
+use super::plan::Plan;
+use super::stability::SceneLimits;
+use crate::geometry::Lattice;
+use crate::math::{Aabb, Real, Vector, rotation};
+use crate::scene::obstacle::{ContactStiffness, Plane};
+use crate::scene::{self, Body, Family, Material, Obstacle, Scene, Springs};
+
+/// Stiffness of the default contact over the particle's mass, 1/s².
+const AUTO_STIFFNESS: f64 = 1e5;
+
+/// No particle rests, or ends a step, deeper in an obstacle than this share of its body's size.
+pub const DEPTH_SHARE: f64 = 0.02;
+
+/// Builds the model of a scene and the plan of its step; `lattices` are those of the scene's bodies, in their order.
+///
+/// # Panics
+/// If there are not as many lattices as bodies: the caller resolves every body first.
+pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>]) -> (Model<R>, Plan) {
+    assert_eq!(scene.bodies.len(), lattices.len(), "every body needs its lattice");
+    let gravity = DVec3::from(scene.settings.gravity);
+    let mut model = Model { bodies: Vec::new(), obstacles: obstacles(&scene.obstacles), gravity: R::Vec3::from_dvec3(gravity) };
+    let mut first = 0;
+    for (body, lattice) in scene.bodies.iter().zip(lattices) {
+        let compiled = compile_body(body, lattice, first, &scene.obstacles, gravity.length());
+        first = compiled.particles.end;
+        model.bodies.push(compiled);
+    }
+    let limits = SceneLimits::of(&model, scene.settings.contact);
+    let plan = Plan::new(&scene.settings, &model, limits);
+    (model, plan)
+}
+
+fn compile_body<R: Real>(
+    body: &Body,
+    lattice: &Arc<Lattice>,
+    first: usize,
+    obstacles: &[Obstacle],
+    gravity: f64,
+) -> BodyModel<R> {
+    let Material::Springs(springs) = &body.material;
+    let rotation = rotation::from_euler_deg(body.pose.rotation_deg);
+    let position = DVec3::from(body.pose.position);
+    let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
+    let size = Aabb::<f64>::around(rest.iter().copied()).size().max_element();
+    let pinned = if body.pins.is_empty() {
+        Vec::new()
+    } else {
+        let held = |p: &DVec3| {
+            body.pins.iter().any(|pin| (p.cmpge(DVec3::from(pin.min)) & p.cmple(DVec3::from(pin.max))).all())
+        };
+        rest.iter().map(held).collect()
+    };
+    let load = heaviest_load(lattice) * springs.particle_mass * gravity;
+    BodyModel {
+        particles: first..first + rest.len(),
+        start: rest.iter().map(|p| R::Vec3::from_dvec3(position + rotation * *p)).collect(),
+        start_velocity: R::Vec3::from_dvec3(DVec3::from(body.velocity)),
+        particle_mass: R::from_f64(springs.particle_mass),
+        pinned,
+        links: Family::ALL.map(|family| link_family(springs, family, lattice, &rest)),
+        lattice: Arc::clone(lattice),
+        size: R::from_f64(size),
+        contacts: obstacles
+            .iter()
+            .map(|obstacle| contact(obstacle, springs.particle_mass, size, load, lattice.grid.cell_size))
+            .collect(),
+    }
+}
+
+fn link_family<R: Real>(springs: &Springs, family: Family, lattice: &Lattice, rest: &[DVec3]) -> LinkFamily<R> {
+    let constants = springs.family(family);
+    LinkFamily {
+        stiffness: R::from_f64(constants.stiffness),
+        damping: R::from_f64(constants.damping),
+        links: lattice.links[family as usize]
+            .iter()
+            .map(|&ends| Link {
+                ends,
+                rest_length: R::from_f64(rest[ends[0] as usize].distance(rest[ends[1] as usize])),
+            })
+            .collect(),
+    }
+}
+
+/// Particles that one particle in contact may have to carry at rest: the tallest column, or all of them on the
+/// smallest of the six outer layers, as a tree stands on its trunk.
+fn heaviest_load(lattice: &Lattice) -> f64 {
+    let mut column = 0;
+    let mut layer = usize::MAX;
+    for axis in 0..3 {
+        let along = || lattice.corners.iter().map(|corner| corner[axis]);
+        let (Some(low), Some(high)) = (along().min(), along().max()) else { return 0.0 };
+        column = column.max(high - low + 1);
+        for end in [low, high] {
+            layer = layer.min(along().filter(|&c| c == end).count());
+        }
+    }
+    f64::from(column).max(lattice.corners.len() as f64 / layer as f64)
+}
+
+fn contact<R: Real>(obstacle: &Obstacle, mass: f64, size: f64, load: f64, cell_size: f64) -> ContactModel<R> {
+    let depth_limit = DEPTH_SHARE * size;
+    let stiffness = match obstacle.stiffness {
+        ContactStiffness::Given(stiffness) => stiffness,
+        ContactStiffness::Auto => (AUTO_STIFFNESS * mass).max(load / depth_limit),
+    };
+    ContactModel {
+        stiffness: R::from_f64(stiffness),
+        damping: R::from_f64(2.0 * (stiffness * mass).sqrt()),
+        depth_limit: R::from_f64(depth_limit),
+        thesis_threshold: R::from_f64(cell_size),
+    }
+}
+
+fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>> {
+    let mut planes = 0;
+    obstacles
+        .iter()
+        .map(|obstacle| {
+            let (shape, bounds) = match obstacle.shape {
+                scene::ObstacleShape::Plane(plane) => {
+                    let side_row = planes;
+                    planes += 1;
+                    plane_model(&plane, side_row)
+                }
+                scene::ObstacleShape::Sphere(sphere) => {
+                    let center = DVec3::from(sphere.center);
+                    let shape = ObstacleShape::Sphere {
+                        center: R::Vec3::from_dvec3(center),
+                        radius: R::from_f64(sphere.radius),
+                    };
+                    let reach = DVec3::splat(sphere.radius);
+                    (shape, Aabb::around([center - reach, center + reach]))
+                }
+            };
+            // Rounding to R must not shrink the box below the obstacle.
+            let margin = 1e-5 * (bounds.size().max_element() + bounds.center().abs().max_element());
+            let bounds = bounds.grown(margin);
+            ObstacleModel {
+                shape,
+                bounds: Aabb { min: R::Vec3::from_dvec3(bounds.min), max: R::Vec3::from_dvec3(bounds.max) },
+                friction_static: R::from_f64(obstacle.friction_static),
+                friction_dynamic: R::from_f64(obstacle.friction_dynamic),
+            }
+        })
+        .collect()
+}
+
+fn plane_model<R: Real>(plane: &Plane, side_row: usize) -> (ObstacleShape<R>, Aabb<f64>) {
+    let DMat3 { x_axis, y_axis, z_axis } = rotation::from_euler_deg(plane.rotation_deg);
+    let center = DVec3::from(plane.center);
+    let [a, b] = plane.half_extents;
+    let corners = [(-a, -b), (-a, b), (a, -b), (a, b)].map(|(x, z)| center + x_axis * x + z_axis * z);
+    let shape = ObstacleShape::Plane(PlaneModel {
+        center: R::Vec3::from_dvec3(center),
+        axes: [R::Vec3::from_dvec3(x_axis), R::Vec3::from_dvec3(z_axis)],
+        half_extents: plane.half_extents.map(R::from_f64),
+        normal: R::Vec3::from_dvec3(y_axis),
+        side_row,
+    });
+    (shape, Aabb::around(corners))
+}

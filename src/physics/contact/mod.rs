@@ -1,0 +1,253 @@
+//! Contact of particles with obstacles (GC §5–§7).
+//!
+//! ```text
+//! broad phase   box of a body's motion against box of an obstacle, then box of a particle's motion
+//! narrow phase  does this particle cross the obstacle's surface in this step, on which side, where (plane, sphere)
+//! response      a stiff, critically damped spring taken implicitly, then Coulomb friction (response)
+//! ```
+//!
+//! Particles do not meet each other. A particle that meets several obstacles in one substep is brought to a velocity
+//! that none of them forbids.
+
+mod broad;
+mod plane;
+mod response;
+mod sphere;
+pub mod thesis;
+
+use super::model::{ContactModel, Model, ObstacleModel, ObstacleShape};
+use super::plan::{Plan, Stage};
+use super::report::{StageTimer, StepReport};
+use super::state::State;
+use crate::math::{Real, Vector};
+
+/// Rounds in which a particle between several obstacles may look for a velocity; then it stops dead.
+const ROUNDS: usize = 4;
+
+/// Contact's working room and what the last substep found.
+#[derive(Clone, Debug)]
+pub struct Scratch<R: Real> {
+    /// Obstacles near the body under work.
+    near: Vec<u32>,
+    /// Particle–obstacle pairs that met in the last substep, by particle.
+    pub contacts: Vec<ContactRecord<R>>,
+    /// For every body and plane whether a side is remembered: such pairs are near without a look at boxes.
+    touching: Vec<bool>,
+}
+
+impl<R: Real> Scratch<R> {
+    /// Room for a model.
+    pub fn new(model: &Model<R>) -> Self {
+        Self {
+            near: Vec::with_capacity(model.obstacles.len()),
+            contacts: Vec::with_capacity(model.particle_count()),
+            touching: vec![true; model.bodies.len() * model.obstacles.len()],
+        }
+    }
+}
+
+/// A particle that met an obstacle in the last substep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactRecord<R: Real> {
+    /// The particle, in the state's arrays.
+    pub particle: usize,
+    /// The obstacle.
+    pub obstacle: usize,
+    /// Unit normal, away from the obstacle.
+    pub normal: R::Vec3,
+    /// Distance from the surface along the normal when the substep began, m; negative inside.
+    pub gap: R,
+    /// Mean contact force over the substep, normal and friction, N.
+    pub force: R::Vec3,
+}
+
+/// The surface as one particle meets it: a tangent plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Surface<R: Real> {
+    /// Unit normal, towards the side the particle came from.
+    pub(super) normal: R::Vec3,
+    /// Distance of the particle from the surface along the normal when the substep begins, m; negative inside.
+    pub(super) gap: R,
+}
+
+/// Changes the predicted velocities of all particles that meet an obstacle within this substep.
+#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
+pub fn respond<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    dt: R,
+    state: &State<R>,
+    velocity: &mut [R::Vec3],
+    scratch: &mut Scratch<R>,
+    report: &mut StepReport,
+    timer: &mut impl StageTimer,
+) {
+    scratch.contacts.clear();
+    for (number, body) in model.bodies.iter().enumerate() {
+        let all_tests = (body.particles.len() * model.obstacles.len()) as u64;
+        let tests_before = report.narrow_tests;
+        if plan.broad_phase {
+            timer.enter(Stage::BroadPhase);
+        }
+        let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
+        broad::near_obstacles(model, plan, body, dt, state, velocity, touching, &mut scratch.near);
+        if !scratch.near.is_empty() {
+            timer.enter(Stage::Contact);
+            for particle in body.particles.clone() {
+                if body.is_pinned(particle - body.particles.start) {
+                    continue;
+                }
+                let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0 };
+                velocity[particle] = meeting.resolve(
+                    velocity[particle],
+                    body.particle_mass,
+                    &body.contacts,
+                    &scratch.near,
+                    &mut scratch.contacts,
+                );
+                report.narrow_tests += meeting.tests;
+            }
+        }
+        report.narrow_tests_saved += all_tests.saturating_sub(report.narrow_tests - tests_before);
+    }
+    report.contacts = scratch.contacts.iter().filter(|contact| contact.force != R::Vec3::ZERO).count();
+}
+
+/// One particle among the obstacles near its body.
+struct Meeting<'a, R: Real> {
+    model: &'a Model<R>,
+    plan: &'a Plan,
+    state: &'a State<R>,
+    particle: usize,
+    dt: R,
+    tests: u64,
+}
+
+impl<R: Real> Meeting<'_, R> {
+    /// The velocity the obstacles leave this particle; what pushed is recorded.
+    fn resolve(
+        &mut self,
+        predicted: R::Vec3,
+        mass: R,
+        contacts: &[ContactModel<R>],
+        near: &[u32],
+        records: &mut Vec<ContactRecord<R>>,
+    ) -> R::Vec3 {
+        let mut velocity = predicted;
+        let first_record = records.len();
+        for &obstacle in near {
+            let obstacle = obstacle as usize;
+            let Some(surface) = self.surface(obstacle, velocity) else { continue };
+            let before = velocity;
+            velocity = response::respond(
+                &surface,
+                &contacts[obstacle],
+                &self.model.obstacles[obstacle],
+                mass,
+                self.dt,
+                velocity,
+            );
+            // Also where nothing pushes: a particle that leaves must keep its side until it is out.
+            records.push(ContactRecord {
+                particle: self.particle,
+                obstacle,
+                normal: surface.normal,
+                gap: surface.gap,
+                force: (velocity - before) * (mass / self.dt),
+            });
+        }
+        if records.len() > first_record && near.len() > 1 {
+            let allowed = self.allowed_by_all(velocity, contacts, near);
+            if allowed != velocity
+                && let Some(last) = records.last_mut()
+            {
+                last.force += (allowed - velocity) * (mass / self.dt);
+                velocity = allowed;
+            }
+        }
+        velocity
+    }
+
+    /// A push from one obstacle may lead into another: looks for a velocity that no obstacle forbids. Standing still
+    /// always is one.
+    fn allowed_by_all(&mut self, mut velocity: R::Vec3, contacts: &[ContactModel<R>], near: &[u32]) -> R::Vec3 {
+        for _ in 0..ROUNDS {
+            let mut forbidden = false;
+            for &obstacle in near {
+                let obstacle = obstacle as usize;
+                let Some(surface) = self.surface(obstacle, velocity) else { continue };
+                let slowest = response::deepest_velocity(&surface, &contacts[obstacle], self.dt);
+                let along = velocity.dot(surface.normal);
+                // The tolerance is rounding: a corrected velocity must not count as forbidden again.
+                if along < slowest - R::from_f64(1e-6) * (along.abs() + slowest.abs()) {
+                    velocity += surface.normal * (slowest - along);
+                    forbidden = true;
+                }
+            }
+            if !forbidden {
+                return velocity;
+            }
+        }
+        R::Vec3::ZERO
+    }
+
+    /// The narrow phase, if this particle's motion comes near the obstacle at all.
+    fn surface(&mut self, obstacle: usize, velocity: R::Vec3) -> Option<Surface<R>> {
+        let ObstacleModel { shape, bounds, .. } = &self.model.obstacles[obstacle];
+        let from = self.state.position[self.particle];
+        let path = velocity * self.dt;
+        let side = match shape {
+            ObstacleShape::Plane(plane) => self.state.side[plane.side_row][self.particle],
+            ObstacleShape::Sphere { .. } => 0,
+        };
+        if self.plan.broad_phase && side == 0 && !broad::sweep::<R>(from, path).overlaps(bounds) {
+            return None;
+        }
+        self.tests += 1;
+        match shape {
+            ObstacleShape::Plane(plane) => plane::meet(plane, side, from, path),
+            ObstacleShape::Sphere { center, radius } => sphere::meet(*center, *radius, from, path),
+        }
+    }
+}
+
+/// Writes down on which side of which plane every touching particle is once it has moved, and how deep the deepest is.
+pub fn remember_sides<R: Real>(
+    model: &Model<R>,
+    dt: R,
+    state: &mut State<R>,
+    velocity: &[R::Vec3],
+    scratch: &mut Scratch<R>,
+    report: &mut StepReport,
+) {
+    let mut deepest = R::ZERO;
+    // What touched before and does not any more is forgotten; what touches is in the records.
+    for (number, body) in model.bodies.iter().enumerate() {
+        for (obstacle, shape) in model.obstacles.iter().map(|o| &o.shape).enumerate() {
+            let ObstacleShape::Plane(plane) = shape else { continue };
+            let touching = &mut scratch.touching[number * model.obstacles.len() + obstacle];
+            if !*touching {
+                continue;
+            }
+            *touching = false;
+            state.side[plane.side_row][body.particles.clone()].fill(0);
+        }
+    }
+    for contact in &scratch.contacts {
+        let depth = -(contact.gap + velocity[contact.particle].dot(contact.normal) * dt);
+        let ObstacleShape::Plane(plane) = &model.obstacles[contact.obstacle].shape else {
+            deepest = deepest.max(depth);
+            continue;
+        };
+        if depth >= -plane::rounding_margin::<R>(plane, state.position[contact.particle]) {
+            let upper = contact.normal.dot(plane.normal) > R::ZERO;
+            state.side[plane.side_row][contact.particle] = if upper { 1 } else { -1 };
+            if let Some(number) = model.bodies.iter().position(|body| body.particles.contains(&contact.particle)) {
+                scratch.touching[number * model.obstacles.len() + contact.obstacle] = true;
+            }
+            deepest = deepest.max(depth);
+        }
+    }
+    report.max_penetration_m = deepest.to_f64();
+    report.peak_penetration_m = report.max_penetration_m;
+}

@@ -1,0 +1,97 @@
+//! The thesis's own contact and friction, to teach with (GC §5.2, §5.5, §6): kept as written, faults included.
+//!
+//! The reaction `(k p + |⟨F, n⟩|) n` is an explicit force, so its stiffness limits the step; the pressing force it
+//! cancels is larger on the way out than on the way in, so a body gains energy with every bounce; static friction is
+//! not clamped to the force that acts, so nothing ever quite rests. Planes act on the side of their normal and see a
+//! particle only within a threshold: faster than threshold/dt it falls through.
+
+use super::ContactRecord;
+use crate::math::{Real, Vector};
+use crate::physics::model::{ContactModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
+use crate::physics::report::StepReport;
+use crate::physics::state::State;
+use crate::physics::step;
+
+/// Below this speed along the surface a particle counts as still and static friction applies, m/s. The thesis
+/// compares with zero, which no number in a simulation ever is.
+const STILL_SPEED: f64 = 1e-3;
+
+/// Adds reaction and friction to the force of every particle found past a surface.
+pub fn add_forces<R: Real>(
+    model: &Model<R>,
+    dt: R,
+    state: &State<R>,
+    scratch: &mut step::Scratch<R>,
+    report: &mut StepReport,
+) {
+    scratch.contact.contacts.clear();
+    let mut deepest = R::ZERO;
+    for body in &model.bodies {
+        for particle in body.particles.clone() {
+            for (number, obstacle) in model.obstacles.iter().enumerate() {
+                report.narrow_tests += 1;
+                let contact = &body.contacts[number];
+                let at = state.position[particle];
+                let velocity = state.velocity[particle];
+                let found = match &obstacle.shape {
+                    ObstacleShape::Plane(plane) => past_plane(plane, contact, at),
+                    ObstacleShape::Sphere { center, radius } => inside_sphere(*center, *radius, at, velocity * dt),
+                };
+                let Some((normal, depth)) = found else { continue };
+                let force = scratch.force[particle];
+                let reaction = reaction(normal, depth, contact, force) + friction(normal, obstacle, force, velocity);
+                scratch.force[particle] += reaction;
+                deepest = deepest.max(depth);
+                scratch.contact.contacts.push(ContactRecord {
+                    particle,
+                    obstacle: number,
+                    normal,
+                    gap: -depth,
+                    force: reaction,
+                });
+            }
+        }
+    }
+    report.contacts = scratch.contact.contacts.len();
+    report.max_penetration_m = deepest.to_f64();
+    report.peak_penetration_m = report.max_penetration_m;
+}
+
+fn past_plane<R: Real>(plane: &PlaneModel<R>, contact: &ContactModel<R>, at: R::Vec3) -> Option<(R::Vec3, R)> {
+    let offset = at - plane.center;
+    let depth = -offset.dot(plane.normal);
+    let inside = (0..2).all(|axis| offset.dot(plane.axes[axis]).abs() <= plane.half_extents[axis]);
+    (inside && depth >= R::ZERO && depth <= contact.thesis_threshold).then_some((plane.normal, depth))
+}
+
+/// The normal is that of the point where the particle came in; the depth is the way back out along it (GC §5.5).
+fn inside_sphere<R: Real>(center: R::Vec3, radius: R, at: R::Vec3, path: R::Vec3) -> Option<(R::Vec3, R)> {
+    let offset = at - center;
+    let distance = offset.length();
+    if distance > radius {
+        return None;
+    }
+    let entered = super::sphere::meet(center, radius, at - path, path);
+    let radial = super::sphere::meet(center, radius, at, path)?;
+    let normal = entered.map_or(radial.normal, |surface| surface.normal);
+    let along = offset.dot(normal);
+    let depth = (along * along - distance * distance + radius * radius).max(R::ZERO).sqrt() - along;
+    Some((normal, depth))
+}
+
+fn reaction<R: Real>(normal: R::Vec3, depth: R, contact: &ContactModel<R>, force: R::Vec3) -> R::Vec3 {
+    let pressing = (-force.dot(normal)).max(R::ZERO);
+    normal * (contact.stiffness * depth + pressing)
+}
+
+fn friction<R: Real>(normal: R::Vec3, obstacle: &ObstacleModel<R>, force: R::Vec3, velocity: R::Vec3) -> R::Vec3 {
+    let pressing = (-force.dot(normal)).max(R::ZERO);
+    let sliding = velocity - normal * velocity.dot(normal);
+    let speed = sliding.length();
+    if speed > R::from_f64(STILL_SPEED) {
+        return sliding * (-obstacle.friction_dynamic * pressing / speed);
+    }
+    let pulling = force - normal * force.dot(normal);
+    let strength = pulling.length();
+    if strength > R::ZERO { pulling * (-obstacle.friction_static * pressing / strength) } else { R::Vec3::ZERO }
+}

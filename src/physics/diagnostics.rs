@@ -1,0 +1,170 @@
+//! What a simulation looks like in numbers: energies, momentum, extremes, broken cells. Computed when asked, in
+//! double precision, never inside a step.
+
+use glam::DVec3;
+
+use super::forces;
+use super::model::{BodyModel, Model};
+use super::plan::Plan;
+use super::state::State;
+use super::step::{Scratch, substep};
+use crate::math::{Aabb, Real, Vector};
+
+/// The state of a simulation in numbers, SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnostics {
+    /// Energies.
+    pub energy: Energy,
+    /// Mass of all bodies, kg.
+    pub mass_kg: f64,
+    /// Total momentum, kg·m/s.
+    pub momentum: DVec3,
+    /// Centre of mass, m.
+    pub center: DVec3,
+    /// The box around all particles, m.
+    pub bounds: Aabb<f64>,
+    /// Fastest particle, m/s.
+    pub max_speed: f64,
+    /// Largest magnitude of a link's strain.
+    pub max_strain: f64,
+    /// Cells turned inside out: mean-edge signed volume not above zero.
+    pub inverted_cells: usize,
+    /// All positions and velocities finite.
+    pub finite: bool,
+}
+
+/// Energies of a state, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// Of motion, with the velocity centred on the position's time.
+    pub kinetic: f64,
+    /// Of the links.
+    pub elastic: f64,
+    /// Of height, zero at the world's origin.
+    pub gravity: f64,
+    /// Of the penalty springs of contact.
+    pub contact: f64,
+}
+
+impl Energy {
+    /// The sum.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.gravity + self.contact
+    }
+}
+
+impl Diagnostics {
+    /// Of a state.
+    pub fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Self {
+        // Semi-implicit Euler's velocity is half a step behind its position: the mean of it and the next one is on
+        // time. The next one is had by taking the substep on a copy.
+        let mut ahead = state.clone();
+        let mut scratch = Scratch::new(model);
+        let next = substep(model, plan, &mut ahead, &mut scratch, &mut ());
+        let centred = |particle: usize| {
+            let now = state.velocity[particle].to_dvec3();
+            if next.diverged { now } else { 0.5 * (now + ahead.velocity[particle].to_dvec3()) }
+        };
+        let mut sum = Self {
+            energy: Energy::default(),
+            mass_kg: 0.0,
+            momentum: DVec3::ZERO,
+            center: DVec3::ZERO,
+            bounds: Aabb::empty(),
+            max_speed: 0.0,
+            max_strain: 0.0,
+            inverted_cells: 0,
+            finite: state.position.iter().chain(&state.velocity).all(|v| v.is_finite()),
+        };
+        let gravity = model.gravity.to_dvec3();
+        for body in &model.bodies {
+            let mass = body.particle_mass.to_f64();
+            for particle in body.particles.clone() {
+                let position = state.position[particle].to_dvec3();
+                let velocity = centred(particle);
+                sum.mass_kg += mass;
+                sum.energy.kinetic += 0.5 * mass * velocity.length_squared();
+                sum.energy.gravity -= mass * gravity.dot(position);
+                sum.momentum += mass * state.velocity[particle].to_dvec3();
+                sum.center += mass * position;
+                sum.bounds = sum.bounds.include(position);
+                sum.max_speed = sum.max_speed.max(state.velocity[particle].to_dvec3().length());
+            }
+            sum.add_links(body, state);
+            sum.inverted_cells += inverted_cells(body, state);
+        }
+        if sum.mass_kg > 0.0 {
+            sum.center /= sum.mass_kg;
+        }
+        for contact in scratch.contact.contacts.iter().filter(|contact| contact.gap < R::ZERO) {
+            let Some(body) = model.bodies.iter().find(|body| body.particles.contains(&contact.particle)) else {
+                continue;
+            };
+            let constants = &body.contacts[contact.obstacle];
+            // Beyond the limit the push is constant, so the energy grows linearly.
+            let (depth, limit) = (-contact.gap.to_f64(), constants.depth_limit.to_f64());
+            let sprung = depth.min(limit);
+            sum.energy.contact += constants.stiffness.to_f64() * sprung * (depth - 0.5 * sprung);
+        }
+        sum
+    }
+
+    fn add_links<R: Real>(&mut self, body: &BodyModel<R>, state: &State<R>) {
+        let position = &state.position[body.particles.clone()];
+        for family in &body.links {
+            for link in &family.links {
+                let [i, j] = link.ends.map(|end| position[end as usize].to_dvec3());
+                let rest = link.rest_length.to_f64();
+                let strain = (j - i).length() / rest - 1.0;
+                self.energy.elastic += 0.5 * family.stiffness.to_f64() * rest * strain * strain;
+                self.max_strain = self.max_strain.max(strain.abs());
+            }
+        }
+    }
+}
+
+/// Cells whose mean edges along the three axes span no positive volume.
+fn inverted_cells<R: Real>(body: &BodyModel<R>, state: &State<R>) -> usize {
+    let position = &state.position[body.particles.clone()];
+    body.lattice
+        .cells
+        .iter()
+        .filter(|cell| {
+            let corner = |place: usize| position[cell[place] as usize].to_dvec3();
+            let mean_edge = |axis: usize| {
+                (0..8).fold(DVec3::ZERO, |sum, place| {
+                    if place >> axis & 1 == 1 { sum + corner(place) } else { sum - corner(place) }
+                })
+            };
+            mean_edge(0).dot(mean_edge(1).cross(mean_edge(2))) <= 0.0
+        })
+        .count()
+}
+
+/// Mean magnitude of the link forces on every particle of the scene, and their sum: what `load` and `force` show, N.
+pub(super) fn link_loads<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> (Vec<R>, Vec<R::Vec3>) {
+    let count = model.particle_count();
+    let mut magnitude = vec![R::ZERO; count];
+    let mut links = vec![R::ZERO; count];
+    let mut sum = vec![R::Vec3::ZERO; count];
+    for body in &model.bodies {
+        let range = body.particles.clone();
+        let (position, velocity) = (&state.position[range.clone()], &state.velocity[range.clone()]);
+        forces::for_each_link(body, plan.families, position, velocity, |[i, j], on_i| {
+            let (i, j) = (range.start + i, range.start + j);
+            let strength = on_i.length();
+            for end in [i, j] {
+                magnitude[end] += strength;
+                links[end] += R::ONE;
+            }
+            sum[i] += on_i;
+            sum[j] -= on_i;
+        });
+    }
+    for (magnitude, links) in magnitude.iter_mut().zip(links) {
+        if links > R::ZERO {
+            *magnitude = *magnitude / links;
+        }
+    }
+    (magnitude, sum)
+}

@@ -1,0 +1,106 @@
+//! Forces of gravity and of the links (GC §2).
+
+use super::model::{BodyModel, Model};
+use super::plan::Plan;
+use crate::math::{Real, Vector};
+
+/// Writes the weight of every particle, N.
+pub fn gravity<R: Real>(model: &Model<R>, force: &mut [R::Vec3]) {
+    for body in &model.bodies {
+        force[body.particles.clone()].fill(model.gravity * body.particle_mass);
+    }
+}
+
+/// Adds the forces of all links, N. Returns how many were evaluated.
+pub fn links<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    position: &[R::Vec3],
+    velocity: &[R::Vec3],
+    force: &mut [R::Vec3],
+) -> u64 {
+    let mut evaluated = 0;
+    for body in &model.bodies {
+        let particles = body.particles.clone();
+        let (position, velocity) = (&position[particles.clone()], &velocity[particles.clone()]);
+        let force = &mut force[particles];
+        for_each_link(body, plan.families, position, velocity, |[i, j], on_i| {
+            force[i] += on_i;
+            force[j] -= on_i;
+            evaluated += 1;
+        });
+    }
+    evaluated
+}
+
+/// Calls `visit` with the ends (local numbers) of every link of the chosen families and the force on the first end, N.
+/// `position` and `velocity` are the body's own.
+pub fn for_each_link<R: Real>(
+    body: &BodyModel<R>,
+    families: [bool; 3],
+    position: &[R::Vec3],
+    velocity: &[R::Vec3],
+    mut visit: impl FnMut([usize; 2], R::Vec3),
+) {
+    for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
+        for link in &family.links {
+            let [i, j] = link.ends.map(|end| end as usize);
+            let on_i = link_force(
+                position[j] - position[i],
+                velocity[j] - velocity[i],
+                link.rest_length,
+                family.stiffness,
+                family.damping,
+            );
+            visit([i, j], on_i);
+        }
+    }
+}
+
+/// The force on the first end of a link, N (GC §2 with the sign of F_j settled: the second end gets the opposite).
+///
+/// `d` and `dv` are the second end's position and velocity relative to the first's, `stiffness` the force at 100 %
+/// strain, `damping` the force at a relative speed of one rest length a second. Two ends in one place have no
+/// direction to push in and get no force.
+#[inline]
+pub fn link_force<R: Real>(d: R::Vec3, dv: R::Vec3, rest_length: R, stiffness: R, damping: R) -> R::Vec3 {
+    let length = d.length();
+    if length == R::ZERO {
+        return R::Vec3::ZERO;
+    }
+    let direction = d * (R::ONE / length);
+    let strain = length / rest_length - R::ONE;
+    let strain_rate = dv.dot(direction) / rest_length;
+    direction * (stiffness * strain + damping * strain_rate)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    fn force(d: DVec3, dv: DVec3) -> DVec3 {
+        link_force::<f64>(d, dv, 0.5, 20.0, 3.0)
+    }
+
+    #[test]
+    fn a_stretched_link_pulls_with_stiffness_times_strain() {
+        assert_eq!(force(DVec3::X, DVec3::ZERO), DVec3::new(20.0, 0.0, 0.0), "strain is one, the force k");
+        assert_eq!(force(DVec3::X * 0.25, DVec3::ZERO), DVec3::new(-10.0, 0.0, 0.0), "half the length pushes back");
+    }
+
+    #[test]
+    fn damping_acts_along_the_link_only() {
+        let rest = DVec3::X * 0.5;
+        assert_eq!(force(rest, DVec3::X), DVec3::new(6.0, 0.0, 0.0), "d times speed over rest length");
+        assert_eq!(force(rest, DVec3::Y), DVec3::ZERO, "turning about an end is rigid motion");
+    }
+
+    #[test]
+    fn ends_in_one_place_give_a_finite_force() {
+        assert_eq!(force(DVec3::ZERO, DVec3::X), DVec3::ZERO, "no direction, no force");
+        let tiny = link_force::<f32>(glam::Vec3::X * 1e-19, glam::Vec3::X, 1.0, 1e8, 1e5);
+        assert!(tiny.is_finite(), "a link of nearly no length is finite too: {tiny:?}");
+    }
+}

@@ -1,0 +1,17 @@
+//! A fingerprint of a state: equal bits, equal hash.
+
+use super::state::State;
+use crate::math::{Real, Vector};
+
+/// FNV-1a over the bits of all positions, then all velocities (Fowler, Noll and Vo; 64 bits, eight bytes at a time).
+pub fn state_hash<R: Real>(state: &State<R>) -> u64 {
+    const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0000_0100_0000_01b3;
+    state
+        .position
+        .iter()
+        .chain(&state.velocity)
+        .flat_map(|v| v.components())
+        .flat_map(|x| x.bits().to_le_bytes())
+        .fold(OFFSET, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
+}

@@ -1,0 +1,137 @@
+//! The constant side of a scene: particles, links and obstacles with their numbers, ready for the step. It lives from
+//! one compilation to the next; live parameter changes replace it and keep the [`super::State`].
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::geometry::Lattice;
+use crate::math::{Aabb, Real};
+
+/// Everything about a scene that a step reads and never writes.
+#[derive(Clone, Debug)]
+pub struct Model<R: Real> {
+    /// The bodies; their particles follow one another in the state's arrays.
+    pub bodies: Vec<BodyModel<R>>,
+    /// The obstacles.
+    pub obstacles: Vec<ObstacleModel<R>>,
+    /// m/s².
+    pub gravity: R::Vec3,
+}
+
+impl<R: Real> Model<R> {
+    /// Particles in all bodies.
+    pub fn particle_count(&self) -> usize {
+        self.bodies.last().map_or(0, |body| body.particles.end)
+    }
+
+    /// Links in all bodies, by family.
+    pub fn link_counts(&self) -> [usize; 3] {
+        self.bodies.iter().fold([0; 3], |sum, body| std::array::from_fn(|f| sum[f] + body.links[f].links.len()))
+    }
+}
+
+/// A body at rest and what it is made of.
+#[derive(Clone, Debug)]
+pub struct BodyModel<R: Real> {
+    /// Its particles in the state's arrays.
+    pub particles: Range<usize>,
+    /// Where its particles start, m.
+    pub start: Vec<R::Vec3>,
+    /// The velocity its particles start with, m/s.
+    pub start_velocity: R::Vec3,
+    /// Mass of every particle, kg.
+    pub particle_mass: R,
+    /// Which particles are held; empty when none is.
+    pub pinned: Vec<bool>,
+    /// Links by family: structural, shear, bending. Particle numbers are local to the body.
+    pub links: [LinkFamily<R>; 3],
+    /// What it was built from: cells and corners, for diagnostics and pictures.
+    pub lattice: Arc<Lattice>,
+    /// The longest extent at rest, m.
+    pub size: R,
+    /// How it meets each obstacle, in the obstacles' order.
+    pub contacts: Vec<ContactModel<R>>,
+}
+
+impl<R: Real> BodyModel<R> {
+    /// Whether a particle (local number) is held.
+    #[inline]
+    pub fn is_pinned(&self, particle: usize) -> bool {
+        self.pinned.get(particle).copied().unwrap_or(false)
+    }
+}
+
+/// The links of one family in one body.
+#[derive(Clone, Debug)]
+pub struct LinkFamily<R: Real> {
+    /// Force at 100 % strain, N.
+    pub stiffness: R,
+    /// Force at a relative speed of one rest length a second, N·s.
+    pub damping: R,
+    /// The links.
+    pub links: Vec<Link<R>>,
+}
+
+/// A spring between two particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link<R> {
+    /// The particles, local to the body.
+    pub ends: [u32; 2],
+    /// Length without force, m.
+    pub rest_length: R,
+}
+
+/// An obstacle as the narrow phase sees it.
+#[derive(Clone, Debug)]
+pub struct ObstacleModel<R: Real> {
+    /// Form and place.
+    pub shape: ObstacleShape<R>,
+    /// The box around it, m.
+    pub bounds: Aabb<R>,
+    /// Coulomb coefficient of rest.
+    pub friction_static: R,
+    /// Coulomb coefficient of motion.
+    pub friction_dynamic: R,
+}
+
+/// Form and place of an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObstacleShape<R: Real> {
+    /// A finite plane.
+    Plane(PlaneModel<R>),
+    /// A ball.
+    Sphere {
+        /// The middle, m.
+        center: R::Vec3,
+        /// The radius, m.
+        radius: R,
+    },
+}
+
+/// A rectangle in space: its middle, its two axes, its normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneModel<R: Real> {
+    /// The middle, m.
+    pub center: R::Vec3,
+    /// Unit vectors along the rectangle's own axes.
+    pub axes: [R::Vec3; 2],
+    /// Half the extents along the axes, m.
+    pub half_extents: [R; 2],
+    /// Unit normal.
+    pub normal: R::Vec3,
+    /// Which of the state's rows of sides belongs to this plane.
+    pub side_row: usize,
+}
+
+/// How one body meets one obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactModel<R> {
+    /// Penalty stiffness per particle, N/m.
+    pub stiffness: R,
+    /// Critical damping of that stiffness, N·s/m.
+    pub damping: R,
+    /// No particle ends a step deeper than this unless it started deeper, m.
+    pub depth_limit: R,
+    /// The distance below which the thesis rule sees a particle, m.
+    pub thesis_threshold: R,
+}

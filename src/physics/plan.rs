@@ -1,0 +1,101 @@
+//! What a step does for this scene, and no more: which stages run, how a whole step is subdivided.
+
+use super::model::{Model, ObstacleShape};
+use super::stability::SceneLimits;
+use crate::math::Real;
+use crate::scene::settings::{ContactRule, Stepping};
+use crate::scene::{Family, Settings};
+
+/// The stages of a substep in their order (GC Algorithm 1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Stage {
+    /// Gravity.
+    Gravity,
+    /// Forces of the links.
+    Links,
+    /// Boxes against boxes (GC §7).
+    BroadPhase,
+    /// Particles against obstacles, response and friction (GC §5, §6).
+    Contact,
+    /// Velocity and position.
+    Integrate,
+}
+
+impl Stage {
+    /// All stages in their order.
+    pub const ALL: [Self; 5] = [Self::Gravity, Self::Links, Self::BroadPhase, Self::Contact, Self::Integrate];
+
+    /// The stage's word in figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gravity => "gravity",
+            Self::Links => "links",
+            Self::BroadPhase => "broad_phase",
+            Self::Contact => "contact",
+            Self::Integrate => "integrate",
+        }
+    }
+}
+
+/// What a step does for one scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The whole step, s.
+    pub dt_secs: f64,
+    /// Substeps in a whole step.
+    pub substeps: u32,
+    /// The predicted stability limits the subdivision follows from.
+    pub limits: SceneLimits,
+    /// Which families have a link with a force, in any body.
+    pub families: [bool; 3],
+    /// Whether anything can be met.
+    pub contact: bool,
+    /// How obstacles push back.
+    pub contact_rule: ContactRule,
+    /// Whether boxes keep particles from the narrow phase; the result is the same without, only dearer.
+    pub broad_phase: bool,
+}
+
+impl Plan {
+    /// The plan of a model under some settings.
+    pub fn new<R: Real>(settings: &Settings, model: &Model<R>, limits: SceneLimits) -> Self {
+        let has_force = |family: usize| {
+            model.bodies.iter().any(|body| {
+                let links = &body.links[family];
+                !links.links.is_empty() && (links.stiffness > R::ZERO || links.damping > R::ZERO)
+            })
+        };
+        Self {
+            dt_secs: settings.dt,
+            substeps: match settings.stepping {
+                Stepping::Manual => 1,
+                Stepping::Auto => limits.substeps(settings.dt),
+            },
+            limits,
+            families: Family::ALL.map(|family| has_force(family as usize)),
+            contact: !model.obstacles.is_empty() && !model.bodies.is_empty(),
+            contact_rule: settings.contact,
+            broad_phase: true,
+        }
+    }
+
+    /// The step in use, s.
+    pub fn substep_secs(&self) -> f64 {
+        self.dt_secs / f64::from(self.substeps)
+    }
+
+    /// Whether a stage ever runs.
+    pub fn runs(&self, stage: Stage) -> bool {
+        match stage {
+            Stage::Gravity | Stage::Integrate => true,
+            Stage::Links => self.families.contains(&true),
+            Stage::BroadPhase => self.contact && self.broad_phase,
+            Stage::Contact => self.contact,
+        }
+    }
+}
+
+/// Planes among the obstacles of a model.
+pub(super) fn plane_count<R: Real>(model: &Model<R>) -> usize {
+    model.obstacles.iter().filter(|obstacle| matches!(obstacle.shape, ObstacleShape::Plane(_))).count()
+}

@@ -1,0 +1,52 @@
+//! What a step tells about itself, and who may take its time.
+
+use super::plan::Stage;
+
+/// What happened in one or more substeps. Plain numbers; the step never logs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Substeps taken.
+    pub substeps: u64,
+    /// Contacts in the last substep.
+    pub contacts: usize,
+    /// Deepest penetration at the end of the last substep, m.
+    pub max_penetration_m: f64,
+    /// Deepest penetration at the end of any substep, m.
+    pub peak_penetration_m: f64,
+    /// Particle–obstacle tests made.
+    pub narrow_tests: u64,
+    /// Particle–obstacle tests that boxes made unnecessary.
+    pub narrow_tests_saved: u64,
+    /// Link forces evaluated.
+    pub link_forces: u64,
+    /// Whether the step was abandoned, state untouched, because a number would have stopped being finite.
+    pub diverged: bool,
+}
+
+impl StepReport {
+    /// Adds what a later stretch of substeps reports.
+    pub fn add(&mut self, later: &Self) {
+        self.substeps += later.substeps;
+        self.contacts = later.contacts;
+        self.max_penetration_m = later.max_penetration_m;
+        self.peak_penetration_m = self.peak_penetration_m.max(later.peak_penetration_m);
+        self.narrow_tests += later.narrow_tests;
+        self.narrow_tests_saved += later.narrow_tests_saved;
+        self.link_forces += later.link_forces;
+        self.diverged |= later.diverged;
+    }
+}
+
+/// Told when a stage begins; the core itself reads no clock.
+pub trait StageTimer {
+    /// A stage begins and the one before it ends.
+    fn enter(&mut self, stage: Stage);
+    /// The last stage of a substep ends.
+    fn leave(&mut self);
+}
+
+/// Takes no time.
+impl StageTimer for () {
+    fn enter(&mut self, _: Stage) {}
+    fn leave(&mut self) {}
+}
