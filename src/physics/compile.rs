@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use super::model::{
-    BodyModel, ContactModel, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel,
-};
+use super::model::{BodyModel, ContactModel, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use super::plan::Plan;
 use super::stability::SceneLimits;
 use crate::geometry::Lattice;
@@ -27,7 +25,8 @@ pub const DEPTH_SHARE: f64 = 0.02;
 pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>]) -> (Model<R>, Plan) {
     assert_eq!(scene.bodies.len(), lattices.len(), "every body needs its lattice");
     let gravity = DVec3::from(scene.settings.gravity);
-    let mut model = Model { bodies: Vec::new(), obstacles: obstacles(&scene.obstacles), gravity: R::Vec3::from_dvec3(gravity) };
+    let mut model =
+        Model { bodies: Vec::new(), obstacles: obstacles(&scene.obstacles), gravity: R::Vec3::from_dvec3(gravity) };
     let mut first = 0;
     for (body, lattice) in scene.bodies.iter().zip(lattices) {
         let compiled = compile_body(body, lattice, first, &scene.obstacles, gravity.length());

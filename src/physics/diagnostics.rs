@@ -131,11 +131,12 @@ fn inverted_cells<R: Real>(body: &BodyModel<R>, state: &State<R>) -> usize {
         .iter()
         .filter(|cell| {
             let corner = |place: usize| position[cell[place] as usize].to_dvec3();
-            let mean_edge = |axis: usize| {
-                (0..8).fold(DVec3::ZERO, |sum, place| {
-                    if place >> axis & 1 == 1 { sum + corner(place) } else { sum - corner(place) }
-                })
-            };
+            let mean_edge =
+                |axis: usize| {
+                    (0..8).fold(DVec3::ZERO, |sum, place| {
+                        if place >> axis & 1 == 1 { sum + corner(place) } else { sum - corner(place) }
+                    })
+                };
             mean_edge(0).dot(mean_edge(1).cross(mean_edge(2))) <= 0.0
         })
         .count()

@@ -53,6 +53,23 @@ impl<R: Real> Simulation<R> {
         self.diverged = false;
     }
 
+    /// Takes over the motion of bodies that `before` had too: `kept` names, for each body of this simulation, the one
+    /// it was. A plane's memory of sides starts anew.
+    pub fn carry_over(&mut self, before: &Self, kept: &[Option<usize>]) {
+        for (body, old) in self.model.bodies.iter().zip(kept) {
+            let Some(old) = old.and_then(|old| before.model.bodies.get(old)) else { continue };
+            if old.particles.len() != body.particles.len() {
+                continue;
+            }
+            let (to, from) = (body.particles.clone(), old.particles.clone());
+            self.state.position[to.clone()].copy_from_slice(&before.state.position[from.clone()]);
+            self.state.position_residual[to.clone()].copy_from_slice(&before.state.position_residual[from.clone()]);
+            self.state.velocity[to].copy_from_slice(&before.state.velocity[from]);
+        }
+        self.state.steps = before.state.steps;
+        self.state.time_secs = before.state.time_secs;
+    }
+
     /// Puts a body to its start; the others go on.
     pub fn restart_body(&mut self, body: usize) {
         let body = &self.model.bodies[body];

@@ -253,8 +253,8 @@ fn largest(waves: &[WaveTensors], constants: [f64; 3]) -> f64 {
 fn largest_eigenvalue(a: DMat3) -> f64 {
     let mean = (a.x_axis.x + a.y_axis.y + a.z_axis.z) / 3.0;
     let shifted = a - DMat3::from_diagonal(DVec3::splat(mean));
-    let spread = (shifted.x_axis.length_squared() + shifted.y_axis.length_squared() + shifted.z_axis.length_squared())
-        / 6.0;
+    let spread =
+        (shifted.x_axis.length_squared() + shifted.y_axis.length_squared() + shifted.z_axis.length_squared()) / 6.0;
     if spread <= f64::MIN_POSITIVE {
         return mean;
     }

@@ -57,8 +57,7 @@ pub fn substep<R: Real>(
     forces::gravity(model, &mut scratch.force);
     if plan.runs(Stage::Links) {
         timer.enter(Stage::Links);
-        report.link_forces =
-            forces::links(model, plan, &state.position, &state.velocity, &mut scratch.force);
+        report.link_forces = forces::links(model, plan, &state.position, &state.velocity, &mut scratch.force);
     }
     if plan.contact && plan.contact_rule == ContactRule::Thesis {
         timer.enter(Stage::Contact);
@@ -83,13 +82,7 @@ pub fn substep<R: Real>(
     report
 }
 
-fn predict_velocity<R: Real>(
-    model: &Model<R>,
-    dt: R,
-    state: &State<R>,
-    force: &[R::Vec3],
-    velocity: &mut [R::Vec3],
-) {
+fn predict_velocity<R: Real>(model: &Model<R>, dt: R, state: &State<R>, force: &[R::Vec3], velocity: &mut [R::Vec3]) {
     for body in &model.bodies {
         let dt_over_mass = dt / body.particle_mass;
         for (local, particle) in body.particles.clone().enumerate() {

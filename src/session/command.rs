@@ -27,6 +27,6 @@ pub enum Command {
         /// What the window's title says: a preset's name or a file's.
         title: String,
     },
-    /// Change the scene. Undoable.
+    /// Change the scene; the motion goes on as far as the change lets it.
     Edit(Edit),
 }

@@ -11,11 +11,8 @@ pub(super) fn meet<R: Real>(center: R::Vec3, radius: R, from: R::Vec3, path: R::
     let offset = from - center;
     let distance = offset.length();
     if distance <= radius {
-        let normal = if distance > R::ZERO {
-            offset * (R::ONE / distance)
-        } else {
-            R::Vec3::new(R::ZERO, R::ONE, R::ZERO)
-        };
+        let normal =
+            if distance > R::ZERO { offset * (R::ONE / distance) } else { R::Vec3::new(R::ZERO, R::ONE, R::ZERO) };
         return Some(Surface { normal, gap: distance - radius });
     }
     // |offset + t path|² = r² as a t² + 2 b t + c = 0, c > 0; the path enters only if it approaches.

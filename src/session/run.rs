@@ -1,0 +1,244 @@
+//! A run without a window, as fast as possible: what `gelatin run` prints. Plain and peak figures of a simulation.
+
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::Session;
+use super::timer::WallTimer;
+use crate::geometry::Watch;
+use crate::physics::StepReport;
+use crate::physics::diagnostics::{Diagnostics, Energy};
+use crate::physics::plan::Stage;
+use crate::scene::param;
+
+/// Extremes are looked for this often, simulated s; penetration in every substep.
+const SAMPLE_SECS: f64 = 1.0 / 60.0;
+
+/// The figures of a run; the names are those of the JSON object. SI units.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
+pub struct RunFigures {
+    pub scene: String,
+    pub simulated_secs: f64,
+    pub wall_secs: f64,
+    pub real_time_factor: f64,
+    pub steps: u64,
+    pub substeps: u64,
+    pub dt_secs: f64,
+    pub dt_limit_secs: Option<f64>,
+    pub dt_safe_secs: Option<f64>,
+    pub limited_by: String,
+    pub integrator: &'static str,
+    pub simd: &'static str,
+    pub threads: usize,
+    pub finite: bool,
+    pub particles: usize,
+    pub links: LinkFigures,
+    pub mass_kg: f64,
+    pub energy_joule: EnergyFigures,
+    pub momentum: [f64; 3],
+    pub center: [f64; 3],
+    pub bounds: BoundsFigures,
+    pub max_speed: f64,
+    pub max_strain: f64,
+    pub contacts: usize,
+    pub max_penetration_m: f64,
+    pub inverted_cells: usize,
+    pub narrow_tests: u64,
+    pub narrow_tests_saved: u64,
+    pub hash: String,
+    pub start: StartFigures,
+    pub peak: PeakFigures,
+    pub stages: Vec<StageFigures>,
+    pub warnings: Vec<String>,
+}
+
+/// Links by family.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
+pub struct LinkFigures {
+    pub structural: usize,
+    pub shear: usize,
+    pub bending: usize,
+}
+
+/// Energies, J.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
+pub struct EnergyFigures {
+    pub kinetic: f64,
+    pub elastic: f64,
+    pub gravity: f64,
+    pub contact: f64,
+    /// Of the recovery from inversion; zero, as no force recovers yet.
+    pub recovery: f64,
+    pub total: f64,
+}
+
+/// The box around all particles, m.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
+pub struct BoundsFigures {
+    pub min: [f64; 3],
+    pub max: [f64; 3],
+}
+
+/// How the run began.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
+pub struct StartFigures {
+    pub energy_joule: EnergyFigures,
+}
+
+/// Extremes over the run.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
+pub struct PeakFigures {
+    pub max_speed: f64,
+    pub max_strain: f64,
+    pub max_penetration_m: f64,
+    pub inverted_cells: usize,
+    pub total_energy_joule: f64,
+}
+
+/// What a stage of the step cost.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
+pub struct StageFigures {
+    pub name: &'static str,
+    pub ran: bool,
+    pub secs: f64,
+    pub count: u64,
+}
+
+/// Simulates until `seconds` more have passed, or until the simulation diverges or `watch` cancels.
+pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures {
+    let begin = Instant::now();
+    let time_at_start = session.simulation.state().time_secs;
+    let steps_at_start = session.simulation.state().steps;
+    let first = session.simulation.diagnostics();
+    let mut peak = PeakFigures {
+        max_speed: 0.0,
+        max_strain: 0.0,
+        max_penetration_m: 0.0,
+        inverted_cells: 0,
+        total_energy_joule: f64::NEG_INFINITY,
+    };
+    peak.include(&first);
+    let mut timer = WallTimer::default();
+    let mut report = StepReport::default();
+    let dt_secs = session.scene.settings.dt;
+    let steps = whole_steps(seconds, dt_secs);
+    let mut next_sample = SAMPLE_SECS;
+    for step in 0..steps {
+        report.add(&session.simulation.step_timed(&mut timer));
+        if report.diverged || watch.cancelled() {
+            break;
+        }
+        let elapsed = session.simulation.state().time_secs - time_at_start;
+        if elapsed >= next_sample {
+            peak.include(&session.simulation.diagnostics());
+            watch.progress((step + 1) as f64 / steps as f64);
+            next_sample += SAMPLE_SECS * libm::floor((elapsed - next_sample) / SAMPLE_SECS + 1.0);
+        }
+    }
+    session.report = report;
+    session.picture.revision += 1;
+    let wall_secs = begin.elapsed().as_secs_f64();
+    let last = session.simulation.diagnostics();
+    peak.include(&last);
+    peak.max_penetration_m = report.peak_penetration_m;
+    let steps = session.simulation.state().steps - steps_at_start;
+    let simulated_secs = session.simulation.state().time_secs - time_at_start;
+    figures(session, &Outcome { report, timer, first, last, peak, steps, simulated_secs, wall_secs })
+}
+
+/// How many whole steps of `dt_secs` come nearest to `seconds`.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
+pub fn whole_steps(seconds: f64, dt_secs: f64) -> u64 {
+    libm::round(seconds / dt_secs) as u64
+}
+
+struct Outcome {
+    report: StepReport,
+    timer: WallTimer,
+    first: Diagnostics,
+    last: Diagnostics,
+    peak: PeakFigures,
+    steps: u64,
+    simulated_secs: f64,
+    wall_secs: f64,
+}
+
+fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
+    let Outcome { report, timer, first, last, .. } = outcome;
+    let simulation = &session.simulation;
+    let plan = simulation.plan();
+    let [structural, shear, bending] = simulation.model().link_counts();
+    RunFigures {
+        scene: session.title.clone(),
+        simulated_secs: outcome.simulated_secs,
+        wall_secs: outcome.wall_secs,
+        real_time_factor: outcome.simulated_secs / outcome.wall_secs,
+        steps: outcome.steps,
+        substeps: report.substeps,
+        dt_secs: plan.substep_secs(),
+        dt_limit_secs: plan.limits.dt_limit_secs,
+        dt_safe_secs: plan.limits.dt_safe_secs(),
+        limited_by: plan.limits.limited_by(plan.dt_secs).name(),
+        integrator: "semi-implicit",
+        simd: "portable",
+        threads: 1,
+        finite: last.finite && !report.diverged,
+        particles: simulation.model().particle_count(),
+        links: LinkFigures { structural, shear, bending },
+        mass_kg: last.mass_kg,
+        energy_joule: last.energy.into(),
+        momentum: last.momentum.to_array(),
+        center: last.center.to_array(),
+        bounds: BoundsFigures { min: last.bounds.min.to_array(), max: last.bounds.max.to_array() },
+        max_speed: last.max_speed,
+        max_strain: last.max_strain,
+        contacts: report.contacts,
+        max_penetration_m: report.max_penetration_m,
+        inverted_cells: last.inverted_cells,
+        narrow_tests: report.narrow_tests,
+        narrow_tests_saved: report.narrow_tests_saved,
+        hash: format!("{:016x}", simulation.hash()),
+        start: StartFigures { energy_joule: first.energy.into() },
+        peak: outcome.peak,
+        stages: Stage::ALL.map(|stage| stage_figures(stage, timer)).to_vec(),
+        warnings: warnings(session, report),
+    }
+}
+
+fn stage_figures(stage: Stage, timer: &WallTimer) -> StageFigures {
+    let (spent, count) = timer.spent(stage);
+    StageFigures { name: stage.name(), ran: count > 0, secs: spent.as_secs_f64(), count }
+}
+
+fn warnings(session: &Session, report: &StepReport) -> Vec<String> {
+    let mut warnings: Vec<String> = param::warnings(&session.scene).iter().map(ToString::to_string).collect();
+    warnings.extend(session.bodies.warnings().cloned());
+    if report.diverged {
+        warnings.push(session.explain_divergence());
+    }
+    warnings
+}
+
+impl PeakFigures {
+    fn include(&mut self, now: &Diagnostics) {
+        self.max_speed = self.max_speed.max(now.max_speed);
+        self.max_strain = self.max_strain.max(now.max_strain);
+        self.inverted_cells = self.inverted_cells.max(now.inverted_cells);
+        self.total_energy_joule = self.total_energy_joule.max(now.energy.total());
+    }
+}
+
+impl From<Energy> for EnergyFigures {
+    fn from(energy: Energy) -> Self {
+        let Energy { kinetic, elastic, gravity, contact } = energy;
+        Self { kinetic, elastic, gravity, contact, recovery: 0.0, total: energy.total() }
+    }
+}

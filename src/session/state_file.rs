@@ -1,0 +1,138 @@
+//! A simulation's state as bytes, exactly: what `gelatin run --save-state` writes and `--from-state` goes on from.
+//!
+//! ```text
+//! "gelatin-state 1\n"                                       magic and version
+//! particles, planes, steps, substep, time bits              five u64
+//! position, residual, velocity: 3 × particles × 3 f32
+//! sides: planes × particles i8
+//! FNV-1a of everything before, u64                          all numbers little-endian
+//! ```
+
+use glam::Vec3;
+use thiserror::Error;
+
+use super::Session;
+use crate::physics::State;
+
+const MAGIC: &[u8] = b"gelatin-state 1\n";
+
+/// Why a state cannot be used.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum StateFileError {
+    /// Something else.
+    #[error("this is not a state that `gelatin run --save-state` wrote")]
+    NotAState,
+    /// Written by a later program.
+    #[error("this state was written by a newer version of the program (it begins with {begins:?}, version 1 is read)")]
+    Newer {
+        /// The first words.
+        begins: String,
+    },
+    /// Cut short or changed.
+    #[error("the state is damaged: its checksum does not match its contents; write it anew")]
+    Damaged,
+    /// Another scene's.
+    #[error(
+        "the state has {particles} particles and {planes} planes, the scene has {scene_particles} and {scene_planes}; use the scene it was saved from"
+    )]
+    OtherScene {
+        /// In the state.
+        particles: u64,
+        /// In the state.
+        planes: u64,
+        /// In the scene.
+        scene_particles: usize,
+        /// In the scene.
+        scene_planes: usize,
+    },
+}
+
+impl Session {
+    /// The present state as bytes.
+    pub fn state_bytes(&self) -> Vec<u8> {
+        let state = self.simulation().state();
+        let mut bytes = MAGIC.to_vec();
+        let counts = [
+            state.position.len() as u64,
+            state.side.len() as u64,
+            state.steps,
+            u64::from(state.substep),
+            state.time_secs.to_bits(),
+        ];
+        bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
+        for vectors in [&state.position, &state.position_residual, &state.velocity] {
+            bytes.extend(vectors.iter().flat_map(|v| v.to_array()).flat_map(f32::to_le_bytes));
+        }
+        bytes.extend(state.side.iter().flatten().flat_map(|side| side.to_le_bytes()));
+        let checksum = fnv1a(&bytes);
+        bytes.extend(checksum.to_le_bytes());
+        bytes
+    }
+
+    /// Goes on from a state that [`Session::state_bytes`] gave for the same scene.
+    pub fn set_state_bytes(&mut self, bytes: &[u8]) -> Result<(), StateFileError> {
+        let Some(contents) = bytes.strip_prefix(MAGIC) else {
+            let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
+            return Err(match line.strip_prefix(b"gelatin-state ") {
+                Some(version) if version.len() < 8 => {
+                    StateFileError::Newer { begins: String::from_utf8_lossy(line).into_owned() }
+                }
+                _ => StateFileError::NotAState,
+            });
+        };
+        let (body, checksum) = bytes.split_last_chunk::<8>().ok_or(StateFileError::Damaged)?;
+        if contents.len() < 48 || fnv1a(body) != u64::from_le_bytes(*checksum) {
+            return Err(StateFileError::Damaged);
+        }
+        let mut reader = Reader { rest: &contents[..contents.len() - 8] };
+        let [particles, planes, steps, substep, time] = std::array::from_fn(|_| reader.u64());
+        let present = self.simulation().state();
+        let (scene_particles, scene_planes) = (present.position.len(), present.side.len());
+        if particles != scene_particles as u64 || planes != scene_planes as u64 {
+            return Err(StateFileError::OtherScene { particles, planes, scene_particles, scene_planes });
+        }
+        if reader.rest.len() != scene_particles * (36 + scene_planes) {
+            return Err(StateFileError::Damaged);
+        }
+        let state = State {
+            position: reader.vectors(scene_particles),
+            position_residual: reader.vectors(scene_particles),
+            velocity: reader.vectors(scene_particles),
+            side: (0..scene_planes).map(|_| reader.sides(scene_particles)).collect(),
+            steps,
+            substep: u32::try_from(substep).map_err(|_too_many| StateFileError::Damaged)?,
+            time_secs: f64::from_bits(time),
+        };
+        self.replace_state(state);
+        Ok(())
+    }
+}
+
+/// Takes numbers off the front of bytes whose length was checked.
+struct Reader<'a> {
+    rest: &'a [u8],
+}
+
+impl Reader<'_> {
+    fn chunk<const N: usize>(&mut self) -> [u8; N] {
+        let Some((chunk, rest)) = self.rest.split_first_chunk::<N>() else { return [0; N] };
+        self.rest = rest;
+        *chunk
+    }
+
+    fn u64(&mut self) -> u64 {
+        u64::from_le_bytes(self.chunk())
+    }
+
+    fn vectors(&mut self, count: usize) -> Vec<Vec3> {
+        (0..count).map(|_| Vec3::from_array(std::array::from_fn(|_| f32::from_le_bytes(self.chunk())))).collect()
+    }
+
+    fn sides(&mut self, count: usize) -> Vec<i8> {
+        (0..count).map(|_| i8::from_le_bytes(self.chunk())).collect()
+    }
+}
+
+fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}

@@ -1,0 +1,139 @@
+//! What a person does to a sandbox, without a window.
+
+use super::state_file::StateFileError;
+use super::*;
+use crate::scene::edit::BodyId;
+use crate::scene::presets::preset;
+use crate::scene::{Body, Material};
+
+const FRAME: Duration = Duration::from_nanos(16_666_667);
+
+fn session(name: &str) -> Session {
+    let preset = preset(name).expect("a preset of this name");
+    Session::new((preset.build)(), PathBuf::new(), name.to_owned()).expect("presets resolve")
+}
+
+fn edited_body(session: &Session, change: impl FnOnce(&mut Body)) -> Command {
+    let mut body = session.scene().bodies[0].clone();
+    change(&mut body);
+    Command::Edit(Edit::Body(BodyId(0), Box::new(body)))
+}
+
+fn first_height(session: &Session) -> f32 {
+    session.simulation().state().position[0].y
+}
+
+#[test]
+fn a_second_of_frames_is_a_second_of_steps_and_a_pause_is_none() {
+    let mut session = session("cube-on-plane");
+    (0..30).for_each(|_| session.advance(FRAME, Duration::from_secs(60)));
+    assert_eq!(session.simulation().state().steps, 500, "30 frames at 1 ms steps");
+    session.handle(Command::Pause).expect("pausing is always possible");
+    session.advance(FRAME, Duration::from_secs(60));
+    assert_eq!(session.simulation().state().steps, 500, "a paused sandbox stays");
+}
+
+#[test]
+fn a_budget_of_nothing_takes_no_step_and_the_window_goes_on() {
+    let mut session = session("cube-on-plane");
+    session.advance(FRAME, Duration::ZERO);
+    assert_eq!(session.simulation().state().steps, 0, "no time, no step");
+}
+
+#[test]
+fn live_material_keeps_the_motion_and_restart_takes_it_back() {
+    let mut session = session("cube-on-plane");
+    let start = first_height(&session);
+    (0..200).for_each(|_| assert!(session.step(), "the preset is stable"));
+    let (before, velocity) = (first_height(&session), session.simulation().state().velocity[0]);
+    let softer = edited_body(&session, |body| {
+        let Material::Springs(springs) = &mut body.material;
+        springs.shear.stiffness *= 0.5;
+    });
+    session.handle(softer).expect("half the stiffness is in range");
+    assert_eq!(first_height(&session), before, "the motion goes on from where it was");
+    assert_eq!(session.simulation().state().velocity[0], velocity, "with the speed it had");
+    session.handle(Command::Restart).expect("restarting is always possible");
+    assert_eq!(first_height(&session), start, "back at the start");
+}
+
+#[test]
+fn a_second_body_leaves_the_first_where_it_is() {
+    let mut session = session("cube-on-plane");
+    (0..100).for_each(|_| assert!(session.step(), "the preset is stable"));
+    let before = first_height(&session);
+    let mut second = session.scene().bodies[0].clone();
+    second.pose.position = [3.0, 2.0, 0.0];
+    session.handle(Command::Edit(Edit::InsertBody(BodyId(1), Box::new(second)))).expect("a second cube");
+    assert_eq!(first_height(&session), before, "the first goes on");
+    assert_eq!(session.draw_list().skins.len(), 2, "both are drawn");
+    session.handle(Command::Edit(Edit::RemoveBody(BodyId(1)))).expect("away with it");
+    assert_eq!(first_height(&session), before, "the first still goes on");
+}
+
+#[test]
+fn a_refused_edit_changes_nothing() {
+    let mut session = session("cube-on-plane");
+    let scene = session.scene().clone();
+    let impossible = edited_body(&session, |body| body.pose.position[0] = f64::NAN);
+    assert!(session.handle(impossible).is_err(), "NaN is no place");
+    assert_eq!(session.scene(), &scene, "the document is untouched");
+    assert!(session.handle(Command::SetSpeed(0.0)).is_err(), "a speed of zero is a pause");
+}
+
+#[test]
+fn colours_that_are_off_are_not_computed() {
+    let mut session = session("cube-on-plane");
+    session.step();
+    assert!(session.draw_list().scalars.is_none(), "plain has no scalars");
+    let first = session.draw_list();
+    assert!(Arc::ptr_eq(&first.particles, &session.draw_list().particles), "nothing moved, nothing is copied");
+    session.step();
+    assert!(!Arc::ptr_eq(&first.particles, &session.draw_list().particles), "a step moves the picture");
+}
+
+#[test]
+fn a_state_goes_to_bytes_and_back_bit_for_bit() {
+    let mut session_a = session("cube-on-plane");
+    (0..700).for_each(|_| assert!(session_a.step(), "the preset is stable"));
+    let bytes = session_a.state_bytes();
+    let mut session_b = session("cube-on-plane");
+    session_b.set_state_bytes(&bytes).expect("a state of the same scene");
+    for _ in 0..200 {
+        session_a.step();
+        session_b.step();
+    }
+    assert_eq!(session_a.simulation().hash(), session_b.simulation().hash(), "both go on alike");
+}
+
+#[test]
+fn damaged_and_foreign_states_are_refused() {
+    let bytes = session("cube-on-plane").state_bytes();
+    let refused = |bytes: &[u8]| session("cube-on-plane").set_state_bytes(bytes).expect_err("this must be refused");
+    for place in [20, 60, bytes.len() / 2, bytes.len() - 1] {
+        let mut damaged = bytes.clone();
+        damaged[place] ^= 1;
+        assert_eq!(refused(&damaged), StateFileError::Damaged, "one bit at {place}");
+    }
+    assert_eq!(refused(&bytes[..bytes.len() / 2]), StateFileError::Damaged, "half a file");
+    assert_eq!(refused(b"hello"), StateFileError::NotAState, "something else");
+    assert!(matches!(refused(b"gelatin-state 2\n"), StateFileError::Newer { .. }), "a later version");
+    let other = session("cube-on-sphere").state_bytes();
+    let mut coupler = session("coupler-7");
+    assert!(matches!(coupler.set_state_bytes(&other), Err(StateFileError::OtherScene { .. })), "another scene's");
+}
+
+#[test]
+fn too_large_a_manual_step_pauses_on_the_last_good_state_and_says_why() {
+    let mut session = session("cube-on-plane");
+    let mut settings = session.scene().settings.clone();
+    settings.stepping = crate::scene::settings::Stepping::Manual;
+    settings.dt = 0.05;
+    session.handle(Command::Edit(Edit::Settings(settings))).expect("50 ms is in range");
+    for _ in 0..2000 {
+        session.advance(Duration::from_millis(50), Duration::from_secs(1));
+    }
+    let status = session.status();
+    assert!(!status.playing && status.message.contains("unstable"), "it stops and says so: {status:?}");
+    assert!(session.simulation().diagnostics().finite, "the picture stays whole");
+}
