@@ -1,14 +1,15 @@
-//! `gelatin check`: parse, validate, and say how large a scene is before anything runs.
+//! `gelatin check`: parse, validate, and predict the stable step and the cost of a scene before anything runs.
 
 use clap::Args;
 use serde_json::json;
 
-use super::out::{self, Progress};
-use super::scene_args::{Opened, SceneArgs};
-use super::{Failure, scene_args};
+use super::Failure;
+use super::out;
+use super::scene_args::SceneArgs;
 use crate::scene::file::SceneFileError;
-use crate::scene::param::{self, Problem};
-use crate::scene::resolve::Jelly;
+use crate::scene::param::Problem;
+use crate::session::Session;
+use crate::session::predict::Prediction;
 
 /// The scene to look at.
 #[derive(Debug, Args)]
@@ -22,40 +23,41 @@ pub(super) struct CheckArgs {
 
 /// Checks the scene and prints what was found; errors in it are a failure.
 pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
-    let (opened, jellies) = match args.scene.open().and_then(|opened| {
-        let jellies = scene_args::resolve_bodies(&opened, &Progress::new("filling"))?;
-        Ok((opened, jellies))
-    }) {
-        Ok(both) => both,
-        Err(failure @ Failure::Usage(_)) => return Err(failure),
+    match args.scene.open().and_then(|opened| Ok(opened.session()?)) {
+        Ok(session) => report(args, &session),
+        Err(failure @ Failure::Usage(_)) => Err(failure),
         Err(Failure::Work(error)) => {
             if args.json {
                 out::json(&json!({ "ok": false, "errors": problems(&error) }))?;
             }
-            return Err(Failure::Work(error));
+            Err(Failure::Work(error))
         }
-    };
-    report(args, &opened, &jellies)
+    }
 }
 
-fn report(args: &CheckArgs, opened: &Opened, jellies: &[Jelly]) -> Result<(), Failure> {
-    let particles: usize = jellies.iter().map(|jelly| jelly.lattice.corners.len()).sum();
-    let links: usize = jellies.iter().flat_map(|jelly| &jelly.lattice.links).map(Vec::len).sum();
-    let mut warnings: Vec<String> = param::warnings(&opened.scene).iter().map(ToString::to_string).collect();
-    warnings.extend(jellies.iter().flat_map(|jelly| jelly.warnings.iter().cloned()));
+fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
+    let prediction = Prediction::of(session);
     if args.json {
-        out::json(&json!({
-            "ok": true,
-            "errors": [],
-            "warnings": warnings,
-            "scene": opened.title,
-            "particles": particles,
-            "links": links,
-        }))?;
+        out::json(&serde_json::to_value(&prediction)?)?;
         return Ok(());
     }
-    out::figures(&format!("{}: sound; {particles} particles, {links} links", opened.title))?;
-    for warning in &warnings {
+    let milliseconds = |secs: Option<f64>| secs.map_or("no limit".to_owned(), |secs| format!("{:.4} ms", secs * 1e3));
+    out::figures(&format!(
+        "{}: sound\n{} particles, {} links\nlargest stable step {}, automatic stepping stays below {}\n\
+         {} substeps in 1/60 s, limited by {}\nabout {:.2} × real time on this machine",
+        session.title(),
+        prediction.particles,
+        prediction.links,
+        milliseconds(prediction.dt_limit_secs),
+        milliseconds(prediction.dt_safe_secs),
+        prediction.substeps_per_frame,
+        prediction.limited_by.replace('_', " "),
+        prediction.predicted_real_time_factor,
+    ))?;
+    for limit in &prediction.limits {
+        out::figures(&format!("  {:<22} {}", limit.term.replace('_', " "), milliseconds(limit.dt_limit_secs)))?;
+    }
+    for warning in &prediction.warnings {
         out::note(&format!("warning: {warning}"));
     }
     Ok(())

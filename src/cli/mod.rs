@@ -5,6 +5,8 @@ mod check;
 mod failure;
 mod out;
 mod presets;
+mod render;
+mod run;
 mod scene_args;
 mod voxelize;
 
@@ -29,9 +31,13 @@ struct Arguments {
 enum Command {
     /// List the scenes that the program carries, and everything that can be set.
     Presets(presets::PresetsArgs),
+    /// Simulate a scene without a window, as fast as possible.
+    Run(run::RunArgs),
+    /// Make pictures of a scene without a window.
+    Render(render::RenderArgs),
     /// Fill a model with cells and say what came of it.
     Voxelize(voxelize::VoxelizeArgs),
-    /// Parse and validate a scene and say how large it is.
+    /// Parse and validate a scene, predict its stable step and what it costs.
     Check(check::CheckArgs),
 }
 
@@ -58,6 +64,8 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
         None => window(arguments.scene),
         Some(Command::Presets(args)) => presets::run(&args),
+        Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Render(args)) => render::run(&args),
         Some(Command::Voxelize(args)) => voxelize::run(&args),
         Some(Command::Check(args)) => check::run(&args),
     }
@@ -65,5 +73,5 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
 
 fn window(scene: Option<OsString>) -> Result<(), Failure> {
     let opened = scene_args::open(&scene.unwrap_or_else(|| crate::scene::presets::DEFAULT.into()))?;
-    Err(anyhow::anyhow!("{}: this build has no window yet", opened.title).into())
+    Ok(crate::app::run(opened.scene, opened.title, opened.base_dir)?)
 }

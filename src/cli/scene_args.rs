@@ -7,9 +7,9 @@ use anyhow::{Context, anyhow};
 use clap::Args;
 
 use super::Failure;
-use crate::geometry::Watch;
-use crate::scene::resolve::{Jelly, resolve};
+use super::out::Progress;
 use crate::scene::{Scene, file, param, path, presets};
+use crate::session::Session;
 
 /// The scene and what is set on it.
 #[derive(Debug, Args)]
@@ -75,13 +75,11 @@ impl SceneArgs {
     }
 }
 
-/// Builds the lattice of every body.
-pub(super) fn resolve_bodies(opened: &Opened, watch: &dyn Watch) -> anyhow::Result<Vec<Jelly>> {
-    let bodies = opened.scene.bodies.iter().enumerate();
-    let resolved = bodies.map(|(index, body)| {
-        resolve(&body.shape, &opened.base_dir, watch).with_context(|| format!("bodies.{index}.shape"))
-    });
-    resolved.collect()
+impl Opened {
+    /// Fills the models and puts the scene at its start.
+    pub(super) fn session(self) -> anyhow::Result<Session> {
+        Ok(Session::watched(self.scene, self.base_dir, self.title, &Progress::new("filling"))?)
+    }
 }
 
 /// Opens a preset, a scene file or a model.

@@ -5,6 +5,7 @@
 mod bodies;
 mod clock;
 pub mod command;
+pub mod predict;
 pub mod run;
 pub mod state_file;
 pub mod status;
@@ -24,7 +25,7 @@ use crate::geometry::Watch;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::edit::{Edit, EditError, Impact};
 use crate::scene::resolve::ResolveError;
-use crate::scene::{ColorBy, Scene};
+use crate::scene::{ColorBy, Scene, param};
 use crate::view::DrawList;
 use bodies::Bodies;
 use clock::Clock;
@@ -281,9 +282,20 @@ impl Session {
         &self.scene
     }
 
+    /// A preset's name or a file's.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
     /// The physics.
     pub fn simulation(&self) -> &Simulation<f32> {
         &self.simulation
+    }
+
+    /// What a person should know about the scene, a sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let values = param::warnings(&self.scene);
+        values.iter().map(ToString::to_string).chain(self.bodies.warnings().cloned()).collect()
     }
 
     fn replace_state(&mut self, state: State<f32>) {

@@ -10,7 +10,6 @@ use crate::geometry::Watch;
 use crate::physics::StepReport;
 use crate::physics::diagnostics::{Diagnostics, Energy};
 use crate::physics::plan::Stage;
-use crate::scene::param;
 
 /// Extremes are looked for this often, simulated s; penetration in every substep.
 const SAMPLE_SECS: f64 = 1.0 / 60.0;
@@ -219,8 +218,7 @@ fn stage_figures(stage: Stage, timer: &WallTimer) -> StageFigures {
 }
 
 fn warnings(session: &Session, report: &StepReport) -> Vec<String> {
-    let mut warnings: Vec<String> = param::warnings(&session.scene).iter().map(ToString::to_string).collect();
-    warnings.extend(session.bodies.warnings().cloned());
+    let mut warnings = session.warnings();
     if report.diverged {
         warnings.push(session.explain_divergence());
     }

@@ -1,0 +1,126 @@
+//! `gelatin run`: simulates without a window as fast as possible.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+
+use super::Failure;
+use super::out::{self, Progress};
+use super::scene_args::SceneArgs;
+use crate::session::run::{RunFigures, run as run_session};
+
+/// The scene and how long it runs.
+#[derive(Debug, Args)]
+pub(super) struct RunArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Simulated time, s.
+    #[arg(long, value_name = "S", default_value_t = 2.0, allow_negative_numbers = true, value_parser = seconds)]
+    seconds: f64,
+    /// Write the state at the end to a file.
+    #[arg(long, value_name = "FILE")]
+    save_state: Option<PathBuf>,
+    /// Start from a state that --save-state wrote.
+    #[arg(long, value_name = "FILE")]
+    from_state: Option<PathBuf>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A time on the command line.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(secs) if (0.0..=86_400.0).contains(&secs) => Ok(secs),
+        _ => Err("a time from 0 to 86400 s is needed".to_owned()),
+    }
+}
+
+/// Simulates the scene and prints its figures.
+pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
+    if let Some(path) = &args.save_state {
+        out::check_writable(path)?;
+    }
+    let mut session = args.scene.open()?.session()?;
+    if let Some(path) = &args.from_state {
+        let shown = path.display();
+        let bytes = fs::read(path).with_context(|| format!("{shown} cannot be read"))?;
+        session.set_state_bytes(&bytes).with_context(|| shown.to_string())?;
+    }
+    let figures = run_session(&mut session, args.seconds, &Progress::new("simulating"));
+    if let Some(path) = &args.save_state {
+        out::write(path, &session.state_bytes())?;
+    }
+    if args.json {
+        return Ok(out::json(&serde_json::to_value(&figures)?)?);
+    }
+    out::figures(&table(&figures))?;
+    figures.warnings.iter().for_each(|warning| out::note(&format!("warning: {warning}")));
+    Ok(())
+}
+
+fn table(figures: &RunFigures) -> String {
+    let links = figures.links;
+    let safe = figures.dt_safe_secs.map_or("no limit".to_owned(), |safe| format!("{:.4} ms safe", safe * 1e3));
+    let rows = [
+        ("scene", figures.scene.clone()),
+        (
+            "simulated",
+            format!(
+                "{:.3} s in {:.3} s, {:.2} × real time",
+                figures.simulated_secs, figures.wall_secs, figures.real_time_factor
+            ),
+        ),
+        (
+            "steps",
+            format!(
+                "{} whole, {} substeps of {:.4} ms ({safe}, limited by {})",
+                figures.steps,
+                figures.substeps,
+                figures.dt_secs * 1e3,
+                figures.limited_by.replace('_', " ")
+            ),
+        ),
+        (
+            "body",
+            format!(
+                "{} particles, {} structural + {} shear + {} bending links, {:.3} kg",
+                figures.particles, links.structural, links.shear, links.bending, figures.mass_kg
+            ),
+        ),
+        (
+            "energy",
+            format!(
+                "{:.4} J (kinetic {:.4}, elastic {:.4}, gravity {:.4}, contact {:.4})",
+                figures.energy_joule.total,
+                figures.energy_joule.kinetic,
+                figures.energy_joule.elastic,
+                figures.energy_joule.gravity,
+                figures.energy_joule.contact
+            ),
+        ),
+        ("center", format!("{:.4} {:.4} {:.4} m", figures.center[0], figures.center[1], figures.center[2])),
+        (
+            "extremes",
+            format!(
+                "speed {:.5} m/s, strain {:.1} %, depth {:.4} m, {} inverted cells",
+                figures.max_speed,
+                figures.max_strain * 100.0,
+                figures.max_penetration_m,
+                figures.inverted_cells
+            ),
+        ),
+        (
+            "contact",
+            format!(
+                "{} contacts, {} narrow tests, {} saved",
+                figures.contacts, figures.narrow_tests, figures.narrow_tests_saved
+            ),
+        ),
+        ("finite", if figures.finite { "yes" } else { "no" }.to_owned()),
+        ("hash", figures.hash.clone()),
+    ];
+    rows.map(|(name, value)| format!("{name:<10} {value}")).join("\n")
+}

@@ -1,0 +1,78 @@
+//! What is known of a scene before it runs: size, stable step, what limits it, and what a second will cost.
+
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::Session;
+use crate::physics::stability::Term;
+
+/// Wall time spent on measuring what a substep costs.
+const MEASURE: Duration = Duration::from_millis(50);
+
+/// The prediction; the names are those of the JSON object of `gelatin check`. SI units.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
+pub struct Prediction {
+    pub ok: bool,
+    pub errors: [String; 0],
+    pub warnings: Vec<String>,
+    pub scene: String,
+    pub particles: usize,
+    pub links: usize,
+    pub dt_limit_secs: Option<f64>,
+    pub dt_safe_secs: Option<f64>,
+    pub limited_by: String,
+    pub limits: Vec<LimitFigures>,
+    pub substeps_per_frame: u64,
+    pub predicted_real_time_factor: f64,
+}
+
+/// One term's own limit.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
+pub struct LimitFigures {
+    pub term: String,
+    pub dt_limit_secs: Option<f64>,
+}
+
+impl Prediction {
+    /// Of a session at its start. The real-time factor is measured on a copy of the first substeps.
+    pub fn of(session: &Session) -> Self {
+        let simulation = session.simulation();
+        let plan = simulation.plan();
+        let figure = |term: Term, dt_limit_secs| LimitFigures { term: term.name(), dt_limit_secs };
+        let mut limits: Vec<_> = plan.limits.terms.iter().map(|&(term, limit)| figure(term, limit)).collect();
+        limits.push(figure(Term::User, Some(plan.dt_secs)));
+        limits.push(figure(Term::Combined, plan.limits.dt_limit_secs));
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
+        let substeps_per_frame = libm::ceil(1.0 / 60.0 / plan.substep_secs()) as u64;
+        Self {
+            ok: true,
+            errors: [],
+            warnings: session.warnings(),
+            scene: session.title().to_owned(),
+            particles: simulation.model().particle_count(),
+            links: simulation.model().link_counts().iter().sum(),
+            dt_limit_secs: plan.limits.dt_limit_secs,
+            dt_safe_secs: plan.limits.dt_safe_secs(),
+            limited_by: plan.limits.limited_by(plan.dt_secs).name(),
+            limits,
+            substeps_per_frame,
+            predicted_real_time_factor: real_time_factor(session),
+        }
+    }
+}
+
+fn real_time_factor(session: &Session) -> f64 {
+    let mut copy = session.simulation().clone();
+    let begin = Instant::now();
+    let mut substeps = 0;
+    loop {
+        substeps += copy.substep(&mut ()).substeps;
+        if copy.has_diverged() || begin.elapsed() >= MEASURE {
+            break;
+        }
+    }
+    substeps as f64 * copy.plan().substep_secs() / begin.elapsed().as_secs_f64()
+}
