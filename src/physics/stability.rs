@@ -286,7 +286,8 @@ mod tests {
         // Along an axis the lattice is a chain: w² = 4 k/(m l0), dt = 2/w.
         let waves = lattice_waves();
         let limit = undamped_limit(largest(&waves, [9.0, 0.0, 0.0])).expect("a stiffness limits");
-        assert!((limit - 2.0 / 6.0).abs() < 1e-12, "chain limit 1/3, got {limit}");
+        // The eigenvalue formula loses half the digits where two eigenvalues meet, as they do here.
+        assert!((limit - 2.0 / 6.0).abs() < 1e-8, "chain limit 1/3, got {limit}");
     }
 
     #[test]

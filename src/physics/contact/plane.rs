@@ -72,8 +72,8 @@ mod tests {
 
     #[test]
     fn the_edge_counts_where_the_path_crosses_not_where_it_ends() {
-        let slanted = meet(&floor(), 0, DVec3::new(0.5, 1.0, 0.0), DVec3::new(4.0, -4.0, 0.0));
-        assert!(slanted.is_some(), "crosses at x = 0.5 + 1 × share ¼ … inside, ends outside");
+        let slanted = meet(&floor(), 0, DVec3::new(0.5, 1.0, 0.0), DVec3::new(1.6, -4.0, 0.0));
+        assert!(slanted.is_some(), "crosses at x = 0.9, inside, and ends at 2.1, outside");
     }
 
     #[test]
