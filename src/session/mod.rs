@@ -10,6 +10,7 @@ pub mod run;
 pub mod state_file;
 pub mod status;
 pub mod timer;
+mod warnings;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,7 +26,7 @@ use crate::geometry::Watch;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::edit::{Edit, EditError, Impact};
 use crate::scene::resolve::ResolveError;
-use crate::scene::{ColorBy, Scene, param};
+use crate::scene::{ColorBy, Scene};
 use crate::view::DrawList;
 use bodies::Bodies;
 use clock::Clock;
@@ -72,6 +73,8 @@ pub struct Session {
     speed: f64,
     report: StepReport,
     message: String,
+    /// The first warning about the scene; found anew after every edit, not every frame.
+    notice: String,
     picture: Picture,
 }
 
@@ -95,7 +98,7 @@ impl Session {
     pub fn watched(scene: Scene, base_dir: PathBuf, title: String, watch: &dyn Watch) -> Result<Self, SessionError> {
         let bodies = Bodies::resolve(&scene, &base_dir, watch, &Bodies::default(), &[])?;
         let simulation = Simulation::new(&scene, &bodies.lattices());
-        Ok(Self {
+        let mut session = Self {
             scene,
             base_dir,
             title,
@@ -106,8 +109,15 @@ impl Session {
             speed: 1.0,
             report: StepReport::default(),
             message: String::new(),
+            notice: String::new(),
             picture: Picture::default(),
-        })
+        };
+        session.find_notice();
+        Ok(session)
+    }
+
+    fn find_notice(&mut self) {
+        self.notice = self.warnings().into_iter().next().unwrap_or_default();
     }
 
     /// Does what a person asked for; nothing has changed where it is refused.
@@ -167,6 +177,7 @@ impl Session {
         }
         self.scene = scene;
         self.bodies.dress(&self.scene);
+        self.find_notice();
         self.message.clear();
         self.picture.revision += 1;
         Ok(())
@@ -250,11 +261,7 @@ impl Session {
             particles: model.particle_count(),
             links,
             contacts: self.report.contacts,
-            message: if self.message.is_empty() {
-                self.bodies.warnings().next().cloned().unwrap_or_default()
-            } else {
-                self.message.clone()
-            },
+            message: if self.message.is_empty() { self.notice.clone() } else { self.message.clone() },
         }
     }
 
@@ -290,12 +297,6 @@ impl Session {
     /// The physics.
     pub fn simulation(&self) -> &Simulation<f32> {
         &self.simulation
-    }
-
-    /// What a person should know about the scene, a sentence each.
-    pub fn warnings(&self) -> Vec<String> {
-        let values = param::warnings(&self.scene);
-        values.iter().map(ToString::to_string).chain(self.bodies.warnings().cloned()).collect()
     }
 
     fn replace_state(&mut self, state: State<f32>) {

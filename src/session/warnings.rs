@@ -1,0 +1,98 @@
+//! What a person should know before wondering at the motion: a sentence each.
+
+use super::Session;
+use crate::math::{Aabb, Real, Vector};
+use crate::physics::State;
+use crate::physics::model::{BodyModel, Model, ObstacleModel, ObstacleShape};
+use crate::scene::{Scene, param};
+
+impl Session {
+    /// What a person should know about the scene, a sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let (model, state) = (self.simulation().model(), self.simulation().state());
+        let mut warnings: Vec<String> = param::warnings(self.scene()).iter().map(ToString::to_string).collect();
+        warnings.extend(self.bodies.warnings().cloned());
+        warnings.extend(small_obstacles(self.scene(), model));
+        warnings.extend(overlapping_bodies(self.scene(), model, state));
+        warnings
+    }
+}
+
+/// An obstacle that fits between two particles passes through a body unnoticed.
+fn small_obstacles<R: Real>(scene: &Scene, model: &Model<R>) -> Vec<String> {
+    let largest_cell = model.bodies.iter().map(|body| body.lattice.grid.cell_size).fold(0.0, f64::max);
+    let sizes = model.obstacles.iter().map(smallest_extent).enumerate();
+    sizes
+        .filter(|(_, size)| *size < largest_cell)
+        .map(|(index, size)| {
+            format!(
+                "{} is {size} m small, less than a cell of {largest_cell:.4} m: it can slip between particles",
+                name(&scene.obstacles[index].name, "obstacles", index)
+            )
+        })
+        .collect()
+}
+
+fn smallest_extent<R: Real>(obstacle: &ObstacleModel<R>) -> f64 {
+    match &obstacle.shape {
+        ObstacleShape::Sphere { radius, .. } => 2.0 * radius.to_f64(),
+        ObstacleShape::Plane(plane) => 2.0 * plane.half_extents[0].min(plane.half_extents[1]).to_f64(),
+    }
+}
+
+fn overlapping_bodies<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<String> {
+    let boxes: Vec<Aabb<f64>> = model.bodies.iter().map(|body| bounds(body, state)).collect();
+    let mut warnings = Vec::new();
+    for second in 1..boxes.len() {
+        for first in 0..second {
+            if boxes[first].overlaps(&boxes[second]) {
+                let [a, b] = [first, second].map(|index| name(&scene.bodies[index].name, "bodies", index));
+                warnings.push(format!("{a} and {b} are in each other's way: bodies do not collide with each other"));
+            }
+        }
+    }
+    warnings
+}
+
+fn bounds<R: Real>(body: &BodyModel<R>, state: &State<R>) -> Aabb<f64> {
+    Aabb::around(state.position[body.particles.clone()].iter().map(|at| at.to_dvec3()))
+}
+
+fn name(given: &str, list: &str, index: usize) -> String {
+    if given.is_empty() { format!("{list}.{index}") } else { given.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::scene::obstacle::Sphere;
+    use crate::scene::{Body, Obstacle, ObstacleShape};
+
+    fn warnings(change: impl FnOnce(&mut Scene)) -> Vec<String> {
+        let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
+        change(&mut scene);
+        Session::new(scene, PathBuf::new(), String::new()).expect("cubes resolve").warnings()
+    }
+
+    #[test]
+    fn a_plain_scene_has_none() {
+        assert_eq!(warnings(|_| {}), Vec::<String>::new(), "nothing to say");
+    }
+
+    #[test]
+    fn a_ball_smaller_than_a_cell_is_named() {
+        let pea = ObstacleShape::Sphere(Sphere { center: [0.0; 3], radius: 0.05 });
+        let said = warnings(|scene| {
+            scene.obstacles.push(Obstacle { name: "Pea".to_owned(), shape: pea, ..Obstacle::default() });
+        });
+        assert!(said.len() == 1 && said[0].contains("Pea"), "0.1 m against cells of 0.11 m: {said:?}");
+    }
+
+    #[test]
+    fn bodies_in_one_place_say_that_they_do_not_collide() {
+        let said = warnings(|scene| scene.bodies.push(Body { name: "Twin".to_owned(), ..Body::default() }));
+        assert!(said.len() == 1 && said[0].contains("bodies.0 and Twin"), "both are named: {said:?}");
+    }
+}
