@@ -1,0 +1,89 @@
+//! The same bits every time; live changes keep the motion; a step allocates nothing.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use gelatin::scene::{Material, Scene};
+
+use crate::support::{ball, cube, falling, lattices, plane, run, simulate, springs};
+
+fn landing() -> Scene {
+    let mut scene = falling(cube(5, 1.0, springs(40.0, 0.2, 0.01), [0.0, 0.7, 0.0]));
+    scene.bodies[0].pose.rotation_deg = [10.0, 20.0, 30.0];
+    scene.obstacles = vec![plane([0.0; 3], [0.0; 3], [0.6, 0.5]), ball([0.8, 0.3, 0.0], 0.4)];
+    scene
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bits_and_another_one_does_not() {
+    let hash = |scene: &Scene| {
+        let mut simulation = simulate::<f32>(scene);
+        run(&mut simulation, 1.0);
+        simulation.hash()
+    };
+    assert_eq!(hash(&landing()), hash(&landing()), "twice the same");
+    let mut other = landing();
+    other.bodies[0].velocity[0] = 1e-6;
+    assert_ne!(hash(&landing()), hash(&other), "a breath of wind is another motion");
+}
+
+#[test]
+fn a_new_parameter_keeps_positions_and_velocities() {
+    let mut scene = landing();
+    let mut simulation = simulate::<f32>(&scene);
+    run(&mut simulation, 0.4);
+    let before = simulation.state().clone();
+    let Material::Springs(material) = &mut scene.bodies[0].material;
+    material.bending.stiffness *= 3.0;
+    simulation.set_parameters(&scene, &lattices(&scene));
+    assert_eq!(simulation.state().position, before.position, "everything stays where it is");
+    assert_eq!(simulation.state().velocity, before.velocity, "and goes on as fast");
+    assert_eq!(simulation.state().side, before.side, "and touches what it touched");
+    let mut unchanged = simulate::<f32>(&landing());
+    unchanged.set_state(before);
+    run(&mut simulation, 0.1);
+    run(&mut unchanged, 0.1);
+    assert_ne!(simulation.hash(), unchanged.hash(), "but the change acts");
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    let mut simulation = simulate::<f32>(&landing());
+    run(&mut simulation, 1.0);
+    let before = allocations();
+    for _ in 0..50 {
+        simulation.step();
+    }
+    assert_eq!(allocations() - before, 0, "fifty steps in contact");
+    drop(Box::new(before));
+    assert!(allocations() > before, "the counter counts");
+}
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+fn allocations() -> u64 {
+    COUNT.with(Cell::get)
+}
+
+struct Counting;
+
+#[expect(unsafe_code, reason = "an allocator that counts can only be had by implementing the trait")]
+// SAFETY: every call is passed on to the system's allocator unchanged; counting touches only a thread-local integer
+// that needs no allocation.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise about `layout` is the one the system's allocator asks for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: `pointer` came from `alloc` above with this layout, that is from the system's allocator.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;

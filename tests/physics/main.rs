@@ -1,0 +1,9 @@
+//! The physics against analytic values, conservation laws and its own promises. Needs no GPU and no window.
+
+mod analytic;
+mod contact;
+mod determinism;
+mod friction;
+mod presets;
+mod stability;
+mod support;

@@ -1,0 +1,111 @@
+//! The predicted limit against the measured one; automatic and manual stepping.
+
+use gelatin::math::rng::Rng;
+use gelatin::scene::material::Spring;
+use gelatin::scene::settings::Stepping;
+use gelatin::scene::{Material, Scene, Springs};
+use glam::DVec3;
+
+use crate::support::{alone, ball, cube, plane, simulate, springs};
+
+/// Steps after which a body that has not blown up counts as stable.
+const STEPS: usize = 1500;
+
+/// Whether a shaken 8³ cube stays bounded with this step, in double precision.
+fn survives(constants: Springs, size: f64, dt: f64) -> bool {
+    let cells = 7;
+    let scene = alone(cube(cells, size, constants, [0.0; 3]), dt);
+    let mut simulation = simulate::<f64>(&scene);
+    let noise = 1e-3 * size / f64::from(cells);
+    let mut state = simulation.state().clone();
+    let mut rng = Rng::new(3);
+    for position in &mut state.position {
+        *position += DVec3::new(rng.between(-noise, noise), rng.between(-noise, noise), rng.between(-noise, noise));
+    }
+    simulation.set_state(state);
+    for _ in 0..STEPS {
+        if simulation.step().diverged {
+            return false;
+        }
+    }
+    simulation.diagnostics().bounds.size().max_element() < 1.5 * size
+}
+
+fn predicted(constants: Springs, size: f64) -> f64 {
+    let scene = alone(cube(7, size, constants, [0.0; 3]), 1e-3);
+    simulate::<f64>(&scene).plan().limits.dt_limit_secs.expect("springs limit the step")
+}
+
+#[test]
+fn the_predicted_limit_is_never_above_the_measured_one_and_near_it() {
+    let mut rng = Rng::new(11);
+    let mut decades = |low: f64, high: f64| 10f64.powf(rng.between(low, high));
+    for case in 0..6 {
+        let mut constants = springs(decades(1.0, 6.0), 0.0, decades(-4.0, 1.0));
+        let size = decades(-1.0, 1.0);
+        if case % 2 == 1 {
+            // As much damping as stiffness at the limit, then more.
+            let damping = constants.structural.stiffness * predicted(constants, size) * f64::from(case);
+            constants = Springs {
+                structural: Spring { damping, ..constants.structural },
+                shear: Spring { damping: 0.3 * damping, ..constants.shear },
+                ..constants
+            };
+        }
+        let limit = predicted(constants, size);
+        assert!(survives(constants, size, 0.999 * limit), "case {case}: blew up below the predicted {limit:e} s");
+        assert!(!survives(constants, size, 1.25 * limit), "case {case}: {limit:e} s is far too careful");
+    }
+}
+
+#[test]
+fn automatic_stepping_survives_what_manual_stepping_does_not() {
+    let mut scene = alone(cube(4, 1.0, springs(5e3, 1.0, 0.01), [0.0, 0.6, 0.0]), 1e-3);
+    scene.settings.gravity = [0.0, -9.81, 0.0];
+    scene.obstacles.push(plane([0.0; 3], [0.0; 3], [0.5, 0.4]));
+    let outcome = |stepping| {
+        let mut scene = scene.clone();
+        scene.settings.stepping = stepping;
+        let mut simulation = simulate::<f32>(&scene);
+        let diverged = (0..1000).any(|_| simulation.step().diverged);
+        assert!(simulation.diagnostics().finite, "the state is whole either way");
+        (diverged, simulation.diagnostics().max_speed)
+    };
+    let (diverged, _) = outcome(Stepping::Manual);
+    assert!(diverged, "a step of 1 ms is far above the limit of these springs");
+    let (diverged, speed) = outcome(Stepping::Auto);
+    assert!(!diverged && speed < 5.0, "in automatic mode it merely lands: {speed} m/s");
+}
+
+/// Random springs over many decades; times short enough that any number of substeps is affordable.
+#[test]
+fn no_numbers_within_their_ranges_explode_a_jelly() {
+    let mut rng = Rng::new(5);
+    for case in 0..60 {
+        let mut decade = |low: f64, high: f64| 10f64.powf(rng.between(low, high));
+        let constants = Springs {
+            structural: Spring { stiffness: decade(0.0, 8.0), damping: decade(-3.0, 5.0) },
+            shear: Spring { stiffness: decade(0.0, 8.0), damping: decade(-3.0, 5.0) },
+            bending: Spring { stiffness: decade(0.0, 8.0), damping: decade(-3.0, 5.0) },
+            particle_mass: decade(-6.0, 3.0),
+        };
+        let size = decade(-2.0, 2.0);
+        let mut scene: Scene = alone(cube(2, size, constants, [0.0, 0.75 * size, 0.0]), 1e-3);
+        scene.settings.gravity = [0.0, -9.81, 0.0];
+        scene.settings.stepping = Stepping::Auto;
+        scene.obstacles = vec![plane([0.0; 3], [0.0; 3], [0.5, 0.4]), ball([0.4 * size, 0.0, 0.0], 0.3 * size)];
+        scene.bodies[0].velocity = [0.0, -size, 0.0];
+        let Material::Springs(_) = &scene.bodies[0].material;
+        let mut simulation = simulate::<f32>(&scene);
+        let substeps = f64::from(simulation.plan().substeps);
+        let affordable = (20_000.0 / substeps).clamp(0.0, 500.0) as usize;
+        for _ in 0..affordable {
+            assert!(!simulation.step().diverged, "case {case}: {constants:?}");
+        }
+        for _ in 0..if affordable == 0 { 20_000 } else { 0 } {
+            assert!(!simulation.substep(&mut ()).diverged, "case {case}: {constants:?}");
+        }
+        let extent = simulation.diagnostics().bounds.size().max_element();
+        assert!(extent < 3.0 * size, "case {case}: a cube of {size} m reaches {extent} m: {constants:?}");
+    }
+}
