@@ -1,6 +1,6 @@
 //! A seeded random generator for scenes, tests and experiments that must repeat exactly.
 
-/// SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014, §5):
+/// `SplitMix64` (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014, §5):
 /// 64 bits of state, enough for drawing test scenes and noise; not for cryptography.
 #[derive(Clone, Debug)]
 pub struct Rng {

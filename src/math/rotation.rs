@@ -15,18 +15,11 @@ pub fn from_euler_deg(angles_deg: [f64; 3]) -> DMat3 {
 }
 
 fn sin_cos_deg(angle_deg: f64) -> (f64, f64) {
-    let reduced = angle_deg % 360.0;
-    let quarters = reduced / 90.0;
-    if quarters == libm::trunc(quarters) {
-        return match ((quarters as i32) + 4) % 4 {
-            0 => (0.0, 1.0),
-            1 => (1.0, 0.0),
-            2 => (0.0, -1.0),
-            _ => (-1.0, 0.0),
-        };
-    }
-    let angle_rad = reduced.to_radians();
-    (libm::sin(angle_rad), libm::cos(angle_rad))
+    const QUARTER_TURNS: [(f64, (f64, f64)); 4] =
+        [(0.0, (0.0, 1.0)), (90.0, (1.0, 0.0)), (180.0, (0.0, -1.0)), (270.0, (-1.0, 0.0))];
+    let reduced = angle_deg.rem_euclid(360.0);
+    let exact = QUARTER_TURNS.into_iter().find(|(angle, _)| angle.total_cmp(&reduced).is_eq());
+    exact.map_or_else(|| (libm::sin(reduced.to_radians()), libm::cos(reduced.to_radians())), |(_, sin_cos)| sin_cos)
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ pub fn for_each_link<R: Real>(
     }
 }
 
-/// The force on the first end of a link, N (GC §2 with the sign of F_j settled: the second end gets the opposite).
+/// The force on the first end of a link, N (GC §2 with the sign of `F_j` settled: the second end gets the opposite).
 ///
 /// `d` and `dv` are the second end's position and velocity relative to the first's, `stiffness` the force at 100 %
 /// strain, `damping` the force at a relative speed of one rest length a second. Two ends in one place have no

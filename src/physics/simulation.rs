@@ -143,6 +143,9 @@ impl<R: Real> Simulation<R> {
     }
 
     /// Replaces the state by one of the same model.
+    ///
+    /// # Panics
+    /// If the state has another number of particles.
     pub fn set_state(&mut self, state: State<R>) {
         assert_eq!(state.position.len(), self.model.particle_count(), "the state must be one of this model");
         self.state = state;

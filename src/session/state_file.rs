@@ -61,7 +61,7 @@ impl Session {
         ];
         bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
         for vectors in [&state.position, &state.position_residual, &state.velocity] {
-            bytes.extend(vectors.iter().flat_map(|v| v.to_array()).flat_map(f32::to_le_bytes));
+            bytes.extend(vectors.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
         }
         bytes.extend(state.side.iter().flatten().flat_map(|side| side.to_le_bytes()));
         let checksum = fnv1a(&bytes);

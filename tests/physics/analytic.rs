@@ -120,12 +120,12 @@ fn the_error_falls_with_the_first_order_of_the_step() {
 
 #[test]
 fn link_counts_are_those_of_the_formulas() {
-    for n in [2usize, 3, 8, 10] {
-        let scene = alone(cube(n as u32 - 1, 1.0, springs(1.0, 0.0, 1.0), [0.0; 3]), 1e-3);
+    for n in [2, 3, 8, 10] {
+        let scene = alone(cube(n - 1, 1.0, springs(1.0, 0.0, 1.0), [0.0; 3]), 1e-3);
         let counts = simulate::<f32>(&scene).model().link_counts();
         let m = n - 1;
         let formula = [3 * n * n * m, 6 * n * m * m + 4 * m * m * m, 3 * n * n * (n - 2)];
-        assert_eq!(counts, formula, "a cube of {n}³ particles");
+        assert_eq!(counts, formula.map(|count| count as usize), "a cube of {n}³ particles");
     }
 }
 

@@ -28,7 +28,7 @@ fn nothing_passes_a_plane_at_a_kilometre_a_second() {
             scene.bodies[0].velocity = (normal * toward * 1000.0).to_array();
             let mut simulation = simulate::<f32>(&scene);
             run(&mut simulation, 0.2);
-            let normal = normal.as_vec3() * -toward as f32;
+            let normal = (normal * -toward).as_vec3();
             let lowest = simulation.state().position.iter().map(|x| x.dot(normal)).fold(f32::MAX, f32::min);
             assert!(lowest >= -0.0201, "tilt {tilt}, dt {dt}: {lowest} is behind the plane");
         }

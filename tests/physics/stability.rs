@@ -3,7 +3,7 @@
 use gelatin::math::rng::Rng;
 use gelatin::scene::material::Spring;
 use gelatin::scene::settings::Stepping;
-use gelatin::scene::{Material, Scene, Springs};
+use gelatin::scene::{Scene, Springs};
 use glam::DVec3;
 
 use crate::support::{alone, ball, cube, plane, simulate, springs};
@@ -95,14 +95,9 @@ fn no_numbers_within_their_ranges_explode_a_jelly() {
         scene.settings.stepping = Stepping::Auto;
         scene.obstacles = vec![plane([0.0; 3], [0.0; 3], [0.5, 0.4]), ball([0.4 * size, 0.0, 0.0], 0.3 * size)];
         scene.bodies[0].velocity = [0.0, -size, 0.0];
-        let Material::Springs(_) = &scene.bodies[0].material;
         let mut simulation = simulate::<f32>(&scene);
-        let substeps = f64::from(simulation.plan().substeps);
-        let affordable = (20_000.0 / substeps).clamp(0.0, 500.0) as usize;
-        for _ in 0..affordable {
-            assert!(!simulation.step().diverged, "case {case}: {constants:?}");
-        }
-        for _ in 0..if affordable == 0 { 20_000 } else { 0 } {
+        // Half a second, or as much of it as is affordable.
+        for _ in 0..(500 * u64::from(simulation.plan().substeps)).min(20_000) {
             assert!(!simulation.substep(&mut ()).diverged, "case {case}: {constants:?}");
         }
         let extent = simulation.diagnostics().bounds.size().max_element();

@@ -12,6 +12,7 @@ use gelatin::scene::obstacle::{Plane, Sphere};
 use gelatin::scene::resolve::resolve;
 use gelatin::scene::settings::{ContactRule, Stepping};
 use gelatin::scene::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Springs};
+use gelatin::session::run::whole_steps;
 
 /// The same constants in all families.
 pub(crate) fn springs(stiffness: f64, damping: f64, particle_mass: f64) -> Springs {
@@ -76,8 +77,7 @@ pub(crate) fn simulate<R: Real>(scene: &Scene) -> Simulation<R> {
 
 /// Takes whole steps for some simulated time; the simulation must stay sound.
 pub(crate) fn run<R: Real>(simulation: &mut Simulation<R>, seconds: f64) {
-    let steps = (seconds / simulation.plan().dt_secs).round();
-    for step in 0..steps as u64 {
+    for step in 0..whole_steps(seconds, simulation.plan().dt_secs) {
         assert!(!simulation.step().diverged, "diverged in step {step}");
     }
 }
