@@ -1,4 +1,75 @@
-//! Gelatin: an interactive sandbox for soft bodies.
+//! Gelatin: an interactive sandbox for soft bodies, and the library under it.
+//!
+//! # The idea in one line
+//!
+//! **description → constant model → mutable state → abstract picture → GPU**, one word for each:
+//! [`scene::Scene`] → [`physics::Model`] (+ [`physics::Plan`]) → [`physics::State`] → [`view::DrawList`] →
+//! `render::Renderer`.
+//!
+//! # Layers
+//!
+//! Layers name only those above them in this table; `tests/tidy.rs` reads the sources and fails on anything else.
+//!
+//! | module | names | its job |
+//! |---|---|---|
+//! | [`math`] | – | scalars, boxes, rotations, seeded random numbers |
+//! | [`geometry`] | math | model file → mesh → cells of a grid → particles and links; points embedded in cells |
+//! | [`scene`] | math, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
+//! | [`physics`] | math, geometry, scene (to compile it) | the core: forces, contact, stability limits, the step; no input, output or clock |
+//! | [`view`] | math | camera, draw list, colours, legend: a picture as plain data |
+//! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list |
+//! | `render` | math, view | wgpu: draws a draw list to a window's surface or an image; has never heard of a spring |
+//! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no thread, no window |
+//! | [`export`] | math, geometry, view | pictures to files |
+//! | `cli` | all but physics | the command line; opens the window |
+//! | `app` | all but geometry, physics | winit and egui: the window, its panels, the thread the session runs on |
+//!
+//! # Data flow
+//!
+//! ```text
+//!  winit event ─ app::input ─┐
+//!  egui panel  ─ app::ui ────┼─► Command ─► Session::handle ─► Edit ─► Scene::apply ─► Applied { inverse, impact }
+//!  command line, test ───────┘                                                              │
+//!       Impact::Appearance → skins and colours only                                         ▼
+//!       Impact::Parameters → Simulation::set_parameters: the motion goes on
+//!       Impact::Motion     → the body moves to its start, nothing is rebuilt
+//!       Impact::Topology   → compiled anew; bodies that stay keep their motion
+//!  wall time ─► Session::advance ─► whole steps, each of n substeps ─► StepReport ─► Status ─► panels
+//!  Session::draw_list ─► DrawList ─► Renderer ─► surface or image
+//! ```
+//!
+//! A frame uploads the positions of particles, and one scalar each when colours are on: skins are evaluated on the
+//! GPU from eight particles and weights a vertex. The window never waits for a step: the session runs on a thread of
+//! its own and publishes its newest picture.
+//!
+//! # Invariants, and the test that holds each
+//!
+//! 1. The core builds and passes without features; no graphics or window crate is in its tree (`.ci/run`).
+//! 2. Only `app` names egui and winit; only `render` and `app::window` name wgpu (`tests/tidy.rs`).
+//! 3. A step cannot fail, allocate, read a clock or log; it abandons a step that would make a number infinite and
+//!    keeps the last good state (`tests/physics/determinism.rs`, `stability.rs`).
+//! 4. The same scene gives the same bits; boxes of the broad phase change nothing but time
+//!    (`tests/physics/determinism.rs`, `contact.rs`).
+//! 5. In automatic stepping no value of a parameter within its range makes a body explode
+//!    (`tests/physics/stability.rs`).
+//! 6. Everything a person changes in a scene is an [`scene::edit::Edit`], whose inverse takes it back byte for byte
+//!    (`scene::edit`).
+//! 7. Every struct shared with a shader has its layout (`tests/render`).
+//! 8. What a file, a graphics driver or a person can cause is a typed error with a sentence (`tests/cli`).
+//!
+//! # Features
+//!
+//! `app` (default): the program. `render`: pictures without a window. Without features: the core, `math` to `session`.
+//!
+//! # Words
+//!
+//! particle · link (a spring between two particles, of the family structural, shear or bending) · cell (a filled
+//! voxel) · lattice (particles and links of a body at rest) · body · obstacle (plane or sphere) · material · scene ·
+//! edit · command · model · plan · state · step (one dt, divided into substeps) · frame (one picture) · contact · skin
+//! (the drawn surface) · draw list · pass · preset · report.
+//!
+//! Sources: *Gelatin Cubes: Soft Body Simulation* (G. Solaro, USI 2023), cited as GC with its section, and *Squashing
+//! Cubes: Automating Deformable Model Construction for Graphics* (James, Barbič, Twigg 2004), cited as SC.
 
 pub mod geometry;
 pub mod math;

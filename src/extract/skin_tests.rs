@@ -1,3 +1,5 @@
+//! Skins: every outer face once, normals outward, exact under affine motion.
+
 use std::collections::BTreeMap;
 
 use glam::{DMat3, Vec3};

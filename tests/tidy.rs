@@ -1,0 +1,212 @@
+//! What a compiler does not see: layers go down only, graphics and window crates stay in their places, banned calls,
+//! the shader table, names. Every rule has a test in which it must fail.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Layers and the crate's own modules each may name, lowest first.
+const LAYERS: [(&str, &[&str]); 11] = [
+    ("math", &[]),
+    ("geometry", &["math"]),
+    ("scene", &["math", "geometry"]),
+    ("physics", &["math", "geometry", "scene"]),
+    ("view", &["math"]),
+    ("extract", &["math", "geometry", "scene", "physics", "view"]),
+    ("render", &["math", "view"]),
+    ("session", &["math", "geometry", "scene", "physics", "view", "extract"]),
+    ("export", &["math", "geometry", "view"]),
+    // The command line opens the window, and so is the top of the program.
+    ("cli", &["math", "geometry", "scene", "view", "extract", "session", "export", "render", "app"]),
+    ("app", &["math", "scene", "view", "extract", "session", "export", "render"]),
+];
+
+/// Words that may stand only in files below these places, and why not elsewhere.
+const PLACES: [(&str, &[&str]); 5] = [
+    ("wgpu::", &["src/render/", "src/app/window.rs"]),
+    ("egui", &["src/app/"]),
+    ("winit::", &["src/app/"]),
+    ("Instant::now", &["src/app/", "src/session/", "src/cli/"]),
+    // The one place where the command line writes.
+    ("stdout()", &["src/cli/out.rs"]),
+];
+
+/// Words that may stand nowhere below a place.
+const BANNED: [(&str, &[&str]); 3] = [
+    // Results must not depend on hashing order, fused operations or a machine's own transcendental functions.
+    (
+        "src/physics/",
+        &[
+            "HashMap",
+            "HashSet",
+            "mul_add",
+            ".sin()",
+            ".cos()",
+            ".tan()",
+            ".exp()",
+            ".ln()",
+            ".powf(",
+            ".powi(",
+            ".normalize()",
+        ],
+    ),
+    ("src/geometry/", &["HashMap", "HashSet", "mul_add", ".sin()", ".cos()", ".powf("]),
+    ("src/", &[".unwrap()", "println!", "TODO", "FIXME", "#[allow(", "dbg!"]),
+];
+
+/// Names that say nothing.
+const EMPTY_NAMES: [&str; 8] = ["data", "manager", "handler", "helper", "helpers", "util", "utils", "common"];
+
+/// More lines than this are hard to hold in the head.
+const LONGEST_FILE: usize = 500;
+
+/// A source file: its path from the root with forward slashes, and its text.
+struct Source {
+    path: String,
+    text: String,
+}
+
+impl Source {
+    fn new(path: &str, text: &str) -> Self {
+        Self { path: path.to_owned(), text: text.to_owned() }
+    }
+
+    /// The text up to its tests, without comments.
+    fn code(&self) -> String {
+        let own = self.text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+        let is_tests = self.path.ends_with("/tests.rs") || self.path.ends_with("_tests.rs");
+        let lines = if is_tests { "" } else { own }.lines();
+        lines.map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Modules of the crate that a file names against the layers.
+fn wrong_layers(source: &Source) -> Vec<String> {
+    let Some(inside) = source.path.strip_prefix("src/") else { return Vec::new() };
+    let Some((layer, allowed)) = LAYERS.iter().find(|(layer, _)| inside.starts_with(&format!("{layer}/"))) else {
+        return Vec::new();
+    };
+    let code = source.code();
+    let named = code.match_indices("crate::").map(|(at, word)| {
+        let rest = &code[at + word.len()..];
+        rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default()
+    });
+    named
+        .filter(|module| LAYERS.iter().any(|(known, _)| known == module))
+        .filter(|module| module != layer && !allowed.contains(module))
+        .map(|module| format!("{}: {layer} must not name {module}", source.path))
+        .collect()
+}
+
+fn wrong_places(source: &Source) -> Vec<String> {
+    let code = source.code();
+    let misplaced = PLACES
+        .iter()
+        .filter(|(word, places)| code.contains(word) && !places.iter().any(|place| source.path.starts_with(place)));
+    let misplaced = misplaced.map(|(word, places)| format!("{}: {word} belongs in {places:?}", source.path));
+    let banned = BANNED.iter().filter(|(place, _)| source.path.starts_with(place)).flat_map(|(_, words)| *words);
+    let banned = banned.filter(|word| code.contains(*word)).map(|word| format!("{}: {word} is banned", source.path));
+    misplaced.chain(banned).collect()
+}
+
+fn wrong_shape(source: &Source) -> Vec<String> {
+    let mut found = Vec::new();
+    if !source.text.starts_with("//!") {
+        found.push(format!("{}: says nothing of its job (//!)", source.path));
+    }
+    let lines = source.text.lines().count();
+    if lines > LONGEST_FILE {
+        found.push(format!("{}: {lines} lines are too many to hold in the head", source.path));
+    }
+    let names = source.path.trim_end_matches(".rs").split('/');
+    found.extend(
+        names.filter(|name| EMPTY_NAMES.contains(name)).map(|name| format!("{}: {name} says nothing", source.path)),
+    );
+    found
+}
+
+/// Shader files that the table does not include, and the other way round.
+fn wrong_shaders(table: &str, files: &[String]) -> Vec<String> {
+    let included: Vec<&str> =
+        table.match_indices("shaders/").filter_map(|(at, word)| table[at + word.len()..].split('"').next()).collect();
+    let unused = files.iter().filter(|file| !included.contains(&file.as_str()));
+    let absent = included.iter().filter(|name| !files.iter().any(|file| file == *name));
+    unused.map(|file| format!("{file} is in no table")).chain(absent.map(|name| format!("{name} is no file"))).collect()
+}
+
+fn sources() -> Vec<Source> {
+    let mut paths = Vec::new();
+    rust_files(Path::new("src"), &mut paths);
+    paths.sort();
+    let read = |path: &PathBuf| Source {
+        path: path.to_string_lossy().replace('\\', "/"),
+        text: fs::read_to_string(path).expect("source files can be read"),
+    };
+    paths.iter().map(read).collect()
+}
+
+fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("tests run in the root of the repository") {
+        let path = entry.expect("a folder can be listed").path();
+        if path.is_dir() {
+            rust_files(&path, found);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+fn check(rule: impl Fn(&Source) -> Vec<String>) {
+    let sources = sources();
+    assert!(sources.len() > 50, "the sources are found: {}", sources.len());
+    let found: Vec<String> = sources.iter().flat_map(rule).collect();
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn layers_go_down_only() {
+    check(wrong_layers);
+}
+
+#[test]
+fn crates_and_calls_stay_in_their_places() {
+    check(wrong_places);
+}
+
+#[test]
+fn files_are_short_and_say_their_job() {
+    check(wrong_shape);
+}
+
+#[test]
+fn every_folder_of_the_sources_is_a_layer() {
+    let folders = fs::read_dir("src").expect("tests run in the root of the repository");
+    for path in folders.map(|entry| entry.expect("a folder can be listed").path()).filter(|path| path.is_dir()) {
+        let name = path.file_name().expect("a folder has a name").to_string_lossy().into_owned();
+        assert!(LAYERS.iter().any(|(layer, _)| *layer == name), "{name} has no place among the layers");
+    }
+}
+
+#[test]
+fn shader_files_and_their_table_agree() {
+    let table = fs::read_to_string("src/render/shader.rs").expect("the table of shaders");
+    let files: Vec<String> = fs::read_dir("shaders")
+        .expect("the shaders")
+        .map(|entry| entry.expect("a folder can be listed").file_name().to_string_lossy().into_owned())
+        .collect();
+    assert_eq!(wrong_shaders(&table, &files), Vec::<String>::new(), "table against folder");
+}
+
+#[test]
+fn the_rules_can_fail() {
+    let one = |rule: fn(&Source) -> Vec<String>, path: &str, text: &str| rule(&Source::new(path, text)).len();
+    assert_eq!(one(wrong_layers, "src/render/x.rs", "use crate::physics::Model;"), 1, "render knows no physics");
+    assert_eq!(one(wrong_layers, "src/app/ui/x.rs", "let s = crate::physics::step();"), 1, "nor does the window");
+    assert_eq!(one(wrong_layers, "src/app/x.rs", "// crate::physics\nuse crate::session::Status;"), 0, "comments may");
+    assert_eq!(one(wrong_places, "src/view/x.rs", "use wgpu::Device;"), 1, "only render names wgpu");
+    assert_eq!(one(wrong_places, "src/physics/x.rs", "let t = Instant::now(); a.mul_add(b, c);"), 2, "clock and fma");
+    assert_eq!(one(wrong_places, "src/scene/x.rs", "#[cfg(test)]\nmod tests {\nx.unwrap()"), 0, "tests may unwrap");
+    assert_eq!(one(wrong_shape, "src/scene/utils.rs", "fn f() {}"), 2, "no job, no name");
+    assert_eq!(one(wrong_shape, "src/scene/x.rs", &"//!\n".repeat(LONGEST_FILE + 1)), 1, "too long");
+    let files = ["a.wgsl".to_owned()];
+    assert_eq!(wrong_shaders("include_str!(\"../shaders/b.wgsl\")", &files).len(), 2, "one unused, one absent");
+}
