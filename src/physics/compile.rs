@@ -82,9 +82,13 @@ fn link_family<R: Real>(springs: &Springs, family: Family, lattice: &Lattice, re
         damping: R::from_f64(constants.damping),
         links: lattice.links[family as usize]
             .iter()
-            .map(|&ends| Link {
-                ends,
-                rest_length: R::from_f64(rest[ends[0] as usize].distance(rest[ends[1] as usize])),
+            .map(|&ends| {
+                let rest_length = rest[ends[0] as usize].distance(rest[ends[1] as usize]);
+                Link {
+                    ends,
+                    rest_length: R::from_f64(rest_length),
+                    inverse_rest_length: R::from_f64(1.0 / rest_length),
+                }
             })
             .collect(),
     }

@@ -48,7 +48,7 @@ pub fn for_each_link<R: Real>(
             let on_i = link_force(
                 position[j] - position[i],
                 velocity[j] - velocity[i],
-                link.rest_length,
+                link.inverse_rest_length,
                 family.stiffness,
                 family.damping,
             );
@@ -63,14 +63,14 @@ pub fn for_each_link<R: Real>(
 /// strain, `damping` the force at a relative speed of one rest length a second. Two ends in one place have no
 /// direction to push in and get no force.
 #[inline]
-pub fn link_force<R: Real>(d: R::Vec3, dv: R::Vec3, rest_length: R, stiffness: R, damping: R) -> R::Vec3 {
+pub fn link_force<R: Real>(d: R::Vec3, dv: R::Vec3, inverse_rest_length: R, stiffness: R, damping: R) -> R::Vec3 {
     let length = d.length();
     if length == R::ZERO {
         return R::Vec3::ZERO;
     }
     let direction = d * (R::ONE / length);
-    let strain = length / rest_length - R::ONE;
-    let strain_rate = dv.dot(direction) / rest_length;
+    let strain = length * inverse_rest_length - R::ONE;
+    let strain_rate = dv.dot(direction) * inverse_rest_length;
     direction * (stiffness * strain + damping * strain_rate)
 }
 
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     fn force(d: DVec3, dv: DVec3) -> DVec3 {
-        link_force::<f64>(d, dv, 0.5, 20.0, 3.0)
+        link_force::<f64>(d, dv, 2.0, 20.0, 3.0)
     }
 
     #[test]

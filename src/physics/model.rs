@@ -79,6 +79,8 @@ pub struct Link<R> {
     pub ends: [u32; 2],
     /// Length without force, m.
     pub rest_length: R,
+    /// Its inverse, 1/m: a division saved in every step.
+    pub inverse_rest_length: R,
 }
 
 /// An obstacle as the narrow phase sees it.
