@@ -113,7 +113,7 @@ fn on_incline(angle_deg: f64, friction: f64) -> Scene {
         friction_dynamic: friction,
         ..Obstacle::default()
     };
-    looking_at([0.0, 1.2, 0.0], 7.0, scene(cube, vec![slope]))
+    turned(-35.0, 24.0, looking_at([-0.4, 1.2, 0.0], 7.0, scene(cube, vec![slope])))
 }
 
 fn u_on_sphere() -> Scene {
@@ -144,18 +144,18 @@ fn tree() -> Scene {
 /// Set down rather than dropped: its thin webs would swing for long. The finest one is set down from lower, as the
 /// damping that would quiet it sooner would cost it many substeps.
 fn coupler(divisions: u32) -> Scene {
-    let (height, damping) = if divisions > 20 { (0.52, 1.3) } else { (0.56, 2.0) };
+    let (height, damping) = if divisions > 20 { (0.52, 1.3) } else { (0.65, 2.0) };
     let body = model_body("Coupler", ModelShape { divisions, ..carried("coupler.obj") }, height);
     let turned = Pose { rotation_deg: [0.0, 30.0, 0.0], ..body.pose };
     let material = damped(&body.material, damping);
-    scene(Body { skin: Skin::Cells, pose: turned, material, ..body }, Vec::new())
+    looking_at([0.0, 0.5, 0.0], 3.4, scene(Body { skin: Skin::Cells, pose: turned, material, ..body }, Vec::new()))
 }
 
 fn spot() -> Scene {
     let body = model_body("Spot", carried("spot.obj"), 0.65);
     let turned = Pose { rotation_deg: [0.0, -30.0, 0.0], ..body.pose };
     let material = damped(&body.material, 3.0);
-    scene(Body { pose: turned, material, ..body }, Vec::new())
+    looking_at([0.0, 0.35, 0.0], 2.8, scene(Body { pose: turned, material, ..body }, Vec::new()))
 }
 
 fn carried(name: &str) -> ModelShape {
@@ -209,6 +209,12 @@ fn scene(body: Body, more: Vec<Obstacle>) -> Scene {
 fn ball(center: [f64; 3], radius: f64) -> Obstacle {
     let shape = ObstacleShape::Sphere(Sphere { center, radius });
     Obstacle { name: "Sphere".to_owned(), shape, ..Obstacle::default() }
+}
+
+/// The same scene seen from another side.
+fn turned(yaw_deg: f64, pitch_deg: f64, scene: Scene) -> Scene {
+    let camera = CameraSettings { yaw_deg, pitch_deg, ..scene.view.camera };
+    Scene { view: ViewSettings { camera, ..scene.view }, ..scene }
 }
 
 fn looking_at(target: [f64; 3], distance: f64, scene: Scene) -> Scene {
