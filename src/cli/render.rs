@@ -31,7 +31,7 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = seconds)]
     at: f64,
     /// Width and height in pixels, 1 to 16384 each.
-    #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x800", allow_hyphen_values = true, value_parser = size)]
     size: [u32; 2],
     /// The scalar that colours the jelly; the scene's own choice without it.
     #[arg(long, value_enum)]

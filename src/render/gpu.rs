@@ -124,8 +124,8 @@ async fn choose(
     surface: Option<&wgpu::Surface<'_>>,
     preference: Preference,
 ) -> Result<wgpu::Adapter, GpuError> {
-    let mut found = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;
-    found.extend(instance.enumerate_adapters(wgpu::Backends::SECONDARY).await);
+    // Not OpenGL: its shading language cannot read a depth texture by texel, as our shadows do.
+    let found = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;
     if found.is_empty() {
         return Err(GpuError::NoAdapter);
     }

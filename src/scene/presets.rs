@@ -36,7 +36,7 @@ pub fn drop_model(path: &str) -> Scene {
     let shape = ModelShape { path: path.to_owned(), ..ModelShape::default() };
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
     let name = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-    scene(model_body(name, shape, 1.1), Vec::new())
+    looking_at([0.0, 0.45, 0.0], 3.6, scene(model_body(name, shape, 1.1), Vec::new()))
 }
 
 const PRESETS: [Preset; 11] = [

@@ -115,3 +115,44 @@ fn output_that_cannot_be_written_is_refused_first() {
     refused(&folder, "voxelize flat.obj -o out", FAILED, &["is a folder"]);
     refused(&folder, "voxelize missing.obj -o keep.obj", FAILED, &["missing.obj"]);
 }
+
+#[test]
+fn runs_that_cannot_be_are_refused() {
+    let folder = Folder::new();
+    folder.write("other.state", "gelatin-state 1\nnot much").write("kept.state", "kept");
+    refused(&folder, "run cube-on-plane --seconds -1", USAGE, &["0 to 86400"]);
+    refused(&folder, "run cube-on-plane --seconds nan", USAGE, &["0 to 86400"]);
+    refused(&folder, "run cube-on-plane --seconds 0 --from-state gone.state", FAILED, &["gone.state"]);
+    refused(&folder, "run cube-on-plane --seconds 0 --from-state other.state", FAILED, &["other.state", "damaged"]);
+    refused(&folder, "run cube-on-plane --save-state gone/a.state", FAILED, &["gone", "does not exist"]);
+    refused(&folder, "run gone.obj --save-state kept.state", FAILED, &["gone.obj"]);
+}
+
+#[test]
+fn pictures_that_cannot_be_are_refused_and_nothing_is_overwritten() {
+    let folder = Folder::new();
+    folder.write("kept.png", "kept");
+    fs::create_dir(folder.path("out.png")).expect("a folder");
+    for size in ["0x5", "5x0", "99999x5", "big", "-1x4"] {
+        refused(&folder, &format!("render cube-on-plane -o kept.png --size {size}"), USAGE, &["1 to 16384"]);
+    }
+    refused(&folder, "render cube-on-plane -o kept.jpg", USAGE, &[".png"]);
+    refused(&folder, "render cube-on-plane -o out.png", FAILED, &["is a folder"]);
+    refused(&folder, "render cube-on-plane -o gone/a.png", FAILED, &["gone", "does not exist"]);
+    refused(&folder, "render cube-on-plane -o kept.png --color red", USAGE, &["plain", "strain"]);
+    refused(&folder, "render cube-on-plane -o kept.png --frames 0", USAGE, &["1..=100000"]);
+    refused(&folder, "render gone.obj -o kept.png", FAILED, &["gone.obj"]);
+}
+
+#[test]
+fn no_display_and_no_graphics_are_a_sentence() {
+    let folder = Folder::new();
+    refused(&folder, "cube-on-plane", FAILED, &["display", "gelatin render"]);
+    let ran = folder.run_with(
+        "render cube-on-plane --at 0 -o a.png",
+        &[("VK_DRIVER_FILES", "/none"), ("VK_ICD_FILENAMES", "/none"), ("WGPU_BACKEND", "vulkan")],
+    );
+    assert_eq!(ran.code, Some(FAILED), "no driver, no picture: {ran:?}");
+    assert!(ran.notes.contains("mesa-vulkan-drivers") && !ran.notes.contains("panicked"), "what to install: {ran:?}");
+    assert!(!folder.path("a.png").exists(), "nothing is left behind");
+}

@@ -69,3 +69,52 @@ fn a_closed_pipe_is_no_panic() {
     assert!(child.wait().expect("it ends").code().is_some_and(|code| code < 2), "no signal, no panic");
     assert!(!notes.contains("panicked"), "{notes}");
 }
+
+/// The keys that scripts rely on.
+const RUN_KEYS: &str = "scene simulated_secs wall_secs real_time_factor steps substeps dt_secs dt_limit_secs \
+    dt_safe_secs limited_by integrator simd threads finite particles links mass_kg energy_joule momentum center bounds \
+    max_speed max_strain contacts max_penetration_m inverted_cells narrow_tests narrow_tests_saved hash stages warnings \
+    start peak";
+const CHECK_KEYS: &str = "ok errors particles links dt_limit_secs dt_safe_secs limited_by limits substeps_per_frame \
+    predicted_real_time_factor";
+
+fn missing<'a>(object: &serde_json::Value, keys: &'a str) -> Vec<&'a str> {
+    keys.split_whitespace().filter(|key| object.get(key).is_none()).collect()
+}
+
+#[test]
+fn run_and_check_print_every_key() {
+    let folder = Folder::new();
+    let run = folder.json("run cube-on-plane --seconds 0.05 --json");
+    assert_eq!(missing(&run, RUN_KEYS), Vec::<&str>::new(), "run");
+    assert_eq!(missing(&run["energy_joule"], "kinetic elastic gravity contact recovery total"), Vec::<&str>::new());
+    assert_eq!(missing(&run["links"], "structural shear bending"), Vec::<&str>::new(), "links by family");
+    let check = folder.json("check cube-on-plane --json");
+    assert_eq!(missing(&check, CHECK_KEYS), Vec::<&str>::new(), "check");
+    let terms: Vec<_> = check["limits"].as_array().expect("a list").iter().map(|limit| limit["term"].clone()).collect();
+    assert_eq!(terms.len(), 9, "two terms a family, contact, user, combined: {terms:?}");
+    assert_eq!(missing(&check, "wobble"), ["wobble"], "a key that is absent is found missing");
+}
+
+#[test]
+fn a_run_repeats_bit_for_bit_on_any_number_of_threads_and_goes_on_from_a_state() {
+    let folder = Folder::new();
+    let hash = |line: &str| folder.json(line)["hash"].as_str().expect("sixteen digits").to_owned();
+    let whole = hash("run tree --seconds 0.4 --json --threads 1");
+    assert_eq!(whole, hash("run tree --seconds 0.4 --json --threads 2"), "one thread, two threads");
+    hash("run tree --seconds 0.15 --json --save-state half.state");
+    assert_eq!(whole, hash("run tree --seconds 0.25 --json --from-state half.state"), "in two halves");
+    assert_ne!(whole, hash("run tree --seconds 0.4 --json --set bodies.0.velocity.0=0.001"), "another motion");
+}
+
+#[test]
+fn pictures_are_written_one_by_one_and_differ() {
+    let folder = Folder::new();
+    let made =
+        folder.json("render cube-on-plane --at 0.1 --frames 3 --fps 10 --size 64x40 --color load -o a.png --json");
+    assert_eq!(made["files"].as_array().map(Vec::len), Some(3), "{made}");
+    let pictures =
+        ["a_0001.png", "a_0002.png", "a_0003.png"].map(|name| std::fs::read(folder.path(name)).expect("a picture"));
+    assert!(pictures.iter().all(|bytes| bytes.starts_with(b"\x89PNG")), "they are PNG files");
+    assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2], "the cube falls");
+}

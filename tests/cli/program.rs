@@ -33,11 +33,19 @@ impl Folder {
 
     /// Runs the program there, with the words of `line` as arguments; nobody listens to a window.
     pub(crate) fn run(&self, line: &str) -> Ran {
+        self.run_with(line, &[])
+    }
+
+    /// The same with more in its environment.
+    pub(crate) fn run_with(&self, line: &str, environment: &[(&str, &str)]) -> Ran {
         let output = Command::new(env!("CARGO_BIN_EXE_gelatin"))
             .args(line.split_whitespace())
             .current_dir(self.0.path())
             .env_remove("DISPLAY")
             .env_remove("WAYLAND_DISPLAY")
+            // The graphics driver complains on standard error where there is none.
+            .env("XDG_RUNTIME_DIR", self.0.path())
+            .envs(environment.iter().copied())
             .stdin(Stdio::null())
             .output()
             .expect("the program starts");

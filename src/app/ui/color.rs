@@ -1,13 +1,12 @@
 //! What the jelly's colour shows, and the legend to read it by.
 
-use egui::{
-    Align2, ComboBox, FontId, Mesh, Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Ui, WidgetInfo, vec2,
-};
+use egui::{ComboBox, FontId, Mesh, Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Ui, WidgetInfo, vec2};
 
 use super::{colored, theme};
 use crate::scene::edit::Edit;
 use crate::scene::{ColorBy, ViewSettings};
 use crate::session::Command;
+use crate::view::legend::three_digits;
 use crate::view::{Colormap, Legend};
 
 /// Size of the bar, points.
@@ -44,11 +43,12 @@ pub(super) fn color_ui(
     });
     if let (Some((colormap, range)), true) = (key, view.color != ColorBy::Plain) {
         let legend = Legend::new(view.color.name(), view.color.unit(), range, TICKS);
-        legend_ui(ui, &legend, colormap, view.color.unit());
+        let highest = format!("{} {}", three_digits(f64::from(range[1])), view.color.unit());
+        legend_ui(ui, &legend, colormap, &highest);
     }
 }
 
-fn legend_ui(ui: &mut Ui, legend: &Legend, colormap: Colormap, unit: &str) {
+fn legend_ui(ui: &mut Ui, legend: &Legend, colormap: Colormap, highest: &str) {
     let font = TextStyle::Small.resolve(ui.style());
     let text_height = ui.fonts_mut(|fonts| fonts.row_height(&font));
     let (rect, response) = ui.allocate_exact_size(BAR + vec2(0.0, text_height + 7.0), Sense::hover());
@@ -66,30 +66,31 @@ fn legend_ui(ui: &mut Ui, legend: &Legend, colormap: Colormap, unit: &str) {
     let bar = Rect::from_min_size(rect.min, BAR);
     ui.painter().add(gradient(bar, colormap));
     ui.painter().rect_stroke(bar, 0.0, Stroke::new(1.0, egui::Color32::from_black_alpha(90)), egui::StrokeKind::Inside);
-    ticks(ui, legend, unit, bar, &font);
+    ticks(ui, legend, highest, bar, &font);
 }
 
-fn ticks(ui: &Ui, legend: &Legend, unit: &str, bar: Rect, font: &FontId) {
-    let unit_text = ui.painter().layout_no_wrap(unit.to_owned(), font.clone(), theme::WEAK);
-    let unit_left = bar.right() - unit_text.size().x;
+/// The marks with their numbers; the highest value stands at the end, with the unit.
+fn ticks(ui: &Ui, legend: &Legend, highest: &str, bar: Rect, font: &FontId) {
+    let end = ui.painter().layout_no_wrap(highest.to_owned(), font.clone(), theme::STRONG);
+    let end_left = bar.right() - end.size().x;
     let top = bar.bottom() + 5.0;
     let mut free_from = bar.left();
     for tick in &legend.ticks {
         let x = bar.left() + tick.place * bar.width();
         let text = ui.painter().layout_no_wrap(tick.label.clone(), font.clone(), theme::STRONG);
         let left = (x - 0.5 * text.size().x).max(bar.left());
-        // A number that would run into its neighbour or into the unit is left out; its mark stays.
+        // A number that would run into its neighbour or into the highest one is left out; its mark stays.
         ui.painter().vline(
             x.clamp(bar.left() + 0.5, bar.right() - 0.5),
             bar.bottom()..=bar.bottom() + 3.0,
             (1.0, theme::WEAK),
         );
-        if left >= free_from && left + text.size().x + 6.0 <= unit_left {
+        if left >= free_from && left + text.size().x + 6.0 <= end_left {
             free_from = left + text.size().x + 6.0;
             ui.painter().galley(Pos2::new(left, top), text, theme::STRONG);
         }
     }
-    ui.painter().text(Pos2::new(bar.right(), top), Align2::RIGHT_TOP, unit, font.clone(), theme::WEAK);
+    ui.painter().galley(Pos2::new(end_left, top), end, theme::STRONG);
 }
 
 fn gradient(bar: Rect, colormap: Colormap) -> Shape {
