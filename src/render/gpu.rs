@@ -146,18 +146,17 @@ fn suitable(adapter: &wgpu::Adapter, surface: Option<&wgpu::Surface<'_>>) -> boo
     computes && antialiases && enough && surface.is_none_or(|surface| adapter.is_surface_supported(surface))
 }
 
-/// Lower is better: kind first, then interface; OpenGL last.
-fn rank(info: &wgpu::AdapterInfo, preference: Preference) -> (u8, u8) {
+/// Lower is better.
+fn rank(info: &wgpu::AdapterInfo, preference: Preference) -> u8 {
     let software = info.device_type == wgpu::DeviceType::Cpu;
-    let kind = match (info.device_type, preference) {
+    match (info.device_type, preference) {
         (_, Preference::Software) => u8::from(!software),
         (wgpu::DeviceType::DiscreteGpu, _) => 0,
         (wgpu::DeviceType::IntegratedGpu, _) => 1,
         (wgpu::DeviceType::VirtualGpu, _) => 2,
         (wgpu::DeviceType::Other, _) => 3,
         (wgpu::DeviceType::Cpu, _) => 4,
-    };
-    (kind, u8::from(info.backend == wgpu::Backend::Gl))
+    }
 }
 
 /// What is asked of a device: little, but as large pictures and buffers as it has.

@@ -144,7 +144,7 @@ fn tree() -> Scene {
 /// Set down rather than dropped: its thin webs would swing for long. The finest one is set down from lower, as the
 /// damping that would quiet it sooner would cost it many substeps.
 fn coupler(divisions: u32) -> Scene {
-    let (height, damping) = if divisions > 20 { (0.52, 1.3) } else { (0.65, 2.0) };
+    let (height, damping) = if divisions > 20 { (0.51, 1.7) } else { (0.65, 2.0) };
     let body = model_body("Coupler", ModelShape { divisions, ..carried("coupler.obj") }, height);
     let turned = Pose { rotation_deg: [0.0, 30.0, 0.0], ..body.pose };
     let material = damped(&body.material, damping);
