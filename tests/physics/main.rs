@@ -3,6 +3,7 @@
 mod analytic;
 mod contact;
 mod determinism;
+mod economy;
 mod friction;
 mod presets;
 mod stability;

@@ -135,8 +135,11 @@ impl<R: Real> Meeting<'_, R> {
     ) -> R::Vec3 {
         let mut velocity = predicted;
         let first_record = records.len();
-        for &obstacle in near {
-            let obstacle = obstacle as usize;
+        for (number, obstacle) in (0u32..).zip(0..contacts.len()) {
+            // A pushed particle leaves the motion that was found near these obstacles only: it may meet any.
+            if records.len() == first_record && !near.contains(&number) {
+                continue;
+            }
             let Some(surface) = self.surface(obstacle, velocity) else { continue };
             let before = velocity;
             velocity = response::respond(
@@ -156,8 +159,8 @@ impl<R: Real> Meeting<'_, R> {
                 force: (velocity - before) * (mass / self.dt),
             });
         }
-        if records.len() > first_record && near.len() > 1 {
-            let allowed = self.allowed_by_all(velocity, contacts, near);
+        if records.len() > first_record {
+            let allowed = self.allowed_by_all(velocity, contacts);
             if allowed != velocity
                 && let Some(last) = records.last_mut()
             {
@@ -170,13 +173,12 @@ impl<R: Real> Meeting<'_, R> {
 
     /// A push from one obstacle may lead into another: looks for a velocity that no obstacle forbids. Standing still
     /// always is one.
-    fn allowed_by_all(&mut self, mut velocity: R::Vec3, contacts: &[ContactModel<R>], near: &[u32]) -> R::Vec3 {
+    fn allowed_by_all(&mut self, mut velocity: R::Vec3, contacts: &[ContactModel<R>]) -> R::Vec3 {
         for _ in 0..ROUNDS {
             let mut forbidden = false;
-            for &obstacle in near {
-                let obstacle = obstacle as usize;
+            for (obstacle, contact) in contacts.iter().enumerate() {
                 let Some(surface) = self.surface(obstacle, velocity) else { continue };
-                let slowest = response::deepest_velocity(&surface, &contacts[obstacle], self.dt);
+                let slowest = response::deepest_velocity(&surface, contact, self.dt);
                 let along = velocity.dot(surface.normal);
                 // The tolerance is rounding: a corrected velocity must not count as forbidden again.
                 if along < slowest - R::from_f64(1e-6) * (along.abs() + slowest.abs()) {

@@ -1,0 +1,66 @@
+//! What a step does not do: far tests, stages that a scene does not need.
+
+use gelatin::physics::plan::Stage;
+use gelatin::physics::report::StageTimer;
+use gelatin::scene::Scene;
+use gelatin::scene::presets::presets;
+
+use crate::support::{alone, ball, cube, simulate, springs};
+
+#[test]
+fn the_broad_phase_changes_no_preset_and_saves_tests() {
+    // The finest models differ only in cost.
+    for preset in presets().iter().filter(|preset| !["coupler-40", "coupler-20", "spot"].contains(&preset.name)) {
+        let scene = (preset.build)();
+        let mut with_boxes = simulate::<f32>(&scene);
+        let mut without = simulate::<f32>(&scene);
+        without.plan_mut().broad_phase = false;
+        let (mut saved, mut done, mut all) = (0, 0, 0);
+        for _ in 0..800 {
+            let report = with_boxes.step();
+            saved += report.narrow_tests_saved;
+            done += report.narrow_tests;
+            all += without.step().narrow_tests;
+        }
+        assert_eq!(with_boxes.hash(), without.hash(), "{}: bit for bit", preset.name);
+        assert!(saved > 0 && done < all, "{}: {done} of {all} tests done, {saved} saved", preset.name);
+    }
+}
+
+/// Counts how often each stage begins.
+#[derive(Default)]
+struct Stages([u32; Stage::ALL.len()]);
+
+impl StageTimer for Stages {
+    fn enter(&mut self, stage: Stage) {
+        self.0[stage as usize] += 1;
+    }
+    fn leave(&mut self) {}
+}
+
+fn begun(scene: &Scene, stage: Stage) -> u32 {
+    let mut stages = Stages::default();
+    simulate::<f32>(scene).substep(&mut stages);
+    stages.0[stage as usize]
+}
+
+#[test]
+fn what_a_scene_lacks_is_not_run() {
+    let empty = alone(cube(2, 1.0, springs(10.0, 0.1, 0.1), [0.0; 3]), 1e-3);
+    assert_eq!(begun(&empty, Stage::Contact), 0, "no obstacle, no contact");
+    assert_eq!(begun(&empty, Stage::BroadPhase), 0, "and no boxes");
+    assert_eq!(begun(&empty, Stage::Links), 1, "the counter counts");
+    let slack = alone(cube(2, 1.0, springs(0.0, 0.0, 0.1), [0.0; 3]), 1e-3);
+    assert_eq!(begun(&slack, Stage::Links), 0, "no stiffness and no damping, no link forces");
+}
+
+#[test]
+fn a_far_ball_costs_no_test() {
+    let mut scene = alone(cube(2, 1.0, springs(10.0, 0.1, 0.1), [0.0; 3]), 1e-3);
+    scene.obstacles.push(ball([50.0, 0.0, 0.0], 1.0));
+    let mut simulation = simulate::<f32>(&scene);
+    // The first substep looks: only then is it known that nothing touches.
+    simulation.step();
+    let report = simulation.step();
+    assert_eq!((report.narrow_tests, report.narrow_tests_saved), (0, 27), "every particle was saved a test");
+}
