@@ -1,7 +1,5 @@
 //! Time of one whole step of the built-in scenes, in time and in links a second.
 
-#![expect(missing_docs, reason = "criterion's macros make public items")]
-
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 
 use super::Failure;
@@ -34,8 +35,8 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "WxH", default_value = "1280x800", allow_hyphen_values = true, value_parser = size)]
     size: [u32; 2],
     /// The scalar that colours the jelly; the scene's own choice without it.
-    #[arg(long, value_enum)]
-    color: Option<ColorWord>,
+    #[arg(long, value_parser = color())]
+    color: Option<ColorBy>,
     /// The number of pictures of a sequence; a single picture without it.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: Option<u32>,
@@ -47,21 +48,12 @@ pub(super) struct RenderArgs {
     json: bool,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum ColorWord {
-    Plain,
-    Load,
-    Force,
-    Net,
-    Strain,
-    Speed,
-    Contact,
-}
-
-impl From<ColorWord> for ColorBy {
-    fn from(word: ColorWord) -> Self {
-        Self::ALL[word as usize]
-    }
+/// The words of [`ColorBy`], which clap then lists in the help and in errors.
+fn color() -> impl TypedValueParser<Value = ColorBy> {
+    PossibleValuesParser::new(ColorBy::ALL.map(ColorBy::name)).map(|word| {
+        // The parser lets no other word through.
+        ColorBy::ALL.into_iter().find(|color| color.name() == word).unwrap_or_default()
+    })
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {
@@ -95,7 +87,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     out::check_writable(&outputs[0])?;
     let mut opened = args.scene.open()?;
     if let Some(color) = args.color {
-        opened.scene.view.color = color.into();
+        opened.scene.view.color = color;
     }
     let mut session = opened.session()?;
     let gpu = Gpu::headless()?;

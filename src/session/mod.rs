@@ -175,8 +175,11 @@ impl Session {
         {
             self.simulation.restart_body(body);
         }
+        let looks = |scene: &Scene| scene.bodies.iter().map(|body| (body.hidden, body.skin)).collect::<Vec<_>>();
+        if looks(&scene) != looks(&self.scene) {
+            self.bodies.dress(&scene);
+        }
         self.scene = scene;
-        self.bodies.dress(&self.scene);
         self.find_notice();
         self.message.clear();
         self.picture.revision += 1;
