@@ -10,6 +10,7 @@ use crate::scene::file::SceneFileError;
 use crate::scene::param::Problem;
 use crate::session::Session;
 use crate::session::predict::Prediction;
+use crate::view::legend::three_digits;
 
 /// The scene to look at.
 #[derive(Debug, Args)]
@@ -41,10 +42,11 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         out::json(&serde_json::to_value(&prediction)?)?;
         return Ok(());
     }
-    let milliseconds = |secs: Option<f64>| secs.map_or("no limit".to_owned(), |secs| format!("{:.4} ms", secs * 1e3));
+    let milliseconds =
+        |secs: Option<f64>| secs.map_or("no limit".to_owned(), |secs| format!("{} ms", three_digits(secs * 1e3)));
     out::figures(&format!(
         "{}: sound\n{} particles, {} links\nlargest stable step {}, automatic stepping stays below {}\n\
-         {} substeps in 1/60 s, limited by {}\nabout {:.2} × real time on this machine",
+         {} substeps in 1/60 s, limited by {}\nabout {} × real time on this machine",
         session.title(),
         prediction.particles,
         prediction.links,
@@ -52,7 +54,7 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         milliseconds(prediction.dt_safe_secs),
         prediction.substeps_per_frame,
         prediction.limited_by.replace('_', " "),
-        prediction.predicted_real_time_factor,
+        three_digits(prediction.predicted_real_time_factor),
     ))?;
     for limit in &prediction.limits {
         out::figures(&format!("  {:<22} {}", limit.term.replace('_', " "), milliseconds(limit.dt_limit_secs)))?;

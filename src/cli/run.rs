@@ -10,6 +10,7 @@ use super::Failure;
 use super::out::{self, Progress};
 use super::scene_args::SceneArgs;
 use crate::session::run::{RunFigures, run as run_session};
+use crate::view::legend::three_digits;
 
 /// The scene and how long it runs.
 #[derive(Debug, Args)]
@@ -63,23 +64,26 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
 
 fn table(figures: &RunFigures) -> String {
     let links = figures.links;
-    let safe = figures.dt_safe_secs.map_or("no limit".to_owned(), |safe| format!("{:.4} ms safe", safe * 1e3));
+    let safe =
+        figures.dt_safe_secs.map_or("no limit".to_owned(), |safe| format!("{} ms safe", three_digits(safe * 1e3)));
     let rows = [
         ("scene", figures.scene.clone()),
         (
             "simulated",
             format!(
-                "{:.3} s in {:.3} s, {:.2} × real time",
-                figures.simulated_secs, figures.wall_secs, figures.real_time_factor
+                "{:.3} s in {:.3} s, {} × real time",
+                figures.simulated_secs,
+                figures.wall_secs,
+                three_digits(figures.real_time_factor)
             ),
         ),
         (
             "steps",
             format!(
-                "{} whole, {} substeps of {:.4} ms ({safe}, limited by {})",
+                "{} whole, {} substeps of {} ms ({safe}, limited by {})",
                 figures.steps,
                 figures.substeps,
-                figures.dt_secs * 1e3,
+                three_digits(figures.dt_secs * 1e3),
                 figures.limited_by.replace('_', " ")
             ),
         ),

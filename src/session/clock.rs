@@ -23,7 +23,7 @@ struct Stretch {
 }
 
 impl Clock {
-    /// Wall time has passed.
+    /// Wall time has passed. One frame's worth is always owed, however fast the speed makes it.
     pub(super) fn owe(&mut self, wall_secs: f64, speed: f64) {
         self.debt_secs =
             (self.debt_secs + wall_secs * speed).min(MAX_DEBT_SECS.max(wall_secs.min(MAX_DEBT_SECS) * speed));

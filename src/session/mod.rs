@@ -28,6 +28,7 @@ use crate::scene::edit::{Edit, EditError, Impact};
 use crate::scene::resolve::ResolveError;
 use crate::scene::{ColorBy, Scene};
 use crate::view::DrawList;
+use crate::view::legend::three_digits;
 use bodies::Bodies;
 use clock::Clock;
 
@@ -233,9 +234,9 @@ impl Session {
         let plan = self.simulation.plan();
         let safe = plan.limits.dt_safe_secs().map_or(String::new(), |safe| {
             format!(
-                ": the step of {:.3} ms is larger than the {:.3} ms that {} allows",
-                plan.substep_secs() * 1e3,
-                safe * 1e3,
+                ": the step of {} ms is larger than the {} ms that {} allows",
+                three_digits(plan.substep_secs() * 1e3),
+                three_digits(safe * 1e3),
                 plan.limits.limited_by(plan.dt_secs).words(),
             )
         });
