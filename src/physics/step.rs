@@ -61,7 +61,7 @@ pub fn substep<R: Real>(
     }
     if plan.contact && plan.contact_rule == ContactRule::Thesis {
         timer.enter(Stage::Contact);
-        contact::thesis::add_forces(model, dt, state, scratch, &mut report);
+        contact::thesis::add_forces(model, dt, state, &mut scratch.force, &mut scratch.contact.contacts, &mut report);
     }
     timer.enter(Stage::Integrate);
     predict_velocity(model, dt, state, &scratch.force, &mut scratch.velocity);

@@ -10,7 +10,6 @@ use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::report::StepReport;
 use crate::physics::state::State;
-use crate::physics::step;
 
 /// Below this speed along the surface a particle counts as still and static friction applies, m/s. The thesis
 /// compares with zero, which no number in a simulation ever is.
@@ -21,10 +20,11 @@ pub fn add_forces<R: Real>(
     model: &Model<R>,
     dt: R,
     state: &State<R>,
-    scratch: &mut step::Scratch<R>,
+    force: &mut [R::Vec3],
+    contacts: &mut Vec<ContactRecord<R>>,
     report: &mut StepReport,
 ) {
-    scratch.contact.contacts.clear();
+    contacts.clear();
     let mut deepest = R::ZERO;
     for body in &model.bodies {
         for particle in body.particles.clone() {
@@ -38,21 +38,16 @@ pub fn add_forces<R: Real>(
                     ObstacleShape::Sphere { center, radius } => inside_sphere(*center, *radius, at, velocity * dt),
                 };
                 let Some((normal, depth)) = found else { continue };
-                let force = scratch.force[particle];
-                let reaction = reaction(normal, depth, contact, force) + friction(normal, obstacle, force, velocity);
-                scratch.force[particle] += reaction;
+                let pressing = force[particle];
+                let reaction =
+                    reaction(normal, depth, contact, pressing) + friction(normal, obstacle, pressing, velocity);
+                force[particle] += reaction;
                 deepest = deepest.max(depth);
-                scratch.contact.contacts.push(ContactRecord {
-                    particle,
-                    obstacle: number,
-                    normal,
-                    gap: -depth,
-                    force: reaction,
-                });
+                contacts.push(ContactRecord { particle, obstacle: number, normal, gap: -depth, force: reaction });
             }
         }
     }
-    report.contacts = scratch.contact.contacts.len();
+    report.contacts = contacts.len();
     report.max_penetration_m = deepest.to_f64();
     report.peak_penetration_m = report.max_penetration_m;
 }
