@@ -9,6 +9,10 @@ use crate::view::{Skin, SkinVertex};
 /// Faces of a mesh that meet at a smaller angle than this share a smooth normal; at a larger one there is a crease.
 const CREASE_DEG: f64 = 40.0;
 
+/// A vertex farther than this from its cell, in cells, is not carried by it: extrapolation would throw it about. The
+/// surface of a body filled by its cells' centres lies up to a cell outside.
+const FARTHEST_CELLS: f64 = 1.5;
+
 /// A particle's neighbours within the patch of outer faces of one direction, along the patch's two axes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Patch {
@@ -127,11 +131,12 @@ impl Direction {
 /// A model's mesh, given in the lattice's own coordinates, carried by the cells around it; every vertex moves with the
 /// eight particles of one cell. Vertices are split where faces meet at a crease.
 ///
-/// Particle `p` of the lattice is particle `first_particle + p` of the draw list. Empty where the lattice has no cells.
+/// Parts of the mesh whose cells were dropped are left out: nothing carries them. Particle `p` of the lattice is
+/// particle `first_particle + p` of the draw list. Empty where the lattice has no cells.
 pub fn model_skin(lattice: &Lattice, mesh: &TriMesh, first_particle: u32) -> Skin {
     let embedder = Embedder::new(lattice);
     let Some(embeddings) = embedder.embed_all(&mesh.positions) else { return Skin::default() };
-    let CreasedMesh { corners, triangles } = creased(mesh);
+    let CreasedMesh { corners, triangles } = creased(&near_cells(mesh, &embeddings));
     let vertices = corners
         .iter()
         .map(|&Corner { vertex, normal }| {
@@ -140,6 +145,15 @@ pub fn model_skin(lattice: &Lattice, mesh: &TriMesh, first_particle: u32) -> Ski
         })
         .collect();
     Skin { vertices, triangles }
+}
+
+/// The mesh without the triangles that reach too far from any cell.
+fn near_cells(mesh: &TriMesh, embeddings: &[Embedding]) -> TriMesh {
+    let is_near = |vertex: &u32| embeddings[*vertex as usize].outside <= FARTHEST_CELLS;
+    TriMesh {
+        positions: mesh.positions.clone(),
+        triangles: mesh.triangles.iter().copied().filter(|triangle| triangle.iter().all(is_near)).collect(),
+    }
 }
 
 fn embedded_vertex(

@@ -177,3 +177,15 @@ fn triangles_without_area_are_left_out() {
     let mesh = TriMesh { positions: vec![DVec3::ZERO, DVec3::X * 0.1, DVec3::X * 0.2], triangles: vec![[0, 1, 2]] };
     assert_eq!(model_skin(&lattice(&U), &mesh, 0).triangles, Vec::<[u32; 3]>::new(), "nothing to see");
 }
+
+#[test]
+fn a_part_of_the_mesh_without_cells_is_left_out() {
+    let one_cell = lattice(&[[0, 0, 0]]);
+    let mut mesh = boxed(0.5 * SIZE, false);
+    let kept = model_skin(&one_cell, &mesh, 0).triangles.len();
+    let far = boxed(0.5 * SIZE, false);
+    mesh.triangles.extend(far.triangles.iter().map(|triangle| triangle.map(|vertex| vertex + 8)));
+    mesh.positions.extend(far.positions.iter().map(|position| *position + DVec3::X * 4.0 * SIZE));
+    assert_eq!(kept, 12, "the box in the cell is there");
+    assert_eq!(model_skin(&one_cell, &mesh, 0).triangles.len(), kept, "the one four cells away is not");
+}
