@@ -10,6 +10,7 @@ use ron::ser::PrettyConfig;
 use thiserror::Error;
 
 use super::param::{self, Problem};
+use super::ron_lines;
 use super::{Scene, VERSION};
 
 /// A larger file is no scene; models are files of their own.
@@ -118,7 +119,12 @@ impl Scene {
                 message: code.to_string(),
             },
         })?;
-        let problems = param::validate(&scene);
+        let mut problems = param::validate(&scene);
+        for problem in &mut problems {
+            if let Some(line) = ron_lines::line_of(text, &problem.path) {
+                problem.message = format!("{} (line {line})", problem.message);
+            }
+        }
         if problems.is_empty() { Ok(scene) } else { Err(SceneFileError::Values { name: name(), problems }) }
     }
 
@@ -293,7 +299,7 @@ mod tests {
         let form = refusal("(version: 1, obstacles: [(name: \"a\")])");
         assert!(form.contains("`plane` and `sphere`"), "{form}");
         let value = refusal("(version: 1, settings: (dt: 7.0))");
-        assert_eq!(value, "a.ron: settings.dt = 7 s is outside 1e-6 … 0.1 s");
+        assert_eq!(value, "a.ron: settings.dt = 7 s is outside 1e-6 … 0.1 s (line 1)");
     }
 
     #[test]

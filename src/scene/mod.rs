@@ -11,6 +11,7 @@ pub mod param;
 pub mod path;
 pub mod presets;
 pub mod resolve;
+mod ron_lines;
 pub mod settings;
 pub mod view_settings;
 

@@ -95,7 +95,7 @@ fn damaged_scene_files_are_refused_with_the_line() {
         .write("field.ron", "(version: 1,\n settings: (\n  tempo: 3))")
         .write("newer.ron", "(version: 2, wobble: ((((")
         .write("none.ron", "(bodies: [])")
-        .write("range.ron", "(version: 1, settings: (dt: 9.0))");
+        .write("range.ron", "(version: 1,\n settings: (\n  dt: 9.0))");
     refused(&folder, "check gone.ron", FAILED, &["gone.ron"]);
     refused(&folder, "check empty.ron", FAILED, &["is empty"]);
     refused(&folder, "check binary.ron", FAILED, &["is not text"]);
@@ -103,7 +103,7 @@ fn damaged_scene_files_are_refused_with_the_line() {
     refused(&folder, "check field.ron", FAILED, &["field.ron:3:", "tempo", "gravity"]);
     refused(&folder, "check newer.ron", FAILED, &["newer Gelatin"]);
     refused(&folder, "check none.ron", FAILED, &["version"]);
-    refused(&folder, "check range.ron", FAILED, &["settings.dt = 9 s", "1e-6 … 0.1 s"]);
+    refused(&folder, "check range.ron", FAILED, &["settings.dt = 9 s", "1e-6 … 0.1 s", "line 3"]);
 }
 
 #[test]

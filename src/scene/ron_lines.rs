@@ -1,0 +1,189 @@
+//! On which line of a RON text the value of a path stands, so that a value outside its range can be pointed at. Reads
+//! brackets, names and commas only; what it cannot follow has no line.
+
+/// The line, from 1, of the value at `path` ("bodies.0.pose.position.1"), or of the first value below it.
+pub(super) fn line_of(text: &str, path: &str) -> Option<usize> {
+    let mut place = Place::default();
+    let mut tokens = Tokens { rest: text, line: 1 }.peekable();
+    while let Some((token, line)) = tokens.next() {
+        let next = tokens.peek().map(|(next, _)| *next);
+        match token {
+            Token::Word(word) if next == Some(Token::Mark(':')) => place.name(word),
+            Token::Word(word) if next == Some(Token::Mark('(')) => place.variant = Some(word),
+            Token::Word(_) => {
+                let at = place.path();
+                if at == path || at.strip_prefix(path).is_some_and(|below| below.starts_with('.')) {
+                    return Some(line);
+                }
+            }
+            Token::Mark('(' | '[' | '{') => place.enter(),
+            Token::Mark(')' | ']' | '}') => {
+                place.frames.pop();
+            }
+            Token::Mark(',') => place.next(),
+            Token::Mark(_) => {}
+        }
+    }
+    None
+}
+
+/// Where in the tree the reader is.
+#[derive(Default)]
+struct Place<'a> {
+    frames: Vec<Frame<'a>>,
+    /// The word before a bracket: the form of an enum.
+    variant: Option<&'a str>,
+}
+
+/// One open bracket.
+struct Frame<'a> {
+    variant: Option<&'a str>,
+    name: Option<&'a str>,
+    index: usize,
+}
+
+impl<'a> Place<'a> {
+    fn enter(&mut self) {
+        // `Some(` is no form of ours, and the outermost bracket's word is the name of the whole.
+        let variant = self.variant.take().filter(|word| *word != "Some" && !self.frames.is_empty());
+        self.frames.push(Frame { variant, name: None, index: 0 });
+    }
+
+    fn name(&mut self, word: &'a str) {
+        if let Some(frame) = self.frames.last_mut() {
+            frame.name = Some(word);
+        }
+    }
+
+    fn next(&mut self) {
+        if let Some(frame) = self.frames.last_mut() {
+            frame.index += 1;
+            frame.name = None;
+        }
+    }
+
+    fn path(&self) -> String {
+        let mut parts = Vec::new();
+        for frame in &self.frames {
+            parts.extend(frame.variant.map(str::to_owned));
+            parts.push(frame.name.map_or_else(|| frame.index.to_string(), str::to_owned));
+        }
+        parts.join(".")
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Token<'a> {
+    /// A name, number or quoted text.
+    Word(&'a str),
+    /// A bracket, comma or colon.
+    Mark(char),
+}
+
+/// Tokens with the lines they begin on; white space and comments are passed over.
+struct Tokens<'a> {
+    rest: &'a str,
+    line: usize,
+}
+
+impl<'a> Tokens<'a> {
+    fn take(&mut self, bytes: usize) -> &'a str {
+        let (taken, rest) = self.rest.split_at(bytes);
+        self.line += taken.matches('\n').count();
+        self.rest = rest;
+        taken
+    }
+
+    fn skip_blank(&mut self) {
+        loop {
+            let blank = self.rest.len() - self.rest.trim_start().len();
+            let skipped = match &self.rest[blank..] {
+                rest if rest.starts_with("//") => blank + rest.find('\n').unwrap_or(rest.len()),
+                rest if rest.starts_with("/*") => blank + rest.find("*/").map_or(rest.len(), |end| end + 2),
+                rest if rest.starts_with("#![") => blank + rest.find(']').map_or(rest.len(), |end| end + 1),
+                _ => blank,
+            };
+            if skipped == 0 {
+                return;
+            }
+            self.take(skipped);
+        }
+    }
+}
+
+impl<'a> Iterator for Tokens<'a> {
+    type Item = (Token<'a>, usize);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.skip_blank();
+        let line = self.line;
+        let first = self.rest.chars().next()?;
+        let token = match first {
+            '(' | ')' | '[' | ']' | '{' | '}' | ',' | ':' => {
+                self.take(1);
+                Token::Mark(first)
+            }
+            '"' => {
+                let mut escaped = false;
+                let end = self.rest.char_indices().skip(1).find(|&(_, c)| {
+                    let closes = c == '"' && !escaped;
+                    escaped = c == '\\' && !escaped;
+                    closes
+                });
+                Token::Word(self.take(end.map_or(self.rest.len(), |(at, _)| at + 1)))
+            }
+            _ => {
+                let ends = |c: char| c.is_whitespace() || "()[]{},:\"".contains(c);
+                Token::Word(self.take(self.rest.find(ends).unwrap_or(self.rest.len())))
+            }
+        };
+        Some((token, line))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = r#"// A scene, with a comma in its comment.
+#![enable(implicit_some)]
+(
+    version: 1,
+    settings: (dt: 9.0, gravity: (0,
+        -9.81, 0)),
+    bodies: [
+        (name: "a, (b", shape: cube(cells: 3)),
+        (
+            shape: cube(
+                cells: 500, /* too
+                many */ size: 1.0),
+        ),
+    ],
+)"#;
+
+    #[test]
+    fn values_are_found_on_their_lines() {
+        let cases = [
+            ("version", 4),
+            ("settings.dt", 5),
+            ("settings.gravity", 5),
+            ("settings.gravity.1", 6),
+            ("bodies.0.name", 8),
+            ("bodies.0.shape.cube.cells", 8),
+            ("bodies.1.shape.cube.cells", 11),
+            ("bodies.1.shape.cube.size", 12),
+        ];
+        for (path, line) in cases {
+            assert_eq!(line_of(TEXT, path), Some(line), "{path}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_there_has_no_line() {
+        for path in ["bodies.2.name", "settings", "settings.d", "view.color", ""] {
+            let found = line_of(TEXT, path);
+            assert!(path == "settings" || found.is_none(), "{path}: {found:?}");
+        }
+        assert_eq!(line_of("(((", "a"), None, "broken text is no trouble");
+    }
+}
