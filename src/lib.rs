@@ -32,7 +32,7 @@
 //!  command line, test ───────┘                                                              │
 //!       Impact::Appearance → skins and colours only                                         ▼
 //!       Impact::Parameters → Simulation::set_parameters: the motion goes on
-//!       Impact::Motion     → the body moves to its start, nothing is rebuilt
+//!       Impact::Motion     → the body is moved, turned or thrown; nothing is rebuilt
 //!       Impact::Topology   → compiled anew; bodies that stay keep their motion
 //!  wall time ─► Session::advance ─► whole steps, each of n substeps ─► StepReport ─► Status ─► panels
 //!  Session::draw_list ─► DrawList ─► Renderer ─► surface or image

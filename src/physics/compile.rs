@@ -150,6 +150,7 @@ fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>> {
             let bounds = bounds.grown(margin);
             ObstacleModel {
                 shape,
+                carry: None,
                 bounds: Aabb { min: R::Vec3::from_dvec3(bounds.min), max: R::Vec3::from_dvec3(bounds.max) },
                 friction_static: R::from_f64(obstacle.friction_static),
                 friction_dynamic: R::from_f64(obstacle.friction_dynamic),

@@ -7,7 +7,7 @@ use super::forces;
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::state::State;
-use super::step::{Scratch, substep};
+use super::step::{Inputs, Scratch, substep};
 use crate::math::{Aabb, Real, Vector};
 
 /// The state of a simulation in numbers, SI units.
@@ -60,7 +60,7 @@ impl Diagnostics {
         // time. The next one is had by taking the substep on a copy.
         let mut ahead = state.clone();
         let mut scratch = Scratch::new(model);
-        let next = substep(model, plan, &mut ahead, &mut scratch, &mut ());
+        let next = substep(model, plan, Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
         let centred = |particle: usize| {
             let now = state.velocity[particle].to_dvec3();
             if next.diverged { now } else { 0.5 * (now + ahead.velocity[particle].to_dvec3()) }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::geometry::Lattice;
-use crate::math::{Aabb, Real};
+use crate::math::{Aabb, Real, Vector};
 
 /// Everything about a scene that a step reads and never writes.
 #[derive(Clone, Debug)]
@@ -88,12 +88,34 @@ pub struct Link<R> {
 pub struct ObstacleModel<R: Real> {
     /// Form and place.
     pub shape: ObstacleShape<R>,
-    /// The box around it, m.
+    /// The box around it and, while it moves, its way, m.
     pub bounds: Aabb<R>,
+    /// How it moves within the coming substep; none where it stands still.
+    pub carry: Option<Carry<R>>,
     /// Coulomb coefficient of rest.
     pub friction_static: R,
     /// Coulomb coefficient of motion.
     pub friction_dynamic: R,
+}
+
+/// A rigid motion from the beginning to the end of a substep: `x ↦ turn (x − from) + to`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carry<R: Real> {
+    /// A point at the beginning, m.
+    pub from: R::Vec3,
+    /// The same point at the end, m.
+    pub to: R::Vec3,
+    /// The columns of the rotation.
+    pub turn: [R::Vec3; 3],
+}
+
+impl<R: Real> Carry<R> {
+    /// Where a point that rides along ends.
+    #[inline]
+    pub fn apply(&self, point: R::Vec3) -> R::Vec3 {
+        let [x, y, z] = (point - self.from).components();
+        self.turn[0] * x + self.turn[1] * y + self.turn[2] * z + self.to
+    }
 }
 
 /// Form and place of an obstacle.

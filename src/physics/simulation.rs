@@ -2,16 +2,20 @@
 
 use std::sync::Arc;
 
+use glam::{DMat3, DVec3};
+
 use super::compile::compile;
+use super::contact::sweep::{self, Sweep};
 use super::diagnostics::Diagnostics;
 use super::hash::state_hash;
-use super::model::{Model, ObstacleShape, PlaneModel};
+use super::interaction::Grab;
+use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::report::{StageTimer, StepReport};
 use super::state::State;
-use super::step::{self, Scratch};
+use super::step::{self, Inputs, Scratch};
 use crate::geometry::Lattice;
-use crate::math::{Real, Vector};
+use crate::math::{Real, Vector, rotation};
 use crate::scene::Scene;
 
 /// A scene in motion.
@@ -21,6 +25,9 @@ pub struct Simulation<R: Real = f32> {
     plan: Plan,
     state: State<R>,
     scratch: Scratch<R>,
+    /// Obstacles on their way to where the scene has them.
+    sweeps: Vec<Sweep<R>>,
+    grab: Option<Grab<R>>,
     diverged: bool,
 }
 
@@ -30,58 +37,128 @@ impl<R: Real> Simulation<R> {
         let (model, plan) = compile(scene, lattices);
         let state = State::start(&model);
         let scratch = Scratch::new(&model);
-        Self { model, plan, state, scratch, diverged: false }
+        Self { model, plan, state, scratch, sweeps: Vec::new(), grab: None, diverged: false }
     }
 
     /// Takes new parameters, obstacles and settings while everything keeps moving: the scene must have the bodies
-    /// and lattices it had.
-    pub fn set_parameters(&mut self, scene: &Scene, lattices: &[Arc<Lattice>]) {
+    /// and lattices it had. `kept` names, for each obstacle of the scene, the one it was; one that is now elsewhere
+    /// sweeps there and pushes what is in its way where `sweep` is set, else it is there at once.
+    pub fn set_parameters(&mut self, scene: &Scene, lattices: &[Arc<Lattice>], kept: &[Option<usize>], sweep: bool) {
         let (model, plan) = compile(scene, lattices);
         debug_assert_eq!(model.particle_count(), self.model.particle_count(), "the bodies must be the same");
-        let old = std::mem::take(&mut self.state.side);
+        self.sweeps = if sweep { sweep::sweeps(&self.model, &model, kept) } else { Vec::new() };
+        let sides = std::mem::take(&mut self.state.side);
         self.state.fit_sides(&model);
-        for plane in planes(&model) {
-            let unmoved = |before: &&PlaneModel<R>| PlaneModel { side_row: plane.side_row, ..**before } == *plane;
-            if let Some(before) = planes(&self.model).find(unmoved) {
-                self.state.side[plane.side_row].clone_from(&old[before.side_row]);
-            }
-        }
-        self.scratch = Scratch::new(&model);
+        sweep::keep_sides(&self.model, &model, kept, &self.sweeps, &sides, &mut self.state);
+        // The share of the step that was taken stays taken: dear steps come to an end however often they are edited.
+        self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
+        self.scratch.fit(&model);
         self.model = model;
         self.plan = plan;
-        self.state.substep = 0;
+        self.diverged = false;
+        sweep::begin(&mut self.model, &self.sweeps);
+    }
+
+    /// Takes over the motion of bodies that `before` had too, and on which side of the planes they are: `kept` names,
+    /// for each body of this simulation, the one it was. The obstacles must be the same.
+    pub fn carry_over(&mut self, before: &Self, kept: &[Option<usize>]) {
+        for (body, old) in kept.iter().enumerate() {
+            if let Some(old) = old.filter(|&old| old < before.model.bodies.len()) {
+                self.set_body_motion(body, &before.body_motion(old));
+            }
+        }
+        self.state.steps = before.state.steps;
+        self.state.substep = rescaled(before.state.substep, before.plan.substeps, self.plan.substeps);
+        self.state.time_secs = before.state.time_secs;
+    }
+
+    /// How a body moves now.
+    pub fn body_motion(&self, body: usize) -> BodyMotion<R> {
+        let particles = self.model.bodies[body].particles.clone();
+        BodyMotion {
+            position: self.state.position[particles.clone()].to_vec(),
+            position_residual: self.state.position_residual[particles.clone()].to_vec(),
+            velocity: self.state.velocity[particles.clone()].to_vec(),
+            side: self.state.side.iter().map(|row| row[particles.clone()].to_vec()).collect(),
+        }
+    }
+
+    /// Lets a body move as it did once. A motion of another number of particles is left alone.
+    pub fn set_body_motion(&mut self, body: usize, motion: &BodyMotion<R>) {
+        let particles = self.model.bodies[body].particles.clone();
+        if motion.position.len() != particles.len() {
+            return;
+        }
+        self.state.position[particles.clone()].copy_from_slice(&motion.position);
+        self.state.position_residual[particles.clone()].copy_from_slice(&motion.position_residual);
+        self.state.velocity[particles.clone()].copy_from_slice(&motion.velocity);
+        for (place, row) in self.state.side.iter_mut().enumerate() {
+            match motion.side.get(place) {
+                Some(side) => row[particles.clone()].copy_from_slice(side),
+                None => row[particles.clone()].fill(0),
+            }
+        }
+        self.scratch.contact.touch_all();
         self.diverged = false;
     }
 
-    /// Takes over the motion of bodies that `before` had too: `kept` names, for each body of this simulation, the one
-    /// it was. A plane's memory of sides starts anew.
-    pub fn carry_over(&mut self, before: &Self, kept: &[Option<usize>]) {
-        for (body, old) in self.model.bodies.iter().zip(kept) {
-            let Some(old) = old.and_then(|old| before.model.bodies.get(old)) else { continue };
-            if old.particles.len() != body.particles.len() {
-                continue;
-            }
-            let (to, from) = (body.particles.clone(), old.particles.clone());
-            self.state.position[to.clone()].copy_from_slice(&before.state.position[from.clone()]);
-            self.state.position_residual[to.clone()].copy_from_slice(&before.state.position_residual[from.clone()]);
-            self.state.velocity[to].copy_from_slice(&before.state.velocity[from]);
-        }
-        self.state.steps = before.state.steps;
-        self.state.time_secs = before.state.time_secs;
+    /// Whether no time has passed.
+    pub fn is_at_start(&self) -> bool {
+        self.state.steps == 0 && self.state.substep == 0
     }
 
     /// Puts a body to its start; the others go on.
     pub fn restart_body(&mut self, body: usize) {
-        let body = &self.model.bodies[body];
-        for (local, particle) in body.particles.clone().enumerate() {
-            self.state.position[particle] = body.start[local];
-            self.state.position_residual[particle] = R::Vec3::ZERO;
-            self.state.velocity[particle] = if body.is_pinned(local) { R::Vec3::ZERO } else { body.start_velocity };
-            for row in &mut self.state.side {
-                row[particle] = 0;
-            }
+        let start = &self.model.bodies[body];
+        let motion = BodyMotion {
+            position: start.start.clone(),
+            position_residual: vec![R::Vec3::ZERO; start.particles.len()],
+            velocity: (0..start.particles.len()).map(|local| self.start_velocity(body, local)).collect(),
+            side: Vec::new(),
+        };
+        self.set_body_motion(body, &motion);
+    }
+
+    /// Gives all of a body the velocity of its start, wherever and however it is.
+    pub fn throw_body(&mut self, body: usize) {
+        for (local, particle) in self.model.bodies[body].particles.clone().enumerate() {
+            self.state.velocity[particle] = self.start_velocity(body, local);
         }
         self.diverged = false;
+    }
+
+    /// Puts a body where its start is, turned by what its start was turned by, deformed as it is and at rest.
+    pub fn teleport_body(&mut self, body: usize, old_rotation_deg: [f64; 3], new_rotation_deg: [f64; 3]) {
+        let turn = rotation::from_euler_deg(new_rotation_deg) * rotation::from_euler_deg(old_rotation_deg).transpose();
+        let BodyModel { particles, start, .. } = &self.model.bodies[body];
+        let (from, to) = (center::<R>(&self.state.position[particles.clone()]), center::<R>(start));
+        let unturned = turn == DMat3::IDENTITY;
+        let moved = |at: &R::Vec3| {
+            let offset = at.to_dvec3() - from;
+            R::Vec3::from_dvec3(to + if unturned { offset } else { turn * offset })
+        };
+        let motion = BodyMotion {
+            position: self.state.position[particles.clone()].iter().map(moved).collect(),
+            position_residual: vec![R::Vec3::ZERO; particles.len()],
+            velocity: vec![R::Vec3::ZERO; particles.len()],
+            side: Vec::new(),
+        };
+        self.set_body_motion(body, &motion);
+    }
+
+    fn start_velocity(&self, body: usize, local: usize) -> R::Vec3 {
+        let body = &self.model.bodies[body];
+        if body.is_pinned(local) { R::Vec3::ZERO } else { body.start_velocity }
+    }
+
+    /// Pulls a body by a point, or lets go.
+    pub fn set_grab(&mut self, grab: Option<Grab<R>>) {
+        self.grab = grab;
+    }
+
+    /// What is pulled, if anything.
+    pub fn grab(&self) -> Option<&Grab<R>> {
+        self.grab.as_ref()
     }
 
     /// Advances by one whole step.
@@ -105,7 +182,11 @@ impl<R: Real> Simulation<R> {
         if self.diverged {
             return StepReport { diverged: true, ..StepReport::default() };
         }
-        let report = step::substep(&self.model, &self.plan, &mut self.state, &mut self.scratch, timer);
+        if !self.sweeps.is_empty() {
+            sweep::advance(&mut self.model, &mut self.sweeps, self.plan.substep_secs());
+        }
+        let inputs = Inputs { grab: self.grab.as_ref() };
+        let report = step::substep(&self.model, &self.plan, inputs, &mut self.state, &mut self.scratch, timer);
         self.diverged = report.diverged;
         if !self.diverged {
             self.state.substep += 1;
@@ -169,9 +250,22 @@ impl<R: Real> Simulation<R> {
     }
 }
 
-fn planes<R: Real>(model: &Model<R>) -> impl Iterator<Item = &PlaneModel<R>> {
-    model.obstacles.iter().filter_map(|obstacle| match &obstacle.shape {
-        ObstacleShape::Plane(plane) => Some(plane),
-        ObstacleShape::Sphere { .. } => None,
-    })
+/// How a body moves: a copy of its part of the state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyMotion<R: Real> {
+    position: Vec<R::Vec3>,
+    position_residual: Vec<R::Vec3>,
+    velocity: Vec<R::Vec3>,
+    side: Vec<Vec<i8>>,
+}
+
+/// As many of `new` substeps as make up the same share of a step as `taken` of `old`; never all of them.
+fn rescaled(taken: u32, old: u32, new: u32) -> u32 {
+    let share = u64::from(taken) * u64::from(new) / u64::from(old.max(1));
+    u32::try_from(share).unwrap_or(u32::MAX).min(new.saturating_sub(1))
+}
+
+/// The mean of some points.
+fn center<R: Real>(points: &[R::Vec3]) -> DVec3 {
+    points.iter().fold(DVec3::ZERO, |sum, point| sum + point.to_dvec3()) / points.len().max(1) as f64
 }

@@ -3,6 +3,7 @@
 //! ```text
 //! forces   F  = m g + Σ links
 //! predict  v* = v + dt F/m
+//! pull     v* of a grabbed point's particles   (an implicit spring)
 //! contact  v* → v'   (implicit penalty and friction; the thesis rule adds to F before the prediction)
 //! move     x += dt v'
 //! ```
@@ -12,6 +13,7 @@
 
 use super::contact;
 use super::forces;
+use super::interaction::{self, Grab};
 use super::model::Model;
 use super::plan::{Plan, Stage};
 use super::report::{StageTimer, StepReport};
@@ -40,12 +42,25 @@ impl<R: Real> Scratch<R> {
             contact: contact::Scratch::new(model),
         }
     }
+
+    /// Makes room for a model of the same bodies and other obstacles.
+    pub(super) fn fit(&mut self, model: &Model<R>) {
+        self.contact = contact::Scratch::new(model);
+    }
+}
+
+/// What comes from outside into a substep.
+#[derive(Clone, Copy, Debug)]
+pub struct Inputs<'a, R: Real> {
+    /// A hand that pulls.
+    pub grab: Option<&'a Grab<R>>,
 }
 
 /// Advances the state by one substep.
 pub fn substep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
+    inputs: Inputs<'_, R>,
     state: &mut State<R>,
     scratch: &mut Scratch<R>,
     timer: &mut impl StageTimer,
@@ -65,6 +80,9 @@ pub fn substep<R: Real>(
     }
     timer.enter(Stage::Integrate);
     predict_velocity(model, dt, state, &scratch.force, &mut scratch.velocity);
+    if let Some(grab) = inputs.grab {
+        interaction::pull(model, dt, grab, &state.position, &mut scratch.velocity);
+    }
     if plan.contact && plan.contact_rule == ContactRule::Implicit {
         contact::respond(model, plan, dt, state, &mut scratch.velocity, &mut scratch.contact, &mut report, timer);
         timer.enter(Stage::Integrate);

@@ -36,6 +36,28 @@ pub enum Edit {
     RemoveObstacle(ObstacleId),
 }
 
+impl Edit {
+    /// Whether both replace the same node, so that the later one alone has the effect of both.
+    pub fn replaces_same_node_as(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Settings(_), Self::Settings(_)) | (Self::View(_), Self::View(_)) => true,
+            (Self::Body(a, _), Self::Body(b, _)) => a == b,
+            (Self::Obstacle(a, _), Self::Obstacle(b, _)) => a == b,
+            _ => false,
+        }
+    }
+
+    /// Whether it replaces a node that the scene has.
+    pub fn replaces_a_node_of(&self, scene: &Scene) -> bool {
+        match self {
+            Self::Settings(_) | Self::View(_) => true,
+            Self::Body(id, _) => id.0 < scene.bodies.len(),
+            Self::Obstacle(id, _) => id.0 < scene.obstacles.len(),
+            _ => false,
+        }
+    }
+}
+
 /// How deep a change goes; a deeper one includes all before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Impact {

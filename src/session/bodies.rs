@@ -1,55 +1,69 @@
 //! The bodies of a scene made ready: lattices to simulate, skins to draw. What an edit leaves alone is kept.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use super::SessionError;
+use super::library::Library;
 use crate::extract::skin::{cells_skin, model_skin};
 use crate::geometry::{Lattice, Watch};
-use crate::scene::resolve::{Jelly, resolve};
+use crate::scene::resolve::Jelly;
 use crate::scene::{Body, Scene, Skin as SkinChoice};
-use crate::view::{SkinInstance, Style};
+use crate::view::{Skin, SkinInstance, Style};
 
 /// The bodies of a scene, made ready.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
     jellies: Vec<Jelly>,
-    skins: Vec<SkinInstance>,
+    dressed: Vec<Dressed>,
+}
+
+/// A visible body's skin and what it was made from.
+#[derive(Clone, Debug)]
+struct Dressed {
+    body: usize,
+    lattice: Arc<Lattice>,
+    choice: SkinChoice,
+    first_particle: u32,
+    skin: Arc<Skin>,
 }
 
 impl Bodies {
-    /// Resolves every body; `kept` says which of `before`'s has the shape of each, if one has.
-    pub(super) fn resolve(
-        scene: &Scene,
-        base_dir: &Path,
-        watch: &dyn Watch,
-        before: &Self,
-        kept: &[Option<usize>],
-    ) -> Result<Self, SessionError> {
-        let resolve_one = |(index, body): (usize, &Body)| match kept.get(index).copied().flatten() {
-            Some(old) => Ok(before.jellies[old].clone()),
-            None => resolve(&body.shape, base_dir, watch).map_err(|source| SessionError::Shape { index, source }),
+    /// Makes the shape of every body ready, without skins yet.
+    pub(super) fn resolve(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Self, SessionError> {
+        let resolve_one = |(index, body): (usize, &Body)| {
+            library.get(&body.shape, watch).map_err(|source| SessionError::Shape { index, source })
         };
         let jellies = scene.bodies.iter().enumerate().map(resolve_one).collect::<Result<_, _>>()?;
-        let mut bodies = Self { jellies, skins: Vec::new() };
-        bodies.dress(scene);
-        Ok(bodies)
+        Ok(Self { jellies, dressed: Vec::new() })
     }
 
-    /// Makes the skins anew, for a scene of the same bodies.
+    /// With the skins of others at hand for the next [`Bodies::dress`].
+    pub(super) fn with_skins_of(self, others: &Self) -> Self {
+        Self { dressed: others.dressed.clone(), ..self }
+    }
+
+    /// Gives every visible body its skin, for a scene of the same bodies; skins that fit are kept.
     pub(super) fn dress(&mut self, scene: &Scene) {
-        let style = Style::default();
-        let mut first = 0u32;
-        self.skins.clear();
+        let old = std::mem::take(&mut self.dressed);
+        let mut first_particle = 0u32;
         for (index, (body, jelly)) in scene.bodies.iter().zip(&self.jellies).enumerate() {
+            let lattice = &jelly.lattice;
             if !body.hidden {
-                let skin = match (&jelly.mesh, body.skin) {
-                    (Some(mesh), SkinChoice::Auto) => model_skin(&jelly.lattice, mesh, first),
-                    _ => cells_skin(&jelly.lattice, first),
+                let fits = |dressed: &&Dressed| {
+                    Arc::ptr_eq(&dressed.lattice, lattice)
+                        && (dressed.choice, dressed.first_particle) == (body.skin, first_particle)
                 };
-                self.skins.push(SkinInstance { skin: Arc::new(skin), color: style.body(index) });
+                let skin = match old.iter().find(fits) {
+                    Some(dressed) => Arc::clone(&dressed.skin),
+                    None => Arc::new(match (&jelly.mesh, body.skin) {
+                        (Some(mesh), SkinChoice::Auto) => model_skin(lattice, mesh, first_particle),
+                        _ => cells_skin(lattice, first_particle),
+                    }),
+                };
+                let lattice = Arc::clone(lattice);
+                self.dressed.push(Dressed { body: index, lattice, choice: body.skin, first_particle, skin });
             }
-            first += u32::try_from(jelly.lattice.corners.len()).unwrap_or(u32::MAX);
+            first_particle += u32::try_from(lattice.corners.len()).unwrap_or(u32::MAX);
         }
     }
 
@@ -58,9 +72,12 @@ impl Bodies {
         self.jellies.iter().map(|jelly| Arc::clone(&jelly.lattice)).collect()
     }
 
-    /// The skins of the visible bodies.
-    pub(super) fn skins(&self) -> &[SkinInstance] {
-        &self.skins
+    /// The skins of the visible bodies, in the scene's order.
+    pub(super) fn skins(&self) -> Vec<SkinInstance> {
+        let style = Style::default();
+        let instance =
+            |dressed: &Dressed| SkinInstance { skin: Arc::clone(&dressed.skin), color: style.body(dressed.body) };
+        self.dressed.iter().map(instance).collect()
     }
 
     /// What a person should know of the models, a sentence each.

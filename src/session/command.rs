@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::scene::Scene;
-use crate::scene::edit::Edit;
+use crate::scene::edit::{BodyId, Edit};
+use crate::scene::resolve::Jelly;
+use crate::scene::{Body, Scene};
 
 /// One thing a person does.
 #[derive(Clone, Debug)]
@@ -27,6 +28,33 @@ pub enum Command {
         /// What the window's title says: a preset's name or a file's.
         title: String,
     },
-    /// Change the scene; the motion goes on as far as the change lets it.
+    /// Change the scene; the motion goes on as far as the change lets it. Changes of one value that follow each other
+    /// are taken back together, until [`Command::EndEdit`].
     Edit(Edit),
+    /// A slider or a thing dragged is let go: what comes next is taken back by itself.
+    EndEdit,
+    /// Add a body whose shape has been made ready elsewhere, behind the others.
+    AddBody {
+        /// The body.
+        body: Box<Body>,
+        /// Its shape, made ready; relative model paths start where the scene's do.
+        jelly: Box<Jelly>,
+    },
+    /// Take back the last change.
+    Undo,
+    /// Make the change again that was taken back last.
+    Redo,
+    /// Pull a body by a point of it, pull on towards another place, or let go (`None`).
+    Grab(Option<Pull>),
+}
+
+/// A pull at a point of a body by a spring.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pull {
+    /// The body.
+    pub body: BodyId,
+    /// The particles that carry the point and their weights, which sum to 1; numbers as in the draw list.
+    pub weights: Vec<(u32, f32)>,
+    /// Where the point is pulled to, m.
+    pub target: [f32; 3],
 }

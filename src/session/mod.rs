@@ -5,35 +5,41 @@
 mod bodies;
 mod clock;
 pub mod command;
+mod editing;
+mod grab;
+mod history;
+mod library;
+mod picture;
 pub mod predict;
 pub mod run;
 pub mod state_file;
 pub mod status;
 pub mod timer;
+pub mod trouble;
 mod warnings;
+mod words;
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use glam::DVec3;
 use thiserror::Error;
 
-pub use command::Command;
-pub use status::Status;
+pub use command::{Command, Pull};
+pub use status::{BodyStatus, Status};
+pub use trouble::{Cure, Trouble};
 
-use crate::extract;
 use crate::geometry::Watch;
+use crate::physics::model::BodyModel;
 use crate::physics::{Simulation, State, StepReport};
-use crate::scene::edit::{Edit, EditError, Impact};
+use crate::scene::Scene;
+use crate::scene::edit::EditError;
 use crate::scene::resolve::ResolveError;
-use crate::scene::{ColorBy, Scene};
-use crate::view::DrawList;
-use crate::view::legend::three_digits;
 use bodies::Bodies;
 use clock::Clock;
-
-/// The share of particles that the automatic colour range covers: one torn corner must not grey out all others.
-const RANGE_SHARE: f64 = 0.99;
+use history::History;
+use library::Library;
+use picture::Picture;
 
 /// Speeds a person may ask for, simulated seconds a wall second.
 const SPEEDS: [f64; 2] = [0.01, 10.0];
@@ -59,34 +65,29 @@ pub enum SessionError {
         /// The speed asked for.
         speed: f64,
     },
+    /// A pull at something that is not there.
+    #[error("the pull names a body or particles that the scene does not have")]
+    Pull,
 }
 
 /// A running sandbox.
 #[derive(Debug)]
 pub struct Session {
     scene: Scene,
-    base_dir: PathBuf,
     title: String,
+    library: Library,
     bodies: Bodies,
     simulation: Simulation<f32>,
+    history: History,
     clock: Clock,
     playing: bool,
     speed: f64,
     report: StepReport,
-    message: String,
+    /// Why the simulation was stopped, if it was.
+    trouble: Option<Trouble>,
     /// The first warning about the scene; found anew after every edit, not every frame.
     notice: String,
     picture: Picture,
-}
-
-/// What was last drawn, so that nothing is copied or computed for a picture that has not changed.
-#[derive(Debug, Default)]
-struct Picture {
-    drawn: Option<(u64, ColorBy)>,
-    revision: u64,
-    particles: Arc<Vec<[f32; 3]>>,
-    scalars: Option<Arc<Vec<f32>>>,
-    automatic_range: [f32; 2],
 }
 
 impl Session {
@@ -97,19 +98,22 @@ impl Session {
 
     /// As [`Session::new`], with someone to watch the filling of models.
     pub fn watched(scene: Scene, base_dir: PathBuf, title: String, watch: &dyn Watch) -> Result<Self, SessionError> {
-        let bodies = Bodies::resolve(&scene, &base_dir, watch, &Bodies::default(), &[])?;
+        let mut library = Library::new(base_dir);
+        let mut bodies = Bodies::resolve(&scene, &mut library, watch)?;
+        bodies.dress(&scene);
         let simulation = Simulation::new(&scene, &bodies.lattices());
         let mut session = Self {
             scene,
-            base_dir,
             title,
+            library,
             bodies,
             simulation,
+            history: History::default(),
             clock: Clock::default(),
             playing: true,
             speed: 1.0,
             report: StepReport::default(),
-            message: String::new(),
+            trouble: None,
             notice: String::new(),
             picture: Picture::default(),
         };
@@ -137,12 +141,7 @@ impl Session {
                 self.clock.forgive();
                 self.step();
             }
-            Command::Restart => {
-                self.simulation = Simulation::new(&self.scene, &self.bodies.lattices());
-                self.clock.forgive();
-                self.message.clear();
-                self.picture.revision += 1;
-            }
+            Command::Restart => self.restart(),
             Command::SetSpeed(speed) if (SPEEDS[0]..=SPEEDS[1]).contains(&speed) => {
                 self.speed = speed;
                 self.clock.forgive();
@@ -150,41 +149,20 @@ impl Session {
             Command::SetSpeed(speed) => return Err(SessionError::Speed { speed }),
             Command::Replace { scene, base_dir, title } => *self = Self::new(*scene, base_dir, title)?,
             Command::Edit(edit) => self.edit(edit)?,
+            Command::EndEdit => self.history.close(),
+            Command::AddBody { body, jelly } => self.add_body(body, *jelly)?,
+            Command::Undo => self.undo()?,
+            Command::Redo => self.redo()?,
+            Command::Grab(pull) => self.grab(pull)?,
         }
         Ok(())
     }
 
-    fn edit(&mut self, edit: Edit) -> Result<(), SessionError> {
-        let kept = kept_bodies(&edit, self.scene.bodies.len());
-        let moved = if let Edit::Body(id, _) = &edit { Some(id.0) } else { None };
-        let mut scene = self.scene.clone();
-        let impact = scene.apply(edit)?.impact;
-        if impact == Impact::Topology {
-            let same_shape = |(new, old): (usize, Option<usize>)| {
-                old.filter(|&old| scene.bodies[new].shape == self.scene.bodies[old].shape)
-            };
-            let kept: Vec<_> = kept.into_iter().enumerate().map(same_shape).collect();
-            self.bodies = Bodies::resolve(&scene, &self.base_dir, &(), &self.bodies, &kept)?;
-            let mut simulation = Simulation::new(&scene, &self.bodies.lattices());
-            simulation.carry_over(&self.simulation, &kept);
-            self.simulation = simulation;
-        } else if impact >= Impact::Parameters {
-            self.simulation.set_parameters(&scene, &self.bodies.lattices());
-        }
-        if impact == Impact::Motion
-            && let Some(body) = moved
-        {
-            self.simulation.restart_body(body);
-        }
-        let looks = |scene: &Scene| scene.bodies.iter().map(|body| (body.hidden, body.skin)).collect::<Vec<_>>();
-        if looks(&scene) != looks(&self.scene) {
-            self.bodies.dress(&scene);
-        }
-        self.scene = scene;
-        self.find_notice();
-        self.message.clear();
-        self.picture.revision += 1;
-        Ok(())
+    fn restart(&mut self) {
+        self.simulation = Simulation::new(&self.scene, &self.bodies.lattices());
+        self.clock.forgive();
+        self.trouble = None;
+        self.picture.touch();
     }
 
     /// Lets `wall` time pass: takes the steps that are owed, and returns after about `budget` even if some are not
@@ -222,27 +200,12 @@ impl Session {
 
     fn substep(&mut self) -> bool {
         self.report = self.simulation.substep(&mut ());
-        self.picture.revision += 1;
+        self.picture.touch();
         if self.report.diverged {
             self.playing = false;
-            self.message = self.explain_divergence();
+            self.trouble = Some(self.explain_divergence());
         }
         !self.report.diverged
-    }
-
-    fn explain_divergence(&self) -> String {
-        let plan = self.simulation.plan();
-        let safe = plan.limits.dt_safe_secs().map_or(String::new(), |safe| {
-            format!(
-                ": the step of {} ms is larger than the {} ms that {} allows",
-                three_digits(plan.substep_secs() * 1e3),
-                three_digits(safe * 1e3),
-                plan.limits.limited_by(plan.dt_secs).words(),
-            )
-        });
-        format!(
-            "The simulation became unstable{safe}. It stopped at its last good state; restart it or use automatic stepping."
-        )
     }
 
     /// What the panels show.
@@ -265,8 +228,28 @@ impl Session {
             particles: model.particle_count(),
             links,
             contacts: self.report.contacts,
-            message: if self.message.is_empty() { self.notice.clone() } else { self.message.clone() },
+            message: self.notice.clone(),
+            undo: self.history.undo_words().to_owned(),
+            redo: self.history.redo_words().to_owned(),
+            bodies: self.body_status(),
+            trouble: self.trouble.clone(),
         }
+    }
+
+    fn body_status(&self) -> Vec<BodyStatus> {
+        let position = &self.simulation.state().position;
+        let status = |body: &BodyModel<f32>| {
+            let own = &position[body.particles.clone()];
+            let sum = own.iter().fold(DVec3::ZERO, |sum, at| sum + at.as_dvec3());
+            BodyStatus {
+                cells: body.lattice.cells.len(),
+                particles: own.len(),
+                links: std::array::from_fn(|family| body.links[family].links.len()),
+                mass_kg: f64::from(body.particle_mass) * own.len() as f64,
+                center: (sum / own.len().max(1) as f64).to_array(),
+            }
+        };
+        self.simulation.model().bodies.iter().map(status).collect()
     }
 
     fn slowness(&self, factor: f64, links: usize) -> String {
@@ -305,58 +288,8 @@ impl Session {
 
     fn replace_state(&mut self, state: State<f32>) {
         self.simulation.set_state(state);
-        self.picture.revision += 1;
+        self.picture.touch();
     }
-
-    /// The picture of the present state, from the scene's own camera.
-    #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
-    pub fn draw_list(&mut self) -> DrawList {
-        let view = &self.scene.view;
-        let now = (self.picture.revision, view.color);
-        if self.picture.drawn != Some(now) {
-            let positions = self.simulation.state().position.iter().map(glam::Vec3::to_array);
-            self.picture.particles = Arc::new(positions.collect());
-            let scalars = self.simulation.scalars(view.color);
-            self.picture.automatic_range = automatic_range(&scalars);
-            self.picture.scalars = (view.color != ColorBy::Plain).then(|| Arc::new(scalars));
-            self.picture.drawn = Some(now);
-        }
-        DrawList {
-            camera: extract::view::orbit(&view.camera).camera(),
-            light: extract::view::light(&view.light),
-            skins: self.bodies.skins().to_vec(),
-            particles: Arc::clone(&self.picture.particles),
-            scalars: self.picture.scalars.clone(),
-            color_range: view.color_range.map_or(self.picture.automatic_range, |range| range.map(|end| end as f32)),
-            solids: extract::solid::solids(&self.scene.obstacles),
-            ..DrawList::default()
-        }
-    }
-}
-
-/// Which body of the scene before an edit each body after it was, if it was one.
-fn kept_bodies(edit: &Edit, before: usize) -> Vec<Option<usize>> {
-    let mut kept: Vec<Option<usize>> = (0..before).map(Some).collect();
-    match edit {
-        Edit::InsertBody(id, _) if id.0 <= before => kept.insert(id.0, None),
-        Edit::RemoveBody(id) if id.0 < before => {
-            kept.remove(id.0);
-        }
-        _ => {}
-    }
-    kept
-}
-
-/// From zero to the value that all but the last hundredth stay below.
-fn automatic_range(scalars: &[f32]) -> [f32; 2] {
-    let mut sorted: Vec<f32> = scalars.iter().copied().filter(|x| x.is_finite()).collect();
-    if sorted.is_empty() {
-        return [0.0, 1.0];
-    }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length is an index")]
-    let place = ((sorted.len() - 1) as f64 * RANGE_SHARE) as usize;
-    let (_, high, _) = sorted.select_nth_unstable_by(place, f32::total_cmp);
-    [0.0, if *high > 0.0 { *high } else { 1.0 }]
 }
 
 #[cfg(test)]

@@ -143,7 +143,7 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
         }
     }
     session.report = report;
-    session.picture.revision += 1;
+    session.picture.touch();
     let wall_secs = begin.elapsed().as_secs_f64();
     let last = session.simulation.diagnostics();
     peak.include(&last);
@@ -220,7 +220,7 @@ fn stage_figures(stage: Stage, timer: &WallTimer) -> StageFigures {
 fn warnings(session: &Session, report: &StepReport) -> Vec<String> {
     let mut warnings = session.warnings();
     if report.diverged {
-        warnings.push(session.explain_divergence());
+        warnings.push(session.explain_divergence().words);
     }
     warnings
 }

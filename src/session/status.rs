@@ -1,5 +1,7 @@
 //! What the panels show of a running sandbox: plain numbers and words, no physics types.
 
+use super::Trouble;
+
 /// The state of a session, published with every snapshot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Status {
@@ -31,4 +33,27 @@ pub struct Status {
     pub contacts: usize,
     /// The last thing that went wrong, as a sentence; empty when nothing did.
     pub message: String,
+    /// What undo would take back, in words; empty when there is nothing.
+    pub undo: String,
+    /// What redo would make again, in words; empty when there is nothing.
+    pub redo: String,
+    /// The bodies, in the scene's order.
+    pub bodies: Vec<BodyStatus>,
+    /// Why the simulation was stopped, if it was.
+    pub trouble: Option<Trouble>,
+}
+
+/// What there is to know of a body beside what the scene says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodyStatus {
+    /// Filled cells.
+    pub cells: usize,
+    /// Particles.
+    pub particles: usize,
+    /// Links: structural, shear, bending.
+    pub links: [usize; 3],
+    /// Mass of the whole body, kg.
+    pub mass_kg: f64,
+    /// The centre of mass now, m.
+    pub center: [f64; 3],
 }

@@ -1,8 +1,10 @@
 //! What a person does to a sandbox, without a window.
 
+use std::sync::Arc;
+
 use super::state_file::StateFileError;
 use super::*;
-use crate::scene::edit::BodyId;
+use crate::scene::edit::{BodyId, Edit};
 use crate::scene::presets::preset;
 use crate::scene::{Body, Material};
 
@@ -135,6 +137,7 @@ fn too_large_a_manual_step_pauses_on_the_last_good_state_and_says_why() {
         session.advance(Duration::from_millis(50), Duration::from_secs(1));
     }
     let status = session.status();
-    assert!(!status.playing && status.message.contains("unstable"), "it stops and says so: {status:?}");
+    let trouble = status.trouble.expect("it says what was wrong");
+    assert!(!status.playing && trouble.words.contains("step of 50 ms"), "it stops and names the step: {trouble:?}");
     assert!(session.simulation().diagnostics().finite, "the picture stays whole");
 }

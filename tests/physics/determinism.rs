@@ -35,7 +35,7 @@ fn a_new_parameter_keeps_positions_and_velocities() {
     let before = simulation.state().clone();
     let Material::Springs(material) = &mut scene.bodies[0].material;
     material.bending.stiffness *= 3.0;
-    simulation.set_parameters(&scene, &lattices(&scene));
+    simulation.set_parameters(&scene, &lattices(&scene), &[Some(0)], true);
     assert_eq!(simulation.state().position, before.position, "everything stays where it is");
     assert_eq!(simulation.state().velocity, before.velocity, "and goes on as fast");
     assert_eq!(simulation.state().side, before.side, "and touches what it touched");

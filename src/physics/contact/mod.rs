@@ -13,6 +13,7 @@ mod broad;
 mod plane;
 mod response;
 mod sphere;
+pub(super) mod sweep;
 pub mod thesis;
 
 use super::model::{ContactModel, Model, ObstacleModel, ObstacleShape};
@@ -44,6 +45,11 @@ impl<R: Real> Scratch<R> {
             touching: vec![true; model.bodies.len() * model.obstacles.len()],
         }
     }
+
+    /// Any particle may touch any obstacle: they have been moved.
+    pub(super) fn touch_all(&mut self) {
+        self.touching.fill(true);
+    }
 }
 
 /// A particle that met an obstacle in the last substep.
@@ -57,11 +63,13 @@ pub struct ContactRecord<R: Real> {
     pub normal: R::Vec3,
     /// Distance from the surface along the normal when the substep began, m; negative inside.
     pub gap: R,
+    /// Velocity of the surface, m/s.
+    pub surface_velocity: R::Vec3,
     /// Mean contact force over the substep, normal and friction, N.
     pub force: R::Vec3,
 }
 
-/// The surface as one particle meets it: a tangent plane.
+/// The surface as one particle meets it: a tangent plane, in a frame that rides along with the obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Surface<R: Real> {
     /// Unit normal, towards the side the particle came from.
@@ -140,7 +148,7 @@ impl<R: Real> Meeting<'_, R> {
             if records.len() == first_record && !near.contains(&number) {
                 continue;
             }
-            let Some(surface) = self.surface(obstacle, velocity) else { continue };
+            let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
             let before = velocity;
             velocity = response::respond(
                 &surface,
@@ -148,14 +156,15 @@ impl<R: Real> Meeting<'_, R> {
                 &self.model.obstacles[obstacle],
                 mass,
                 self.dt,
-                velocity,
-            );
+                velocity - surface_velocity,
+            ) + surface_velocity;
             // Also where nothing pushes: a particle that leaves must keep its side until it is out.
             records.push(ContactRecord {
                 particle: self.particle,
                 obstacle,
                 normal: surface.normal,
                 gap: surface.gap,
+                surface_velocity,
                 force: (velocity - before) * (mass / self.dt),
             });
         }
@@ -177,9 +186,9 @@ impl<R: Real> Meeting<'_, R> {
         for _ in 0..ROUNDS {
             let mut forbidden = false;
             for (obstacle, contact) in contacts.iter().enumerate() {
-                let Some(surface) = self.surface(obstacle, velocity) else { continue };
+                let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
                 let slowest = response::deepest_velocity(&surface, contact, self.dt);
-                let along = velocity.dot(surface.normal);
+                let along = (velocity - surface_velocity).dot(surface.normal);
                 // The tolerance is rounding: a corrected velocity must not count as forbidden again.
                 if along < slowest - R::from_f64(1e-6) * (along.abs() + slowest.abs()) {
                     velocity += surface.normal * (slowest - along);
@@ -193,9 +202,12 @@ impl<R: Real> Meeting<'_, R> {
         R::Vec3::ZERO
     }
 
-    /// The narrow phase, if this particle's motion comes near the obstacle at all.
-    fn surface(&mut self, obstacle: usize, velocity: R::Vec3) -> Option<Surface<R>> {
-        let ObstacleModel { shape, bounds, .. } = &self.model.obstacles[obstacle];
+    /// The narrow phase, if this particle's motion comes near the obstacle at all, and the velocity of the surface.
+    ///
+    /// Contact with an obstacle that moves is swept in the obstacle's own frame: the particle's start rides along, and
+    /// what is left of its path is its motion past the obstacle.
+    fn surface(&mut self, obstacle: usize, velocity: R::Vec3) -> Option<(Surface<R>, R::Vec3)> {
+        let ObstacleModel { shape, bounds, carry, .. } = &self.model.obstacles[obstacle];
         let from = self.state.position[self.particle];
         let path = velocity * self.dt;
         let side = match shape {
@@ -206,10 +218,17 @@ impl<R: Real> Meeting<'_, R> {
             return None;
         }
         self.tests += 1;
-        match shape {
-            ObstacleShape::Plane(plane) => plane::meet(plane, side, from, path),
-            ObstacleShape::Sphere { center, radius } => sphere::meet(*center, *radius, from, path),
-        }
+        let Some(carry) = carry else { return Some((meet(shape, side, from, path)?, R::Vec3::ZERO)) };
+        let carried = carry.apply(from);
+        let surface = meet(shape, side, carried, from + path - carried)?;
+        Some((surface, (carried - from) * (R::ONE / self.dt)))
+    }
+}
+
+fn meet<R: Real>(shape: &ObstacleShape<R>, side: i8, from: R::Vec3, path: R::Vec3) -> Option<Surface<R>> {
+    match shape {
+        ObstacleShape::Plane(plane) => plane::meet(plane, side, from, path),
+        ObstacleShape::Sphere { center, radius } => sphere::meet(*center, *radius, from, path),
     }
 }
 
@@ -236,7 +255,7 @@ pub fn remember_sides<R: Real>(
         }
     }
     for contact in &scratch.contacts {
-        let depth = -(contact.gap + velocity[contact.particle].dot(contact.normal) * dt);
+        let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
         let ObstacleShape::Plane(plane) = &model.obstacles[contact.obstacle].shape else {
             deepest = deepest.max(depth);
             continue;

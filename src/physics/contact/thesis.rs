@@ -43,7 +43,14 @@ pub fn add_forces<R: Real>(
                     reaction(normal, depth, contact, pressing) + friction(normal, obstacle, pressing, velocity);
                 force[particle] += reaction;
                 deepest = deepest.max(depth);
-                contacts.push(ContactRecord { particle, obstacle: number, normal, gap: -depth, force: reaction });
+                contacts.push(ContactRecord {
+                    particle,
+                    obstacle: number,
+                    normal,
+                    gap: -depth,
+                    surface_velocity: R::Vec3::ZERO,
+                    force: reaction,
+                });
             }
         }
     }

@@ -1,0 +1,170 @@
+//! Carrying out edits, taking them back and making them again: from an [`Impact`] to what the simulation, the skins and
+//! the picture have to do about it.
+
+use super::history::{Change, Undone};
+use super::words::words;
+use super::{Bodies, Session, SessionError};
+use crate::physics::Simulation;
+use crate::physics::simulation::BodyMotion;
+use crate::scene::edit::{Applied, BodyId, Edit, Impact};
+use crate::scene::resolve::Jelly;
+use crate::scene::{Body, Scene};
+
+impl Session {
+    /// Changes the scene and remembers how to take it back.
+    pub(super) fn edit(&mut self, edit: Edit) -> Result<(), SessionError> {
+        let words = words(&self.scene, &edit);
+        if words.is_empty() && edit.replaces_a_node_of(&self.scene) {
+            return Ok(());
+        }
+        let change = self.make(edit, words)?;
+        self.history.record(change);
+        Ok(())
+    }
+
+    /// Adds a body whose shape is ready.
+    pub(super) fn add_body(&mut self, body: Box<Body>, jelly: Jelly) -> Result<(), SessionError> {
+        self.history.close();
+        self.library.put(body.shape.clone(), jelly);
+        self.edit(Edit::InsertBody(BodyId(self.scene.bodies.len()), body))?;
+        self.history.close();
+        Ok(())
+    }
+
+    /// Takes the last change back, with the motion of the body it moved or removed.
+    pub(super) fn undo(&mut self) -> Result<(), SessionError> {
+        let Some(change) = self.history.pop_done() else { return Ok(()) };
+        match self.carry_out(change.inverse.clone()) {
+            Ok(applied) => {
+                if let Some((body, motion)) = &change.motion {
+                    self.simulation.set_body_motion(*body, motion);
+                    self.picture.touch();
+                }
+                self.history.push_undone(Undone { edit: applied.inverse, words: change.words });
+                Ok(())
+            }
+            Err(error) => {
+                self.history.push(change);
+                Err(error)
+            }
+        }
+    }
+
+    /// Makes the change again that was taken back last.
+    pub(super) fn redo(&mut self) -> Result<(), SessionError> {
+        let Some(Undone { edit, words }) = self.history.pop_undone() else { return Ok(()) };
+        match self.make(edit.clone(), words.clone()) {
+            Ok(change) => {
+                self.history.push(change);
+                Ok(())
+            }
+            Err(error) => {
+                self.history.push_undone(Undone { edit, words });
+                Err(error)
+            }
+        }
+    }
+
+    fn make(&mut self, edit: Edit, words: String) -> Result<Change, SessionError> {
+        let motion = self.motion_before(&edit);
+        let Applied { inverse, impact } = self.carry_out(edit)?;
+        Ok(Change { inverse, words, motion: motion.filter(|_| impact >= Impact::Motion) })
+    }
+
+    fn motion_before(&self, edit: &Edit) -> Option<(usize, BodyMotion<f32>)> {
+        match edit {
+            Edit::Body(id, _) | Edit::RemoveBody(id) if id.0 < self.scene.bodies.len() => {
+                Some((id.0, self.simulation.body_motion(id.0)))
+            }
+            _ => None,
+        }
+    }
+
+    /// Changes the scene and everything that hangs on it; nothing has changed where it is refused.
+    fn carry_out(&mut self, edit: Edit) -> Result<Applied, SessionError> {
+        let kept_bodies = kept_bodies(&edit, self.scene.bodies.len());
+        let kept_obstacles = kept_obstacles(&edit, self.scene.obstacles.len());
+        let edited_body = if let Edit::Body(id, _) = &edit { Some(id.0) } else { None };
+        let mut scene = self.scene.clone();
+        let applied = scene.apply(edit)?;
+        match applied.impact {
+            Impact::Topology => self.rebuild(&scene, &kept_bodies)?,
+            Impact::Parameters | Impact::Motion => {
+                self.simulation.set_parameters(&scene, &self.bodies.lattices(), &kept_obstacles, self.playing);
+            }
+            Impact::Appearance => (),
+        }
+        if let Some(body) = edited_body {
+            self.follow_start(body, &scene);
+        }
+        self.bodies.dress(&scene);
+        if applied.impact > Impact::Appearance {
+            self.trouble = None;
+            self.picture.touch();
+        }
+        self.scene = scene;
+        self.find_notice();
+        Ok(applied)
+    }
+
+    /// Compiles the scene anew; bodies whose shape stays keep their motion.
+    fn rebuild(&mut self, scene: &Scene, kept: &[Option<usize>]) -> Result<(), SessionError> {
+        let bodies = Bodies::resolve(scene, &mut self.library, &())?;
+        let same_shape = |(new, old): (usize, &Option<usize>)| {
+            old.filter(|&old| scene.bodies[new].shape == self.scene.bodies[old].shape)
+        };
+        let kept: Vec<_> = kept.iter().enumerate().map(same_shape).collect();
+        let mut simulation = Simulation::new(scene, &bodies.lattices());
+        simulation.carry_over(&self.simulation, &kept);
+        self.bodies = bodies.with_skins_of(&self.bodies);
+        self.simulation = simulation;
+        self.simulation.set_grab(None);
+        Ok(())
+    }
+
+    /// Moves a body whose start was changed.
+    fn follow_start(&mut self, body: usize, scene: &Scene) {
+        let (old, new) = (&self.scene.bodies[body], &scene.bodies[body]);
+        let moved = (old.pose, old.velocity) != (new.pose, new.velocity);
+        if !moved || old.shape != new.shape {
+            return;
+        }
+        if self.simulation.is_at_start() {
+            self.simulation.restart_body(body);
+        } else if old.pose == new.pose {
+            self.simulation.throw_body(body);
+        } else {
+            self.simulation.teleport_body(body, old.pose.rotation_deg, new.pose.rotation_deg);
+        }
+    }
+}
+
+/// Which body of the scene before an edit each body after it was, if it was one.
+fn kept_bodies(edit: &Edit, before: usize) -> Vec<Option<usize>> {
+    match edit {
+        Edit::InsertBody(id, _) => with_gap(id.0, before),
+        Edit::RemoveBody(id) => without(id.0, before),
+        _ => (0..before).map(Some).collect(),
+    }
+}
+
+/// Which obstacle of the scene before an edit each obstacle after it was, if it was one.
+fn kept_obstacles(edit: &Edit, before: usize) -> Vec<Option<usize>> {
+    match edit {
+        Edit::InsertObstacle(id, _) => with_gap(id.0, before),
+        Edit::RemoveObstacle(id) => without(id.0, before),
+        _ => (0..before).map(Some).collect(),
+    }
+}
+
+fn with_gap(place: usize, before: usize) -> Vec<Option<usize>> {
+    let mut kept: Vec<_> = (0..before).map(Some).collect();
+    if place <= before {
+        kept.insert(place, None);
+    }
+    kept
+}
+
+fn without(place: usize, before: usize) -> Vec<Option<usize>> {
+    (0..before).filter(|&old| old != place).map(Some).collect()
+}

@@ -1,0 +1,82 @@
+//! Shapes that have been made ready, so that none is filled with cells twice: not when its body is edited, not when it
+//! comes back by undo, though its file may be gone by then.
+
+use std::path::PathBuf;
+
+use crate::geometry::Watch;
+use crate::scene::Shape;
+use crate::scene::resolve::{Jelly, ResolveError, resolve};
+
+/// Shapes kept; the one that was not asked for longest goes first.
+const CAPACITY: usize = 64;
+
+/// Shapes that have been made ready, the one asked for last at the end.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Library {
+    base_dir: PathBuf,
+    entries: Vec<(Shape, Jelly)>,
+}
+
+impl Library {
+    /// An empty one; relative model paths start at `base_dir`.
+    pub(super) fn new(base_dir: PathBuf) -> Self {
+        Self { base_dir, entries: Vec::new() }
+    }
+
+    /// The shape made ready, now or earlier.
+    pub(super) fn get(&mut self, shape: &Shape, watch: &dyn Watch) -> Result<Jelly, ResolveError> {
+        let jelly = match self.entries.iter().position(|(known, _)| known == shape) {
+            Some(place) => self.entries.remove(place).1,
+            None => resolve(shape, &self.base_dir, watch)?,
+        };
+        self.put(shape.clone(), jelly.clone());
+        Ok(jelly)
+    }
+
+    /// Takes a shape that was made ready elsewhere.
+    pub(super) fn put(&mut self, shape: Shape, jelly: Jelly) {
+        self.entries.retain(|(known, _)| *known != shape);
+        self.entries.push((shape, jelly));
+        if self.entries.len() > CAPACITY {
+            self.entries.remove(0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::scene::body::{CubeShape, ModelShape};
+
+    #[test]
+    fn a_shape_is_made_ready_once_and_outlives_its_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("box.obj");
+        let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        std::fs::write(&file, triangle).expect("a file");
+        let shape = Shape::Model(ModelShape { path: "box.obj".into(), divisions: 3, ..ModelShape::default() });
+        let mut library = Library::new(folder.path().to_owned());
+        let first = library.get(&shape, &()).expect("a flat model");
+        std::fs::remove_file(&file).expect("the file is there");
+        let second = library.get(&shape, &()).expect("it is remembered");
+        assert!(Arc::ptr_eq(&first.lattice, &second.lattice), "the very same lattice");
+    }
+
+    #[test]
+    fn the_shape_that_was_not_asked_for_longest_is_forgotten() {
+        let cube = |cells| Shape::Cube(CubeShape { cells, size: 1.0 });
+        let mut library = Library::default();
+        for cells in 1..=64 {
+            library.get(&cube(cells.min(2) + cells / 40), &()).expect("a cube");
+        }
+        assert!(library.entries.len() <= 4, "equal shapes count once");
+        for size in 0..70 {
+            let shape = Shape::Cube(CubeShape { cells: 1, size: 1.0 + f64::from(size) });
+            library.get(&shape, &()).expect("a cube");
+        }
+        assert_eq!(library.entries.len(), CAPACITY, "no more are kept");
+        assert!(library.entries.iter().all(|(shape, _)| *shape != cube(2)), "the oldest ones are gone");
+    }
+}

@@ -1,0 +1,67 @@
+//! What was last drawn, so that nothing is copied or computed for a picture that has not changed.
+
+use std::sync::Arc;
+
+use super::Session;
+use crate::extract;
+use crate::scene::ColorBy;
+use crate::view::DrawList;
+
+/// The share of particles that the automatic colour range covers: one torn corner must not grey out all others.
+const RANGE_SHARE: f64 = 0.99;
+
+/// What was last drawn.
+#[derive(Debug, Default)]
+pub(super) struct Picture {
+    drawn: Option<(u64, ColorBy)>,
+    revision: u64,
+    particles: Arc<Vec<[f32; 3]>>,
+    scalars: Option<Arc<Vec<f32>>>,
+    automatic_range: [f32; 2],
+}
+
+impl Picture {
+    /// Particles have moved, or may have.
+    pub(super) fn touch(&mut self) {
+        self.revision += 1;
+    }
+}
+
+impl Session {
+    /// The picture of the present state, from the scene's own camera.
+    #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
+    pub fn draw_list(&mut self) -> DrawList {
+        let view = &self.scene.view;
+        let now = (self.picture.revision, view.color);
+        if self.picture.drawn != Some(now) {
+            let positions = self.simulation.state().position.iter().map(glam::Vec3::to_array);
+            self.picture.particles = Arc::new(positions.collect());
+            let scalars = self.simulation.scalars(view.color);
+            self.picture.automatic_range = automatic_range(&scalars);
+            self.picture.scalars = (view.color != ColorBy::Plain).then(|| Arc::new(scalars));
+            self.picture.drawn = Some(now);
+        }
+        DrawList {
+            camera: extract::view::orbit(&view.camera).camera(),
+            light: extract::view::light(&view.light),
+            skins: self.bodies.skins(),
+            particles: Arc::clone(&self.picture.particles),
+            scalars: self.picture.scalars.clone(),
+            color_range: view.color_range.map_or(self.picture.automatic_range, |range| range.map(|end| end as f32)),
+            solids: extract::solid::solids(&self.scene.obstacles),
+            ..DrawList::default()
+        }
+    }
+}
+
+/// From zero to the value that all but the last hundredth stay below.
+fn automatic_range(scalars: &[f32]) -> [f32; 2] {
+    let mut sorted: Vec<f32> = scalars.iter().copied().filter(|x| x.is_finite()).collect();
+    if sorted.is_empty() {
+        return [0.0, 1.0];
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length is an index")]
+    let place = ((sorted.len() - 1) as f64 * RANGE_SHARE) as usize;
+    let (_, high, _) = sorted.select_nth_unstable_by(place, f32::total_cmp);
+    [0.0, if *high > 0.0 { *high } else { 1.0 }]
+}

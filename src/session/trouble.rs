@@ -1,0 +1,147 @@
+//! A simulation that broke: what was too large against what, in plain words, and what would cure it, as commands.
+
+use super::{Command, Session};
+use crate::math::Vector;
+use crate::physics::stability::Term;
+use crate::scene::edit::{BodyId, Edit};
+use crate::scene::material::Spring;
+use crate::scene::settings::Stepping;
+use crate::scene::{Body, Family, Material, Springs};
+use crate::view::legend::three_digits;
+
+/// A simulation that broke, explained.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trouble {
+    /// What happened and why, a few sentences.
+    pub words: String,
+    /// What would help, best first.
+    pub cures: Vec<Cure>,
+}
+
+/// Something that would help.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cure {
+    /// What it does, for a button.
+    pub words: String,
+    /// The change it needs; none where a new start is enough.
+    pub edit: Option<Edit>,
+}
+
+impl Cure {
+    /// What the button sends: the change, as one step of undo, and a new start.
+    pub fn commands(&self) -> Vec<Command> {
+        let edit = self.edit.iter().cloned().flat_map(|edit| [Command::EndEdit, Command::Edit(edit), Command::EndEdit]);
+        edit.chain([Command::Restart, Command::Play]).collect()
+    }
+}
+
+impl Session {
+    /// Explains why the simulation has just been stopped.
+    pub(super) fn explain_divergence(&self) -> Trouble {
+        let plan = self.simulation.plan();
+        let (dt_secs, limits) = (plan.substep_secs(), &plan.limits);
+        let too_large = limits.dt_limit_secs.filter(|limit| dt_secs > *limit);
+        let (Some(limit_secs), Some(safe_secs)) = (too_large, limits.dt_safe_secs()) else {
+            return Trouble {
+                words: "The simulation became unstable and was stopped at its last good state.".to_owned(),
+                cures: self.cures(1.0),
+            };
+        };
+        let guilty = limits.limited_by(plan.dt_secs);
+        let body = self.fastest_body();
+        let against = self.scene.bodies.get(body).map_or_else(String::new, |body| accuse(guilty, body));
+        let words = format!(
+            "The simulation exploded and was stopped at its last good state. A step of {} ms is too large for {against}: \
+             the motion stays bounded only below {} ms.",
+            three_digits(dt_secs * 1e3),
+            three_digits(limit_secs * 1e3),
+        );
+        Trouble { words, cures: self.cures(dt_secs / safe_secs) }
+    }
+
+    /// What helps against a step that is `excess` times too large to be safe.
+    fn cures(&self, excess: f64) -> Vec<Cure> {
+        let settings = &self.scene.settings;
+        let mut cures = Vec::new();
+        let cure = |words: String, edit| Cure { words, edit: Some(edit) };
+        if settings.stepping == Stepping::Manual {
+            let mut automatic = settings.clone();
+            automatic.stepping = Stepping::Auto;
+            cures.push(cure("Divide steps automatically".to_owned(), Edit::Settings(automatic)));
+        }
+        if excess > 1.0 {
+            let mut finer = settings.clone();
+            finer.dt = rounded_down(settings.dt / excess);
+            let words = format!("Use a step of {} ms", three_digits(finer.dt * 1e3));
+            cures.push(cure(words, Edit::Settings(finer)));
+            let guilty = self.fastest_body();
+            if let Some(body) = self.scene.bodies.get(guilty) {
+                let replaced = |body| Edit::Body(BodyId(guilty), Box::new(body));
+                cures.extend(material_cures(body, excess).map(|(words, body)| cure(words, replaced(body))));
+            }
+        }
+        cures.push(Cure { words: "Start again".to_owned(), edit: None });
+        cures
+    }
+
+    /// The body with the fastest particle: the one that broke.
+    fn fastest_body(&self) -> usize {
+        let velocity = &self.simulation.state().velocity;
+        let speed = |body: &crate::physics::model::BodyModel<f32>| {
+            velocity[body.particles.clone()].iter().fold(0.0_f32, |fastest, v| fastest.max(Vector::length(*v)))
+        };
+        let speeds = self.simulation.model().bodies.iter().map(speed).enumerate();
+        speeds.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(body, _)| body)
+    }
+}
+
+/// The value that is too large, and the mass it is too large for.
+fn accuse(guilty: Term, body: &Body) -> String {
+    let Material::Springs(springs) = &body.material;
+    let mass = format!("a particle mass of {} g", three_digits(springs.particle_mass * 1e3));
+    match guilty {
+        Term::Stiffness(family) => {
+            let stiffness = three_digits(springs.family(family).stiffness);
+            format!("{} of {stiffness} N with {mass}", guilty.words())
+        }
+        Term::Damping(family) => {
+            let damping = three_digits(springs.family(family).damping);
+            format!("{} of {damping} N·s with {mass}", guilty.words())
+        }
+        Term::Contact | Term::User | Term::Combined => format!("{} with {mass}", guilty.words()),
+    }
+}
+
+/// A stable step grows with the root of the mass over the stiffness, and with the mass over the damping: the square of
+/// the excess is enough for both.
+fn material_cures(body: &Body, excess: f64) -> impl Iterator<Item = (String, Body)> {
+    let Material::Springs(springs) = &body.material;
+    let factor = excess * excess;
+    let softer = |spring: Spring| Spring { stiffness: spring.stiffness / factor, damping: spring.damping / factor };
+    let [structural, shear, bending] = Family::ALL.map(|family| softer(springs.family(family)));
+    let soft = Springs { structural, shear, bending, ..*springs };
+    let heavy = Springs { particle_mass: springs.particle_mass * factor, ..*springs };
+    let times = three_digits(factor);
+    [(format!("Make the springs {times} times softer"), soft), (format!("Make it {times} times heavier"), heavy)]
+        .into_iter()
+        .map(|(words, springs)| (words, Body { material: Material::Springs(springs), ..body.clone() }))
+}
+
+/// Two significant digits, never more than given.
+fn rounded_down(value: f64) -> f64 {
+    let unit = libm::pow(10.0, libm::floor(libm::log10(value)) - 1.0);
+    libm::floor(value / unit) * unit
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_rounded_to_less() {
+        for (value, rounded) in [(0.001_29, 0.0012), (0.5, 0.5), (9.99e-5, 9.9e-5)] {
+            let got = rounded_down(value);
+            assert!(got <= value && (got - rounded).abs() < 1e-9 * rounded + 1e-12, "{value} became {got}");
+        }
+    }
+}
