@@ -33,7 +33,7 @@ fn the_frame_agrees() {
     let ours = members!(Frame:
         clip_from_world, shadow_from_world, eye, ambient, light_direction, shadow_texel, light_color, shadow_span,
         background_top, shadow_opacity, background_bottom, grid_opacity, grid, grid_spacing, obstacle, ground_radius,
-        obstacle_edge, body_size, camera_target, color_low, color_scale, show_scalars, padding);
+        obstacle_edge, body_size, camera_target, color_low, color_scale, show_scalars, viewport);
     for shader in [shader::SHADOW, shader::SOLID, shader::MESH, shader::BACKGROUND, shader::GROUND] {
         check(shader, "Frame", &ours);
     }
