@@ -1,3 +1,5 @@
+//! What overlays show of a small cube.
+
 use super::*;
 use crate::geometry::voxel::Cells;
 use crate::scene::body::CubeShape;
