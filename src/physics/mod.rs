@@ -14,6 +14,7 @@ pub mod interaction;
 pub mod model;
 pub mod plan;
 pub mod report;
+pub mod runaway;
 pub mod scalars;
 pub mod simulation;
 pub mod stability;

@@ -19,7 +19,8 @@ pub struct StepReport {
     pub narrow_tests_saved: u64,
     /// Link forces evaluated.
     pub link_forces: u64,
-    /// Whether the step was abandoned, state untouched, because a number would have stopped being finite.
+    /// Whether the step was abandoned, state untouched, because a number would have stopped being finite or, in
+    /// manual stepping, a body would have been torn apart.
     pub diverged: bool,
 }
 
