@@ -47,7 +47,7 @@ impl OverlaySource {
         &mut self,
         simulation: &Simulation<f32>,
         bodies: &[Body],
-        wanted: &Overlays,
+        wanted: Overlays,
         colors: &OverlayColors,
     ) -> Overlay {
         let mut overlay = Overlay::default();
@@ -59,8 +59,7 @@ impl OverlaySource {
         } else {
             self.lattices.clear();
         }
-        let mut skin = 0;
-        for (body, _) in models.iter().zip(bodies).filter(|(_, body)| !body.hidden) {
+        for (skin, (body, _)) in models.iter().zip(bodies).filter(|(_, body)| !body.hidden).enumerate() {
             if inside {
                 self.add_inside(&mut overlay, body, wanted, colors);
             }
@@ -68,7 +67,6 @@ impl OverlaySource {
                 let color = opaque(colors.wireframe, 0.8);
                 overlay.lines.push(Lines { ends: LineEnds::Skin(skin), color, width: 1.0, hidden: 0.0 });
             }
-            skin += 1;
         }
         if wanted.boxes {
             overlay.lines.push(boxes(simulation, colors));
@@ -79,7 +77,7 @@ impl OverlaySource {
         overlay
     }
 
-    fn add_inside(&mut self, overlay: &mut Overlay, body: &BodyModel<f32>, wanted: &Overlays, colors: &OverlayColors) {
+    fn add_inside(&mut self, overlay: &mut Overlay, body: &BodyModel<f32>, wanted: Overlays, colors: &OverlayColors) {
         let first = index(body.particles.start);
         let lists = self.lists(&body.lattice);
         let families = [wanted.structural, wanted.shear, wanted.bending].into_iter().zip(colors.links).enumerate();

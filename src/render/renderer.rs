@@ -193,8 +193,8 @@ impl Renderer {
         pass.set_scissor_rect(x, y, width, height);
         pass.set_bind_group(0, self.shared.frame(), &[]);
         pass.set_bind_group(1, self.shared.lighting(), &[]);
-        let opacity = 1.0 - draw_list.overlay.see_through.clamp(0.0, 1.0);
-        if opacity == 1.0 {
+        let see_through = draw_list.overlay.see_through.clamp(0.0, 1.0);
+        if see_through <= 0.0 {
             self.mesh.draw(&mut pass, &self.scene.skins, self.shared.bodies());
             counters.passes.push("mesh");
         }
@@ -204,9 +204,9 @@ impl Renderer {
         self.ground.draw(&mut pass);
         counters.passes.extend(["solid", "background", "ground"]);
         self.overlay.draw_carried(&mut pass, counters);
-        if opacity < 1.0 {
+        if see_through > 0.0 {
             pass.set_bind_group(1, self.shared.lighting(), &[]);
-            self.mesh.draw_sheer(&mut pass, &self.scene.skins, self.shared.bodies(), opacity);
+            self.mesh.draw_sheer(&mut pass, &self.scene.skins, self.shared.bodies(), 1.0 - see_through);
             counters.passes.push("mesh");
         }
         self.overlay.draw_placed(&mut pass, counters);

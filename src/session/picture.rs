@@ -46,7 +46,7 @@ impl Session {
             self.picture.scalars = (view.color != ColorBy::Plain).then(|| Arc::new(scalars));
             let (simulation, bodies) = (&self.simulation, &self.scene.bodies);
             let source = &mut self.picture.overlay_source;
-            self.picture.overlay = source.fill(simulation, bodies, &view.overlays, &style.overlay);
+            self.picture.overlay = source.fill(simulation, bodies, view.overlays, &style.overlay);
             self.picture.drawn = Some(now);
         }
         DrawList {

@@ -47,7 +47,9 @@ impl Skin {
     pub fn edges(&self) -> Vec<[u32; 2]> {
         let of_triangle = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
         let mut edges: Vec<[u32; 2]> = self.triangles.iter().flat_map(of_triangle).collect();
-        edges.iter_mut().for_each(|edge| edge.sort_unstable());
+        for edge in &mut edges {
+            edge.sort_unstable();
+        }
         edges.sort_unstable();
         edges.dedup();
         edges

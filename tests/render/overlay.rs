@@ -181,7 +181,7 @@ fn what_is_placed_on_the_screen_stays_in_its_corner() {
         scene.overlay.scale = scale;
         let [r, g, b, _] = {
             let corner = Vec2::new(size[0] as f32, size[1] as f32) - Vec2::new(30.0, 20.0) * scale;
-            let [x, y] = [corner.x, corner.y].map(|at| at.round());
+            let [x, y] = [corner.x, corner.y].map(f32::round);
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the picture")]
             studio.picture(&scene, size).pixel([x as u32, y as u32]).unwrap()
         };
