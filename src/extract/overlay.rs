@@ -9,11 +9,11 @@ use crate::geometry::Lattice;
 use crate::math::Aabb;
 use crate::physics::Simulation;
 use crate::physics::model::BodyModel;
-use crate::scene::Body;
 use crate::scene::view_settings::Overlays;
-use crate::view::Overlay;
+use crate::scene::{Body, Obstacle};
 use crate::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Segment};
 use crate::view::style::OverlayColors;
+use crate::view::{Overlay, Selected};
 
 /// How much of a body is taken away where its inside is shown.
 const SEE_THROUGH: f32 = 0.8;
@@ -130,6 +130,18 @@ pub fn inverted_cells(simulation: &Simulation<f32>) -> usize {
     };
     let of_body = |body: &BodyModel<f32>| body.lattice.cells.iter().filter(|cell| is_inverted(body, cell)).count();
     simulation.model().bodies.iter().map(of_body).sum()
+}
+
+/// The draw list's name for a body of the scene; `None` where it is hidden or not there.
+pub fn selected_body(bodies: &[Body], index: usize) -> Option<Selected> {
+    bodies.get(index).filter(|body| !body.hidden)?;
+    Some(Selected::Skin(bodies[..index].iter().filter(|body| !body.hidden).count()))
+}
+
+/// The draw list's name for an obstacle of the scene; `None` where it is hidden or not there.
+pub fn selected_obstacle(obstacles: &[Obstacle], index: usize) -> Option<Selected> {
+    obstacles.get(index).filter(|obstacle| !obstacle.hidden)?;
+    Some(Selected::Solid(obstacles[..index].iter().filter(|obstacle| !obstacle.hidden).count()))
 }
 
 /// A pull from the point grabbed to where the pointer wants it: a line that is seen through everything, a dot at

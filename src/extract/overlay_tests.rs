@@ -133,3 +133,14 @@ fn a_pull_begins_where_it_was_grabbed() {
     assert_eq!(segments(&overlay.lines[0])[0].ends, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "from grabbed to target");
     assert_eq!(overlay.points.len(), 2, "a dot at either end");
 }
+
+#[test]
+fn what_is_selected_keeps_its_name_among_hidden_things() {
+    let body = |hidden| Body { hidden, ..Body::default() };
+    let bodies = [body(true), body(false), body(true), body(false)];
+    assert_eq!(selected_body(&bodies, 3), Some(Selected::Skin(1)), "the second that is drawn");
+    assert_eq!(selected_body(&bodies, 2), None, "a hidden one has no outline");
+    let obstacles = [Obstacle { hidden: true, ..Obstacle::default() }, Obstacle::default()];
+    assert_eq!(selected_obstacle(&obstacles, 1), Some(Selected::Solid(0)), "the first that is drawn");
+    assert_eq!(selected_obstacle(&obstacles, 7), None, "nor one that is not there");
+}

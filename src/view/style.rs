@@ -47,8 +47,10 @@ pub struct OverlayColors {
     pub inverted: [f32; 3],
     /// The edges of skins.
     pub wireframe: [f32; 3],
-    /// What is selected, grabbed or under the pointer.
+    /// What is selected or grabbed.
     pub accent: [f32; 3],
+    /// A handle under the pointer.
+    pub hot: [f32; 3],
     /// The axes x, y, z.
     pub axes: [[f32; 3]; 3],
 }
@@ -65,6 +67,7 @@ impl OverlayColors {
             inverted: linear_from_srgb([255, 150, 30]),
             wireframe: linear_from_srgb([250, 250, 250]),
             accent: linear_from_srgb([94, 160, 255]),
+            hot: linear_from_srgb([255, 255, 255]),
             axes: [[232, 112, 84], [240, 202, 72], [96, 162, 255]].map(linear_from_srgb),
         }
     }
@@ -80,6 +83,7 @@ impl OverlayColors {
             inverted: linear_from_srgb([222, 92, 0]),
             wireframe: linear_from_srgb([24, 26, 32]),
             accent: linear_from_srgb([24, 104, 226]),
+            hot: linear_from_srgb([16, 18, 24]),
             axes: [[204, 72, 44], [150, 112, 0], [24, 96, 214]].map(linear_from_srgb),
         }
     }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use gelatin::render::{FrameCounters, FrameTarget, offscreen};
-use gelatin::view::DrawList;
 use gelatin::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Segment};
+use gelatin::view::{DrawList, Overlay, Selected};
 use glam::Vec3;
 
 use crate::gpu::Studio;
@@ -86,7 +86,7 @@ fn a_body_more_uploads_only_that_one() {
 #[test]
 fn without_overlays_nothing_is_uploaded_and_no_pass_runs() {
     let (mut film, mut scene) = (Film::new(), cube());
-    let overlays = ["lines", "cells", "points", "fills"];
+    let overlays = ["lines", "cells", "points", "outline", "fills"];
     let runs = |counters: &FrameCounters| counters.passes.iter().any(|pass| overlays.contains(pass));
     for _ in 0..2 {
         let none = film.frame(&scene);
@@ -94,7 +94,11 @@ fn without_overlays_nothing_is_uploaded_and_no_pass_runs() {
     }
     cube_overlay(&mut scene, Arc::new(vec![[0, 1], [1, 2]]));
     assert!(runs(&film.frame(&scene)), "the check sees one that is drawn");
-    scene.overlay = gelatin::view::Overlay::default();
+    scene.overlay = Overlay::default();
+    scene.selected = Some(Selected::Skin(0));
+    assert!(film.frame(&scene).passes.contains(&"outline"), "and what is selected");
+    assert_eq!(film.frame(&scene).overlay_bytes, 0, "whose edges are uploaded once");
+    scene.selected = None;
     let none = film.frame(&scene);
     assert!(none.overlay_bytes == 0 && !runs(&none), "off again: {none:?}");
 }

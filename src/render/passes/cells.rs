@@ -29,7 +29,7 @@ impl CellsPass {
         let layouts = [Some(frame), Some(looks.layout())];
         let corners = wgpu::vertex_attr_array![0 => Uint32x4, 1 => Uint32x4];
         let buffers = [Some(vertex_layout::<[u32; 8]>(wgpu::VertexStepMode::Instance, &corners))];
-        let drawing = overlay_drawing(shader::CELLS, &layouts, &buffers, true);
+        let drawing = overlay_drawing(shader::CELLS, wgpu::PrimitiveTopology::TriangleList, &layouts, &buffers, true);
         let pipeline = drawing_pipeline_with(device, output, &drawing, Entries::default());
         Self { pipeline, looks, cells: Kept::new("cells"), sets: Vec::new() }
     }

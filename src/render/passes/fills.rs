@@ -23,7 +23,7 @@ impl FillsPass {
     pub(in crate::render) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
         let layouts = [Some(frame)];
         let buffers = [Some(vertex_layout::<FillVertex>(wgpu::VertexStepMode::Vertex, &FillVertex::ATTRIBUTES))];
-        let drawing = overlay_drawing(shader::FILLS, &layouts, &buffers, false);
+        let drawing = overlay_drawing(shader::FILLS, wgpu::PrimitiveTopology::TriangleList, &layouts, &buffers, false);
         let entries = Entries { compare: wgpu::CompareFunction::Always, ..Entries::default() };
         let pipeline = drawing_pipeline_with(device, output, &drawing, entries);
         Self { pipeline, corners: Kept::new("flat shapes"), ready: None }

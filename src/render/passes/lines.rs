@@ -54,7 +54,13 @@ impl LinesPass {
         let pairs = [Some(vertex_layout::<[u32; 2]>(instance, &pair))];
         let segments = [Some(vertex_layout::<SegmentInstance>(instance, &SegmentInstance::ATTRIBUTES))];
         let pipeline = |vertex, buffers, entries: Entries| {
-            let drawing = overlay_drawing(shader::LINES, &layouts, buffers, entries.writes_depth);
+            let drawing = overlay_drawing(
+                shader::LINES,
+                wgpu::PrimitiveTopology::TriangleStrip,
+                &layouts,
+                buffers,
+                entries.writes_depth,
+            );
             drawing_pipeline_with(device, output, &drawing, Entries { vertex, ..entries })
         };
         Self {
@@ -145,7 +151,7 @@ impl LinesPass {
             for (pipeline, wanted) in pipelines.iter().zip([true, set.has_hidden]).rev() {
                 if wanted {
                     pass.set_pipeline(pipeline);
-                    pass.draw(0..6, 0..set.count);
+                    pass.draw(0..4, 0..set.count);
                 }
             }
             drawn = true;
@@ -156,4 +162,4 @@ impl LinesPass {
 
 /// Numbers from one vertex of a deformed skin to the next.
 #[expect(clippy::cast_possible_truncation, reason = "a vertex is a few numbers")]
-const STRIDE_OF_SKINS: u32 = (size_of::<DeformedVertex>() / size_of::<f32>()) as u32;
+pub(in crate::render) const STRIDE_OF_SKINS: u32 = (size_of::<DeformedVertex>() / size_of::<f32>()) as u32;

@@ -37,7 +37,13 @@ impl PointsPass {
         let place = wgpu::vertex_attr_array![0 => Float32x3];
         let places = [Some(vertex_layout::<[f32; 3]>(wgpu::VertexStepMode::Instance, &place))];
         let pipeline = |vertex, buffers, entries: Entries| {
-            let drawing = overlay_drawing(shader::POINTS, &layouts, buffers, entries.writes_depth);
+            let drawing = overlay_drawing(
+                shader::POINTS,
+                wgpu::PrimitiveTopology::TriangleStrip,
+                &layouts,
+                buffers,
+                entries.writes_depth,
+            );
             drawing_pipeline_with(device, output, &drawing, Entries { vertex, ..entries })
         };
         Self {
@@ -106,7 +112,7 @@ impl PointsPass {
             for (pipeline, wanted) in pipelines.iter().zip([true, set.has_hidden]).rev() {
                 if wanted {
                     pass.set_pipeline(pipeline);
-                    pass.draw(0..6, 0..set.count);
+                    pass.draw(0..4, 0..set.count);
                 }
             }
             drawn = true;
