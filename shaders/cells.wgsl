@@ -53,7 +53,7 @@ fn vertex(@builtin(vertex_index) index: u32, @location(0) low: vec4u, @location(
     if line >= 12u && !is_inverted {
         return Stroke(vec4f(0.0, 0.0, -1.0, 1.0), vec2f(0.0), vec3f(0.0), vec4f(0.0));
     }
-    let width = cells.width * select(1.0, 3.0, is_inverted);
+    let width = cells.width * select(1.0, 2.2, is_inverted);
     let from_clip = frame.clip_from_world * vec4f(a, 1.0);
     let to_clip = frame.clip_from_world * vec4f(b, 1.0);
     // Corners 0 1 2 and 2 1 3 of two triangles.

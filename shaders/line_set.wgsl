@@ -15,11 +15,6 @@ struct LineSet {
 @group(1) @binding(0) var<uniform> lines: LineSet;
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
 
-// A line between two of the positions.
-fn carried_stroke(corner: u32, ends: vec2u) -> Stroke {
-    return stroke(corner, clip_of(ends.x), clip_of(ends.y), vec2f(lines.width), lines.color);
-}
-
 // A line between two points of the world.
 fn placed_stroke(corner: u32, first: vec3f, second: vec3f, color: vec4f, widths: vec2f) -> Stroke {
     let a = frame.clip_from_world * vec4f(first, 1.0);

@@ -37,7 +37,7 @@ fn pulled(line: Stroke) -> Stroke {
 
 @vertex
 fn carried(@builtin(vertex_index) corner: u32, @location(0) ends: vec2u) -> Stroke {
-    return pulled(carried_stroke(corner, ends));
+    return pulled(stroke(corner, clip_of(ends.x), clip_of(ends.y), vec2f(lines.width), lines.color));
 }
 
 @vertex

@@ -17,8 +17,10 @@ use crate::view::{Overlay, Selected};
 
 /// How much of a body is taken away where its inside is shown.
 const SEE_THROUGH: f32 = 0.8;
-/// What is left of arrows and boxes behind other things.
-const HIDDEN: f32 = 0.3;
+/// What is left of boxes behind other things.
+const HIDDEN_BOXES: f32 = 0.3;
+/// What is left of arrows: the body that is pushed lies before most of them.
+const HIDDEN_ARROWS: f32 = 0.75;
 /// The arrow of the force that carries a particle of a body at rest, in sizes of the body.
 const ARROW: f32 = 0.2;
 /// The longest arrow, in sizes of the body.
@@ -179,9 +181,9 @@ fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>, colors: &Ov
         arrows.push(head);
     }
     let ends = LineEnds::Placed(Arc::new(arrows));
-    overlay.lines.push(Lines { ends, color: [1.0; 4], width: 1.0, hidden: HIDDEN });
+    overlay.lines.push(Lines { ends, color: [1.0; 4], width: 1.0, hidden: HIDDEN_ARROWS });
     let places = PointPlaces::Placed(Arc::new(places));
-    overlay.points.push(Points { places, color, size: 4.5, hidden: HIDDEN });
+    overlay.points.push(Points { places, color, size: 4.5, hidden: HIDDEN_ARROWS });
 }
 
 /// The box around every body, and around every obstacle, stronger where it meets a body's: those pairs pass the broad
@@ -202,7 +204,7 @@ fn boxes(simulation: &Simulation<f32>, colors: &OverlayColors) -> Lines {
         let (opacity, width) = if meets { (1.0, 2.2) } else { (0.55, 1.2) };
         add_box(&mut edges, &obstacle.bounds, opaque(colors.obstacle_box, opacity), width);
     }
-    Lines { ends: LineEnds::Placed(Arc::new(edges)), color: [1.0; 4], width: 1.0, hidden: HIDDEN }
+    Lines { ends: LineEnds::Placed(Arc::new(edges)), color: [1.0; 4], width: 1.0, hidden: HIDDEN_BOXES }
 }
 
 fn add_box(edges: &mut Vec<Segment>, bounds: &Aabb<f32>, color: [f32; 4], width: f32) {

@@ -128,7 +128,8 @@ impl Renderer {
         }
         let mut counters = FrameCounters::default();
         let deform = self.scene.update(device, queue, &self.skin, draw_list, &mut counters)?;
-        self.overlay.prepare(device, queue, &draw_list.overlay, &mut self.scene, &mut counters)?;
+        let overlays = [&draw_list.overlay, &draw_list.tools];
+        self.overlay.prepare(device, queue, overlays, &mut self.scene, &mut counters)?;
         let gpu = Device { device, queue };
         self.outline.prepare(gpu, draw_list, frame.size, &mut self.scene, &mut counters.overlay_bytes)?;
 

@@ -31,6 +31,8 @@ pub struct DrawList {
     pub solids: Vec<Solid>,
     /// What explains the picture: lines, points and the like.
     pub overlay: Overlay,
+    /// What a person works with, over all that: handles, a pull, the cross of axes.
+    pub tools: Overlay,
     /// What has an outline, in the style's accent.
     pub selected: Option<Selected>,
 }

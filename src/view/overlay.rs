@@ -116,7 +116,7 @@ pub struct CellFrames {
     pub color: [f32; 4],
     /// Cells turned inside out, over everything.
     pub inverted: [f32; 4],
-    /// Width of the lines, pixels; those of inverted cells are three times as wide.
+    /// Width of the lines, pixels; those of inverted cells are more than twice as wide.
     pub width: f32,
 }
 

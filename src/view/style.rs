@@ -76,7 +76,7 @@ impl OverlayColors {
         Self {
             links: [[0, 104, 178], [214, 116, 0], [40, 42, 50]].map(linear_from_srgb),
             particle: linear_from_srgb([30, 32, 38]),
-            contact: linear_from_srgb([196, 84, 0]),
+            contact: linear_from_srgb([26, 28, 40]),
             body_box: linear_from_srgb([40, 42, 50]),
             obstacle_box: linear_from_srgb([0, 104, 178]),
             cell: linear_from_srgb([30, 96, 150]),

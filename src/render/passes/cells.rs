@@ -1,5 +1,6 @@
 //! Cells as frames, those turned inside out crossed.
 
+use super::all_with;
 use super::lines::Device;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::error::RenderError;
@@ -8,6 +9,7 @@ use crate::render::layout::CellSet;
 use crate::render::scene::SceneBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
+use crate::view::Overlay;
 use crate::view::overlay::CellFrames;
 
 /// Vertices of a cell in `cells.wgsl`: two triangles for each of twelve edges and four diagonals.
@@ -38,15 +40,14 @@ impl CellsPass {
     pub(in crate::render) fn prepare(
         &mut self,
         Device { device, queue }: Device<'_>,
-        frames: &[CellFrames],
-        scale: f32,
+        overlays: [&Overlay; 2],
         scene: &SceneBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
         self.sets.clear();
         self.cells.begin();
         if let Some(positions) = scene.particles() {
-            for frames in frames {
+            for (frames, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.cells, overlay.scale)) {
                 let CellFrames { cells, first, color, inverted, width } = frames;
                 let look = CellSet {
                     color: *color,

@@ -1,5 +1,6 @@
 //! Overlay lines: what hangs on particles or skins, what is placed in the world, what is placed on the screen.
 
+use super::all_with;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::error::RenderError;
 use crate::render::kept::{Kept, Looks};
@@ -7,7 +8,8 @@ use crate::render::layout::{DeformedVertex, LineSet, SegmentInstance};
 use crate::render::scene::SceneBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
-use crate::view::overlay::{LineEnds, Lines, Segment};
+use crate::view::Overlay;
+use crate::view::overlay::{LineEnds, Segment};
 
 /// Draws overlay lines.
 #[derive(Debug)]
@@ -81,15 +83,14 @@ impl LinesPass {
     pub(in crate::render) fn prepare(
         &mut self,
         Device { device, queue }: Device<'_>,
-        lines: &[Lines],
-        scale: f32,
+        overlays: [&Overlay; 2],
         scene: &mut SceneBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
         self.sets.clear();
         self.pairs.begin();
         self.segments.begin();
-        for lines in lines {
+        for (lines, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.lines, overlay.scale)) {
             let mut look =
                 LineSet { color: lines.color, width: lines.width * scale, hidden: lines.hidden, stride: 3, first: 0 };
             let Some(mut positions) = scene.particles().cloned() else { continue };

@@ -64,6 +64,11 @@ fn overlay_drawing<'a>(
     Drawing { shader, layouts, buffers, topology, writes_depth, blend, cull: None }
 }
 
+/// Every part of an overlay with the overlay's scale.
+fn all_with<T>(parts: &[T], scale: f32) -> impl Iterator<Item = (&T, f32)> {
+    parts.iter().map(move |part| (part, scale))
+}
+
 /// A pipeline from entry point `vertex` to entry point `fragment`; nearer (greater) depth wins.
 fn drawing_pipeline(device: &wgpu::Device, output: Output, drawing: &Drawing<'_>) -> wgpu::RenderPipeline {
     drawing_pipeline_with(device, output, drawing, Entries::default())

@@ -1,5 +1,6 @@
 //! Overlay points: particles, or places in the world.
 
+use super::all_with;
 use super::lines::Device;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::error::RenderError;
@@ -8,6 +9,7 @@ use crate::render::layout::PointSet;
 use crate::render::scene::SceneBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
+use crate::view::Overlay;
 use crate::view::overlay::{PointPlaces, Points};
 
 /// Draws overlay points.
@@ -62,15 +64,15 @@ impl PointsPass {
     pub(in crate::render) fn prepare(
         &mut self,
         Device { device, queue }: Device<'_>,
-        points: &[Points],
-        scale: f32,
+        overlays: [&Overlay; 2],
         scene: &SceneBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
         self.sets.clear();
         self.places.begin();
         if let Some(positions) = scene.particles() {
-            for Points { places, color, size, hidden } in points {
+            for (points, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.points, overlay.scale)) {
+                let Points { places, color, size, hidden } = points;
                 let (buffer, first, count) = match places {
                     PointPlaces::Particles { first, count } => (None, *first, *count),
                     PointPlaces::Placed(places) => {
