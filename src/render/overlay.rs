@@ -10,6 +10,7 @@ use super::renderer::FrameCounters;
 use super::scene::SceneBuffers;
 use super::target::Output;
 use crate::view::Overlay;
+use crate::view::style::OverlayColors;
 
 /// Draws overlays.
 #[derive(Debug)]
@@ -36,13 +37,14 @@ impl OverlayPasses {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         overlays: [&Overlay; 2],
+        colors: &OverlayColors,
         scene: &mut SceneBuffers,
         counters: &mut FrameCounters,
     ) -> Result<(), RenderError> {
         let (device, bytes) = (Device { device, queue }, &mut counters.overlay_bytes);
-        self.lines.prepare(device, overlays, scene, bytes)?;
-        self.cells.prepare(device, overlays, scene, bytes)?;
-        self.points.prepare(device, overlays, scene, bytes)?;
+        self.lines.prepare(device, overlays, colors, scene, bytes)?;
+        self.cells.prepare(device, overlays, colors, scene, bytes)?;
+        self.points.prepare(device, overlays, colors, scene, bytes)?;
         self.fills.prepare(device, overlays, bytes)
     }
 

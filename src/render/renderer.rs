@@ -129,7 +129,8 @@ impl Renderer {
         let mut counters = FrameCounters::default();
         let deform = self.scene.update(device, queue, &self.skin, draw_list, &mut counters)?;
         let overlays = [&draw_list.overlay, &draw_list.tools];
-        self.overlay.prepare(device, queue, overlays, &mut self.scene, &mut counters)?;
+        let colors = &draw_list.style.overlay;
+        self.overlay.prepare(device, queue, overlays, colors, &mut self.scene, &mut counters)?;
         let gpu = Device { device, queue };
         self.outline.prepare(gpu, draw_list, frame.size, &mut self.scene, &mut counters.overlay_bytes)?;
 

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::Camera;
 use super::overlay::{LineEnds, Lines, Segment};
-use super::style::OverlayColors;
+use super::style::{OverlayColors, Tint};
 
 /// The middle of the cross, pixels from the lower right corner.
 const MIDDLE: Vec2 = Vec2::new(-52.0, 52.0);
@@ -49,7 +49,7 @@ pub fn axes(camera: &Camera, colors: &OverlayColors) -> Lines {
             line(letter + Vec2::from(*from) * HALF_LETTER, letter + Vec2::from(*to) * HALF_LETTER, 1.6);
         }
     }
-    Lines { ends: LineEnds::Screen(Arc::new(segments)), color: [1.0; 4], width: 1.0, hidden: 0.0 }
+    Lines { ends: LineEnds::Screen(Arc::new(segments)), tint: Tint::Own, opacity: 1.0, width: 1.0, hidden: 0.0 }
 }
 
 #[cfg(test)]

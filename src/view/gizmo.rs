@@ -20,7 +20,7 @@ use glam::{Vec2, Vec3};
 
 use super::Camera;
 use super::overlay::{Fill, LineEnds, Lines, Overlay, Segment};
-use super::style::OverlayColors;
+use super::style::{OverlayColors, Tint};
 
 /// Where an arrow begins and ends, pixels from the middle.
 const ARROW: [f32; 2] = [14.0, 84.0];
@@ -197,7 +197,7 @@ impl Gizmo {
             segments.push(Segment { widths, ..Segment::new(neck, tip, color, 0.0) });
         }
         let ends = LineEnds::Placed(Arc::new(segments));
-        overlay.lines.push(Lines { ends, color: [1.0; 4], width: 1.0, hidden: 1.0 });
+        overlay.lines.push(Lines { ends, tint: Tint::Own, opacity: 1.0, width: 1.0, hidden: 1.0 });
         overlay.fills = Arc::new(fills);
     }
 }

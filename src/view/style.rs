@@ -55,7 +55,49 @@ pub struct OverlayColors {
     pub axes: [[f32; 3]; 3],
 }
 
+/// Which of the colours of overlays something has: named, so that it follows the theme it is drawn in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tint {
+    /// Its own colours, segment by segment.
+    Own,
+    /// Links of a family: 0 structural, 1 shear, 2 bending.
+    Link(usize),
+    /// Particles.
+    Particle,
+    /// Contacts and their forces.
+    Contact,
+    /// Boxes around bodies.
+    BodyBox,
+    /// Boxes around obstacles.
+    ObstacleBox,
+    /// Cells.
+    Cell,
+    /// Cells turned inside out.
+    Inverted,
+    /// The edges of skins.
+    Wireframe,
+    /// What is selected or grabbed.
+    Accent,
+}
+
 impl OverlayColors {
+    /// The colour with an opacity of 0..1; white for what has its own.
+    pub fn of(&self, tint: Tint, opacity: f32) -> [f32; 4] {
+        let [r, g, b] = match tint {
+            Tint::Own => [1.0; 3],
+            Tint::Link(family) => self.links[family % self.links.len()],
+            Tint::Particle => self.particle,
+            Tint::Contact => self.contact,
+            Tint::BodyBox => self.body_box,
+            Tint::ObstacleBox => self.obstacle_box,
+            Tint::Cell => self.cell,
+            Tint::Inverted => self.inverted,
+            Tint::Wireframe => self.wireframe,
+            Tint::Accent => self.accent,
+        };
+        [r, g, b, opacity]
+    }
+
     fn dark() -> Self {
         Self {
             links: [[86, 180, 233], [230, 159, 0], [240, 240, 244]].map(linear_from_srgb),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use gelatin::render::{FrameCounters, FrameTarget, offscreen};
 use gelatin::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Segment};
+use gelatin::view::style::Tint;
 use gelatin::view::{DrawList, Overlay, Selected};
 use glam::Vec3;
 
@@ -108,10 +109,9 @@ fn what_hangs_on_particles_is_uploaded_once_however_they_move() {
     let (mut film, mut scene) = (Film::new(), cube());
     cube_overlay(&mut scene, Arc::new(vec![[0, 1], [1, 2]]));
     let ends = LineEnds::Skin(0);
-    scene.overlay.lines.push(Lines { ends, color: [1.0; 4], width: 1.0, hidden: 0.0 });
+    scene.overlay.lines.push(Lines { ends, tint: Tint::Own, opacity: 1.0, width: 1.0, hidden: 0.0 });
     let cells = Arc::new(vec![[0, 1, 5, 6, 25, 26, 30, 31]]);
-    let (color, inverted) = ([1.0; 4], [1.0; 4]);
-    scene.overlay.cells.push(CellFrames { cells, first: 0, color, inverted, width: 1.0 });
+    scene.overlay.cells.push(CellFrames { cells, first: 0, width: 1.0 });
     assert!(film.frame(&scene).overlay_bytes > 0, "the lists are new");
     for _ in 0..2 {
         scene.particles = Arc::new(scene.particles.iter().map(|[x, y, z]| [*x, y + 0.1, *z]).collect());
@@ -126,7 +126,7 @@ fn what_hangs_on_particles_is_uploaded_once_however_they_move() {
 /// Two links and all particles.
 fn cube_overlay(scene: &mut DrawList, ends: Arc<Vec<[u32; 2]>>) {
     let ends = LineEnds::Particles { ends, first: 0 };
-    scene.overlay.lines = vec![Lines { ends, color: [1.0; 4], width: 2.0, hidden: 0.2 }];
+    scene.overlay.lines = vec![Lines { ends, tint: Tint::Own, opacity: 1.0, width: 2.0, hidden: 0.2 }];
     let places = PointPlaces::Particles { first: 0, count: 125 };
-    scene.overlay.points = vec![Points { places, color: [1.0; 4], size: 3.0, hidden: 0.0 }];
+    scene.overlay.points = vec![Points { places, tint: Tint::Particle, size: 3.0, hidden: 0.0 }];
 }

@@ -11,6 +11,7 @@ use crate::render::shader;
 use crate::render::target::Output;
 use crate::view::Overlay;
 use crate::view::overlay::CellFrames;
+use crate::view::style::{OverlayColors, Tint};
 
 /// Vertices of a cell in `cells.wgsl`: two triangles for each of twelve edges and four diagonals.
 const VERTICES: u32 = 6 * 16;
@@ -41,6 +42,7 @@ impl CellsPass {
         &mut self,
         Device { device, queue }: Device<'_>,
         overlays: [&Overlay; 2],
+        colors: &OverlayColors,
         scene: &SceneBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
@@ -48,10 +50,10 @@ impl CellsPass {
         self.cells.begin();
         if let Some(positions) = scene.particles() {
             for (frames, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.cells, overlay.scale)) {
-                let CellFrames { cells, first, color, inverted, width } = frames;
+                let CellFrames { cells, first, width } = frames;
                 let look = CellSet {
-                    color: *color,
-                    inverted: *inverted,
+                    color: colors.of(Tint::Cell, 0.8),
+                    inverted: colors.of(Tint::Inverted, 1.0),
                     width: width * scale,
                     first: *first,
                     ..CellSet::default()

@@ -10,6 +10,7 @@ use crate::render::shader;
 use crate::render::target::Output;
 use crate::view::Overlay;
 use crate::view::overlay::{LineEnds, Segment};
+use crate::view::style::OverlayColors;
 
 /// Draws overlay lines.
 #[derive(Debug)]
@@ -84,6 +85,7 @@ impl LinesPass {
         &mut self,
         Device { device, queue }: Device<'_>,
         overlays: [&Overlay; 2],
+        colors: &OverlayColors,
         scene: &mut SceneBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
@@ -91,8 +93,13 @@ impl LinesPass {
         self.pairs.begin();
         self.segments.begin();
         for (lines, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.lines, overlay.scale)) {
-            let mut look =
-                LineSet { color: lines.color, width: lines.width * scale, hidden: lines.hidden, stride: 3, first: 0 };
+            let mut look = LineSet {
+                color: colors.of(lines.tint, lines.opacity),
+                width: lines.width * scale,
+                hidden: lines.hidden,
+                stride: 3,
+                first: 0,
+            };
             let Some(mut positions) = scene.particles().cloned() else { continue };
             let (kind, instances, count) = match &lines.ends {
                 LineEnds::Particles { ends, first } => {

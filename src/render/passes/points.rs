@@ -11,6 +11,7 @@ use crate::render::shader;
 use crate::render::target::Output;
 use crate::view::Overlay;
 use crate::view::overlay::{PointPlaces, Points};
+use crate::view::style::OverlayColors;
 
 /// Draws overlay points.
 #[derive(Debug)]
@@ -65,6 +66,7 @@ impl PointsPass {
         &mut self,
         Device { device, queue }: Device<'_>,
         overlays: [&Overlay; 2],
+        colors: &OverlayColors,
         scene: &SceneBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
@@ -72,7 +74,7 @@ impl PointsPass {
         self.places.begin();
         if let Some(positions) = scene.particles() {
             for (points, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.points, overlay.scale)) {
-                let Points { places, color, size, hidden } = points;
+                let Points { places, tint, size, hidden } = points;
                 let (buffer, first, count) = match places {
                     PointPlaces::Particles { first, count } => (None, *first, *count),
                     PointPlaces::Placed(places) => {
@@ -81,8 +83,13 @@ impl PointsPass {
                         (Some(buffer), 0, u32::try_from(places.len()).unwrap_or(u32::MAX))
                     }
                 };
-                let look =
-                    PointSet { color: *color, size: size * scale, hidden: *hidden, first, ..PointSet::default() };
+                let look = PointSet {
+                    color: colors.of(*tint, 1.0),
+                    size: size * scale,
+                    hidden: *hidden,
+                    first,
+                    ..PointSet::default()
+                };
                 let content = bytemuck::bytes_of(&look);
                 self.looks.set(device, queue, self.sets.len(), content, positions, bytes_counted);
                 self.sets.push(Prepared { places: buffer, count, has_hidden: *hidden > 0.0 });
