@@ -32,6 +32,8 @@ const SQUARE: [f32; 2] = [26.0, 46.0];
 const RING: f32 = 102.0;
 /// Lines in a whole ring.
 const RING_SIDES: u16 = 96;
+/// How wide the rim of lines is, pixels.
+const RIM: f32 = 1.0;
 /// How near the pointer must come, pixels.
 const REACH: f32 = 8.0;
 /// An arrow that points this straight at the eye, as a cosine, is no use and not there.
@@ -196,7 +198,9 @@ impl Gizmo {
             let widths = [11.0 * wider(handle), 0.0];
             segments.push(Segment { widths, ..Segment::new(neck, tip, color, 0.0) });
         }
-        let ends = LineEnds::Placed(Arc::new(segments));
+        let [r, g, b] = colors.rim;
+        let rims = segments.iter().map(|segment| seen.rimmed(segment, [r, g, b, 1.0]));
+        let ends = LineEnds::Placed(Arc::new(rims.chain(segments.iter().copied()).collect()));
         overlay.lines.push(Lines { ends, tint: Tint::Own, opacity: 1.0, width: 1.0, hidden: 1.0 });
         overlay.fills = Arc::new(fills);
     }
@@ -267,6 +271,15 @@ impl<'a> Seen<'a> {
             self.gizmo.center + (toward * cos + side * sin) * radius
         };
         (0..=sides).map(point).collect()
+    }
+
+    /// A line that reaches a little beyond another on all sides.
+    fn rimmed(&self, segment: &Segment, color: [f32; 4]) -> Segment {
+        let [from, to] = segment.ends.map(Vec3::from);
+        let flat_ended = segment.widths[0] > 2.0 * segment.widths[1];
+        let beyond = if flat_ended { (to - from).normalize_or_zero() * self.metres(RIM) } else { Vec3::ZERO };
+        let widths = segment.widths.map(|width| width + 2.0 * RIM);
+        Segment { ends: [(from - beyond).to_array(), (to + 2.0 * beyond).to_array()], color, widths }
     }
 
     fn pixel(&self, point: Vec3) -> Option<Vec2> {

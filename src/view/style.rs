@@ -51,6 +51,8 @@ pub struct OverlayColors {
     pub accent: [f32; 3],
     /// A handle under the pointer.
     pub hot: [f32; 3],
+    /// The rim of handles, which stands out from whatever lies behind them.
+    pub rim: [f32; 3],
     /// The axes x, y, z.
     pub axes: [[f32; 3]; 3],
 }
@@ -110,6 +112,7 @@ impl OverlayColors {
             wireframe: linear_from_srgb([250, 250, 250]),
             accent: linear_from_srgb([94, 160, 255]),
             hot: linear_from_srgb([255, 255, 255]),
+            rim: linear_from_srgb([16, 17, 20]),
             axes: [[232, 112, 84], [240, 202, 72], [96, 162, 255]].map(linear_from_srgb),
         }
     }
@@ -126,6 +129,7 @@ impl OverlayColors {
             wireframe: linear_from_srgb([24, 26, 32]),
             accent: linear_from_srgb([24, 104, 226]),
             hot: linear_from_srgb([16, 18, 24]),
+            rim: linear_from_srgb([252, 252, 254]),
             axes: [[204, 72, 44], [150, 112, 0], [24, 96, 214]].map(linear_from_srgb),
         }
     }
