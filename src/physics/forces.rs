@@ -76,6 +76,45 @@ pub fn for_each_link<R: Real>(
     }
 }
 
+/// A link as a stiff coupling of its ends: what a small change of their distance does.
+#[derive(Clone, Copy, Debug)]
+pub struct Bond<R: Real> {
+    /// Unit vector from the first end to the second.
+    pub direction: R::Vec3,
+    /// Stiffness along the direction, N/m.
+    pub stiffness: R,
+    /// The share of it across the direction: what tension holds against, nothing in a squashed link.
+    pub slack: R,
+    /// Damping along the direction, N·s/m.
+    pub damping: R,
+}
+
+/// Calls `visit` with the ends (local numbers) of every link of the chosen families that has a direction, and its bond.
+/// `position` is the body's own.
+pub fn for_each_bond<R: Real>(
+    body: &BodyModel<R>,
+    families: [bool; 3],
+    position: &[R::Vec3],
+    mut visit: impl FnMut([u32; 2], Bond<R>),
+) {
+    for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
+        for link in &family.links {
+            let d = position[link.ends[1] as usize] - position[link.ends[0] as usize];
+            let length = d.length();
+            if length > R::ZERO {
+                let inverse = R::ONE / length;
+                let bond = Bond {
+                    direction: d * inverse,
+                    stiffness: family.stiffness * link.inverse_rest_length,
+                    slack: (R::ONE - link.rest_length * inverse).max(R::ZERO),
+                    damping: family.damping * link.inverse_rest_length,
+                };
+                visit(link.ends, bond);
+            }
+        }
+    }
+}
+
 /// The force on the first end of a link, N (GC §2 with the sign of `F_j` settled: the second end gets the opposite).
 ///
 /// `d` and `dv` are the second end's position and velocity relative to the first's, `stiffness` the force at 100 %

@@ -4,7 +4,7 @@
 //! `u` of the point at the end of the substep the pull is `J = dt (k (target − p − dt u) − d u)`, which solves to the
 //! impulse below: it adds no stability limit, however strong it is.
 
-use super::model::Model;
+use super::model::{BodyModel, Model};
 use crate::math::{Real, Vector};
 
 /// A pull at a point of a body.
@@ -21,6 +21,17 @@ pub struct Grab<R: Real> {
 }
 
 impl<R: Real> Grab<R> {
+    /// The weighted mean of what the particles have, of those of a body whose first is `first`.
+    pub(super) fn mean_of(&self, of_body: &[R::Vec3], first: usize) -> R::Vec3 {
+        self.weights.iter().fold(R::Vec3::ZERO, |sum, &(particle, weight)| sum + of_body[particle - first] * weight)
+    }
+
+    /// Damping of the pull, N·s/m.
+    pub(super) fn damping(&self, body: &BodyModel<R>) -> R {
+        let mass = (0..body.particles.len()).fold(R::ZERO, |sum, local| sum + body.mass(local));
+        (self.stiffness * mass).sqrt()
+    }
+
     /// The point pulled at, m.
     pub fn point(&self, position: &[R::Vec3]) -> R::Vec3 {
         self.weights.iter().fold(R::Vec3::ZERO, |sum, &(particle, weight)| sum + position[particle] * weight)

@@ -19,6 +19,8 @@ pub struct StepReport {
     pub narrow_tests_saved: u64,
     /// Link forces evaluated.
     pub link_forces: u64,
+    /// Iterations of the implicit integrator's solver.
+    pub iterations: u64,
     /// Whether the step was abandoned, state untouched, because a number would have stopped being finite or, in
     /// manual stepping, a body would have been torn apart.
     pub diverged: bool,
@@ -34,6 +36,7 @@ impl StepReport {
         self.narrow_tests += later.narrow_tests;
         self.narrow_tests_saved += later.narrow_tests_saved;
         self.link_forces += later.link_forces;
+        self.iterations += later.iterations;
         self.diverged |= later.diverged;
     }
 }

@@ -28,6 +28,8 @@ pub struct Simulation<R: Real = f32> {
     /// Obstacles on their way to where the scene has them.
     sweeps: Vec<Sweep<R>>,
     grab: Option<Grab<R>>,
+    /// What the last substep reported of contact: it holds while steps are only counted.
+    touching: StepReport,
     diverged: bool,
 }
 
@@ -38,7 +40,16 @@ impl<R: Real> Simulation<R> {
         let mut state = State::start(&model);
         state.fit_scheme(&plan);
         let scratch = Scratch::new(&model, &plan);
-        Self { model, plan, state, scratch, sweeps: Vec::new(), grab: None, diverged: false }
+        Self {
+            model,
+            plan,
+            state,
+            scratch,
+            sweeps: Vec::new(),
+            grab: None,
+            touching: StepReport::default(),
+            diverged: false,
+        }
     }
 
     /// Takes new parameters, obstacles and settings while everything keeps moving: the scene must have the bodies
@@ -184,13 +195,24 @@ impl<R: Real> Simulation<R> {
         if self.diverged {
             return StepReport { diverged: true, ..StepReport::default() };
         }
+        if self.state.held_steps + 1 < self.plan.span {
+            self.state.held_steps += 1;
+            self.state.steps += 1;
+            return self.touching;
+        }
         if !self.sweeps.is_empty() {
             sweep::advance(&mut self.model, &mut self.sweeps, self.plan.substep_secs());
         }
         let inputs = Inputs { grab: self.grab.as_ref() };
         let report = step::substep(&self.model, &self.plan, inputs, &mut self.state, &mut self.scratch, timer);
         self.diverged = report.diverged;
+        self.touching = StepReport {
+            contacts: report.contacts,
+            max_penetration_m: report.max_penetration_m,
+            ..StepReport::default()
+        };
         if !self.diverged {
+            self.state.held_steps = 0;
             self.state.substep += 1;
             if self.state.substep >= self.plan.substeps {
                 self.state.substep = 0;

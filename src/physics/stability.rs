@@ -13,7 +13,8 @@
 //! per particle, whatever its size. It is a bound at rest; crumpled states were seen to blow up from about 0.58 of
 //! it, hence the safety factor.
 //!
-//! Verlet with its predicted damping velocity counts the damping twice; RK4 has a region of stability of its own.
+//! Verlet with its predicted damping velocity counts the damping twice; RK4 has a region of stability of its own; the
+//! implicit scheme has no limit but that of the thesis's explicit contact.
 
 use glam::{DMat3, DVec3};
 
@@ -37,6 +38,8 @@ enum Region {
     /// Half a disc of this radius. An eigenvalue is no larger than the larger of ω and c, whichever way damping and
     /// stiffness mix.
     HalfDisc(f64),
+    /// Everything: links are part of the equations that are solved.
+    Everywhere,
 }
 
 impl Region {
@@ -48,6 +51,7 @@ impl Region {
             Integrator::Rk4 => Self::HalfDisc(2.61),
             // Beyond −2 both blow up for certain; below, undamped vibrations still grow, slowly.
             Integrator::Explicit | Integrator::Rk2 => Self::HalfDisc(2.0),
+            Integrator::Implicit => Self::Everywhere,
         }
     }
 }
@@ -224,13 +228,18 @@ fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, 
         terms.push((Term::Stiffness(family), region.undamped_limit(stiff)));
         terms.push((Term::Damping(family), region.damped_limit(damped)));
     }
-    terms.push((Term::Contact, region.undamped_limit(contact)));
+    let contact_limit = match region {
+        Region::Everywhere => undamped_limit(contact),
+        Region::Leapfrog(_) | Region::HalfDisc(_) => region.undamped_limit(contact),
+    };
+    terms.push((Term::Contact, contact_limit));
     let dt_limit_secs = match region {
         Region::Leapfrog(share) => combined_limit(waves, stiffness, damping.map(|d| share * d), contact),
         Region::HalfDisc(_) => smaller(
             region.undamped_limit(largest(waves, stiffness) + contact),
             region.damped_limit(largest(waves, damping)),
         ),
+        Region::Everywhere => contact_limit,
     };
     SceneLimits { terms, dt_limit_secs }
 }
@@ -241,6 +250,7 @@ impl Region {
         match self {
             Self::Leapfrog(_) => undamped_limit(lambda),
             Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda.sqrt()),
+            Self::Everywhere => None,
         }
     }
 
@@ -249,6 +259,7 @@ impl Region {
         match self {
             Self::Leapfrog(share) => damped_limit(share * lambda),
             Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda),
+            Self::Everywhere => None,
         }
     }
 }

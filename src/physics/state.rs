@@ -27,6 +27,8 @@ pub struct State<R: Real> {
     pub steps: u64,
     /// Substeps taken of the step that is under way.
     pub substep: u32,
+    /// Whole steps that are counted and that the motion has yet to catch up with: see `Plan::span`.
+    pub held_steps: u32,
     /// Simulated time, s: kept, not recomputed, as the step may be changed on the way.
     pub time_secs: f64,
 }
@@ -44,6 +46,7 @@ impl<R: Real> State<R> {
             side: Vec::new(),
             steps: 0,
             substep: 0,
+            held_steps: 0,
             time_secs: 0.0,
         };
         for body in &model.bodies {
@@ -58,6 +61,7 @@ impl<R: Real> State<R> {
     /// Remembers what the scheme of a plan needs and no more. A scheme that begins starts from a velocity that is not
     /// behind.
     pub(super) fn fit_scheme(&mut self, plan: &Plan) {
+        self.held_steps = self.held_steps.min(plan.span - 1);
         let count = if plan.integrator == Integrator::Verlet { self.position.len() } else { 0 };
         if self.acceleration.len() != count {
             self.acceleration = vec![R::Vec3::ZERO; count];

@@ -7,6 +7,8 @@
 //! contact  v* → v'   (implicit penalty and friction; the thesis rule adds to F before the prediction)
 //! refine   v' and the mean velocity u, where the scheme has one, with more forces on the way
 //! move     x += dt v'   (or dt u)
+//!
+//! The implicit scheme solves for pull, contact and v' at once: find touches, solve, settle.
 //! ```
 //!
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
@@ -22,7 +24,7 @@ use super::report::{StageTimer, StepReport};
 use super::runaway::runs_away;
 use super::state::State;
 use crate::math::{Real, Vector};
-use crate::scene::settings::ContactRule;
+use crate::scene::settings::{ContactRule, Integrator};
 
 /// Room a substep works in: allocated once, meaningless between substeps except for reading the last one's forces.
 #[derive(Clone, Debug)]
@@ -90,15 +92,28 @@ pub fn substep<R: Real>(
     timer.enter(Stage::Integrate);
     let held_force = &thesis_force[..];
     let mut free = Free { model, plan, dt, state, force, held_force, scratch: scheme };
-    free.predict(velocity);
-    if let Some(grab) = inputs.grab {
-        interaction::pull(model, dt, grab, &state.position, velocity);
+    if plan.integrator == Integrator::Implicit {
+        if implicit_contact {
+            free.fall(velocity);
+            contact::find_touches(model, plan, dt, state, velocity, contact, &mut report, timer);
+            timer.enter(Stage::Integrate);
+        }
+        free.solve(inputs.grab, &mut contact.touches, velocity, &mut report);
+        if implicit_contact {
+            contact::settle_touches(model, plan, dt, state, velocity, contact, &mut report, timer);
+            timer.enter(Stage::Integrate);
+        }
+    } else {
+        free.predict(velocity);
+        if let Some(grab) = inputs.grab {
+            interaction::pull(model, dt, grab, &state.position, velocity);
+        }
+        if implicit_contact {
+            contact::respond(model, plan, dt, state, velocity, contact, &mut report, timer);
+            timer.enter(Stage::Integrate);
+        }
+        free.refine(velocity, &mut report, timer);
     }
-    if implicit_contact {
-        contact::respond(model, plan, dt, state, velocity, contact, &mut report, timer);
-        timer.enter(Stage::Integrate);
-    }
-    free.refine(velocity, &mut report, timer);
     let path = &mut scheme.path;
     if implicit_contact && !path.is_empty() {
         contact::respond_to_paths(model, plan, dt, state, velocity, path, contact, &mut report, timer);

@@ -14,6 +14,8 @@ pub struct Settings {
     pub stepping: Stepping,
     /// How obstacles push back.
     pub contact: ContactRule,
+    /// Whether automatic stepping may hand a scene to the implicit integrator that it would have to divide too finely.
+    pub allow_implicit: bool,
     /// Acceleration of gravity, m/s². In files and on the command line a single number g means (0, −g, 0).
     #[serde(deserialize_with = "gravity")]
     pub gravity: [f64; 3],
@@ -26,6 +28,7 @@ impl Default for Settings {
             integrator: Integrator::SemiImplicit,
             stepping: Stepping::Auto,
             contact: ContactRule::Implicit,
+            allow_implicit: true,
             gravity: [0.0, -9.81, 0.0],
         }
     }
@@ -46,11 +49,13 @@ pub enum Integrator {
     Rk2,
     /// The classical Runge–Kutta method of fourth order.
     Rk4,
+    /// Linearly implicit Euler: stable at any step, dissipative.
+    Implicit,
 }
 
 impl Integrator {
     /// All schemes.
-    pub const ALL: [Self; 5] = [Self::SemiImplicit, Self::Explicit, Self::Verlet, Self::Rk2, Self::Rk4];
+    pub const ALL: [Self; 6] = [Self::SemiImplicit, Self::Explicit, Self::Verlet, Self::Rk2, Self::Rk4, Self::Implicit];
 
     /// The scheme's word on the command line and in figures.
     pub fn name(self) -> &'static str {
@@ -60,6 +65,7 @@ impl Integrator {
             Self::Verlet => "verlet",
             Self::Rk2 => "rk2",
             Self::Rk4 => "rk4",
+            Self::Implicit => "implicit",
         }
     }
 

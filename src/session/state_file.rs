@@ -3,7 +3,7 @@
 //! ```text
 //! "gelatin-state 2\n"                                       magic and version
 //! particles, planes, steps, substep, time bits              five u64
-//! bits of the velocity's lag, accelerations                 two u64
+//! bits of the velocity's lag, accelerations, held steps     three u64
 //! position, residual, velocity: 3 × particles × 3 f32
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
@@ -62,6 +62,7 @@ impl Session {
             state.time_secs.to_bits(),
             state.velocity_lag_secs.to_bits(),
             state.acceleration.len() as u64,
+            u64::from(state.held_steps),
         ];
         bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
         for vectors in [&state.position, &state.position_residual, &state.velocity, &state.acceleration] {
@@ -85,11 +86,11 @@ impl Session {
             });
         };
         let (body, checksum) = bytes.split_last_chunk::<8>().ok_or(StateFileError::Damaged)?;
-        if contents.len() < 64 || fnv1a(body) != u64::from_le_bytes(*checksum) {
+        if contents.len() < 72 || fnv1a(body) != u64::from_le_bytes(*checksum) {
             return Err(StateFileError::Damaged);
         }
         let mut reader = Reader { rest: &contents[..contents.len() - 8] };
-        let [particles, planes, steps, substep, time, lag, accelerations] = std::array::from_fn(|_| reader.u64());
+        let [particles, planes, steps, substep, time, lag, accelerations, held] = std::array::from_fn(|_| reader.u64());
         let present = self.simulation().state();
         let (scene_particles, scene_planes) = (present.position.len(), present.side.len());
         if particles != scene_particles as u64 || planes != scene_planes as u64 {
@@ -107,6 +108,7 @@ impl Session {
             velocity: reader.vectors(scene_particles),
             acceleration: reader.vectors(accelerated),
             velocity_lag_secs: f64::from_bits(lag),
+            held_steps: u32::try_from(held).map_err(|_too_many| StateFileError::Damaged)?,
             side: (0..scene_planes).map(|_| reader.sides(scene_particles)).collect(),
             steps,
             substep: u32::try_from(substep).map_err(|_too_many| StateFileError::Damaged)?,

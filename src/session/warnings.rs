@@ -2,8 +2,8 @@
 
 use super::Session;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::State;
 use crate::physics::model::{BodyModel, Model, ObstacleModel, ObstacleShape};
+use crate::physics::{Plan, State};
 use crate::scene::settings::{Settings, Stepping};
 use crate::scene::{Scene, param};
 
@@ -14,6 +14,7 @@ impl Session {
         let mut warnings: Vec<String> = param::warnings(self.scene()).iter().map(ToString::to_string).collect();
         warnings.extend(self.bodies.warnings().cloned());
         warnings.extend(never_stable(&self.scene().settings));
+        warnings.extend(taken_over(&self.scene().settings, self.simulation().plan()));
         warnings.extend(small_obstacles(self.scene(), model));
         warnings.extend(overlapping_bodies(self.scene(), model, state));
         warnings
@@ -28,6 +29,22 @@ fn never_stable(settings: &Settings) -> Option<String> {
             "the integrator {} makes undamped vibrations grow at any step, so automatic stepping has nothing to divide \
              by: steps are taken as asked for, {dt} s",
             integrator.name()
+        )
+    })
+}
+
+/// The implicit integrator quiets vibrations: who did not choose it should know.
+fn taken_over(settings: &Settings, plan: &Plan) -> Option<String> {
+    (plan.integrator != settings.integrator).then(|| {
+        format!(
+            "{} would need {} substeps in every step of {} s with the integrator {}: the implicit integrator has taken \
+             over, with steps of {:.3} ms; it quiets vibrations sooner (settings.allow_implicit = false keeps them, in \
+             slow motion)",
+            plan.limits.limited_by(settings.dt).words(),
+            plan.limits.substeps(settings.dt),
+            settings.dt,
+            settings.integrator.name(),
+            plan.substep_secs() * 1e3
         )
     })
 }
@@ -83,7 +100,7 @@ mod tests {
     use super::*;
     use crate::scene::obstacle::Sphere;
     use crate::scene::settings::Integrator;
-    use crate::scene::{Body, Obstacle, ObstacleShape};
+    use crate::scene::{Body, Material, Obstacle, ObstacleShape};
 
     fn warnings(change: impl FnOnce(&mut Scene)) -> Vec<String> {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
@@ -94,6 +111,21 @@ mod tests {
     #[test]
     fn a_plain_scene_has_none() {
         assert_eq!(warnings(|_| {}), Vec::<String>::new(), "nothing to say");
+    }
+
+    #[test]
+    fn a_scheme_that_was_replaced_says_so() {
+        let stiff = |scene: &mut Scene| {
+            let Material::Springs(springs) = &mut scene.bodies[0].material;
+            springs.shear.stiffness = 1e6;
+        };
+        let said = warnings(stiff);
+        assert!(said.len() == 1 && said[0].contains("shear stiffness") && said[0].contains("implicit"), "{said:?}");
+        let slow = warnings(|scene| {
+            stiff(scene);
+            scene.settings.allow_implicit = false;
+        });
+        assert_eq!(slow, Vec::<String>::new(), "slow motion says so itself, while it runs");
     }
 
     #[test]

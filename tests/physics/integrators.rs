@@ -4,7 +4,7 @@ use gelatin::math::rng::Rng;
 use gelatin::physics::Simulation;
 use gelatin::scene::Scene;
 use gelatin::scene::body::PinBox;
-use gelatin::scene::settings::{Integrator, Stepping};
+use gelatin::scene::settings::{ContactRule, Integrator, Stepping};
 use gelatin::session::run::whole_steps;
 use glam::DVec3;
 
@@ -70,6 +70,7 @@ fn errors_shrink_with_the_order_of_the_scheme() {
             (Integrator::Verlet, 2.0, 10),
             (Integrator::Rk2, 2.0, 10),
             (Integrator::Rk4, 4.0, 9),
+            (Integrator::Implicit, 1.0, 12),
         ] {
             let observed = observed_order(&scene, integrator, exponent);
             assert!((observed - order).abs() < 0.2, "{name}, {integrator:?}: order {observed} instead of {order}");
@@ -143,7 +144,8 @@ fn a_scheme_without_a_stable_step_is_not_divided_and_is_watched() {
         let simulation = simulate::<f32>(&scene);
         let plan = simulation.plan();
         assert_eq!(plan.integrator, integrator, "the scheme that was chosen");
-        assert_eq!(plan.substeps > 1, integrator.has_stable_step(), "{integrator:?}");
+        let divided = integrator.has_stable_step() && integrator != Integrator::Implicit;
+        assert_eq!(plan.substeps > 1, divided, "{integrator:?}");
         assert_eq!(plan.watched, !integrator.has_stable_step(), "{integrator:?}");
     }
 }
@@ -212,6 +214,98 @@ fn no_scheme_lets_anything_through() {
             }
         }
     }
+}
+
+/// A cube that no explicit scheme could step at dt = 1/60 s, at rest on a plane tilted by `slope`.
+fn stiff(stiffness: f64, dt: f64, slope: f64) -> (Scene, DVec3) {
+    let (mut scene, up) = on_plane(Integrator::Implicit, slope);
+    let position = scene.bodies[0].pose;
+    scene.bodies[0] = cube(4, 1.0, springs(stiffness, 1e-6 * stiffness, 0.008), position.position);
+    scene.bodies[0].pose = position;
+    scene.settings.stepping = Stepping::Manual;
+    scene.settings.dt = dt;
+    (scene, up)
+}
+
+#[test]
+fn the_implicit_scheme_takes_stiff_springs_at_a_frame_a_step() {
+    for stiffness in [60.0, 1e4, 1e7] {
+        for dt in [1.0 / 240.0, 1.0 / 60.0] {
+            let (mut scene, _) = stiff(stiffness, dt, 0.0);
+            scene.bodies[0].pose.position[1] = 1.0;
+            let mut simulation = simulate::<f32>(&scene);
+            run(&mut simulation, 4.0);
+            let now = simulation.diagnostics();
+            let lowest = now.bounds.min.y;
+            // In single precision a rounded position is a force of 30 weights at the largest stiffness.
+            let still = if stiffness > 1e6 { 0.05 } else { 1e-3 };
+            assert!(now.max_speed < still, "k {stiffness}, dt {dt}: {} m/s", now.max_speed);
+            assert!((-0.02..=1e-3).contains(&lowest), "k {stiffness}, dt {dt}: the underside is at {lowest}");
+            assert!(now.bounds.size().max_element() < 1.4, "k {stiffness}, dt {dt}: {:?}", now.bounds);
+        }
+    }
+}
+
+#[test]
+fn the_implicit_scheme_holds_and_slides_at_large_steps_too() {
+    for stiffness in [60.0, 1e5] {
+        for dt in [1.0 / 240.0, 1.0 / 60.0] {
+            let after = |slope: f64, seconds: f64| {
+                let (scene, up) = stiff(stiffness, dt, slope);
+                let mut simulation = simulate::<f32>(&scene);
+                run(&mut simulation, seconds);
+                let (now, down) = (simulation.diagnostics(), DVec3::new(-up.y, up.x, 0.0));
+                (now.center.dot(down), now.momentum.dot(down) / now.mass_kg)
+            };
+            let creep = (after(0.95 * 0.5, 8.0).0 - after(0.95 * 0.5, 4.0).0).abs();
+            assert!(creep < 1e-5, "k {stiffness}, dt {dt}: creeps {creep} m in 4 s");
+            for slope in [1.05 * 0.5, 1.5 * 0.5] {
+                let acceleration = after(slope, 3.0).1 - after(slope, 2.0).1;
+                let ratio = acceleration / (9.81 * (f64::atan(slope).sin() - 0.5 * f64::atan(slope).cos()));
+                assert!((ratio - 1.0).abs() < 0.02, "k {stiffness}, dt {dt}, slope {slope}: {ratio} of the analytic");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_implicit_scheme_takes_over_where_it_may_and_only_there() {
+    let plan = |change: &dyn Fn(&mut Scene)| {
+        let (mut scene, _) = on_plane(Integrator::SemiImplicit, 0.0);
+        scene.settings.dt = 1e-3;
+        scene.bodies[0] = cube(4, 1.0, springs(1e6, 1.0, 0.008), [0.0, 0.5, 0.0]);
+        change(&mut scene);
+        let simulation = simulate::<f32>(&scene);
+        (simulation.plan().integrator, simulation.plan().span, simulation.plan().substeps)
+    };
+    assert_eq!(plan(&|_| ()), (Integrator::Implicit, 4, 1), "four steps of 1 ms at once");
+    assert_eq!(plan(&|scene| scene.settings.dt = 0.05), (Integrator::Implicit, 1, 12), "a long step is divided");
+    let (stays, span, substeps) = plan(&|scene| scene.settings.allow_implicit = false);
+    assert!(stays == Integrator::SemiImplicit && span == 1 && substeps > 50, "in slow motion: {substeps}");
+    assert_eq!(plan(&|scene| scene.settings.contact = ContactRule::Thesis).0, Integrator::SemiImplicit, "not with it");
+    assert_eq!(plan(&|scene| scene.settings.stepping = Stepping::Manual).0, Integrator::SemiImplicit, "as told");
+    let soft = plan(&|scene| scene.bodies[0] = cube(4, 1.0, springs(60.0, 0.1, 0.008), [0.0, 0.5, 0.0]));
+    assert_eq!(soft.0, Integrator::SemiImplicit, "no need");
+}
+
+#[test]
+fn steps_that_are_only_counted_lose_no_time() {
+    let (mut scene, _) = on_plane(Integrator::SemiImplicit, 0.0);
+    scene.settings.dt = 1e-3;
+    scene.bodies[0] = cube(4, 1.0, springs(1e6, 1.0, 0.008), [0.0, 2.0, 0.0]);
+    let mut simulation = simulate::<f64>(&scene);
+    for step in 1..=403u64 {
+        simulation.step();
+        assert_eq!(simulation.state().steps, step, "every step counts");
+    }
+    assert!((simulation.state().time_secs - 0.4).abs() < 1e-9, "the last whole four");
+    let fallen = 2.0 - simulation.diagnostics().center.y;
+    assert!((fallen - 0.5 * 9.81 * 0.4 * 0.404).abs() < 1e-6, "100 steps of 4 ms of free fall: {fallen}");
+    let mut copy = simulate::<f64>(&scene);
+    copy.set_state(simulation.state().clone());
+    run(&mut simulation, 0.1);
+    run(&mut copy, 0.1);
+    assert_eq!(simulation.hash(), copy.hash(), "a copy goes on between the four too");
 }
 
 fn landing(integrator: Integrator) -> Scene {

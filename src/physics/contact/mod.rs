@@ -15,6 +15,10 @@ mod response;
 mod sphere;
 pub(super) mod sweep;
 pub mod thesis;
+mod touch;
+
+pub(super) use touch::{Hold, Touch};
+pub(super) use touch::{find as find_touches, settle as settle_touches};
 
 use super::model::{ContactModel, Model, ObstacleModel, ObstacleShape};
 use super::plan::{Plan, Stage};
@@ -34,6 +38,8 @@ pub struct Scratch<R: Real> {
     pub contacts: Vec<ContactRecord<R>>,
     /// For every body and plane whether a side is remembered: such pairs are near without a look at boxes.
     touching: Vec<bool>,
+    /// What the implicit integrator solves for, by particle.
+    pub(super) touches: Vec<Touch<R>>,
 }
 
 impl<R: Real> Scratch<R> {
@@ -43,6 +49,7 @@ impl<R: Real> Scratch<R> {
             near: Vec::with_capacity(model.obstacles.len()),
             contacts: Vec::with_capacity(model.particle_count()),
             touching: vec![true; model.bodies.len() * model.obstacles.len()],
+            touches: Vec::with_capacity(model.particle_count()),
         }
     }
 

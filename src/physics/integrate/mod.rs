@@ -11,13 +11,17 @@
 //! explicit Euler        v' = v + dt a(x, v)                  x' = x + dt v
 //! Verlet                v' = v + dt a(x, v + dt/2 a before)  x' = x + dt v'     v half a step behind x
 //! RK2 (midpoint), RK4   forces at 1 and 3 more places between
+//! implicit Euler        v' = v + dt a(x', v'), linearised       x' = x + dt v'
 //! ```
 
+mod implicit;
 mod rk2;
 mod rk4;
 mod verlet;
 
+use super::contact::Touch;
 use super::forces;
+use super::interaction::Grab;
 use super::model::Model;
 use super::plan::{Plan, Stage};
 use super::report::{StageTimer, StepReport};
@@ -40,6 +44,8 @@ pub(super) struct Scratch<R: Real> {
     velocity: Vec<R::Vec3>,
     /// Forces there, N.
     force: Vec<R::Vec3>,
+    /// Of the implicit scheme.
+    room: implicit::Room<R>,
 }
 
 impl<R: Real> Scratch<R> {
@@ -54,6 +60,11 @@ impl<R: Real> Scratch<R> {
             position: room(has_stages),
             velocity: room(has_stages || plan.integrator == Integrator::Verlet),
             force: room(has_stages),
+            room: if plan.integrator == Integrator::Implicit {
+                implicit::Room::new(model)
+            } else {
+                implicit::Room::default()
+            },
         }
     }
 }
@@ -77,12 +88,35 @@ impl<R: Real> Free<'_, R> {
         velocity.copy_from_slice(&self.state.velocity);
         let kicked_for = match self.plan.integrator {
             Integrator::Verlet => verlet::kicked_for(self.dt, self.state),
-            Integrator::SemiImplicit | Integrator::Explicit | Integrator::Rk2 | Integrator::Rk4 => self.dt,
+            _ => self.dt,
         };
         kick(self.model, kicked_for, self.force, velocity);
         if moves_by_mean(self.plan.integrator) {
             self.scratch.predicted.copy_from_slice(velocity);
         }
+    }
+
+    /// Writes the velocities with which every particle would fall freely, as if it had no links.
+    pub(super) fn fall(&self, velocity: &mut [R::Vec3]) {
+        velocity.copy_from_slice(&self.state.velocity);
+        for body in &self.model.bodies {
+            for (local, particle) in body.particles.clone().enumerate() {
+                if !body.is_pinned(local) {
+                    velocity[particle] += self.model.gravity * self.dt;
+                }
+            }
+        }
+    }
+
+    /// Writes the velocities at the end of the substep as the implicit scheme solves for them, contact and pull included.
+    pub(super) fn solve(
+        &mut self,
+        grab: Option<&Grab<R>>,
+        touches: &mut [Touch<R>],
+        velocity: &mut [R::Vec3],
+        report: &mut StepReport,
+    ) {
+        implicit::solve(self, grab, touches, velocity, report);
     }
 
     /// Goes through the substep once more for the schemes that move particles by another velocity than that at its end:
@@ -95,9 +129,7 @@ impl<R: Real> Free<'_, R> {
         match self.plan.integrator {
             Integrator::Rk2 => rk2::refine(self, velocity, report, timer),
             Integrator::Rk4 => rk4::refine(self, velocity, report, timer),
-            Integrator::Explicit | Integrator::SemiImplicit | Integrator::Verlet => {
-                self.scratch.path.copy_from_slice(&self.state.velocity);
-            }
+            _ => self.scratch.path.copy_from_slice(&self.state.velocity),
         }
         let Scratch { path, predicted, settled, .. } = self.scratch;
         for (particle, settled) in settled.iter().enumerate() {
@@ -152,7 +184,7 @@ pub(super) fn is_on_time<R: Real>(plan: &Plan, state: &State<R>) -> bool {
     match plan.integrator {
         Integrator::SemiImplicit => false,
         Integrator::Verlet => state.velocity_lag_secs <= 0.0,
-        Integrator::Explicit | Integrator::Rk2 | Integrator::Rk4 => true,
+        Integrator::Explicit | Integrator::Rk2 | Integrator::Rk4 | Integrator::Implicit => true,
     }
 }
 
