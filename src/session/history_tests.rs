@@ -172,6 +172,9 @@ fn another_body_leaves_one_at_rest_on_the_ground() {
 #[test]
 fn edits_in_the_middle_of_dear_steps_do_not_stop_time() {
     let mut session = session("cube-on-plane");
+    let mut divided = session.scene().settings.clone();
+    divided.allow_implicit = false;
+    session.handle(Command::Edit(Edit::Settings(divided))).expect("a setting");
     set_shear(&mut session, 1e6);
     let substeps = session.status().substeps;
     assert!(substeps > 20, "the step is divided into {substeps}");
