@@ -13,6 +13,7 @@ pub mod hash;
 pub mod interaction;
 pub mod model;
 pub mod plan;
+pub mod recovery;
 pub mod report;
 pub mod scalars;
 pub mod simulation;

@@ -1,7 +1,7 @@
 //! One substep, in the order of GC Algorithm 1.
 //!
 //! ```text
-//! forces   F  = m g + Σ links
+//! forces   F  = m g + Σ links + Σ cells near inversion
 //! predict  v* = v + dt F/m
 //! pull     v* of a grabbed point's particles   (an implicit spring)
 //! contact  v* → v'   (implicit penalty and friction; the thesis rule adds to F before the prediction)
@@ -16,6 +16,7 @@ use super::forces;
 use super::interaction::{self, Grab};
 use super::model::Model;
 use super::plan::{Plan, Stage};
+use super::recovery;
 use super::report::{StageTimer, StepReport};
 use super::state::State;
 use crate::math::{Real, Vector};
@@ -73,6 +74,11 @@ pub fn substep<R: Real>(
     if plan.runs(Stage::Links) {
         timer.enter(Stage::Links);
         report.link_forces = forces::links(model, plan, &state.position, &state.velocity, &mut scratch.force);
+    }
+    if plan.recovery && recovery::is_due(plan, state) {
+        timer.enter(Stage::Recovery);
+        recovery::look(model, state, &mut report);
+        recovery::add_forces(model, state, &mut scratch.force, &mut report);
     }
     if plan.contact && plan.contact_rule == ContactRule::Thesis {
         timer.enter(Stage::Contact);

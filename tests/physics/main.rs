@@ -6,5 +6,6 @@ mod determinism;
 mod economy;
 mod friction;
 mod presets;
+mod recovery;
 mod stability;
 mod support;
