@@ -15,6 +15,7 @@ pub mod model;
 pub mod plan;
 pub mod recovery;
 pub mod report;
+pub mod runaway;
 pub mod scalars;
 pub mod simulation;
 pub mod stability;

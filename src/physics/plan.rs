@@ -58,6 +58,8 @@ pub struct Plan {
     pub contact: bool,
     /// How obstacles push back.
     pub contact_rule: ContactRule,
+    /// Whether an explosion is looked for: where nobody vouches for the step.
+    pub watched: bool,
     /// Whether boxes keep particles from the narrow phase; the result is the same without, only dearer.
     pub broad_phase: bool,
 }
@@ -82,6 +84,7 @@ impl Plan {
             recovery: model.bodies.iter().any(|body| body.recovery_stiffness > R::ZERO),
             contact: !model.obstacles.is_empty() && !model.bodies.is_empty(),
             contact_rule: settings.contact,
+            watched: settings.stepping == Stepping::Manual,
             broad_phase: true,
         }
     }

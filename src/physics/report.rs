@@ -23,7 +23,8 @@ pub struct StepReport {
     pub cells_looked_at: u64,
     /// Watched cells whose push against inversion was worked out.
     pub recovery_cells: u64,
-    /// Whether the step was abandoned, state untouched, because a number would have stopped being finite.
+    /// Whether the step was abandoned, state untouched, because a number would have stopped being finite or, in
+    /// manual stepping, a body would have been torn apart.
     pub diverged: bool,
 }
 

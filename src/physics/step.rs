@@ -8,8 +8,8 @@
 //! move     x += dt v'
 //! ```
 //!
-//! A step that would make any number infinite or NaN is abandoned before anything is written: the state stays the
-//! last good one and the report says so.
+//! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
+//! anything is written: the state stays the last good one and the report says so.
 
 use super::contact;
 use super::forces;
@@ -18,6 +18,7 @@ use super::model::Model;
 use super::plan::{Plan, Stage};
 use super::recovery;
 use super::report::{StageTimer, StepReport};
+use super::runaway::runs_away;
 use super::state::State;
 use crate::math::{Real, Vector};
 use crate::scene::settings::ContactRule;
@@ -93,7 +94,8 @@ pub fn substep<R: Real>(
         contact::respond(model, plan, dt, state, &mut scratch.velocity, &mut scratch.contact, &mut report, timer);
         timer.enter(Stage::Integrate);
     }
-    if stays_finite(dt, state, &scratch.velocity) {
+    let exploded = plan.watched && runs_away(model, dt, &scratch.velocity);
+    if !exploded && stays_finite(dt, state, &scratch.velocity) {
         if plan.contact && plan.contact_rule == ContactRule::Implicit {
             contact::remember_sides(model, dt, state, &scratch.velocity, &mut scratch.contact, &mut report);
         }

@@ -3,6 +3,7 @@
 use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin};
 use super::material::{Material, Spring, Springs};
 use super::obstacle::{Obstacle, ObstacleShape, Plane, Sphere};
+use super::settings::Stepping;
 use super::view_settings::{CameraSettings, ViewSettings};
 use super::{Scene, builtin};
 
@@ -39,7 +40,7 @@ pub fn drop_model(path: &str) -> Scene {
     looking_at([0.0, 0.45, 0.0], 3.6, scene(model_body(name, shape, 1.1), Vec::new()))
 }
 
-const PRESETS: [Preset; 11] = [
+const PRESETS: [Preset; 12] = [
     Preset { name: DEFAULT, summary: "A jelly cube falls on the ground beside a sphere.", build: cube_on_plane },
     Preset {
         name: "cube-on-sphere",
@@ -59,6 +60,11 @@ const PRESETS: [Preset; 11] = [
     Preset { name: "coupler-20", summary: "The same coupler in 20 divisions.", build: || coupler(20) },
     Preset { name: "coupler-40", summary: "The same coupler in 40 divisions.", build: || coupler(40) },
     Preset { name: "spot", summary: "A cow by Keenan Crane, jellified in 20 divisions.", build: spot },
+    Preset {
+        name: "exploding",
+        summary: "Springs too stiff for the step: see what happens, and why.",
+        build: exploding,
+    },
 ];
 
 fn cube_on_plane() -> Scene {
@@ -156,6 +162,28 @@ fn spot() -> Scene {
     let turned = Pose { rotation_deg: [0.0, -30.0, 0.0], ..body.pose };
     let material = damped(&body.material, 3.0);
     looking_at([0.0, 0.35, 0.0], 2.8, scene(Body { pose: turned, material, ..body }, Vec::new()))
+}
+
+/// GC Fig 23: structural springs a little too stiff for a step of 1 ms, with nobody to divide it. The cube falls well,
+/// and the first touch of the ground wakes the mode that grows.
+fn exploding() -> Scene {
+    let damping = 0.01;
+    let Material::Springs(soft) = Material::default();
+    let stiff = Springs {
+        structural: Spring { stiffness: 1010.0, damping },
+        shear: Spring { damping, ..soft.shear },
+        bending: Spring { damping, ..soft.bending },
+        ..soft
+    };
+    let cube = Body {
+        name: "Jelly".to_owned(),
+        pose: Pose { position: [0.0, 1.2, 0.0], rotation_deg: [5.0, 0.0, 8.0] },
+        material: Material::Springs(stiff),
+        ..Body::default()
+    };
+    let mut scene = scene(cube, Vec::new());
+    scene.settings.stepping = Stepping::Manual;
+    scene
 }
 
 fn carried(name: &str) -> ModelShape {

@@ -293,4 +293,8 @@ impl Session {
 }
 
 #[cfg(test)]
+mod history_tests;
+#[cfg(test)]
+mod random_tests;
+#[cfg(test)]
 mod tests;

@@ -141,3 +141,25 @@ fn too_large_a_manual_step_pauses_on_the_last_good_state_and_says_why() {
     assert!(!status.playing && trouble.words.contains("step of 50 ms"), "it stops and names the step: {trouble:?}");
     assert!(session.simulation().diagnostics().finite, "the picture stays whole");
 }
+
+#[test]
+fn the_exploding_preset_explodes_soon_names_the_cause_and_every_cure_cures_it() {
+    let mut exploding = session("exploding");
+    let steps = (0..2000).take_while(|_| exploding.step()).count();
+    assert!((100..1000).contains(&steps), "it falls well and explodes within a second: {steps} ms");
+    let diagnostics = exploding.simulation().diagnostics();
+    assert!(diagnostics.finite && diagnostics.max_speed < 1e4, "it is stopped while there is something to see");
+    let trouble = exploding.status().trouble.expect("the explosion is explained");
+    assert!(trouble.words.contains("structural stiffness of 1010 N"), "the cause is named: {}", trouble.words);
+    let (start_again, cures) = trouble.cures.split_last().expect("there are cures");
+    assert!(cures.len() >= 3 && start_again.edit.is_none(), "and a new start: {:?}", trouble.cures);
+    for cure in cures {
+        let mut session = session("exploding");
+        while session.step() {}
+        for command in cure.commands() {
+            session.handle(command).expect("a cure is allowed");
+        }
+        assert!(session.status().playing && session.status().trouble.is_none(), "{}: it runs again", cure.words);
+        assert!((0..3000).all(|_| session.step()), "{}: three seconds later it still stands", cure.words);
+    }
+}

@@ -40,23 +40,31 @@ impl Session {
     pub(super) fn explain_divergence(&self) -> Trouble {
         let plan = self.simulation.plan();
         let (dt_secs, limits) = (plan.substep_secs(), &plan.limits);
-        let too_large = limits.dt_limit_secs.filter(|limit| dt_secs > *limit);
-        let (Some(limit_secs), Some(safe_secs)) = (too_large, limits.dt_safe_secs()) else {
-            return Trouble {
-                words: "The simulation became unstable and was stopped at its last good state.".to_owned(),
-                cures: self.cures(1.0),
-            };
+        let (Some(limit_secs), Some(safe_secs)) = (limits.dt_limit_secs, limits.dt_safe_secs()) else {
+            return self.unexplained();
         };
+        if dt_secs <= safe_secs {
+            return self.unexplained();
+        }
         let guilty = limits.limited_by(plan.dt_secs);
         let body = self.fastest_body();
         let against = self.scene.bodies.get(body).map_or_else(String::new, |body| accuse(guilty, body));
+        let bound = if dt_secs > limit_secs {
+            format!("the motion stays bounded only below {} ms", three_digits(limit_secs * 1e3))
+        } else {
+            format!("at rest it would just do, squashed springs need less than {} ms", three_digits(safe_secs * 1e3))
+        };
+        let step = three_digits(dt_secs * 1e3);
         let words = format!(
-            "The simulation exploded and was stopped at its last good state. A step of {} ms is too large for {against}: \
-             the motion stays bounded only below {} ms.",
-            three_digits(dt_secs * 1e3),
-            three_digits(limit_secs * 1e3),
+            "The simulation exploded and was stopped at its last good state. A step of {step} ms is too large for \
+             {against}: {bound}."
         );
         Trouble { words, cures: self.cures(dt_secs / safe_secs) }
+    }
+
+    fn unexplained(&self) -> Trouble {
+        let words = "The simulation became unstable and was stopped at its last good state.".to_owned();
+        Trouble { words, cures: self.cures(1.0) }
     }
 
     /// What helps against a step that is `excess` times too large to be safe.

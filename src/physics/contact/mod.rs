@@ -181,8 +181,9 @@ impl<R: Real> Meeting<'_, R> {
     }
 
     /// A push from one obstacle may lead into another: looks for a velocity that no obstacle forbids. Standing still
-    /// always is one.
+    /// is one where all obstacles do; riding along with the one that moves is the way out where one pushes.
     fn allowed_by_all(&mut self, mut velocity: R::Vec3, contacts: &[ContactModel<R>]) -> R::Vec3 {
+        let mut riding = R::Vec3::ZERO;
         for _ in 0..ROUNDS {
             let mut forbidden = false;
             for (obstacle, contact) in contacts.iter().enumerate() {
@@ -190,8 +191,12 @@ impl<R: Real> Meeting<'_, R> {
                 let slowest = response::deepest_velocity(&surface, contact, self.dt);
                 let along = (velocity - surface_velocity).dot(surface.normal);
                 // The tolerance is rounding: a corrected velocity must not count as forbidden again.
-                if along < slowest - R::from_f64(1e-6) * (along.abs() + slowest.abs()) {
+                let speeds = along.abs() + slowest.abs() + surface_velocity.length();
+                if along < slowest - R::from_f64(1e-6) * speeds {
                     velocity += surface.normal * (slowest - along);
+                    if surface_velocity != R::Vec3::ZERO {
+                        riding = surface_velocity;
+                    }
                     forbidden = true;
                 }
             }
@@ -199,7 +204,7 @@ impl<R: Real> Meeting<'_, R> {
                 return velocity;
             }
         }
-        R::Vec3::ZERO
+        riding
     }
 
     /// The narrow phase, if this particle's motion comes near the obstacle at all, and the velocity of the surface.
