@@ -43,6 +43,7 @@ impl Stage {
 
 /// What a step does for one scene.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a stage that runs or does not, and any mixture is a plan")]
 pub struct Plan {
     /// The whole step, s.
     pub dt_secs: f64,

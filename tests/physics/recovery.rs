@@ -68,12 +68,11 @@ fn broken<R: Real>(n: u32, constants: Springs, way: Break, change: impl Fn(&mut 
             DVec3::new(component(), component(), component())
         };
         let moved = match way {
+            Break::Folded if at.y > 0.5 - 1e-6 => DVec3::new(at.x, at.y - 2.0 * h, at.z),
             Break::CornerPushed if at.min_element() > 0.5 - 1e-6 => at - DVec3::splat(2.5 * h),
-            Break::CornerPushed | Break::Dropped | Break::Thrown => at,
+            Break::CornerPushed | Break::Dropped | Break::Thrown | Break::Folded => at,
             Break::Flattened => at * DVec3::new(1.0, 0.02, 1.0),
             Break::Crumpled(cells) => at + noise(cells * h),
-            Break::Folded if at.y > 0.5 - 1e-6 => DVec3::new(at.x, at.y - 2.0 * h, at.z),
-            Break::Folded => at,
             Break::Collapsed => noise(1e-3 * h),
             Break::Mirrored => at * DVec3::new(-1.0, 1.0, 1.0),
         };
