@@ -13,6 +13,7 @@ use glam::Vec2;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::keyboard::{Key as WinitKey, NamedKey};
 
+use super::ui::files::FileAction;
 use crate::scene::ColorBy;
 use crate::session::Command;
 use crate::view::Orbit;
@@ -114,6 +115,8 @@ pub enum Action {
     ToggleKeys,
     /// Close what lies over the view.
     Close,
+    /// Something with files.
+    Files(FileAction),
 }
 
 /// A move of the camera.
@@ -250,6 +253,9 @@ impl Input {
     fn on_key(&self, key: Key, repeat: bool, situation: Situation) -> Option<Action> {
         // Holding a key down steps on and on; everything else happens once.
         let stepping = matches!(key, Key::Right | Key::Char('.'));
+        if self.control && !self.other && !repeat {
+            return file_action(key, self.shift).map(Action::Files);
+        }
         if self.control || self.other || (repeat && !stepping) {
             return None;
         }
@@ -280,6 +286,18 @@ impl Input {
 
     fn over(&self, situation: Situation, camera_move: CameraMove) -> Option<Action> {
         (situation.over_view || self.drag.is_some()).then_some(Action::Camera(camera_move))
+    }
+}
+
+/// What a key means with control.
+fn file_action(key: Key, shift: bool) -> Option<FileAction> {
+    match (key, shift) {
+        (Key::Char('n'), false) => Some(FileAction::New),
+        (Key::Char('o'), false) => Some(FileAction::Open),
+        (Key::Char('s'), false) => Some(FileAction::Save),
+        (Key::Char('s'), true) => Some(FileAction::SaveAs),
+        (Key::Char('q'), false) => Some(FileAction::Quit),
+        _ => None,
     }
 }
 

@@ -4,7 +4,6 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -12,6 +11,7 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 
 use crate::scene::Scene;
+use crate::session::document::Opened;
 use crate::session::{Command, Session, SessionError, Status};
 use crate::view::DrawList;
 
@@ -99,8 +99,8 @@ struct Slot {
 
 impl Worker {
     /// Runs a session on a new thread. `wake` is called when there is something to [`Worker::take`].
-    pub fn session(scene: Scene, base_dir: PathBuf, title: String, wake: impl Fn() + Send + 'static) -> Self {
-        Self::spawn(move || Session::new(scene, base_dir, title), wake)
+    pub fn session(opened: Opened, wake: impl Fn() + Send + 'static) -> Self {
+        Self::spawn(move || Session::open(opened, &()), wake)
     }
 
     /// Runs what `make` makes on a new thread.
@@ -233,7 +233,7 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         match order {
             Order::Visible(visible) => self.visible = visible,
             Order::Do(command) => {
-                let replaces = matches!(command, Command::Replace { .. });
+                let replaces = command.replaces_scene();
                 self.failure = self.sandbox.handle(command).err().map(|error| sentence(&error));
                 self.generation += u64::from(replaces && self.failure.is_none());
                 if *self.sandbox.scene() != *self.scene {

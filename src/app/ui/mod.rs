@@ -2,6 +2,8 @@
 //! knows a session, a window or a GPU; every function takes what is shown and returns intent.
 
 mod color;
+mod file_menu;
+pub mod files;
 mod icon;
 mod keys;
 mod message;
@@ -17,6 +19,7 @@ use crate::session::{Command, Status};
 use crate::view::Colormap;
 
 pub use color::color_command;
+use files::FilesState;
 
 /// What the panels show.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +56,8 @@ pub struct UiState {
     pub revive: bool,
     /// A person asked to see everything.
     pub frame: bool,
+    /// The dialogs about files.
+    pub files: FilesState,
 }
 
 impl UiState {
@@ -65,6 +70,7 @@ impl UiState {
             view_rect: Rect::NOTHING,
             revive: false,
             frame: false,
+            files: FilesState::default(),
         }
     }
 }
@@ -97,6 +103,8 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     }
     message::message_ui(ui, status, shown.failure, state);
     keys::keys_ui(ui, state);
+    // After a failure nothing can be saved any more: what is unsaved is kept as a draft.
+    files::files_ui(ui, if shown.failure.is_empty() { status } else { &idle }, state, commands);
 }
 
 /// The view settings with another scalar for the colours.
