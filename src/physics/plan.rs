@@ -3,7 +3,7 @@
 use super::model::{Model, ObstacleShape};
 use super::stability::SceneLimits;
 use crate::math::Real;
-use crate::scene::settings::{ContactRule, Stepping};
+use crate::scene::settings::{ContactRule, Integrator, Stepping};
 use crate::scene::{Family, Settings};
 
 /// The stages of a substep in their order (GC Algorithm 1).
@@ -45,6 +45,8 @@ impl Stage {
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a stage that runs or does not, and any mixture is a plan")]
 pub struct Plan {
+    /// The scheme in use.
+    pub integrator: Integrator,
     /// The whole step, s.
     pub dt_secs: f64,
     /// Substeps in a whole step.
@@ -74,18 +76,17 @@ impl Plan {
                 !links.links.is_empty() && (links.stiffness > R::ZERO || links.damping > R::ZERO)
             })
         };
+        let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
         Self {
+            integrator: settings.integrator,
             dt_secs: settings.dt,
-            substeps: match settings.stepping {
-                Stepping::Manual => 1,
-                Stepping::Auto => limits.substeps(settings.dt),
-            },
+            substeps: if divided { limits.substeps(settings.dt) } else { 1 },
             limits,
             families: Family::ALL.map(|family| has_force(family as usize)),
             recovery: model.bodies.iter().any(|body| body.recovery_stiffness > R::ZERO),
             contact: !model.obstacles.is_empty() && !model.bodies.is_empty(),
             contact_rule: settings.contact,
-            watched: settings.stepping == Stepping::Manual,
+            watched: !divided,
             broad_phase: true,
         }
     }

@@ -29,7 +29,7 @@
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::report::StepReport;
-use super::state::State;
+use super::state::{BodyMemory, State};
 use crate::math::{Real, Vector};
 use crate::scene::Springs;
 
@@ -47,6 +47,9 @@ const LOOK_SECS: f64 = 1.0 / 60.0;
 
 /// The share of the push that is left while a cell is on its way back.
 const RETURNED: f64 = 0.5;
+
+/// The most of `κ dt²/(m h²)`: a person's own step or an implicit one may be larger than the push could bear.
+const STIFFEST: f64 = 0.6;
 
 /// A cell's stiffness against inversion, N·m, from the constants of its links.
 ///
@@ -85,18 +88,30 @@ pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, report: &mut
     }
 }
 
-/// Adds the push of the cells on the list, N.
-pub(super) fn add_forces<R: Real>(model: &Model<R>, state: &State<R>, force: &mut [R::Vec3], report: &mut StepReport) {
-    for (body, memory) in model.bodies.iter().zip(&state.bodies) {
-        let position = &state.position[body.particles.clone()];
-        let velocity = &state.velocity[body.particles.clone()];
+/// Adds the push of the cells on the lists in `memory`, N.
+pub(super) fn add_forces<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    position: &[R::Vec3],
+    velocity: &[R::Vec3],
+    memory: &[BodyMemory],
+    force: &mut [R::Vec3],
+    report: &mut StepReport,
+) {
+    let dt = R::from_f64(plan.substep_secs());
+    for (body, memory) in model.bodies.iter().zip(memory) {
+        let position = &position[body.particles.clone()];
+        let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];
         report.recovery_cells += memory.near_inversion.len() as u64;
+        let stiffness = body.recovery_stiffness * body.inverse_cell_size;
+        let most = R::from_f64(STIFFEST) * body.particle_mass / (body.inverse_cell_size * dt * dt);
+        let stiffness = stiffness.min(most);
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
             let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
             let rates = mean_edges(velocity, corners, R::ONE);
-            let Some(push) = edges.push(&rates, body.recovery_stiffness * body.inverse_cell_size) else { continue };
+            let Some(push) = edges.push(&rates, stiffness) else { continue };
             for (place, &corner) in corners.iter().enumerate() {
                 let quarter = R::from_f64(0.25);
                 for (axis, push) in push.into_iter().enumerate() {

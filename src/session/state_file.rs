@@ -3,7 +3,9 @@
 //! ```text
 //! "gelatin-state 2\n"                                       magic and version
 //! particles, planes, steps, substep, time bits              five u64
+//! bits of the velocity's lag, accelerations                 two u64
 //! position, residual, velocity: 3 × particles × 3 f32
+//! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
 //! bodies: each a count u64 and as many cells u32             watched as they may invert
 //! FNV-1a of everything before, u64                          all numbers little-endian
@@ -24,7 +26,7 @@ pub enum StateFileError {
     /// Something else.
     #[error("this is not a state that `gelatin run --save-state` wrote")]
     NotAState,
-    /// Written by an earlier or later program.
+    /// Written by an earlier or a later program.
     #[error("this state was written by another version of the program (it begins with {begins:?}, version 2 is read)")]
     OtherVersion {
         /// The first words.
@@ -60,9 +62,11 @@ impl Session {
             state.steps,
             u64::from(state.substep),
             state.time_secs.to_bits(),
+            state.velocity_lag_secs.to_bits(),
+            state.acceleration.len() as u64,
         ];
         bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
-        for vectors in [&state.position, &state.position_residual, &state.velocity] {
+        for vectors in [&state.position, &state.position_residual, &state.velocity, &state.acceleration] {
             bytes.extend(vectors.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
         }
         bytes.extend(state.side.iter().flatten().flat_map(|side| side.to_le_bytes()));
@@ -87,18 +91,19 @@ impl Session {
             });
         };
         let (body, checksum) = bytes.split_last_chunk::<8>().ok_or(StateFileError::Damaged)?;
-        if contents.len() < 48 || fnv1a(body) != u64::from_le_bytes(*checksum) {
+        if contents.len() < 64 || fnv1a(body) != u64::from_le_bytes(*checksum) {
             return Err(StateFileError::Damaged);
         }
         let mut reader = Reader { rest: &contents[..contents.len() - 8] };
-        let [particles, planes, steps, substep, time] = std::array::from_fn(|_| reader.u64());
+        let [particles, planes, steps, substep, time, lag, accelerations] = std::array::from_fn(|_| reader.u64());
         let present = self.simulation().state();
         let (scene_particles, scene_planes) = (present.position.len(), present.side.len());
         if particles != scene_particles as u64 || planes != scene_planes as u64 {
             return Err(StateFileError::OtherScene { particles, planes, scene_particles, scene_planes });
         }
-        let of_particles = scene_particles * (36 + scene_planes);
-        if reader.rest.len() < of_particles {
+        let accelerated = if accelerations == 0 { 0 } else { scene_particles };
+        let of_particles = scene_particles * (36 + scene_planes) + 12 * accelerated;
+        if accelerations != accelerated as u64 || reader.rest.len() < of_particles {
             return Err(StateFileError::Damaged);
         }
         let bodies = self.body_memories(&mut Reader { rest: &reader.rest[of_particles..] })?;
@@ -106,6 +111,8 @@ impl Session {
             position: reader.vectors(scene_particles),
             position_residual: reader.vectors(scene_particles),
             velocity: reader.vectors(scene_particles),
+            acceleration: reader.vectors(accelerated),
+            velocity_lag_secs: f64::from_bits(lag),
             side: (0..scene_planes).map(|_| reader.sides(scene_particles)).collect(),
             bodies,
             steps,
