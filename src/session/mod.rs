@@ -149,6 +149,7 @@ impl Session {
             Command::SetSpeed(speed) => return Err(SessionError::Speed { speed }),
             Command::Replace { scene, base_dir, title } => *self = Self::new(*scene, base_dir, title)?,
             Command::Edit(edit) => self.edit(edit)?,
+            Command::Teleport(body, place) => self.teleport(body, place)?,
             Command::EndEdit => self.history.close(),
             Command::AddBody { body, jelly } => self.add_body(body, *jelly)?,
             Command::Undo => self.undo()?,

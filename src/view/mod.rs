@@ -20,6 +20,6 @@ pub use draw_list::{DrawList, Light, SkinInstance, Solid};
 pub use image::Image;
 pub use legend::Legend;
 pub use orbit::Orbit;
-pub use pick::Ray;
+pub use pick::{Hit, Ray, Thing};
 pub use skin::{Skin, SkinVertex};
 pub use style::Style;

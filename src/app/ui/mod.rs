@@ -1,15 +1,21 @@
 //! The panels: what a status says, as words and widgets, and what a person does to them, as commands. Nothing here
 //! knows a session, a window or a GPU; every function takes what is shown and returns intent.
 
+pub mod actions;
 mod color;
 mod icon;
+mod inspector;
 mod keys;
 mod message;
 mod timeline;
 mod top_bar;
+mod tree;
+mod trouble;
+mod value;
 
 use egui::{Align2, Area, Id, Order, Rect, RichText, Ui};
 
+use super::hand::Target;
 use super::theme;
 use crate::scene::presets::Preset;
 use crate::scene::{ColorBy, Scene, ViewSettings};
@@ -17,6 +23,13 @@ use crate::session::{Command, Status};
 use crate::view::Colormap;
 
 pub use color::color_command;
+
+/// Widths of the panels beside the view, points.
+const TREE_WIDTH: f32 = 190.0;
+const INSPECTOR_WIDTH: f32 = 336.0;
+/// Below these widths of the window (points) a panel gives way to the view.
+const TREE_NEEDS: f32 = 880.0;
+const INSPECTOR_NEEDS: f32 = 640.0;
 
 /// What the panels show.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +66,25 @@ pub struct UiState {
     pub revive: bool,
     /// A person asked to see everything.
     pub frame: bool,
+    /// What is chosen.
+    pub selection: Option<Target>,
+    /// What is being renamed, and the name so far.
+    pub renaming: Option<(Target, String)>,
+    /// Where the next teleport goes, m.
+    pub origin: [f64; 3],
+    /// A person asked to load a model.
+    pub load_model: bool,
+    /// Which panels are open.
+    pub panels: Panels,
+}
+
+/// Which panels beside the view are open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Panels {
+    /// The list of bodies and obstacles, on the left.
+    pub tree: bool,
+    /// The values of what is chosen, on the right.
+    pub inspector: bool,
 }
 
 impl UiState {
@@ -65,6 +97,20 @@ impl UiState {
             view_rect: Rect::NOTHING,
             revive: false,
             frame: false,
+            selection: None,
+            renaming: None,
+            origin: [0.0, 1.0, 0.0],
+            load_model: false,
+            panels: Panels { tree: true, inspector: true },
+        }
+    }
+
+    /// Chooses nothing that is not there.
+    fn follow(&mut self, scene: &Scene) {
+        let there = |target: &Target| actions::exists(scene, *target);
+        self.selection = self.selection.filter(there);
+        if self.renaming.as_ref().is_some_and(|(target, _)| !there(target)) {
+            self.renaming = None;
         }
     }
 }
@@ -79,9 +125,14 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     egui::Panel::bottom("timeline").resizable(false).frame(theme::bar_frame()).show(ui, |ui| {
         timeline::timeline_ui(ui, status, state, commands);
     });
+    if let Some(running) = shown.running {
+        state.follow(running.scene);
+        side_panels_ui(ui, running, state, commands);
+    }
     state.view_rect = ui.available_rect_before_wrap();
     match shown.running {
         Some(running) => {
+            trouble::trouble_ui(ui, status, state, commands);
             over_view(ui, "color", state.view_rect, Align2::LEFT_BOTTOM, |ui| {
                 theme::float_frame().show(ui, |ui| {
                     color::color_ui(ui, &running.scene.view, running.color_key, commands);
@@ -97,6 +148,24 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     }
     message::message_ui(ui, status, shown.failure, state);
     keys::keys_ui(ui, state);
+}
+
+/// The panels beside the view: as wide as the window lets them be.
+fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    let width = ui.available_width();
+    if state.panels.tree && width >= TREE_NEEDS {
+        egui::Panel::left("tree").resizable(false).exact_size(TREE_WIDTH).frame(theme::bar_frame()).show(ui, |ui| {
+            tree::tree_ui(ui, running, state, commands);
+        });
+    }
+    if state.panels.inspector && width >= INSPECTOR_NEEDS {
+        egui::Panel::right("inspector").resizable(false).exact_size(INSPECTOR_WIDTH).frame(theme::bar_frame()).show(
+            ui,
+            |ui| {
+                inspector::inspector_ui(ui, running, state, commands);
+            },
+        );
+    }
 }
 
 /// The view settings with another scalar for the colours.

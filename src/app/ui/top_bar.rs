@@ -28,6 +28,8 @@ pub(super) fn top_bar_ui(ui: &mut Ui, status: &Status, state: &mut UiState, comm
     ui.horizontal(|ui| {
         preset_ui(ui, status, state, commands);
         ui.add_space(6.0);
+        history_ui(ui, status, commands);
+        ui.add_space(6.0);
         speed_ui(ui, status, commands);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button_ui(ui, Icon::Help, "Keys", "F1", true).clicked() {
@@ -47,6 +49,23 @@ pub(super) fn top_bar_ui(ui: &mut Ui, status: &Status, state: &mut UiState, comm
             });
         });
     });
+}
+
+/// What can be taken back and made again, with its words in the tooltip.
+fn history_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
+    for (icon, name, words, key, command) in [
+        (Icon::Undo, "Undo", &status.undo, "Ctrl+Z", Command::Undo),
+        (Icon::Redo, "Redo", &status.redo, "Ctrl+Shift+Z", Command::Redo),
+    ] {
+        let response = icon_button_ui(ui, icon, name, key, !words.is_empty());
+        let clicked = response.clicked();
+        if !words.is_empty() {
+            response.on_hover_text(words);
+        }
+        if clicked {
+            commands.push(command);
+        }
+    }
 }
 
 fn preset_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
