@@ -30,7 +30,8 @@ struct Frame {
     // One over the range of colours; 0 shows bodies in their own colours.
     color_scale: f32,
     show_scalars: u32,
-    padding: vec2u,
+    // Width and height of the picture, pixels.
+    viewport: vec2f,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

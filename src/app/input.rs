@@ -98,6 +98,7 @@ pub enum Key {
 
 /// What the window must know to answer an event.
 #[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "four independent facts, each true or not")]
 pub struct Situation {
     /// The pointer is over the view, not over a panel.
     pub over_view: bool,

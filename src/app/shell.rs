@@ -283,7 +283,9 @@ impl Shell {
         let (Some(snapshot), Some(target)) = (&self.snapshot, self.ui.selection) else { return };
         let mut commands = Vec::new();
         ui::actions::act(action, target, &snapshot.scene, &mut self.ui, &mut commands);
-        commands.into_iter().for_each(|command| self.worker.send(command));
+        for command in commands {
+            self.worker.send(command);
+        }
     }
 
     fn frame_chosen(&mut self) {

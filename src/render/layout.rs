@@ -52,8 +52,8 @@ pub struct Frame {
     pub color_scale: f32,
     /// 1 to show scalars, 0 to show bodies in their own colours.
     pub show_scalars: u32,
-    /// Fills up to a multiple of 16 bytes.
-    pub padding: [u32; 2],
+    /// Width and height of the picture, pixels.
+    pub viewport: [f32; 2],
 }
 
 /// `SkinVertex` in `skin.wgsl`: see [`view::SkinVertex`].
@@ -145,4 +145,98 @@ impl SolidInstance {
     /// The vertex inputs of `solid.wgsl`; all but the last serve `shadow.wgsl`.
     pub const ATTRIBUTES: [wgpu::VertexAttribute; 5] =
         wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32x3, 4 => Float32x3, 5 => Float32x3, 6 => Float32x2];
+}
+
+/// `LineSet` in `lines.wgsl`: what lines of one look share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LineSet {
+    /// Linear red, green, blue and how opaque.
+    pub color: [f32; 4],
+    /// Multiplies the width of every line, pixels.
+    pub width: f32,
+    /// What is left behind other things, 0..1.
+    pub hidden: f32,
+    /// Numbers from one position to the next.
+    pub stride: u32,
+    /// The position that is number 0.
+    pub first: u32,
+}
+
+/// `PointSet` in `points.wgsl`: what points of one look share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PointSet {
+    /// Linear red, green, blue and how opaque.
+    pub color: [f32; 4],
+    /// Diameter, pixels.
+    pub size: f32,
+    /// What is left behind other things, 0..1.
+    pub hidden: f32,
+    /// The particle that is number 0.
+    pub first: u32,
+    /// Fills up to a multiple of 16 bytes.
+    pub padding: u32,
+}
+
+/// `CellSet` in `cells.wgsl`: what the frames of a body's cells share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CellSet {
+    /// Sound cells.
+    pub color: [f32; 4],
+    /// Cells turned inside out.
+    pub inverted: [f32; 4],
+    /// Width of the lines, pixels.
+    pub width: f32,
+    /// The particle that is number 0.
+    pub first: u32,
+    /// Fills up to a multiple of 16 bytes.
+    pub padding: [u32; 2],
+}
+
+/// A line with its own ends, colour and widths: see [`view::overlay::Segment`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SegmentInstance {
+    /// The two ends.
+    pub ends: [[f32; 3]; 2],
+    /// Linear red, green, blue and how opaque.
+    pub color: [f32; 4],
+    /// Widths at the ends, pixels.
+    pub widths: [f32; 2],
+}
+
+impl SegmentInstance {
+    /// The vertex inputs of `lines.wgsl`.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x2];
+}
+
+impl From<&view::overlay::Segment> for SegmentInstance {
+    fn from(segment: &view::overlay::Segment) -> Self {
+        let view::overlay::Segment { ends, color, widths } = *segment;
+        Self { ends, color, widths }
+    }
+}
+
+/// A corner of a flat triangle: see [`view::overlay::Fill`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct FillVertex {
+    /// World coordinates, m.
+    pub place: [f32; 3],
+    /// Linear red, green, blue and how opaque.
+    pub color: [f32; 4],
+}
+
+impl FillVertex {
+    /// The vertex inputs of `fills.wgsl`.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x4];
+}
+
+impl From<&view::overlay::Fill> for FillVertex {
+    fn from(&view::overlay::Fill { place, color }: &view::overlay::Fill) -> Self {
+        Self { place, color }
+    }
 }

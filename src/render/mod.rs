@@ -2,7 +2,8 @@
 //! points, solids, a camera and a light; it has never heard of a spring, a scene or a window.
 //!
 //! ```text
-//! particles, scalars ─► skin (compute) ─► shadow ─► solid ─► mesh ─► background ─► ground ─► resolve ─► target
+//! particles, scalars ─► skin (compute) ─► shadow ─► mesh ─► solid ─► background ─► ground ─► lines, cells, points
+//!                                                                            ─► fills ─► resolve ─► target
 //! ```
 //!
 //! Lifetimes: a [`Gpu`] lives as long as the program, a [`Renderer`] as long as the device and the target's format,
@@ -18,6 +19,8 @@ pub mod shader;
 pub mod target;
 
 mod buffer;
+mod kept;
+mod overlay;
 mod passes;
 mod scene;
 mod shadow_fit;

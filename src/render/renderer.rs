@@ -3,6 +3,7 @@
 use super::error::RenderError;
 use super::gpu::Gpu;
 use super::layout::{self, BodyInstance, DeformedVertex, SolidInstance};
+use super::overlay::OverlayPasses;
 use super::passes::background::BackgroundPass;
 use super::passes::ground::GroundPass;
 use super::passes::mesh::MeshPass;
@@ -14,7 +15,7 @@ use super::scene::SceneBuffers;
 use super::shadow_fit::{self, ShadowFit};
 use super::shared::Shared;
 use super::target::{self, Output, SAMPLES, Target};
-use crate::view::{DrawList, Solid};
+use crate::view::DrawList;
 
 /// Draws draw lists into targets of one format.
 #[derive(Debug)]
@@ -29,6 +30,7 @@ pub struct Renderer {
     mesh: MeshPass,
     background: BackgroundPass,
     ground: GroundPass,
+    overlay: OverlayPasses,
 }
 
 /// Where a picture goes.
@@ -62,6 +64,8 @@ pub struct FrameCounters {
     pub static_bytes: u64,
     /// Camera, light, colours and places of obstacles uploaded, bytes.
     pub frame_bytes: u64,
+    /// Overlays uploaded, bytes: nothing when there are none.
+    pub overlay_bytes: u64,
     /// Triangles drawn into the picture.
     pub triangles: u64,
     /// The passes that ran, in order.
@@ -91,6 +95,7 @@ impl Renderer {
             mesh: MeshPass::new(device, output, &lit),
             background: BackgroundPass::new(device, output, &lit[..1]),
             ground: GroundPass::new(device, output, &lit),
+            overlay: OverlayPasses::new(device, output, &frame_layout),
             shared: Shared::new(device, queue, &frame_layout, &lighting_layout, &shadow.map),
             shadow,
             scene: SceneBuffers::default(),
@@ -119,6 +124,7 @@ impl Renderer {
         }
         let mut counters = FrameCounters::default();
         let deform = self.scene.update(device, queue, &self.skin, draw_list, &mut counters)?;
+        self.overlay.prepare(device, queue, &draw_list.overlay, &mut self.scene, &mut counters)?;
 
         let core = shadow_fit::core_bounds(draw_list);
         let fit = shadow_fit::fit(draw_list, core);
@@ -141,7 +147,7 @@ impl Renderer {
             core,
         };
         self.shadow.run(encoder, self.shared.frame(), casters);
-        self.draw(encoder, frame, viewport, &draw_list.solids, &mut counters);
+        self.draw(encoder, frame, viewport, draw_list, &mut counters);
         Ok(counters)
     }
 
@@ -158,7 +164,7 @@ impl Renderer {
         encoder: &mut wgpu::CommandEncoder,
         frame: &FrameTarget<'_>,
         viewport: Viewport,
-        solids: &[Solid],
+        draw_list: &DrawList,
         counters: &mut FrameCounters,
     ) {
         let Some(target) = &self.target else { return };
@@ -187,12 +193,23 @@ impl Renderer {
         pass.set_scissor_rect(x, y, width, height);
         pass.set_bind_group(0, self.shared.frame(), &[]);
         pass.set_bind_group(1, self.shared.lighting(), &[]);
-        self.mesh.draw(&mut pass, &self.scene.skins, self.shared.bodies());
-        self.solid.draw(&mut pass, solids, self.shared.solids());
+        let see_through = draw_list.overlay.see_through.clamp(0.0, 1.0);
+        if see_through <= 0.0 {
+            self.mesh.draw(&mut pass, &self.scene.skins, self.shared.bodies());
+            counters.passes.push("mesh");
+        }
+        self.solid.draw(&mut pass, &draw_list.solids, self.shared.solids());
         // After what may cover them, so that hidden pixels cost nothing.
         self.background.draw(&mut pass);
         self.ground.draw(&mut pass);
-        counters.passes.extend(["mesh", "solid", "background", "ground"]);
+        counters.passes.extend(["solid", "background", "ground"]);
+        self.overlay.draw_carried(&mut pass, counters);
+        if see_through > 0.0 {
+            pass.set_bind_group(1, self.shared.lighting(), &[]);
+            self.mesh.draw_sheer(&mut pass, &self.scene.skins, self.shared.bodies(), 1.0 - see_through);
+            counters.passes.push("mesh");
+        }
+        self.overlay.draw_placed(&mut pass, counters);
         counters.triangles = self.scene.skins.iter().map(|skin| u64::from(skin.index_count / 3)).sum();
     }
 }
@@ -237,7 +254,7 @@ fn frame_uniform(draw_list: &DrawList, viewport: Viewport, fit: &ShadowFit) -> l
         color_low: *low,
         color_scale: if span.is_finite() && span > 0.0 { 1.0 / span } else { 0.0 },
         show_scalars: u32::from(draw_list.scalars.is_some()),
-        padding: [0; 2],
+        viewport: [width as f32, height as f32],
     }
 }
 

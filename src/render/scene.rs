@@ -35,6 +35,8 @@ pub(super) struct SkinBuffers {
     vertices: wgpu::Buffer,
     /// [`DeformedVertex`] by [`DeformedVertex`].
     pub(super) deformed: wgpu::Buffer,
+    /// Pairs of vertices, one an edge, and how many there are; made when they are first drawn.
+    edges: Option<(wgpu::Buffer, usize)>,
     /// Three a triangle.
     pub(super) indices: wgpu::Buffer,
     /// How many indices there are.
@@ -70,6 +72,11 @@ impl SceneBuffers {
             self.bind(device, queue, pass);
         }
         Ok(new_skins || moved || colored)
+    }
+
+    /// Three numbers a particle; none before the first draw list.
+    pub(super) fn particles(&self) -> Option<&wgpu::Buffer> {
+        self.particles.as_ref().map(|particles| &particles.buffer)
     }
 
     fn update_skins(
@@ -113,6 +120,29 @@ impl SceneBuffers {
 }
 
 impl SkinBuffers {
+    /// The edges of its triangles as pairs of vertices, and how many there are.
+    pub(super) fn edges(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        bytes_counted: &mut u64,
+    ) -> Result<(wgpu::Buffer, usize), RenderError> {
+        if let Some((buffer, count)) = &self.edges {
+            return Ok((buffer.clone(), *count));
+        }
+        let edges = self.source.edges();
+        let bytes: &[u8] = bytemuck::cast_slice(&edges);
+        let (size, limit) = (bytes.len() as u64, device.limits().max_buffer_size);
+        if size > limit {
+            return Err(RenderError::TooMuch { what: "edges of a skin", bytes: size, limit });
+        }
+        *bytes_counted += size;
+        let contents = if bytes.is_empty() { &[0; 16] } else { bytes };
+        let buffer = filled(device, queue, "edges", contents, wgpu::BufferUsages::VERTEX);
+        self.edges = Some((buffer.clone(), edges.len()));
+        Ok((buffer, edges.len()))
+    }
+
     fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -148,6 +178,7 @@ impl SkinBuffers {
             particles_needed: skin.particles_needed(),
             vertices: uploaded("skin", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::STORAGE),
             deformed,
+            edges: None,
             indices: uploaded("triangles", bytemuck::cast_slice(&skin.triangles), wgpu::BufferUsages::INDEX),
             index_count: count(skin.triangles.len() * 3),
             vertex_count: count(skin.vertices.len()),

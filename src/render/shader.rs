@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 const FRAME: &str = include_str!("../../shaders/frame.wgsl");
 const LIGHTING: &str = include_str!("../../shaders/lighting.wgsl");
+const STROKE: &str = include_str!("../../shaders/stroke.wgsl");
 
 /// A shader module.
 #[derive(Clone, Copy, Debug)]
@@ -28,9 +29,17 @@ pub const BACKGROUND: Shader =
 /// The grid and the shadows on the ground.
 pub const GROUND: Shader =
     Shader { name: "ground", parts: &[FRAME, LIGHTING, include_str!("../../shaders/ground.wgsl")] };
+/// Overlay lines.
+pub const LINES: Shader = Shader { name: "lines", parts: &[FRAME, STROKE, include_str!("../../shaders/lines.wgsl")] };
+/// Frames of cells.
+pub const CELLS: Shader = Shader { name: "cells", parts: &[FRAME, STROKE, include_str!("../../shaders/cells.wgsl")] };
+/// Overlay points.
+pub const POINTS: Shader = Shader { name: "points", parts: &[FRAME, include_str!("../../shaders/points.wgsl")] };
+/// Flat shapes over everything.
+pub const FILLS: Shader = Shader { name: "fills", parts: &[FRAME, include_str!("../../shaders/fills.wgsl")] };
 
 /// Every shader, in the order in which passes run.
-pub const ALL: [Shader; 6] = [SKIN, SHADOW, SOLID, MESH, BACKGROUND, GROUND];
+pub const ALL: [Shader; 10] = [SKIN, SHADOW, SOLID, MESH, BACKGROUND, GROUND, LINES, CELLS, POINTS, FILLS];
 
 impl Shader {
     /// The whole source.

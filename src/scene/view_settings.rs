@@ -15,6 +15,31 @@ pub struct ViewSettings {
     /// Fixed ends of the colour range in the scalar's unit; automatic when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color_range: Option<[f64; 2]>,
+    /// What is drawn over the picture to explain it.
+    pub overlays: Overlays,
+}
+
+/// What is drawn over the picture to explain it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(clippy::struct_excessive_bools, reason = "eight toggles that do not depend on each other")]
+pub struct Overlays {
+    /// The edges of the skin's triangles.
+    pub wireframe: bool,
+    /// Links to the nearest particles.
+    pub structural: bool,
+    /// Diagonal links.
+    pub shear: bool,
+    /// Links to the second neighbours.
+    pub bending: bool,
+    /// Particles.
+    pub particles: bool,
+    /// Where particles touch obstacles, with the forces as arrows.
+    pub contacts: bool,
+    /// The boxes of the broad phase.
+    pub boxes: bool,
+    /// Cells; those turned inside out are marked.
+    pub cells: bool,
 }
 
 /// An orbit camera: a point to look at, two angles and a distance.

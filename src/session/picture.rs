@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use super::Session;
 use crate::extract;
+use crate::extract::overlay::OverlaySource;
 use crate::scene::ColorBy;
-use crate::view::DrawList;
+use crate::scene::view_settings::Overlays;
+use crate::view::{DrawList, Overlay, Style};
 
 /// The share of particles that the automatic colour range covers: one torn corner must not grey out all others.
 const RANGE_SHARE: f64 = 0.99;
@@ -13,11 +15,13 @@ const RANGE_SHARE: f64 = 0.99;
 /// What was last drawn.
 #[derive(Debug, Default)]
 pub(super) struct Picture {
-    drawn: Option<(u64, ColorBy)>,
+    drawn: Option<(u64, ColorBy, Overlays)>,
     revision: u64,
     particles: Arc<Vec<[f32; 3]>>,
     scalars: Option<Arc<Vec<f32>>>,
     automatic_range: [f32; 2],
+    overlay: Overlay,
+    overlay_source: OverlaySource,
 }
 
 impl Picture {
@@ -32,13 +36,17 @@ impl Session {
     #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
     pub fn draw_list(&mut self) -> DrawList {
         let view = &self.scene.view;
-        let now = (self.picture.revision, view.color);
+        let now = (self.picture.revision, view.color, view.overlays);
+        let style = Style::default();
         if self.picture.drawn != Some(now) {
             let positions = self.simulation.state().position.iter().map(glam::Vec3::to_array);
             self.picture.particles = Arc::new(positions.collect());
             let scalars = self.simulation.scalars(view.color);
             self.picture.automatic_range = automatic_range(&scalars);
             self.picture.scalars = (view.color != ColorBy::Plain).then(|| Arc::new(scalars));
+            let (simulation, bodies) = (&self.simulation, &self.scene.bodies);
+            let source = &mut self.picture.overlay_source;
+            self.picture.overlay = source.fill(simulation, bodies, view.overlays, &style.overlay);
             self.picture.drawn = Some(now);
         }
         DrawList {
@@ -49,6 +57,8 @@ impl Session {
             scalars: self.picture.scalars.clone(),
             color_range: view.color_range.map_or(self.picture.automatic_range, |range| range.map(|end| end as f32)),
             solids: extract::solid::solids(&self.scene.obstacles),
+            overlay: self.picture.overlay.clone(),
+            style,
             ..DrawList::default()
         }
     }

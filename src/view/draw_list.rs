@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::{Camera, Colormap, Skin, Style};
+use super::{Camera, Colormap, Overlay, Skin, Style};
 use crate::math::Aabb;
 
 /// Everything that is in a picture. Skins rarely change; particles and scalars change every frame, and an `Arc` that
@@ -29,6 +29,8 @@ pub struct DrawList {
     pub colormap: Colormap,
     /// Obstacles.
     pub solids: Vec<Solid>,
+    /// What explains the picture: lines, points and the like.
+    pub overlay: Overlay,
 }
 
 /// A body's surface.

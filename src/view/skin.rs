@@ -43,6 +43,18 @@ impl Skin {
         self.vertices.iter().map(|vertex| vertex.evaluate(particles)).collect()
     }
 
+    /// Every edge of its triangles once, as (lower, higher) vertex, ascending.
+    pub fn edges(&self) -> Vec<[u32; 2]> {
+        let of_triangle = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
+        let mut edges: Vec<[u32; 2]> = self.triangles.iter().flat_map(of_triangle).collect();
+        for edge in &mut edges {
+            edge.sort_unstable();
+        }
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
+
     /// One more than the highest particle it names: how many particles it needs.
     pub fn particles_needed(&self) -> usize {
         self.vertices.iter().flat_map(|vertex| vertex.particles).max().map_or(0, |highest| highest as usize + 1)

@@ -24,6 +24,65 @@ pub struct Style {
     pub ambient: f32,
     /// Colours of bodies, taken in turn.
     pub bodies: [[f32; 3]; 6],
+    /// What explains the picture.
+    pub overlay: OverlayColors,
+}
+
+/// The colours of overlays: told apart by colour-blind people too (after Okabe and Ito), by hue and by lightness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverlayColors {
+    /// Links by family: structural, shear, bending.
+    pub links: [[f32; 3]; 3],
+    /// Particles.
+    pub particle: [f32; 3],
+    /// Contacts and their forces.
+    pub contact: [f32; 3],
+    /// Boxes around bodies.
+    pub body_box: [f32; 3],
+    /// Boxes around obstacles.
+    pub obstacle_box: [f32; 3],
+    /// Cells.
+    pub cell: [f32; 3],
+    /// Cells turned inside out.
+    pub inverted: [f32; 3],
+    /// The edges of skins.
+    pub wireframe: [f32; 3],
+    /// What is selected, grabbed or under the pointer.
+    pub accent: [f32; 3],
+    /// The axes x, y, z.
+    pub axes: [[f32; 3]; 3],
+}
+
+impl OverlayColors {
+    fn dark() -> Self {
+        Self {
+            links: [[86, 180, 233], [230, 159, 0], [240, 240, 244]].map(linear_from_srgb),
+            particle: linear_from_srgb([245, 245, 245]),
+            contact: linear_from_srgb([255, 214, 64]),
+            body_box: linear_from_srgb([240, 240, 244]),
+            obstacle_box: linear_from_srgb([86, 180, 233]),
+            cell: linear_from_srgb([150, 205, 240]),
+            inverted: linear_from_srgb([255, 150, 30]),
+            wireframe: linear_from_srgb([250, 250, 250]),
+            accent: linear_from_srgb([94, 160, 255]),
+            axes: [[232, 112, 84], [240, 202, 72], [96, 162, 255]].map(linear_from_srgb),
+        }
+    }
+
+    fn light() -> Self {
+        Self {
+            links: [[0, 104, 178], [214, 116, 0], [40, 42, 50]].map(linear_from_srgb),
+            particle: linear_from_srgb([30, 32, 38]),
+            contact: linear_from_srgb([196, 84, 0]),
+            body_box: linear_from_srgb([40, 42, 50]),
+            obstacle_box: linear_from_srgb([0, 104, 178]),
+            cell: linear_from_srgb([30, 96, 150]),
+            inverted: linear_from_srgb([222, 92, 0]),
+            wireframe: linear_from_srgb([24, 26, 32]),
+            accent: linear_from_srgb([24, 104, 226]),
+            axes: [[204, 72, 44], [150, 112, 0], [24, 96, 214]].map(linear_from_srgb),
+        }
+    }
 }
 
 impl Style {
@@ -39,6 +98,7 @@ impl Style {
             obstacle_edge: linear_from_srgb([208, 212, 220]),
             ambient: 0.30,
             bodies: Self::bodies(),
+            overlay: OverlayColors::dark(),
         }
     }
 
@@ -54,6 +114,7 @@ impl Style {
             obstacle_edge: linear_from_srgb([92, 97, 106]),
             ambient: 0.38,
             bodies: Self::bodies(),
+            overlay: OverlayColors::light(),
         }
     }
 

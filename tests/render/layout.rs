@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use gelatin::render::layout::{DeformedVertex, Frame, SkinVertex};
+use gelatin::render::layout::{CellSet, DeformedVertex, Frame, LineSet, PointSet, SkinVertex};
 use gelatin::render::shader::{self, Shader};
 use wgpu::naga::front::wgsl;
 use wgpu::naga::{Module, TypeInner};
@@ -33,8 +33,8 @@ fn the_frame_agrees() {
     let ours = members!(Frame:
         clip_from_world, shadow_from_world, eye, ambient, light_direction, shadow_texel, light_color, shadow_span,
         background_top, shadow_opacity, background_bottom, grid_opacity, grid, grid_spacing, obstacle, ground_radius,
-        obstacle_edge, body_size, camera_target, color_low, color_scale, show_scalars, padding);
-    for shader in [shader::SHADOW, shader::SOLID, shader::MESH, shader::BACKGROUND, shader::GROUND] {
+        obstacle_edge, body_size, camera_target, color_low, color_scale, show_scalars, viewport);
+    for shader in [shader::SHADOW, shader::SOLID, shader::MESH, shader::BACKGROUND, shader::GROUND, shader::LINES] {
         check(shader, "Frame", &ours);
     }
 }
@@ -43,6 +43,13 @@ fn the_frame_agrees() {
 fn skin_vertices_agree() {
     check(shader::SKIN, "SkinVertex", &members!(SkinVertex: particles, position, tangent_u, tangent_v));
     check(shader::SKIN, "DeformedVertex", &members!(DeformedVertex: position, scalar, normal, padding));
+}
+
+#[test]
+fn the_looks_of_overlays_agree() {
+    check(shader::LINES, "LineSet", &members!(LineSet: color, width, hidden, stride, first));
+    check(shader::POINTS, "PointSet", &members!(PointSet: color, size, hidden, first, padding));
+    check(shader::CELLS, "CellSet", &members!(CellSet: color, inverted, width, first, padding));
 }
 
 #[test]

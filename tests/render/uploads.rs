@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use gelatin::render::{FrameCounters, FrameTarget, offscreen};
 use gelatin::view::DrawList;
+use gelatin::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Segment};
+use glam::Vec3;
 
 use crate::gpu::Studio;
 use crate::scenes::cube;
@@ -79,4 +81,48 @@ fn a_body_more_uploads_only_that_one() {
     assert_eq!(film.frame(&scene).static_bytes, 0, "another order uploads nothing");
     scene.skins.clear();
     assert_eq!(film.frame(&scene).triangles, 0, "bodies can go");
+}
+
+#[test]
+fn without_overlays_nothing_is_uploaded_and_no_pass_runs() {
+    let (mut film, mut scene) = (Film::new(), cube());
+    let overlays = ["lines", "cells", "points", "fills"];
+    let runs = |counters: &FrameCounters| counters.passes.iter().any(|pass| overlays.contains(pass));
+    for _ in 0..2 {
+        let none = film.frame(&scene);
+        assert!(none.overlay_bytes == 0 && !runs(&none), "no overlay: {none:?}");
+    }
+    cube_overlay(&mut scene, Arc::new(vec![[0, 1], [1, 2]]));
+    assert!(runs(&film.frame(&scene)), "the check sees one that is drawn");
+    scene.overlay = gelatin::view::Overlay::default();
+    let none = film.frame(&scene);
+    assert!(none.overlay_bytes == 0 && !runs(&none), "off again: {none:?}");
+}
+
+#[test]
+fn what_hangs_on_particles_is_uploaded_once_however_they_move() {
+    let (mut film, mut scene) = (Film::new(), cube());
+    cube_overlay(&mut scene, Arc::new(vec![[0, 1], [1, 2]]));
+    let ends = LineEnds::Skin(0);
+    scene.overlay.lines.push(Lines { ends, color: [1.0; 4], width: 1.0, hidden: 0.0 });
+    let cells = Arc::new(vec![[0, 1, 5, 6, 25, 26, 30, 31]]);
+    let (color, inverted) = ([1.0; 4], [1.0; 4]);
+    scene.overlay.cells.push(CellFrames { cells, first: 0, color, inverted, width: 1.0 });
+    assert!(film.frame(&scene).overlay_bytes > 0, "the lists are new");
+    for _ in 0..2 {
+        scene.particles = Arc::new(scene.particles.iter().map(|[x, y, z]| [*x, y + 0.1, *z]).collect());
+        assert_eq!(film.frame(&scene).overlay_bytes, 0, "only particles are uploaded");
+    }
+    let segment = Segment::new(Vec3::ZERO, Vec3::ONE, [1.0; 4], 1.0);
+    scene.overlay.lines[0].ends = LineEnds::Placed(Arc::new(vec![segment]));
+    let bytes = film.frame(&scene).overlay_bytes;
+    assert!((48..=96).contains(&bytes), "one segment and its look: {bytes}");
+}
+
+/// Two links and all particles.
+fn cube_overlay(scene: &mut DrawList, ends: Arc<Vec<[u32; 2]>>) {
+    let ends = LineEnds::Particles { ends, first: 0 };
+    scene.overlay.lines = vec![Lines { ends, color: [1.0; 4], width: 2.0, hidden: 0.2 }];
+    let places = PointPlaces::Particles { first: 0, count: 125 };
+    scene.overlay.points = vec![Points { places, color: [1.0; 4], size: 3.0, hidden: 0.0 }];
 }

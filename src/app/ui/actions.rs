@@ -170,7 +170,8 @@ fn numbered(kind: &str, scene: &Scene) -> String {
     if !taken(kind) {
         return kind.to_owned();
     }
-    (2..).map(|number| format!("{kind} {number}")).find(|name| !taken(name)).unwrap_or_default()
+    let most = scene.bodies.len() + scene.obstacles.len() + 2;
+    (2..=most).map(|number| format!("{kind} {number}")).find(|name| !taken(name)).unwrap_or_default()
 }
 
 /// The longest extent of a body, m, as far as its shape says it.

@@ -53,6 +53,7 @@ pub struct Running<'a> {
 
 /// What the panels remember between frames and the session need not know.
 #[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "wishes of a person that the window fulfils one by one")]
 pub struct UiState {
     /// The scenes to choose from.
     pub presets: &'static [Preset],

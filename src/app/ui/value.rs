@@ -287,7 +287,7 @@ fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &str, value:
 }
 
 fn parse(text: &str) -> Option<f64> {
-    let number = text.trim().split_whitespace().next()?.replace('−', "-").replace(',', ".");
+    let number = text.split_whitespace().next()?.replace('−', "-").replace(',', ".");
     number.parse().ok().filter(|value: &f64| value.is_finite())
 }
 

@@ -11,6 +11,8 @@ use crate::render::target::Output;
 pub(in crate::render) struct MeshPass {
     /// Front faces, then back faces: hidden back faces of closed bodies cost nothing, open ones are still seen.
     pipelines: [wgpu::RenderPipeline; 2],
+    /// Front faces, blended, for bodies that are seen through.
+    sheer: wgpu::RenderPipeline,
 }
 
 impl MeshPass {
@@ -33,7 +35,11 @@ impl MeshPass {
             cull: Some(cull),
         };
         let pipeline = |cull| drawing_pipeline(device, output, &drawing(cull));
-        Self { pipelines: [wgpu::Face::Back, wgpu::Face::Front].map(pipeline) }
+        let sheer = Drawing { writes_depth: false, blend: Some(by_constant()), ..drawing(wgpu::Face::Back) };
+        Self {
+            pipelines: [wgpu::Face::Back, wgpu::Face::Front].map(pipeline),
+            sheer: drawing_pipeline(device, output, &sheer),
+        }
     }
 
     /// Draws each skin with the instance of the same place.
@@ -43,14 +49,46 @@ impl MeshPass {
         skins: &[SkinBuffers],
         instances: &wgpu::Buffer,
     ) {
-        pass.set_vertex_buffer(1, instances.slice(..));
         for pipeline in &self.pipelines {
-            pass.set_pipeline(pipeline);
-            for (instance, skin) in (0..).zip(skins) {
-                pass.set_vertex_buffer(0, skin.deformed.slice(..));
-                pass.set_index_buffer(skin.indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(0..skin.index_count, 0, instance..instance + 1);
-            }
+            draw_with(pipeline, pass, skins, instances);
         }
     }
+
+    /// As [`MeshPass::draw`], over what is there already and with an `opacity` of 0..1.
+    pub(in crate::render) fn draw_sheer(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        skins: &[SkinBuffers],
+        instances: &wgpu::Buffer,
+        opacity: f32,
+    ) {
+        let opacity = f64::from(opacity);
+        pass.set_blend_constant(wgpu::Color { r: opacity, g: opacity, b: opacity, a: opacity });
+        draw_with(&self.sheer, pass, skins, instances);
+    }
+}
+
+fn draw_with(
+    pipeline: &wgpu::RenderPipeline,
+    pass: &mut wgpu::RenderPass<'_>,
+    skins: &[SkinBuffers],
+    instances: &wgpu::Buffer,
+) {
+    pass.set_pipeline(pipeline);
+    pass.set_vertex_buffer(1, instances.slice(..));
+    for (instance, skin) in (0..).zip(skins) {
+        pass.set_vertex_buffer(0, skin.deformed.slice(..));
+        pass.set_index_buffer(skin.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..skin.index_count, 0, instance..instance + 1);
+    }
+}
+
+/// Mixes with what is there by a constant of the pass.
+fn by_constant() -> wgpu::BlendState {
+    let component = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::Constant,
+        dst_factor: wgpu::BlendFactor::OneMinusConstant,
+        operation: wgpu::BlendOperation::Add,
+    };
+    wgpu::BlendState { color: component, alpha: component }
 }

@@ -1,8 +1,12 @@
 //! The passes of a frame: one file each, beside the WGSL file of the same name.
 
 pub(super) mod background;
+pub(super) mod cells;
+pub(super) mod fills;
 pub(super) mod ground;
+pub(super) mod lines;
 pub(super) mod mesh;
+pub(super) mod points;
 pub(super) mod shadow;
 pub(super) mod skin;
 pub(super) mod solid;
@@ -21,8 +25,56 @@ struct Drawing<'a> {
     cull: Option<wgpu::Face>,
 }
 
+/// Where a pipeline enters its shader, and what it does with depth.
+#[derive(Clone, Copy)]
+struct Entries {
+    vertex: &'static str,
+    fragment: &'static str,
+    compare: wgpu::CompareFunction,
+    /// For passes that have pipelines that do and others that do not.
+    writes_depth: bool,
+}
+
+impl Default for Entries {
+    /// Nearer (greater) depth wins.
+    fn default() -> Self {
+        let compare = wgpu::CompareFunction::GreaterEqual;
+        Self { vertex: "vertex", fragment: "fragment", compare, writes_depth: false }
+    }
+}
+
+impl Entries {
+    /// What nothing lies before.
+    const SEEN: Self =
+        Self { vertex: "placed", fragment: "seen", compare: wgpu::CompareFunction::GreaterEqual, writes_depth: false };
+    /// What something lies before.
+    const HIDDEN: Self = Self { fragment: "hidden", compare: wgpu::CompareFunction::Less, ..Self::SEEN };
+}
+
+/// Triangles that are blended over the picture.
+fn overlay_drawing<'a>(
+    shader: Shader,
+    layouts: &'a [Option<&'a wgpu::BindGroupLayout>],
+    buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    writes_depth: bool,
+) -> Drawing<'a> {
+    let blend = Some(wgpu::BlendState::ALPHA_BLENDING);
+    let topology = wgpu::PrimitiveTopology::TriangleList;
+    Drawing { shader, layouts, buffers, topology, writes_depth, blend, cull: None }
+}
+
 /// A pipeline from entry point `vertex` to entry point `fragment`; nearer (greater) depth wins.
 fn drawing_pipeline(device: &wgpu::Device, output: Output, drawing: &Drawing<'_>) -> wgpu::RenderPipeline {
+    drawing_pipeline_with(device, output, drawing, Entries::default())
+}
+
+/// As [`drawing_pipeline`], with a say in entry points and depth.
+fn drawing_pipeline_with(
+    device: &wgpu::Device,
+    output: Output,
+    drawing: &Drawing<'_>,
+    entries: Entries,
+) -> wgpu::RenderPipeline {
     let module = drawing.shader.module(device);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(drawing.shader.name),
@@ -34,7 +86,7 @@ fn drawing_pipeline(device: &wgpu::Device, output: Output, drawing: &Drawing<'_>
         layout: Some(&layout),
         vertex: wgpu::VertexState {
             module: &module,
-            entry_point: Some("vertex"),
+            entry_point: Some(entries.vertex),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: drawing.buffers,
         },
@@ -42,14 +94,14 @@ fn drawing_pipeline(device: &wgpu::Device, output: Output, drawing: &Drawing<'_>
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(drawing.writes_depth),
-            depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+            depth_compare: Some(entries.compare),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }),
         multisample: wgpu::MultisampleState { count: output.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module: &module,
-            entry_point: Some("fragment"),
+            entry_point: Some(entries.fragment),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(wgpu::ColorTargetState {
                 format: output.format,

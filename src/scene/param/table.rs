@@ -66,6 +66,14 @@ pub const PARAMS: &[Param] = &[
     number("view.light.color", "", 0.0, 1.0, "Linear red, green and blue of the light.").of(3),
     words("view.color", &["plain", "load", "force", "net", "strain", "speed", "contact"], "The scalar that colours the jelly."),
     number("view.color_range", "", -1e12, 1e12, "Fixed ends of the colour range in the scalar's unit; automatic when absent.").of(2),
+    flag("view.overlays.wireframe", "Draws the edges of the skin's triangles."),
+    flag("view.overlays.structural", "Draws the links to the nearest particles."),
+    flag("view.overlays.shear", "Draws the diagonal links."),
+    flag("view.overlays.bending", "Draws the links to the second neighbours."),
+    flag("view.overlays.particles", "Draws the particles."),
+    flag("view.overlays.contacts", "Marks where particles touch obstacles, with the forces as arrows."),
+    flag("view.overlays.boxes", "Draws the boxes of the broad phase; those of pairs that meet are stronger."),
+    flag("view.overlays.cells", "Draws the cells and marks those turned inside out."),
 ];
 
 impl Param {

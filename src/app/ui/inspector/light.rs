@@ -20,7 +20,7 @@ pub(super) fn light_ui(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) 
     touch.and(color_ui(ui, &mut light));
     let mut camera = old.camera;
     touch.and(slider_ui(ui, "view.camera.fov_deg", "Lens", &mut camera.fov_deg, None));
-    send(touch, || Edit::View(ViewSettings { light, camera, ..old.clone() }), commands);
+    send(touch, || Edit::View(ViewSettings { camera, light, ..old.clone() }), commands);
 }
 
 /// The direction as two angles: around, and above the horizon.

@@ -1,0 +1,64 @@
+// Lines of a width in pixels, antialiased by their distance from the middle. Put in front of the passes that draw them.
+// A line is two triangles over its ends and half its width around them:
+//
+//   ┌─────────────────┐   place.x runs from one end (0) to the other (reach), place.y across, both in pixels
+//   │ ·─────────────· │
+//   └─────────────────┘
+
+struct Stroke {
+    @builtin(position) position: vec4f,
+    @location(0) place: vec2f,
+    // The line's length and half its widths at the two ends, pixels.
+    @location(1) @interpolate(flat) reach: vec3f,
+    @location(2) @interpolate(flat) color: vec4f,
+}
+
+// Lines win against the surface they lie on: they are drawn this much nearer than they are.
+const NEARER = 1.0008;
+
+// The corner 0..5 of the two triangles of a line between two points in clip space.
+fn stroke(corner: u32, from_clip: vec4f, to_clip: vec4f, widths: vec2f, color: vec4f) -> Stroke {
+    var a = from_clip;
+    var b = to_clip;
+    // What lies before the near plane is cut off; a line wholly before it becomes nothing.
+    let room = vec2f(a.w - a.z, b.w - b.z);
+    if max(room.x, room.y) < 0.0 || !all(abs(a + b) < vec4f(1e30)) {
+        return Stroke(vec4f(0.0, 0.0, -1.0, 1.0), vec2f(0.0), vec3f(0.0), vec4f(0.0));
+    }
+    if room.x < 0.0 {
+        a = mix(a, b, room.x / (room.x - room.y));
+    } else if room.y < 0.0 {
+        b = mix(b, a, room.y / (room.y - room.x));
+    }
+    let half_view = 0.5 * frame.viewport;
+    let pixel_a = a.xy / a.w * half_view;
+    let pixel_b = b.xy / b.w * half_view;
+    let way = pixel_b - pixel_a;
+    let reach = length(way);
+    let along = select(vec2f(1.0, 0.0), way / reach, reach > 1e-4);
+    let across = vec2f(-along.y, along.x);
+
+    // Corners 0 1 2 and 2 1 3: bit 0 says at which end, bit 1 on which side.
+    let which = select(corner, 6u - corner, corner > 2u) % 4u;
+    let at_end = (which & 1u) != 0u;
+    let side = select(-1.0, 1.0, (which & 2u) != 0u);
+    let border = 0.5 * max(widths.x, widths.y) + 1.0;
+    let place = vec2f(select(-border, reach + border, at_end), side * border);
+    let pixel = pixel_a + along * place.x + across * place.y;
+    let depth = select(a.z / a.w, b.z / b.w, at_end);
+    return Stroke(vec4f(pixel / half_view, min(depth * NEARER, 1.0), 1.0), place, vec3f(reach, 0.5 * widths), color);
+}
+
+// The colour of a pixel of a line, with how much of the pixel the line covers.
+fn stroke_color(in: Stroke) -> vec4f {
+    let reach = in.reach.x;
+    let share = clamp(in.place.x / max(reach, 1e-4), 0.0, 1.0);
+    let radius = mix(in.reach.y, in.reach.z, share);
+    let beyond = max(-in.place.x, in.place.x - reach);
+    let rounded = length(vec2f(max(beyond, 0.0), in.place.y)) - radius;
+    let flat_ended = max(abs(in.place.y) - radius, beyond);
+    let distance = select(rounded, flat_ended, in.reach.y != in.reach.z);
+    // Lines thinner than a pixel fade instead.
+    let coverage = clamp(0.5 - distance, 0.0, 1.0) * clamp(2.0 * max(in.reach.y, in.reach.z), 0.0, 1.0);
+    return vec4f(in.color.rgb, in.color.a * coverage);
+}

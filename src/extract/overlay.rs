@@ -1,0 +1,218 @@
+//! From a simulation to what explains it: links, particles, cells, contact forces, the boxes of the broad phase. What
+//! is switched off is neither computed nor kept.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::geometry::Lattice;
+use crate::math::Aabb;
+use crate::physics::Simulation;
+use crate::physics::model::BodyModel;
+use crate::scene::Body;
+use crate::scene::view_settings::Overlays;
+use crate::view::Overlay;
+use crate::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Segment};
+use crate::view::style::OverlayColors;
+
+/// How much of a body is taken away where its inside is shown.
+const SEE_THROUGH: f32 = 0.8;
+/// What is left of arrows and boxes behind other things.
+const HIDDEN: f32 = 0.3;
+/// The arrow of the force that carries a particle of a body at rest, in sizes of the body.
+const ARROW: f32 = 0.2;
+/// The longest arrow, in sizes of the body.
+const LONGEST_ARROW: f32 = 1.0;
+/// The length of an arrow's head, in arrows, and at most in sizes of the body.
+const HEAD: [f32; 2] = [0.35, 0.05];
+
+/// Index lists of lattices that are drawn, made once and kept as long as they are.
+#[derive(Debug, Default)]
+pub struct OverlaySource {
+    lattices: Vec<LatticeLists>,
+}
+
+/// The lists of one lattice that have been asked for.
+#[derive(Debug)]
+struct LatticeLists {
+    lattice: Arc<Lattice>,
+    links: [Option<Arc<Vec<[u32; 2]>>>; 3],
+    cells: Option<Arc<Vec<[u32; 8]>>>,
+}
+
+impl OverlaySource {
+    /// What the wanted overlays show of the present state. `bodies` are the scene's, whose visible ones have the
+    /// skins of the draw list in the same order.
+    pub fn fill(
+        &mut self,
+        simulation: &Simulation<f32>,
+        bodies: &[Body],
+        wanted: Overlays,
+        colors: &OverlayColors,
+    ) -> Overlay {
+        let mut overlay = Overlay::default();
+        let inside = wanted.structural || wanted.shear || wanted.bending || wanted.particles || wanted.cells;
+        let models = &simulation.model().bodies;
+        if inside {
+            overlay.see_through = SEE_THROUGH;
+            self.lattices.retain(|lists| models.iter().any(|body| Arc::ptr_eq(&body.lattice, &lists.lattice)));
+        } else {
+            self.lattices.clear();
+        }
+        for (skin, (body, _)) in models.iter().zip(bodies).filter(|(_, body)| !body.hidden).enumerate() {
+            if inside {
+                self.add_inside(&mut overlay, body, wanted, colors);
+            }
+            if wanted.wireframe {
+                let color = opaque(colors.wireframe, 0.8);
+                overlay.lines.push(Lines { ends: LineEnds::Skin(skin), color, width: 1.0, hidden: 0.0 });
+            }
+        }
+        if wanted.boxes {
+            overlay.lines.push(boxes(simulation, colors));
+        }
+        if wanted.contacts {
+            add_contacts(&mut overlay, simulation, colors);
+        }
+        overlay
+    }
+
+    fn add_inside(&mut self, overlay: &mut Overlay, body: &BodyModel<f32>, wanted: Overlays, colors: &OverlayColors) {
+        let first = index(body.particles.start);
+        let lists = self.lists(&body.lattice);
+        let families = [wanted.structural, wanted.shear, wanted.bending].into_iter().zip(colors.links).enumerate();
+        for (family, (_, color)) in families.filter(|(_, (wanted, _))| *wanted) {
+            let ends =
+                Arc::clone(lists.links[family].get_or_insert_with(|| Arc::new(lists.lattice.links[family].clone())));
+            let ends = LineEnds::Particles { ends, first };
+            overlay.lines.push(Lines { ends, color: opaque(color, 1.0), width: 1.4, hidden: 0.0 });
+        }
+        if wanted.cells {
+            let cells = Arc::clone(lists.cells.get_or_insert_with(|| Arc::new(lists.lattice.cells.clone())));
+            let (color, inverted) = (opaque(colors.cell, 0.8), opaque(colors.inverted, 1.0));
+            overlay.cells.push(CellFrames { cells, first, color, inverted, width: 1.0 });
+        }
+        if wanted.particles {
+            let places = PointPlaces::Particles { first, count: index(body.particles.len()) };
+            overlay.points.push(Points { places, color: opaque(colors.particle, 1.0), size: 5.0, hidden: 0.0 });
+        }
+    }
+
+    fn lists(&mut self, lattice: &Arc<Lattice>) -> &mut LatticeLists {
+        let known = self.lattices.iter().position(|lists| Arc::ptr_eq(&lists.lattice, lattice));
+        let place = known.unwrap_or_else(|| {
+            self.lattices.push(LatticeLists { lattice: Arc::clone(lattice), links: [None, None, None], cells: None });
+            self.lattices.len() - 1
+        });
+        &mut self.lattices[place]
+    }
+}
+
+/// Force for each metre of an arrow, N/m: the weight that one particle carries when the body rests on one face of the
+/// box around it is a fifth of the body's size. The body's own weight in size without gravity.
+pub fn newtons_per_metre(body: &BodyModel<f32>, gravity: Vec3) -> f32 {
+    let gravity = if gravity == Vec3::ZERO { 9.81 } else { gravity.length() };
+    let count = body.particles.len().max(1) as f32;
+    let weight = body.particle_mass * count * gravity;
+    weight / libm::powf(count, 2.0 / 3.0) / (ARROW * body.size)
+}
+
+/// The cells of a simulation that are turned inside out at a corner at least.
+pub fn inverted_cells(simulation: &Simulation<f32>) -> usize {
+    let position = &simulation.state().position;
+    let is_inverted = |body: &BodyModel<f32>, cell: &[u32; 8]| {
+        let corners = cell.map(|particle| position[body.particles.start + particle as usize]);
+        (0..8_usize).any(|corner| {
+            let edge = |bit: usize| corners[corner ^ bit] - corners[corner];
+            let volume = edge(1).cross(edge(2)).dot(edge(4));
+            (if corner.count_ones() % 2 == 1 { -volume } else { volume }) < 0.0
+        })
+    };
+    let of_body = |body: &BodyModel<f32>| body.lattice.cells.iter().filter(|cell| is_inverted(body, cell)).count();
+    simulation.model().bodies.iter().map(of_body).sum()
+}
+
+/// A pull from the point grabbed to where the pointer wants it: a line that is seen through everything, a dot at
+/// either end.
+pub fn add_grab(overlay: &mut Overlay, grabbed: Vec3, target: Vec3, colors: &OverlayColors) {
+    let color = opaque(colors.accent, 1.0);
+    let pull = Segment::new(grabbed, target, color, 2.5);
+    let pull = Lines { ends: LineEnds::Placed(Arc::new(vec![pull])), color: [1.0; 4], width: 1.0, hidden: 0.7 };
+    overlay.lines.push(pull);
+    for (place, size) in [(grabbed, 9.0), (target, 6.0)] {
+        let places = PointPlaces::Placed(Arc::new(vec![place.to_array()]));
+        overlay.points.push(Points { places, color, size, hidden: 0.7 });
+    }
+}
+
+/// Where particles touch obstacles, and the force on each as an arrow; its length is proportional to the force, see
+/// [`newtons_per_metre`], up to the body's size.
+fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>, colors: &OverlayColors) {
+    let model = simulation.model();
+    let color = opaque(colors.contact, 1.0);
+    let (mut places, mut arrows) = (Vec::new(), Vec::new());
+    for contact in &simulation.scratch().contact.contacts {
+        let Some(body) = model.bodies.iter().find(|body| body.particles.contains(&contact.particle)) else { continue };
+        let place = simulation.state().position[contact.particle];
+        if contact.force == Vec3::ZERO || !contact.force.is_finite() {
+            continue;
+        }
+        let arrow =
+            (contact.force / newtons_per_metre(body, model.gravity)).clamp_length_max(LONGEST_ARROW * body.size);
+        places.push(place.to_array());
+        let head = arrow.clamp_length_max((HEAD[0] * arrow.length()).min(HEAD[1] * body.size));
+        let neck = place + arrow - head;
+        arrows.push(Segment::new(place, neck, color, 2.0));
+        let head = Segment { widths: [8.0, 0.0], ..Segment::new(neck, place + arrow, color, 0.0) };
+        arrows.push(head);
+    }
+    let ends = LineEnds::Placed(Arc::new(arrows));
+    overlay.lines.push(Lines { ends, color: [1.0; 4], width: 1.0, hidden: HIDDEN });
+    let places = PointPlaces::Placed(Arc::new(places));
+    overlay.points.push(Points { places, color, size: 4.5, hidden: HIDDEN });
+}
+
+/// The box around every body, and around every obstacle, stronger where it meets a body's: those pairs pass the broad
+/// phase.
+fn boxes(simulation: &Simulation<f32>, colors: &OverlayColors) -> Lines {
+    let (model, state) = (simulation.model(), simulation.state());
+    let mut edges = Vec::new();
+    let bodies: Vec<Aabb<f32>> = model
+        .bodies
+        .iter()
+        .map(|body| Aabb::around(body.particles.clone().map(|particle| state.position[particle])))
+        .collect();
+    for bounds in &bodies {
+        add_box(&mut edges, bounds, opaque(colors.body_box, 1.0), 1.6);
+    }
+    for obstacle in &model.obstacles {
+        let meets = bodies.iter().any(|body| body.overlaps(&obstacle.bounds));
+        let (opacity, width) = if meets { (1.0, 2.2) } else { (0.55, 1.2) };
+        add_box(&mut edges, &obstacle.bounds, opaque(colors.obstacle_box, opacity), width);
+    }
+    Lines { ends: LineEnds::Placed(Arc::new(edges)), color: [1.0; 4], width: 1.0, hidden: HIDDEN }
+}
+
+fn add_box(edges: &mut Vec<Segment>, bounds: &Aabb<f32>, color: [f32; 4], width: f32) {
+    let corner = |place: usize| {
+        let high = |bit: usize| place >> bit & 1 == 1;
+        Vec3::select(glam::BVec3::new(high(0), high(1), high(2)), bounds.max, bounds.min)
+    };
+    for (place, bit) in (0..8).flat_map(|place| [1, 2, 4].map(|bit| (place, bit))) {
+        if place & bit == 0 {
+            edges.push(Segment::new(corner(place), corner(place | bit), color, width));
+        }
+    }
+}
+
+fn opaque([r, g, b]: [f32; 3], opacity: f32) -> [f32; 4] {
+    [r, g, b, opacity]
+}
+
+fn index(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+#[path = "overlay_tests.rs"]
+mod tests;

@@ -1,0 +1,135 @@
+//! What overlays show of a small cube.
+
+use super::*;
+use crate::geometry::voxel::Cells;
+use crate::scene::body::CubeShape;
+use crate::scene::{Obstacle, Scene, Shape};
+use crate::view::Style;
+
+/// A cube of 2³ cells of half a metre, its middle at a height, over the ground.
+fn cube(height: f64) -> (Scene, Simulation<f32>) {
+    let mut body = Body { shape: Shape::Cube(CubeShape { cells: 2, size: 1.0 }), ..Body::default() };
+    body.pose.position = [0.0, height, 0.0];
+    let scene = Scene { bodies: vec![body], obstacles: vec![Obstacle::default()], ..Scene::default() };
+    let lattice = Arc::new(Lattice::new(&Cells::cube(2, 0.5).expect("a small cube")));
+    let simulation = Simulation::new(&scene, &[lattice]);
+    (scene, simulation)
+}
+
+fn filled(height: f64, steps: usize, wanted: Overlays) -> Overlay {
+    let (scene, mut simulation) = cube(height);
+    for _ in 0..steps {
+        simulation.step();
+    }
+    OverlaySource::default().fill(&simulation, &scene.bodies, wanted, &Style::default().overlay)
+}
+
+fn segments(lines: &Lines) -> &[Segment] {
+    match &lines.ends {
+        LineEnds::Placed(segments) => segments,
+        other => panic!("placed lines, not {other:?}"),
+    }
+}
+
+#[test]
+fn nothing_wanted_is_nothing_made_and_nothing_kept() {
+    let (scene, simulation) = cube(1.0);
+    let mut source = OverlaySource::default();
+    let colors = Style::default().overlay;
+    source.fill(&simulation, &scene.bodies, Overlays { structural: true, ..Overlays::default() }, &colors);
+    assert_eq!(source.lattices.len(), 1, "the links of one lattice are kept");
+    let overlay = source.fill(&simulation, &scene.bodies, Overlays::default(), &colors);
+    assert_eq!(overlay, Overlay::default(), "nothing to draw");
+    assert!(source.lattices.is_empty(), "nor to keep");
+}
+
+#[test]
+fn each_family_has_its_links_its_colour_and_its_toggle() {
+    let all = Overlays { structural: true, shear: true, bending: true, ..Overlays::default() };
+    let overlay = filled(1.0, 0, all);
+    let counts: Vec<usize> = overlay
+        .lines
+        .iter()
+        .map(|lines| match &lines.ends {
+            LineEnds::Particles { ends, .. } => ends.len(),
+            other => panic!("links hang on particles, not {other:?}"),
+        })
+        .collect();
+    assert_eq!(counts, [54, 104, 27], "the links of 3³ particles by family");
+    let lightness = |lines: &Lines| lines.color[..3].iter().sum::<f32>();
+    let told_apart = |pair: &[Lines]| (lightness(&pair[0]) - lightness(&pair[1])).abs() > 0.1;
+    assert!(overlay.lines.windows(2).all(told_apart), "told apart by lightness too");
+    let shear = filled(1.0, 0, Overlays { shear: true, ..Overlays::default() });
+    assert_eq!(shear.lines, overlay.lines[1..2], "one toggle, one family");
+}
+
+#[test]
+fn links_are_listed_once_however_often_they_are_drawn() {
+    let (scene, simulation) = cube(1.0);
+    let mut source = OverlaySource::default();
+    let wanted = Overlays { cells: true, ..Overlays::default() };
+    let mut cells = || {
+        let overlay = source.fill(&simulation, &scene.bodies, wanted, &Style::default().overlay);
+        Arc::clone(&overlay.cells[0].cells)
+    };
+    assert!(Arc::ptr_eq(&cells(), &cells()), "the second frame names the list of the first");
+}
+
+#[test]
+fn hidden_bodies_show_nothing_of_their_inside() {
+    let (mut scene, simulation) = cube(1.0);
+    scene.bodies[0].hidden = true;
+    let wanted = Overlays { structural: true, particles: true, wireframe: true, ..Overlays::default() };
+    let overlay = OverlaySource::default().fill(&simulation, &scene.bodies, wanted, &Style::default().overlay);
+    assert!(overlay.is_empty(), "no links, particles or edges");
+}
+
+#[test]
+fn arrows_of_a_cube_at_rest_carry_its_weight() {
+    let wanted = Overlays { contacts: true, ..Overlays::default() };
+    assert!(segments(&filled(3.0, 1, wanted).lines[0]).is_empty(), "in the air nothing touches");
+    let (_, simulation) = cube(1.0);
+    let body = &simulation.model().bodies[0];
+    let weight = body.particle_mass * 27.0 * 9.81;
+    let overlay = filled(0.51, 4000, wanted);
+    let up: f32 = segments(&overlay.lines[0]).iter().map(|arrow| arrow.ends[1][1] - arrow.ends[0][1]).sum();
+    let shown = up * newtons_per_metre(body, Vec3::NEG_Y * 9.81);
+    assert!((shown / weight - 1.0).abs() < 0.05, "{shown} N of {weight} N");
+    assert!((up / (9.0 * ARROW) - 1.0).abs() < 0.06, "nine particles, a fifth of a metre each: {up}");
+}
+
+#[test]
+fn boxes_fit_their_bodies_and_are_strong_where_they_meet() {
+    let wanted = Overlays { boxes: true, ..Overlays::default() };
+    let widths = |height| {
+        let overlay = filled(height, 0, wanted);
+        let edges = segments(&overlay.lines[0]).to_vec();
+        assert_eq!(edges.len(), 24, "twelve edges each");
+        let low = edges[..12].iter().flat_map(|edge| edge.ends).map(|end| end[1]).fold(f32::INFINITY, f32::min);
+        assert!((f64::from(low) - (height - 0.5)).abs() < 1e-5, "the box begins below the body: {low}");
+        edges[12].widths[0]
+    };
+    assert!(widths(0.4) > widths(3.0), "a pair that passes the broad phase stands out");
+}
+
+#[test]
+fn a_cell_turned_inside_out_is_counted_and_a_turned_one_is_not() {
+    let (_, mut simulation) = cube(1.0);
+    let change = |simulation: &mut Simulation<f32>, change: &dyn Fn(Vec3) -> Vec3| {
+        let mut state = simulation.state().clone();
+        state.position.iter_mut().for_each(|place| *place = change(*place));
+        simulation.set_state(state);
+        inverted_cells(simulation)
+    };
+    assert_eq!(change(&mut simulation, &|place| place), 0, "at rest");
+    assert_eq!(change(&mut simulation, &|place| Vec3::new(-place.x, place.y, -place.z)), 0, "half a turn");
+    assert_eq!(change(&mut simulation, &|place| place * Vec3::new(-1.0, 1.0, 1.0)), 8, "a mirror image");
+}
+
+#[test]
+fn a_pull_begins_where_it_was_grabbed() {
+    let mut overlay = Overlay::default();
+    add_grab(&mut overlay, Vec3::X, Vec3::Y, &Style::default().overlay);
+    assert_eq!(segments(&overlay.lines[0])[0].ends, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "from grabbed to target");
+    assert_eq!(overlay.points.len(), 2, "a dot at either end");
+}

@@ -1,0 +1,65 @@
+//! All passes of an overlay, and their place in the picture: what hangs on bodies before the bodies where these are
+//! seen through, the rest over everything.
+
+use super::error::RenderError;
+use super::passes::cells::CellsPass;
+use super::passes::fills::FillsPass;
+use super::passes::lines::{Device, LinesPass};
+use super::passes::points::PointsPass;
+use super::renderer::FrameCounters;
+use super::scene::SceneBuffers;
+use super::target::Output;
+use crate::view::Overlay;
+
+/// Draws overlays.
+#[derive(Debug)]
+pub(super) struct OverlayPasses {
+    lines: LinesPass,
+    cells: CellsPass,
+    points: PointsPass,
+    fills: FillsPass,
+}
+
+impl OverlayPasses {
+    pub(super) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
+        Self {
+            lines: LinesPass::new(device, output, frame),
+            cells: CellsPass::new(device, output, frame),
+            points: PointsPass::new(device, output, frame),
+            fills: FillsPass::new(device, output, frame),
+        }
+    }
+
+    /// Brings the device up to date with what is to be drawn.
+    pub(super) fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        overlay: &Overlay,
+        scene: &mut SceneBuffers,
+        counters: &mut FrameCounters,
+    ) -> Result<(), RenderError> {
+        let (device, scale, bytes) = (Device { device, queue }, overlay.scale, &mut counters.overlay_bytes);
+        self.lines.prepare(device, &overlay.lines, scale, scene, bytes)?;
+        self.cells.prepare(device, &overlay.cells, scale, scene, bytes)?;
+        self.points.prepare(device, &overlay.points, scale, scene, bytes)?;
+        self.fills.prepare(device, &overlay.fills, bytes)
+    }
+
+    /// Draws what hangs on particles and skins.
+    pub(super) fn draw_carried(&self, pass: &mut wgpu::RenderPass<'_>, counters: &mut FrameCounters) {
+        let drawn = [self.lines.draw_carried(pass), self.cells.draw(pass), self.points.draw_carried(pass)];
+        note(counters, ["lines", "cells", "points"], drawn);
+    }
+
+    /// Draws the rest.
+    pub(super) fn draw_placed(&self, pass: &mut wgpu::RenderPass<'_>, counters: &mut FrameCounters) {
+        // Flat shapes lie under the lines around them.
+        let drawn = [self.fills.draw(pass), self.lines.draw_placed(pass), self.points.draw_placed(pass)];
+        note(counters, ["fills", "lines", "points"], drawn);
+    }
+}
+
+fn note(counters: &mut FrameCounters, names: [&'static str; 3], drawn: [bool; 3]) {
+    counters.passes.extend(names.into_iter().zip(drawn).filter(|&(_, drawn)| drawn).map(|(name, _)| name));
+}

@@ -1,0 +1,79 @@
+//! Cells as frames, those turned inside out crossed.
+
+use super::lines::Device;
+use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use crate::render::error::RenderError;
+use crate::render::kept::{Kept, Looks};
+use crate::render::layout::CellSet;
+use crate::render::scene::SceneBuffers;
+use crate::render::shader;
+use crate::render::target::Output;
+use crate::view::overlay::CellFrames;
+
+/// Vertices of a cell in `cells.wgsl`: two triangles for each of twelve edges and four diagonals.
+const VERTICES: u32 = 6 * 16;
+
+/// Draws cells.
+#[derive(Debug)]
+pub(in crate::render) struct CellsPass {
+    pipeline: wgpu::RenderPipeline,
+    looks: Looks,
+    cells: Kept<[u32; 8]>,
+    /// The cells of every look and how many they are.
+    sets: Vec<(wgpu::Buffer, u32)>,
+}
+
+impl CellsPass {
+    pub(in crate::render) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
+        let looks = Looks::new(device);
+        let layouts = [Some(frame), Some(looks.layout())];
+        let corners = wgpu::vertex_attr_array![0 => Uint32x4, 1 => Uint32x4];
+        let buffers = [Some(vertex_layout::<[u32; 8]>(wgpu::VertexStepMode::Instance, &corners))];
+        let drawing = overlay_drawing(shader::CELLS, &layouts, &buffers, true);
+        let pipeline = drawing_pipeline_with(device, output, &drawing, Entries::default());
+        Self { pipeline, looks, cells: Kept::new("cells"), sets: Vec::new() }
+    }
+
+    /// Brings the device up to date; counts what is uploaded.
+    pub(in crate::render) fn prepare(
+        &mut self,
+        Device { device, queue }: Device<'_>,
+        frames: &[CellFrames],
+        scale: f32,
+        scene: &SceneBuffers,
+        bytes_counted: &mut u64,
+    ) -> Result<(), RenderError> {
+        self.sets.clear();
+        self.cells.begin();
+        if let Some(positions) = scene.particles() {
+            for frames in frames {
+                let CellFrames { cells, first, color, inverted, width } = frames;
+                let look = CellSet {
+                    color: *color,
+                    inverted: *inverted,
+                    width: width * scale,
+                    first: *first,
+                    ..CellSet::default()
+                };
+                let content = bytemuck::bytes_of(&look);
+                self.looks.set(device, queue, self.sets.len(), content, positions, bytes_counted);
+                let bytes_of = |cells: &[[u32; 8]]| bytemuck::cast_slice(cells).to_vec();
+                let buffer = self.cells.get(device, queue, cells, bytes_of, bytes_counted)?;
+                self.sets.push((buffer, u32::try_from(cells.len()).unwrap_or(u32::MAX)));
+            }
+        }
+        self.cells.end();
+        Ok(())
+    }
+
+    /// Draws them. Says whether anything was drawn.
+    pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
+        for (index, (cells, count)) in self.sets.iter().enumerate() {
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(1, self.looks.get(index), &[]);
+            pass.set_vertex_buffer(0, cells.slice(..));
+            pass.draw(0..VERTICES, 0..*count);
+        }
+        !self.sets.is_empty()
+    }
+}

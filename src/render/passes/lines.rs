@@ -1,0 +1,159 @@
+//! Overlay lines: what hangs on particles or skins, what is placed in the world, what is placed on the screen.
+
+use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use crate::render::error::RenderError;
+use crate::render::kept::{Kept, Looks};
+use crate::render::layout::{DeformedVertex, LineSet, SegmentInstance};
+use crate::render::scene::SceneBuffers;
+use crate::render::shader;
+use crate::render::target::Output;
+use crate::view::overlay::{LineEnds, Lines, Segment};
+
+/// Draws overlay lines.
+#[derive(Debug)]
+pub(in crate::render) struct LinesPass {
+    /// Each for what is seen and for what is hidden.
+    carried: [wgpu::RenderPipeline; 2],
+    placed: [wgpu::RenderPipeline; 2],
+    screen: wgpu::RenderPipeline,
+    looks: Looks,
+    pairs: Kept<[u32; 2]>,
+    segments: Kept<Segment>,
+    sets: Vec<Prepared>,
+}
+
+/// Lines of one look, ready to be drawn with the look of the same place.
+#[derive(Debug)]
+struct Prepared {
+    kind: Kind,
+    instances: wgpu::Buffer,
+    count: u32,
+    has_hidden: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Carried,
+    Placed,
+    Screen,
+}
+
+/// What lines are prepared from.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::render) struct Device<'a> {
+    pub(in crate::render) device: &'a wgpu::Device,
+    pub(in crate::render) queue: &'a wgpu::Queue,
+}
+
+impl LinesPass {
+    pub(in crate::render) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
+        let looks = Looks::new(device);
+        let layouts = [Some(frame), Some(looks.layout())];
+        let instance = wgpu::VertexStepMode::Instance;
+        let pair = wgpu::vertex_attr_array![0 => Uint32x2];
+        let pairs = [Some(vertex_layout::<[u32; 2]>(instance, &pair))];
+        let segments = [Some(vertex_layout::<SegmentInstance>(instance, &SegmentInstance::ATTRIBUTES))];
+        let pipeline = |vertex, buffers, entries: Entries| {
+            let drawing = overlay_drawing(shader::LINES, &layouts, buffers, entries.writes_depth);
+            drawing_pipeline_with(device, output, &drawing, Entries { vertex, ..entries })
+        };
+        Self {
+            carried: [
+                pipeline("carried", &pairs, Entries { writes_depth: true, ..Entries::SEEN }),
+                pipeline("carried", &pairs, Entries::HIDDEN),
+            ],
+            placed: [pipeline("placed", &segments, Entries::SEEN), pipeline("placed", &segments, Entries::HIDDEN)],
+            screen: pipeline("screen", &segments, Entries::SEEN),
+            looks,
+            pairs: Kept::new("pairs of particles"),
+            segments: Kept::new("segments"),
+            sets: Vec::new(),
+        }
+    }
+
+    /// Brings the device up to date; counts what is uploaded.
+    pub(in crate::render) fn prepare(
+        &mut self,
+        Device { device, queue }: Device<'_>,
+        lines: &[Lines],
+        scale: f32,
+        scene: &mut SceneBuffers,
+        bytes_counted: &mut u64,
+    ) -> Result<(), RenderError> {
+        self.sets.clear();
+        self.pairs.begin();
+        self.segments.begin();
+        for lines in lines {
+            let mut look =
+                LineSet { color: lines.color, width: lines.width * scale, hidden: lines.hidden, stride: 3, first: 0 };
+            let Some(mut positions) = scene.particles().cloned() else { continue };
+            let (kind, instances, count) = match &lines.ends {
+                LineEnds::Particles { ends, first } => {
+                    look.first = *first;
+                    let bytes_of = |pairs: &[[u32; 2]]| bytemuck::cast_slice(pairs).to_vec();
+                    (Kind::Carried, self.pairs.get(device, queue, ends, bytes_of, bytes_counted)?, ends.len())
+                }
+                LineEnds::Skin(index) => {
+                    let Some(skin) = scene.skins.get_mut(*index) else { continue };
+                    positions = skin.deformed.clone();
+                    look.stride = STRIDE_OF_SKINS;
+                    let (edges, count) = skin.edges(device, queue, bytes_counted)?;
+                    (Kind::Carried, edges, count)
+                }
+                LineEnds::Placed(segments) | LineEnds::Screen(segments) => {
+                    let is_placed = matches!(lines.ends, LineEnds::Placed(_));
+                    let bytes_of = |segments: &[Segment]| {
+                        let instances: Vec<SegmentInstance> = segments.iter().map(SegmentInstance::from).collect();
+                        bytemuck::cast_slice(&instances).to_vec()
+                    };
+                    let buffer = self.segments.get(device, queue, segments, bytes_of, bytes_counted)?;
+                    (if is_placed { Kind::Placed } else { Kind::Screen }, buffer, segments.len())
+                }
+            };
+            let content = bytemuck::bytes_of(&look);
+            self.looks.set(device, queue, self.sets.len(), content, &positions, bytes_counted);
+            let count = u32::try_from(count).unwrap_or(u32::MAX);
+            self.sets.push(Prepared { kind, instances, count, has_hidden: lines.hidden > 0.0 });
+        }
+        self.pairs.end();
+        self.segments.end();
+        Ok(())
+    }
+
+    /// Draws what hangs on particles and skins. Says whether anything was drawn.
+    pub(in crate::render) fn draw_carried(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
+        self.draw(pass, Kind::Carried)
+    }
+
+    /// Draws the rest. Says whether anything was drawn.
+    pub(in crate::render) fn draw_placed(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
+        let placed = self.draw(pass, Kind::Placed);
+        self.draw(pass, Kind::Screen) || placed
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, kind: Kind) -> bool {
+        let mut drawn = false;
+        for (index, set) in self.sets.iter().enumerate().filter(|(_, set)| set.kind == kind && set.count > 0) {
+            let pipelines = match kind {
+                Kind::Carried => &self.carried[..],
+                Kind::Placed => &self.placed,
+                Kind::Screen => std::slice::from_ref(&self.screen),
+            };
+            pass.set_bind_group(1, self.looks.get(index), &[]);
+            pass.set_vertex_buffer(0, set.instances.slice(..));
+            // What is hidden first: lines of one look must not hide each other before they are drawn.
+            for (pipeline, wanted) in pipelines.iter().zip([true, set.has_hidden]).rev() {
+                if wanted {
+                    pass.set_pipeline(pipeline);
+                    pass.draw(0..6, 0..set.count);
+                }
+            }
+            drawn = true;
+        }
+        drawn
+    }
+}
+
+/// Numbers from one vertex of a deformed skin to the next.
+#[expect(clippy::cast_possible_truncation, reason = "a vertex is a few numbers")]
+const STRIDE_OF_SKINS: u32 = (size_of::<DeformedVertex>() / size_of::<f32>()) as u32;

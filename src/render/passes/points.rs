@@ -1,0 +1,116 @@
+//! Overlay points: particles, or places in the world.
+
+use super::lines::Device;
+use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use crate::render::error::RenderError;
+use crate::render::kept::{Kept, Looks};
+use crate::render::layout::PointSet;
+use crate::render::scene::SceneBuffers;
+use crate::render::shader;
+use crate::render::target::Output;
+use crate::view::overlay::{PointPlaces, Points};
+
+/// Draws overlay points.
+#[derive(Debug)]
+pub(in crate::render) struct PointsPass {
+    /// Each for what is seen and for what is hidden.
+    carried: [wgpu::RenderPipeline; 2],
+    placed: [wgpu::RenderPipeline; 2],
+    looks: Looks,
+    places: Kept<[f32; 3]>,
+    sets: Vec<Prepared>,
+}
+
+/// Points of one look, ready to be drawn with the look of the same place.
+#[derive(Debug)]
+struct Prepared {
+    /// Where they are; particles where absent.
+    places: Option<wgpu::Buffer>,
+    count: u32,
+    has_hidden: bool,
+}
+
+impl PointsPass {
+    pub(in crate::render) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
+        let looks = Looks::new(device);
+        let layouts = [Some(frame), Some(looks.layout())];
+        let place = wgpu::vertex_attr_array![0 => Float32x3];
+        let places = [Some(vertex_layout::<[f32; 3]>(wgpu::VertexStepMode::Instance, &place))];
+        let pipeline = |vertex, buffers, entries: Entries| {
+            let drawing = overlay_drawing(shader::POINTS, &layouts, buffers, entries.writes_depth);
+            drawing_pipeline_with(device, output, &drawing, Entries { vertex, ..entries })
+        };
+        Self {
+            carried: [
+                pipeline("carried", &[], Entries { writes_depth: true, ..Entries::SEEN }),
+                pipeline("carried", &[], Entries::HIDDEN),
+            ],
+            placed: [pipeline("placed", &places, Entries::SEEN), pipeline("placed", &places, Entries::HIDDEN)],
+            looks,
+            places: Kept::new("points"),
+            sets: Vec::new(),
+        }
+    }
+
+    /// Brings the device up to date; counts what is uploaded.
+    pub(in crate::render) fn prepare(
+        &mut self,
+        Device { device, queue }: Device<'_>,
+        points: &[Points],
+        scale: f32,
+        scene: &SceneBuffers,
+        bytes_counted: &mut u64,
+    ) -> Result<(), RenderError> {
+        self.sets.clear();
+        self.places.begin();
+        if let Some(positions) = scene.particles() {
+            for Points { places, color, size, hidden } in points {
+                let (buffer, first, count) = match places {
+                    PointPlaces::Particles { first, count } => (None, *first, *count),
+                    PointPlaces::Placed(places) => {
+                        let bytes_of = |places: &[[f32; 3]]| bytemuck::cast_slice(places).to_vec();
+                        let buffer = self.places.get(device, queue, places, bytes_of, bytes_counted)?;
+                        (Some(buffer), 0, u32::try_from(places.len()).unwrap_or(u32::MAX))
+                    }
+                };
+                let look =
+                    PointSet { color: *color, size: size * scale, hidden: *hidden, first, ..PointSet::default() };
+                let content = bytemuck::bytes_of(&look);
+                self.looks.set(device, queue, self.sets.len(), content, positions, bytes_counted);
+                self.sets.push(Prepared { places: buffer, count, has_hidden: *hidden > 0.0 });
+            }
+        }
+        self.places.end();
+        Ok(())
+    }
+
+    /// Draws particles. Says whether anything was drawn.
+    pub(in crate::render) fn draw_carried(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
+        self.draw(pass, false)
+    }
+
+    /// Draws the rest. Says whether anything was drawn.
+    pub(in crate::render) fn draw_placed(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
+        self.draw(pass, true)
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, placed: bool) -> bool {
+        let mut drawn = false;
+        let wanted = |set: &Prepared| set.places.is_some() == placed && set.count > 0;
+        for (index, set) in self.sets.iter().enumerate().filter(|(_, set)| wanted(set)) {
+            let pipelines = if placed { &self.placed } else { &self.carried };
+            pass.set_bind_group(1, self.looks.get(index), &[]);
+            if let Some(places) = &set.places {
+                pass.set_vertex_buffer(0, places.slice(..));
+            }
+            for (pipeline, wanted) in pipelines.iter().zip([true, set.has_hidden]).rev() {
+                if wanted {
+                    pass.set_pipeline(pipeline);
+                    pass.draw(0..6, 0..set.count);
+                }
+            }
+            drawn = true;
+        }
+        drawn
+    }
+}
