@@ -15,6 +15,7 @@ use glam::Vec2;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::keyboard::{Key as WinitKey, NamedKey};
 
+use super::ui::files::FileAction;
 use crate::scene::ColorBy;
 use crate::session::Command;
 use crate::view::Orbit;
@@ -135,6 +136,8 @@ pub enum Action {
     Release,
     /// Do something with what is chosen.
     Chosen(ChosenAction),
+    /// Something with files.
+    Files(FileAction),
 }
 
 /// Something to do with the body or obstacle that is chosen.
@@ -321,7 +324,9 @@ impl Input {
         // Holding a key down steps on and on; everything else happens once.
         let stepping = matches!(key, Key::Right | Key::Char('.'));
         if self.control && !self.other {
-            return if situation.typing { None } else { self.history_key(key) };
+            let history = if situation.typing { None } else { self.history_key(key) };
+            let files = || file_action(key, self.shift).filter(|_| !repeat).map(Action::Files);
+            return history.or_else(files);
         }
         if self.control || self.other || (repeat && !stepping) {
             return None;
@@ -366,6 +371,18 @@ impl Input {
 
     fn over(&self, situation: Situation, camera_move: CameraMove) -> Option<Action> {
         (situation.over_view || self.press.is_some()).then_some(Action::Camera(camera_move))
+    }
+}
+
+/// What a key means with control.
+fn file_action(key: Key, shift: bool) -> Option<FileAction> {
+    match (key, shift) {
+        (Key::Char('n'), false) => Some(FileAction::New),
+        (Key::Char('o'), false) => Some(FileAction::Open),
+        (Key::Char('s'), false) => Some(FileAction::Save),
+        (Key::Char('s'), true) => Some(FileAction::SaveAs),
+        (Key::Char('q'), false) => Some(FileAction::Quit),
+        _ => None,
     }
 }
 

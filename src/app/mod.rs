@@ -11,14 +11,16 @@
 
 pub mod hand;
 pub mod input;
+pub mod recovery;
 pub mod theme;
 pub mod ui;
 pub mod window;
 pub mod worker;
 
+mod files;
+mod native_dialog;
+mod recent;
 mod shell;
-
-use std::path::PathBuf;
 
 use egui_winit::accesskit_winit;
 use thiserror::Error;
@@ -31,7 +33,7 @@ use winit::window::WindowId;
 use self::shell::Shell;
 pub use self::shell::ShellError;
 use self::worker::Worker;
-use crate::scene::Scene;
+use crate::session::document::Opened;
 
 /// Why there is no window, or none any more.
 #[derive(Debug, Error)]
@@ -50,14 +52,13 @@ pub enum AppError {
     Shell(#[from] ShellError),
 }
 
-/// Opens the sandbox on a scene and returns when it is closed. Relative model paths start at `base_dir`; `title` is a
-/// preset's name or a file's.
-pub fn run(scene: Scene, title: String, base_dir: PathBuf) -> Result<(), AppError> {
+/// Opens the sandbox on a scene and returns when it is closed.
+pub fn run(opened: Opened) -> Result<(), AppError> {
     let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(AppError::NoDisplay)?;
     let proxy = event_loop.create_proxy();
     // The scene is prepared while the window opens.
-    let worker = shell::start_worker(&proxy, scene, base_dir.clone(), title);
-    let mut app = App { proxy, start: Some((worker, base_dir)), shell: None, error: None };
+    let worker = shell::start_worker(&proxy, opened);
+    let mut app = App { proxy, start: Some(worker), shell: None, error: None };
     event_loop.run_app(&mut app).map_err(AppError::Display)?;
     app.error.map_or(Ok(()), |error| Err(error.into()))
 }
@@ -67,6 +68,8 @@ pub fn run(scene: Scene, title: String, base_dir: PathBuf) -> Result<(), AppErro
 pub(crate) enum Wake {
     /// The worker has something to take.
     Worker,
+    /// A dialog of the system was answered.
+    Dialog,
     /// Somebody looks at the window through its accessibility tree.
     Accessibility(accesskit_winit::Event),
 }
@@ -79,7 +82,7 @@ impl From<accesskit_winit::Event> for Wake {
 
 struct App {
     proxy: EventLoopProxy<Wake>,
-    start: Option<(Worker, PathBuf)>,
+    start: Option<Worker>,
     shell: Option<Shell>,
     error: Option<ShellError>,
 }
@@ -101,8 +104,8 @@ impl App {
 
 impl ApplicationHandler<Wake> for App {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
-        let Some((worker, base_dir)) = self.start.take() else { return };
-        let opened = Shell::open(event_loop, self.proxy.clone(), worker, base_dir);
+        let Some(worker) = self.start.take() else { return };
+        let opened = Shell::open(event_loop, self.proxy.clone(), worker);
         let outcome = opened.and_then(|mut shell| {
             // The worker may have spoken before there was a window to wake.
             let outcome = shell.on_wake(Wake::Worker);

@@ -1,7 +1,8 @@
 //! The open window: what it remembers, what it does with an event, how a frame comes about. Holds the pieces together
 //! and decides when to draw; what the pieces do stands in their own modules.
 
-use std::path::PathBuf;
+mod pointing;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,16 +16,19 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::window::Window;
 
-use super::hand::{self, Hand};
-use super::input::{self, Action, CameraMove, ChosenAction, Event, Input, Situation, ViewRect};
+use super::files::Files;
+use super::hand::Hand;
+use super::input::{self, Action, Input, ViewRect};
+use super::ui::files::FileAction;
 use super::ui::{self, Running, UiState};
 use super::window::{Canvas, CanvasError, Frame, Shown};
 use super::worker::{Ended, Snapshot, Worker, sentence};
 use super::{Wake, theme};
 use crate::extract;
 use crate::scene::{ColorBy, Scene, presets};
-use crate::session::Command;
-use crate::view::{DrawList, Orbit, Ray};
+use crate::session::Status;
+use crate::session::document::Opened;
+use crate::view::{DrawList, Orbit};
 
 /// The window's size at the start, points.
 const SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
@@ -55,8 +59,7 @@ pub(super) struct Shell {
     egui: egui_winit::State,
     proxy: EventLoopProxy<Wake>,
     worker: Worker,
-    /// Where relative model paths of the scene start.
-    base_dir: PathBuf,
+    files: Files,
     snapshot: Option<Snapshot>,
     orbit: Orbit,
     input: Input,
@@ -76,7 +79,6 @@ impl Shell {
         event_loop: &ActiveEventLoop,
         proxy: EventLoopProxy<Wake>,
         worker: Worker,
-        base_dir: PathBuf,
     ) -> Result<Self, ShellError> {
         // Hidden until the accessibility tree is connected, as its adapter demands.
         let attributes = Window::default_attributes()
@@ -89,6 +91,8 @@ impl Shell {
         let (context, egui) = interface(event_loop, &window, &canvas, proxy.clone());
         window.set_visible(true);
         window.request_redraw();
+        let mut ui = UiState::new(presets::presets());
+        let files = Files::new(&mut ui.files);
         Ok(Self {
             window,
             canvas,
@@ -96,12 +100,12 @@ impl Shell {
             egui,
             proxy,
             worker,
-            base_dir,
+            files,
             snapshot: None,
             orbit: Orbit::default(),
             input: Input::default(),
             hand: Hand::default(),
-            ui: UiState::new(presets::presets()),
+            ui,
             failure: String::new(),
             changed: true,
             visible: true,
@@ -122,7 +126,7 @@ impl Shell {
     ) -> Result<(), ShellError> {
         match event {
             WindowEvent::RedrawRequested => return self.draw(event_loop),
-            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::CloseRequested => self.on_close_requested(event_loop),
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
                 self.canvas.resize();
                 self.changed = true;
@@ -148,6 +152,7 @@ impl Shell {
     pub(super) fn on_wake(&mut self, wake: Wake) -> Result<(), ShellError> {
         match wake {
             Wake::Worker => self.receive()?,
+            Wake::Dialog => self.files.answer(&mut self.ui.files),
             Wake::Accessibility(event) => match event.window_event {
                 accesskit_winit::WindowEvent::InitialTreeRequested => self.context.enable_accesskit(),
                 accesskit_winit::WindowEvent::ActionRequested(request) => {
@@ -175,10 +180,17 @@ impl Shell {
             let old = self.snapshot.as_ref();
             if old.is_none_or(|old| old.generation != snapshot.generation) {
                 self.orbit = extract::view::orbit(&snapshot.scene.view.camera);
+                self.hand = Hand::default();
+                self.ui.selection = None;
             }
-            if old.is_none_or(|old| old.status.title != snapshot.status.title) {
-                self.window.set_title(&format!("{} — Gelatin", snapshot.status.title));
+            // The lens is a value of the scene; where the eye is, is the window's own.
+            self.orbit.fov_rad = extract::view::orbit(&snapshot.scene.view.camera).fov_rad;
+            let named = |status: &Status| (status.title.clone(), status.unsaved);
+            if old.is_none_or(|old| named(&old.status) != named(&snapshot.status)) {
+                let mark = if snapshot.status.unsaved { "• " } else { "" };
+                self.window.set_title(&format!("{mark}{} — Gelatin", snapshot.status.title));
             }
+            self.files.on_snapshot(&snapshot, extract::view::camera_settings(&self.orbit), &mut self.ui.files);
             self.snapshot = Some(snapshot);
             self.changed = true;
         }
@@ -192,111 +204,6 @@ impl Shell {
                 Ok(())
             }
             None => Ok(()),
-        }
-    }
-
-    fn situation(&self, event: Event) -> Situation {
-        let pointer = self.input.pointer();
-        let points = egui::pos2(pointer.x, pointer.y) / self.pixels_per_point();
-        let covered = self.context.layer_id_at(points).is_some_and(|layer| layer.order != egui::Order::Background);
-        let over_view = self.view().contains(pointer) && !covered && !self.context.egui_is_using_pointer();
-        Situation {
-            over_view,
-            typing: self.context.egui_wants_keyboard_input(),
-            holdable: over_view && matches!(event, Event::Button { pressed: true, .. }) && self.is_holdable(pointer),
-            playing: self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.playing),
-            scale: self.pixels_per_point(),
-        }
-    }
-
-    fn is_holdable(&self, pixel: Vec2) -> bool {
-        let Some(snapshot) = &self.snapshot else { return false };
-        hand::target(&snapshot.scene, &snapshot.draw_list, &self.ray(pixel))
-            .is_some_and(|(target, _)| hand::can_be_held(&snapshot.scene, target))
-    }
-
-    /// The line of sight through a pixel of the window.
-    fn ray(&self, pixel: Vec2) -> Ray {
-        let view = self.view();
-        self.orbit.camera().ray_through(pixel - view.origin, view.size)
-    }
-
-    fn act(&mut self, action: Action) {
-        match action {
-            Action::Camera(CameraMove::Frame) => self.frame_chosen(),
-            Action::Camera(camera_move) => {
-                let view = self.view();
-                input::move_camera(&mut self.orbit, camera_move, view);
-                self.changed = true;
-            }
-            Action::Send(command) => self.worker.send(command),
-            Action::ColorBy(color) => self.color_by(color),
-            Action::ToggleKeys => self.ui.keys_open = !self.ui.keys_open,
-            Action::Close => self.close(),
-            Action::Choose(pixel) => self.choose(pixel),
-            Action::Take(pixel) => self.take(pixel),
-            Action::Drag(pixel) => self.drag(pixel),
-            Action::Release => self.release(),
-            Action::Chosen(action) => self.act_on_chosen(action),
-        }
-    }
-
-    fn close(&mut self) {
-        self.release();
-        self.ui.keys_open = false;
-        self.ui.selection = None;
-        let message = self.snapshot.as_ref().map(|snapshot| &snapshot.status.message);
-        let shown = if self.failure.is_empty() { message } else { Some(&self.failure) };
-        self.ui.dismissed = shown.cloned().unwrap_or_default();
-    }
-
-    fn choose(&mut self, pixel: Vec2) {
-        let Some(snapshot) = &self.snapshot else { return };
-        let found = hand::target(&snapshot.scene, &snapshot.draw_list, &self.ray(pixel));
-        self.ui.selection = found.map(|(target, _)| target);
-        self.changed = true;
-    }
-
-    fn take(&mut self, pixel: Vec2) {
-        let Some(snapshot) = &self.snapshot else { return };
-        let (ray, forward) = (self.ray(pixel), self.orbit.camera().forward());
-        if let Some(target) = self.hand.take(&snapshot.scene, &snapshot.draw_list, &ray, forward) {
-            self.ui.selection = Some(target);
-            self.drag(self.input.pointer());
-        }
-    }
-
-    fn drag(&mut self, pixel: Vec2) {
-        let Some(snapshot) = &self.snapshot else { return };
-        if let Some(command) = self.hand.drag(&snapshot.scene, &self.ray(pixel)) {
-            self.worker.send(command);
-        }
-    }
-
-    fn release(&mut self) {
-        if let Some(command) = self.hand.release() {
-            self.worker.send(command);
-        }
-    }
-
-    fn act_on_chosen(&mut self, action: ChosenAction) {
-        let (Some(snapshot), Some(target)) = (&self.snapshot, self.ui.selection) else { return };
-        let mut commands = Vec::new();
-        ui::actions::act(action, target, &snapshot.scene, &mut self.ui, &mut commands);
-        for command in commands {
-            self.worker.send(command);
-        }
-    }
-
-    fn frame_chosen(&mut self) {
-        let Some(snapshot) = &self.snapshot else { return };
-        let bounds = self.ui.selection.and_then(|target| hand::bounds(&snapshot.scene, &snapshot.draw_list, target));
-        match bounds {
-            Some(bounds) => {
-                self.orbit.frame(bounds, self.view().aspect());
-                self.changed = true;
-            }
-            None => self.frame_everything(),
         }
     }
 
@@ -338,6 +245,7 @@ impl Shell {
 
     fn draw(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
         let mut output = self.run_panels();
+        self.grant_wishes(event_loop);
         self.egui.handle_platform_output_with_event_loop(&self.window, event_loop, output.platform_output);
         let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |root| root.repaint_delay);
         self.next_frame = Instant::now().checked_add(delay);
@@ -372,14 +280,12 @@ impl Shell {
 
     fn run_panels(&mut self) -> egui::FullOutput {
         let raw_input = self.egui.take_egui_input(&self.window);
-        let Self { context, snapshot, ui, failure, worker, base_dir, .. } = self;
+        self.ui.files.camera = extract::view::camera_settings(&self.orbit);
+        let Self { context, snapshot, ui, failure, worker, .. } = self;
         let shown = ui::Shown { running: snapshot.as_ref().map(running), failure };
         let mut commands = Vec::new();
         let output = context.run_ui(raw_input, |root| ui::panels_ui(root, &shown, ui, &mut commands));
         for command in commands {
-            if let Command::Replace { base_dir: new, .. } = &command {
-                base_dir.clone_from(new);
-            }
             worker.send(command);
         }
         if std::mem::take(&mut self.ui.frame) {
@@ -395,9 +301,39 @@ impl Shell {
     fn revive(&mut self) {
         if let Some(snapshot) = self.snapshot.take() {
             let Snapshot { scene, status, .. } = snapshot;
+            let Status { title, base_dir, file, unsaved, .. } = status;
             self.failure.clear();
-            self.worker = start_worker(&self.proxy, Scene::clone(&scene), self.base_dir.clone(), status.title);
+            let opened = Opened { scene: Scene::clone(&scene), title, base_dir, file, unsaved };
+            self.worker = start_worker(&self.proxy, opened);
         }
+    }
+
+    /// Closes the window, or asks first.
+    fn on_close_requested(&mut self, event_loop: &ActiveEventLoop) {
+        if self.snapshot.is_none() || !self.failure.is_empty() {
+            // There is nothing to save with; what was not saved is kept as a draft.
+            self.close(event_loop);
+        } else {
+            self.act(Action::Files(FileAction::Quit));
+        }
+    }
+
+    fn grant_wishes(&mut self, event_loop: &ActiveEventLoop) {
+        let proxy = self.proxy.clone();
+        let granted = self.files.grant(&mut self.ui.files, move || {
+            if proxy.send_event(Wake::Dialog).is_err() {
+                log::debug!("the event loop has ended: nobody is woken");
+            }
+        });
+        granted.commands.into_iter().for_each(|command| self.worker.send(command));
+        if granted.quit {
+            self.close(event_loop);
+        }
+    }
+
+    fn close(&mut self, event_loop: &ActiveEventLoop) {
+        self.files.close(!self.failure.is_empty());
+        event_loop.exit();
     }
 
     /// A device that is lost is opened anew, once: if that fails too, the error stands.
@@ -416,9 +352,9 @@ impl Shell {
 }
 
 /// Runs a session on a worker that wakes the event loop.
-pub(super) fn start_worker(proxy: &EventLoopProxy<Wake>, scene: Scene, base_dir: PathBuf, title: String) -> Worker {
+pub(super) fn start_worker(proxy: &EventLoopProxy<Wake>, opened: Opened) -> Worker {
     let proxy = proxy.clone();
-    Worker::session(scene, base_dir, title, move || {
+    Worker::session(opened, move || {
         if proxy.send_event(Wake::Worker).is_err() {
             log::debug!("the event loop has ended: nobody is woken");
         }

@@ -4,7 +4,6 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -12,6 +11,7 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 
 use crate::scene::Scene;
+use crate::session::document::Opened;
 use crate::session::{Command, Session, SessionError, Status};
 use crate::view::DrawList;
 
@@ -91,6 +91,17 @@ enum Order {
     Visible(bool),
 }
 
+impl Order {
+    /// Whether it leaves nothing of an order just before it.
+    fn supersedes(&self, before: &Self) -> bool {
+        match (self, before) {
+            (Self::Do(Command::Edit(edit)), Self::Do(Command::Edit(before))) => edit.replaces_same_node_as(before),
+            (Self::Do(Command::Grab(_)), Self::Do(Command::Grab(_))) => true,
+            _ => false,
+        }
+    }
+}
+
 #[derive(Debug, Default)]
 struct Slot {
     snapshot: Option<Snapshot>,
@@ -99,8 +110,8 @@ struct Slot {
 
 impl Worker {
     /// Runs a session on a new thread. `wake` is called when there is something to [`Worker::take`].
-    pub fn session(scene: Scene, base_dir: PathBuf, title: String, wake: impl Fn() + Send + 'static) -> Self {
-        Self::spawn(move || Session::new(scene, base_dir, title), wake)
+    pub fn session(opened: Opened, wake: impl Fn() + Send + 'static) -> Self {
+        Self::spawn(move || Session::open(opened, &()), wake)
     }
 
     /// Runs what `make` makes on a new thread.
@@ -219,21 +230,29 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         } else {
             self.orders.recv().map_err(|_gone| WindowGone)?
         };
-        self.follow(first);
-        loop {
+        let mut orders = vec![first];
+        let gone = loop {
             match self.orders.try_recv() {
-                Ok(order) => self.follow(order),
-                Err(TryRecvError::Empty) => return Ok(true),
-                Err(TryRecvError::Disconnected) => return Err(WindowGone),
+                Ok(order) => orders.push(order),
+                Err(TryRecvError::Empty) => break false,
+                Err(TryRecvError::Disconnected) => break true,
+            }
+        };
+        // A slider that is dragged faster than the sandbox follows needs only its last value.
+        let mut orders = orders.into_iter().peekable();
+        while let Some(order) = orders.next() {
+            if !orders.peek().is_some_and(|next| next.supersedes(&order)) {
+                self.follow(order);
             }
         }
+        if gone { Err(WindowGone) } else { Ok(true) }
     }
 
     fn follow(&mut self, order: Order) {
         match order {
             Order::Visible(visible) => self.visible = visible,
             Order::Do(command) => {
-                let replaces = matches!(command, Command::Replace { .. });
+                let replaces = command.replaces_scene();
                 self.failure = self.sandbox.handle(command).err().map(|error| sentence(&error));
                 self.generation += u64::from(replaces && self.failure.is_none());
                 if *self.sandbox.scene() != *self.scene {

@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::Failure;
 use super::out;
-use super::scene_args::SceneArgs;
+use super::scene_args::{self, SceneArgs};
 use crate::scene::file::SceneFileError;
 use crate::scene::param::Problem;
 use crate::session::Session;
@@ -24,7 +24,7 @@ pub(super) struct CheckArgs {
 
 /// Checks the scene and prints what was found; errors in it are a failure.
 pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
-    match args.scene.open().and_then(|opened| Ok(opened.session()?)) {
+    match args.scene.open().and_then(|opened| Ok(scene_args::session(opened)?)) {
         Ok(session) => report(args, &session),
         Err(failure @ Failure::Usage(_)) => Err(failure),
         Err(Failure::Work(error)) => {

@@ -73,5 +73,5 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
 
 fn window(scene: Option<OsString>) -> Result<(), Failure> {
     let opened = scene_args::open(&scene.unwrap_or_else(|| crate::scene::presets::DEFAULT.into()))?;
-    Ok(crate::app::run(opened.scene, opened.title, opened.base_dir)?)
+    Ok(crate::app::run(opened)?)
 }

@@ -10,7 +10,7 @@ use serde_json::json;
 use super::Failure;
 use super::out::{self, Progress};
 use super::run::seconds;
-use super::scene_args::SceneArgs;
+use super::scene_args::{self, SceneArgs};
 use crate::export::legend::draw_legend;
 use crate::export::png::write_png;
 use crate::extract;
@@ -89,7 +89,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(color) = args.color {
         opened.scene.view.color = color;
     }
-    let mut session = opened.session()?;
+    let mut session = scene_args::session(opened)?;
     let gpu = Gpu::headless()?;
     let mut renderer = offscreen::renderer(&gpu);
     let watch = Progress::new("simulating");

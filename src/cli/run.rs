@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::Failure;
 use super::out::{self, Progress};
-use super::scene_args::SceneArgs;
+use super::scene_args::{self, SceneArgs};
 use crate::session::run::{RunFigures, run as run_session};
 use crate::view::legend::three_digits;
 
@@ -44,7 +44,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     if let Some(path) = &args.save_state {
         out::check_writable(path)?;
     }
-    let mut session = args.scene.open()?.session()?;
+    let mut session = scene_args::session(args.scene.open()?)?;
     if let Some(path) = &args.from_state {
         let shown = path.display();
         let bytes = fs::read(path).with_context(|| format!("{shown} cannot be read"))?;

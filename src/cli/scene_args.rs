@@ -8,8 +8,9 @@ use clap::Args;
 
 use super::Failure;
 use super::out::Progress;
-use crate::scene::{Scene, file, param, path, presets};
+use crate::scene::{file, param, path, presets};
 use crate::session::Session;
+use crate::session::document::{Opened, is_scene_path};
 
 /// The scene and what is set on it.
 #[derive(Debug, Args)]
@@ -31,17 +32,6 @@ pub(super) struct SceneArgs {
     /// Worker threads; 0 takes all cores.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-}
-
-/// A scene that is open.
-#[derive(Debug)]
-pub(super) struct Opened {
-    /// The scene; all its values are within their ranges.
-    pub(super) scene: Scene,
-    /// A preset's name or a file's.
-    pub(super) title: String,
-    /// The folder that relative model paths start at.
-    pub(super) base_dir: PathBuf,
 }
 
 impl SceneArgs {
@@ -75,11 +65,9 @@ impl SceneArgs {
     }
 }
 
-impl Opened {
-    /// Fills the models and puts the scene at its start.
-    pub(super) fn session(self) -> anyhow::Result<Session> {
-        Ok(Session::watched(self.scene, self.base_dir, self.title, &Progress::new("filling"))?)
-    }
+/// Fills the models and puts the scene at its start.
+pub(super) fn session(opened: Opened) -> anyhow::Result<Session> {
+    Ok(Session::open(opened, &Progress::new("filling"))?)
 }
 
 /// Opens a preset, a scene file or a model.
@@ -87,8 +75,7 @@ pub(super) fn open(given: &OsStr) -> Result<Opened, Failure> {
     let path = Path::new(given);
     let shown = path.display();
     if let Some(preset) = given.to_str().and_then(presets::preset) {
-        let (title, base_dir) = (preset.name.to_owned(), PathBuf::from("."));
-        return Ok(Opened { scene: (preset.build)(), title, base_dir });
+        return Ok(Opened::without_file((preset.build)(), preset.name.to_owned(), PathBuf::from(".")));
     }
     if !path.exists() {
         let names: Vec<&str> = presets::presets().iter().map(|preset| preset.name).collect();
@@ -100,13 +87,10 @@ pub(super) fn open(given: &OsStr) -> Result<Opened, Failure> {
     if path.is_dir() {
         return Err(anyhow!("{shown} is a folder; give a preset's name, a .ron scene or a model file").into());
     }
-    let title = path.file_name().unwrap_or(given).to_string_lossy().into_owned();
-    let is_scene = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron"));
-    let scene = if is_scene {
-        Scene::load(path)?
-    } else {
-        let name = path.file_name().and_then(OsStr::to_str);
-        presets::drop_model(name.with_context(|| format!("{shown}: the file's name is not UTF-8; rename it"))?)
-    };
-    Ok(Opened { scene, title, base_dir: file::folder_of(path) })
+    if is_scene_path(path) {
+        return Ok(Opened::from_file(path)?);
+    }
+    let name = path.file_name().and_then(OsStr::to_str);
+    let name = name.with_context(|| format!("{shown}: the file's name is not UTF-8; rename it"))?;
+    Ok(Opened::without_file(presets::drop_model(name), name.to_owned(), file::folder_of(path)))
 }

@@ -40,6 +40,13 @@ pub fn drop_model(path: &str) -> Scene {
     looking_at([0.0, 0.45, 0.0], 3.6, scene(model_body(name, shape, 1.1), Vec::new()))
 }
 
+/// The scene to start with when it is to hold nothing of one's own yet: the default ground.
+pub fn ground_only() -> Scene {
+    let mut scene = drop_model("");
+    scene.bodies.clear();
+    scene
+}
+
 const PRESETS: [Preset; 12] = [
     Preset { name: DEFAULT, summary: "A jelly cube falls on the ground beside a sphere.", build: cube_on_plane },
     Preset {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::resolve::Jelly;
+use crate::scene::view_settings::CameraSettings;
 use crate::scene::{Body, Scene};
 
 /// One thing a person does.
@@ -27,6 +28,34 @@ pub enum Command {
         base_dir: PathBuf,
         /// What the window's title says: a preset's name or a file's.
         title: String,
+    },
+    /// Start over with nothing but the ground.
+    New,
+    /// Replace the scene by the one in a file.
+    Open {
+        /// The scene file.
+        path: PathBuf,
+    },
+    /// Write the scene to its file.
+    Save {
+        /// Where the camera stands: the scene opens like this again.
+        camera: CameraSettings,
+    },
+    /// Write the scene to a file, which is its file from then on.
+    SaveAs {
+        /// The file; its name ends in `.ron`.
+        path: PathBuf,
+        /// Where the camera stands.
+        camera: CameraSettings,
+    },
+    /// Replace the scene by one that was never saved, found after a crash; model paths in it are absolute.
+    Recover {
+        /// The scene.
+        scene: Box<Scene>,
+        /// What it was called.
+        title: String,
+        /// The file that it belongs to, if it has one.
+        file: Option<PathBuf>,
     },
     /// Change the scene; the motion goes on as far as the change lets it. Changes of one value that follow each other
     /// are taken back together, until [`Command::EndEdit`].
@@ -59,4 +88,27 @@ pub struct Pull {
     pub weights: Vec<(u32, f32)>,
     /// Where the point is pulled to, m.
     pub target: [f32; 3],
+}
+
+impl Command {
+    /// Whether another scene takes the place of this one, so that unsaved changes would be lost.
+    pub fn replaces_scene(&self) -> bool {
+        match self {
+            Self::Replace { .. } | Self::New | Self::Open { .. } | Self::Recover { .. } => true,
+            Self::Play
+            | Self::Pause
+            | Self::StepOnce
+            | Self::Restart
+            | Self::SetSpeed(_)
+            | Self::Save { .. }
+            | Self::SaveAs { .. }
+            | Self::Edit(_)
+            | Self::Teleport(..)
+            | Self::EndEdit
+            | Self::AddBody { .. }
+            | Self::Undo
+            | Self::Redo
+            | Self::Grab(_) => false,
+        }
+    }
 }

@@ -5,6 +5,7 @@
 mod bodies;
 mod clock;
 pub mod command;
+pub mod document;
 mod editing;
 mod grab;
 mod history;
@@ -34,9 +35,11 @@ use crate::physics::model::BodyModel;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
 use crate::scene::edit::EditError;
+use crate::scene::file::SceneFileError;
 use crate::scene::resolve::ResolveError;
 use bodies::Bodies;
 use clock::Clock;
+use document::{Document, Opened, SaveError};
 use history::History;
 use library::Library;
 use picture::Picture;
@@ -59,6 +62,12 @@ pub enum SessionError {
     /// An edit does not fit the scene.
     #[error(transparent)]
     Edit(#[from] EditError),
+    /// A scene file cannot be read.
+    #[error(transparent)]
+    Open(#[from] SceneFileError),
+    /// The scene cannot be saved.
+    #[error(transparent)]
+    Save(#[from] SaveError),
     /// A speed outside the range.
     #[error("a speed of {speed} is outside {} … {}", SPEEDS[0], SPEEDS[1])]
     Speed {
@@ -74,7 +83,7 @@ pub enum SessionError {
 #[derive(Debug)]
 pub struct Session {
     scene: Scene,
-    title: String,
+    document: Document,
     library: Library,
     bodies: Bodies,
     simulation: Simulation<f32>,
@@ -93,18 +102,23 @@ pub struct Session {
 impl Session {
     /// A scene at its start, time running. Relative model paths start at `base_dir`.
     pub fn new(scene: Scene, base_dir: PathBuf, title: String) -> Result<Self, SessionError> {
-        Self::watched(scene, base_dir, title, &())
+        Self::open(Opened::without_file(scene, title, base_dir), &())
     }
 
-    /// As [`Session::new`], with someone to watch the filling of models.
-    pub fn watched(scene: Scene, base_dir: PathBuf, title: String, watch: &dyn Watch) -> Result<Self, SessionError> {
-        let mut library = Library::new(base_dir);
+    /// A scene from a file or elsewhere at its start, time running; `watch` sees the filling of models.
+    pub fn open(opened: Opened, watch: &dyn Watch) -> Result<Self, SessionError> {
+        let document = Document::new(&opened);
+        let library = Library::new(opened.base_dir);
+        Self::start(opened.scene, document, library, watch)
+    }
+
+    fn start(scene: Scene, document: Document, mut library: Library, watch: &dyn Watch) -> Result<Self, SessionError> {
         let mut bodies = Bodies::resolve(&scene, &mut library, watch)?;
         bodies.dress(&scene);
         let simulation = Simulation::new(&scene, &bodies.lattices());
         let mut session = Self {
             scene,
-            title,
+            document,
             library,
             bodies,
             simulation,
@@ -147,7 +161,17 @@ impl Session {
                 self.clock.forgive();
             }
             Command::SetSpeed(speed) => return Err(SessionError::Speed { speed }),
-            Command::Replace { scene, base_dir, title } => *self = Self::new(*scene, base_dir, title)?,
+            Command::Replace { scene, base_dir, title } => {
+                *self = Self::open(Opened::without_file(*scene, title, base_dir), &())?;
+            }
+            Command::New => *self = Self::open(Opened::blank(), &())?,
+            Command::Open { path } => *self = Self::open(Opened::from_file(&path)?, &())?,
+            Command::Recover { scene, title, file } => {
+                let opened = Opened { scene: *scene, title, base_dir: PathBuf::new(), file, unsaved: true };
+                *self = Self::open(opened, &())?;
+            }
+            Command::Save { camera } => self.document.save(&self.scene, camera, None)?,
+            Command::SaveAs { path, camera } => self.document.save(&self.scene, camera, Some(path))?,
             Command::Edit(edit) => self.edit(edit)?,
             Command::Teleport(body, place) => self.teleport(body, place)?,
             Command::EndEdit => self.history.close(),
@@ -216,7 +240,10 @@ impl Session {
         let links: usize = model.link_counts().iter().sum();
         let factor = self.clock.real_time_factor().unwrap_or(self.speed);
         Status {
-            title: self.title.clone(),
+            title: self.document.title.clone(),
+            file: self.document.file.clone(),
+            unsaved: self.document.is_unsaved(&self.scene),
+            base_dir: self.document.base_dir.clone(),
             playing: self.playing,
             time_secs: self.simulation.state().time_secs,
             speed: self.speed,
@@ -279,7 +306,7 @@ impl Session {
 
     /// A preset's name or a file's.
     pub fn title(&self) -> &str {
-        &self.title
+        &self.document.title
     }
 
     /// The physics.

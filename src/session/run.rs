@@ -176,7 +176,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
     let plan = simulation.plan();
     let [structural, shear, bending] = simulation.model().link_counts();
     RunFigures {
-        scene: session.title.clone(),
+        scene: session.title().to_owned(),
         simulated_secs: outcome.simulated_secs,
         wall_secs: outcome.wall_secs,
         real_time_factor: outcome.simulated_secs / outcome.wall_secs,

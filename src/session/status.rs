@@ -1,5 +1,7 @@
 //! What the panels show of a running sandbox: plain numbers and words, no physics types.
 
+use std::path::PathBuf;
+
 use super::Trouble;
 
 /// The state of a session, published with every snapshot.
@@ -7,6 +9,12 @@ use super::Trouble;
 pub struct Status {
     /// A preset's name or a file's.
     pub title: String,
+    /// The scene file; none for presets, models and new scenes.
+    pub file: Option<PathBuf>,
+    /// Whether the scene holds changes that are in no file.
+    pub unsaved: bool,
+    /// Where relative model paths of the scene start.
+    pub base_dir: PathBuf,
     /// Whether time runs.
     pub playing: bool,
     /// Simulated time, s.

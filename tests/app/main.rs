@@ -1,7 +1,9 @@
 //! The window and what is in it: the panels by the names a screen reader says, the hand without a window, the worker
 //! thread with sandboxes that are slow or broken, and the real program under a virtual display.
 
+mod files;
 mod input;
 mod panels;
 mod window;
+mod window_files;
 mod worker;

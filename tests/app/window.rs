@@ -131,12 +131,17 @@ fn screenshots_that_differ_in_one_place_are_told_apart_only_there() {
 
 /// Runs a test on a window of the program, one at a time.
 fn with_window(scene: &str, test: impl FnOnce(&mut Window)) {
+    alone(|| test(&mut Window::open(scene, None)));
+}
+
+/// Runs a test that opens windows itself, one at a time.
+pub(super) fn alone(test: impl FnOnce()) {
     let _alone = ALONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    test(&mut Window::open(scene));
+    test();
 }
 
 /// The program under a virtual display of its own.
-struct Window {
+pub(super) struct Window {
     program: Child,
     server: Child,
     display: String,
@@ -155,7 +160,8 @@ impl Drop for Window {
 }
 
 impl Window {
-    fn open(scene: &str) -> Self {
+    /// A window on a scene, with a state folder of its own or one that outlives it.
+    pub(super) fn open(scene: &str, state: Option<&Path>) -> Self {
         let folder = std::env::temp_dir().join(format!("gelatin-window-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a temporary folder can be made");
         let (server, display) = start_server(&folder);
@@ -164,6 +170,7 @@ impl Window {
             .arg(scene)
             .env("DISPLAY", &display)
             .env("XDG_RUNTIME_DIR", &folder)
+            .env("XDG_STATE_HOME", state.map_or_else(|| folder.join("state"), Path::to_owned))
             .env_remove("WAYLAND_DISPLAY")
             .env("WINIT_X11_SCALE_FACTOR", "1")
             .stderr(log)
@@ -199,8 +206,30 @@ impl Window {
         self.hand(&["windowfocus", "--sync", &self.id()]);
     }
 
-    fn key(&self, key: &str) {
+    pub(super) fn key(&self, key: &str) {
         self.hand(&["key", key]);
+    }
+
+    pub(super) fn type_text(&self, text: &str) {
+        self.hand(&["type", "--delay", "30", text]);
+    }
+
+    pub(super) fn title(&self) -> String {
+        self.tool("xdotool", &["getwindowname", &self.id()]).trim().to_owned()
+    }
+
+    /// Whether the program has ended by itself.
+    pub(super) fn has_ended(&mut self) -> bool {
+        self.program.try_wait().expect("the program can be asked").is_some()
+    }
+
+    /// Clicks into the middle of what has this very colour.
+    pub(super) fn click_color(&mut self, color: [u8; 3]) {
+        self.wait_until("the colour is there", |shot| !shot.places_of(color).is_empty());
+        let places = self.shot().places_of(color);
+        let count = i32::try_from(places.len()).expect("a small picture").max(1);
+        let sum = places.iter().fold([0, 0], |sum, place| [sum[0] + place[0], sum[1] + place[1]]);
+        self.click("1", sum.map(|axis| axis / count));
     }
 
     fn point_at(&self, [x, y]: [i32; 2]) {
@@ -247,6 +276,14 @@ impl Window {
             std::thread::sleep(HAND);
         }
         panic!("not within {PATIENCE:?}: {what}; the program said: {}", self.log());
+    }
+
+    pub(super) fn wait_for(&self, what: &str, holds: impl Fn(&Self) -> bool) {
+        let until = Instant::now() + PATIENCE;
+        while !holds(self) {
+            assert!(Instant::now() < until, "not within {PATIENCE:?}: {what}; the program said: {}", self.log());
+            std::thread::sleep(HAND);
+        }
     }
 
     fn wait_until_still(&mut self) {
@@ -324,6 +361,12 @@ impl Shot {
         let width = usize::try_from(self.size[0]).expect("not negative");
         let at = move |index: usize| Vec2::new((index % width) as f32, (index / width) as f32);
         (0..self.pixels.len()).filter(move |&index| part.contains(at(index)))
+    }
+
+    fn places_of(&self, color: [u8; 3]) -> Vec<[i32; 2]> {
+        let index = |index: usize| i32::try_from(index).expect("a small picture");
+        let found = (0..self.pixels.len()).filter(|&at| self.pixels[at] == color).map(index);
+        found.map(|at| [at % self.size[0], at / self.size[0]]).collect()
     }
 
     fn differs(&self, other: &Self, part: ViewRect) -> bool {

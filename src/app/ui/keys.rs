@@ -4,7 +4,7 @@ use egui::{Align2, Grid, RichText, Ui, Window};
 
 use super::{UiState, theme};
 
-const KEYS: [(&str, &str); 8] = [
+const KEYS: [(&str, &str); 9] = [
     ("Space", "play, pause"),
     ("→  or  .", "one step"),
     ("R", "restart"),
@@ -12,6 +12,7 @@ const KEYS: [(&str, &str); 8] = [
     ("1 … 7", "colour by plain, load, force, net, strain, speed, contact"),
     ("Tab", "go from one control to the next"),
     ("Esc", "put away what lies over the view"),
+    ("Ctrl + N O S Q", "new, open, save, quit; with shift + S save as"),
     ("F1", "this list"),
 ];
 

@@ -3,6 +3,8 @@
 
 pub mod actions;
 mod color;
+mod file_menu;
+pub mod files;
 mod icon;
 mod inspector;
 mod keys;
@@ -23,6 +25,7 @@ use crate::session::{Command, Status};
 use crate::view::Colormap;
 
 pub use color::color_command;
+use files::FilesState;
 
 /// Widths of the panels beside the view, points.
 const TREE_WIDTH: f32 = 190.0;
@@ -77,6 +80,8 @@ pub struct UiState {
     pub load_model: bool,
     /// Which panels are open.
     pub panels: Panels,
+    /// The dialogs about files.
+    pub files: FilesState,
 }
 
 /// Which panels beside the view are open.
@@ -103,6 +108,7 @@ impl UiState {
             origin: [0.0, 1.0, 0.0],
             load_model: false,
             panels: Panels { tree: true, inspector: true },
+            files: FilesState::default(),
         }
     }
 
@@ -149,6 +155,8 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     }
     message::message_ui(ui, status, shown.failure, state);
     keys::keys_ui(ui, state);
+    // After a failure nothing can be saved any more: what is unsaved is kept as a draft.
+    files::files_ui(ui, if shown.failure.is_empty() { status } else { &idle }, state, commands);
 }
 
 /// The panels beside the view: as wide as the window lets them be.

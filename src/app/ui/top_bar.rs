@@ -6,7 +6,7 @@ use egui::text::{LayoutJob, TextFormat};
 use egui::{Align, ComboBox, FontId, Layout, RichText, Ui, WidgetInfo, vec2};
 
 use super::icon::{Icon, icon_button_ui};
-use super::{UiState, theme};
+use super::{UiState, file_menu, theme};
 use crate::scene::presets::Preset;
 use crate::session::{Command, Status};
 
@@ -26,6 +26,7 @@ const STEP_NEEDS: f32 = 840.0;
 pub(super) fn top_bar_ui(ui: &mut Ui, status: &Status, state: &mut UiState, commands: &mut Vec<Command>) {
     let wide = ui.available_width() >= STEP_NEEDS;
     ui.horizontal(|ui| {
+        file_menu::file_menu_ui(ui, status, state);
         preset_ui(ui, status, state, commands);
         ui.add_space(6.0);
         history_ui(ui, status, commands);

@@ -1,0 +1,183 @@
+//! The window's side of everything about files: the system's dialogs, the list of recent files, drafts against
+//! crashes, and what the panels wish for. Remembers nothing of the scene itself.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use directories::ProjectDirs;
+
+use super::native_dialog::{Answer, NativeDialog};
+use super::recent::Recent;
+use super::recovery::{self, Draft, Found, Keeper};
+use super::ui::files::{FilesState, FoundDraft, Wish};
+use super::worker::Snapshot;
+use crate::scene::Scene;
+use crate::scene::view_settings::CameraSettings;
+use crate::session::Command;
+
+/// An unsaved change is kept this long after it was made.
+const DRAFT_DELAY: Duration = Duration::from_secs(2);
+
+/// What the window keeps about files.
+#[derive(Debug)]
+pub(super) struct Files {
+    recent: Recent,
+    keeper: Option<Keeper>,
+    found: Vec<Found>,
+    native: Option<NativeDialog>,
+    /// The scene that was last kept as a draft.
+    kept: Option<Arc<Scene>>,
+    file: Option<PathBuf>,
+    /// Someone asked to recover the first of what was found, when the scene was the one of this number.
+    recovering: Option<u64>,
+    generation: u64,
+}
+
+/// What became of the wishes.
+#[derive(Debug, Default)]
+pub(super) struct Granted {
+    /// What the session is to do.
+    pub(super) commands: Vec<Command>,
+    /// The window is to close.
+    pub(super) quit: bool,
+}
+
+impl Files {
+    /// Looks into the state folder and tells the panels what is there.
+    pub(super) fn new(ui: &mut FilesState) -> Self {
+        let folder = state_folder();
+        let drafts = folder.as_ref().map(|folder| folder.join("drafts"));
+        let found = drafts.as_deref().map(recovery::find).unwrap_or_default();
+        let keeper = drafts.and_then(|drafts| {
+            let started = Keeper::start(&drafts, DRAFT_DELAY);
+            started.inspect_err(|error| log::error!("{}: no drafts can be kept: {error}", drafts.display())).ok()
+        });
+        let recent = Recent::new(folder.as_deref());
+        ui.recent = recent.paths();
+        let files =
+            Self { recent, keeper, found, native: None, kept: None, file: None, recovering: None, generation: 0 };
+        files.offer(ui);
+        files
+    }
+
+    /// Takes note of a new snapshot, seen by `camera`.
+    pub(super) fn on_snapshot(&mut self, snapshot: &Snapshot, camera: CameraSettings, ui: &mut FilesState) {
+        let Snapshot { status, scene, .. } = snapshot;
+        if status.file != self.file {
+            self.file.clone_from(&status.file);
+            if let Some(file) = &self.file {
+                ui.recent = self.recent.add(file);
+            }
+        }
+        self.generation = snapshot.generation;
+        if let Some(before) = self.recovering {
+            if snapshot.generation > before {
+                self.recovering = None;
+                self.adopt();
+                self.offer(ui);
+            } else if !status.message.is_empty() {
+                // It may have failed: it stays on offer.
+                self.offer(ui);
+            }
+        }
+        let Some(keeper) = &self.keeper else { return };
+        if !status.unsaved {
+            if self.kept.take().is_some() {
+                keeper.forget();
+            }
+        } else if self.kept.as_ref().is_none_or(|kept| !Arc::ptr_eq(kept, scene)) {
+            self.kept = Some(Arc::clone(scene));
+            keeper.keep(Draft {
+                scene: Arc::clone(scene),
+                camera,
+                base_dir: status.base_dir.clone(),
+                title: status.title.clone(),
+                file: status.file.clone(),
+            });
+        }
+    }
+
+    /// Passes on what a dialog of the system was answered.
+    pub(super) fn answer(&mut self, ui: &mut FilesState) {
+        let Some(native) = &self.native else { return };
+        match native.answer() {
+            Answer::Waiting => return,
+            Answer::Chosen(path) => ui.browsed(native.purpose(), Some(&path)),
+            Answer::Nothing => ui.browsed(native.purpose(), None),
+            Answer::NoDialog => ui.has_no_browser(),
+        }
+        self.native = None;
+    }
+
+    /// Does what the panels wished for. `wake` is called when a dialog of the system is answered.
+    pub(super) fn grant(&mut self, ui: &mut FilesState, wake: impl Fn() + Clone + Send + 'static) -> Granted {
+        let mut granted = Granted::default();
+        for wish in std::mem::take(&mut ui.wishes) {
+            match wish {
+                Wish::Browse(purpose, folder) => {
+                    if self.native.is_none() {
+                        self.native = Some(NativeDialog::open(purpose, &folder, wake.clone()));
+                    }
+                }
+                Wish::Quit => granted.quit = true,
+                Wish::Recover => {
+                    granted.commands.extend(self.recover());
+                    ui.found = None;
+                }
+                Wish::DiscardFound => {
+                    self.take_found().into_iter().for_each(Found::discard);
+                    self.offer(ui);
+                }
+                Wish::ForgetRecent => {
+                    self.recent.forget();
+                    ui.recent.clear();
+                }
+            }
+        }
+        granted
+    }
+
+    /// The window closes; a draft is kept where the program failed before.
+    pub(super) fn close(&mut self, failed: bool) {
+        if let Some(keeper) = self.keeper.take() {
+            keeper.close(failed);
+        }
+    }
+
+    fn recover(&mut self) -> Option<Command> {
+        let found = self.found.first()?;
+        self.recovering = Some(self.generation);
+        Some(Command::Recover {
+            scene: Box::new(found.scene.clone()),
+            title: found.title.clone(),
+            file: found.file.clone(),
+        })
+    }
+
+    /// What was found is the scene now.
+    fn adopt(&mut self) {
+        if let Some(found) = self.take_found()
+            && let Some(keeper) = &self.keeper
+        {
+            keeper.adopt(found);
+        }
+    }
+
+    fn take_found(&mut self) -> Option<Found> {
+        (!self.found.is_empty()).then(|| self.found.remove(0))
+    }
+
+    fn offer(&self, ui: &mut FilesState) {
+        ui.found = self.found.first().map(|found| FoundDraft { title: found.title.clone(), when: found.when() });
+    }
+}
+
+/// The folder for what outlives a window but is no document.
+fn state_folder() -> Option<PathBuf> {
+    let folders = ProjectDirs::from("", "", "gelatin");
+    if folders.is_none() {
+        log::warn!("there is no home folder: recent files and drafts are not kept");
+    }
+    folders.map(|folders| folders.state_dir().unwrap_or_else(|| folders.data_local_dir()).to_owned())
+}

@@ -1,0 +1,92 @@
+//! The scene files opened or saved lately, kept in the state folder. A list that cannot be read or written is a line in
+//! the log and nothing more.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::scene::file::write_atomically;
+
+/// Files remembered.
+const KEPT: usize = 10;
+
+/// The list and where it is kept.
+#[derive(Debug)]
+pub(super) struct Recent {
+    file: Option<PathBuf>,
+}
+
+impl Recent {
+    /// The list in a state folder; without one nothing is remembered.
+    pub(super) fn new(folder: Option<&Path>) -> Self {
+        Self { file: folder.map(|folder| folder.join("recent.json")) }
+    }
+
+    /// The files, the last one first.
+    pub(super) fn paths(&self) -> Vec<PathBuf> {
+        let Some(file) = &self.file else { return Vec::new() };
+        let read = fs::read(file).and_then(|bytes| serde_json::from_slice(&bytes).map_err(io::Error::from));
+        read.unwrap_or_else(|error| {
+            if error.kind() != io::ErrorKind::NotFound {
+                log::warn!("{}: the list of recent files cannot be read: {error}", file.display());
+            }
+            Vec::new()
+        })
+    }
+
+    /// Puts a file in front. What other windows have added since is kept.
+    pub(super) fn add(&self, path: &Path) -> Vec<PathBuf> {
+        let mut paths = self.paths();
+        paths.retain(|known| known != path);
+        paths.insert(0, path.to_owned());
+        paths.truncate(KEPT);
+        self.write(&paths);
+        paths
+    }
+
+    /// Empties the list.
+    pub(super) fn forget(&self) {
+        self.write(&[]);
+    }
+
+    fn write(&self, paths: &[PathBuf]) {
+        let Some(file) = &self.file else { return };
+        let written = serde_json::to_vec_pretty(paths).map_err(io::Error::from).and_then(|bytes| {
+            fs::create_dir_all(crate::scene::file::folder_of(file))?;
+            write_atomically(file, &bytes)
+        });
+        if let Err(error) = written {
+            log::warn!("{}: the list of recent files cannot be written: {error}", file.display());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_file_stands_first_and_once() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let recent = Recent::new(Some(&folder.path().join("new")));
+        assert!(recent.paths().is_empty(), "nothing at first");
+        for name in ["/a.ron", "/b.ron", "/a.ron"] {
+            recent.add(Path::new(name));
+        }
+        assert_eq!(recent.paths(), [PathBuf::from("/a.ron"), "/b.ron".into()]);
+        (0..20).for_each(|index| drop(recent.add(Path::new(&format!("/{index}.ron")))));
+        assert_eq!(recent.paths().len(), KEPT, "no more than a menu holds");
+        recent.forget();
+        assert_eq!(recent.paths().len(), 0, "forgotten");
+    }
+
+    #[test]
+    fn a_broken_list_is_ignored_and_written_anew() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("recent.json"), "[\"/a.ron\", nonsense").expect("a file");
+        let recent = Recent::new(Some(folder.path()));
+        assert!(recent.paths().is_empty(), "unreadable");
+        recent.add(Path::new("/b.ron"));
+        assert_eq!(recent.paths(), [PathBuf::from("/b.ron")], "mended");
+    }
+}

@@ -1,0 +1,284 @@
+//! Drafts: unsaved scenes kept in the state folder so that a crash loses a few seconds at most. A draft is a scene file
+//! with one more line, written by a thread of its own and removed when the scene is saved or the window is closed.
+//!
+//! ```text
+//! drafts/PID.lock   held by its program as long as that lives: the system lets go of it after any crash
+//! drafts/PID.ron    the unsaved scene, if there is one
+//! ```
+//!
+//! A draft whose lock can be taken belongs to nobody any more: it is offered, once, to the program that took it.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use jiff::tz::TimeZone;
+use jiff::{Timestamp, Zoned};
+use serde::{Deserialize, Serialize};
+
+use super::worker::sentence;
+use crate::scene::Scene;
+use crate::scene::file::write_atomically;
+use crate::scene::view_settings::CameraSettings;
+use crate::session::document::anchored;
+
+/// What the line before the scene starts with.
+const MARK: &str = "// draft ";
+/// Names tried before drafts are given up: other programs of this number may live behind other walls.
+const NAMES: u32 = 100;
+
+/// A scene that is in no file yet.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// Where the camera stands.
+    pub camera: CameraSettings,
+    /// Where relative model paths start.
+    pub base_dir: PathBuf,
+    /// What the scene is called.
+    pub title: String,
+    /// The file that it belongs to, if it has one.
+    pub file: Option<PathBuf>,
+}
+
+/// What stands in the line before the scene.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+struct Header {
+    title: String,
+    file: Option<PathBuf>,
+    unix_secs: i64,
+}
+
+/// A draft that a program left behind when it died. Nobody else is offered it as long as this lives.
+#[derive(Debug)]
+pub struct Found {
+    /// The scene; its model paths are absolute.
+    pub scene: Scene,
+    /// What it was called.
+    pub title: String,
+    /// The file that it belongs to, if it has one.
+    pub file: Option<PathBuf>,
+    /// When it was kept, seconds since 1970.
+    pub unix_secs: i64,
+    draft: PathBuf,
+    _lock: File,
+}
+
+impl Found {
+    /// When the draft was kept, as a person says it: with the day unless it was today.
+    pub fn when(&self) -> String {
+        when(self.unix_secs, &Zoned::now())
+    }
+
+    /// Throws the draft away.
+    pub fn discard(self) {
+        remove(&self.draft);
+        remove(&self.draft.with_extension("lock"));
+    }
+}
+
+/// Drafts of dead programs in a folder, the newest first. What cannot be read is a line in the log.
+pub fn find(folder: &Path) -> Vec<Found> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let paths = entries.filter_map(Result::ok).map(|entry| entry.path());
+    let drafts = paths.filter(|path| path.extension().is_some_and(|ending| ending == "ron"));
+    let mut found: Vec<Found> = drafts.filter_map(claim).collect();
+    found.sort_by_key(|found| std::cmp::Reverse(found.unix_secs));
+    found
+}
+
+/// Keeps the drafts of this program.
+#[derive(Debug)]
+pub struct Keeper {
+    orders: Option<Sender<Order>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug)]
+enum Order {
+    Keep(Draft),
+    Forget,
+    Adopt(Box<Found>),
+}
+
+impl Keeper {
+    /// A keeper in a folder, which is made if need be. A draft is written `delay` after the first change it holds.
+    pub fn start(folder: &Path, delay: Duration) -> io::Result<Self> {
+        fs::create_dir_all(folder)?;
+        let (lock, draft) = own_name(folder)?;
+        let (orders, received) = channel();
+        let thread = std::thread::spawn(move || {
+            keep(&received, &draft, delay);
+            remove(&draft.with_extension("lock"));
+            drop(lock);
+        });
+        Ok(Self { orders: Some(orders), thread: Some(thread) })
+    }
+
+    /// The scene has unsaved changes and is now this.
+    pub fn keep(&self, draft: Draft) {
+        self.order(Order::Keep(draft));
+    }
+
+    /// The scene has no unsaved changes any more.
+    pub fn forget(&self) {
+        self.order(Order::Forget);
+    }
+
+    /// What was found is the scene now: its draft goes as soon as there is one of this program.
+    pub fn adopt(&self, found: Found) {
+        self.order(Order::Adopt(Box::new(found)));
+    }
+
+    /// The window is closed, and nothing needs to be kept unless the program failed. Returns when all is done.
+    pub fn close(mut self, failed: bool) {
+        if !failed {
+            self.order(Order::Forget);
+        }
+        self.orders = None;
+        if let Some(Err(_panic)) = self.thread.take().map(JoinHandle::join) {
+            log::error!("the thread that keeps drafts has panicked");
+        }
+    }
+
+    fn order(&self, order: Order) {
+        if self.orders.as_ref().is_some_and(|orders| orders.send(order).is_err()) {
+            log::debug!("the thread that keeps drafts has ended");
+        }
+    }
+}
+
+/// Follows orders until there are no more to come.
+fn keep(orders: &Receiver<Order>, file: &Path, delay: Duration) {
+    let mut waiting: Option<(Draft, Instant)> = None;
+    let mut adopted: Option<Box<Found>> = None;
+    loop {
+        let order = match &waiting {
+            Some((_, due)) => orders.recv_timeout(due.saturating_duration_since(Instant::now())),
+            None => orders.recv().map_err(|_gone| RecvTimeoutError::Disconnected),
+        };
+        match order {
+            Ok(Order::Keep(draft)) => {
+                let due = waiting.map_or_else(|| Instant::now() + delay, |(_, due)| due);
+                waiting = Some((draft, due));
+            }
+            Ok(Order::Forget) => {
+                waiting = None;
+                if let Some(found) = adopted.take() {
+                    found.discard();
+                }
+                remove(file);
+            }
+            Ok(Order::Adopt(found)) => adopted = Some(found),
+            Err(RecvTimeoutError::Timeout) => {
+                if write_logged(waiting.take(), file)
+                    && let Some(found) = adopted.take()
+                {
+                    found.discard();
+                }
+            }
+            Err(RecvTimeoutError::Disconnected) => {
+                write_logged(waiting, file);
+                return;
+            }
+        }
+    }
+}
+
+/// Writes a draft, if there is one. Whether it is on the disk.
+fn write_logged(waiting: Option<(Draft, Instant)>, file: &Path) -> bool {
+    let Some((draft, _)) = waiting else { return false };
+    match write(&draft, file) {
+        Ok(()) => true,
+        Err(error) => {
+            log::error!("{}: no draft can be kept: {}", file.display(), sentence(&*error));
+            false
+        }
+    }
+}
+
+fn write(draft: &Draft, file: &Path) -> Result<(), Box<dyn std::error::Error>> {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH)?;
+    let mut scene = anchored(&draft.scene, &draft.base_dir);
+    scene.view.camera = draft.camera;
+    let header = Header {
+        title: draft.title.clone(),
+        // A name that is no text cannot be written: the scene is then recovered without it.
+        file: draft.file.clone().filter(|file| file.to_str().is_some()),
+        unix_secs: i64::try_from(now.as_secs())?,
+    };
+    let text = format!("{MARK}{}\n{}", serde_json::to_string(&header)?, scene.to_ron()?);
+    Ok(write_atomically(file, text.as_bytes())?)
+}
+
+/// Takes a draft whose program is dead.
+fn claim(draft: PathBuf) -> Option<Found> {
+    let lock = OpenOptions::new().create(true).truncate(false).write(true).open(draft.with_extension("lock"));
+    let lock = lock.inspect_err(|error| log::warn!("{}: cannot be claimed: {error}", draft.display())).ok()?;
+    match lock.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => return None,
+        Err(TryLockError::Error(error)) => {
+            log::warn!("{}: cannot be claimed: {error}", draft.display());
+            return None;
+        }
+    }
+    match read(&draft) {
+        Ok((Header { title, file, unix_secs }, scene)) => {
+            Some(Found { scene, title, file, unix_secs, draft, _lock: lock })
+        }
+        Err(error) => {
+            log::warn!("{}: is no draft: {}", draft.display(), sentence(&*error));
+            None
+        }
+    }
+}
+
+fn read(draft: &Path) -> Result<(Header, Scene), Box<dyn std::error::Error>> {
+    let text = fs::read_to_string(draft)?;
+    let line = text.lines().next().and_then(|line| line.strip_prefix(MARK)).ok_or("its first line is missing")?;
+    let header = serde_json::from_str(line)?;
+    Ok((header, Scene::from_ron(&text, "draft")?))
+}
+
+/// A name that no living or dead program has left something under, and its lock.
+fn own_name(folder: &Path) -> io::Result<(File, PathBuf)> {
+    let pid = std::process::id();
+    for attempt in 0..NAMES {
+        let name = if attempt == 0 { format!("{pid}.ron") } else { format!("{pid}-{attempt}.ron") };
+        let draft = folder.join(name);
+        let path = draft.with_extension("lock");
+        let lock = OpenOptions::new().create(true).truncate(false).write(true).open(path)?;
+        match lock.try_lock() {
+            Ok(()) if !draft.exists() => return Ok((lock, draft)),
+            Ok(()) | Err(TryLockError::WouldBlock) => {}
+            Err(TryLockError::Error(error)) => return Err(error),
+        }
+    }
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, "every name for a draft is taken"))
+}
+
+fn remove(path: &Path) {
+    if let Err(error) = fs::remove_file(path)
+        && error.kind() != io::ErrorKind::NotFound
+    {
+        log::warn!("{}: cannot be removed: {error}", path.display());
+    }
+}
+
+fn when(unix_secs: i64, now: &Zoned) -> String {
+    let zone: TimeZone = now.time_zone().clone();
+    let Ok(then) = Timestamp::from_second(unix_secs) else { return "an unknown time".to_owned() };
+    let then = then.to_zoned(zone);
+    let format = if then.date() == now.date() { "%H:%M" } else { "%H:%M on %-d %B" };
+    then.strftime(format).to_string()
+}
+
+#[cfg(test)]
+#[path = "recovery_tests.rs"]
+mod tests;

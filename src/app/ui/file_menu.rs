@@ -1,0 +1,53 @@
+//! The File menu: scenes in and out.
+
+use egui::{Button, Ui, WidgetInfo};
+
+use super::UiState;
+use super::files::{FileAction, Wish};
+use crate::session::Status;
+
+/// The File menu with its button.
+pub(super) fn file_menu_ui(ui: &mut Ui, status: &Status, state: &mut UiState) {
+    ui.menu_button("File", |ui| {
+        ui.set_min_width(210.0);
+        item_ui(ui, state, "New", "Ctrl+N", FileAction::New);
+        item_ui(ui, state, "Open…", "Ctrl+O", FileAction::Open);
+        recent_ui(ui, state);
+        ui.separator();
+        ui.add_enabled_ui(status.unsaved || status.file.is_none(), |ui| {
+            item_ui(ui, state, "Save", "Ctrl+S", FileAction::Save);
+        });
+        item_ui(ui, state, "Save as…", "Ctrl+Shift+S", FileAction::SaveAs);
+        ui.separator();
+        item_ui(ui, state, "Quit", "Ctrl+Q", FileAction::Quit);
+    });
+}
+
+fn item_ui(ui: &mut Ui, state: &mut UiState, name: &str, key: &str, action: FileAction) {
+    let button = ui.add(Button::new(name).shortcut_text(key));
+    button.widget_info(|| WidgetInfo::labeled(egui::Role::Button, ui.is_enabled(), name));
+    if button.clicked() {
+        state.files.ask(action);
+        ui.close();
+    }
+}
+
+fn recent_ui(ui: &mut Ui, state: &mut UiState) {
+    ui.add_enabled_ui(!state.files.recent.is_empty(), |ui| {
+        ui.menu_button("Open recent", |ui| {
+            ui.set_min_width(260.0);
+            for path in state.files.recent.clone() {
+                let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+                if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                    state.files.ask(FileAction::OpenFile(path));
+                    ui.close();
+                }
+            }
+            ui.separator();
+            if ui.button("Forget these").clicked() {
+                state.files.wishes.push(Wish::ForgetRecent);
+                ui.close();
+            }
+        });
+    });
+}

@@ -1,0 +1,165 @@
+//! Everything about files that a person sees: opening, saving, the question before changes are lost, what is found
+//! after a crash, files dropped on the window. Remembers what is open and asked; what needs a thread, the system or
+//! the disk's state folder is a [`Wish`] to the window.
+
+mod path_dialog;
+mod path_field;
+mod question;
+mod recovery_card;
+
+use std::path::{Path, PathBuf};
+
+use egui::{Color32, Id, Key, Modal, Modifiers, Response, RichText, Ui};
+
+use super::{UiState, theme};
+use crate::scene::view_settings::CameraSettings;
+use crate::session::{Command, Status};
+
+use path_dialog::PathDialog;
+pub use path_field::PathUse;
+use question::Question;
+
+/// The fill of the button that Enter stands for; white is legible on it.
+pub const MAIN_FILL: Color32 = Color32::from_rgb(52, 95, 162);
+
+/// What a menu item or a key asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FileAction {
+    /// A new scene.
+    New,
+    /// The dialog to open a scene.
+    Open,
+    /// A scene whose file is known.
+    OpenFile(PathBuf),
+    /// Save, to the scene's file or a new one.
+    Save,
+    /// The dialog to save a scene elsewhere.
+    SaveAs,
+    /// Open what was found after a crash.
+    Recover,
+    /// Close the window.
+    Quit,
+}
+
+/// What only the window can do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// Show the system's own dialog; its answer goes to [`FilesState::browsed`].
+    Browse(PathUse, PathBuf),
+    /// Close the window.
+    Quit,
+    /// Open what was found after a crash.
+    Recover,
+    /// Throw away what was found after a crash.
+    DiscardFound,
+    /// Empty the list of recent files.
+    ForgetRecent,
+}
+
+/// A scene found after a crash.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FoundDraft {
+    /// What it was called.
+    pub title: String,
+    /// When it was last kept, as a person says it: "14:32".
+    pub when: String,
+}
+
+/// What the dialogs about files remember between frames.
+#[derive(Debug, Default)]
+pub struct FilesState {
+    /// Where the camera stands; the window keeps it up to date.
+    pub camera: CameraSettings,
+    /// Scene files opened or saved lately, the last one first.
+    pub recent: Vec<PathBuf>,
+    /// What was found after a crash.
+    pub found: Option<FoundDraft>,
+    /// What the window is to do.
+    pub wishes: Vec<Wish>,
+    asked: Vec<FileAction>,
+    no_browser: bool,
+    dialog: Option<PathDialog>,
+    question: Option<Question>,
+}
+
+impl FilesState {
+    /// Asks for something, by a menu, a key or the window's own buttons; it is answered with the next frame.
+    pub fn ask(&mut self, action: FileAction) {
+        self.asked.push(action);
+    }
+
+    /// The system's dialog was answered: a path, or nothing.
+    pub fn browsed(&mut self, purpose: PathUse, chosen: Option<&Path>) {
+        if let (Some(dialog), Some(path)) = (&mut self.dialog, chosen)
+            && dialog.purpose() == purpose
+        {
+            dialog.set(path);
+        }
+    }
+
+    /// The system has no dialog of its own to show.
+    pub fn has_no_browser(&mut self) {
+        self.no_browser = true;
+    }
+
+    /// The folder that a dialog starts in.
+    fn start_folder(&self, status: &Status) -> PathBuf {
+        let known = status.file.as_ref().or(self.recent.first());
+        let folder = known.and_then(|file| file.parent()).filter(|folder| folder.is_dir()).map(Path::to_owned);
+        folder.or_else(|| std::env::current_dir().ok()).unwrap_or_default()
+    }
+}
+
+/// The dialogs about files, over everything else. Commands that would lose unsaved changes wait for an answer.
+pub(super) fn files_ui(ui: &mut Ui, status: &Status, state: &mut UiState, commands: &mut Vec<Command>) {
+    recovery_card::recovery_card_ui(ui, state);
+    for action in std::mem::take(&mut state.files.asked) {
+        begin(action, status, state, commands);
+    }
+    question::hold_back(status, &mut state.files, commands);
+    question::question_ui(ui, status, &mut state.files, commands);
+    path_dialog::path_dialog_ui(ui, state, commands);
+    question::release(status, &mut state.files, commands);
+}
+
+fn begin(action: FileAction, status: &Status, state: &mut UiState, commands: &mut Vec<Command>) {
+    let files = &mut state.files;
+    match action {
+        FileAction::New => commands.push(Command::New),
+        FileAction::OpenFile(path) => commands.push(Command::Open { path }),
+        FileAction::Open => {
+            let start = files.start_folder(status);
+            files.dialog = Some(PathDialog::new(PathUse::OpenScene, &start));
+        }
+        FileAction::Save if status.file.is_some() => commands.push(Command::Save { camera: files.camera }),
+        FileAction::Save | FileAction::SaveAs => {
+            let name = match &status.file {
+                Some(file) => file.clone(),
+                None => files.start_folder(status).join(Path::new(&status.title).with_extension("ron")),
+            };
+            files.dialog = Some(PathDialog::new(PathUse::SaveScene, &name));
+        }
+        FileAction::Recover => question::wish(Wish::Recover, status, files),
+        FileAction::Quit => question::wish(Wish::Quit, status, files),
+    }
+}
+
+/// A dialog in the middle of the window that everything else waits for. Says whether Escape was pressed in it.
+fn dialog_ui(ui: &Ui, name: &str, width: f32, contents: impl FnOnce(&mut Ui)) -> bool {
+    let room = ui.ctx().content_rect().size();
+    let frame = egui::Frame::window(ui.style()).inner_margin(18);
+    let modal = Modal::new(Id::unique(name)).frame(frame).show(ui.ctx(), |ui| {
+        ui.set_width(width.min(room.x - 60.0));
+        ui.label(RichText::new(name).heading().color(theme::STRONG));
+        ui.add_space(4.0);
+        contents(ui);
+    });
+    let escaped = || ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
+    modal.is_top_modal && !modal.any_popup_open && escaped()
+}
+
+/// The button that Enter stands for.
+fn main_button_ui(ui: &mut Ui, name: &str, enabled: bool) -> Response {
+    let button = egui::Button::new(RichText::new(name).color(Color32::WHITE)).fill(MAIN_FILL);
+    ui.add_enabled(enabled, button)
+}

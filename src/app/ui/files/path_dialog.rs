@@ -1,0 +1,99 @@
+//! The dialogs that ask for a path: open a scene, save it elsewhere.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Align, Layout, RichText, Ui};
+
+use super::path_field::{PathField, PathUse, Verdict};
+use super::{FileAction, UiState, Wish, dialog_ui, main_button_ui, theme};
+use crate::session::Command;
+
+/// Recent files offered in the dialog; the menu has all.
+const RECENT: usize = 4;
+
+/// A dialog that asks for a path.
+#[derive(Debug)]
+pub(super) struct PathDialog {
+    purpose: PathUse,
+    field: PathField,
+}
+
+impl PathDialog {
+    /// A dialog that starts from a path.
+    pub(super) fn new(purpose: PathUse, start: &Path) -> Self {
+        Self { purpose, field: PathField::new(purpose, start) }
+    }
+
+    /// What the path is for.
+    pub(super) fn purpose(&self) -> PathUse {
+        self.purpose
+    }
+
+    /// Puts another path into the field.
+    pub(super) fn set(&mut self, path: &Path) {
+        self.field.set(path);
+    }
+}
+
+/// The dialog that asks for a path, when one is open.
+pub(super) fn path_dialog_ui(ui: &mut Ui, state: &mut UiState, commands: &mut Vec<Command>) {
+    let Some(mut dialog) = state.files.dialog.take() else { return };
+    let name = match dialog.purpose {
+        PathUse::SaveScene => "Save scene as",
+        PathUse::OpenScene => "Open scene",
+    };
+    let mut done = false;
+    let escaped = dialog_ui(ui, name, 560.0, |ui| {
+        let response = dialog.field.ui(ui, "Path", !state.files.no_browser);
+        if dialog.purpose == PathUse::OpenScene {
+            recent_ui(ui, &state.files.recent, &mut dialog.field);
+        }
+        if response.browse {
+            let start = dialog.field.folder();
+            state.files.wishes.push(Wish::Browse(dialog.purpose, start));
+        }
+        ui.add_space(6.0);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let verdict = dialog.field.verdict().clone();
+            let (label, ready) = match (&verdict, dialog.purpose) {
+                (Verdict::Replaces(_), _) => ("Replace", true),
+                (Verdict::Usable(..), PathUse::SaveScene) => ("Save", true),
+                (Verdict::Usable(..), _) => ("Open", true),
+                (_, PathUse::SaveScene) => ("Save", false),
+                (_, _) => ("Open", false),
+            };
+            let confirmed = main_button_ui(ui, label, ready).clicked() || (response.entered && ready);
+            let cancelled = ui.button("Cancel").clicked();
+            if confirmed {
+                confirm(verdict, dialog.purpose, state, commands);
+            }
+            done = confirmed || cancelled;
+        });
+    });
+    if !escaped && !done {
+        state.files.dialog = Some(dialog);
+    }
+}
+
+fn confirm(verdict: Verdict, purpose: PathUse, state: &mut UiState, commands: &mut Vec<Command>) {
+    match (verdict, purpose) {
+        (Verdict::Usable(path, _) | Verdict::Replaces(path), PathUse::SaveScene) => {
+            commands.push(Command::SaveAs { path, camera: state.files.camera });
+        }
+        (Verdict::Usable(path, _), _) => state.files.ask(FileAction::OpenFile(path)),
+        (Verdict::Unfinished | Verdict::Unusable(_) | Verdict::Replaces(_), _) => {}
+    }
+}
+
+fn recent_ui(ui: &mut Ui, recent: &[PathBuf], field: &mut PathField) {
+    if recent.is_empty() {
+        return;
+    }
+    ui.label(RichText::new("Recent").color(theme::WEAK));
+    for path in recent.iter().take(RECENT) {
+        let shown = path.display().to_string();
+        if ui.add(egui::Button::new(&shown).frame(false).truncate()).clicked() {
+            field.set(path);
+        }
+    }
+}

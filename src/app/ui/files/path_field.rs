@@ -1,0 +1,314 @@
+//! A field for a path that says while it is typed what is wrong with it, with the fitting files of the folder below:
+//! it works on every system, whatever dialogs there are. Looks at the file system only when the text changes.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Button, Key, RichText, ScrollArea, TextEdit, Ui, WidgetInfo};
+
+use super::super::theme;
+use crate::app::worker::sentence;
+use crate::scene::Scene;
+use crate::scene::file::folder_of;
+use crate::session::document::is_scene_path;
+
+/// Entries of a folder that are listed; a name narrows them down.
+const LISTED: usize = 200;
+/// The height of the list, points.
+const LIST_HEIGHT: f32 = 168.0;
+
+/// What the path is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathUse {
+    /// A scene is read from it.
+    OpenScene,
+    /// The scene is written to it.
+    SaveScene,
+}
+
+/// What the path typed leads to.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Verdict {
+    /// Nothing was typed, or a folder: there is nothing to say yet.
+    Unfinished,
+    /// It cannot be used; why, as a sentence.
+    Unusable(String),
+    /// It can be used; what it is, in a few words.
+    Usable(PathBuf, String),
+    /// It can be written, but there is a file already.
+    Replaces(PathBuf),
+}
+
+/// A path being typed.
+#[derive(Debug)]
+pub(super) struct PathField {
+    text: String,
+    purpose: PathUse,
+    judged: Option<String>,
+    verdict: Verdict,
+    listed: Vec<Entry>,
+    focus: bool,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Entry {
+    name: String,
+    is_folder: bool,
+}
+
+impl PathField {
+    /// A field with a path in it to start from.
+    pub(super) fn new(purpose: PathUse, start: &Path) -> Self {
+        let mut text = start.to_string_lossy().into_owned();
+        if start.is_dir() && !text.ends_with(std::path::MAIN_SEPARATOR) {
+            text.push(std::path::MAIN_SEPARATOR);
+        }
+        Self { text, purpose, judged: None, verdict: Verdict::Unfinished, listed: Vec::new(), focus: true }
+    }
+
+    /// Puts another path into the field.
+    pub(super) fn set(&mut self, path: &Path) {
+        self.text = path.to_string_lossy().into_owned();
+        self.judged = None;
+    }
+
+    /// The folder that the path lies in.
+    pub(super) fn folder(&self) -> PathBuf {
+        folder_typed(&self.text)
+    }
+
+    /// What the path leads to.
+    pub(super) fn verdict(&mut self) -> &Verdict {
+        if self.judged.as_ref() != Some(&self.text) {
+            self.verdict = judge(self.purpose, &self.text);
+            self.listed = entries(self.purpose, &self.text);
+            self.judged = Some(self.text.clone());
+        }
+        &self.verdict
+    }
+
+    /// The field with its list. Says whether Enter was pressed in it, and whether the button beside it was.
+    /// `can_browse`: the system has a window to choose in.
+    pub(super) fn ui(&mut self, ui: &mut Ui, label: &str, can_browse: bool) -> PathResponse {
+        let mut response = PathResponse::default();
+        ui.horizontal(|ui| {
+            let name = ui.label(RichText::new(label).color(theme::WEAK));
+            let width = (ui.available_width() - 92.0).max(120.0);
+            let edit = TextEdit::singleline(&mut self.text).desired_width(width).hint_text("type a path");
+            let field = ui.add(edit).labelled_by(name.id);
+            if std::mem::take(&mut self.focus) {
+                field.request_focus();
+            }
+            response.entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+            let browse = ui.add_enabled(can_browse, Button::new("Browse…"));
+            let browse = browse
+                .on_hover_text("Choose in a window of the system")
+                .on_disabled_hover_text("The system has no such window: type the path or choose below");
+            response.browse = browse.clicked();
+        });
+        self.verdict();
+        self.verdict_ui(ui);
+        self.list_ui(ui);
+        response
+    }
+
+    fn verdict_ui(&self, ui: &mut Ui) {
+        let (text, color) = match &self.verdict {
+            Verdict::Unfinished => (String::new(), theme::WEAK),
+            Verdict::Unusable(why) => (why.clone(), theme::ERROR),
+            Verdict::Usable(_, what) => (what.clone(), theme::WEAK),
+            Verdict::Replaces(_) => ("There is a file of this name; it will be replaced".to_owned(), theme::WARNING),
+        };
+        ui.add(egui::Label::new(RichText::new(text).color(color)).wrap());
+    }
+
+    /// Folders and fitting files of the folder typed; a click goes there.
+    fn list_ui(&mut self, ui: &mut Ui) {
+        let mut chosen = None;
+        let area = ScrollArea::vertical().max_height(LIST_HEIGHT).min_scrolled_height(60.0).auto_shrink([false, true]);
+        area.show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            let folder = folder_typed(&self.text);
+            let folder = std::path::absolute(&folder).unwrap_or(folder);
+            if let Some(above) = folder.parent()
+                && row_ui(ui, "../", "Up one folder").clicked()
+            {
+                chosen = Some((above.to_owned(), true));
+            }
+            for entry in &self.listed {
+                let shown = if entry.is_folder { format!("{}/", entry.name) } else { entry.name.clone() };
+                if row_ui(ui, &shown, &entry.name).clicked() {
+                    chosen = Some((folder.join(&entry.name), entry.is_folder));
+                }
+            }
+        });
+        if let Some((path, is_folder)) = chosen {
+            self.set(&path);
+            if is_folder && !self.text.ends_with(std::path::MAIN_SEPARATOR) {
+                self.text.push(std::path::MAIN_SEPARATOR);
+            }
+        }
+    }
+}
+
+/// What was done with a path field.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PathResponse {
+    /// Enter was pressed in the field.
+    pub(super) entered: bool,
+    /// A window of the system to choose in was asked for.
+    pub(super) browse: bool,
+}
+
+fn row_ui(ui: &mut Ui, shown: &str, name: &str) -> egui::Response {
+    let button = Button::new(RichText::new(shown).color(theme::STRONG)).frame(false).truncate();
+    let response = ui.add_sized([ui.available_width(), 20.0], button.right_text(""));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, name));
+    response
+}
+
+/// The path a text means; `~` is the home folder.
+fn expanded(text: &str) -> PathBuf {
+    let text = text.trim();
+    let home = || directories::BaseDirs::new().map(|folders| folders.home_dir().to_owned());
+    match text.strip_prefix('~') {
+        Some("") => home().unwrap_or_else(|| text.into()),
+        Some(rest) if rest.starts_with(['/', '\\']) => {
+            home().map_or_else(|| text.into(), |home| home.join(rest.trim_start_matches(['/', '\\'])))
+        }
+        _ => text.into(),
+    }
+}
+
+/// The folder that a text names or that the file it names is in.
+fn folder_typed(text: &str) -> PathBuf {
+    let path = expanded(text);
+    if text.trim().ends_with(['/', '\\']) { path } else { folder_of(&path) }
+}
+
+fn judge(purpose: PathUse, text: &str) -> Verdict {
+    let path = expanded(text);
+    if text.trim().is_empty() || (path.is_dir() && text.trim().ends_with(['/', '\\'])) {
+        return Verdict::Unfinished;
+    }
+    match purpose {
+        PathUse::SaveScene => judge_target(path),
+        _ if !path.exists() => Verdict::Unusable(format!("{} does not exist", path.display())),
+        _ if path.is_dir() => Verdict::Unusable(format!("{} is a folder", path.display())),
+        PathUse::OpenScene => match Scene::load(&path) {
+            Ok(scene) => Verdict::Usable(path, words(&scene)),
+            Err(error) => Verdict::Unusable(sentence(&error)),
+        },
+    }
+}
+
+fn judge_target(path: PathBuf) -> Verdict {
+    let folder = folder_of(&path);
+    let path = if is_scene_path(&path) { path } else { with_ending(path) };
+    if !folder.is_dir() {
+        Verdict::Unusable(format!("the folder {} does not exist", folder.display()))
+    } else if path.is_dir() {
+        Verdict::Unusable(format!("{} is a folder", path.display()))
+    } else if path.exists() {
+        Verdict::Replaces(path)
+    } else {
+        let what = format!("Saves {}", path.display());
+        Verdict::Usable(path, what)
+    }
+}
+
+fn with_ending(path: PathBuf) -> PathBuf {
+    let mut name = path.into_os_string();
+    name.push(".ron");
+    name.into()
+}
+
+fn words(scene: &Scene) -> String {
+    let count = |count: usize, one: &str, many: &str| match count {
+        1 => format!("1 {one}"),
+        _ => format!("{count} {many}"),
+    };
+    let bodies = count(scene.bodies.len(), "body", "bodies");
+    let obstacles = count(scene.obstacles.len(), "obstacle", "obstacles");
+    format!("A scene of {bodies} and {obstacles}")
+}
+
+/// What lies in the folder typed and fits: folders first, by name; narrowed down by what was typed after it.
+fn entries(purpose: PathUse, text: &str) -> Vec<Entry> {
+    let folder = folder_typed(text);
+    let typed = expanded(text);
+    let narrowed = if text.trim().ends_with(['/', '\\']) || typed.is_file() {
+        String::new()
+    } else {
+        typed.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default()
+    };
+    let fits = |path: &Path| match purpose {
+        PathUse::OpenScene | PathUse::SaveScene => is_scene_path(path),
+    };
+    let Ok(all) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut found: Vec<Entry> = all
+        .filter_map(Result::ok)
+        .filter_map(|entry| {
+            // A name that is no text cannot be typed.
+            let name = entry.file_name().into_string().ok()?;
+            let is_folder = entry.path().is_dir();
+            let wanted = is_folder || fits(&entry.path());
+            let shown = !name.starts_with('.') && name.to_lowercase().starts_with(&narrowed);
+            (wanted && shown).then_some(Entry { name, is_folder })
+        })
+        .collect();
+    found.sort_by_key(|entry| (!entry.is_folder, entry.name.to_lowercase()));
+    found.truncate(LISTED);
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path();
+        std::fs::create_dir(path.join("sub")).expect("a folder");
+        Scene::default().save(&path.join("a.ron")).expect("a scene");
+        std::fs::write(path.join("bad.ron"), "(version: 1,\n bodis: [])").expect("a file");
+        std::fs::write(path.join("cow.obj"), "v 0 0 0\n").expect("a file");
+        folder
+    }
+
+    fn verdict(purpose: PathUse, folder: &tempfile::TempDir, name: &str) -> Verdict {
+        judge(purpose, &folder.path().join(name).to_string_lossy())
+    }
+
+    #[test]
+    fn a_path_to_open_is_judged_as_it_is_typed() {
+        let folder = folder();
+        let judged = |name| verdict(PathUse::OpenScene, &folder, name);
+        assert_eq!(judged(""), Verdict::Unfinished, "a folder with its slash");
+        let says = |name, words: &str| matches!(judged(name), Verdict::Unusable(why) if why.contains(words));
+        assert!(says("x.ron", "does not exist"));
+        assert!(says("sub", "is a folder"));
+        assert!(says("bad.ron", "bad.ron:2"), "the line is named: {:?}", judged("bad.ron"));
+        assert!(matches!(judged("a.ron"), Verdict::Usable(_, what) if what == "A scene of 0 bodies and 0 obstacles"));
+    }
+
+    #[test]
+    fn a_path_to_save_to_gets_its_ending_and_a_warning_where_a_file_is() {
+        let folder = folder();
+        let judged = |name| verdict(PathUse::SaveScene, &folder, name);
+        assert!(matches!(judged("new"), Verdict::Usable(path, _) if path.ends_with("new.ron")));
+        assert!(matches!(judged("a"), Verdict::Replaces(path) if path.ends_with("a.ron")));
+        assert!(matches!(judged("none/a.ron"), Verdict::Unusable(why) if why.contains("folder")));
+    }
+
+    #[test]
+    fn the_list_shows_folders_and_what_fits_narrowed_by_what_is_typed() {
+        let folder = folder();
+        let names = |purpose, typed: &str| {
+            let text = format!("{}/{typed}", folder.path().display());
+            entries(purpose, &text).into_iter().map(|entry| entry.name).collect::<Vec<_>>()
+        };
+        assert_eq!(names(PathUse::OpenScene, ""), ["sub", "a.ron", "bad.ron"]);
+        assert_eq!(names(PathUse::OpenScene, "B"), ["bad.ron"]);
+        assert_eq!(names(PathUse::OpenScene, "nowhere/"), [""; 0]);
+    }
+}

@@ -1,0 +1,102 @@
+//! The question before unsaved changes are lost: save, discard or stay.
+
+use egui::{Align, Layout, Ui};
+
+use super::{FileAction, FilesState, Wish, dialog_ui, main_button_ui};
+use crate::session::{Command, Status};
+
+/// What waits for the answer.
+#[derive(Debug)]
+pub(super) struct Question {
+    then: Then,
+    /// A person chose to save: once everything is saved, it goes on.
+    saving: bool,
+}
+
+#[derive(Debug)]
+enum Then {
+    Grant(Wish),
+    Do(Box<Command>),
+}
+
+/// A wish that would lose unsaved changes: it waits where there are some.
+pub(super) fn wish(wish: Wish, status: &Status, files: &mut FilesState) {
+    if status.unsaved {
+        files.question = Some(Question { then: Then::Grant(wish), saving: false });
+    } else {
+        files.wishes.push(wish);
+    }
+}
+
+/// Takes the commands that would lose unsaved changes out of what is sent.
+pub(super) fn hold_back(status: &Status, files: &mut FilesState, commands: &mut Vec<Command>) {
+    if !status.unsaved {
+        return;
+    }
+    for command in commands.extract_if(.., |command| command.replaces_scene()) {
+        files.question = Some(Question { then: Then::Do(Box::new(command)), saving: false });
+    }
+}
+
+/// The question, when it is open.
+pub(super) fn question_ui(ui: &Ui, status: &Status, files: &mut FilesState, commands: &mut Vec<Command>) {
+    let Some(mut question) = files.question.take() else { return };
+    let mut answer = None;
+    let escaped = dialog_ui(ui, "Unsaved changes", 420.0, |ui| {
+        let before = match &question.then {
+            Then::Grant(Wish::Quit) => "closing",
+            Then::Grant(_) | Then::Do(_) => "another scene takes its place",
+        };
+        ui.label(format!("Save the changes to {} before {before}? They are lost otherwise.", status.title));
+        ui.add_space(8.0);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let label = if status.file.is_some() { "Save" } else { "Save as…" };
+            let save = main_button_ui(ui, label, true);
+            if ui.memory(|memory| memory.focused().is_none()) {
+                save.request_focus();
+            }
+            if save.clicked() {
+                answer = Some(Answer::Save);
+            }
+            if ui.button("Discard").clicked() {
+                answer = Some(Answer::Discard);
+            }
+            if ui.button("Cancel").clicked() {
+                answer = Some(Answer::Cancel);
+            }
+        });
+    });
+    match answer {
+        Some(Answer::Save) => {
+            question.saving = true;
+            files.ask(FileAction::Save);
+            files.question = Some(question);
+        }
+        Some(Answer::Discard) => go_on(question, files, commands),
+        Some(Answer::Cancel) => {}
+        None if escaped => {}
+        None => files.question = Some(question),
+    }
+}
+
+/// Goes on with what waited, once a person chose to save and everything is saved.
+pub(super) fn release(status: &Status, files: &mut FilesState, commands: &mut Vec<Command>) {
+    if !status.unsaved
+        && let Some(question) = files.question.take_if(|question| question.saving)
+    {
+        go_on(question, files, commands);
+    }
+}
+
+enum Answer {
+    Save,
+    Discard,
+    Cancel,
+}
+
+fn go_on(question: Question, files: &mut FilesState, commands: &mut Vec<Command>) {
+    match question.then {
+        Then::Grant(wish) => files.wishes.push(wish),
+        Then::Do(command) => commands.push(*command),
+    }
+}

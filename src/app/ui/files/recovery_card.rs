@@ -1,0 +1,26 @@
+//! What is offered after a crash: the scene as it was a few seconds before.
+
+use egui::{Align2, RichText, Ui};
+
+use super::super::over_view;
+use super::{FileAction, UiState, Wish, main_button_ui, theme};
+
+/// The offer, while there is one.
+pub(super) fn recovery_card_ui(ui: &Ui, state: &mut UiState) {
+    let Some(found) = state.files.found.clone() else { return };
+    over_view(ui, "recovery", state.view_rect, Align2::RIGHT_TOP, |ui| {
+        theme::float_frame().show(ui, |ui| {
+            ui.set_max_width(300.0);
+            let question = format!("Recover unsaved changes of {} from {}?", found.title, found.when);
+            ui.add(egui::Label::new(RichText::new(question).color(theme::STRONG)).wrap());
+            ui.horizontal(|ui| {
+                if main_button_ui(ui, "Recover", true).clicked() {
+                    state.files.ask(FileAction::Recover);
+                }
+                if ui.button("Discard").on_hover_text("Throw these changes away").clicked() {
+                    state.files.wishes.push(Wish::DiscardFound);
+                }
+            });
+        });
+    });
+}

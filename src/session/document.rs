@@ -1,0 +1,371 @@
+//! What a sandbox knows of the file its scene came from: where it is, and whether the scene differs from it. Reads and
+//! writes scene files; never changes the scene, so that nothing a person can undo depends on what was saved.
+//!
+//! ```text
+//! file ─ Opened::from_file ─► Session        base_dir: where relative model paths start, for the session's whole life
+//! file ◄─ Document::save ──── Session        model paths are written as seen from the file's own folder
+//! ```
+
+use std::ffi::OsStr;
+use std::path::{Component, Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::scene::file::{SceneFileError, folder_of};
+use crate::scene::view_settings::CameraSettings;
+use crate::scene::{Scene, Shape, builtin, presets};
+
+/// What a scene without a file is called.
+pub const UNTITLED: &str = "untitled";
+
+/// Why a scene cannot be saved.
+#[derive(Debug, Error)]
+pub enum SaveError {
+    /// There is no file to save to.
+    #[error("the scene has no file yet; use Save as… to give it one")]
+    NoFile,
+    /// The name would not be recognised as a scene's.
+    #[error("{}: the name of a scene file ends in .ron", .0.display())]
+    NotAScene(PathBuf),
+    /// A model's place cannot be written into the file.
+    #[error("bodies.{index}.shape.model.path: {} is not UTF-8, so it cannot be written; rename the folder", path.display())]
+    ModelPath {
+        /// The body's place.
+        index: usize,
+        /// Where its model is.
+        path: PathBuf,
+    },
+    /// The file cannot be written.
+    #[error(transparent)]
+    File(#[from] SceneFileError),
+}
+
+/// A scene on its way into a sandbox, with all that is known of its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opened {
+    /// The scene.
+    pub scene: Scene,
+    /// A preset's name or a file's.
+    pub title: String,
+    /// The folder that relative model paths start at.
+    pub base_dir: PathBuf,
+    /// The scene file; none for presets, models and new scenes.
+    pub file: Option<PathBuf>,
+    /// The scene holds changes that are in no file.
+    pub unsaved: bool,
+}
+
+impl Opened {
+    /// A scene that comes from no scene file: a preset, or one made around a model.
+    pub fn without_file(scene: Scene, title: String, base_dir: PathBuf) -> Self {
+        Self { scene, title, base_dir, file: None, unsaved: false }
+    }
+
+    /// A new scene: nothing but the ground.
+    pub fn blank() -> Self {
+        Self::without_file(presets::ground_only(), UNTITLED.to_owned(), PathBuf::new())
+    }
+
+    /// Reads a scene file.
+    pub fn from_file(path: &Path) -> Result<Self, SceneFileError> {
+        let scene = Scene::load(path)?;
+        let file = std::path::absolute(path).unwrap_or_else(|_no_current_folder| path.to_owned());
+        Ok(Self { scene, title: title_of(&file), base_dir: folder_of(path), file: Some(file), unsaved: false })
+    }
+}
+
+/// Whether a file's name is that of a scene.
+pub fn is_scene_path(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron"))
+}
+
+/// A sandbox's file and the scene as it is there.
+#[derive(Clone, Debug)]
+pub(super) struct Document {
+    pub(super) title: String,
+    pub(super) base_dir: PathBuf,
+    pub(super) file: Option<PathBuf>,
+    /// The scene as last opened or saved; none when that is lost.
+    saved: Option<Scene>,
+}
+
+impl Document {
+    /// The document of a scene just opened.
+    pub(super) fn new(opened: &Opened) -> Self {
+        let Opened { scene, title, base_dir, file, unsaved } = opened;
+        let saved = (!unsaved).then(|| scene.clone());
+        Self { title: title.clone(), base_dir: base_dir.clone(), file: file.clone(), saved }
+    }
+
+    /// Whether the scene holds changes that are in no file. Where the camera stands is no change.
+    pub(super) fn is_unsaved(&self, scene: &Scene) -> bool {
+        let Some(saved) = &self.saved else { return true };
+        if saved.view.camera == scene.view.camera {
+            return saved != scene;
+        }
+        let mut same_camera = scene.clone();
+        same_camera.view.camera = saved.view.camera;
+        *saved != same_camera
+    }
+
+    /// Writes the scene, seen by `camera`, to its file or to another one, which is its file from then on.
+    pub(super) fn save(&mut self, scene: &Scene, camera: CameraSettings, to: Option<PathBuf>) -> Result<(), SaveError> {
+        let file = to.or_else(|| self.file.clone()).ok_or(SaveError::NoFile)?;
+        let file = std::path::absolute(&file).unwrap_or(file);
+        if !is_scene_path(&file) {
+            return Err(SaveError::NotAScene(file));
+        }
+        let mut written = moved(scene, &self.base_dir, &folder_of(&file))?;
+        written.view.camera = camera;
+        written.save(&file)?;
+        self.title = title_of(&file);
+        self.file = Some(file);
+        self.saved = Some(scene.clone());
+        Ok(())
+    }
+}
+
+/// The same scene with its model paths as seen from another folder: relative where the two have a folder in common,
+/// absolute otherwise.
+pub fn moved(scene: &Scene, from: &Path, to: &Path) -> Result<Scene, SaveError> {
+    let mut scene = scene.clone();
+    let [from, to] = [from, to].map(|folder| plain(&absolute(folder)));
+    for (index, body) in scene.bodies.iter_mut().enumerate() {
+        if let Shape::Model(model) = &mut body.shape
+            && !model.path.starts_with(builtin::PREFIX)
+            && (from != to || Path::new(&model.path).is_absolute())
+        {
+            let path = seen_from(&from.join(&model.path), &to);
+            let text = path.to_str().map(|text| if cfg!(windows) { text.replace('\\', "/") } else { text.to_owned() });
+            model.path = text.ok_or(SaveError::ModelPath { index, path })?;
+        }
+    }
+    Ok(scene)
+}
+
+/// The same scene with model paths that mean the same from any folder.
+pub fn anchored(scene: &Scene, base_dir: &Path) -> Scene {
+    let mut scene = scene.clone();
+    let base_dir = absolute(base_dir);
+    for body in &mut scene.bodies {
+        if let Shape::Model(model) = &mut body.shape
+            && !model.path.starts_with(builtin::PREFIX)
+            && let Some(path) = base_dir.join(&model.path).to_str()
+        {
+            path.clone_into(&mut model.path);
+        }
+    }
+    scene
+}
+
+/// An absolute path as seen from an absolute folder without `.` and `..`.
+fn seen_from(path: &Path, folder: &Path) -> PathBuf {
+    let target = plain(path);
+    let shared = target.components().zip(folder.components()).take_while(|(a, b)| a == b);
+    let named = |&(part, _): &(Component<'_>, _)| matches!(part, Component::Normal(_));
+    let (all, names) = shared.fold((0, 0), |(all, names), pair| (all + 1, names + usize::from(named(&pair))));
+    if names == 0 {
+        return target;
+    }
+    let up = folder.components().skip(all).map(|_| Component::ParentDir);
+    let relative: PathBuf = up.chain(target.components().skip(all)).collect();
+    // A link on the way may make `..` lead elsewhere.
+    let same = match (folder.join(&relative).canonicalize(), path.canonicalize()) {
+        (Ok(found), Ok(wanted)) => found == wanted,
+        (_, Err(_missing)) => true,
+        (Err(_misled), Ok(_)) => false,
+    };
+    if same { relative } else { path.to_owned() }
+}
+
+/// A folder from the root on; no name is the current one.
+fn absolute(folder: &Path) -> PathBuf {
+    let named = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    std::path::absolute(named).unwrap_or_else(|_no_current_folder| folder.to_owned())
+}
+
+/// A path without `.` and, as far as they follow a name, without `..`.
+fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(plain.components().next_back(), Some(Component::Normal(_))) => {
+                plain.pop();
+            }
+            _ => plain.push(part),
+        }
+    }
+    plain
+}
+
+fn title_of(file: &Path) -> String {
+    file.file_name().unwrap_or(OsStr::new(UNTITLED)).to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::error::Error;
+
+    use super::*;
+    use crate::scene::body::{Body, ModelShape};
+    use crate::scene::edit::{BodyId, Edit};
+    use crate::session::{Command, Session, SessionError};
+
+    fn with_model(path: &str) -> Scene {
+        let shape = Shape::Model(ModelShape { path: path.to_owned(), ..ModelShape::default() });
+        Scene { bodies: vec![Body { shape, ..Body::default() }], ..Scene::default() }
+    }
+
+    fn moved_path(path: &str, from: &str, to: &str) -> String {
+        let scene = moved(&with_model(path), Path::new(from), Path::new(to)).expect("UTF-8");
+        let Shape::Model(model) = &scene.bodies[0].shape else { panic!("a model") };
+        model.path.clone()
+    }
+
+    #[test]
+    fn model_paths_are_written_as_seen_from_the_files_folder() {
+        let cases = [
+            ("cow.obj", "/home/a/scenes", "/home/a/scenes", "cow.obj"),
+            ("../models/cow.obj", "/home/a/scenes", "/home/a/scenes/.", "../models/cow.obj"),
+            ("cow.obj", "/home/a", "/home/a/scenes", "../cow.obj"),
+            ("cow.obj", "/home/a/scenes", "/home/a", "scenes/cow.obj"),
+            ("../models/cow.obj", "/home/a/scenes", "/home/a/other/deep", "../../models/cow.obj"),
+            ("/home/a/models/cow.obj", "/home/a", "/home/a", "models/cow.obj"),
+            ("cow.obj", "/mnt/models", "/home/a", "/mnt/models/cow.obj"),
+            ("builtin:spot.obj", "/home/a", "/mnt", "builtin:spot.obj"),
+        ];
+        for (path, from, to, expected) in cases {
+            assert_eq!(moved_path(path, from, to), expected, "{path} from {from} to {to}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_on_the_way_does_not_mislead() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let root = folder.path().canonicalize().expect("it exists");
+        for name in ["far/away", "near"] {
+            std::fs::create_dir_all(root.join(name)).expect("a folder");
+        }
+        std::os::unix::fs::symlink(root.join("far/away"), root.join("link")).expect("a link");
+        std::fs::write(root.join("near/cow.obj"), "v 0 0 0").expect("a file");
+        let from = root.join("near");
+        let written = moved_path("cow.obj", &from.to_string_lossy(), &root.join("link").to_string_lossy());
+        let found = root.join("link").join(&written).canonicalize().expect("the path leads to the model");
+        assert_eq!(found, from.join("cow.obj"), "not ../near, which starts at far/away: {written}");
+    }
+
+    #[test]
+    fn a_camera_that_moved_is_no_change() {
+        let opened = Opened::blank();
+        let document = Document::new(&opened);
+        let mut scene = opened.scene.clone();
+        scene.view.camera.distance = 42.0;
+        assert!(!document.is_unsaved(&scene), "only the camera moved");
+        scene.view.light.strength = 2.0;
+        assert!(document.is_unsaved(&scene), "the light is brighter");
+        assert!(Document::new(&Opened { unsaved: true, ..opened }).is_unsaved(&scene), "recovered is unsaved");
+    }
+
+    #[test]
+    fn a_draft_names_its_models_from_anywhere() {
+        let scene = anchored(&with_model("cow.obj"), Path::new("/home/a"));
+        let Shape::Model(model) = &scene.bodies[0].shape else { panic!("a model") };
+        assert_eq!(model.path, "/home/a/cow.obj");
+        assert_eq!(anchored(&with_model("builtin:spot.obj"), Path::new("/x")), with_model("builtin:spot.obj"));
+    }
+
+    fn opened(folder: &Path, name: &str) -> (Session, PathBuf) {
+        let file = folder.join(name);
+        std::fs::write(folder.join("box.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a model");
+        with_model("box.obj").save(&file).expect("a scene file");
+        let session = Session::open(Opened::from_file(&file).expect("a scene"), &()).expect("it can be simulated");
+        (session, file)
+    }
+
+    fn brighten(session: &mut Session) {
+        let mut view = session.scene().view.clone();
+        view.light.strength += 0.5;
+        session.handle(Command::Edit(Edit::View(view))).expect("the light may be brighter");
+    }
+
+    #[test]
+    fn a_scene_is_saved_with_the_camera_and_is_then_no_longer_unsaved() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut session, file) = opened(folder.path(), "a.ron");
+        assert!(!session.status().unsaved, "just opened");
+        brighten(&mut session);
+        assert!(session.status().unsaved, "edited");
+        let camera = CameraSettings { distance: 9.0, ..CameraSettings::default() };
+        session.handle(Command::Save { camera }).expect("the folder can be written");
+        assert!(!session.status().unsaved, "saved");
+        let written = Scene::load(&file).expect("a scene");
+        assert_eq!((written.view.camera, written.view.light), (camera, session.scene().view.light));
+        session.handle(Command::Undo).expect("the light goes back");
+        assert!(session.status().unsaved, "the file has the brighter light");
+        session.handle(Command::Redo).expect("and forth");
+        assert!(!session.status().unsaved, "as in the file again");
+    }
+
+    #[test]
+    fn a_scene_saved_elsewhere_finds_its_models_and_can_still_be_undone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut session, _) = opened(folder.path(), "a.ron");
+        session.handle(Command::Edit(Edit::RemoveBody(BodyId(0)))).expect("away with it");
+        let other = folder.path().join("other");
+        std::fs::create_dir(&other).expect("a folder");
+        let to = other.join("b.ron");
+        session.handle(Command::SaveAs { path: to.clone(), camera: CameraSettings::default() }).expect("it is saved");
+        session.handle(Command::Undo).expect("the body comes back");
+        session.handle(Command::Save { camera: CameraSettings::default() }).expect("to the new file");
+        assert_eq!((session.title(), session.status().file), ("b.ron", Some(to.clone())));
+        let again = Opened::from_file(&to).expect("a scene");
+        let Shape::Model(model) = &again.scene.bodies[0].shape else { panic!("a model") };
+        assert_eq!(model.path, "../box.obj");
+        Session::open(again, &()).expect("the model is found");
+    }
+
+    #[test]
+    fn what_cannot_be_opened_or_saved_changes_nothing_and_says_why() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut session, _) = opened(folder.path(), "a.ron");
+        brighten(&mut session);
+        let (scene, status) = (session.scene().clone(), session.status());
+        let lost = folder.path().join("lost.ron");
+        with_model("missing.obj").save(&lost).expect("a scene file");
+        let camera = CameraSettings::default();
+        let refused = [
+            (Command::Open { path: folder.path().join("none.ron") }, "none.ron"),
+            (Command::Open { path: folder.path().join("box.obj") }, "box.obj:1"),
+            (Command::Open { path: lost }, "missing.obj"),
+            (Command::SaveAs { path: folder.path().join("none/a.ron"), camera }, "cannot be written"),
+            (Command::SaveAs { path: folder.path().join("a.obj"), camera }, "ends in .ron"),
+        ];
+        for (command, word) in refused {
+            let error = session.handle(command.clone()).expect_err("it must be refused");
+            let cause = error.source().map(ToString::to_string).unwrap_or_default();
+            assert!(format!("{error}: {cause}").contains(word), "{command:?}: {error}: {cause}");
+            assert_eq!((session.scene(), session.status()), (&scene, status.clone()), "{command:?}");
+        }
+        session.handle(Command::New).expect("a new scene is always possible");
+        let status = session.status();
+        assert_eq!((status.title.as_str(), status.unsaved, status.file), (UNTITLED, false, None));
+        assert!(matches!(session.handle(Command::Save { camera }), Err(SessionError::Save(SaveError::NoFile))));
+    }
+
+    #[test]
+    fn a_recovered_scene_is_unsaved_until_it_is_saved() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut session, file) = opened(folder.path(), "a.ron");
+        let scene = Box::new(anchored(session.scene(), folder.path()));
+        let recover = Command::Recover { scene, title: "a.ron".into(), file: Some(file.clone()) };
+        session.handle(recover).expect("the model is found");
+        assert!(session.status().unsaved, "it is in no file yet");
+        session.handle(Command::Save { camera: CameraSettings::default() }).expect("it has a file");
+        assert!(!session.status().unsaved, "now it is");
+        let written = Scene::load(&file).expect("a scene");
+        let Shape::Model(model) = &written.bodies[0].shape else { panic!("a model") };
+        assert_eq!(model.path, "box.obj", "relative again");
+    }
+}

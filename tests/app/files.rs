@@ -1,0 +1,220 @@
+//! The dialogs about files by the names a screen reader says: what waits for an answer, and what is said while typing.
+
+use std::path::{Path, PathBuf};
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use gelatin::app::theme;
+use gelatin::app::ui::files::{FileAction, FoundDraft, PathUse, Wish};
+use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
+use gelatin::scene::view_settings::CameraSettings;
+use gelatin::scene::{Scene, presets};
+use gelatin::session::{Command, Status};
+
+/// What the panels show, and what came of it.
+struct Stage {
+    status: Status,
+    scene: Scene,
+    ui: UiState,
+    commands: Vec<Command>,
+}
+
+fn show(file: Option<&Path>, unsaved: bool) -> Harness<'static, Stage> {
+    let status = Status { title: "a.ron".into(), file: file.map(Path::to_owned), unsaved, ..Status::default() };
+    let mut ui = UiState::new(presets::presets());
+    ui.files.camera = CameraSettings { distance: 3.5, ..CameraSettings::default() };
+    let stage = Stage { status, scene: Scene::default(), ui, commands: Vec::new() };
+    let mut harness = Harness::builder().with_size([1280.0, 800.0]).build_ui_state(
+        |ui, stage: &mut Stage| {
+            theme::apply(ui.ctx());
+            let running = Running { status: &stage.status, scene: &stage.scene, color_key: None };
+            // What a frame asks for is sent before the next one.
+            let mut commands = Vec::new();
+            panels_ui(ui, &Shown { running: Some(running), failure: "" }, &mut stage.ui, &mut commands);
+            stage.commands.append(&mut commands);
+        },
+        stage,
+    );
+    harness.run_steps(3);
+    harness
+}
+
+fn ask(harness: &mut Harness<'_, Stage>, action: FileAction) -> Vec<Command> {
+    harness.state_mut().ui.files.ask(action);
+    harness.run_steps(3);
+    std::mem::take(&mut harness.state_mut().commands)
+}
+
+fn click(harness: &mut Harness<'_, Stage>, label: &str) -> Vec<Command> {
+    harness.get_by_label(label).click();
+    harness.run_steps(3);
+    std::mem::take(&mut harness.state_mut().commands)
+}
+
+/// Puts a path into the open dialog, as the system's own would.
+fn choose(harness: &mut Harness<'_, Stage>, purpose: PathUse, path: &Path) {
+    harness.state_mut().ui.files.browsed(purpose, Some(path));
+    harness.run_steps(2);
+}
+
+fn is_open(harness: &Harness<'_, Stage>, label: &str) -> bool {
+    harness.query_by_label(label).is_some()
+}
+
+fn folder_with_a_scene() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.ron");
+    Scene::default().save(&file).expect("a scene");
+    (folder, file)
+}
+
+#[test]
+fn the_menu_saves_and_opens() {
+    let mut harness = show(Some(Path::new("/a.ron")), true);
+    click(&mut harness, "File");
+    let commands = click(&mut harness, "Save");
+    assert!(
+        matches!(&commands[..], [Command::Save { camera }] if (camera.distance - 3.5).abs() < 1e-9),
+        "{commands:?}"
+    );
+    click(&mut harness, "File");
+    click(&mut harness, "Open…");
+    harness.get_by_label("Open scene");
+    harness.get_by_label("Browse…").click();
+    harness.run_steps(2);
+    assert!(matches!(harness.state().ui.files.wishes[..], [Wish::Browse(PathUse::OpenScene, _)]));
+}
+
+#[test]
+fn a_recent_file_is_opened_from_the_menu() {
+    let mut harness = show(None, false);
+    harness.state_mut().ui.files.recent = vec!["/home/a/deep/cow.ron".into()];
+    click(&mut harness, "File");
+    harness.get_by_label_contains("Open recent").hover();
+    harness.run_steps(30);
+    let commands = click(&mut harness, "cow.ron");
+    let [Command::Open { path }] = &commands[..] else { panic!("one file to open, not {commands:?}") };
+    assert_eq!(path, Path::new("/home/a/deep/cow.ron"));
+}
+
+#[test]
+fn without_changes_nothing_is_asked() {
+    let mut harness = show(None, false);
+    assert!(matches!(ask(&mut harness, FileAction::New)[..], [Command::New]));
+    ask(&mut harness, FileAction::Quit);
+    assert_eq!(harness.state().ui.files.wishes, [Wish::Quit]);
+}
+
+#[test]
+fn what_would_lose_changes_waits_for_an_answer() {
+    let mut harness = show(Some(Path::new("/a.ron")), true);
+    assert!(ask(&mut harness, FileAction::New).is_empty(), "it waits");
+    harness.get_by_label("Unsaved changes");
+    assert!(click(&mut harness, "Cancel").is_empty(), "nothing happens");
+    assert!(!is_open(&harness, "Unsaved changes"), "the question is gone");
+    ask(&mut harness, FileAction::New);
+    assert!(matches!(click(&mut harness, "Discard")[..], [Command::New]), "now it happens");
+    ask(&mut harness, FileAction::Quit);
+    assert!(harness.state().ui.files.wishes.is_empty(), "closing waits too");
+    click(&mut harness, "Discard");
+    assert_eq!(harness.state().ui.files.wishes, [Wish::Quit]);
+}
+
+#[test]
+fn a_preset_waits_too_and_goes_on_once_all_is_saved() {
+    let mut harness = show(Some(Path::new("/a.ron")), true);
+    click(&mut harness, "Scene");
+    assert!(click(&mut harness, "incline-slide").is_empty(), "it waits");
+    assert!(matches!(click(&mut harness, "Save")[..], [Command::Save { .. }]));
+    assert!(is_open(&harness, "Unsaved changes"), "not saved yet: it may fail");
+    harness.state_mut().status.unsaved = false;
+    harness.run_steps(2);
+    let commands = std::mem::take(&mut harness.state_mut().commands);
+    assert!(matches!(&commands[..], [Command::Replace { title, .. }] if title == "incline-slide"), "{commands:?}");
+    assert!(!is_open(&harness, "Unsaved changes"), "answered");
+}
+
+#[test]
+fn a_scene_without_a_file_is_asked_for_one_before_closing() {
+    let (folder, _) = folder_with_a_scene();
+    let mut harness = show(None, true);
+    ask(&mut harness, FileAction::Quit);
+    click(&mut harness, "Save as…");
+    harness.get_by_label("Save scene as");
+    choose(&mut harness, PathUse::SaveScene, &folder.path().join("new"));
+    let commands = click(&mut harness, "Save");
+    let [Command::SaveAs { path, .. }] = &commands[..] else { panic!("saved under a name, not {commands:?}") };
+    assert_eq!(*path, folder.path().join("new.ron"), "with its ending");
+    harness.state_mut().status.unsaved = false;
+    harness.run_steps(2);
+    assert_eq!(harness.state().ui.files.wishes, [Wish::Quit]);
+}
+
+#[test]
+fn a_path_is_judged_while_it_is_typed() {
+    let (folder, file) = folder_with_a_scene();
+    let mut harness = show(None, false);
+    ask(&mut harness, FileAction::Open);
+    let missing = folder.path().join("b.ron");
+    choose(&mut harness, PathUse::OpenScene, &missing);
+    harness.get_by_label(&format!("{} does not exist", missing.display()));
+    assert!(click(&mut harness, "Open").is_empty(), "there is nothing to open");
+    choose(&mut harness, PathUse::OpenScene, &file);
+    harness.get_by_label("A scene of 0 bodies and 0 obstacles");
+    let commands = click(&mut harness, "Open");
+    assert!(matches!(&commands[..], [Command::Open { path }] if *path == file), "{commands:?}");
+    assert!(!is_open(&harness, "Open scene"), "the dialog is closed");
+}
+
+#[test]
+fn a_path_is_typed_and_entered_with_the_keyboard_alone() {
+    let (folder, file) = folder_with_a_scene();
+    let mut harness = show(Some(&folder.path().join("none.ron")), false);
+    ask(&mut harness, FileAction::Open);
+    harness.get_by_label("Path").type_text("a.ron");
+    harness.run_steps(2);
+    harness.key_press(egui::Key::Enter);
+    harness.run_steps(3);
+    let commands = &harness.state().commands;
+    assert!(matches!(&commands[..], [Command::Open { path }] if *path == file), "{commands:?}");
+}
+
+#[test]
+fn folders_are_walked_by_clicks_and_a_file_that_is_there_is_replaced_knowingly() {
+    let (folder, file) = folder_with_a_scene();
+    std::fs::create_dir(folder.path().join("deep")).expect("a folder");
+    let mut harness = show(Some(&folder.path().join("deep/x.ron")), false);
+    ask(&mut harness, FileAction::SaveAs);
+    click(&mut harness, "Up one folder");
+    click(&mut harness, "a.ron");
+    let commands = click(&mut harness, "Replace");
+    assert!(matches!(&commands[..], [Command::SaveAs { path, .. }] if *path == file), "{commands:?}");
+}
+
+#[test]
+fn escape_closes_a_dialog_and_keeps_the_changes() {
+    let mut harness = show(None, true);
+    ask(&mut harness, FileAction::New);
+    harness.key_press(egui::Key::Escape);
+    harness.run_steps(3);
+    assert!(!is_open(&harness, "Unsaved changes") && harness.state().commands.is_empty(), "as with Cancel");
+    ask(&mut harness, FileAction::Open);
+    harness.key_press(egui::Key::Escape);
+    harness.run_steps(3);
+    assert!(!is_open(&harness, "Open scene"), "closed");
+}
+
+#[test]
+fn what_was_found_after_a_crash_is_offered() {
+    let mut harness = show(None, false);
+    harness.state_mut().ui.files.found = Some(FoundDraft { title: "tower".into(), when: "14:32".into() });
+    harness.run_steps(2);
+    harness.get_by_label("Recover unsaved changes of tower from 14:32?");
+    click(&mut harness, "Recover");
+    assert_eq!(harness.state().ui.files.wishes, [Wish::Recover]);
+    harness.state_mut().ui.files.wishes.clear();
+    harness.state_mut().status.unsaved = true;
+    click(&mut harness, "Recover");
+    assert!(harness.state().ui.files.wishes.is_empty(), "there are new changes: it waits for an answer");
+    harness.get_by_label("Unsaved changes");
+}

@@ -1,0 +1,80 @@
+//! Files in the real window: saved by the keyboard alone, asked about before closing, found again after a kill.
+
+use std::path::Path;
+use std::time::Duration;
+
+use gelatin::app::ui::files::MAIN_FILL;
+
+use super::window::{Window, alone};
+
+#[test]
+fn a_scene_is_saved_edited_killed_and_recovered() {
+    alone(|| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (state, file) = (folder.path(), folder.path().join("tower.ron"));
+        let window = Window::open("cube-on-plane", Some(state));
+        save_as(&window, &file);
+        window.key("2");
+        window.wait_for("the title has a mark", |window| window.title() == "• tower.ron — Gelatin");
+        window.wait_for("a draft is kept", |_| drafts(state) == 1);
+        // Killed, as by a lack of memory: nothing is tidied up.
+        drop(window);
+        assert_eq!(drafts(state), 1, "the draft outlives the program");
+        let mut window = Window::open("cube-on-plane", Some(state));
+        window.click_color(main_fill());
+        window.wait_for("the scene is back", |window| window.title() == "• tower.ron — Gelatin");
+        window.key("ctrl+s");
+        window.wait_for("it is saved", |window| window.title() == "tower.ron — Gelatin");
+        let saved = std::fs::read_to_string(&file).expect("the scene file");
+        assert!(saved.contains("color: load"), "with the change made before the kill: {saved}");
+        window.wait_for("no draft is left", |_| drafts(state) == 0);
+    });
+}
+
+#[test]
+fn closing_asks_about_changes_and_enter_saves_them() {
+    alone(|| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("tower.ron");
+        let mut window = Window::open("cube-on-plane", Some(folder.path()));
+        save_as(&window, &file);
+        window.key("3");
+        window.wait_for("the title has a mark", |window| window.title() == "• tower.ron — Gelatin");
+        window.key("ctrl+q");
+        std::thread::sleep(Duration::from_secs(1));
+        assert!(!window.has_ended(), "it asks first");
+        window.key("Escape");
+        window.key("ctrl+q");
+        window.key("Return");
+        let mut patience = 100;
+        while !window.has_ended() && patience > 0 {
+            std::thread::sleep(Duration::from_millis(200));
+            patience -= 1;
+        }
+        assert!(window.has_ended(), "saved and closed");
+        let saved = std::fs::read_to_string(&file).expect("the scene file");
+        assert!(saved.contains("color: force"), "with the last change: {saved}");
+        assert_eq!(drafts(folder.path()), 0, "nothing is left to recover");
+    });
+}
+
+fn save_as(window: &Window, file: &Path) {
+    window.key("ctrl+s");
+    window.key("ctrl+a");
+    window.type_text(&file.to_string_lossy());
+    window.key("Return");
+    window.wait_for("the scene is saved", |window| window.title() == "tower.ron — Gelatin");
+}
+
+fn drafts(state: &Path) -> usize {
+    let Ok(entries) = std::fs::read_dir(state.join("gelatin/drafts")) else { return 0 };
+    entries
+        .filter_map(Result::ok)
+        .filter(|entry| entry.path().extension().is_some_and(|ending| ending == "ron"))
+        .count()
+}
+
+fn main_fill() -> [u8; 3] {
+    let [red, green, blue, _] = MAIN_FILL.to_array();
+    [red, green, blue]
+}
