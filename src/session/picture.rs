@@ -7,7 +7,7 @@ use crate::extract;
 use crate::extract::overlay::OverlaySource;
 use crate::scene::ColorBy;
 use crate::scene::view_settings::Overlays;
-use crate::view::{DrawList, Overlay, Style};
+use crate::view::{DrawList, Overlay};
 
 /// The share of particles that the automatic colour range covers: one torn corner must not grey out all others.
 const RANGE_SHARE: f64 = 0.99;
@@ -37,7 +37,6 @@ impl Session {
     pub fn draw_list(&mut self) -> DrawList {
         let view = &self.scene.view;
         let now = (self.picture.revision, view.color, view.overlays);
-        let style = Style::default();
         if self.picture.drawn != Some(now) {
             let positions = self.simulation.state().position.iter().map(glam::Vec3::to_array);
             self.picture.particles = Arc::new(positions.collect());
@@ -46,7 +45,7 @@ impl Session {
             self.picture.scalars = (view.color != ColorBy::Plain).then(|| Arc::new(scalars));
             let (simulation, bodies) = (&self.simulation, &self.scene.bodies);
             let source = &mut self.picture.overlay_source;
-            self.picture.overlay = source.fill(simulation, bodies, view.overlays, &style.overlay);
+            self.picture.overlay = source.fill(simulation, bodies, view.overlays);
             self.picture.drawn = Some(now);
         }
         DrawList {
@@ -58,7 +57,6 @@ impl Session {
             color_range: view.color_range.map_or(self.picture.automatic_range, |range| range.map(|end| end as f32)),
             solids: extract::solid::solids(&self.scene.obstacles),
             overlay: self.picture.overlay.clone(),
-            style,
             ..DrawList::default()
         }
     }
