@@ -16,6 +16,8 @@ pub struct Settings {
     pub contact: ContactRule,
     /// Whether automatic stepping may hand a scene to the implicit integrator that it would have to divide too finely.
     pub allow_implicit: bool,
+    /// Whether cells that are crushed or turned inside out are pushed back to shape.
+    pub inversion_recovery: bool,
     /// Acceleration of gravity, m/s². In files and on the command line a single number g means (0, −g, 0).
     #[serde(deserialize_with = "gravity")]
     pub gravity: [f64; 3],
@@ -29,6 +31,7 @@ impl Default for Settings {
             stepping: Stepping::Auto,
             contact: ContactRule::Implicit,
             allow_implicit: true,
+            inversion_recovery: true,
             gravity: [0.0, -9.81, 0.0],
         }
     }
