@@ -53,10 +53,13 @@ fn vertex(@builtin(vertex_index) index: u32, @location(0) low: vec4u, @location(
     if line >= 12u && !is_inverted {
         return Stroke(vec4f(0.0, 0.0, -1.0, 1.0), vec2f(0.0), vec3f(0.0), vec4f(0.0));
     }
-    let width = cells.width * select(1.0, 3.0, is_inverted);
+    let width = cells.width * select(1.0, 2.2, is_inverted);
     let from_clip = frame.clip_from_world * vec4f(a, 1.0);
     let to_clip = frame.clip_from_world * vec4f(b, 1.0);
-    var out = stroke(index % 6u, from_clip, to_clip, vec2f(width), select(cells.color, cells.inverted, is_inverted));
+    // Corners 0 1 2 and 2 1 3 of two triangles.
+    let corner = index % 6u;
+    let which = select(corner, 6u - corner, corner > 2u) % 4u;
+    var out = stroke(which, from_clip, to_clip, vec2f(width), select(cells.color, cells.inverted, is_inverted));
     if is_inverted {
         // Over everything.
         out.position.z = 0.5 + 0.5 * out.position.z;
@@ -66,9 +69,5 @@ fn vertex(@builtin(vertex_index) index: u32, @location(0) low: vec4u, @location(
 
 @fragment
 fn fragment(in: Stroke) -> @location(0) vec4f {
-    let color = stroke_color(in);
-    if color.a <= 0.004 {
-        discard;
-    }
-    return color;
+    return stroke_color(in);
 }

@@ -1,28 +1,13 @@
 // Overlay lines: between points that are given, between pixels, or between positions that lie on the device.
 
-struct LineSet {
-    color: vec4f,
-    // Multiplies the width of every line, pixels.
-    width: f32,
-    // What is left behind other things, 0..1.
-    hidden: f32,
-    // Numbers from one position to the next.
-    stride: u32,
-    // The position that is number 0.
-    first: u32,
-}
-
-@group(1) @binding(0) var<uniform> lines: LineSet;
-@group(1) @binding(1) var<storage, read> positions: array<f32>;
-
-fn clip_of(number: u32) -> vec4f {
-    let at = (lines.first + number) * lines.stride;
-    return frame.clip_from_world * vec4f(positions[at], positions[at + 1u], positions[at + 2u], 1.0);
-}
-
 @vertex
 fn carried(@builtin(vertex_index) corner: u32, @location(0) ends: vec2u) -> Stroke {
-    return stroke(corner, clip_of(ends.x), clip_of(ends.y), vec2f(lines.width), lines.color);
+    let a = clip_of(ends.x);
+    let b = clip_of(ends.y);
+    // Short lines are thinner, so that those of a body far away do not close into a surface.
+    let pixels = 0.5 * length((a.xy / a.w - b.xy / b.w) * frame.viewport);
+    let width = lines.width * min(1.0, 0.45 + 0.025 * pixels);
+    return stroke(corner, a, b, vec2f(width), lines.color);
 }
 
 @vertex
@@ -33,9 +18,7 @@ fn placed(
     @location(2) color: vec4f,
     @location(3) widths: vec2f,
 ) -> Stroke {
-    let a = frame.clip_from_world * vec4f(first, 1.0);
-    let b = frame.clip_from_world * vec4f(second, 1.0);
-    return stroke(corner, a, b, widths * lines.width, color * lines.color);
+    return placed_stroke(corner, first, second, color, widths);
 }
 
 // Pixels from the lower right corner of the picture, at the very front.
@@ -56,11 +39,8 @@ fn screen(
 
 @fragment
 fn seen(in: Stroke) -> @location(0) vec4f {
-    let color = stroke_color(in);
-    if color.a <= 0.004 {
-        discard;
-    }
-    return color;
+    // Nothing is discarded: what lies behind a line is then never computed.
+    return stroke_color(in);
 }
 
 @fragment

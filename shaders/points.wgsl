@@ -25,8 +25,7 @@ fn disc(corner: u32, middle: vec3f) -> Varying {
     if clip.w < clip.z || !all(abs(clip) < vec4f(1e30)) {
         return Varying(vec4f(0.0, 0.0, -1.0, 1.0), vec2f(0.0));
     }
-    let which = select(corner, 6u - corner, corner > 2u) % 4u;
-    let sides = vec2f(select(-1.0, 1.0, (which & 1u) != 0u), select(-1.0, 1.0, (which & 2u) != 0u));
+    let sides = vec2f(select(-1.0, 1.0, (corner & 1u) != 0u), select(-1.0, 1.0, (corner & 2u) != 0u));
     let place = sides * (0.5 * points.size + 1.0);
     // A little nearer than they are: points win against the surface they lie on.
     let depth = min(clip.z / clip.w * 1.001, 1.0);

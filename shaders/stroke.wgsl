@@ -1,5 +1,5 @@
 // Lines of a width in pixels, antialiased by their distance from the middle. Put in front of the passes that draw them.
-// A line is two triangles over its ends and half its width around them:
+// A line is a strip of two triangles over its ends and half its width around them:
 //
 //   ┌─────────────────┐   place.x runs from one end (0) to the other (reach), place.y across, both in pixels
 //   │ ·─────────────· │
@@ -16,7 +16,7 @@ struct Stroke {
 // Lines win against the surface they lie on: they are drawn this much nearer than they are.
 const NEARER = 1.0008;
 
-// The corner 0..5 of the two triangles of a line between two points in clip space.
+// The corner 0..3 of a line between two points in clip space: bit 0 says at which end, bit 1 on which side.
 fn stroke(corner: u32, from_clip: vec4f, to_clip: vec4f, widths: vec2f, color: vec4f) -> Stroke {
     var a = from_clip;
     var b = to_clip;
@@ -38,11 +38,10 @@ fn stroke(corner: u32, from_clip: vec4f, to_clip: vec4f, widths: vec2f, color: v
     let along = select(vec2f(1.0, 0.0), way / reach, reach > 1e-4);
     let across = vec2f(-along.y, along.x);
 
-    // Corners 0 1 2 and 2 1 3: bit 0 says at which end, bit 1 on which side.
-    let which = select(corner, 6u - corner, corner > 2u) % 4u;
-    let at_end = (which & 1u) != 0u;
-    let side = select(-1.0, 1.0, (which & 2u) != 0u);
-    let border = 0.5 * max(widths.x, widths.y) + 1.0;
+    let at_end = (corner & 1u) != 0u;
+    let side = select(-1.0, 1.0, (corner & 2u) != 0u);
+    // As far as a pixel's middle may be from a line that still covers some of it.
+    let border = 0.5 * max(widths.x, widths.y) + 0.5;
     let place = vec2f(select(-border, reach + border, at_end), side * border);
     let pixel = pixel_a + along * place.x + across * place.y;
     let depth = select(a.z / a.w, b.z / b.w, at_end);

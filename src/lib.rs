@@ -17,7 +17,7 @@
 //! | [`scene`] | math, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
 //! | [`physics`] | math, geometry, scene (to compile it) | the core: forces, contact, stability limits, the step; no input, output or clock |
 //! | [`view`] | math | camera, draw list, colours, legend: a picture as plain data |
-//! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list |
+//! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; what explains them (links, contacts, boxes) → overlays |
 //! | `render` | math, view | wgpu: draws a draw list to a window's surface or an image; has never heard of a spring |
 //! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no thread, no window |
 //! | [`export`] | math, geometry, view | pictures to files |
@@ -66,7 +66,7 @@
 //! particle · link (a spring between two particles, of the family structural, shear or bending) · cell (a filled
 //! voxel) · lattice (particles and links of a body at rest) · body · obstacle (plane or sphere) · material · scene ·
 //! edit · command · model · plan · state · step (one dt, divided into substeps) · frame (one picture) · contact · skin
-//! (the drawn surface) · draw list · pass · preset · report.
+//! (the drawn surface) · overlay (what explains a picture) · draw list · pass · preset · report.
 //!
 //! Sources: *Gelatin Cubes: Soft Body Simulation* (G. Solaro, USI 2023), cited as GC with its section, and *Squashing
 //! Cubes: Automating Deformable Model Construction for Graphics* (James, Barbič, Twigg 2004), cited as SC.

@@ -25,7 +25,8 @@ use crate::extract;
 use crate::scene::{ColorBy, Scene, presets};
 use crate::session::Status;
 use crate::session::document::Opened;
-use crate::view::{DrawList, Orbit};
+use crate::view::axes::axes;
+use crate::view::{DrawList, Orbit, Overlay};
 
 /// The window's size at the start, points.
 const SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
@@ -276,7 +277,11 @@ impl Shell {
         let panels = self.context.tessellate(output.shapes, output.pixels_per_point);
         let view = self.view();
         if let Some(snapshot) = &mut self.snapshot {
-            snapshot.draw_list.camera = self.orbit.camera();
+            let (picture, scale) = (&mut snapshot.draw_list, output.pixels_per_point);
+            picture.camera = self.orbit.camera();
+            picture.overlay.scale = scale;
+            let cross = axes(&picture.camera, &picture.style.overlay);
+            picture.tools = Overlay { lines: vec![cross], scale, ..Overlay::default() };
         }
         let frame = Frame {
             draw_list: self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list),

@@ -9,16 +9,18 @@ use crate::geometry::Lattice;
 use crate::math::Aabb;
 use crate::physics::Simulation;
 use crate::physics::model::BodyModel;
-use crate::scene::Body;
 use crate::scene::view_settings::Overlays;
-use crate::view::Overlay;
+use crate::scene::{Body, Obstacle};
 use crate::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Segment};
-use crate::view::style::OverlayColors;
+use crate::view::style::Tint;
+use crate::view::{Overlay, Selected};
 
 /// How much of a body is taken away where its inside is shown.
 const SEE_THROUGH: f32 = 0.8;
-/// What is left of arrows and boxes behind other things.
-const HIDDEN: f32 = 0.3;
+/// What is left of boxes behind other things.
+const HIDDEN_BOXES: f32 = 0.3;
+/// What is left of arrows: the body that is pushed lies before most of them.
+const HIDDEN_ARROWS: f32 = 0.75;
 /// The arrow of the force that carries a particle of a body at rest, in sizes of the body.
 const ARROW: f32 = 0.2;
 /// The longest arrow, in sizes of the body.
@@ -43,13 +45,7 @@ struct LatticeLists {
 impl OverlaySource {
     /// What the wanted overlays show of the present state. `bodies` are the scene's, whose visible ones have the
     /// skins of the draw list in the same order.
-    pub fn fill(
-        &mut self,
-        simulation: &Simulation<f32>,
-        bodies: &[Body],
-        wanted: Overlays,
-        colors: &OverlayColors,
-    ) -> Overlay {
+    pub fn fill(&mut self, simulation: &Simulation<f32>, bodies: &[Body], wanted: Overlays) -> Overlay {
         let mut overlay = Overlay::default();
         let inside = wanted.structural || wanted.shear || wanted.bending || wanted.particles || wanted.cells;
         let models = &simulation.model().bodies;
@@ -61,40 +57,39 @@ impl OverlaySource {
         }
         for (skin, (body, _)) in models.iter().zip(bodies).filter(|(_, body)| !body.hidden).enumerate() {
             if inside {
-                self.add_inside(&mut overlay, body, wanted, colors);
+                self.add_inside(&mut overlay, body, wanted);
             }
             if wanted.wireframe {
-                let color = opaque(colors.wireframe, 0.8);
-                overlay.lines.push(Lines { ends: LineEnds::Skin(skin), color, width: 1.0, hidden: 0.0 });
+                let ends = LineEnds::Skin(skin);
+                overlay.lines.push(Lines { ends, tint: Tint::Wireframe, opacity: 0.8, width: 1.0, hidden: 0.0 });
             }
         }
         if wanted.boxes {
-            overlay.lines.push(boxes(simulation, colors));
+            overlay.lines.extend(boxes(simulation));
         }
         if wanted.contacts {
-            add_contacts(&mut overlay, simulation, colors);
+            add_contacts(&mut overlay, simulation);
         }
         overlay
     }
 
-    fn add_inside(&mut self, overlay: &mut Overlay, body: &BodyModel<f32>, wanted: Overlays, colors: &OverlayColors) {
+    fn add_inside(&mut self, overlay: &mut Overlay, body: &BodyModel<f32>, wanted: Overlays) {
         let first = index(body.particles.start);
         let lists = self.lists(&body.lattice);
-        let families = [wanted.structural, wanted.shear, wanted.bending].into_iter().zip(colors.links).enumerate();
-        for (family, (_, color)) in families.filter(|(_, (wanted, _))| *wanted) {
-            let ends =
-                Arc::clone(lists.links[family].get_or_insert_with(|| Arc::new(lists.lattice.links[family].clone())));
+        let families = [wanted.structural, wanted.shear, wanted.bending];
+        for (family, _) in families.into_iter().enumerate().filter(|&(_, wanted)| wanted) {
+            let links = &lists.lattice.links[family];
+            let ends = Arc::clone(lists.links[family].get_or_insert_with(|| Arc::new(links.clone())));
             let ends = LineEnds::Particles { ends, first };
-            overlay.lines.push(Lines { ends, color: opaque(color, 1.0), width: 1.4, hidden: 0.0 });
+            overlay.lines.push(Lines { ends, tint: Tint::Link(family), opacity: 1.0, width: 1.4, hidden: 0.0 });
         }
         if wanted.cells {
             let cells = Arc::clone(lists.cells.get_or_insert_with(|| Arc::new(lists.lattice.cells.clone())));
-            let (color, inverted) = (opaque(colors.cell, 0.8), opaque(colors.inverted, 1.0));
-            overlay.cells.push(CellFrames { cells, first, color, inverted, width: 1.0 });
+            overlay.cells.push(CellFrames { cells, first, width: 1.0 });
         }
         if wanted.particles {
             let places = PointPlaces::Particles { first, count: index(body.particles.len()) };
-            overlay.points.push(Points { places, color: opaque(colors.particle, 1.0), size: 5.0, hidden: 0.0 });
+            overlay.points.push(Points { places, tint: Tint::Particle, size: 5.0, hidden: 0.0 });
         }
     }
 
@@ -132,24 +127,33 @@ pub fn inverted_cells(simulation: &Simulation<f32>) -> usize {
     simulation.model().bodies.iter().map(of_body).sum()
 }
 
+/// The draw list's name for a body of the scene; `None` where it is hidden or not there.
+pub fn selected_body(bodies: &[Body], index: usize) -> Option<Selected> {
+    bodies.get(index).filter(|body| !body.hidden)?;
+    Some(Selected::Skin(bodies[..index].iter().filter(|body| !body.hidden).count()))
+}
+
+/// The draw list's name for an obstacle of the scene; `None` where it is hidden or not there.
+pub fn selected_obstacle(obstacles: &[Obstacle], index: usize) -> Option<Selected> {
+    obstacles.get(index).filter(|obstacle| !obstacle.hidden)?;
+    Some(Selected::Solid(obstacles[..index].iter().filter(|obstacle| !obstacle.hidden).count()))
+}
+
 /// A pull from the point grabbed to where the pointer wants it: a line that is seen through everything, a dot at
 /// either end.
-pub fn add_grab(overlay: &mut Overlay, grabbed: Vec3, target: Vec3, colors: &OverlayColors) {
-    let color = opaque(colors.accent, 1.0);
-    let pull = Segment::new(grabbed, target, color, 2.5);
-    let pull = Lines { ends: LineEnds::Placed(Arc::new(vec![pull])), color: [1.0; 4], width: 1.0, hidden: 0.7 };
-    overlay.lines.push(pull);
+pub fn add_grab(overlay: &mut Overlay, grabbed: Vec3, target: Vec3) {
+    let tint = Tint::Accent;
+    overlay.lines.push(placed(vec![Segment::plain(grabbed, target, 2.5)], tint, 0.7));
     for (place, size) in [(grabbed, 9.0), (target, 6.0)] {
         let places = PointPlaces::Placed(Arc::new(vec![place.to_array()]));
-        overlay.points.push(Points { places, color, size, hidden: 0.7 });
+        overlay.points.push(Points { places, tint, size, hidden: 0.7 });
     }
 }
 
 /// Where particles touch obstacles, and the force on each as an arrow; its length is proportional to the force, see
 /// [`newtons_per_metre`], up to the body's size.
-fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>, colors: &OverlayColors) {
+fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>) {
     let model = simulation.model();
-    let color = opaque(colors.contact, 1.0);
     let (mut places, mut arrows) = (Vec::new(), Vec::new());
     for contact in &simulation.scratch().contact.contacts {
         let Some(body) = model.bodies.iter().find(|body| body.particles.contains(&contact.particle)) else { continue };
@@ -162,51 +166,47 @@ fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>, colors: &Ov
         places.push(place.to_array());
         let head = arrow.clamp_length_max((HEAD[0] * arrow.length()).min(HEAD[1] * body.size));
         let neck = place + arrow - head;
-        arrows.push(Segment::new(place, neck, color, 2.0));
-        let head = Segment { widths: [8.0, 0.0], ..Segment::new(neck, place + arrow, color, 0.0) };
+        arrows.push(Segment::plain(place, neck, 2.0));
+        let head = Segment { widths: [8.0, 0.0], ..Segment::plain(neck, place + arrow, 0.0) };
         arrows.push(head);
     }
-    let ends = LineEnds::Placed(Arc::new(arrows));
-    overlay.lines.push(Lines { ends, color: [1.0; 4], width: 1.0, hidden: HIDDEN });
+    overlay.lines.push(placed(arrows, Tint::Contact, HIDDEN_ARROWS));
     let places = PointPlaces::Placed(Arc::new(places));
-    overlay.points.push(Points { places, color, size: 4.5, hidden: HIDDEN });
+    overlay.points.push(Points { places, tint: Tint::Contact, size: 4.5, hidden: HIDDEN_ARROWS });
 }
 
 /// The box around every body, and around every obstacle, stronger where it meets a body's: those pairs pass the broad
 /// phase.
-fn boxes(simulation: &Simulation<f32>, colors: &OverlayColors) -> Lines {
+fn boxes(simulation: &Simulation<f32>) -> [Lines; 2] {
     let (model, state) = (simulation.model(), simulation.state());
-    let mut edges = Vec::new();
-    let bodies: Vec<Aabb<f32>> = model
-        .bodies
-        .iter()
-        .map(|body| Aabb::around(body.particles.clone().map(|particle| state.position[particle])))
-        .collect();
+    let around = |body: &BodyModel<f32>| Aabb::around(body.particles.clone().map(|particle| state.position[particle]));
+    let bodies: Vec<Aabb<f32>> = model.bodies.iter().map(around).collect();
+    let [mut of_bodies, mut of_obstacles] = [Vec::new(), Vec::new()];
     for bounds in &bodies {
-        add_box(&mut edges, bounds, opaque(colors.body_box, 1.0), 1.6);
+        add_box(&mut of_bodies, bounds, 1.0, 1.6);
     }
     for obstacle in &model.obstacles {
         let meets = bodies.iter().any(|body| body.overlaps(&obstacle.bounds));
         let (opacity, width) = if meets { (1.0, 2.2) } else { (0.55, 1.2) };
-        add_box(&mut edges, &obstacle.bounds, opaque(colors.obstacle_box, opacity), width);
+        add_box(&mut of_obstacles, &obstacle.bounds, opacity, width);
     }
-    Lines { ends: LineEnds::Placed(Arc::new(edges)), color: [1.0; 4], width: 1.0, hidden: HIDDEN }
+    [placed(of_bodies, Tint::BodyBox, HIDDEN_BOXES), placed(of_obstacles, Tint::ObstacleBox, HIDDEN_BOXES)]
 }
 
-fn add_box(edges: &mut Vec<Segment>, bounds: &Aabb<f32>, color: [f32; 4], width: f32) {
+fn placed(segments: Vec<Segment>, tint: Tint, hidden: f32) -> Lines {
+    Lines { ends: LineEnds::Placed(Arc::new(segments)), tint, opacity: 1.0, width: 1.0, hidden }
+}
+
+fn add_box(edges: &mut Vec<Segment>, bounds: &Aabb<f32>, opacity: f32, width: f32) {
     let corner = |place: usize| {
         let high = |bit: usize| place >> bit & 1 == 1;
         Vec3::select(glam::BVec3::new(high(0), high(1), high(2)), bounds.max, bounds.min)
     };
     for (place, bit) in (0..8).flat_map(|place| [1, 2, 4].map(|bit| (place, bit))) {
         if place & bit == 0 {
-            edges.push(Segment::new(corner(place), corner(place | bit), color, width));
+            edges.push(Segment::new(corner(place), corner(place | bit), [1.0, 1.0, 1.0, opacity], width));
         }
     }
-}
-
-fn opaque([r, g, b]: [f32; 3], opacity: f32) -> [f32; 4] {
-    [r, g, b, opacity]
 }
 
 fn index(count: usize) -> u32 {

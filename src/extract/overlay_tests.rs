@@ -4,7 +4,6 @@ use super::*;
 use crate::geometry::voxel::Cells;
 use crate::scene::body::CubeShape;
 use crate::scene::{Obstacle, Scene, Shape};
-use crate::view::Style;
 
 /// A cube of 2³ cells of half a metre, its middle at a height, over the ground.
 fn cube(height: f64) -> (Scene, Simulation<f32>) {
@@ -21,7 +20,7 @@ fn filled(height: f64, steps: usize, wanted: Overlays) -> Overlay {
     for _ in 0..steps {
         simulation.step();
     }
-    OverlaySource::default().fill(&simulation, &scene.bodies, wanted, &Style::default().overlay)
+    OverlaySource::default().fill(&simulation, &scene.bodies, wanted)
 }
 
 fn segments(lines: &Lines) -> &[Segment] {
@@ -35,10 +34,9 @@ fn segments(lines: &Lines) -> &[Segment] {
 fn nothing_wanted_is_nothing_made_and_nothing_kept() {
     let (scene, simulation) = cube(1.0);
     let mut source = OverlaySource::default();
-    let colors = Style::default().overlay;
-    source.fill(&simulation, &scene.bodies, Overlays { structural: true, ..Overlays::default() }, &colors);
+    source.fill(&simulation, &scene.bodies, Overlays { structural: true, ..Overlays::default() });
     assert_eq!(source.lattices.len(), 1, "the links of one lattice are kept");
-    let overlay = source.fill(&simulation, &scene.bodies, Overlays::default(), &colors);
+    let overlay = source.fill(&simulation, &scene.bodies, Overlays::default());
     assert_eq!(overlay, Overlay::default(), "nothing to draw");
     assert!(source.lattices.is_empty(), "nor to keep");
 }
@@ -56,9 +54,8 @@ fn each_family_has_its_links_its_colour_and_its_toggle() {
         })
         .collect();
     assert_eq!(counts, [54, 104, 27], "the links of 3³ particles by family");
-    let lightness = |lines: &Lines| lines.color[..3].iter().sum::<f32>();
-    let told_apart = |pair: &[Lines]| (lightness(&pair[0]) - lightness(&pair[1])).abs() > 0.1;
-    assert!(overlay.lines.windows(2).all(told_apart), "told apart by lightness too");
+    let tints: Vec<Tint> = overlay.lines.iter().map(|lines| lines.tint).collect();
+    assert_eq!(tints, [Tint::Link(0), Tint::Link(1), Tint::Link(2)], "a colour each");
     let shear = filled(1.0, 0, Overlays { shear: true, ..Overlays::default() });
     assert_eq!(shear.lines, overlay.lines[1..2], "one toggle, one family");
 }
@@ -69,7 +66,7 @@ fn links_are_listed_once_however_often_they_are_drawn() {
     let mut source = OverlaySource::default();
     let wanted = Overlays { cells: true, ..Overlays::default() };
     let mut cells = || {
-        let overlay = source.fill(&simulation, &scene.bodies, wanted, &Style::default().overlay);
+        let overlay = source.fill(&simulation, &scene.bodies, wanted);
         Arc::clone(&overlay.cells[0].cells)
     };
     assert!(Arc::ptr_eq(&cells(), &cells()), "the second frame names the list of the first");
@@ -80,7 +77,7 @@ fn hidden_bodies_show_nothing_of_their_inside() {
     let (mut scene, simulation) = cube(1.0);
     scene.bodies[0].hidden = true;
     let wanted = Overlays { structural: true, particles: true, wireframe: true, ..Overlays::default() };
-    let overlay = OverlaySource::default().fill(&simulation, &scene.bodies, wanted, &Style::default().overlay);
+    let overlay = OverlaySource::default().fill(&simulation, &scene.bodies, wanted);
     assert!(overlay.is_empty(), "no links, particles or edges");
 }
 
@@ -103,11 +100,11 @@ fn boxes_fit_their_bodies_and_are_strong_where_they_meet() {
     let wanted = Overlays { boxes: true, ..Overlays::default() };
     let widths = |height| {
         let overlay = filled(height, 0, wanted);
-        let edges = segments(&overlay.lines[0]).to_vec();
-        assert_eq!(edges.len(), 24, "twelve edges each");
-        let low = edges[..12].iter().flat_map(|edge| edge.ends).map(|end| end[1]).fold(f32::INFINITY, f32::min);
+        let [of_body, of_ground] = [0, 1].map(|lines| segments(&overlay.lines[lines]));
+        assert_eq!((of_body.len(), of_ground.len()), (12, 12), "twelve edges each");
+        let low = of_body.iter().flat_map(|edge| edge.ends).map(|end| end[1]).fold(f32::INFINITY, f32::min);
         assert!((f64::from(low) - (height - 0.5)).abs() < 1e-5, "the box begins below the body: {low}");
-        edges[12].widths[0]
+        of_ground[0].widths[0]
     };
     assert!(widths(0.4) > widths(3.0), "a pair that passes the broad phase stands out");
 }
@@ -129,7 +126,18 @@ fn a_cell_turned_inside_out_is_counted_and_a_turned_one_is_not() {
 #[test]
 fn a_pull_begins_where_it_was_grabbed() {
     let mut overlay = Overlay::default();
-    add_grab(&mut overlay, Vec3::X, Vec3::Y, &Style::default().overlay);
+    add_grab(&mut overlay, Vec3::X, Vec3::Y);
     assert_eq!(segments(&overlay.lines[0])[0].ends, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "from grabbed to target");
     assert_eq!(overlay.points.len(), 2, "a dot at either end");
+}
+
+#[test]
+fn what_is_selected_keeps_its_name_among_hidden_things() {
+    let body = |hidden| Body { hidden, ..Body::default() };
+    let bodies = [body(true), body(false), body(true), body(false)];
+    assert_eq!(selected_body(&bodies, 3), Some(Selected::Skin(1)), "the second that is drawn");
+    assert_eq!(selected_body(&bodies, 2), None, "a hidden one has no outline");
+    let obstacles = [Obstacle { hidden: true, ..Obstacle::default() }, Obstacle::default()];
+    assert_eq!(selected_obstacle(&obstacles, 1), Some(Selected::Solid(0)), "the first that is drawn");
+    assert_eq!(selected_obstacle(&obstacles, 7), None, "nor one that is not there");
 }

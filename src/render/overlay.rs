@@ -10,6 +10,7 @@ use super::renderer::FrameCounters;
 use super::scene::SceneBuffers;
 use super::target::Output;
 use crate::view::Overlay;
+use crate::view::style::OverlayColors;
 
 /// Draws overlays.
 #[derive(Debug)]
@@ -30,20 +31,21 @@ impl OverlayPasses {
         }
     }
 
-    /// Brings the device up to date with what is to be drawn.
+    /// Brings the device up to date with what is to be drawn, the second over the first.
     pub(super) fn prepare(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        overlay: &Overlay,
+        overlays: [&Overlay; 2],
+        colors: &OverlayColors,
         scene: &mut SceneBuffers,
         counters: &mut FrameCounters,
     ) -> Result<(), RenderError> {
-        let (device, scale, bytes) = (Device { device, queue }, overlay.scale, &mut counters.overlay_bytes);
-        self.lines.prepare(device, &overlay.lines, scale, scene, bytes)?;
-        self.cells.prepare(device, &overlay.cells, scale, scene, bytes)?;
-        self.points.prepare(device, &overlay.points, scale, scene, bytes)?;
-        self.fills.prepare(device, &overlay.fills, bytes)
+        let (device, bytes) = (Device { device, queue }, &mut counters.overlay_bytes);
+        self.lines.prepare(device, overlays, colors, scene, bytes)?;
+        self.cells.prepare(device, overlays, colors, scene, bytes)?;
+        self.points.prepare(device, overlays, colors, scene, bytes)?;
+        self.fills.prepare(device, overlays, bytes)
     }
 
     /// Draws what hangs on particles and skins.

@@ -6,7 +6,9 @@ use super::layout::{self, BodyInstance, DeformedVertex, SolidInstance};
 use super::overlay::OverlayPasses;
 use super::passes::background::BackgroundPass;
 use super::passes::ground::GroundPass;
+use super::passes::lines::Device;
 use super::passes::mesh::MeshPass;
+use super::passes::outline::{Masked, OutlinePass};
 use super::passes::shadow::{Casters, ShadowPass};
 use super::passes::skin::SkinPass;
 use super::passes::solid::SolidPass;
@@ -31,6 +33,7 @@ pub struct Renderer {
     background: BackgroundPass,
     ground: GroundPass,
     overlay: OverlayPasses,
+    outline: OutlinePass,
 }
 
 /// Where a picture goes.
@@ -96,6 +99,7 @@ impl Renderer {
             background: BackgroundPass::new(device, output, &lit[..1]),
             ground: GroundPass::new(device, output, &lit),
             overlay: OverlayPasses::new(device, output, &frame_layout),
+            outline: OutlinePass::new(device, output, &frame_layout),
             shared: Shared::new(device, queue, &frame_layout, &lighting_layout, &shadow.map),
             shadow,
             scene: SceneBuffers::default(),
@@ -124,7 +128,11 @@ impl Renderer {
         }
         let mut counters = FrameCounters::default();
         let deform = self.scene.update(device, queue, &self.skin, draw_list, &mut counters)?;
-        self.overlay.prepare(device, queue, &draw_list.overlay, &mut self.scene, &mut counters)?;
+        let overlays = [&draw_list.overlay, &draw_list.tools];
+        let colors = &draw_list.style.overlay;
+        self.overlay.prepare(device, queue, overlays, colors, &mut self.scene, &mut counters)?;
+        let gpu = Device { device, queue };
+        self.outline.prepare(gpu, draw_list, frame.size, &mut self.scene, &mut counters.overlay_bytes)?;
 
         let core = shadow_fit::core_bounds(draw_list);
         let fit = shadow_fit::fit(draw_list, core);
@@ -147,6 +155,15 @@ impl Renderer {
             core,
         };
         self.shadow.run(encoder, self.shared.frame(), casters);
+        let masked = Masked {
+            skins: &self.scene.skins,
+            solids: &draw_list.solids,
+            instances: self.shared.solids(),
+            shapes: &self.solid.shapes,
+        };
+        if self.outline.mask(encoder, self.shared.frame(), viewport, masked) {
+            counters.passes.push("outline");
+        }
         self.draw(encoder, frame, viewport, draw_list, &mut counters);
         Ok(counters)
     }
@@ -209,6 +226,7 @@ impl Renderer {
             self.mesh.draw_sheer(&mut pass, &self.scene.skins, self.shared.bodies(), 1.0 - see_through);
             counters.passes.push("mesh");
         }
+        self.outline.draw(&mut pass);
         self.overlay.draw_placed(&mut pass, counters);
         counters.triangles = self.scene.skins.iter().map(|skin| u64::from(skin.index_count / 3)).sum();
     }

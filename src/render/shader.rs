@@ -5,6 +5,7 @@ use std::borrow::Cow;
 const FRAME: &str = include_str!("../../shaders/frame.wgsl");
 const LIGHTING: &str = include_str!("../../shaders/lighting.wgsl");
 const STROKE: &str = include_str!("../../shaders/stroke.wgsl");
+const LINE_SET: &str = include_str!("../../shaders/line_set.wgsl");
 
 /// A shader module.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +31,11 @@ pub const BACKGROUND: Shader =
 pub const GROUND: Shader =
     Shader { name: "ground", parts: &[FRAME, LIGHTING, include_str!("../../shaders/ground.wgsl")] };
 /// Overlay lines.
-pub const LINES: Shader = Shader { name: "lines", parts: &[FRAME, STROKE, include_str!("../../shaders/lines.wgsl")] };
+pub const LINES: Shader =
+    Shader { name: "lines", parts: &[FRAME, STROKE, LINE_SET, include_str!("../../shaders/lines.wgsl")] };
+/// What is selected.
+pub const OUTLINE: Shader =
+    Shader { name: "outline", parts: &[FRAME, STROKE, LINE_SET, include_str!("../../shaders/outline.wgsl")] };
 /// Frames of cells.
 pub const CELLS: Shader = Shader { name: "cells", parts: &[FRAME, STROKE, include_str!("../../shaders/cells.wgsl")] };
 /// Overlay points.
@@ -39,7 +44,7 @@ pub const POINTS: Shader = Shader { name: "points", parts: &[FRAME, include_str!
 pub const FILLS: Shader = Shader { name: "fills", parts: &[FRAME, include_str!("../../shaders/fills.wgsl")] };
 
 /// Every shader, in the order in which passes run.
-pub const ALL: [Shader; 10] = [SKIN, SHADOW, SOLID, MESH, BACKGROUND, GROUND, LINES, CELLS, POINTS, FILLS];
+pub const ALL: [Shader; 11] = [SKIN, SHADOW, SOLID, MESH, BACKGROUND, GROUND, LINES, CELLS, POINTS, OUTLINE, FILLS];
 
 impl Shader {
     /// The whole source.

@@ -7,7 +7,7 @@ use crate::extract;
 use crate::extract::overlay::OverlaySource;
 use crate::scene::ColorBy;
 use crate::scene::view_settings::Overlays;
-use crate::view::{DrawList, Overlay, Style};
+use crate::view::{DrawList, Overlay};
 
 /// The share of particles that the automatic colour range covers: one torn corner must not grey out all others.
 const RANGE_SHARE: f64 = 0.99;
@@ -37,7 +37,6 @@ impl Session {
     pub fn draw_list(&mut self) -> DrawList {
         let view = &self.scene.view;
         let now = (self.picture.revision, view.color, view.overlays);
-        let style = Style::default();
         if self.picture.drawn != Some(now) {
             let positions = self.simulation.state().position.iter().map(glam::Vec3::to_array);
             self.picture.particles = Arc::new(positions.collect());
@@ -46,7 +45,7 @@ impl Session {
             self.picture.scalars = (view.color != ColorBy::Plain).then(|| Arc::new(scalars));
             let (simulation, bodies) = (&self.simulation, &self.scene.bodies);
             let source = &mut self.picture.overlay_source;
-            self.picture.overlay = source.fill(simulation, bodies, view.overlays, &style.overlay);
+            self.picture.overlay = source.fill(simulation, bodies, view.overlays);
             self.picture.drawn = Some(now);
         }
         DrawList {
@@ -58,7 +57,6 @@ impl Session {
             color_range: view.color_range.map_or(self.picture.automatic_range, |range| range.map(|end| end as f32)),
             solids: extract::solid::solids(&self.scene.obstacles),
             overlay: self.picture.overlay.clone(),
-            style,
             ..DrawList::default()
         }
     }
@@ -74,4 +72,44 @@ fn automatic_range(scalars: &[f32]) -> [f32; 2] {
     let place = ((sorted.len() - 1) as f64 * RANGE_SHARE) as usize;
     let (_, high, _) = sorted.select_nth_unstable_by(place, f32::total_cmp);
     [0.0, if *high > 0.0 { *high } else { 1.0 }]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::scene::edit::Edit;
+    use crate::scene::presets;
+    use crate::session::Command;
+    use crate::view::overlay::LineEnds;
+
+    fn toggle(session: &mut Session, overlays: Overlays) {
+        let mut view = session.scene().view.clone();
+        view.overlays = overlays;
+        session.handle(Command::Edit(Edit::View(view))).expect("a view can be changed");
+    }
+
+    #[test]
+    fn overlays_come_and_go_by_edits_and_leave_the_motion_alone() {
+        let scene = (presets::presets()[0].build)();
+        let mut session = Session::new(scene, PathBuf::new(), String::new()).expect("a preset is sound");
+        assert!(session.draw_list().overlay.is_empty(), "none at first");
+        session.step();
+        let before = session.simulation().hash();
+        toggle(&mut session, Overlays { structural: true, ..Overlays::default() });
+        let links = |session: &mut Session| match &session.draw_list().overlay.lines[..] {
+            [lines] => match &lines.ends {
+                LineEnds::Particles { ends, .. } => Arc::clone(ends),
+                other => panic!("links hang on particles, not {other:?}"),
+            },
+            lines => panic!("one family, not {}", lines.len()),
+        };
+        let first = links(&mut session);
+        assert_eq!(session.simulation().hash(), before, "nothing has moved");
+        session.step();
+        assert!(Arc::ptr_eq(&first, &links(&mut session)), "a step copies no links");
+        toggle(&mut session, Overlays::default());
+        assert!(session.draw_list().overlay.is_empty(), "and none at last");
+    }
 }

@@ -31,6 +31,19 @@ pub struct DrawList {
     pub solids: Vec<Solid>,
     /// What explains the picture: lines, points and the like.
     pub overlay: Overlay,
+    /// What a person works with, over all that: handles, a pull, the cross of axes.
+    pub tools: Overlay,
+    /// What has an outline, in the style's accent.
+    pub selected: Option<Selected>,
+}
+
+/// Something in a draw list, by its place there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Selected {
+    /// One of the skins.
+    Skin(usize),
+    /// One of the solids.
+    Solid(usize),
 }
 
 /// A body's surface.

@@ -3,10 +3,12 @@
 //! A [`DrawList`] is plain data that any thread may build and any renderer may consume. Distances are metres,
 //! right-handed, y up; colours are linear red, green, blue unless a name says sRGB.
 
+pub mod axes;
 pub mod camera;
 pub mod color;
 pub mod colormap;
 pub mod draw_list;
+pub mod gizmo;
 pub mod image;
 pub mod legend;
 pub mod orbit;
@@ -17,7 +19,8 @@ pub mod style;
 
 pub use camera::Camera;
 pub use colormap::Colormap;
-pub use draw_list::{DrawList, Light, SkinInstance, Solid};
+pub use draw_list::{DrawList, Light, Selected, SkinInstance, Solid};
+pub use gizmo::Gizmo;
 pub use image::Image;
 pub use legend::Legend;
 pub use orbit::Orbit;

@@ -4,6 +4,8 @@
 
 use std::sync::Arc;
 
+use super::style::Tint;
+
 /// What is drawn over a picture. Empty by default, and then it costs nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overlay {
@@ -39,8 +41,10 @@ impl Default for Overlay {
 pub struct Lines {
     /// Where they are.
     pub ends: LineEnds,
-    /// Linear red, green, blue and how opaque, 0..1; multiplied with a segment's own colour.
-    pub color: [f32; 4],
+    /// Their colour.
+    pub tint: Tint,
+    /// How opaque they are, 0..1; multiplied with a segment's own opacity.
+    pub opacity: f32,
     /// Width, pixels; multiplied with a segment's own.
     pub width: f32,
     /// What is left of them behind other things: 0 nothing, 1 as if nothing were before them.
@@ -82,8 +86,8 @@ pub struct Segment {
 pub struct Points {
     /// Where they are.
     pub places: PointPlaces,
-    /// Linear red, green, blue and how opaque, 0..1.
-    pub color: [f32; 4],
+    /// Their colour.
+    pub tint: Tint,
     /// Diameter, pixels.
     pub size: f32,
     /// What is left of them behind other things, 0..1.
@@ -105,18 +109,14 @@ pub enum PointPlaces {
 }
 
 /// The cells of a body as frames a little smaller than they are; those turned inside out are crossed, in another
-/// colour.
+/// colour, over everything.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellFrames {
     /// The particles of every cell: bit 0 of the place is x, bit 1 y, bit 2 z.
     pub cells: Arc<Vec<[u32; 8]>>,
     /// The particle of the draw list that is number 0 of `cells`.
     pub first: u32,
-    /// Sound cells: linear red, green, blue and how opaque, 0..1.
-    pub color: [f32; 4],
-    /// Cells turned inside out, over everything.
-    pub inverted: [f32; 4],
-    /// Width of the lines, pixels; those of inverted cells are three times as wide.
+    /// Width of the lines, pixels; those of inverted cells are more than twice as wide.
     pub width: f32,
 }
 
@@ -137,6 +137,11 @@ impl Overlay {
 }
 
 impl Segment {
+    /// A line of one width whose colour is its set's.
+    pub fn plain(from: glam::Vec3, to: glam::Vec3, width: f32) -> Self {
+        Self::new(from, to, [1.0; 4], width)
+    }
+
     /// A line of one width.
     pub fn new(from: glam::Vec3, to: glam::Vec3, color: [f32; 4], width: f32) -> Self {
         Self { ends: [from.to_array(), to.to_array()], color, widths: [width; 2] }

@@ -47,13 +47,59 @@ pub struct OverlayColors {
     pub inverted: [f32; 3],
     /// The edges of skins.
     pub wireframe: [f32; 3],
-    /// What is selected, grabbed or under the pointer.
+    /// What is selected or grabbed.
     pub accent: [f32; 3],
+    /// A handle under the pointer.
+    pub hot: [f32; 3],
+    /// The rim of handles, which stands out from whatever lies behind them.
+    pub rim: [f32; 3],
     /// The axes x, y, z.
     pub axes: [[f32; 3]; 3],
 }
 
+/// Which of the colours of overlays something has: named, so that it follows the theme it is drawn in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tint {
+    /// Its own colours, segment by segment.
+    Own,
+    /// Links of a family: 0 structural, 1 shear, 2 bending.
+    Link(usize),
+    /// Particles.
+    Particle,
+    /// Contacts and their forces.
+    Contact,
+    /// Boxes around bodies.
+    BodyBox,
+    /// Boxes around obstacles.
+    ObstacleBox,
+    /// Cells.
+    Cell,
+    /// Cells turned inside out.
+    Inverted,
+    /// The edges of skins.
+    Wireframe,
+    /// What is selected or grabbed.
+    Accent,
+}
+
 impl OverlayColors {
+    /// The colour with an opacity of 0..1; white for what has its own.
+    pub fn of(&self, tint: Tint, opacity: f32) -> [f32; 4] {
+        let [r, g, b] = match tint {
+            Tint::Own => [1.0; 3],
+            Tint::Link(family) => self.links[family % self.links.len()],
+            Tint::Particle => self.particle,
+            Tint::Contact => self.contact,
+            Tint::BodyBox => self.body_box,
+            Tint::ObstacleBox => self.obstacle_box,
+            Tint::Cell => self.cell,
+            Tint::Inverted => self.inverted,
+            Tint::Wireframe => self.wireframe,
+            Tint::Accent => self.accent,
+        };
+        [r, g, b, opacity]
+    }
+
     fn dark() -> Self {
         Self {
             links: [[86, 180, 233], [230, 159, 0], [240, 240, 244]].map(linear_from_srgb),
@@ -65,6 +111,8 @@ impl OverlayColors {
             inverted: linear_from_srgb([255, 150, 30]),
             wireframe: linear_from_srgb([250, 250, 250]),
             accent: linear_from_srgb([94, 160, 255]),
+            hot: linear_from_srgb([255, 255, 255]),
+            rim: linear_from_srgb([16, 17, 20]),
             axes: [[232, 112, 84], [240, 202, 72], [96, 162, 255]].map(linear_from_srgb),
         }
     }
@@ -73,13 +121,15 @@ impl OverlayColors {
         Self {
             links: [[0, 104, 178], [214, 116, 0], [40, 42, 50]].map(linear_from_srgb),
             particle: linear_from_srgb([30, 32, 38]),
-            contact: linear_from_srgb([196, 84, 0]),
+            contact: linear_from_srgb([26, 28, 40]),
             body_box: linear_from_srgb([40, 42, 50]),
             obstacle_box: linear_from_srgb([0, 104, 178]),
             cell: linear_from_srgb([30, 96, 150]),
             inverted: linear_from_srgb([222, 92, 0]),
             wireframe: linear_from_srgb([24, 26, 32]),
             accent: linear_from_srgb([24, 104, 226]),
+            hot: linear_from_srgb([16, 18, 24]),
+            rim: linear_from_srgb([252, 252, 254]),
             axes: [[204, 72, 44], [150, 112, 0], [24, 96, 214]].map(linear_from_srgb),
         }
     }

@@ -47,7 +47,9 @@ fn skin_vertices_agree() {
 
 #[test]
 fn the_looks_of_overlays_agree() {
-    check(shader::LINES, "LineSet", &members!(LineSet: color, width, hidden, stride, first));
+    let lines = members!(LineSet: color, width, hidden, stride, first);
+    check(shader::LINES, "LineSet", &lines);
+    check(shader::OUTLINE, "LineSet", &lines);
     check(shader::POINTS, "PointSet", &members!(PointSet: color, size, hidden, first, padding));
     check(shader::CELLS, "CellSet", &members!(CellSet: color, inverted, width, first, padding));
 }

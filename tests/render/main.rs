@@ -5,6 +5,7 @@
 mod errors;
 mod harness;
 mod layout;
+mod outline;
 mod overlay;
 mod properties;
 mod shaders;

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use gelatin::render::{Renderer, offscreen};
 use gelatin::view::overlay::{CellFrames, Fill, LineEnds, Lines, PointPlaces, Points, Segment};
-use gelatin::view::{DrawList, Image, Solid};
+use gelatin::view::style::Tint;
+use gelatin::view::{DrawList, Image, Selected, Solid, Style};
 use glam::{Vec2, Vec3};
 
 use crate::gpu::Studio;
@@ -16,7 +17,7 @@ const WHITE: [f32; 4] = [1.0; 4];
 
 fn line(from: Vec3, to: Vec3, width: f32, hidden: f32) -> Lines {
     let ends = LineEnds::Placed(Arc::new(vec![Segment::new(from, to, WHITE, width)]));
-    Lines { ends, color: WHITE, width: 1.0, hidden }
+    Lines { ends, tint: Tint::Own, opacity: 1.0, width: 1.0, hidden }
 }
 
 fn with_lines(scene: DrawList, lines: Vec<Lines>) -> DrawList {
@@ -100,12 +101,13 @@ fn lines_hang_on_particles_and_on_skins() {
     let plain = studio.picture(&scene, SIZE);
     // Particles 0..5 are the cube's lowest edge at the back; of those 100 + that many the one at the front.
     let ends = LineEnds::Particles { ends: Arc::new(vec![[0, 4]]), first: 100 };
-    scene.overlay.lines = vec![Lines { ends, color: WHITE, width: 4.0, hidden: 0.0 }];
+    scene.overlay.lines = vec![Lines { ends, tint: Tint::Own, opacity: 1.0, width: 4.0, hidden: 0.0 }];
     let image = studio.picture(&scene, SIZE);
     let middle = (Vec3::from(scene.particles[100]) + Vec3::from(scene.particles[104])) * 0.5;
     assert!(whiter(&plain, &image, seen(middle)) > 0.9, "between its two particles");
 
-    scene.overlay.lines = vec![Lines { ends: LineEnds::Skin(0), color: WHITE, width: 3.0, hidden: 0.0 }];
+    scene.overlay.lines =
+        vec![Lines { ends: LineEnds::Skin(0), tint: Tint::Own, opacity: 1.0, width: 3.0, hidden: 0.0 }];
     let image = studio.picture(&scene, SIZE);
     let edge = seen(Vec3::new(0.125, 0.5, 0.5));
     let face = seen(Vec3::new(0.1875, 0.58, 0.5));
@@ -125,7 +127,7 @@ fn points_are_discs_on_their_places() {
     for places in
         [PointPlaces::Particles { first: 124, count: 1 }, PointPlaces::Placed(Arc::new(vec![place.to_array()]))]
     {
-        scene.overlay.points = vec![Points { places, color: WHITE, size: 12.0, hidden: 0.0 }];
+        scene.overlay.points = vec![Points { places, tint: Tint::Own, size: 12.0, hidden: 0.0 }];
         let after = studio.picture(&scene, SIZE);
         let at = |off: Vec2| whiter(&before, &after, seen(place) + off);
         assert!(at(Vec2::ZERO) > 0.95 && at(Vec2::new(3.0, -2.0)) > 0.95, "in the disc");
@@ -160,9 +162,7 @@ fn only_cells_turned_inside_out_are_crossed() {
         };
         let mut scene = DrawList { camera: camera(), particles: Arc::new((0..8).map(corner).collect()), ..cube() };
         scene.skins.clear();
-        let orange = [1.0, 0.3, 0.0, 1.0];
-        scene.overlay.cells =
-            vec![CellFrames { cells: Arc::clone(&cells), first: 0, color: WHITE, inverted: orange, width: 2.0 }];
+        scene.overlay.cells = vec![CellFrames { cells: Arc::clone(&cells), first: 0, width: 2.0 }];
         let [r, _, b, _] = studio.picture(&scene, SIZE).pixel([120, 120]).unwrap();
         r > b + 60
     };
@@ -176,7 +176,7 @@ fn what_is_placed_on_the_screen_stays_in_its_corner() {
     let mut scene = cube();
     let segment = Segment::new(Vec3::new(-40.0, 20.0, 0.0), Vec3::new(-20.0, 20.0, 0.0), WHITE, 4.0);
     let ends = LineEnds::Screen(Arc::new(vec![segment]));
-    scene.overlay.lines = vec![Lines { ends, color: WHITE, width: 1.0, hidden: 0.0 }];
+    scene.overlay.lines = vec![Lines { ends, tint: Tint::Own, opacity: 1.0, width: 1.0, hidden: 0.0 }];
     for (size, scale) in [([240, 240], 1.0), ([300, 200], 2.0)] {
         scene.overlay.scale = scale;
         let [r, g, b, _] = {
@@ -207,16 +207,39 @@ fn overlays_that_are_not_numbers_do_no_harm() {
     let segments = wild.iter().map(|&end| Segment::new(Vec3::Y, end, WHITE, 3.0)).collect();
     let ends = LineEnds::Placed(Arc::new(segments));
     scene.overlay.lines = vec![
-        Lines { ends, color: WHITE, width: 1.0, hidden: 0.5 },
+        Lines { ends, tint: Tint::Own, opacity: 1.0, width: 1.0, hidden: 0.5 },
         Lines {
             ends: LineEnds::Particles { ends: Arc::new(vec![[0, 9_999_999]]), first: 7 },
-            color: WHITE,
+            tint: Tint::Own,
+            opacity: 1.0,
             width: 1.0,
             hidden: 0.0,
         },
     ];
     let places = PointPlaces::Placed(Arc::new(wild.map(|place| place.to_array()).to_vec()));
-    scene.overlay.points = vec![Points { places, color: WHITE, size: 5.0, hidden: 0.5 }];
+    scene.overlay.points = vec![Points { places, tint: Tint::Own, size: 5.0, hidden: 0.5 }];
+    studio.picture(&scene, [64, 64]);
+    let ends = LineEnds::Particles { ends: Arc::new(vec![[0, 1], [1, 124]]), first: 0 };
+    scene.overlay.lines[0].ends = ends;
+    scene.overlay.cells = vec![CellFrames { cells: Arc::new(vec![[0, 1, 2, 3, 4, 5, 6, 7]]), first: 0, width: 1.0 }];
+    scene.overlay.points[0].places = PointPlaces::Particles { first: 100, count: 100 };
+    scene.selected = Some(Selected::Skin(0));
+    scene.particles = Arc::new(scene.particles.iter().map(|_| [f32::NAN, f32::INFINITY, 0.0]).collect());
     studio.picture(&scene, [64, 64]);
     studio.gpu.check().unwrap();
+}
+
+#[test]
+fn overlays_have_the_colours_of_the_theme_they_are_drawn_in() {
+    let mut studio = Studio::new();
+    for style in [Style::dark(), Style::light()] {
+        let mut scene = DrawList {
+            style,
+            ..with_lines(cube(), vec![line(Vec3::new(-0.4, 0.5, 0.7), Vec3::new(0.4, 0.5, 0.7), 6.0, 0.0)])
+        };
+        scene.overlay.lines[0].tint = Tint::Link(1);
+        let [r, g, b, _] = studio.picture(&scene, SIZE).pixel([120, 120]).unwrap();
+        let wanted = gelatin::view::color::srgb_from_linear(style.overlay.links[1]);
+        assert!([r, g, b].iter().zip(wanted).all(|(a, b)| a.abs_diff(b) <= 2), "{:?}, not {wanted:?}", [r, g, b]);
+    }
 }

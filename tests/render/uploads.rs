@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use gelatin::render::{FrameCounters, FrameTarget, offscreen};
-use gelatin::view::DrawList;
 use gelatin::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Segment};
+use gelatin::view::style::Tint;
+use gelatin::view::{DrawList, Overlay, Selected};
 use glam::Vec3;
 
 use crate::gpu::Studio;
@@ -86,7 +87,7 @@ fn a_body_more_uploads_only_that_one() {
 #[test]
 fn without_overlays_nothing_is_uploaded_and_no_pass_runs() {
     let (mut film, mut scene) = (Film::new(), cube());
-    let overlays = ["lines", "cells", "points", "fills"];
+    let overlays = ["lines", "cells", "points", "outline", "fills"];
     let runs = |counters: &FrameCounters| counters.passes.iter().any(|pass| overlays.contains(pass));
     for _ in 0..2 {
         let none = film.frame(&scene);
@@ -94,7 +95,11 @@ fn without_overlays_nothing_is_uploaded_and_no_pass_runs() {
     }
     cube_overlay(&mut scene, Arc::new(vec![[0, 1], [1, 2]]));
     assert!(runs(&film.frame(&scene)), "the check sees one that is drawn");
-    scene.overlay = gelatin::view::Overlay::default();
+    scene.overlay = Overlay::default();
+    scene.selected = Some(Selected::Skin(0));
+    assert!(film.frame(&scene).passes.contains(&"outline"), "and what is selected");
+    assert_eq!(film.frame(&scene).overlay_bytes, 0, "whose edges are uploaded once");
+    scene.selected = None;
     let none = film.frame(&scene);
     assert!(none.overlay_bytes == 0 && !runs(&none), "off again: {none:?}");
 }
@@ -104,10 +109,9 @@ fn what_hangs_on_particles_is_uploaded_once_however_they_move() {
     let (mut film, mut scene) = (Film::new(), cube());
     cube_overlay(&mut scene, Arc::new(vec![[0, 1], [1, 2]]));
     let ends = LineEnds::Skin(0);
-    scene.overlay.lines.push(Lines { ends, color: [1.0; 4], width: 1.0, hidden: 0.0 });
+    scene.overlay.lines.push(Lines { ends, tint: Tint::Own, opacity: 1.0, width: 1.0, hidden: 0.0 });
     let cells = Arc::new(vec![[0, 1, 5, 6, 25, 26, 30, 31]]);
-    let (color, inverted) = ([1.0; 4], [1.0; 4]);
-    scene.overlay.cells.push(CellFrames { cells, first: 0, color, inverted, width: 1.0 });
+    scene.overlay.cells.push(CellFrames { cells, first: 0, width: 1.0 });
     assert!(film.frame(&scene).overlay_bytes > 0, "the lists are new");
     for _ in 0..2 {
         scene.particles = Arc::new(scene.particles.iter().map(|[x, y, z]| [*x, y + 0.1, *z]).collect());
@@ -122,7 +126,7 @@ fn what_hangs_on_particles_is_uploaded_once_however_they_move() {
 /// Two links and all particles.
 fn cube_overlay(scene: &mut DrawList, ends: Arc<Vec<[u32; 2]>>) {
     let ends = LineEnds::Particles { ends, first: 0 };
-    scene.overlay.lines = vec![Lines { ends, color: [1.0; 4], width: 2.0, hidden: 0.2 }];
+    scene.overlay.lines = vec![Lines { ends, tint: Tint::Own, opacity: 1.0, width: 2.0, hidden: 0.2 }];
     let places = PointPlaces::Particles { first: 0, count: 125 };
-    scene.overlay.points = vec![Points { places, color: [1.0; 4], size: 3.0, hidden: 0.0 }];
+    scene.overlay.points = vec![Points { places, tint: Tint::Particle, size: 3.0, hidden: 0.0 }];
 }

@@ -1,5 +1,6 @@
 //! Cells as frames, those turned inside out crossed.
 
+use super::all_with;
 use super::lines::Device;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::error::RenderError;
@@ -8,7 +9,9 @@ use crate::render::layout::CellSet;
 use crate::render::scene::SceneBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
+use crate::view::Overlay;
 use crate::view::overlay::CellFrames;
+use crate::view::style::{OverlayColors, Tint};
 
 /// Vertices of a cell in `cells.wgsl`: two triangles for each of twelve edges and four diagonals.
 const VERTICES: u32 = 6 * 16;
@@ -29,7 +32,7 @@ impl CellsPass {
         let layouts = [Some(frame), Some(looks.layout())];
         let corners = wgpu::vertex_attr_array![0 => Uint32x4, 1 => Uint32x4];
         let buffers = [Some(vertex_layout::<[u32; 8]>(wgpu::VertexStepMode::Instance, &corners))];
-        let drawing = overlay_drawing(shader::CELLS, &layouts, &buffers, true);
+        let drawing = overlay_drawing(shader::CELLS, wgpu::PrimitiveTopology::TriangleList, &layouts, &buffers, true);
         let pipeline = drawing_pipeline_with(device, output, &drawing, Entries::default());
         Self { pipeline, looks, cells: Kept::new("cells"), sets: Vec::new() }
     }
@@ -38,19 +41,19 @@ impl CellsPass {
     pub(in crate::render) fn prepare(
         &mut self,
         Device { device, queue }: Device<'_>,
-        frames: &[CellFrames],
-        scale: f32,
+        overlays: [&Overlay; 2],
+        colors: &OverlayColors,
         scene: &SceneBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
         self.sets.clear();
         self.cells.begin();
         if let Some(positions) = scene.particles() {
-            for frames in frames {
-                let CellFrames { cells, first, color, inverted, width } = frames;
+            for (frames, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.cells, overlay.scale)) {
+                let CellFrames { cells, first, width } = frames;
                 let look = CellSet {
-                    color: *color,
-                    inverted: *inverted,
+                    color: colors.of(Tint::Cell, 0.8),
+                    inverted: colors.of(Tint::Inverted, 1.0),
                     width: width * scale,
                     first: *first,
                     ..CellSet::default()
@@ -63,6 +66,7 @@ impl CellsPass {
             }
         }
         self.cells.end();
+        self.looks.keep(self.sets.len());
         Ok(())
     }
 

@@ -1,7 +1,5 @@
 //! Flat shapes over everything.
 
-use std::sync::Arc;
-
 use super::lines::Device;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::error::RenderError;
@@ -9,6 +7,7 @@ use crate::render::kept::Kept;
 use crate::render::layout::FillVertex;
 use crate::render::shader;
 use crate::render::target::Output;
+use crate::view::Overlay;
 use crate::view::overlay::Fill;
 
 /// Draws flat shapes.
@@ -16,35 +15,35 @@ use crate::view::overlay::Fill;
 pub(in crate::render) struct FillsPass {
     pipeline: wgpu::RenderPipeline,
     corners: Kept<Fill>,
-    ready: Option<(wgpu::Buffer, u32)>,
+    ready: Vec<(wgpu::Buffer, u32)>,
 }
 
 impl FillsPass {
     pub(in crate::render) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
         let layouts = [Some(frame)];
         let buffers = [Some(vertex_layout::<FillVertex>(wgpu::VertexStepMode::Vertex, &FillVertex::ATTRIBUTES))];
-        let drawing = overlay_drawing(shader::FILLS, &layouts, &buffers, false);
+        let drawing = overlay_drawing(shader::FILLS, wgpu::PrimitiveTopology::TriangleList, &layouts, &buffers, false);
         let entries = Entries { compare: wgpu::CompareFunction::Always, ..Entries::default() };
         let pipeline = drawing_pipeline_with(device, output, &drawing, entries);
-        Self { pipeline, corners: Kept::new("flat shapes"), ready: None }
+        Self { pipeline, corners: Kept::new("flat shapes"), ready: Vec::new() }
     }
 
     /// Brings the device up to date; counts what is uploaded.
     pub(in crate::render) fn prepare(
         &mut self,
         Device { device, queue }: Device<'_>,
-        fills: &Arc<Vec<Fill>>,
+        overlays: [&Overlay; 2],
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
-        self.ready = None;
+        self.ready.clear();
         self.corners.begin();
-        if !fills.is_empty() {
+        for fills in overlays.map(|overlay| &overlay.fills).into_iter().filter(|fills| !fills.is_empty()) {
             let bytes_of = |corners: &[Fill]| {
                 let vertices: Vec<FillVertex> = corners.iter().map(FillVertex::from).collect();
                 bytemuck::cast_slice(&vertices).to_vec()
             };
             let buffer = self.corners.get(device, queue, fills, bytes_of, bytes_counted)?;
-            self.ready = Some((buffer, u32::try_from(fills.len()).unwrap_or(u32::MAX)));
+            self.ready.push((buffer, u32::try_from(fills.len()).unwrap_or(u32::MAX)));
         }
         self.corners.end();
         Ok(())
@@ -52,10 +51,11 @@ impl FillsPass {
 
     /// Draws them. Says whether anything was drawn.
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
-        let Some((corners, count)) = &self.ready else { return false };
-        pass.set_pipeline(&self.pipeline);
-        pass.set_vertex_buffer(0, corners.slice(..));
-        pass.draw(0..*count, 0..1);
-        true
+        for (corners, count) in &self.ready {
+            pass.set_pipeline(&self.pipeline);
+            pass.set_vertex_buffer(0, corners.slice(..));
+            pass.draw(0..*count, 0..1);
+        }
+        !self.ready.is_empty()
     }
 }

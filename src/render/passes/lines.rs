@@ -1,5 +1,6 @@
 //! Overlay lines: what hangs on particles or skins, what is placed in the world, what is placed on the screen.
 
+use super::all_with;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::error::RenderError;
 use crate::render::kept::{Kept, Looks};
@@ -7,7 +8,9 @@ use crate::render::layout::{DeformedVertex, LineSet, SegmentInstance};
 use crate::render::scene::SceneBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
-use crate::view::overlay::{LineEnds, Lines, Segment};
+use crate::view::Overlay;
+use crate::view::overlay::{LineEnds, Segment};
+use crate::view::style::OverlayColors;
 
 /// Draws overlay lines.
 #[derive(Debug)]
@@ -54,7 +57,13 @@ impl LinesPass {
         let pairs = [Some(vertex_layout::<[u32; 2]>(instance, &pair))];
         let segments = [Some(vertex_layout::<SegmentInstance>(instance, &SegmentInstance::ATTRIBUTES))];
         let pipeline = |vertex, buffers, entries: Entries| {
-            let drawing = overlay_drawing(shader::LINES, &layouts, buffers, entries.writes_depth);
+            let drawing = overlay_drawing(
+                shader::LINES,
+                wgpu::PrimitiveTopology::TriangleStrip,
+                &layouts,
+                buffers,
+                entries.writes_depth,
+            );
             drawing_pipeline_with(device, output, &drawing, Entries { vertex, ..entries })
         };
         Self {
@@ -75,17 +84,22 @@ impl LinesPass {
     pub(in crate::render) fn prepare(
         &mut self,
         Device { device, queue }: Device<'_>,
-        lines: &[Lines],
-        scale: f32,
+        overlays: [&Overlay; 2],
+        colors: &OverlayColors,
         scene: &mut SceneBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
         self.sets.clear();
         self.pairs.begin();
         self.segments.begin();
-        for lines in lines {
-            let mut look =
-                LineSet { color: lines.color, width: lines.width * scale, hidden: lines.hidden, stride: 3, first: 0 };
+        for (lines, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.lines, overlay.scale)) {
+            let mut look = LineSet {
+                color: colors.of(lines.tint, lines.opacity),
+                width: lines.width * scale,
+                hidden: lines.hidden,
+                stride: 3,
+                first: 0,
+            };
             let Some(mut positions) = scene.particles().cloned() else { continue };
             let (kind, instances, count) = match &lines.ends {
                 LineEnds::Particles { ends, first } => {
@@ -117,6 +131,7 @@ impl LinesPass {
         }
         self.pairs.end();
         self.segments.end();
+        self.looks.keep(self.sets.len());
         Ok(())
     }
 
@@ -145,7 +160,7 @@ impl LinesPass {
             for (pipeline, wanted) in pipelines.iter().zip([true, set.has_hidden]).rev() {
                 if wanted {
                     pass.set_pipeline(pipeline);
-                    pass.draw(0..6, 0..set.count);
+                    pass.draw(0..4, 0..set.count);
                 }
             }
             drawn = true;
@@ -156,4 +171,4 @@ impl LinesPass {
 
 /// Numbers from one vertex of a deformed skin to the next.
 #[expect(clippy::cast_possible_truncation, reason = "a vertex is a few numbers")]
-const STRIDE_OF_SKINS: u32 = (size_of::<DeformedVertex>() / size_of::<f32>()) as u32;
+pub(in crate::render) const STRIDE_OF_SKINS: u32 = (size_of::<DeformedVertex>() / size_of::<f32>()) as u32;

@@ -6,6 +6,7 @@ pub(super) mod fills;
 pub(super) mod ground;
 pub(super) mod lines;
 pub(super) mod mesh;
+pub(super) mod outline;
 pub(super) mod points;
 pub(super) mod shadow;
 pub(super) mod skin;
@@ -51,16 +52,21 @@ impl Entries {
     const HIDDEN: Self = Self { fragment: "hidden", compare: wgpu::CompareFunction::Less, ..Self::SEEN };
 }
 
-/// Triangles that are blended over the picture.
+/// Strips of two triangles, one an instance, or triangles, that are blended over the picture.
 fn overlay_drawing<'a>(
     shader: Shader,
+    topology: wgpu::PrimitiveTopology,
     layouts: &'a [Option<&'a wgpu::BindGroupLayout>],
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     writes_depth: bool,
 ) -> Drawing<'a> {
     let blend = Some(wgpu::BlendState::ALPHA_BLENDING);
-    let topology = wgpu::PrimitiveTopology::TriangleList;
     Drawing { shader, layouts, buffers, topology, writes_depth, blend, cull: None }
+}
+
+/// Every part of an overlay with the overlay's scale.
+fn all_with<T>(parts: &[T], scale: f32) -> impl Iterator<Item = (&T, f32)> {
+    parts.iter().map(move |part| (part, scale))
 }
 
 /// A pipeline from entry point `vertex` to entry point `fragment`; nearer (greater) depth wins.

@@ -1,5 +1,6 @@
 //! Overlay points: particles, or places in the world.
 
+use super::all_with;
 use super::lines::Device;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::error::RenderError;
@@ -8,7 +9,9 @@ use crate::render::layout::PointSet;
 use crate::render::scene::SceneBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
+use crate::view::Overlay;
 use crate::view::overlay::{PointPlaces, Points};
+use crate::view::style::OverlayColors;
 
 /// Draws overlay points.
 #[derive(Debug)]
@@ -37,7 +40,13 @@ impl PointsPass {
         let place = wgpu::vertex_attr_array![0 => Float32x3];
         let places = [Some(vertex_layout::<[f32; 3]>(wgpu::VertexStepMode::Instance, &place))];
         let pipeline = |vertex, buffers, entries: Entries| {
-            let drawing = overlay_drawing(shader::POINTS, &layouts, buffers, entries.writes_depth);
+            let drawing = overlay_drawing(
+                shader::POINTS,
+                wgpu::PrimitiveTopology::TriangleStrip,
+                &layouts,
+                buffers,
+                entries.writes_depth,
+            );
             drawing_pipeline_with(device, output, &drawing, Entries { vertex, ..entries })
         };
         Self {
@@ -56,15 +65,16 @@ impl PointsPass {
     pub(in crate::render) fn prepare(
         &mut self,
         Device { device, queue }: Device<'_>,
-        points: &[Points],
-        scale: f32,
+        overlays: [&Overlay; 2],
+        colors: &OverlayColors,
         scene: &SceneBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
         self.sets.clear();
         self.places.begin();
         if let Some(positions) = scene.particles() {
-            for Points { places, color, size, hidden } in points {
+            for (points, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.points, overlay.scale)) {
+                let Points { places, tint, size, hidden } = points;
                 let (buffer, first, count) = match places {
                     PointPlaces::Particles { first, count } => (None, *first, *count),
                     PointPlaces::Placed(places) => {
@@ -73,14 +83,20 @@ impl PointsPass {
                         (Some(buffer), 0, u32::try_from(places.len()).unwrap_or(u32::MAX))
                     }
                 };
-                let look =
-                    PointSet { color: *color, size: size * scale, hidden: *hidden, first, ..PointSet::default() };
+                let look = PointSet {
+                    color: colors.of(*tint, 1.0),
+                    size: size * scale,
+                    hidden: *hidden,
+                    first,
+                    ..PointSet::default()
+                };
                 let content = bytemuck::bytes_of(&look);
                 self.looks.set(device, queue, self.sets.len(), content, positions, bytes_counted);
                 self.sets.push(Prepared { places: buffer, count, has_hidden: *hidden > 0.0 });
             }
         }
         self.places.end();
+        self.looks.keep(self.sets.len());
         Ok(())
     }
 
@@ -106,7 +122,7 @@ impl PointsPass {
             for (pipeline, wanted) in pipelines.iter().zip([true, set.has_hidden]).rev() {
                 if wanted {
                     pass.set_pipeline(pipeline);
-                    pass.draw(0..6, 0..set.count);
+                    pass.draw(0..4, 0..set.count);
                 }
             }
             drawn = true;

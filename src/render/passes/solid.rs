@@ -75,6 +75,17 @@ impl Shapes {
         }
     }
 
+    /// Draws one of the obstacles.
+    pub(in crate::render) fn draw_one(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        solids: &[Solid],
+        instances: &wgpu::Buffer,
+        index: usize,
+    ) {
+        self.draw(pass, solids, instances, |solid| solids.get(index).is_some_and(|one| std::ptr::eq(one, solid)));
+    }
+
     /// Draws those of the obstacles that are wanted, each with the instance of the same place.
     pub(in crate::render) fn draw(
         &self,

@@ -1,0 +1,350 @@
+//! The outline of what is selected. First a mask of it, then lines along all its edges (or around a sphere) that are
+//! drawn only where the mask is empty: what is left of them runs around the silhouette and covers none of it.
+
+use std::f32::consts::TAU;
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::lines::{Device, STRIDE_OF_SKINS};
+use super::solid::Shapes;
+use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use crate::render::error::RenderError;
+use crate::render::kept::{Kept, Looks};
+use crate::render::layout::{DeformedVertex, LineSet, SegmentInstance, SolidInstance, SolidVertex};
+use crate::render::renderer::Viewport;
+use crate::render::scene::{SceneBuffers, SkinBuffers};
+use crate::render::shader;
+use crate::render::target::{Output, attachment};
+use crate::view::overlay::Segment;
+use crate::view::{DrawList, Selected, Solid};
+
+/// How wide the outline is, pixels.
+const WIDTH: f32 = 2.5;
+/// What is left of it behind other things.
+const HIDDEN: f32 = 0.35;
+/// Lines around a sphere.
+const SIDES: u16 = 128;
+/// How much of a pixel the selected thing covers.
+const MASK_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
+
+/// Draws outlines.
+#[derive(Debug)]
+pub(in crate::render) struct OutlinePass {
+    output: Output,
+    mask_body: wgpu::RenderPipeline,
+    mask_obstacle: wgpu::RenderPipeline,
+    /// Each for what is hidden, then for what is seen.
+    carried: [wgpu::RenderPipeline; 2],
+    placed: [wgpu::RenderPipeline; 2],
+    looks: Looks,
+    mask_layout: wgpu::BindGroupLayout,
+    mask: Option<Mask>,
+    segments: Kept<Segment>,
+    around: Option<Around>,
+    ready: Option<Ready>,
+}
+
+/// The mask of one size of picture.
+#[derive(Debug)]
+struct Mask {
+    size: [u32; 2],
+    /// Several samples a pixel; absent without antialiasing.
+    samples: Option<wgpu::TextureView>,
+    view: wgpu::TextureView,
+    bind_group: wgpu::BindGroup,
+}
+
+/// The lines around a solid, kept while it and the eye stay.
+#[derive(Debug)]
+struct Around {
+    solid: Solid,
+    eye: Vec3,
+    segments: Arc<Vec<Segment>>,
+}
+
+/// What is outlined in this frame.
+#[derive(Debug)]
+struct Ready {
+    selected: Selected,
+    instances: wgpu::Buffer,
+    count: u32,
+}
+
+/// What the mask may be of.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::render) struct Masked<'a> {
+    /// Bodies.
+    pub(in crate::render) skins: &'a [SkinBuffers],
+    /// Obstacles.
+    pub(in crate::render) solids: &'a [Solid],
+    /// Where the obstacles are.
+    pub(in crate::render) instances: &'a wgpu::Buffer,
+    /// The shapes of obstacles.
+    pub(in crate::render) shapes: &'a Shapes,
+}
+
+impl OutlinePass {
+    pub(in crate::render) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
+        let looks = Looks::new(device);
+        let mask_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("mask"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty: wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
+                },
+                count: None,
+            }],
+        });
+        let layouts = [Some(frame), Some(looks.layout()), Some(&mask_layout)];
+        let instance = wgpu::VertexStepMode::Instance;
+        let pair = wgpu::vertex_attr_array![0 => Uint32x2];
+        let pairs = [Some(vertex_layout::<[u32; 2]>(instance, &pair))];
+        let segments = [Some(vertex_layout::<SegmentInstance>(instance, &SegmentInstance::ATTRIBUTES))];
+        let pipelines = |vertex, buffers| {
+            [Entries::HIDDEN, Entries::SEEN].map(|entries| {
+                let strip = wgpu::PrimitiveTopology::TriangleStrip;
+                let drawing = overlay_drawing(shader::OUTLINE, strip, &layouts, buffers, false);
+                drawing_pipeline_with(device, output, &drawing, Entries { vertex, ..entries })
+            })
+        };
+        let vertex = wgpu::VertexStepMode::Vertex;
+        let body = [Some(vertex_layout::<DeformedVertex>(vertex, &DeformedVertex::ATTRIBUTES[..1]))];
+        let obstacle = [
+            Some(vertex_layout::<SolidVertex>(vertex, &SolidVertex::ATTRIBUTES[..1])),
+            Some(vertex_layout::<SolidInstance>(instance, &SolidInstance::ATTRIBUTES[..4])),
+        ];
+        Self {
+            output,
+            mask_body: mask_pipeline(device, output, &layouts[..1], "mask_body", &body),
+            mask_obstacle: mask_pipeline(device, output, &layouts[..1], "mask_obstacle", &obstacle),
+            carried: pipelines("carried", &pairs),
+            placed: pipelines("placed", &segments),
+            looks,
+            mask_layout,
+            mask: None,
+            segments: Kept::new("segments"),
+            around: None,
+            ready: None,
+        }
+    }
+
+    /// Brings the device up to date; counts what is uploaded. Something selected that is not there has no outline.
+    pub(in crate::render) fn prepare(
+        &mut self,
+        Device { device, queue }: Device<'_>,
+        draw_list: &DrawList,
+        size: [u32; 2],
+        scene: &mut SceneBuffers,
+        bytes_counted: &mut u64,
+    ) -> Result<(), RenderError> {
+        self.ready = None;
+        self.segments.begin();
+        let [r, g, b] = draw_list.style.overlay.accent;
+        let width = 2.0 * WIDTH * draw_list.overlay.scale;
+        let mut look = LineSet { color: [r, g, b, 1.0], width, hidden: HIDDEN, ..LineSet::default() };
+        let found = match draw_list.selected {
+            Some(Selected::Skin(index)) => scene.skins.get_mut(index).map(|skin| {
+                look.stride = STRIDE_OF_SKINS;
+                let (edges, count) = skin.edges(device, queue, bytes_counted)?;
+                Ok((skin.deformed.clone(), edges, count))
+            }),
+            Some(Selected::Solid(index)) => draw_list.solids.get(index).zip(scene.particles()).map(|(solid, any)| {
+                let segments = around(&mut self.around, solid, draw_list.camera.eye);
+                let bytes_of = |segments: &[Segment]| {
+                    let instances: Vec<SegmentInstance> = segments.iter().map(SegmentInstance::from).collect();
+                    bytemuck::cast_slice(&instances).to_vec()
+                };
+                let count = segments.len();
+                let buffer = self.segments.get(device, queue, &segments, bytes_of, bytes_counted)?;
+                Ok((any.clone(), buffer, count))
+            }),
+            None => None,
+        };
+        self.segments.end();
+        let found: Option<Result<_, RenderError>> = found;
+        let (Some((positions, instances, count)), Some(selected)) = (found.transpose()?, draw_list.selected) else {
+            self.mask = None;
+            self.looks.keep(0);
+            return Ok(());
+        };
+        self.looks.set(device, queue, 0, bytemuck::bytes_of(&look), &positions, bytes_counted);
+        if self.mask.as_ref().is_none_or(|mask| mask.size != size) {
+            self.mask = Some(Mask::new(device, &self.mask_layout, self.output.samples, size));
+        }
+        self.ready = Some(Ready { selected, instances, count: u32::try_from(count).unwrap_or(u32::MAX) });
+        Ok(())
+    }
+
+    /// Draws the mask of what is selected; false where nothing is.
+    pub(in crate::render) fn mask(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &wgpu::BindGroup,
+        viewport: Viewport,
+        masked: Masked<'_>,
+    ) -> bool {
+        let (Some(ready), Some(mask)) = (&self.ready, &self.mask) else { return false };
+        let (view, resolve_target, store) = match &mask.samples {
+            Some(samples) => (samples, Some(&mask.view), wgpu::StoreOp::Discard),
+            None => (&mask.view, None, wgpu::StoreOp::Store),
+        };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("mask"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store },
+            })],
+            ..Default::default()
+        });
+        let ([x, y], [width, height]) = (viewport.origin, viewport.size);
+        pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
+        pass.set_scissor_rect(x, y, width, height);
+        pass.set_bind_group(0, frame, &[]);
+        match ready.selected {
+            Selected::Skin(index) => {
+                if let Some(skin) = masked.skins.get(index) {
+                    pass.set_pipeline(&self.mask_body);
+                    pass.set_vertex_buffer(0, skin.deformed.slice(..));
+                    pass.set_index_buffer(skin.indices.slice(..), wgpu::IndexFormat::Uint32);
+                    pass.draw_indexed(0..skin.index_count, 0, 0..1);
+                }
+            }
+            Selected::Solid(index) => {
+                pass.set_pipeline(&self.mask_obstacle);
+                masked.shapes.draw_one(&mut pass, masked.solids, masked.instances, index);
+            }
+        }
+        true
+    }
+
+    /// Draws the lines, into the picture.
+    pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let (Some(ready), Some(mask)) = (&self.ready, &self.mask) else { return };
+        let pipelines = match ready.selected {
+            Selected::Skin(_) => &self.carried,
+            Selected::Solid(_) => &self.placed,
+        };
+        pass.set_bind_group(1, self.looks.get(0), &[]);
+        pass.set_bind_group(2, &mask.bind_group, &[]);
+        pass.set_vertex_buffer(0, ready.instances.slice(..));
+        for pipeline in pipelines {
+            pass.set_pipeline(pipeline);
+            pass.draw(0..4, 0..ready.count);
+        }
+    }
+}
+
+impl Mask {
+    fn new(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, samples: u32, size: [u32; 2]) -> Self {
+        let view = |texture: wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING;
+        let one = view(attachment(device, "mask", MASK_FORMAT, size, 1, usage));
+        let several = || view(attachment(device, "mask", MASK_FORMAT, size, samples, wgpu::TextureUsages::empty()));
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("mask"),
+            layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&one) }],
+        });
+        Self { size, samples: (samples > 1).then(several), view: one, bind_group }
+    }
+}
+
+/// Fills whatever a thing covers, whatever lies before it.
+fn mask_pipeline(
+    device: &wgpu::Device,
+    output: Output,
+    layouts: &[Option<&wgpu::BindGroupLayout>],
+    entry_point: &str,
+    buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
+) -> wgpu::RenderPipeline {
+    let module = shader::OUTLINE.module(device);
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("mask"),
+        bind_group_layouts: layouts,
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("mask"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some(entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers,
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState { count: output.samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("mask_fragment"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(MASK_FORMAT.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// The lines around a solid, made anew where it or the eye has moved.
+fn around(kept: &mut Option<Around>, solid: &Solid, eye: Vec3) -> Arc<Vec<Segment>> {
+    if let Some(around) = kept.as_ref().filter(|around| around.solid == *solid && around.eye == eye) {
+        return Arc::clone(&around.segments);
+    }
+    let corners = match *solid {
+        Solid::Plane { center, axes: [u, v], half_extents: [a, b] } => {
+            [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| center + u * a * x + v * b * y).to_vec()
+        }
+        Solid::Sphere { center, radius } => silhouette(center, radius, eye),
+    };
+    let next = corners.iter().cycle().skip(1);
+    let segments = Arc::new(corners.iter().zip(next).map(|(&a, &b)| Segment::new(a, b, [1.0; 4], 1.0)).collect());
+    *kept = Some(Around { solid: *solid, eye, segments: Arc::clone(&segments) });
+    segments
+}
+
+/// The circle in which lines of sight touch a sphere; nothing from within.
+fn silhouette(center: Vec3, radius: f32, eye: Vec3) -> Vec<Vec3> {
+    let to_eye = eye - center;
+    let share = radius / to_eye.length();
+    if share.is_nan() || share >= 1.0 {
+        return Vec::new();
+    }
+    let (u, v) = to_eye.normalize().any_orthonormal_pair();
+    let reach = radius * (1.0 - share * share).sqrt();
+    let side = |side: u16| (TAU * f32::from(side) / f32::from(SIDES)).sin_cos();
+    let point = |(sin, cos): (f32, f32)| center + to_eye * share * share + (u * cos + v * sin) * reach;
+    (0..SIDES).map(side).map(point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_of_sight_touch_the_sphere_where_its_outline_runs() {
+        let (center, radius, eye) = (Vec3::new(0.3, 1.0, -2.0), 0.7, Vec3::new(1.0, 2.0, 1.5));
+        for point in silhouette(center, radius, eye) {
+            assert!((point.distance(center) - radius).abs() < 1e-5, "{point} lies on the sphere");
+            let off = (point - center).normalize().dot((eye - point).normalize());
+            assert!(off.abs() < 1e-4, "the line of sight is a tangent there: {off}");
+        }
+        assert_eq!(silhouette(center, radius, center + Vec3::X * 0.5), [], "from within there is none");
+    }
+
+    #[test]
+    fn the_lines_around_a_solid_are_kept_until_something_moves() {
+        let solid = Solid::Sphere { center: Vec3::ZERO, radius: 1.0 };
+        let mut kept = None;
+        let first = around(&mut kept, &solid, Vec3::Z * 3.0);
+        assert!(Arc::ptr_eq(&first, &around(&mut kept, &solid, Vec3::Z * 3.0)), "nothing has moved");
+        assert!(!Arc::ptr_eq(&first, &around(&mut kept, &solid, Vec3::Z * 4.0)), "the eye has");
+    }
+}

@@ -1,0 +1,327 @@
+//! Handles around a thing, to move and turn it with the pointer: arrows along three axes, squares between them, rings
+//! around them. Plain data and geometry; whoever owns a mouse asks what it hits and what a drag means.
+//!
+//! ```text
+//!        ▲ y
+//!     ╭──│──╮        arrow   moves along its axis
+//!    ╱ ┌┐│   ╲       square  moves in the plane of two axes
+//!   │  └┘└────│──▶   ring    turns about an axis
+//!    ╲  ╱     ╱
+//!     ╰╱─────╯       lengths are pixels of the picture, whatever the distance
+//!     ◣ z
+//! ```
+//!
+//! Pixels are counted from the upper left corner of the view, in the unit of [`super::Overlay`]'s widths.
+
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+
+use super::Camera;
+use super::overlay::{Fill, LineEnds, Lines, Overlay, Segment};
+use super::style::{OverlayColors, Tint};
+
+/// Where an arrow begins and ends, pixels from the middle.
+const ARROW: [f32; 2] = [14.0, 84.0];
+/// The length of its head, pixels.
+const HEAD: f32 = 15.0;
+/// Where a square begins and ends along both of its axes, pixels from the middle.
+const SQUARE: [f32; 2] = [26.0, 46.0];
+/// The radius of a ring, pixels.
+const RING: f32 = 102.0;
+/// Lines in a whole ring.
+const RING_SIDES: u16 = 96;
+/// How wide the rim of lines is, pixels.
+const RIM: f32 = 1.0;
+/// How near the pointer must come, pixels.
+const REACH: f32 = 8.0;
+/// An arrow that points this straight at the eye, as a cosine, is no use and not there.
+const ARROW_STRAIGHT: f32 = 0.97;
+/// A square seen this flat, as a sine, is no use and not there.
+const SQUARE_FLAT: f32 = 0.12;
+/// A ring seen this flat, as a sine, is turned along its tangent instead of about its middle.
+const RING_FLAT: f32 = 0.25;
+/// How far a drag may carry anything, in distances from the eye: towards the horizon it would have no end.
+const FARTHEST: f32 = 20.0;
+
+/// Handles around a thing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gizmo {
+    /// The middle of the thing, m.
+    pub center: Vec3,
+    /// The directions of the handles; of unit length, at right angles.
+    pub axes: [Vec3; 3],
+    /// Whether it has rings: nobody sees a sphere turn.
+    pub turns: bool,
+}
+
+/// One of the handles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Handle {
+    /// Moves along an axis.
+    Arrow(usize),
+    /// Moves in the plane at right angles to an axis.
+    Square(usize),
+    /// Turns about an axis.
+    Ring(usize),
+}
+
+/// What a drag does to the thing, from where it was when the drag began.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drag {
+    /// Moves it, m.
+    Move(Vec3),
+    /// Turns it about its middle.
+    Turn {
+        /// Of unit length.
+        axis: Vec3,
+        /// Counter-clockwise seen against the axis, radians.
+        angle_rad: f32,
+    },
+}
+
+impl Gizmo {
+    /// Handles along the axes of the world.
+    pub fn new(center: Vec3, turns: bool) -> Self {
+        Self { center, axes: Vec3::AXES, turns }
+    }
+
+    /// The handle under a pixel of a view of `size` pixels.
+    pub fn hit(&self, camera: &Camera, size: Vec2, pixel: Vec2) -> Option<Handle> {
+        let seen = Seen::new(self, camera, size)?;
+        let squares =
+            seen.squares().find(|(_, corners)| is_inside(corners, pixel)).map(|(axis, _)| Handle::Square(axis));
+        let near = |handle: Handle, distance: f32| (distance < REACH).then_some((handle, distance));
+        let arrows = seen.arrows().filter_map(|(axis, ends)| near(Handle::Arrow(axis), to_segment(pixel, ends)));
+        let rings = seen.rings().filter_map(|(axis, points)| {
+            let distances = points.windows(2).map(|pair| to_segment(pixel, [pair[0], pair[1]]));
+            near(Handle::Ring(axis), distances.fold(f32::INFINITY, f32::min))
+        });
+        squares.or_else(|| {
+            let nearest = arrows.chain(rings).min_by(|(_, a), (_, b)| a.total_cmp(b));
+            nearest.map(|(handle, _)| handle)
+        })
+    }
+
+    /// What dragging a handle from one pixel to another does; `None` where the pointer points at nothing that means
+    /// anything, so that the last answer stands. The gizmo and the camera are those of the drag's beginning.
+    pub fn drag(&self, camera: &Camera, size: Vec2, handle: Handle, from: Vec2, to: Vec2) -> Option<Drag> {
+        let far = FARTHEST * camera.eye.distance(self.center);
+        let moved = match handle {
+            Handle::Arrow(axis) => {
+                let along = |pixel| self.along_axis(camera, size, axis, pixel);
+                self.axes[axis] * (along(to)? - along(from)?)
+            }
+            Handle::Square(axis) => {
+                let normal = self.axes[axis];
+                let on_plane = |pixel| {
+                    let ray = camera.ray_through(pixel, size);
+                    ray.hit_plane(self.center, normal).map(|distance| ray.at(distance))
+                };
+                on_plane(to)? - on_plane(from)?
+            }
+            Handle::Ring(axis) => {
+                let angle_rad = self.turned(camera, size, axis, from, to)?;
+                return Some(Drag::Turn { axis: self.axes[axis], angle_rad });
+            }
+        };
+        (moved.length() < far).then_some(Drag::Move(moved))
+    }
+
+    /// Where along an axis, m from the middle, the line of sight through a pixel comes nearest to it.
+    fn along_axis(&self, camera: &Camera, size: Vec2, axis: usize, pixel: Vec2) -> Option<f32> {
+        let (ray, axis) = (camera.ray_through(pixel, size), self.axes[axis]);
+        let to_center = self.center - ray.origin;
+        let cos = ray.direction.dot(axis);
+        let along = (cos * ray.direction.dot(to_center) - axis.dot(to_center)) / (1.0 - cos * cos);
+        let ahead = ray.direction.dot(to_center) + cos * along;
+        (along.is_finite() && ahead > 0.0).then_some(along)
+    }
+
+    fn turned(&self, camera: &Camera, size: Vec2, axis: usize, from: Vec2, to: Vec2) -> Option<f32> {
+        let axis = self.axes[axis];
+        let to_eye = (camera.eye - self.center).try_normalize()?;
+        let facing = to_eye.dot(axis);
+        let on_plane = |pixel, normal| {
+            let ray = camera.ray_through(pixel, size);
+            ray.hit_plane(self.center, normal).map(|distance| ray.at(distance) - self.center)
+        };
+        if facing.abs() > RING_FLAT {
+            let (a, b) = (on_plane(from, axis)?, on_plane(to, axis)?);
+            return Some(axis.dot(a.cross(b)).atan2(a.dot(b)));
+        }
+        // Seen flat, the near side of the ring is a line: along it a radius is a radian.
+        let toward = (to_eye - axis * facing).try_normalize()?;
+        let tangent = axis.cross(toward);
+        let radius = Seen::new(self, camera, size)?.metres(RING);
+        let along = |pixel| on_plane(pixel, toward).map(|place| place.dot(tangent));
+        let angle = (along(to)? - along(from)?) / radius;
+        Some((angle + PI).rem_euclid(TAU) - PI)
+    }
+
+    /// Puts the handles over a picture of `size` pixels, the one under the pointer or dragged stands out.
+    pub fn add_to(
+        &self,
+        overlay: &mut Overlay,
+        camera: &Camera,
+        size: Vec2,
+        hot: Option<Handle>,
+        colors: &OverlayColors,
+    ) {
+        let Some(seen) = Seen::new(self, camera, size) else { return };
+        let color = |handle: Handle, axis: usize, opacity: f32| {
+            let [r, g, b] = if hot == Some(handle) { colors.hot } else { colors.axes[axis] };
+            [r, g, b, if hot == Some(handle) { opacity.max(0.75) } else { opacity }]
+        };
+        let wider = |handle: Handle| if hot == Some(handle) { 1.5 } else { 1.0 };
+        let (mut segments, mut fills) = (Vec::new(), overlay.fills.to_vec());
+        for axis in seen.ring_axes() {
+            let (handle, points) = (Handle::Ring(axis), seen.ring(axis));
+            let color = color(handle, axis, 1.0);
+            segments.extend(points.windows(2).map(|pair| Segment::new(pair[0], pair[1], color, 2.2 * wider(handle))));
+        }
+        for axis in seen.square_axes() {
+            let (handle, corners) = (Handle::Square(axis), seen.square(axis));
+            let [a, b, c, d] = corners;
+            let fill = color(handle, axis, 0.35);
+            fills.extend([a, b, c, a, c, d].map(|place| Fill { place: place.to_array(), color: fill }));
+            let edge = color(handle, axis, 1.0);
+            let edges = [[a, b], [b, c], [c, d], [d, a]];
+            segments.extend(edges.map(|[from, to]| Segment::new(from, to, edge, 1.5 * wider(handle))));
+        }
+        for axis in seen.arrow_axes() {
+            let (handle, [tail, tip]) = (Handle::Arrow(axis), seen.arrow(axis));
+            let color = color(handle, axis, 1.0);
+            let neck = tip - self.axes[axis] * seen.metres(HEAD);
+            segments.push(Segment::new(tail, neck, color, 3.0 * wider(handle)));
+            let widths = [11.0 * wider(handle), 0.0];
+            segments.push(Segment { widths, ..Segment::new(neck, tip, color, 0.0) });
+        }
+        let [r, g, b] = colors.rim;
+        let rims = segments.iter().map(|segment| seen.rimmed(segment, [r, g, b, 1.0]));
+        let ends = LineEnds::Placed(Arc::new(rims.chain(segments.iter().copied()).collect()));
+        overlay.lines.push(Lines { ends, tint: Tint::Own, opacity: 1.0, width: 1.0, hidden: 1.0 });
+        overlay.fills = Arc::new(fills);
+    }
+}
+
+/// A gizmo as a camera sees it.
+struct Seen<'a> {
+    gizmo: &'a Gizmo,
+    camera: &'a Camera,
+    size: Vec2,
+    to_eye: Vec3,
+    metres_per_pixel: f32,
+}
+
+impl<'a> Seen<'a> {
+    /// Nothing where the middle is not ahead of the eye.
+    fn new(gizmo: &'a Gizmo, camera: &'a Camera, size: Vec2) -> Option<Self> {
+        let ahead = (gizmo.center - camera.eye).dot(camera.forward());
+        let metres_per_pixel = 2.0 * (0.5 * camera.fov_rad).tan() * ahead / size.y;
+        let to_eye = (camera.eye - gizmo.center).try_normalize()?;
+        let usable = ahead > camera.near() && metres_per_pixel.is_finite();
+        usable.then_some(Self { gizmo, camera, size, to_eye, metres_per_pixel })
+    }
+
+    fn metres(&self, pixels: f32) -> f32 {
+        pixels * self.metres_per_pixel
+    }
+
+    fn facing(&self, axis: usize) -> f32 {
+        self.to_eye.dot(self.gizmo.axes[axis])
+    }
+
+    fn arrow_axes(&self) -> impl Iterator<Item = usize> {
+        (0..3).filter(|&axis| self.facing(axis).abs() < ARROW_STRAIGHT)
+    }
+
+    fn square_axes(&self) -> impl Iterator<Item = usize> {
+        (0..3).filter(|&axis| self.facing(axis).abs() > SQUARE_FLAT)
+    }
+
+    fn ring_axes(&self) -> impl Iterator<Item = usize> {
+        (0..3).filter(|_| self.gizmo.turns)
+    }
+
+    fn arrow(&self, axis: usize) -> [Vec3; 2] {
+        ARROW.map(|pixels| self.gizmo.center + self.gizmo.axes[axis] * self.metres(pixels))
+    }
+
+    /// The square at right angles to an axis, in the quarter between the two other arrows.
+    fn square(&self, axis: usize) -> [Vec3; 4] {
+        let [u, v] = [1, 2].map(|next| self.gizmo.axes[(axis + next) % 3]);
+        let [near, far] = SQUARE.map(|pixels| self.metres(pixels));
+        [[near, near], [far, near], [far, far], [near, far]].map(|[a, b]| self.gizmo.center + u * a + v * b)
+    }
+
+    /// The half of the ring on this side of its middle; all of it where the eye looks along the axis.
+    fn ring(&self, axis: usize) -> Vec<Vec3> {
+        let normal = self.gizmo.axes[axis];
+        let facing = self.facing(axis);
+        let toward = (self.to_eye - normal * facing).try_normalize().unwrap_or(self.gizmo.axes[(axis + 1) % 3]);
+        let side = normal.cross(toward);
+        let whole = facing.abs() > ARROW_STRAIGHT;
+        let sides = if whole { RING_SIDES } else { RING_SIDES / 2 };
+        let span = if whole { PI } else { 0.5 * PI };
+        let radius = self.metres(RING);
+        let point = |step: u16| {
+            let (sin, cos) = (span * (2.0 * f32::from(step) / f32::from(sides) - 1.0)).sin_cos();
+            self.gizmo.center + (toward * cos + side * sin) * radius
+        };
+        (0..=sides).map(point).collect()
+    }
+
+    /// A line that reaches a little beyond another on all sides.
+    fn rimmed(&self, segment: &Segment, color: [f32; 4]) -> Segment {
+        let [from, to] = segment.ends.map(Vec3::from);
+        let flat_ended = segment.widths[0] > 2.0 * segment.widths[1];
+        let beyond = if flat_ended { (to - from).normalize_or_zero() * self.metres(RIM) } else { Vec3::ZERO };
+        let widths = segment.widths.map(|width| width + 2.0 * RIM);
+        Segment { ends: [(from - beyond).to_array(), (to + 2.0 * beyond).to_array()], color, widths }
+    }
+
+    fn pixel(&self, point: Vec3) -> Option<Vec2> {
+        self.camera.pixel_of(point, self.size)
+    }
+
+    fn arrows(&self) -> impl Iterator<Item = (usize, [Vec2; 2])> {
+        self.arrow_axes().filter_map(|axis| {
+            let [tail, tip] = self.arrow(axis);
+            Some((axis, [self.pixel(tail)?, self.pixel(tip)?]))
+        })
+    }
+
+    fn squares(&self) -> impl Iterator<Item = (usize, [Vec2; 4])> {
+        self.square_axes().filter_map(|axis| {
+            let [a, b, c, d] = self.square(axis).map(|corner| self.pixel(corner));
+            Some((axis, [a?, b?, c?, d?]))
+        })
+    }
+
+    fn rings(&self) -> impl Iterator<Item = (usize, Vec<Vec2>)> {
+        self.ring_axes().map(|axis| (axis, self.ring(axis).into_iter().filter_map(|point| self.pixel(point)).collect()))
+    }
+}
+
+fn to_segment(pixel: Vec2, [a, b]: [Vec2; 2]) -> f32 {
+    let way = b - a;
+    let share = ((pixel - a).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+    pixel.distance(if share.is_finite() { a + way * share } else { a })
+}
+
+/// Whether a pixel lies within a convex shape, whichever way around its corners are.
+fn is_inside(corners: &[Vec2; 4], pixel: Vec2) -> bool {
+    let turns = (0..4).map(|at| (corners[(at + 1) % 4] - corners[at]).perp_dot(pixel - corners[at]));
+    let (mut left, mut right) = (false, false);
+    for turn in turns {
+        left |= turn > 0.0;
+        right |= turn < 0.0;
+    }
+    left != right
+}
+
+#[cfg(test)]
+#[path = "gizmo_tests.rs"]
+mod tests;
