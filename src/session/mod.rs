@@ -174,6 +174,7 @@ impl Session {
             Command::Save { camera } => self.document.save(&self.scene, camera, None)?,
             Command::SaveAs { path, camera } => self.document.save(&self.scene, camera, Some(path))?,
             Command::Edit(edit) => self.edit(edit)?,
+            Command::Teleport(body, place) => self.teleport(body, place)?,
             Command::EndEdit => self.history.close(),
             Command::AddBody { body, jelly } => self.add_body(body, *jelly)?,
             Command::Undo => self.undo()?,

@@ -132,16 +132,16 @@ pub(super) fn load_model_ui(ui: &mut Ui, scene: &Scene, state: &mut UiState, com
 
 fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
     Grid::new("model values").num_columns(4).spacing([12.0, 8.0]).show(ui, |ui| {
-        let label = ui.label(RichText::new("Divisions").color(theme::WEAK));
+        let label = ui.label(RichText::new("Divisions").color(theme::of(ui).weak));
         ui.add(DragValue::new(&mut shape.divisions).range(1..=MAX_DIVISIONS).speed(0.2))
             .labelled_by(label.id)
             .on_hover_text("Cells along the longest extent");
-        let label = ui.label(RichText::new("Length").color(theme::WEAK));
+        let label = ui.label(RichText::new("Length").color(theme::of(ui).weak));
         ui.add(DragValue::new(&mut shape.length).range(0.0..=1000.0).speed(0.01).max_decimals(3).suffix(" m"))
             .labelled_by(label.id)
             .on_hover_text("The longest extent; 0 keeps the file's own size");
         ui.end_row();
-        let label = ui.label(RichText::new("Fill").color(theme::WEAK));
+        let label = ui.label(RichText::new("Fill").color(theme::of(ui).weak));
         let combo = ComboBox::from_id_salt("occupancy").width(140.0).selected_text(occupancy_word(shape.occupancy));
         let response = combo.show_ui(ui, |ui| {
             for (choice, help) in [
@@ -154,7 +154,7 @@ fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
             }
         });
         response.response.labelled_by(label.id);
-        let label = ui.label(RichText::new("Keep").color(theme::WEAK));
+        let label = ui.label(RichText::new("Keep").color(theme::of(ui).weak));
         let word = |keep: Keep| if keep == Keep::All { "all pieces" } else { "the largest piece" };
         let combo = ComboBox::from_id_salt("keep").width(140.0).selected_text(word(shape.keep));
         let response = combo.show_ui(ui, |ui| {
@@ -172,7 +172,7 @@ fn work_ui(ui: &mut Ui, model: &mut LoadModel, wishes: &mut Vec<Wish>) {
     area.show(ui, |ui| match &model.work {
         Work::Idle => {
             let words = if model.asked.is_some() { "…" } else { "Choose a model: an OBJ file." };
-            ui.label(RichText::new(words).color(theme::WEAK));
+            ui.label(RichText::new(words).color(theme::of(ui).weak));
         }
         Work::Running(progress) => {
             ui.ctx().request_repaint_after(LOOK);
@@ -185,7 +185,7 @@ fn work_ui(ui: &mut Ui, model: &mut LoadModel, wishes: &mut Vec<Wish>) {
             });
         }
         Work::Failed(why) => {
-            ui.add(egui::Label::new(RichText::new(why).color(theme::ERROR)).wrap());
+            ui.add(egui::Label::new(RichText::new(why).color(theme::of(ui).error)).wrap());
         }
         Work::Ready(body) => preview_ui(ui, &body.preview),
     });
@@ -194,13 +194,13 @@ fn work_ui(ui: &mut Ui, model: &mut LoadModel, wishes: &mut Vec<Wish>) {
 fn preview_ui(ui: &mut Ui, preview: &Preview) {
     Grid::new("preview").num_columns(2).spacing([16.0, 5.0]).min_row_height(18.0).show(ui, |ui| {
         for (name, value) in rows(preview) {
-            ui.label(RichText::new(name).color(theme::WEAK));
-            ui.add(egui::Label::new(RichText::new(value).color(theme::STRONG)).wrap());
+            ui.label(RichText::new(name).color(theme::of(ui).weak));
+            ui.add(egui::Label::new(RichText::new(value).color(theme::of(ui).strong)).wrap());
             ui.end_row();
         }
     });
     for warning in &preview.warnings {
-        let text = RichText::new(super::super::capitalised(warning)).color(theme::WARNING);
+        let text = RichText::new(super::super::capitalised(warning)).color(theme::of(ui).warning);
         ui.add(egui::Label::new(text).wrap());
     }
 }
