@@ -33,7 +33,7 @@ pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>]) -> (Model<R>, 
         first = compiled.particles.end;
         model.bodies.push(compiled);
     }
-    let limits = SceneLimits::of(&model, scene.settings.contact);
+    let limits = SceneLimits::of(&model, scene.settings.contact, scene.settings.integrator);
     let plan = Plan::new(&scene.settings, &model, limits);
     (model, plan)
 }

@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 use super::forces;
+use super::integrate;
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::state::State;
@@ -56,14 +57,18 @@ impl Energy {
 impl Diagnostics {
     /// Of a state.
     pub fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Self {
-        // Semi-implicit Euler's velocity is half a step behind its position: the mean of it and the next one is on
-        // time. The next one is had by taking the substep on a copy.
+        // A velocity half a step behind its position has the mean of it and the next one on time. The next one is had
+        // by taking the substep on a copy.
         let mut ahead = state.clone();
-        let mut scratch = Scratch::new(model);
+        let mut scratch = Scratch::new(model, plan);
         let next = substep(model, plan, Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
         let centred = |particle: usize| {
             let now = state.velocity[particle].to_dvec3();
-            if next.diverged { now } else { 0.5 * (now + ahead.velocity[particle].to_dvec3()) }
+            if next.diverged || integrate::is_on_time(plan, state) {
+                now
+            } else {
+                0.5 * (now + ahead.velocity[particle].to_dvec3())
+            }
         };
         let mut sum = Self {
             energy: Energy::default(),

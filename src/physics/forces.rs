@@ -1,8 +1,27 @@
 //! Forces of gravity and of the links (GC §2).
 
 use super::model::{BodyModel, Model};
-use super::plan::Plan;
+use super::plan::{Plan, Stage};
+use super::report::{StageTimer, StepReport};
 use crate::math::{Real, Vector};
+
+/// Writes all forces on particles at these positions with these velocities but those of contact, N.
+pub fn evaluate<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    position: &[R::Vec3],
+    velocity: &[R::Vec3],
+    force: &mut [R::Vec3],
+    report: &mut StepReport,
+    timer: &mut impl StageTimer,
+) {
+    timer.enter(Stage::Gravity);
+    gravity(model, force);
+    if plan.runs(Stage::Links) {
+        timer.enter(Stage::Links);
+        report.link_forces += links(model, plan, position, velocity, force);
+    }
+}
 
 /// Writes the weight of every particle, N.
 pub fn gravity<R: Real>(model: &Model<R>, force: &mut [R::Vec3]) {

@@ -10,6 +10,7 @@ pub mod contact;
 pub mod diagnostics;
 pub mod forces;
 pub mod hash;
+mod integrate;
 pub mod interaction;
 pub mod model;
 pub mod plan;

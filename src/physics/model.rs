@@ -59,6 +59,12 @@ impl<R: Real> BodyModel<R> {
     pub fn is_pinned(&self, particle: usize) -> bool {
         self.pinned.get(particle).copied().unwrap_or(false)
     }
+
+    /// Mass of a particle (local number), kg.
+    #[inline]
+    pub fn mass(&self, _particle: usize) -> R {
+        self.particle_mass
+    }
 }
 
 /// The links of one family in one body.

@@ -3,7 +3,7 @@
 use super::model::{Model, ObstacleShape};
 use super::stability::SceneLimits;
 use crate::math::Real;
-use crate::scene::settings::{ContactRule, Stepping};
+use crate::scene::settings::{ContactRule, Integrator, Stepping};
 use crate::scene::{Family, Settings};
 
 /// The stages of a substep in their order (GC Algorithm 1).
@@ -40,6 +40,8 @@ impl Stage {
 /// What a step does for one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
+    /// The scheme in use.
+    pub integrator: Integrator,
     /// The whole step, s.
     pub dt_secs: f64,
     /// Substeps in a whole step.
@@ -67,17 +69,16 @@ impl Plan {
                 !links.links.is_empty() && (links.stiffness > R::ZERO || links.damping > R::ZERO)
             })
         };
+        let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
         Self {
+            integrator: settings.integrator,
             dt_secs: settings.dt,
-            substeps: match settings.stepping {
-                Stepping::Manual => 1,
-                Stepping::Auto => limits.substeps(settings.dt),
-            },
+            substeps: if divided { limits.substeps(settings.dt) } else { 1 },
             limits,
             families: Family::ALL.map(|family| has_force(family as usize)),
             contact: !model.obstacles.is_empty() && !model.bodies.is_empty(),
             contact_rule: settings.contact,
-            watched: settings.stepping == Stepping::Manual,
+            watched: !divided,
             broad_phase: true,
         }
     }

@@ -35,8 +35,9 @@ impl<R: Real> Simulation<R> {
     /// A scene at its start. `lattices` are those of the scene's bodies, in their order.
     pub fn new(scene: &Scene, lattices: &[Arc<Lattice>]) -> Self {
         let (model, plan) = compile(scene, lattices);
-        let state = State::start(&model);
-        let scratch = Scratch::new(&model);
+        let mut state = State::start(&model);
+        state.fit_scheme(&plan);
+        let scratch = Scratch::new(&model, &plan);
         Self { model, plan, state, scratch, sweeps: Vec::new(), grab: None, diverged: false }
     }
 
@@ -52,7 +53,8 @@ impl<R: Real> Simulation<R> {
         sweep::keep_sides(&self.model, &model, kept, &self.sweeps, &sides, &mut self.state);
         // The share of the step that was taken stays taken: dear steps come to an end however often they are edited.
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
-        self.scratch.fit(&model);
+        self.state.fit_scheme(&plan);
+        self.scratch.fit(&model, &plan);
         self.model = model;
         self.plan = plan;
         self.diverged = false;
@@ -230,7 +232,8 @@ impl<R: Real> Simulation<R> {
     pub fn set_state(&mut self, state: State<R>) {
         assert_eq!(state.position.len(), self.model.particle_count(), "the state must be one of this model");
         self.state = state;
-        self.scratch = Scratch::new(&self.model);
+        self.state.fit_scheme(&self.plan);
+        self.scratch = Scratch::new(&self.model, &self.plan);
         self.diverged = false;
     }
 

@@ -12,19 +12,45 @@
 //! Removing links only lowers the quadratic form, so the bound holds for every subset of cells with the same mass
 //! per particle, whatever its size. It is a bound at rest; crumpled states were seen to blow up from about 0.58 of
 //! it, hence the safety factor.
+//!
+//! Verlet with its predicted damping velocity counts the damping twice; RK4 has a region of stability of its own.
 
 use glam::{DMat3, DVec3};
 
 use super::model::{BodyModel, Model};
 use crate::math::Real;
 use crate::scene::Family;
-use crate::scene::settings::ContactRule;
+use crate::scene::settings::{ContactRule, Integrator};
 
 /// Automatic stepping stays below this share of the bound at rest, which covers crumpled bodies.
 pub const SAFETY: f64 = 0.55;
 
 /// Wave numbers 0, π/8 … π along each axis: the extremes of the stencil lie on this grid.
 const WAVES: usize = 9;
+
+/// Where in the complex plane dt times an eigenvalue of the motion may lie, by scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Region {
+    /// The leapfrog family: `dt² ω² + 2 s dt c < 4` with a share s of the damping, 1 for semi-implicit Euler and 2 where
+    /// the velocity of the damping is predicted.
+    Leapfrog(f64),
+    /// Half a disc of this radius. An eigenvalue is no larger than the larger of ω and c, whichever way damping and
+    /// stiffness mix.
+    HalfDisc(f64),
+}
+
+impl Region {
+    fn of(integrator: Integrator) -> Self {
+        match integrator {
+            Integrator::SemiImplicit => Self::Leapfrog(1.0),
+            Integrator::Verlet => Self::Leapfrog(2.0),
+            // Largest half disc within |1 + z + z²/2 + z³/6 + z⁴/24| ≤ 1, whose ends are 2.828 i and −2.785.
+            Integrator::Rk4 => Self::HalfDisc(2.61),
+            // Beyond −2 both blow up for certain; below, undamped vibrations still grow, slowly.
+            Integrator::Explicit | Integrator::Rk2 => Self::HalfDisc(2.0),
+        }
+    }
+}
 
 /// What can limit a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -75,12 +101,13 @@ pub struct SceneLimits {
 }
 
 impl SceneLimits {
-    /// The limits of a model.
-    pub fn of<R: Real>(model: &Model<R>, rule: ContactRule) -> Self {
+    /// The limits of a model that a scheme advances. Explicit Euler and RK2 have no stable step for an undamped
+    /// vibration: theirs are the steps beyond which every vibration blows up at once.
+    pub fn of<R: Real>(model: &Model<R>, rule: ContactRule, integrator: Integrator) -> Self {
         let waves = lattice_waves();
         let mut limits = Self::default();
         for body in &model.bodies {
-            limits.tighten(&body_limits(body, rule, &waves));
+            limits.tighten(&body_limits(body, rule, Region::of(integrator), &waves));
         }
         limits
     }
@@ -170,7 +197,7 @@ fn half_stencil() -> impl Iterator<Item = (Family, DVec3)> {
     near.chain(DVec3::AXES.into_iter().map(|axis| (Family::Bending, 2.0 * axis)))
 }
 
-fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, waves: &[WaveTensors]) -> SceneLimits {
+fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, waves: &[WaveTensors]) -> SceneLimits {
     // With the cell size h the tensors scale by 1/h; mass and cell size divide every constant.
     let scale = 1.0 / (body.particle_mass.to_f64() * body.lattice.grid.cell_size);
     let mut stiffness = [0.0; 3];
@@ -193,11 +220,37 @@ fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, waves: &[WaveTen
     };
     let mut terms = Vec::new();
     for (f, family) in Family::ALL.into_iter().enumerate() {
-        terms.push((Term::Stiffness(family), undamped_limit(largest(waves, only(stiffness, f)))));
-        terms.push((Term::Damping(family), damped_limit(largest(waves, only(damping, f)))));
+        let [stiff, damped] = [stiffness, damping].map(|constants| largest(waves, only(constants, f)));
+        terms.push((Term::Stiffness(family), region.undamped_limit(stiff)));
+        terms.push((Term::Damping(family), region.damped_limit(damped)));
     }
-    terms.push((Term::Contact, undamped_limit(contact)));
-    SceneLimits { terms, dt_limit_secs: combined_limit(waves, stiffness, damping, contact) }
+    terms.push((Term::Contact, region.undamped_limit(contact)));
+    let dt_limit_secs = match region {
+        Region::Leapfrog(share) => combined_limit(waves, stiffness, damping.map(|d| share * d), contact),
+        Region::HalfDisc(_) => smaller(
+            region.undamped_limit(largest(waves, stiffness) + contact),
+            region.damped_limit(largest(waves, damping)),
+        ),
+    };
+    SceneLimits { terms, dt_limit_secs }
+}
+
+impl Region {
+    /// The largest step for a vibration with `ω² = λ`.
+    fn undamped_limit(self, lambda: f64) -> Option<f64> {
+        match self {
+            Self::Leapfrog(_) => undamped_limit(lambda),
+            Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda.sqrt()),
+        }
+    }
+
+    /// The largest step for damping with `c = λ`.
+    fn damped_limit(self, lambda: f64) -> Option<f64> {
+        match self {
+            Self::Leapfrog(share) => damped_limit(share * lambda),
+            Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda),
+        }
+    }
 }
 
 /// `dt² λ ≤ 4`.

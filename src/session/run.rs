@@ -186,7 +186,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         dt_limit_secs: plan.limits.dt_limit_secs,
         dt_safe_secs: plan.limits.dt_safe_secs(),
         limited_by: plan.limits.limited_by(plan.dt_secs).name(),
-        integrator: "semi-implicit",
+        integrator: plan.integrator.name(),
         simd: "portable",
         threads: 1,
         finite: last.finite && !report.diverged,

@@ -1,9 +1,11 @@
 //! A simulation's state as bytes, exactly: what `gelatin run --save-state` writes and `--from-state` goes on from.
 //!
 //! ```text
-//! "gelatin-state 1\n"                                       magic and version
+//! "gelatin-state 2\n"                                       magic and version
 //! particles, planes, steps, substep, time bits              five u64
+//! bits of the velocity's lag, accelerations                 two u64
 //! position, residual, velocity: 3 × particles × 3 f32
+//! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
@@ -14,7 +16,7 @@ use thiserror::Error;
 use super::Session;
 use crate::physics::State;
 
-const MAGIC: &[u8] = b"gelatin-state 1\n";
+const MAGIC: &[u8] = b"gelatin-state 2\n";
 
 /// Why a state cannot be used.
 #[derive(Debug, Error, PartialEq, Eq)]
@@ -22,9 +24,9 @@ pub enum StateFileError {
     /// Something else.
     #[error("this is not a state that `gelatin run --save-state` wrote")]
     NotAState,
-    /// Written by a later program.
-    #[error("this state was written by a newer version of the program (it begins with {begins:?}, version 1 is read)")]
-    Newer {
+    /// Written by an earlier or a later program.
+    #[error("this state was written by another version of the program (it begins with {begins:?}, version 2 is read)")]
+    OtherVersion {
         /// The first words.
         begins: String,
     },
@@ -58,9 +60,11 @@ impl Session {
             state.steps,
             u64::from(state.substep),
             state.time_secs.to_bits(),
+            state.velocity_lag_secs.to_bits(),
+            state.acceleration.len() as u64,
         ];
         bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
-        for vectors in [&state.position, &state.position_residual, &state.velocity] {
+        for vectors in [&state.position, &state.position_residual, &state.velocity, &state.acceleration] {
             bytes.extend(vectors.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
         }
         bytes.extend(state.side.iter().flatten().flat_map(|side| side.to_le_bytes()));
@@ -75,29 +79,34 @@ impl Session {
             let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
             return Err(match line.strip_prefix(b"gelatin-state ") {
                 Some(version) if version.len() < 8 => {
-                    StateFileError::Newer { begins: String::from_utf8_lossy(line).into_owned() }
+                    StateFileError::OtherVersion { begins: String::from_utf8_lossy(line).into_owned() }
                 }
                 _ => StateFileError::NotAState,
             });
         };
         let (body, checksum) = bytes.split_last_chunk::<8>().ok_or(StateFileError::Damaged)?;
-        if contents.len() < 48 || fnv1a(body) != u64::from_le_bytes(*checksum) {
+        if contents.len() < 64 || fnv1a(body) != u64::from_le_bytes(*checksum) {
             return Err(StateFileError::Damaged);
         }
         let mut reader = Reader { rest: &contents[..contents.len() - 8] };
-        let [particles, planes, steps, substep, time] = std::array::from_fn(|_| reader.u64());
+        let [particles, planes, steps, substep, time, lag, accelerations] = std::array::from_fn(|_| reader.u64());
         let present = self.simulation().state();
         let (scene_particles, scene_planes) = (present.position.len(), present.side.len());
         if particles != scene_particles as u64 || planes != scene_planes as u64 {
             return Err(StateFileError::OtherScene { particles, planes, scene_particles, scene_planes });
         }
-        if reader.rest.len() != scene_particles * (36 + scene_planes) {
+        let accelerated = if accelerations == 0 { 0 } else { scene_particles };
+        if accelerations != accelerated as u64
+            || reader.rest.len() != scene_particles * (36 + scene_planes) + 12 * accelerated
+        {
             return Err(StateFileError::Damaged);
         }
         let state = State {
             position: reader.vectors(scene_particles),
             position_residual: reader.vectors(scene_particles),
             velocity: reader.vectors(scene_particles),
+            acceleration: reader.vectors(accelerated),
+            velocity_lag_secs: f64::from_bits(lag),
             side: (0..scene_planes).map(|_| reader.sides(scene_particles)).collect(),
             steps,
             substep: u32::try_from(substep).map_err(|_too_many| StateFileError::Damaged)?,

@@ -5,6 +5,7 @@ mod contact;
 mod determinism;
 mod economy;
 mod friction;
+mod integrators;
 mod presets;
 mod stability;
 mod support;
