@@ -7,6 +7,7 @@ use crate::math::Aabb;
 use crate::scene::edit::{BodyId, Edit, ObstacleId};
 use crate::scene::{Obstacle, ObstacleShape, Scene};
 use crate::session::{Command, Pull};
+use crate::view::draw_list::Selected;
 use crate::view::pick::nearest;
 use crate::view::{DrawList, Hit, Ray, Solid, Thing};
 
@@ -47,20 +48,28 @@ pub fn can_be_held(scene: &Scene, target: Target) -> bool {
     }
 }
 
-/// The box around something in the picture, m; `None` where it is hidden.
-pub fn bounds(scene: &Scene, draw_list: &DrawList, target: Target) -> Option<Aabb<f32>> {
+/// Where something stands in the picture; `None` where it is hidden.
+pub fn place(scene: &Scene, target: Target) -> Option<Selected> {
     match target {
         Target::Body(id) => {
             scene.bodies.get(id.0).filter(|body| !body.hidden)?;
-            let place = scene.bodies[..id.0].iter().filter(|body| !body.hidden).count();
-            let skin = &draw_list.skins.get(place)?.skin;
-            Some(Aabb::around(skin.vertices.iter().map(|vertex| vertex.place(&draw_list.particles))))
+            Some(Selected::Skin(scene.bodies[..id.0].iter().filter(|body| !body.hidden).count()))
         }
         Target::Obstacle(id) => {
             scene.obstacles.get(id.0).filter(|obstacle| !obstacle.hidden)?;
-            let place = scene.obstacles[..id.0].iter().filter(|obstacle| !obstacle.hidden).count();
-            draw_list.solids.get(place).map(Solid::bounds)
+            Some(Selected::Solid(scene.obstacles[..id.0].iter().filter(|obstacle| !obstacle.hidden).count()))
         }
+    }
+}
+
+/// The box around something in the picture, m; `None` where it is hidden.
+pub fn bounds(scene: &Scene, draw_list: &DrawList, target: Target) -> Option<Aabb<f32>> {
+    match place(scene, target)? {
+        Selected::Skin(place) => {
+            let skin = &draw_list.skins.get(place)?.skin;
+            Some(Aabb::around(skin.vertices.iter().map(|vertex| vertex.place(&draw_list.particles))))
+        }
+        Selected::Solid(place) => draw_list.solids.get(place).map(Solid::bounds),
     }
 }
 
@@ -214,6 +223,8 @@ mod tests {
         scene.obstacles[0].hidden = true;
         let mut session = Session::new(scene.clone(), PathBuf::new(), String::new()).expect("it resolves");
         let (found, _) = target(&scene, &session.draw_list(), &from_the_front(1.5, 0.4)).expect("the ball");
+        assert_eq!(place(&scene, found), Some(Selected::Solid(0)), "the first that is drawn");
+        assert_eq!(place(&scene, Target::Obstacle(ObstacleId(0))), None, "the hidden one has no outline");
         assert_eq!(found, Target::Obstacle(ObstacleId(1)), "the second obstacle, though the first is not drawn");
     }
 

@@ -93,6 +93,8 @@ pub enum Key {
     Delete,
     /// The second function key.
     F2,
+    /// The key for the beginning.
+    Home,
     /// A letter (lower case), digit or sign.
     Char(char),
 }
@@ -124,6 +126,8 @@ pub enum Action {
     ColorBy(ColorBy),
     /// Show or hide the list of keys.
     ToggleKeys,
+    /// Show or hide a panel beside the view.
+    TogglePanel(Panel),
     /// Close what lies over the view, let go, choose nothing.
     Close,
     /// Choose what lies under this pixel.
@@ -138,6 +142,15 @@ pub enum Action {
     Chosen(ChosenAction),
     /// Something with files.
     Files(FileAction),
+}
+
+/// A panel beside the view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Panel {
+    /// The list of bodies and obstacles.
+    Tree,
+    /// The values of what is chosen.
+    Inspector,
 }
 
 /// Something to do with the body or obstacle that is chosen.
@@ -174,6 +187,8 @@ pub enum CameraMove {
     },
     /// Show what is chosen, or everything.
     Frame,
+    /// Show everything.
+    FrameAll,
 }
 
 /// The view's rectangle in the window, pixels.
@@ -197,7 +212,7 @@ impl ViewRect {
     }
 }
 
-/// Carries out a move other than [`CameraMove::Frame`], which needs the scene's bounds.
+/// Carries out a move that does not need the scene's bounds.
 pub fn move_camera(orbit: &mut Orbit, camera_move: CameraMove, view: ViewRect) {
     match camera_move {
         CameraMove::Orbit { yaw_rad, pitch_rad } => orbit.orbit(yaw_rad, pitch_rad),
@@ -206,7 +221,7 @@ pub fn move_camera(orbit: &mut Orbit, camera_move: CameraMove, view: ViewRect) {
             let ray = orbit.camera().ray_through(at - view.origin, view.size);
             orbit.zoom_along(factor, &ray);
         }
-        CameraMove::Zoom { .. } | CameraMove::Frame => (),
+        CameraMove::Zoom { .. } | CameraMove::Frame | CameraMove::FrameAll => (),
     }
 }
 
@@ -339,6 +354,9 @@ impl Input {
             Key::Space => Some(Action::Send(Command::Play)),
             Key::Right | Key::Char('.') => Some(Action::Send(Command::StepOnce)),
             Key::Char('r') => Some(Action::Send(Command::Restart)),
+            Key::Home => Some(Action::Camera(CameraMove::FrameAll)),
+            Key::Char('t') => Some(Action::TogglePanel(Panel::Tree)),
+            Key::Char('n') => Some(Action::TogglePanel(Panel::Inspector)),
             Key::Char('f') => Some(Action::Camera(CameraMove::Frame)),
             Key::Char('x') | Key::Delete => Some(Action::Chosen(ChosenAction::Delete)),
             Key::Char('d') if self.shift => Some(Action::Chosen(ChosenAction::Duplicate)),
@@ -441,6 +459,7 @@ fn key_of(key: &WinitKey) -> Option<Key> {
         WinitKey::Named(NamedKey::Escape) => Some(Key::Escape),
         WinitKey::Named(NamedKey::Delete) => Some(Key::Delete),
         WinitKey::Named(NamedKey::F2) => Some(Key::F2),
+        WinitKey::Named(NamedKey::Home) => Some(Key::Home),
         WinitKey::Character(text) => {
             let mut letters = text.chars().flat_map(char::to_lowercase);
             let letter = letters.next()?;

@@ -17,10 +17,10 @@ use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::window::Window;
 
 use super::files::Files;
-use super::hand::Hand;
+use super::hand::{self, Hand};
 use super::input::{self, Action, Input, ViewRect};
 use super::ui::files::FileAction;
-use super::ui::{self, Running, UiState};
+use super::ui::{self, Framing, Running, UiState};
 use super::window::{Canvas, CanvasError, Frame, Shown};
 use super::worker::{Ended, Snapshot, Worker, sentence};
 use super::{Wake, theme};
@@ -255,6 +255,8 @@ impl Shell {
         if let Some(snapshot) = &mut self.snapshot {
             let (picture, scale) = (&mut snapshot.draw_list, output.pixels_per_point);
             picture.camera = self.orbit.camera();
+            picture.style = self.ui.theme.style();
+            picture.selected = self.ui.selection.and_then(|target| hand::place(&snapshot.scene, target));
             picture.overlay.scale = scale;
             let cross = axes(&picture.camera, &picture.style.overlay);
             picture.tools = Overlay { lines: vec![cross], scale, ..Overlay::default() };
@@ -288,13 +290,16 @@ impl Shell {
         self.ui.files.camera = extract::view::camera_settings(&self.orbit);
         let Self { context, snapshot, ui, failure, worker, .. } = self;
         let shown = ui::Shown { running: snapshot.as_ref().map(running), failure };
-        let mut commands = Vec::new();
+        let (mut commands, looks) = (Vec::new(), (ui.theme, ui.selection));
         let output = context.run_ui(raw_input, |root| ui::panels_ui(root, &shown, ui, &mut commands));
         for command in commands {
             worker.send(command);
         }
-        if std::mem::take(&mut self.ui.frame) {
-            self.frame_everything();
+        self.changed |= (self.ui.theme, self.ui.selection) != looks;
+        match self.ui.frame.take() {
+            Some(Framing::Everything) => self.frame_everything(),
+            Some(Framing::Chosen) => self.frame_chosen(),
+            None => (),
         }
         if std::mem::take(&mut self.ui.revive) {
             self.revive();

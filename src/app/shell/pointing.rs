@@ -4,7 +4,7 @@ use glam::Vec2;
 
 use super::Shell;
 use crate::app::hand;
-use crate::app::input::{self, Action, CameraMove, ChosenAction, Event, Situation};
+use crate::app::input::{self, Action, CameraMove, ChosenAction, Event, Panel, Situation};
 use crate::app::ui;
 use crate::view::Ray;
 
@@ -38,6 +38,7 @@ impl Shell {
     pub(super) fn act(&mut self, action: Action) {
         match action {
             Action::Camera(CameraMove::Frame) => self.frame_chosen(),
+            Action::Camera(CameraMove::FrameAll) => self.frame_everything(),
             Action::Camera(camera_move) => {
                 let view = self.view();
                 input::move_camera(&mut self.orbit, camera_move, view);
@@ -49,6 +50,8 @@ impl Shell {
                 self.ui.files.ask(action);
                 self.window.request_redraw();
             }
+            Action::TogglePanel(Panel::Tree) => self.ui.panels.tree ^= true,
+            Action::TogglePanel(Panel::Inspector) => self.ui.panels.inspector ^= true,
             Action::ToggleKeys => self.ui.keys_open = !self.ui.keys_open,
             Action::Close => self.put_away(),
             Action::Choose(pixel) => self.choose(pixel),
@@ -106,7 +109,7 @@ impl Shell {
         }
     }
 
-    fn frame_chosen(&mut self) {
+    pub(super) fn frame_chosen(&mut self) {
         let Some(snapshot) = &self.snapshot else { return };
         let bounds = self.ui.selection.and_then(|target| hand::bounds(&snapshot.scene, &snapshot.draw_list, target));
         match bounds {

@@ -49,6 +49,14 @@ pub fn name(scene: &Scene, target: Target) -> String {
     own.filter(|name| !name.is_empty()).cloned().unwrap_or_else(|| format!("{kind} {}", place + 1))
 }
 
+/// Whether it is not drawn.
+pub(super) fn is_hidden(scene: &Scene, target: Target) -> bool {
+    match target {
+        Target::Body(id) => scene.bodies.get(id.0).is_some_and(|body| body.hidden),
+        Target::Obstacle(id) => scene.obstacles.get(id.0).is_some_and(|obstacle| obstacle.hidden),
+    }
+}
+
 /// Gives it another name.
 pub(super) fn rename(scene: &Scene, target: Target, name: String) -> Option<Edit> {
     match target {
@@ -83,7 +91,7 @@ fn duplicate(scene: &Scene, target: Target, state: &mut UiState) -> [Command; 3]
             let mut body = Body { name, ..scene.bodies[id.0].clone() };
             body.pose.position[0] += 1.2 * length(&body.shape);
             let place = BodyId(scene.bodies.len());
-            state.selection = Some(Target::Body(place));
+            state.awaited = Some(Target::Body(place));
             alone(Edit::InsertBody(place, Box::new(body)))
         }
         Target::Obstacle(id) => {
@@ -93,7 +101,7 @@ fn duplicate(scene: &Scene, target: Target, state: &mut UiState) -> [Command; 3]
                 ObstacleShape::Sphere(sphere) => sphere.center[0] += 2.2 * sphere.radius,
             }
             let place = ObstacleId(scene.obstacles.len());
-            state.selection = Some(Target::Obstacle(place));
+            state.awaited = Some(Target::Obstacle(place));
             alone(Edit::InsertObstacle(place, Box::new(obstacle)))
         }
     }
@@ -124,7 +132,7 @@ pub(super) fn create(new: New, scene: &Scene, bodies: &[BodyStatus], state: &mut
                 material: material.unwrap_or_default(),
                 ..Body::default()
             };
-            state.selection = Some(Target::Body(BodyId(scene.bodies.len())));
+            state.awaited = Some(Target::Body(BodyId(scene.bodies.len())));
             Edit::InsertBody(BodyId(scene.bodies.len()), Box::new(body))
         }
         New::Sphere | New::Plane => {
@@ -137,7 +145,7 @@ pub(super) fn create(new: New, scene: &Scene, bodies: &[BodyStatus], state: &mut
                 ("Plane", ObstacleShape::Plane(Plane { center, rotation_deg: [0.0, 0.0, -15.0], half_extents }))
             };
             let obstacle = Obstacle { name: numbered(kind, scene), shape, ..Obstacle::default() };
-            state.selection = Some(Target::Obstacle(ObstacleId(scene.obstacles.len())));
+            state.awaited = Some(Target::Obstacle(ObstacleId(scene.obstacles.len())));
             Edit::InsertObstacle(ObstacleId(scene.obstacles.len()), Box::new(obstacle))
         }
     };

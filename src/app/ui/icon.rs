@@ -39,10 +39,10 @@ pub(super) fn icon_button_ui(ui: &mut Ui, icon: Icon, name: &str, key: &str, ena
 
 /// A button for a row of a list: a sign without a ground of its own.
 pub(super) fn small_button_ui(ui: &mut Ui, icon: Icon, name: &str) -> Response {
-    let ground = ui.visuals().widgets.inactive.bg_fill;
-    ui.visuals_mut().widgets.inactive.bg_fill = Color32::TRANSPARENT;
+    let ground = ui.visuals().widgets.inactive.weak_bg_fill;
+    ui.visuals_mut().widgets.inactive.weak_bg_fill = Color32::TRANSPARENT;
     let response = sign_ui(ui, icon, name, Vec2::new(24.0, 22.0), true);
-    ui.visuals_mut().widgets.inactive.bg_fill = ground;
+    ui.visuals_mut().widgets.inactive.weak_bg_fill = ground;
     response.on_hover_text(name)
 }
 
@@ -52,13 +52,17 @@ fn sign_ui(ui: &mut Ui, icon: Icon, name: &str, size: Vec2, enabled: bool) -> Re
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled && ui.is_enabled(), name));
     let visuals = ui.style().interact(&response);
     let color = match (enabled, icon) {
-        (false, _) => theme::WEAK.gamma_multiply(0.45),
-        (true, Icon::Play) => theme::ACCENT,
+        (false, _) => theme::of(ui).weak.gamma_multiply(0.45),
+        (true, Icon::Play) => theme::of(ui).accent,
         (true, _) => visuals.fg_stroke.color,
     };
-    ui.painter().rect_filled(rect, visuals.corner_radius, if enabled { visuals.bg_fill } else { Color32::TRANSPARENT });
+    ui.painter().rect_filled(
+        rect,
+        visuals.corner_radius,
+        if enabled { visuals.weak_bg_fill } else { Color32::TRANSPARENT },
+    );
     if response.has_focus() {
-        let outline = Stroke::new(1.5, theme::ACCENT);
+        let outline = Stroke::new(1.5, theme::of(ui).accent);
         ui.painter().rect_stroke(rect, visuals.corner_radius, outline, egui::StrokeKind::Inside);
     }
     ui.painter().extend(shapes(icon, rect.center(), color));

@@ -8,7 +8,9 @@ pub mod files;
 mod icon;
 mod inspector;
 mod keys;
+mod menu;
 mod message;
+mod meter;
 mod timeline;
 mod top_bar;
 mod tree;
@@ -18,7 +20,7 @@ mod value;
 use egui::{Align2, Area, Id, Order, Rect, RichText, Ui};
 
 use super::hand::Target;
-use super::theme;
+use super::theme::{self, Theme};
 use crate::scene::presets::Preset;
 use crate::scene::{ColorBy, Scene, ViewSettings};
 use crate::session::{Command, Status};
@@ -30,9 +32,11 @@ use files::FilesState;
 /// Widths of the panels beside the view, points.
 const TREE_WIDTH: f32 = 190.0;
 const INSPECTOR_WIDTH: f32 = 336.0;
-/// Below these widths of the window (points) a panel gives way to the view.
-const TREE_NEEDS: f32 = 880.0;
-const INSPECTOR_NEEDS: f32 = 640.0;
+/// Below this width of the window (points) both panels stand on one side.
+const TWO_SIDES_NEED: f32 = 1100.0;
+/// The share of that side that the list has, and its least height, points.
+const TREE_SHARE: f32 = 0.36;
+const TREE_HEIGHT: f32 = 140.0;
 
 /// What the panels show.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +60,6 @@ pub struct Running<'a> {
 
 /// What the panels remember between frames and the session need not know.
 #[derive(Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "wishes of a person that the window fulfils one by one")]
 pub struct UiState {
     /// The scenes to choose from.
     pub presets: &'static [Preset],
@@ -68,10 +71,14 @@ pub struct UiState {
     pub view_rect: Rect,
     /// A person asked for a new start after a failure.
     pub revive: bool,
-    /// A person asked to see everything.
-    pub frame: bool,
+    /// What a person asked to see whole.
+    pub frame: Option<Framing>,
+    /// The colours of the interface and the view.
+    pub theme: Theme,
     /// What is chosen.
     pub selection: Option<Target>,
+    /// What will be chosen as soon as it is there: the sandbox answers a few frames later.
+    pub awaited: Option<Target>,
     /// What is being renamed, and the name so far.
     pub renaming: Option<(Target, String)>,
     /// Where the next teleport goes, m.
@@ -82,6 +89,15 @@ pub struct UiState {
     pub panels: Panels,
     /// The dialogs about files.
     pub files: FilesState,
+}
+
+/// What the camera is to show whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Framing {
+    /// All bodies.
+    Everything,
+    /// What is chosen; everything where nothing is.
+    Chosen,
 }
 
 /// Which panels beside the view are open.
@@ -102,8 +118,10 @@ impl UiState {
             dismissed: String::new(),
             view_rect: Rect::NOTHING,
             revive: false,
-            frame: false,
+            frame: None,
+            theme: Theme::default(),
             selection: None,
+            awaited: None,
             renaming: None,
             origin: [0.0, 1.0, 0.0],
             load_model: false,
@@ -112,10 +130,10 @@ impl UiState {
         }
     }
 
-    /// Chooses nothing that is not there.
+    /// Chooses what has come, and nothing that is not there.
     fn follow(&mut self, scene: &Scene) {
         let there = |target: &Target| actions::exists(scene, *target);
-        self.selection = self.selection.filter(there);
+        self.selection = self.awaited.take_if(|awaited| there(awaited)).or(self.selection.filter(there));
         if self.renaming.as_ref().is_some_and(|(target, _)| !there(target)) {
             self.renaming = None;
         }
@@ -124,13 +142,14 @@ impl UiState {
 
 /// All panels, around and over the view.
 pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    theme::choose(ui, state.theme);
     let idle = Status::default();
     let status = shown.running.map_or(&idle, |running| running.status);
-    egui::Panel::top("top bar").resizable(false).frame(theme::bar_frame()).show(ui, |ui| {
-        top_bar::top_bar_ui(ui, status, state, commands);
+    egui::Panel::top("top bar").resizable(false).frame(theme::bar_frame(ui)).show(ui, |ui| {
+        top_bar::top_bar_ui(ui, shown, state, commands);
     });
-    egui::Panel::bottom("timeline").resizable(false).frame(theme::bar_frame()).show(ui, |ui| {
-        timeline::timeline_ui(ui, status, state, commands);
+    egui::Panel::bottom("timeline").resizable(false).frame(theme::bar_frame(ui)).show(ui, |ui| {
+        timeline::timeline_ui(ui, status, commands);
     });
     if let Some(running) = shown.running {
         state.follow(running.scene);
@@ -141,14 +160,14 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
         Some(running) => {
             trouble::trouble_ui(ui, status, state, commands);
             over_view(ui, "color", state.view_rect, Align2::LEFT_BOTTOM, |ui| {
-                theme::float_frame().show(ui, |ui| {
+                theme::float_frame(ui).show(ui, |ui| {
                     color::color_ui(ui, &running.scene.view, running.color_key, commands);
                 });
             });
         }
         None if shown.failure.is_empty() => {
             over_view(ui, "preparing", state.view_rect, Align2::CENTER_CENTER, |ui| {
-                ui.label(RichText::new("Preparing the scene…").color(theme::WEAK));
+                ui.label(RichText::new("Preparing the scene…").color(theme::of(ui).weak));
             });
         }
         None => (),
@@ -159,21 +178,25 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     files::files_ui(ui, if shown.failure.is_empty() { status } else { &idle }, state, commands);
 }
 
-/// The panels beside the view: as wide as the window lets them be.
+/// The panels beside the view. In a narrow window the list stands above the values, so that the view keeps its half.
 fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
-    let width = ui.available_width();
-    if state.panels.tree && width >= TREE_NEEDS {
-        egui::Panel::left("tree").resizable(false).exact_size(TREE_WIDTH).frame(theme::bar_frame()).show(ui, |ui| {
-            tree::tree_ui(ui, running, state, commands);
-        });
+    let Panels { tree, inspector } = state.panels;
+    let wide = ui.available_width() >= TWO_SIDES_NEED;
+    if tree && (wide || !inspector) {
+        let left = egui::Panel::left("tree").resizable(false).exact_size(TREE_WIDTH);
+        left.frame(theme::bar_frame(ui)).show(ui, |ui| tree::tree_ui(ui, running, state, commands));
     }
-    if state.panels.inspector && width >= INSPECTOR_NEEDS {
-        egui::Panel::right("inspector").resizable(false).exact_size(INSPECTOR_WIDTH).frame(theme::bar_frame()).show(
-            ui,
-            |ui| {
-                inspector::inspector_ui(ui, running, state, commands);
-            },
-        );
+    if inspector {
+        let right = egui::Panel::right("inspector").resizable(false).exact_size(INSPECTOR_WIDTH);
+        right.frame(theme::bar_frame(ui)).show(ui, |ui| {
+            if tree && !wide {
+                let height = (TREE_SHARE * ui.available_height()).max(TREE_HEIGHT);
+                let above = egui::Panel::top("tree above").resizable(false).exact_size(height);
+                let frame = egui::Frame::new().inner_margin(egui::Margin { bottom: 6, ..egui::Margin::ZERO });
+                above.frame(frame).show(ui, |ui| tree::tree_ui(ui, running, state, commands));
+            }
+            inspector::inspector_ui(ui, running, state, commands);
+        });
     }
 }
 

@@ -1,6 +1,6 @@
 //! The list of everything in the scene: what is there, what is chosen, what is hidden, and the buttons that add more.
 
-use egui::{Align, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
+use egui::{Align, Button, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 
 use super::actions::{self, New};
 use super::icon::{Icon, small_button_ui};
@@ -11,10 +11,18 @@ use crate::scene::Scene;
 use crate::scene::edit::{BodyId, ObstacleId};
 use crate::session::Command;
 
+/// What can be added; `None` is a model, which has to be found first.
+const NEW: [(&str, Option<New>); 4] =
+    [("+ Cube", Some(New::Cube)), ("+ Model…", None), ("+ Sphere", Some(New::Sphere)), ("+ Plane", Some(New::Plane))];
+/// From this width on (points) they stand in one row.
+const ONE_ROW_NEEDS: f32 = 290.0;
+
 /// The list, with the buttons that add to it.
 pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Running { scene, status, .. } = running;
-    let buttons = ui.spacing().interact_size.y * 2.0 + 3.0 * ui.spacing().item_spacing.y + 6.0;
+    let columns = if ui.available_width() < ONE_ROW_NEEDS { 2 } else { 4 };
+    let (rows, gap) = ((NEW.len() / columns) as f32, ui.spacing().item_spacing.x);
+    let buttons = (ui.spacing().interact_size.y + ui.spacing().item_spacing.y) * rows + 16.0;
     let room = (ui.available_height() - buttons).max(60.0);
     ScrollArea::vertical().max_height(room).auto_shrink([false, false]).show(ui, |ui| {
         heading_ui(ui, "Bodies");
@@ -28,25 +36,24 @@ pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, co
         }
     });
     ui.separator();
-    let width = 0.5 * (ui.available_width() - ui.spacing().item_spacing.x);
-    let size = vec2(width, ui.spacing().interact_size.y);
-    for pair in [[Some((New::Cube, "+ Cube")), None], [Some((New::Sphere, "+ Sphere")), Some((New::Plane, "+ Plane"))]]
-    {
+    let width = (ui.available_width() + gap) / columns as f32 - gap;
+    let size = vec2(width.floor(), ui.spacing().interact_size.y);
+    for row in NEW.chunks(columns) {
         ui.horizontal(|ui| {
-            for (new, label) in pair.into_iter().flatten() {
-                if ui.add_sized(size, egui::Button::new(label)).clicked() {
-                    actions::create(new, scene, &status.bodies, state, commands);
+            for (label, new) in row {
+                let clicked = ui.add_sized(size, Button::new(*label)).clicked();
+                match new {
+                    Some(new) if clicked => actions::create(*new, scene, &status.bodies, state, commands),
+                    None if clicked => state.load_model = true,
+                    _ => (),
                 }
-            }
-            if pair[1].is_none() && ui.add_sized(size, egui::Button::new("+ Model…")).clicked() {
-                state.load_model = true;
             }
         });
     }
 }
 
 fn heading_ui(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).small().color(theme::WEAK));
+    ui.label(RichText::new(text).small().color(theme::of(ui).weak));
 }
 
 fn row_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, commands: &mut Vec<Command>) {
@@ -54,7 +61,7 @@ fn row_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, comma
         rename_ui(ui, scene, target, state, commands);
         return;
     }
-    let (hidden, name) = (is_hidden(scene, target), actions::name(scene, target));
+    let (hidden, name) = (actions::is_hidden(scene, target), actions::name(scene, target));
     let chosen = state.selection == Some(target);
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -63,13 +70,13 @@ fn row_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, comma
                 actions::act(ChosenAction::Hide, target, scene, state, commands);
             }
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
-                let color = if hidden { theme::WEAK } else { theme::STRONG };
+                let color = if hidden { theme::of(ui).weak } else { theme::of(ui).strong };
                 let text = RichText::new(&name).color(color);
-                let button = egui::Button::selectable(chosen, text).truncate().sense(Sense::click());
+                let button = Button::selectable(chosen, text).truncate().sense(Sense::click());
                 let row = ui.add(button);
                 row.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, chosen, &name));
                 if row.clicked() {
-                    state.selection = Some(target);
+                    (state.selection, state.awaited) = (Some(target), None);
                 }
                 if row.double_clicked() {
                     actions::act(ChosenAction::Rename, target, scene, state, commands);
@@ -109,12 +116,5 @@ fn rename_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, co
         }
     } else {
         response.request_focus();
-    }
-}
-
-fn is_hidden(scene: &Scene, target: Target) -> bool {
-    match target {
-        Target::Body(id) => scene.bodies.get(id.0).is_some_and(|body| body.hidden),
-        Target::Obstacle(id) => scene.obstacles.get(id.0).is_some_and(|obstacle| obstacle.hidden),
     }
 }

@@ -6,7 +6,8 @@ use egui::{
     WidgetInfo, WidgetText, pos2, vec2,
 };
 
-use super::theme;
+use super::{capitalised, theme};
+use crate::scene::Family;
 use crate::scene::param::{self, Kind, Param};
 
 /// Width of a label, points.
@@ -46,7 +47,7 @@ struct Scale {
 
 impl Scale {
     fn of(param: &Param) -> Option<Self> {
-        let (Kind::Number { min, max } | Kind::NumberOr { min, max, .. }) = param.kind else { return None };
+        let (min, max) = ends(param)?;
         Some(Self { min, max, logarithmic: param.logarithmic })
     }
 
@@ -103,14 +104,22 @@ pub(super) fn slider_ui(ui: &mut Ui, path: &str, label: &str, value: &mut f64, s
     ui.horizontal(|ui| {
         label_ui(ui, label, param);
         let width = (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(40.0);
-        touch.and(track_ui(ui, id, param, &scale, label, width, &mut shown, safe));
-        touch.and(number_ui(ui, id, param, label, param.unit, &mut shown));
+        let spoken = spoken(path, label);
+        touch.and(track_ui(ui, id, param, &scale, &spoken, width, &mut shown, safe));
+        touch.and(number_ui(ui, id, param, &spoken, param.unit, &mut shown));
     });
     hint_ui(ui, id);
     if touch.changed {
         *value = shown;
     }
     touch
+}
+
+/// The name for those who cannot see under which heading a value stands.
+fn spoken(path: &str, label: &str) -> String {
+    let heading = path.rsplit('.').nth(1);
+    let family = Family::ALL.into_iter().map(Family::name).find(|name| heading == Some(name));
+    family.map_or_else(|| label.to_owned(), |name| format!("{} {}", capitalised(name), label.to_lowercase()))
 }
 
 /// A number without a track.
@@ -149,7 +158,7 @@ pub(super) fn vector_ui(ui: &mut Ui, path: &str, label: &str, names: &[&str], va
 /// A label that says what the parameter is when the pointer rests on it.
 pub(super) fn label_ui(ui: &mut Ui, label: &str, param: &Param) -> Response {
     let size = vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
-    let text = egui::Label::new(RichText::new(label).color(theme::WEAK)).truncate();
+    let text = egui::Label::new(RichText::new(label).color(theme::of(ui).weak)).truncate();
     ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
         ui.set_min_width(LABEL_WIDTH);
         ui.add(text)
@@ -237,26 +246,33 @@ fn paint_track(ui: &Ui, response: &Response, line: Rect, scale: &Scale, param: &
     let visuals = ui.style().interact(response);
     let rail = Rect::from_min_max(pos2(line.left(), middle - 2.0), pos2(line.right(), middle + 2.0));
     painter.rect_filled(rail, 2.0, ui.visuals().widgets.inactive.bg_fill);
-    painter.rect_filled(rail.with_max_x(at(value)), 2.0, theme::ACCENT.gamma_multiply(0.55));
+    painter.rect_filled(rail.with_max_x(at(value)), 2.0, theme::of(ui).accent.gamma_multiply(0.55));
     if let Some(default) = param.default_value().and_then(|default| default.as_f64()) {
-        painter.vline(at(default), middle - 6.0..=middle + 6.0, Stroke::new(1.0, theme::WEAK));
+        painter.vline(at(default), middle - 6.0..=middle + 6.0, Stroke::new(1.0, theme::of(ui).weak));
     }
     if let Some(safe) = safe {
         let x = at(safe);
-        painter.vline(x, middle - 7.0..=middle + 7.0, Stroke::new(2.0, theme::WARNING));
+        painter.vline(x, middle - 7.0..=middle + 7.0, Stroke::new(2.0, theme::of(ui).warning));
     }
     let knob = pos2(at(value), middle);
     painter.circle(knob, 6.0, visuals.fg_stroke.color, Stroke::new(1.0, ui.visuals().panel_fill));
     if response.has_focus() {
         let around = Rect::from_center_size(knob, Vec2::splat(16.0));
-        painter.rect_stroke(around, 8.0, Stroke::new(1.5, theme::ACCENT), StrokeKind::Outside);
+        painter.rect_stroke(around, 8.0, Stroke::new(1.5, theme::of(ui).accent), StrokeKind::Outside);
     }
 }
 
 /// A number to type or to drag slowly. A value that is not allowed is refused and a hint says what would be.
 fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &str, value: &mut f64) -> Touch {
-    let mut shown = *value;
-    let speed = if param.logarithmic { (value.abs() * 0.01).max(1e-9) } else { 0.01 };
+    let Some((min, max)) = ends(param) else { return Touch::default() };
+    let whole = matches!(param.kind, Kind::Integer { .. });
+    let dragged_id = id.with("number");
+    let mut shown = held(ui, dragged_id).unwrap_or(*value);
+    let speed = match param.logarithmic {
+        true => (shown.abs() * 0.01).max(1e-9),
+        false if whole => 0.1,
+        false => 0.01,
+    };
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     let widget = DragValue::new(&mut shown)
         .speed(speed)
@@ -269,11 +285,13 @@ fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &str, value:
     let response = response.on_hover_text(help(param));
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
     let mut touch = Touch { changed: false, ended: response.drag_stopped() || response.lost_focus() };
+    let dragged = response.dragged();
     if response.changed() && differs(shown, *value) {
-        let dragged = response.dragged();
-        let (Kind::Number { min, max } | Kind::NumberOr { min, max, .. }) = param.kind else { return touch };
         if dragged {
             shown = rounded(shown).clamp(min, max);
+        }
+        if whole {
+            shown = shown.round();
         }
         if (min..=max).contains(&shown) {
             *value = shown;
@@ -283,11 +301,24 @@ fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &str, value:
             hint(ui, id, Some(format!("{} is outside {}", figure(shown), param.range_text())));
         }
     }
+    hold(ui, dragged_id, dragged.then_some(shown));
     touch
 }
 
+/// The least and the greatest number that a parameter may be.
+fn ends(param: &Param) -> Option<(f64, f64)> {
+    match param.kind {
+        Kind::Number { min, max } | Kind::NumberOr { min, max, .. } => Some((min, max)),
+        Kind::Integer { min, max } => Some((min as f64, max as f64)),
+        _ => None,
+    }
+}
+
+/// A number as people write it, with or without its unit.
 fn parse(text: &str) -> Option<f64> {
-    let number = text.split_whitespace().next()?.replace('−', "-").replace(',', ".");
+    let number =
+        text.split_whitespace().next()?.trim_end_matches(|letter: char| !letter.is_ascii_digit() && letter != '.');
+    let number = number.replace('−', "-").replace(',', ".");
     number.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
@@ -301,7 +332,7 @@ fn hint(ui: &Ui, id: Id, text: Option<String>) {
 
 fn hint_ui(ui: &mut Ui, id: Id) {
     if let Some(text) = ui.data(|data| data.get_temp::<String>(id.with("hint"))) {
-        ui.label(WidgetText::from(RichText::new(text).small().color(theme::WARNING)));
+        ui.label(WidgetText::from(RichText::new(text).small().color(theme::of(ui).warning)));
     }
 }
 
@@ -383,7 +414,7 @@ mod tests {
         for (value, text) in [(0.1, "0.1"), (12.345_678_9, "12.3457"), (1.5e6, "1.5e6"), (0.0, "0"), (2e-5, "2e-5")] {
             assert_eq!(figure(value), text);
         }
-        assert_eq!((parse("1e5"), parse(" 2,5 N"), parse("−3")), (Some(1e5), Some(2.5), Some(-3.0)));
+        assert_eq!((parse("1e5"), parse(" 2,5 N"), parse("−3°")), (Some(1e5), Some(2.5), Some(-3.0)));
         assert_eq!((parse("soft"), parse("inf"), parse("")), (None, None, None), "not a number");
     }
 }

@@ -13,10 +13,10 @@ pub(super) fn drop_ui(ui: &Ui, state: &mut UiState) {
         let name = name.unwrap_or_else(|| "the file".to_owned());
         let painter = ui.ctx().layer_painter(LayerId::new(Order::Foreground, Id::new("drop")));
         let view = state.view_rect.shrink(6.0);
-        painter.rect_filled(view, CornerRadius::same(9), theme::ACCENT.gamma_multiply(0.12));
-        painter.rect_stroke(view, CornerRadius::same(9), Stroke::new(2.0, theme::ACCENT), StrokeKind::Inside);
+        painter.rect_filled(view, CornerRadius::same(9), theme::of(ui).accent.gamma_multiply(0.12));
+        painter.rect_stroke(view, CornerRadius::same(9), Stroke::new(2.0, theme::of(ui).accent), StrokeKind::Inside);
         let font = egui::TextStyle::Heading.resolve(ui.style());
-        painter.text(view.center(), Align2::CENTER_CENTER, format!("Drop to open {name}"), font, theme::STRONG);
+        painter.text(view.center(), Align2::CENTER_CENTER, format!("Drop to open {name}"), font, theme::of(ui).strong);
     }
     if let Some(path) = dropped.into_iter().find_map(|file| file.path) {
         if is_scene_path(&path) {

@@ -150,7 +150,7 @@ fn dialog_ui(ui: &Ui, name: &str, width: f32, contents: impl FnOnce(&mut Ui)) ->
     let frame = egui::Frame::window(ui.style()).inner_margin(18);
     let modal = Modal::new(Id::unique(name)).frame(frame).show(ui.ctx(), |ui| {
         ui.set_width(width.min(room.x - 60.0));
-        ui.label(RichText::new(name).heading().color(theme::STRONG));
+        ui.label(RichText::new(name).heading().color(theme::of(ui).strong));
         ui.add_space(4.0);
         contents(ui);
     });

@@ -89,7 +89,7 @@ fn recent_ui(ui: &mut Ui, recent: &[PathBuf], field: &mut PathField) {
     if recent.is_empty() {
         return;
     }
-    ui.label(RichText::new("Recent").color(theme::WEAK));
+    ui.label(RichText::new("Recent").color(theme::of(ui).weak));
     for path in recent.iter().take(RECENT) {
         let shown = path.display().to_string();
         if ui.add(egui::Button::new(&shown).frame(false).truncate()).clicked() {

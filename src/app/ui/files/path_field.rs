@@ -91,7 +91,7 @@ impl PathField {
     pub(super) fn ui(&mut self, ui: &mut Ui, label: &str, can_browse: bool) -> PathResponse {
         let mut response = PathResponse::default();
         ui.horizontal(|ui| {
-            let name = ui.label(RichText::new(label).color(theme::WEAK));
+            let name = ui.label(RichText::new(label).color(theme::of(ui).weak));
             let width = (ui.available_width() - 92.0).max(120.0);
             let edit = TextEdit::singleline(&mut self.text).desired_width(width).hint_text("type a path");
             let field = ui.add(edit).labelled_by(name.id);
@@ -113,10 +113,12 @@ impl PathField {
 
     fn verdict_ui(&self, ui: &mut Ui) {
         let (text, color) = match &self.verdict {
-            Verdict::Unfinished => (String::new(), theme::WEAK),
-            Verdict::Unusable(why) => (why.clone(), theme::ERROR),
-            Verdict::Usable(_, what) => (what.clone(), theme::WEAK),
-            Verdict::Replaces(_) => ("There is a file of this name; it will be replaced".to_owned(), theme::WARNING),
+            Verdict::Unfinished => (String::new(), theme::of(ui).weak),
+            Verdict::Unusable(why) => (why.clone(), theme::of(ui).error),
+            Verdict::Usable(_, what) => (what.clone(), theme::of(ui).weak),
+            Verdict::Replaces(_) => {
+                ("There is a file of this name; it will be replaced".to_owned(), theme::of(ui).warning)
+            }
         };
         ui.add(egui::Label::new(RichText::new(text).color(color)).wrap());
     }
@@ -160,7 +162,7 @@ pub(super) struct PathResponse {
 }
 
 fn row_ui(ui: &mut Ui, shown: &str, name: &str) -> egui::Response {
-    let button = Button::new(RichText::new(shown).color(theme::STRONG)).frame(false).truncate();
+    let button = Button::new(RichText::new(shown).color(theme::of(ui).strong)).frame(false).truncate();
     let response = ui.add_sized([ui.available_width(), 20.0], button.right_text(""));
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, name));
     response

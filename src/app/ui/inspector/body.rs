@@ -23,15 +23,15 @@ fn material_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>
     let Material::Springs(mut springs) = body.material;
     let mut touch = Touch::default();
     for family in Family::ALL {
-        ui.label(RichText::new(family_title(family)).color(theme::STRONG));
+        ui.label(RichText::new(family_title(family)).color(theme::of(ui).strong));
         let spring = family_mut(&mut springs, family);
         let path = |what: &str| format!("bodies.{}.material.springs.{}.{what}", id.0, family.name());
         touch.and(slider_ui(ui, &path("stiffness"), "Stiffness", &mut spring.stiffness, None));
         touch.and(slider_ui(ui, &path("damping"), "Damping", &mut spring.damping, None));
     }
-    ui.label(RichText::new("Particles").color(theme::STRONG));
+    ui.add_space(2.0);
     let path = format!("bodies.{}.material.springs.particle_mass", id.0);
-    touch.and(slider_ui(ui, &path, "Mass", &mut springs.particle_mass, None));
+    touch.and(slider_ui(ui, &path, "Particle mass", &mut springs.particle_mass, None));
     let changed = || Body { material: Material::Springs(springs), ..body.clone() };
     send(touch, || Edit::Body(id, Box::new(changed())), commands);
 }
@@ -122,7 +122,7 @@ fn cube_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
 fn skin_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
     let words = |skin| if skin == Skin::Auto { "the model's surface" } else { "its cells" };
     ui.horizontal(|ui| {
-        let label = ui.label(RichText::new("Drawn as").color(theme::WEAK));
+        let label = ui.label(RichText::new("Drawn as").color(theme::of(ui).weak));
         let combo = ComboBox::from_id_salt("skin").selected_text(words(body.skin));
         let response = combo.show_ui(ui, |ui| {
             for skin in [Skin::Auto, Skin::Cells] {
@@ -140,7 +140,7 @@ fn row_ui(ui: &mut Ui, name: &str, value: &str) {
     ui.horizontal(|ui| {
         ui.allocate_ui(vec2(crate::app::ui::value::LABEL_WIDTH, 18.0), |ui| {
             ui.set_min_width(crate::app::ui::value::LABEL_WIDTH);
-            ui.label(RichText::new(name).color(theme::WEAK));
+            ui.label(RichText::new(name).color(theme::of(ui).weak));
         });
         ui.add(egui::Label::new(value).truncate());
     });

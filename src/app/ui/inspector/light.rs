@@ -32,7 +32,7 @@ fn direction_ui(ui: &mut Ui, light: &mut LightSettings) -> Touch {
         ui.horizontal(|ui| {
             ui.allocate_ui(egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y), |ui| {
                 ui.set_min_width(LABEL_WIDTH);
-                ui.label(egui::RichText::new(label).color(theme::WEAK));
+                ui.label(egui::RichText::new(label).color(theme::of(ui).weak));
             });
             ui.spacing_mut().slider_width = (ui.available_width() - 72.0).max(40.0);
             let slider = egui::Slider::new(angle, least..=-least).suffix("°").max_decimals(0).step_by(1.0);
@@ -56,7 +56,7 @@ fn color_ui(ui: &mut Ui, light: &mut LightSettings) -> Touch {
     ui.horizontal(|ui| {
         ui.allocate_ui(egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y), |ui| {
             ui.set_min_width(LABEL_WIDTH);
-            ui.label(egui::RichText::new("Colour").color(theme::WEAK));
+            ui.label(egui::RichText::new("Colour").color(theme::of(ui).weak));
         });
         let mut color = light.color.map(|part| part as f32);
         let response = ui.color_edit_button_rgb(&mut color);

@@ -18,8 +18,8 @@ use crate::session::Command;
 pub(super) fn inspector_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         let chosen = state.selection.filter(|target| actions::exists(running.scene, *target));
-        let title = chosen.map_or_else(|| "Scene".to_owned(), |target| actions::name(running.scene, target));
-        ui.label(RichText::new(title).color(theme::STRONG).size(15.0).strong());
+        let title = chosen.map_or_else(|| "The scene".to_owned(), |target| actions::name(running.scene, target));
+        ui.label(RichText::new(title).color(theme::of(ui).strong).size(15.0).strong());
         ui.add_space(2.0);
         match chosen {
             Some(Target::Body(id)) => body::body_ui(ui, id, running, state, commands),
@@ -34,7 +34,9 @@ pub(super) fn inspector_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiStat
 /// A part of the panel that can be folded away.
 fn section_ui(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
     ui.separator();
-    CollapsingHeader::new(RichText::new(title).color(theme::STRONG)).default_open(open).show_unindented(ui, contents);
+    CollapsingHeader::new(RichText::new(title).color(theme::of(ui).strong))
+        .default_open(open)
+        .show_unindented(ui, contents);
 }
 
 /// Sends an edit where something has changed, and its end where that is finished.

@@ -33,7 +33,7 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
         }
     });
     ui.add_space(4.0);
-    ui.label(RichText::new("Click a body or an obstacle to change it.").color(theme::WEAK));
+    ui.label(RichText::new("Click a body or an obstacle to change it.").color(theme::of(ui).weak));
 }
 
 /// A choice among a few; what was chosen, if anything was.
