@@ -1,6 +1,8 @@
 //! What a pointer and a keyboard mean, without a window.
 
-use gelatin::app::input::{Action, Button, CameraMove, Event, Input, Key, Situation, ViewRect, move_camera};
+use gelatin::app::input::{
+    Action, Button, CameraMove, ChosenAction, Event, Input, Key, Panel, Situation, ViewRect, move_camera,
+};
 use gelatin::scene::ColorBy;
 use gelatin::session::Command;
 use gelatin::view::Orbit;
@@ -124,7 +126,16 @@ fn every_key_does_what_the_list_of_keys_says() {
     assert!(matches!(key(Key::Char('1'), OVER_VIEW), Some(Action::ColorBy(ColorBy::Plain))));
     assert!(matches!(key(Key::Char('7'), OVER_VIEW), Some(Action::ColorBy(ColorBy::Contact))));
     assert!(matches!(key(Key::F1, OVER_VIEW), Some(Action::ToggleKeys)));
-    for unused in ['0', '8', 'x'] {
+    for (letter, action) in [('x', ChosenAction::Delete), ('h', ChosenAction::Hide)] {
+        let asked = key(Key::Char(letter), OVER_VIEW);
+        assert!(matches!(asked, Some(Action::Chosen(chosen)) if chosen == action), "{letter}: {asked:?}");
+    }
+    assert!(matches!(key(Key::Delete, OVER_VIEW), Some(Action::Chosen(ChosenAction::Delete))));
+    assert!(matches!(key(Key::F2, OVER_VIEW), Some(Action::Chosen(ChosenAction::Rename))));
+    assert!(matches!(key(Key::Home, OVER_VIEW), Some(Action::Camera(CameraMove::FrameAll))));
+    assert!(matches!(key(Key::Char('t'), OVER_VIEW), Some(Action::TogglePanel(Panel::Tree))));
+    assert!(matches!(key(Key::Char('n'), OVER_VIEW), Some(Action::TogglePanel(Panel::Inspector))));
+    for unused in ['0', '8', 'q'] {
         assert!(key(Key::Char(unused), OVER_VIEW).is_none(), "{unused}");
     }
 }

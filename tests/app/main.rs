@@ -3,7 +3,11 @@
 
 mod files;
 mod input;
+mod live;
 mod panels;
+mod panels_sizes;
+mod panels_things;
+mod panels_values;
 mod window;
 mod window_files;
 mod worker;

@@ -387,7 +387,8 @@ impl Shot {
     /// The last rows are dark and of one colour at the left edge, the rows above the bar are not.
     fn has_bottom_bar(&self) -> bool {
         let width = usize::try_from(self.size[0]).expect("not negative");
-        let row = |from_bottom: usize| self.pixels[self.pixels.len() - from_bottom * width];
+        // Left of the middle lies the view, whatever panels stand beside it.
+        let row = |from_bottom: usize| self.pixels[self.pixels.len() - from_bottom * width + 2 * width / 5];
         let dark = |[red, green, blue]: [u8; 3]| red < 50 && green < 50 && blue < 50;
         dark(row(2)) && dark(row(30)) && !dark(row(60))
     }
