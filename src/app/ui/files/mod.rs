@@ -146,9 +146,12 @@ pub(super) fn files_ui(
     commands: &mut Vec<Command>,
 ) {
     drop::drop_ui(ui, state);
-    recovery_card::recovery_card_ui(ui, state);
     if std::mem::take(&mut state.load_model) {
         state.files.ask(FileAction::LoadModel);
+    }
+    // One thing at a time: a simulation that broke comes first.
+    if status.trouble.is_none() {
+        recovery_card::recovery_card_ui(ui, state);
     }
     for action in std::mem::take(&mut state.files.asked) {
         begin(action, status, state, commands);
