@@ -47,6 +47,7 @@ fn scheme_words(scheme: Integrator) -> &'static str {
         Integrator::Verlet => "velocity Verlet",
         Integrator::Rk2 => "Runge–Kutta 2",
         Integrator::Rk4 => "Runge–Kutta 4",
+        Integrator::Implicit => "implicit Euler",
     }
 }
 
