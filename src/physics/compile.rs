@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3};
 
 use super::model::{BodyModel, ContactModel, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use super::plan::Plan;
+use super::recovery;
 use super::stability::SceneLimits;
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
@@ -29,7 +30,7 @@ pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>]) -> (Model<R>, 
         Model { bodies: Vec::new(), obstacles: obstacles(&scene.obstacles), gravity: R::Vec3::from_dvec3(gravity) };
     let mut first = 0;
     for (body, lattice) in scene.bodies.iter().zip(lattices) {
-        let compiled = compile_body(body, lattice, first, &scene.obstacles, gravity.length());
+        let compiled = compile_body(body, lattice, first, scene);
         first = compiled.particles.end;
         model.bodies.push(compiled);
     }
@@ -38,13 +39,8 @@ pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>]) -> (Model<R>, 
     (model, plan)
 }
 
-fn compile_body<R: Real>(
-    body: &Body,
-    lattice: &Arc<Lattice>,
-    first: usize,
-    obstacles: &[Obstacle],
-    gravity: f64,
-) -> BodyModel<R> {
+fn compile_body<R: Real>(body: &Body, lattice: &Arc<Lattice>, first: usize, scene: &Scene) -> BodyModel<R> {
+    let gravity = DVec3::from(scene.settings.gravity).length();
     let Material::Springs(springs) = &body.material;
     let rotation = rotation::from_euler_deg(body.pose.rotation_deg);
     let position = DVec3::from(body.pose.position);
@@ -68,7 +64,14 @@ fn compile_body<R: Real>(
         links: Family::ALL.map(|family| link_family(springs, family, lattice, &rest)),
         lattice: Arc::clone(lattice),
         size: R::from_f64(size),
-        contacts: obstacles
+        inverse_cell_size: R::from_f64(1.0 / lattice.grid.cell_size),
+        recovery_stiffness: R::from_f64(if scene.settings.inversion_recovery {
+            recovery::stiffness(springs, lattice.grid.cell_size)
+        } else {
+            0.0
+        }),
+        contacts: scene
+            .obstacles
             .iter()
             .map(|obstacle| contact(obstacle, springs.particle_mass, size, load, lattice.grid.cell_size))
             .collect(),

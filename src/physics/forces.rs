@@ -2,15 +2,19 @@
 
 use super::model::{BodyModel, Model};
 use super::plan::{Plan, Stage};
+use super::recovery;
 use super::report::{StageTimer, StepReport};
+use super::state::BodyMemory;
 use crate::math::{Real, Vector};
 
+#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 /// Writes all forces on particles at these positions with these velocities but those of contact, N.
 pub fn evaluate<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     position: &[R::Vec3],
     velocity: &[R::Vec3],
+    memory: &[BodyMemory],
     force: &mut [R::Vec3],
     report: &mut StepReport,
     timer: &mut impl StageTimer,
@@ -20,6 +24,10 @@ pub fn evaluate<R: Real>(
     if plan.runs(Stage::Links) {
         timer.enter(Stage::Links);
         report.link_forces += links(model, plan, position, velocity, force);
+    }
+    if memory.iter().any(|memory| !memory.near_inversion.is_empty()) {
+        timer.enter(Stage::Recovery);
+        recovery::add_forces(model, plan, position, velocity, memory, force, report);
     }
 }
 

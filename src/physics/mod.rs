@@ -14,6 +14,7 @@ mod integrate;
 pub mod interaction;
 pub mod model;
 pub mod plan;
+pub mod recovery;
 pub mod report;
 pub mod runaway;
 pub mod scalars;

@@ -49,6 +49,10 @@ pub struct BodyModel<R: Real> {
     pub lattice: Arc<Lattice>,
     /// The longest extent at rest, m.
     pub size: R,
+    /// The inverse of its cells' size at rest, 1/m.
+    pub inverse_cell_size: R,
+    /// How strongly a cell resists inversion, N·m; zero where recovery is off.
+    pub recovery_stiffness: R,
     /// How it meets each obstacle, in the obstacles' order.
     pub contacts: Vec<ContactModel<R>>,
 }

@@ -12,7 +12,7 @@ use super::interaction::Grab;
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::report::{StageTimer, StepReport};
-use super::state::State;
+use super::state::{BodyMemory, State};
 use super::step::{self, Inputs, Scratch};
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector, rotation};
@@ -82,6 +82,7 @@ impl<R: Real> Simulation<R> {
             position_residual: self.state.position_residual[particles.clone()].to_vec(),
             velocity: self.state.velocity[particles.clone()].to_vec(),
             side: self.state.side.iter().map(|row| row[particles.clone()].to_vec()).collect(),
+            memory: self.state.bodies[body].clone(),
         }
     }
 
@@ -100,6 +101,8 @@ impl<R: Real> Simulation<R> {
                 None => row[particles.clone()].fill(0),
             }
         }
+        self.state.bodies[body].clone_from(&motion.memory);
+        self.state.reserve(&self.model);
         self.scratch.contact.touch_all();
         self.diverged = false;
     }
@@ -117,6 +120,7 @@ impl<R: Real> Simulation<R> {
             position_residual: vec![R::Vec3::ZERO; start.particles.len()],
             velocity: (0..start.particles.len()).map(|local| self.start_velocity(body, local)).collect(),
             side: Vec::new(),
+            memory: BodyMemory::default(),
         };
         self.set_body_motion(body, &motion);
     }
@@ -144,6 +148,7 @@ impl<R: Real> Simulation<R> {
             position_residual: vec![R::Vec3::ZERO; particles.len()],
             velocity: vec![R::Vec3::ZERO; particles.len()],
             side: Vec::new(),
+            memory: self.state.bodies[body].clone(),
         };
         self.set_body_motion(body, &motion);
     }
@@ -232,6 +237,7 @@ impl<R: Real> Simulation<R> {
     pub fn set_state(&mut self, state: State<R>) {
         assert_eq!(state.position.len(), self.model.particle_count(), "the state must be one of this model");
         self.state = state;
+        self.state.reserve(&self.model);
         self.state.fit_scheme(&self.plan);
         self.scratch = Scratch::new(&self.model, &self.plan);
         self.diverged = false;
@@ -260,6 +266,7 @@ pub struct BodyMotion<R: Real> {
     position_residual: Vec<R::Vec3>,
     velocity: Vec<R::Vec3>,
     side: Vec<Vec<i8>>,
+    memory: BodyMemory,
 }
 
 /// As many of `new` substeps as make up the same share of a step as `taken` of `old`; never all of them.

@@ -23,12 +23,21 @@ pub struct State<R: Real> {
     /// For every plane a row over all particles: the side (+1 or −1 along the normal) a touching particle came from,
     /// 0 where nothing touches.
     pub side: Vec<Vec<i8>>,
+    /// What is remembered of every body as a whole.
+    pub bodies: Vec<BodyMemory>,
     /// Whole steps taken.
     pub steps: u64,
     /// Substeps taken of the step that is under way.
     pub substep: u32,
     /// Simulated time, s: kept, not recomputed, as the step may be changed on the way.
     pub time_secs: f64,
+}
+
+/// What is remembered of a body as a whole: choices that hold for longer than a substep.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BodyMemory {
+    /// Cells that are watched as they may invert, ascending.
+    pub near_inversion: Vec<u32>,
 }
 
 impl<R: Real> State<R> {
@@ -42,6 +51,7 @@ impl<R: Real> State<R> {
             acceleration: Vec::new(),
             velocity_lag_secs: 0.0,
             side: Vec::new(),
+            bodies: vec![BodyMemory::default(); model.bodies.len()],
             steps: 0,
             substep: 0,
             time_secs: 0.0,
@@ -52,7 +62,16 @@ impl<R: Real> State<R> {
             state.velocity.extend(local.map(|p| if body.is_pinned(p) { R::Vec3::ZERO } else { body.start_velocity }));
         }
         state.fit_sides(model);
+        state.reserve(model);
         state
+    }
+
+    /// Makes room for what a step may remember, so that it need not allocate.
+    pub(super) fn reserve(&mut self, model: &Model<R>) {
+        for (memory, body) in self.bodies.iter_mut().zip(&model.bodies) {
+            let listed = memory.near_inversion.len();
+            memory.near_inversion.reserve_exact(body.lattice.cells.len() - listed.min(body.lattice.cells.len()));
+        }
     }
 
     /// Remembers what the scheme of a plan needs and no more. A scheme that begins starts from a velocity that is not

@@ -1,7 +1,7 @@
 //! One substep, in the order of GC Algorithm 1.
 //!
 //! ```text
-//! forces   F  = m g + Σ links
+//! forces   F  = m g + Σ links + Σ cells near inversion
 //! predict  v* = v + dt F/m
 //! pull     v* of a grabbed point's particles   (an implicit spring)
 //! contact  v* → v'   (implicit penalty and friction; the thesis rule adds to F before the prediction)
@@ -18,6 +18,7 @@ use super::integrate::{self, Free};
 use super::interaction::{self, Grab};
 use super::model::Model;
 use super::plan::{Plan, Stage};
+use super::recovery;
 use super::report::{StageTimer, StepReport};
 use super::runaway::runs_away;
 use super::state::State;
@@ -81,8 +82,12 @@ pub fn substep<R: Real>(
     let thesis_contact = plan.contact && plan.contact_rule == ContactRule::Thesis;
     let Scratch { force, thesis_force, velocity, contact, scheme } = scratch;
 
+    if plan.recovery && recovery::is_due(plan, state) {
+        timer.enter(Stage::Recovery);
+        recovery::look(model, state, &mut report);
+    }
     let felt = integrate::damping_velocity(plan, state, scheme);
-    forces::evaluate(model, plan, &state.position, felt, force, &mut report, timer);
+    forces::evaluate(model, plan, &state.position, felt, &state.bodies, force, &mut report, timer);
     if thesis_contact {
         timer.enter(Stage::Contact);
         contact::thesis::add_forces(model, dt, state, force, thesis_force, &mut contact.contacts, &mut report);

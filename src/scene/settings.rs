@@ -14,6 +14,8 @@ pub struct Settings {
     pub stepping: Stepping,
     /// How obstacles push back.
     pub contact: ContactRule,
+    /// Whether cells that are crushed or turned inside out are pushed back to shape.
+    pub inversion_recovery: bool,
     /// Acceleration of gravity, m/s². In files and on the command line a single number g means (0, −g, 0).
     #[serde(deserialize_with = "gravity")]
     pub gravity: [f64; 3],
@@ -26,6 +28,7 @@ impl Default for Settings {
             integrator: Integrator::SemiImplicit,
             stepping: Stepping::Auto,
             contact: ContactRule::Implicit,
+            inversion_recovery: true,
             gravity: [0.0, -9.81, 0.0],
         }
     }

@@ -278,8 +278,8 @@ fn a_body_is_pulled_and_let_go() {
     run(&mut session, 1500);
     assert!(lowest(&session) > 0.5, "it hangs from the hand");
     session.handle(Command::Grab(None)).expect("letting go is always possible");
-    run(&mut session, 1500);
-    assert!(lowest(&session) < 0.05, "it fell");
+    run(&mut session, 4000);
+    assert!(lowest(&session) < 0.05, "it fell and has done bouncing");
     let elsewhere = Pull { weights: vec![(1_000_000, 1.0)], ..pull.clone() };
     session.handle(Command::Grab(Some(elsewhere))).expect_err("there is no such particle");
     let nowhere = Pull { target: [f32::NAN; 3], ..pull };

@@ -70,7 +70,7 @@ pub struct EnergyFigures {
     pub elastic: f64,
     pub gravity: f64,
     pub contact: f64,
-    /// Of the recovery from inversion; zero, as no force recovers yet.
+    /// Of the recovery from inversion.
     pub recovery: f64,
     pub total: f64,
 }
@@ -236,7 +236,7 @@ impl PeakFigures {
 
 impl From<Energy> for EnergyFigures {
     fn from(energy: Energy) -> Self {
-        let Energy { kinetic, elastic, gravity, contact } = energy;
-        Self { kinetic, elastic, gravity, contact, recovery: 0.0, total: energy.total() }
+        let Energy { kinetic, elastic, gravity, contact, recovery } = energy;
+        Self { kinetic, elastic, gravity, contact, recovery, total: energy.total() }
     }
 }

@@ -7,6 +7,7 @@
 //! position, residual, velocity: 3 × particles × 3 f32
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
+//! bodies: each a count u64 and as many cells u32             watched as they may invert
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
 
@@ -15,6 +16,7 @@ use thiserror::Error;
 
 use super::Session;
 use crate::physics::State;
+use crate::physics::state::BodyMemory;
 
 const MAGIC: &[u8] = b"gelatin-state 2\n";
 
@@ -68,6 +70,10 @@ impl Session {
             bytes.extend(vectors.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
         }
         bytes.extend(state.side.iter().flatten().flat_map(|side| side.to_le_bytes()));
+        for memory in &state.bodies {
+            bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
+            bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
+        }
         let checksum = fnv1a(&bytes);
         bytes.extend(checksum.to_le_bytes());
         bytes
@@ -96,11 +102,11 @@ impl Session {
             return Err(StateFileError::OtherScene { particles, planes, scene_particles, scene_planes });
         }
         let accelerated = if accelerations == 0 { 0 } else { scene_particles };
-        if accelerations != accelerated as u64
-            || reader.rest.len() != scene_particles * (36 + scene_planes) + 12 * accelerated
-        {
+        let of_particles = scene_particles * (36 + scene_planes) + 12 * accelerated;
+        if accelerations != accelerated as u64 || reader.rest.len() < of_particles {
             return Err(StateFileError::Damaged);
         }
+        let bodies = self.body_memories(&mut Reader { rest: &reader.rest[of_particles..] })?;
         let state = State {
             position: reader.vectors(scene_particles),
             position_residual: reader.vectors(scene_particles),
@@ -108,12 +114,31 @@ impl Session {
             acceleration: reader.vectors(accelerated),
             velocity_lag_secs: f64::from_bits(lag),
             side: (0..scene_planes).map(|_| reader.sides(scene_particles)).collect(),
+            bodies,
             steps,
             substep: u32::try_from(substep).map_err(|_too_many| StateFileError::Damaged)?,
             time_secs: f64::from_bits(time),
         };
         self.replace_state(state);
         Ok(())
+    }
+
+    /// What is remembered of every body, at the end of the bytes.
+    fn body_memories(&self, reader: &mut Reader<'_>) -> Result<Vec<BodyMemory>, StateFileError> {
+        let mut memories = Vec::new();
+        for body in &self.simulation().model().bodies {
+            let cells = body.lattice.cells.len() as u64;
+            let count = reader.u64();
+            if count > cells || reader.rest.len() as u64 / 4 < count {
+                return Err(StateFileError::Damaged);
+            }
+            let near_inversion: Vec<u32> = (0..count).map(|_| u32::from_le_bytes(reader.chunk())).collect();
+            if near_inversion.iter().any(|&cell| u64::from(cell) >= cells) {
+                return Err(StateFileError::Damaged);
+            }
+            memories.push(BodyMemory { near_inversion });
+        }
+        if reader.rest.is_empty() { Ok(memories) } else { Err(StateFileError::Damaged) }
     }
 }
 

@@ -120,7 +120,7 @@ fn damaged_and_foreign_states_are_refused() {
     }
     assert_eq!(refused(&bytes[..bytes.len() / 2]), StateFileError::Damaged, "half a file");
     assert_eq!(refused(b"hello"), StateFileError::NotAState, "something else");
-    assert!(matches!(refused(b"gelatin-state 3\n"), StateFileError::OtherVersion { .. }), "a later version");
+    assert!(matches!(refused(b"gelatin-state 9\n"), StateFileError::OtherVersion { .. }), "a later version");
     let other = session("cube-on-sphere").state_bytes();
     let mut coupler = session("coupler-7");
     assert!(matches!(coupler.set_state_bytes(&other), Err(StateFileError::OtherScene { .. })), "another scene's");

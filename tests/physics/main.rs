@@ -7,5 +7,6 @@ mod economy;
 mod friction;
 mod integrators;
 mod presets;
+mod recovery;
 mod stability;
 mod support;

@@ -123,7 +123,7 @@ impl<R: Real> Free<'_, R> {
         }
         velocity.copy_from_slice(&self.state.velocity);
         kick(self.model, ahead, force, velocity);
-        forces::evaluate(self.model, self.plan, position, velocity, force, report, timer);
+        forces::evaluate(self.model, self.plan, position, velocity, &self.state.bodies, force, report, timer);
         for (force, held) in force.iter_mut().zip(self.held_force) {
             *force += *held;
         }

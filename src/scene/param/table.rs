@@ -16,6 +16,7 @@ pub const PARAMS: &[Param] = &[
     words("settings.integrator", &["semi_implicit", "explicit", "verlet", "rk2", "rk4"], "The scheme that advances a step; explicit and rk2 are never quite stable and step as they are told."),
     words("settings.stepping", &["auto", "manual"], "Whether the program divides steps so that they stay stable."),
     words("settings.contact", &["implicit", "thesis"], "How obstacles push back; the thesis's rule is there to teach with."),
+    flag("settings.inversion_recovery", "Whether cells that are crushed or turned inside out are pushed back to shape."),
     number("settings.gravity", "m/s²", -1000.0, 1000.0, "Acceleration of gravity; a single number g means (0, −g, 0).").of(3),
     text("bodies.*.name", "What the body is called in lists."),
     integer("bodies.*.shape.cube.cells", 1, 199, "Cells along an edge of the cube."),
