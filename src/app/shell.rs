@@ -285,7 +285,10 @@ impl Shell {
         let shown = self.canvas.show(&frame);
         self.canvas.free_textures(&mut output.textures_delta);
         match shown {
-            Ok(Shown::Presented) => self.changed = false,
+            Ok(Shown::Presented) => {
+                log::trace!("a frame is on the screen");
+                self.changed = false;
+            }
             Ok(Shown::Again) => self.next_frame = Some(Instant::now() + RETRY),
             Ok(Shown::Unseen) => self.next_frame = None,
             Err(error) => self.recover(event_loop, error)?,
