@@ -199,24 +199,25 @@ fn exploding() -> Scene {
     scene
 }
 
-/// GC Fig 24: thrown at 20 m/s, tilted, with springs half as stiff as usual and nothing that turns crushed cells back.
-/// It comes to rest in a form that its springs take for whole.
+/// GC Fig 24: thrown at 16 m/s, tilted, with springs half as stiff as usual and nothing that turns crushed cells back.
+/// It comes to rest in a form that its springs take for whole. Few cells, so that each can be seen.
 fn broken() -> Scene {
     let Material::Springs(springs) = Material::default();
     let soft = |of: Spring| Spring { stiffness: 0.5 * of.stiffness, ..of };
     let cube = Body {
         name: "Jelly".to_owned(),
         pose: Pose { position: [0.0, 1.4, 0.0], rotation_deg: [5.0, 0.0, 30.0] },
-        velocity: [0.0, -20.0, 0.0],
+        velocity: [0.0, -16.0, 0.0],
+        shape: Shape::Cube(CubeShape { cells: 5, size: 1.0 }),
         material: Material::Springs(Springs {
             structural: soft(springs.structural),
             shear: soft(springs.shear),
             bending: soft(springs.bending),
-            ..springs
+            particle_mass: 0.03,
         }),
         ..Body::default()
     };
-    let mut scene = scene(cube, Vec::new());
+    let mut scene = looking_at([0.0, 0.3, 0.0], 3.4, scene(cube, Vec::new()));
     scene.settings.stepping = Stepping::Manual;
     scene.settings.dt = 5e-4;
     scene.settings.inversion_recovery = false;
