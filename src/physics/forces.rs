@@ -8,11 +8,13 @@ use super::state::BodyMemory;
 use crate::math::{Real, Vector};
 
 #[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
-/// Writes all forces on particles at these positions with these velocities but those of contact, N.
+/// Writes all forces on particles at these positions with these velocities but those of contact, N. `residual` is what
+/// rounding has kept back from the positions, or empty where that does not count.
 pub fn evaluate<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     position: &[R::Vec3],
+    residual: &[R::Vec3],
     velocity: &[R::Vec3],
     memory: &[BodyMemory],
     force: &mut [R::Vec3],
@@ -23,7 +25,11 @@ pub fn evaluate<R: Real>(
     gravity(model, force);
     if plan.runs(Stage::Links) {
         timer.enter(Stage::Links);
-        report.link_forces += links(model, plan, position, velocity, force);
+        report.link_forces += if residual.is_empty() {
+            links(model, plan, position, velocity, force)
+        } else {
+            exact_links(model, plan, position, residual, velocity, force)
+        };
     }
     if memory.iter().any(|memory| !memory.near_inversion.is_empty()) {
         timer.enter(Stage::Recovery);
@@ -56,6 +62,41 @@ pub fn links<R: Real>(
             force[j] -= on_i;
             evaluated += 1;
         });
+    }
+    evaluated
+}
+
+/// [`links`] in double precision, of positions and what rounding has kept back from them: the rounding of a position is
+/// a force of many weights where links are as stiff as only the implicit integrator takes them.
+fn exact_links<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    position: &[R::Vec3],
+    residual: &[R::Vec3],
+    velocity: &[R::Vec3],
+    force: &mut [R::Vec3],
+) -> u64 {
+    let mut evaluated = 0;
+    for body in &model.bodies {
+        let first = body.particles.start;
+        for (family, _) in body.links.iter().zip(plan.families).filter(|(_, chosen)| *chosen) {
+            let (stiffness, damping) = (family.stiffness.to_f64(), family.damping.to_f64());
+            for link in &family.links {
+                let [i, j] = link.ends.map(|end| first + end as usize);
+                let far = residual[j].to_dvec3() - residual[i].to_dvec3();
+                let on_i = link_force::<f64>(
+                    position[j].to_dvec3() - position[i].to_dvec3() + far,
+                    velocity[j].to_dvec3() - velocity[i].to_dvec3(),
+                    1.0 / link.rest_length.to_f64(),
+                    stiffness,
+                    damping,
+                );
+                let on_i = R::Vec3::from_dvec3(on_i);
+                force[i] += on_i;
+                force[j] -= on_i;
+                evaluated += 1;
+            }
+        }
     }
     evaluated
 }

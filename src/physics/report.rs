@@ -19,6 +19,8 @@ pub struct StepReport {
     pub narrow_tests_saved: u64,
     /// Link forces evaluated.
     pub link_forces: u64,
+    /// Linear systems that the implicit integrator solved.
+    pub solves: u64,
     /// Iterations of the implicit integrator's solver.
     pub iterations: u64,
     /// Cells looked at for being near inversion.
@@ -40,6 +42,7 @@ impl StepReport {
         self.narrow_tests += later.narrow_tests;
         self.narrow_tests_saved += later.narrow_tests_saved;
         self.link_forces += later.link_forces;
+        self.solves += later.solves;
         self.iterations += later.iterations;
         self.cells_looked_at += later.cells_looked_at;
         self.recovery_cells += later.recovery_cells;

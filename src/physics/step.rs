@@ -89,7 +89,8 @@ pub fn substep<R: Real>(
         recovery::look(model, state, &mut report);
     }
     let felt = integrate::damping_velocity(plan, state, scheme);
-    forces::evaluate(model, plan, &state.position, felt, &state.bodies, force, &mut report, timer);
+    let residual = if plan.integrator == Integrator::Implicit { &state.position_residual[..] } else { &[] };
+    forces::evaluate(model, plan, &state.position, residual, felt, &state.bodies, force, &mut report, timer);
     if thesis_contact {
         timer.enter(Stage::Contact);
         contact::thesis::add_forces(model, dt, state, force, thesis_force, &mut contact.contacts, &mut report);

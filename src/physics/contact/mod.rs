@@ -17,8 +17,7 @@ pub(super) mod sweep;
 pub mod thesis;
 mod touch;
 
-pub(super) use touch::{Hold, Touch};
-pub(super) use touch::{find as find_touches, settle as settle_touches};
+pub(super) use touch::{Touch, find as find_touches, settle as settle_touches};
 
 use super::model::{ContactModel, Model, ObstacleModel, ObstacleShape};
 use super::plan::{Plan, Stage};
@@ -39,7 +38,7 @@ pub struct Scratch<R: Real> {
     /// For every body and plane whether a side is remembered: such pairs are near without a look at boxes.
     touching: Vec<bool>,
     /// What the implicit integrator solves for, by particle.
-    pub(super) touches: Vec<Touch<R>>,
+    pub(super) touches: Vec<Touch>,
 }
 
 impl<R: Real> Scratch<R> {

@@ -2,9 +2,11 @@
 //!
 //! ```text
 //! find     which particles touch, or would if they fell freely: one touch for each obstacle
-//! (solve)  the normal penalty and its damping are in the matrix; a touch lets go, slides or sticks
+//! (solve)  the normal penalty, its damping and a resistance against sliding are in the matrix, chosen anew every round
 //! settle   what met an obstacle only in the solution is answered as in an explicit step; nothing ends too deep
 //! ```
+
+use glam::{DMat3, DVec3};
 
 use super::{ContactRecord, Meeting, Meetings, Scratch, broad};
 use crate::math::{Real, Vector};
@@ -13,130 +15,148 @@ use crate::physics::plan::{Plan, Stage};
 use crate::physics::report::{StageTimer, StepReport};
 use crate::physics::state::State;
 
-/// A particle that sinks, or slides, by less than this share of its body's size in a substep counts as still.
-const STILL_SHARE: f64 = 1e-6;
+/// A particle that slides along a surface by less than this share of its body's size in a second is at rest there: what
+/// holds it gives way that fast, and no faster.
+const CREEP_SHARE: f64 = 1e-9;
 
-/// A friction that differs by more than this share from the one solved with is solved for again: just above the friction
-/// angle a body slides with the small difference of two large forces.
+/// Below this share of its body's size in a second a particle that friction is stopping has as good as stopped: the next
+/// substep goes on with it.
+const STOPPED_SHARE: f64 = 1e-7;
+
+/// A particle that slides by more than this share of its body's size in a second when a substep begins feels dynamic
+/// friction all through it, others feel static friction.
+const STILL_SHARE: f64 = 1e-4;
+
+/// A friction within this share of Coulomb's is right.
 const FRICTION_TOLERANCE: f64 = 1e-3;
 
-/// A particle at an obstacle within one implicit substep.
+/// The most that the speed a friction is chosen for may differ from the one that was solved for, in one round.
+const LONGEST_STRIDE: f64 = 1e3;
+
+/// A particle at an obstacle within one implicit substep, in double precision.
+///
+/// Friction is a resistance against sliding, chosen so that it is Coulomb's at the speed the particle is guessed to end
+/// with: `c = μ N / speed`. Where that guess is kept, or falls, from round to round, the iteration is one of majorizing
+/// and minimizing (Kačanov): it takes energy out of every round and settles. A speed is never guessed below a creep that
+/// nobody sees, so that what rests is held by a stiff resistance like any other.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct Touch<R: Real> {
+pub(in crate::physics) struct Touch {
     /// The particle, in the state's arrays.
     pub(in crate::physics) particle: usize,
     obstacle: usize,
     /// Unit normal, away from the obstacle.
-    pub(in crate::physics) normal: R::Vec3,
-    gap: R,
-    surface_velocity: R::Vec3,
+    normal: DVec3,
+    gap: f64,
+    surface_velocity: DVec3,
     /// Change of the normal impulse with the normal velocity, `dt² k + dt d`, kg.
-    pub(in crate::physics) resistance: R,
+    resistance: f64,
     /// The normal impulse on a particle that stays where it is, N·s.
-    push: R,
-    friction: [R; 2],
-    /// Whether it is the first touch of its particle: only that may stick.
-    leads: bool,
-    /// What it does.
-    pub(in crate::physics) hold: Hold<R::Vec3>,
+    push: f64,
+    /// Coulomb's coefficient in this substep.
+    friction: f64,
+    /// Whether it pushes; otherwise the particle leaves.
+    pushes: bool,
+    /// Resistance against sliding, kg.
+    brake: f64,
+    /// The sliding speed below which the particle is held, m/s.
+    creep: f64,
+    /// The sliding speed below which the particle has stopped, m/s.
+    stopped: f64,
     /// The normal impulse, N·s.
-    normal_impulse: R,
+    normal_impulse: f64,
     /// The impulse of friction, N·s.
-    friction_impulse: R::Vec3,
+    friction_impulse: DVec3,
+    /// Sliding speed (m/s) and friction (N·s) of the round before.
+    before: Option<[f64; 2]>,
 }
 
-/// What a touch does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::physics) enum Hold<V> {
-    /// Nothing: the particle leaves.
-    Free,
-    /// Pushes, and brakes against this unit direction (none where there is no friction).
-    Slides(V),
-    /// Pushes and keeps the particle from moving along the surface.
-    Sticks,
-}
+impl Touch {
+    /// What it takes from a particle's momentum per velocity, kg: a symmetric matrix.
+    pub(in crate::physics) fn matrix(&self) -> DMat3 {
+        if !self.pushes {
+            return DMat3::ZERO;
+        }
+        let n = self.normal;
+        let across = DMat3::from_cols(n * n.x, n * n.y, n * n.z);
+        DMat3::from_diagonal(DVec3::splat(self.brake)) + across * (self.resistance - self.brake)
+    }
 
-impl<R: Real> Touch<R> {
-    /// The impulse that does not depend on the change of velocity, N·s: of the spring, of the present velocity and of
-    /// friction.
-    pub(in crate::physics) fn impulse(&self, velocity: R::Vec3) -> R::Vec3 {
-        let normal = self.normal * self.normal_impulse_at(velocity);
-        match self.hold {
-            Hold::Free => R::Vec3::ZERO,
-            Hold::Sticks => normal,
-            Hold::Slides(direction) => normal - direction * (self.friction[1] * self.normal_impulse),
+    /// [`Touch::matrix`] times a vector.
+    pub(in crate::physics) fn times(&self, of: DVec3) -> DVec3 {
+        if self.pushes {
+            of * self.brake + self.normal * ((self.resistance - self.brake) * self.normal.dot(of))
+        } else {
+            DVec3::ZERO
+        }
+    }
+
+    /// The impulse on a particle of this velocity, N·s.
+    pub(in crate::physics) fn impulse(&self, velocity: DVec3) -> DVec3 {
+        if self.pushes {
+            self.normal * self.normal_impulse_at(velocity) - self.sliding(velocity) * self.brake
+        } else {
+            DVec3::ZERO
         }
     }
 
     /// The part of a velocity that slides along the surface, m/s.
-    pub(in crate::physics) fn sliding(&self, velocity: R::Vec3) -> R::Vec3 {
+    fn sliding(&self, velocity: DVec3) -> DVec3 {
         let relative = velocity - self.surface_velocity;
         relative - self.normal * relative.dot(self.normal)
     }
 
-    fn normal_impulse_at(&self, velocity: R::Vec3) -> R {
+    fn normal_impulse_at(&self, velocity: DVec3) -> f64 {
         self.push - self.resistance * (velocity - self.surface_velocity).dot(self.normal)
     }
 
-    /// Decides what to do with the velocity that was solved for and what kept it from sliding (N·s). Says whether it
-    /// has to be solved again.
-    pub(in crate::physics) fn reconsider(&mut self, velocity: R::Vec3, kept: R::Vec3) -> bool {
-        let before = self.normal_impulse;
-        let normal = self.normal_impulse_at(velocity).max(R::ZERO);
-        self.normal_impulse = normal;
-        if normal <= R::ZERO {
-            self.friction_impulse = R::Vec3::ZERO;
-            return std::mem::replace(&mut self.hold, Hold::Free) != Hold::Free;
-        }
-        match self.hold {
-            Hold::Free => {
-                self.hold = self.first_hold(velocity, R::ZERO);
-                true
-            }
-            Hold::Sticks => {
-                let strength = kept.length();
-                self.friction_impulse = kept;
-                if strength <= self.friction[0] * normal {
-                    return false;
-                }
-                self.hold = Hold::Slides(kept * (-R::ONE / strength));
-                true
-            }
-            Hold::Slides(direction) => {
-                self.friction_impulse = direction * (-self.friction[1] * before);
-                if self.leads && self.sliding(velocity).dot(direction) < R::ZERO {
-                    self.hold = Hold::Sticks;
-                    return true;
-                }
-                let change = (normal - before).abs();
-                direction != R::Vec3::ZERO && change > R::from_f64(FRICTION_TOLERANCE) * normal
-            }
-        }
+    /// What it does at first, to a particle that has this velocity and would fall with another.
+    fn begin(&mut self, velocity: DVec3, falling: DVec3) {
+        let now = self.normal_impulse_at(velocity);
+        self.normal_impulse = if now > 0.0 { now } else { self.normal_impulse_at(falling).max(0.0) };
+        self.pushes = self.normal_impulse > 0.0;
+        let speed = self.sliding(velocity).length();
+        self.creep = self.creep.max(speed * FLOOR_SHARE);
+        self.brake = self.friction * self.normal_impulse / speed.max(self.creep);
     }
 
-    /// What a touch does at first: it sticks where it does not slide faster than `still` (m/s).
-    fn first_hold(&self, velocity: R::Vec3, still: R) -> Hold<R::Vec3> {
+    /// Takes the velocity that was solved for (m/s) and chooses the friction of the next round; `mass` is what
+    /// a particle that slides alone has. Says whether it has to be solved again.
+    pub(in crate::physics) fn reconsider(&mut self, velocity: DVec3, mass: f64) -> bool {
+        let pushed = self.pushes;
         let sliding = self.sliding(velocity);
-        let speed = sliding.length();
-        if !self.leads || self.friction[0].max(self.friction[1]) <= R::ZERO {
-            Hold::Slides(R::Vec3::ZERO)
-        } else if speed <= still {
-            Hold::Sticks
-        } else {
-            Hold::Slides(sliding * (R::ONE / speed))
+        let (speed, friction) = (sliding.length(), self.brake * sliding.length());
+        self.normal_impulse = self.normal_impulse_at(velocity).max(0.0);
+        self.pushes = self.normal_impulse > 0.0;
+        if !self.pushes {
+            (self.brake, self.friction_impulse, self.before) = (0.0, DVec3::ZERO, None);
+            return pushed;
         }
-    }
-
-    /// A velocity that friction has turned round was stopped by it.
-    pub(in crate::physics) fn never_reversed(&self, velocity: R::Vec3) -> R::Vec3 {
-        match self.hold {
-            Hold::Slides(direction) if self.sliding(velocity).dot(direction) < R::ZERO => {
-                velocity - self.sliding(velocity)
+        let limit = self.friction * self.normal_impulse;
+        if !pushed || self.brake <= 0.0 {
+            self.brake = limit / speed.max(self.creep);
+            return self.brake > 0.0 || !pushed;
+        }
+        self.friction_impulse = sliding * -self.brake;
+        let excess = friction - limit;
+        let right = excess <= FRICTION_TOLERANCE * limit
+            && (speed <= self.stopped || excess >= -FRICTION_TOLERANCE * limit);
+        // How much a slower particle takes from what drives it: as seen from round to round, or its own inertia.
+        let inertia = match self.before {
+            Some([speed_before, friction_before]) if speed != speed_before => {
+                let seen = (friction - friction_before) / (speed_before - speed);
+                if seen > mass { seen } else { mass }
             }
-            _ => velocity,
-        }
+            _ => mass,
+        };
+        self.before = Some([speed, friction]);
+        let guess = (speed + excess / inertia).clamp(speed / LONGEST_STRIDE, speed * LONGEST_STRIDE);
+        self.brake = limit / guess.max(self.creep);
+        !right
     }
 }
+
+/// A speed that ends as less than this share of what it was has been stopped within the substep.
+const FLOOR_SHARE: f64 = 1e-7;
 
 /// Finds the touches of a substep in which every particle would have the velocity `falling`, by particle.
 #[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
@@ -152,7 +172,6 @@ pub(in crate::physics) fn find<R: Real>(
 ) {
     scratch.touches.clear();
     for (number, body) in model.bodies.iter().enumerate() {
-        let still = R::from_f64(STILL_SHARE) * body.size / dt;
         let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
         timer.enter(Stage::BroadPhase);
         broad::near_obstacles(model, plan, body, dt, state, falling, touching, &mut scratch.near);
@@ -164,8 +183,8 @@ pub(in crate::physics) fn find<R: Real>(
             if body.is_pinned(local) {
                 continue;
             }
-            let mut leads = true;
             let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0 };
+            let size = body.size.to_f64();
             for &near in &scratch.near {
                 let obstacle = near as usize;
                 let Some((surface, surface_velocity)) = meeting.surface(obstacle, falling[particle]) else { continue };
@@ -173,23 +192,26 @@ pub(in crate::physics) fn find<R: Real>(
                 let mut touch = Touch {
                     particle,
                     obstacle,
-                    normal: surface.normal,
-                    gap: surface.gap,
-                    surface_velocity,
-                    resistance: dt * (dt * contact.stiffness + contact.damping),
+                    normal: surface.normal.to_dvec3(),
+                    gap: surface.gap.to_f64(),
+                    surface_velocity: surface_velocity.to_dvec3(),
+                    resistance: (dt * (dt * contact.stiffness + contact.damping)).to_f64(),
                     // A body put deep inside is pushed out as if it were at the limit.
-                    push: dt * contact.stiffness * (-surface.gap).min(contact.depth_limit),
-                    friction: [shape.friction_static, shape.friction_dynamic],
-                    leads,
-                    hold: Hold::Free,
-                    normal_impulse: R::ZERO,
-                    friction_impulse: R::Vec3::ZERO,
+                    push: (dt * contact.stiffness * (-surface.gap).min(contact.depth_limit)).to_f64(),
+                    friction: shape.friction_static.to_f64(),
+                    pushes: false,
+                    brake: 0.0,
+                    creep: CREEP_SHARE * size,
+                    stopped: STOPPED_SHARE * size,
+                    normal_impulse: 0.0,
+                    friction_impulse: DVec3::ZERO,
+                    before: None,
                 };
-                touch.normal_impulse = touch.normal_impulse_at(falling[particle]).max(R::ZERO);
-                if touch.normal_impulse > R::ZERO {
-                    touch.hold = touch.first_hold(state.velocity[particle], still);
+                let velocity = state.velocity[particle].to_dvec3();
+                if touch.sliding(velocity).length() > STILL_SHARE * size {
+                    touch.friction = shape.friction_dynamic.to_f64();
                 }
-                leads = false;
+                touch.begin(velocity, falling[particle].to_dvec3());
                 scratch.touches.push(touch);
             }
             report.narrow_tests += meeting.tests;
@@ -221,10 +243,11 @@ pub(in crate::physics) fn settle<R: Real>(
                     Some(touch) => Some(ContactRecord {
                         particle,
                         obstacle,
-                        normal: touch.normal,
-                        gap: touch.gap,
-                        surface_velocity: touch.surface_velocity,
-                        force: (touch.normal * touch.normal_impulse + touch.friction_impulse) * over_dt,
+                        normal: R::Vec3::from_dvec3(touch.normal),
+                        gap: R::from_f64(touch.gap),
+                        surface_velocity: R::Vec3::from_dvec3(touch.surface_velocity),
+                        force: R::Vec3::from_dvec3(touch.normal * touch.normal_impulse + touch.friction_impulse)
+                            * over_dt,
                     }),
                     None => meeting.surface(obstacle, velocity[particle]).map(|(surface, surface_velocity)| {
                         let (normal, gap) = (surface.normal, surface.gap);

@@ -2,19 +2,22 @@
 //! Witkin, "Large steps in cloth simulation", 1998).
 //!
 //! ```text
-//! (M + dt C + dt² K⁺) Δv = dt F(x, v) − dt² K⁺ v        v' = v + Δv      x' = x + dt v'
+//! (M + dt C + dt² K⁺) v' = M v + dt (F(x, v) + C v)          x' = x + dt v'
 //! K⁺ of a link = k/l0 ( d̂ d̂ᵀ + max(0, 1 − l0/l) (I − d̂ d̂ᵀ) )
 //! ```
 //!
 //! K⁺ leaves out what a squashed link does across its direction, which could push outwards: so the matrix is positive
-//! definite whatever the state. Contact is in it as `(dt² k + dt d) n nᵀ`; what sticks has its sliding taken out of the
-//! unknowns; which touches push, slide or stick is found by solving again. Conjugate gradients from scratch, with the
-//! diagonal as preconditioner and inner products in double precision and a fixed order, body by body: the result is a
-//! function of the state alone. Stopping early is harmless: every iterate takes less of the step, never more.
+//! definite whatever the state. Contact is in it as `(dt² k + dt d) n nᵀ`, friction as a resistance `c (I − n nᵀ)`;
+//! which touches push and how much each resists is found by solving again, from the last solution. Conjugate gradients
+//! from scratch in double precision, whatever the state is in: what is held by friction is a million times stiffer than
+//! what is not. Preconditioned by the diagonal, and by its whole 3×3 block where a particle touches something; sums in
+//! a fixed order, body by body: the result is a function of the state alone.
+
+use glam::{DMat3, DVec3};
 
 use super::Free;
 use crate::math::{Real, Vector};
-use crate::physics::contact::{Hold, Touch};
+use crate::physics::contact::Touch;
 use crate::physics::forces::for_each_bond;
 use crate::physics::interaction::Grab;
 use crate::physics::model::{BodyModel, Model};
@@ -22,52 +25,57 @@ use crate::physics::plan::Plan;
 use crate::physics::report::StepReport;
 
 /// Solves in which touches may change their minds.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 12;
 
 /// Iterations of one solve: some ten times those a stiff body of 20 cells an edge takes.
-const MOST_ITERATIONS: usize = 400;
+const MOST_ITERATIONS: u64 = 400;
 
-/// A link in the matrix: `across I + along d̂ d̂ᵀ` between its ends.
+/// The share of the right-hand side that a solution may miss.
+const TOLERANCE: f64 = 1e-4;
+
+/// A link in the matrix: `across I + along alongᵀ` between its ends.
 #[derive(Clone, Copy, Debug)]
-struct Bond<R: Real> {
+struct Bond {
     ends: [u32; 2],
-    direction: R::Vec3,
-    across: R,
-    along: R,
+    across: f64,
+    along: DVec3,
 }
 
-impl<R: Real> Bond<R> {
+impl Bond {
     #[inline]
-    fn times(&self, v: R::Vec3) -> R::Vec3 {
-        v * self.across + self.direction * (self.along * self.direction.dot(v))
+    fn times(&self, v: DVec3) -> DVec3 {
+        v * self.across + self.along * self.along.dot(v)
     }
 }
 
 /// Room for the largest body.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Room<R: Real> {
-    bonds: Vec<Bond<R>>,
-    inverse_diagonal: Vec<R>,
-    known: Vec<R::Vec3>,
-    change: Vec<R::Vec3>,
-    residual: Vec<R::Vec3>,
-    scaled: Vec<R::Vec3>,
-    search: Vec<R::Vec3>,
-    product: Vec<R::Vec3>,
+pub(super) struct Room {
+    bonds: Vec<Bond>,
+    inverse_diagonal: Vec<f64>,
+    /// The inverse blocks of the touched particles, one for each touch; only the first of a particle's counts.
+    inverse_blocks: Vec<DMat3>,
+    known: Vec<DVec3>,
+    velocity: Vec<DVec3>,
+    residual: Vec<DVec3>,
+    scaled: Vec<DVec3>,
+    search: Vec<DVec3>,
+    product: Vec<DVec3>,
 }
 
-impl<R: Real> Room<R> {
+impl Room {
     /// Room for the bodies of a model.
-    pub(super) fn new(model: &Model<R>) -> Self {
+    pub(super) fn new<R: Real>(model: &Model<R>) -> Self {
         let most = |count: fn(&BodyModel<R>) -> usize| model.bodies.iter().map(count).max().unwrap_or(0);
         let particles = most(|body| body.particles.len());
         let links = most(|body| body.links.iter().map(|family| family.links.len()).sum());
-        let vectors = || vec![R::Vec3::ZERO; particles];
+        let vectors = || vec![DVec3::ZERO; particles];
         Self {
             bonds: Vec::with_capacity(links),
-            inverse_diagonal: vec![R::ZERO; particles],
+            inverse_diagonal: vec![0.0; particles],
+            inverse_blocks: Vec::with_capacity(particles),
             known: vectors(),
-            change: vectors(),
+            velocity: vectors(),
             residual: vectors(),
             scaled: vectors(),
             search: vectors(),
@@ -80,7 +88,7 @@ impl<R: Real> Room<R> {
 pub(super) fn solve<R: Real>(
     free: &mut Free<'_, R>,
     grab: Option<&Grab<R>>,
-    touches: &mut [Touch<R>],
+    touches: &mut [Touch],
     velocity: &mut [R::Vec3],
     report: &mut StepReport,
 ) {
@@ -92,19 +100,13 @@ pub(super) fn solve<R: Real>(
         let (own, others) = touches.split_at_mut(own);
         touches = others;
         let range = body.particles.clone();
-        let mut system = System {
-            body,
-            dt,
-            position: &state.position[range.clone()],
-            velocity: &state.velocity[range.clone()],
-            grab: grab.filter(|grab| grab.body == number),
-            touches: own,
-            room,
-        };
-        system.assemble(plan, &force[range.clone()]);
-        for round in 0..ROUNDS {
-            system.start(round == 0);
-            report.iterations += system.iterate();
+        let grab = grab.filter(|grab| grab.body == number);
+        let mut system = System { body, dt: dt.to_f64(), grab, touches: own, room };
+        system.assemble(plan, &state.position[range.clone()], &state.velocity[range.clone()], &force[range.clone()]);
+        let enough = system.start();
+        for _ in 0..ROUNDS {
+            report.solves += 1;
+            report.iterations += system.iterate(enough);
             if !system.reconsider() {
                 break;
             }
@@ -116,126 +118,123 @@ pub(super) fn solve<R: Real>(
 /// The equations of one body.
 struct System<'a, R: Real> {
     body: &'a BodyModel<R>,
-    dt: R,
-    position: &'a [R::Vec3],
-    velocity: &'a [R::Vec3],
+    dt: f64,
     grab: Option<&'a Grab<R>>,
-    touches: &'a mut [Touch<R>],
-    room: &'a mut Room<R>,
+    touches: &'a mut [Touch],
+    room: &'a mut Room,
 }
 
 impl<R: Real> System<'_, R> {
-    fn local(&self, particle: usize) -> usize {
-        particle - self.body.particles.start
-    }
-
-    /// The links' part of the matrix and of the right-hand side.
-    fn assemble(&mut self, plan: &Plan, force: &[R::Vec3]) {
+    /// The matrix and the right-hand side without touches, and the velocities now.
+    fn assemble(&mut self, plan: &Plan, position: &[R::Vec3], velocity: &[R::Vec3], force: &[R::Vec3]) {
         let dt = self.dt;
-        let Room { bonds, known, inverse_diagonal, .. } = &mut *self.room;
+        let Room { bonds, known, inverse_diagonal, velocity: now, .. } = &mut *self.room;
         for (local, force) in force.iter().enumerate() {
-            known[local] = *force * dt;
-            inverse_diagonal[local] = self.body.mass(local);
+            let mass = self.body.mass(local).to_f64();
+            now[local] = velocity[local].to_dvec3();
+            known[local] = now[local] * mass + force.to_dvec3() * dt;
+            inverse_diagonal[local] = mass;
         }
         bonds.clear();
-        let (position, velocity) = (self.position, self.velocity);
-        let third = R::from_f64(1.0 / 3.0);
         for_each_bond(self.body, plan.families, position, |[i, j], bond| {
-            let stiff = dt * dt * bond.stiffness;
-            let across = stiff * bond.slack;
-            let rate = velocity[i as usize] - velocity[j as usize];
-            let pushed = rate * across + bond.direction * ((stiff - across) * bond.direction.dot(rate));
-            known[i as usize] -= pushed;
-            known[j as usize] += pushed;
-            let along = stiff - across + dt * bond.damping;
-            let diagonal = across + along * third;
-            inverse_diagonal[i as usize] += diagonal;
-            inverse_diagonal[j as usize] += diagonal;
-            bonds.push(Bond { ends: [i, j], direction: bond.direction, across, along });
+            let stiff = dt * dt * bond.stiffness.to_f64();
+            let across = stiff * bond.slack.to_f64();
+            let damping = dt * bond.damping.to_f64();
+            let along = stiff - across + damping;
+            let direction = bond.direction.to_dvec3();
+            let [i_local, j_local] = [i as usize, j as usize];
+            // What damps is in the force as it is now, and in the matrix as it will be.
+            let damped = direction * (damping * direction.dot(now[i_local] - now[j_local]));
+            known[i_local] += damped;
+            known[j_local] -= damped;
+            let diagonal = across + along / 3.0;
+            inverse_diagonal[i_local] += diagonal;
+            inverse_diagonal[j_local] += diagonal;
+            bonds.push(Bond { ends: [i, j], across, along: direction * along.sqrt() });
         });
         if let Some(grab) = self.grab {
-            let resistance = grab_resistance(grab, self.body, dt);
-            let speed = self.grabbed(grab, self.velocity);
-            let pull = (grab.target - grab.mean_of(self.position, self.body.particles.start)) * (dt * grab.stiffness)
-                - speed * resistance;
+            let first = self.body.particles.start;
+            let away = (grab.target - grab.mean_of(position, first)).to_dvec3();
+            let resistance = self.grab_resistance(grab);
             for &(particle, weight) in &grab.weights {
-                let local = self.local(particle);
-                self.room.known[local] += pull * weight;
+                let (local, weight) = (particle - first, weight.to_f64());
+                self.room.known[local] += away * (dt * grab.stiffness.to_f64() * weight);
                 self.room.inverse_diagonal[local] += resistance * weight * weight;
             }
         }
-        for touch in &*self.touches {
-            let local = touch.particle - self.body.particles.start;
-            self.room.inverse_diagonal[local] += touch.resistance * third;
-        }
         for diagonal in &mut self.room.inverse_diagonal[..self.body.particles.len()] {
-            *diagonal = R::ONE / *diagonal;
+            *diagonal = 1.0 / *diagonal;
         }
     }
 
-    /// The mean velocity of the grabbed point.
-    fn grabbed(&self, grab: &Grab<R>, of: &[R::Vec3]) -> R::Vec3 {
-        grab.mean_of(of, self.body.particles.start)
+    fn grab_resistance(&self, grab: &Grab<R>) -> f64 {
+        self.dt * (self.dt * grab.stiffness.to_f64() + grab.damping(self.body).to_f64())
     }
 
-    /// Where the iteration starts, and its residual: at first with the motion of the body as a whole, then with the
-    /// last solution; what sticks is stopped from the beginning.
-    fn start(&mut self, first: bool) {
+    /// Where the iteration starts: with the velocities now and, where nothing holds the body, its motion as a whole.
+    /// Returns how small a residual has to become.
+    fn start(&mut self) -> f64 {
         let count = self.body.particles.len();
-        if first {
-            let free = self.touches.is_empty() && self.body.pinned.is_empty();
-            let (sum, mass) = (0..count).fold((R::Vec3::ZERO, R::ZERO), |(sum, mass), local| {
-                (sum + self.room.known[local], mass + self.body.mass(local))
+        self.find_residual(false);
+        let known = self.size_of_residual();
+        if self.touches.is_empty() && self.body.pinned.is_empty() {
+            let (sum, mass) = (0..count).fold((DVec3::ZERO, 0.0), |(sum, mass), local| {
+                (sum + self.room.residual[local], mass + self.body.mass(local).to_f64())
             });
-            let whole = if free { sum * (R::ONE / mass) } else { R::Vec3::ZERO };
-            self.room.change[..count].fill(whole);
-        }
-        for touch in &*self.touches {
-            if touch.hold == Hold::Sticks {
-                let local = touch.particle - self.body.particles.start;
-                let change = &mut self.room.change[local];
-                *change = touch.normal * change.dot(touch.normal) - touch.sliding(self.velocity[local]);
+            for velocity in &mut self.room.velocity[..count] {
+                *velocity += sum / mass;
             }
         }
+        known * (TOLERANCE * TOLERANCE)
+    }
+
+    /// What the equations miss of being fulfilled.
+    fn find_residual(&mut self, touched: bool) {
         let mut product = std::mem::take(&mut self.room.product);
-        self.times(&self.room.change, &mut product);
+        self.times(&self.room.velocity, &mut product);
         self.room.product = product;
-        for local in 0..count {
-            self.room.residual[local] = self.room.known[local] - self.room.product[local];
+        let Room { residual, known, product, velocity, .. } = &mut *self.room;
+        for (local, residual) in residual[..self.body.particles.len()].iter_mut().enumerate() {
+            *residual = known[local] - product[local];
         }
-        for touch in &*self.touches {
-            let local = touch.particle - self.body.particles.start;
-            self.room.residual[local] += touch.impulse(self.velocity[local]);
+        if touched {
+            for touch in &*self.touches {
+                let local = touch.particle - self.body.particles.start;
+                residual[local] += touch.impulse(velocity[local]);
+            }
         }
     }
 
-    /// Conjugate gradients. Returns how many iterations it took.
-    fn iterate(&mut self) -> u64 {
+    /// Conjugate gradients with the touches as they are. Returns how many iterations it took.
+    fn iterate(&mut self, enough: f64) -> u64 {
         let count = self.body.particles.len();
-        // Half the digits: what the rest of the substep is good for.
-        let tolerance = R::EPSILON.to_f64();
+        self.find_residual(true);
+        self.precondition();
         self.scale_residual();
-        let mut size = dot::<R>(&self.room.residual[..count], &self.room.scaled[..count]);
-        let enough = tolerance * self.size_of_known().max(size);
+        let mut size = dot(&self.room.residual[..count], &self.room.scaled[..count]);
         self.room.search[..count].copy_from_slice(&self.room.scaled[..count]);
         let mut iterations = 0;
-        while size > enough && iterations < MOST_ITERATIONS as u64 {
+        while iterations < MOST_ITERATIONS && self.size_of_residual() > enough {
             let mut product = std::mem::take(&mut self.room.product);
             self.times(&self.room.search, &mut product);
+            for touch in &*self.touches {
+                let local = touch.particle - self.body.particles.start;
+                product[local] += touch.times(self.room.search[local]);
+            }
             self.room.product = product;
-            let Room { search, product, change, residual, .. } = &mut *self.room;
-            let curvature = dot::<R>(&search[..count], &product[..count]);
+            let Room { search, product, velocity, residual, .. } = &mut *self.room;
+            let curvature = dot(&search[..count], &product[..count]);
             if curvature.is_nan() || curvature <= 0.0 {
                 break;
             }
-            let length = R::from_f64(size / curvature);
+            let length = size / curvature;
             for local in 0..count {
-                change[local] += search[local] * length;
+                velocity[local] += search[local] * length;
                 residual[local] -= product[local] * length;
             }
             self.scale_residual();
-            let smaller = dot::<R>(&self.room.residual[..count], &self.room.scaled[..count]);
-            let keep = R::from_f64(smaller / size);
+            let smaller = dot(&self.room.residual[..count], &self.room.scaled[..count]);
+            let keep = smaller / size;
             let Room { search, scaled, .. } = &mut *self.room;
             for (search, scaled) in search[..count].iter_mut().zip(&scaled[..count]) {
                 *search = *scaled + *search * keep;
@@ -246,34 +245,44 @@ impl<R: Real> System<'_, R> {
         iterations
     }
 
-    /// The size of the right-hand side in the norm of the residual.
-    fn size_of_known(&self) -> f64 {
-        let Room { known, inverse_diagonal, .. } = &*self.room;
+    /// The size of what is missed, over the diagonal without touches.
+    fn size_of_residual(&self) -> f64 {
+        let Room { residual, inverse_diagonal, .. } = &*self.room;
         (0..self.body.particles.len())
             .filter(|&local| !self.body.is_pinned(local))
-            .map(|local| known[local].dot(known[local]).to_f64() * inverse_diagonal[local].to_f64())
+            .map(|local| residual[local].length_squared() * inverse_diagonal[local])
             .sum()
+    }
+
+    /// The inverse blocks of touched particles.
+    fn precondition(&mut self) {
+        let Room { inverse_blocks, inverse_diagonal, .. } = &mut *self.room;
+        inverse_blocks.clear();
+        for own in self.touches.chunk_by(|a, b| a.particle == b.particle) {
+            let diagonal = 1.0 / inverse_diagonal[own[0].particle - self.body.particles.start];
+            let block = own.iter().fold(DMat3::from_diagonal(DVec3::splat(diagonal)), |sum, touch| sum + touch.matrix());
+            inverse_blocks.push(block.inverse());
+        }
     }
 
     /// The residual over the diagonal, along the unknowns only.
     fn scale_residual(&mut self) {
-        let Room { residual, scaled, inverse_diagonal, .. } = &mut *self.room;
+        let Room { residual, scaled, inverse_diagonal, inverse_blocks, .. } = &mut *self.room;
         for local in 0..self.body.particles.len() {
             let free = !self.body.is_pinned(local);
-            scaled[local] = if free { residual[local] * inverse_diagonal[local] } else { R::Vec3::ZERO };
+            scaled[local] = if free { residual[local] * inverse_diagonal[local] } else { DVec3::ZERO };
         }
-        for touch in &*self.touches {
-            if touch.hold == Hold::Sticks {
-                let scaled = &mut scaled[touch.particle - self.body.particles.start];
-                *scaled = touch.normal * scaled.dot(touch.normal);
-            }
+        let touched = self.touches.chunk_by(|a, b| a.particle == b.particle);
+        for (own, block) in touched.zip(inverse_blocks) {
+            let local = own[0].particle - self.body.particles.start;
+            scaled[local] = *block * residual[local];
         }
     }
 
-    /// The matrix times a vector.
-    fn times(&self, of: &[R::Vec3], product: &mut [R::Vec3]) {
+    /// The matrix without touches times a vector.
+    fn times(&self, of: &[DVec3], product: &mut [DVec3]) {
         for (local, of) in of[..self.body.particles.len()].iter().enumerate() {
-            product[local] = *of * self.body.mass(local);
+            product[local] = *of * self.body.mass(local).to_f64();
         }
         for bond in &self.room.bonds {
             let [i, j] = bond.ends.map(|end| end as usize);
@@ -281,55 +290,40 @@ impl<R: Real> System<'_, R> {
             product[i] += part;
             product[j] -= part;
         }
-        for touch in &*self.touches {
-            if touch.hold != Hold::Free {
-                let local = touch.particle - self.body.particles.start;
-                product[local] += touch.normal * (touch.resistance * touch.normal.dot(of[local]));
-            }
-        }
         if let Some(grab) = self.grab {
-            let pull = self.grabbed(grab, of) * grab_resistance(grab, self.body, self.dt);
+            let first = self.body.particles.start;
+            let speed: DVec3 = grab.weights.iter().map(|&(particle, w)| of[particle - first] * w.to_f64()).sum();
+            let pull = speed * self.grab_resistance(grab);
             for &(particle, weight) in &grab.weights {
-                product[self.local(particle)] += pull * weight;
+                product[particle - first] += pull * weight.to_f64();
             }
         }
     }
 
-    /// Lets every touch decide again. Says whether any did otherwise.
+    /// Lets every touch decide again. Says whether it has to be solved again.
     fn reconsider(&mut self) -> bool {
         let mut again = false;
         for touch in &mut *self.touches {
             let local = touch.particle - self.body.particles.start;
-            let residual = self.room.residual[local];
-            let kept = touch.normal * residual.dot(touch.normal) - residual;
-            again |= touch.reconsider(self.velocity[local] + self.room.change[local], kept);
+            again |= touch.reconsider(self.room.velocity[local], self.body.mass(local).to_f64());
         }
         again
     }
 
     fn finish(&self, velocity: &mut [R::Vec3]) {
         for (local, velocity) in velocity.iter_mut().enumerate() {
-            let solved = self.velocity[local] + self.room.change[local];
-            *velocity = if self.body.is_pinned(local) { R::Vec3::ZERO } else { solved };
-        }
-        for touch in &*self.touches {
-            let velocity = &mut velocity[touch.particle - self.body.particles.start];
-            *velocity = touch.never_reversed(*velocity);
+            let pinned = self.body.is_pinned(local);
+            *velocity = if pinned { R::Vec3::ZERO } else { R::Vec3::from_dvec3(self.room.velocity[local]) };
         }
     }
 }
 
-fn grab_resistance<R: Real>(grab: &Grab<R>, body: &BodyModel<R>, dt: R) -> R {
-    dt * (dt * grab.stiffness + grab.damping(body))
-}
-
-/// The inner product in double precision: four sums in a fixed order.
-fn dot<R: Real>(a: &[R::Vec3], b: &[R::Vec3]) -> f64 {
+/// The inner product: four sums in a fixed order.
+fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     let mut sums = [0.0; 4];
     for (a, b) in a.chunks(4).zip(b.chunks(4)) {
         for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            let ([ax, ay, az], [bx, by, bz]) = (a.components(), b.components());
-            *sum += ax.to_f64() * bx.to_f64() + ay.to_f64() * by.to_f64() + az.to_f64() * bz.to_f64();
+            *sum += a.dot(*b);
         }
     }
     (sums[0] + sums[1]) + (sums[2] + sums[3])

@@ -45,7 +45,7 @@ pub(super) struct Scratch<R: Real> {
     /// Forces there, N.
     force: Vec<R::Vec3>,
     /// Of the implicit scheme.
-    room: implicit::Room<R>,
+    room: implicit::Room,
 }
 
 impl<R: Real> Scratch<R> {
@@ -112,7 +112,7 @@ impl<R: Real> Free<'_, R> {
     pub(super) fn solve(
         &mut self,
         grab: Option<&Grab<R>>,
-        touches: &mut [Touch<R>],
+        touches: &mut [Touch],
         velocity: &mut [R::Vec3],
         report: &mut StepReport,
     ) {
@@ -155,7 +155,7 @@ impl<R: Real> Free<'_, R> {
         }
         velocity.copy_from_slice(&self.state.velocity);
         kick(self.model, ahead, force, velocity);
-        forces::evaluate(self.model, self.plan, position, velocity, &self.state.bodies, force, report, timer);
+        forces::evaluate(self.model, self.plan, position, &[], velocity, &self.state.bodies, force, report, timer);
         for (force, held) in force.iter_mut().zip(self.held_force) {
             *force += *held;
         }
