@@ -15,30 +15,27 @@ use crate::physics::plan::{Plan, Stage};
 use crate::physics::report::{StageTimer, StepReport};
 use crate::physics::state::State;
 
-/// A particle that slides along a surface by less than this share of its body's size in a second is at rest there: what
-/// holds it gives way that fast, and no faster.
+/// The sliding speed at which friction has 0.7 of Coulomb's strength, as a share of the body's size in a second: what is
+/// held creeps that fast, which nobody sees.
 const CREEP_SHARE: f64 = 1e-9;
 
-/// Below this share of its body's size in a second a particle that friction is stopping has as good as stopped: the next
-/// substep goes on with it.
+/// Below this share of its body's size in a second a particle has as good as stopped.
 const STOPPED_SHARE: f64 = 1e-7;
 
 /// A particle that slides by more than this share of its body's size in a second when a substep begins feels dynamic
 /// friction all through it, others feel static friction.
 const STILL_SHARE: f64 = 1e-4;
 
-/// A friction within this share of Coulomb's is right.
+/// A friction that misses Coulomb's by no more than this share of it is right.
 const FRICTION_TOLERANCE: f64 = 1e-3;
-
-/// The most that the speed a friction is chosen for may differ from the one that was solved for, in one round.
-const LONGEST_STRIDE: f64 = 1e3;
 
 /// A particle at an obstacle within one implicit substep, in double precision.
 ///
-/// Friction is a resistance against sliding, chosen so that it is Coulomb's at the speed the particle is guessed to end
-/// with: `c = μ N / speed`. Where that guess is kept, or falls, from round to round, the iteration is one of majorizing
-/// and minimizing (Kačanov): it takes energy out of every round and settles. A speed is never guessed below a creep that
-/// nobody sees, so that what rests is held by a stiff resistance like any other.
+/// With the sliding velocity s and the limit `L = μ N`, the impulse of friction −λ is to fulfil `λ r = L s` with
+/// `r² = s² + creep²`: Coulomb's law but for a creep. Newton's method on that equation with both s and λ as unknowns, made
+/// symmetric, finds its way over many decades of s where Newton's method on s alone loses it, and is positive definite
+/// as long as no λ is longer than L (Chan, Golub and Mulet, "A nonlinear primal-dual method for total variation-based
+/// image restoration", 1999).
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct Touch {
     /// The particle, in the state's arrays.
@@ -54,49 +51,31 @@ pub(in crate::physics) struct Touch {
     push: f64,
     /// Coulomb's coefficient in this substep.
     friction: f64,
+    /// m/s.
+    creep: f64,
+    /// m/s.
+    stopped: f64,
     /// Whether it pushes; otherwise the particle leaves.
     pushes: bool,
-    /// Resistance against sliding, kg.
-    brake: f64,
-    /// The sliding speed below which the particle is held, m/s.
-    creep: f64,
-    /// The sliding speed below which the particle has stopped, m/s.
-    stopped: f64,
     /// The normal impulse, N·s.
     normal_impulse: f64,
-    /// The impulse of friction, N·s.
-    friction_impulse: DVec3,
-    /// Sliding speed (m/s) and friction (N·s) of the round before.
-    before: Option<[f64; 2]>,
+    /// λ, N·s: against the impulse of friction.
+    drag: DVec3,
+    /// What it takes from a particle's momentum per velocity, kg: symmetric.
+    matrix: DMat3,
+    /// The impulse on a particle that has the velocity of the surface, N·s.
+    bias: DVec3,
 }
 
 impl Touch {
-    /// What it takes from a particle's momentum per velocity, kg: a symmetric matrix.
-    pub(in crate::physics) fn matrix(&self) -> DMat3 {
-        if !self.pushes {
-            return DMat3::ZERO;
-        }
-        let n = self.normal;
-        let across = DMat3::from_cols(n * n.x, n * n.y, n * n.z);
-        DMat3::from_diagonal(DVec3::splat(self.brake)) + across * (self.resistance - self.brake)
-    }
-
-    /// [`Touch::matrix`] times a vector.
-    pub(in crate::physics) fn times(&self, of: DVec3) -> DVec3 {
-        if self.pushes {
-            of * self.brake + self.normal * ((self.resistance - self.brake) * self.normal.dot(of))
-        } else {
-            DVec3::ZERO
-        }
+    /// What it takes from a particle's momentum per velocity, kg: symmetric, not negative.
+    pub(in crate::physics) fn matrix(&self) -> &DMat3 {
+        &self.matrix
     }
 
     /// The impulse on a particle of this velocity, N·s.
     pub(in crate::physics) fn impulse(&self, velocity: DVec3) -> DVec3 {
-        if self.pushes {
-            self.normal * self.normal_impulse_at(velocity) - self.sliding(velocity) * self.brake
-        } else {
-            DVec3::ZERO
-        }
+        self.bias - self.matrix * (velocity - self.surface_velocity)
     }
 
     /// The part of a velocity that slides along the surface, m/s.
@@ -109,54 +88,64 @@ impl Touch {
         self.push - self.resistance * (velocity - self.surface_velocity).dot(self.normal)
     }
 
+    /// Coulomb's limit, N·s.
+    fn limit(&self) -> f64 {
+        self.friction * self.normal_impulse
+    }
+
     /// What it does at first, to a particle that has this velocity and would fall with another.
     fn begin(&mut self, velocity: DVec3, falling: DVec3) {
         let now = self.normal_impulse_at(velocity);
         self.normal_impulse = if now > 0.0 { now } else { self.normal_impulse_at(falling).max(0.0) };
         self.pushes = self.normal_impulse > 0.0;
-        let speed = self.sliding(velocity).length();
-        self.creep = self.creep.max(speed * FLOOR_SHARE);
-        self.brake = self.friction * self.normal_impulse / speed.max(self.creep);
+        self.drag = self.coulomb(self.sliding(velocity));
+        self.linearize(self.sliding(velocity), self.drag);
     }
 
-    /// Takes the velocity that was solved for (m/s) and chooses the friction of the next round; `mass` is what
-    /// a particle that slides alone has. Says whether it has to be solved again.
-    pub(in crate::physics) fn reconsider(&mut self, velocity: DVec3, mass: f64) -> bool {
+    /// λ for a sliding velocity.
+    fn coulomb(&self, sliding: DVec3) -> DVec3 {
+        sliding * (self.limit() / self.speed(sliding))
+    }
+
+    /// r.
+    fn speed(&self, sliding: DVec3) -> f64 {
+        (sliding.length_squared() + self.creep * self.creep).sqrt()
+    }
+
+    /// The equations of the next solve, about a sliding velocity and a drag.
+    fn linearize(&mut self, sliding: DVec3, drag: DVec3) {
+        if !self.pushes {
+            (self.matrix, self.bias) = (DMat3::ZERO, DVec3::ZERO);
+            return;
+        }
+        let over = 1.0 / self.speed(sliding);
+        let (s, n) = (sliding * over, self.normal);
+        let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
+        let across = DMat3::from_diagonal(DVec3::ONE) - outer(n, n);
+        let braking = (across * self.limit() - (outer(drag, s) + outer(s, drag)) * 0.5) * over;
+        self.matrix = outer(n, n) * self.resistance + braking;
+        self.bias = n * self.push - (drag * s.length_squared() + s * drag.dot(s)) * 0.5;
+    }
+
+    /// Takes the velocity that was solved for and linearizes about it: `carefully` so that the next solve cannot but
+    /// take out energy. Says whether it has to be solved again.
+    pub(in crate::physics) fn reconsider(&mut self, velocity: DVec3, carefully: bool) -> bool {
         let pushed = self.pushes;
+        let impulse = self.impulse(velocity);
         let sliding = self.sliding(velocity);
-        let (speed, friction) = (sliding.length(), self.brake * sliding.length());
         self.normal_impulse = self.normal_impulse_at(velocity).max(0.0);
         self.pushes = self.normal_impulse > 0.0;
-        if !self.pushes {
-            (self.brake, self.friction_impulse, self.before) = (0.0, DVec3::ZERO, None);
-            return pushed;
-        }
-        let limit = self.friction * self.normal_impulse;
-        if !pushed || self.brake <= 0.0 {
-            self.brake = limit / speed.max(self.creep);
-            return self.brake > 0.0 || !pushed;
-        }
-        self.friction_impulse = sliding * -self.brake;
-        let excess = friction - limit;
-        let right = excess <= FRICTION_TOLERANCE * limit
-            && (speed <= self.stopped || excess >= -FRICTION_TOLERANCE * limit);
-        // How much a slower particle takes from what drives it: as seen from round to round, or its own inertia.
-        let inertia = match self.before {
-            Some([speed_before, friction_before]) if speed != speed_before => {
-                let seen = (friction - friction_before) / (speed_before - speed);
-                if seen > mass { seen } else { mass }
-            }
-            _ => mass,
-        };
-        self.before = Some([speed, friction]);
-        let guess = (speed + excess / inertia).clamp(speed / LONGEST_STRIDE, speed * LONGEST_STRIDE);
-        self.brake = limit / guess.max(self.creep);
-        !right
+        let (limit, coulomb) = (self.limit(), self.coulomb(sliding));
+        self.drag = if pushed { self.normal * impulse.dot(self.normal) - impulse } else { coulomb };
+        let strength = self.drag.length();
+        let allowed = limit * (1.0 + FRICTION_TOLERANCE);
+        let right = strength <= allowed
+            && (sliding.length() <= self.stopped || (self.drag - coulomb).length() <= FRICTION_TOLERANCE * limit);
+        let within = if strength > limit { self.drag * (limit / strength) } else { self.drag };
+        self.linearize(sliding, if carefully { DVec3::ZERO } else { within });
+        self.pushes != pushed || self.pushes && !right
     }
 }
-
-/// A speed that ends as less than this share of what it was has been stopped within the substep.
-const FLOOR_SHARE: f64 = 1e-7;
 
 /// Finds the touches of a substep in which every particle would have the velocity `falling`, by particle.
 #[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
@@ -199,13 +188,13 @@ pub(in crate::physics) fn find<R: Real>(
                     // A body put deep inside is pushed out as if it were at the limit.
                     push: (dt * contact.stiffness * (-surface.gap).min(contact.depth_limit)).to_f64(),
                     friction: shape.friction_static.to_f64(),
-                    pushes: false,
-                    brake: 0.0,
                     creep: CREEP_SHARE * size,
                     stopped: STOPPED_SHARE * size,
+                    pushes: false,
                     normal_impulse: 0.0,
-                    friction_impulse: DVec3::ZERO,
-                    before: None,
+                    drag: DVec3::ZERO,
+                    matrix: DMat3::ZERO,
+                    bias: DVec3::ZERO,
                 };
                 let velocity = state.velocity[particle].to_dvec3();
                 if touch.sliding(velocity).length() > STILL_SHARE * size {
@@ -246,7 +235,7 @@ pub(in crate::physics) fn settle<R: Real>(
                         normal: R::Vec3::from_dvec3(touch.normal),
                         gap: R::from_f64(touch.gap),
                         surface_velocity: R::Vec3::from_dvec3(touch.surface_velocity),
-                        force: R::Vec3::from_dvec3(touch.normal * touch.normal_impulse + touch.friction_impulse)
+                        force: R::Vec3::from_dvec3(touch.normal * touch.normal_impulse - touch.drag)
                             * over_dt,
                     }),
                     None => meeting.surface(obstacle, velocity[particle]).map(|(surface, surface_velocity)| {
