@@ -24,7 +24,7 @@ const STOPPED_SHARE: f64 = 1e-7;
 
 /// A particle that slides by more than this share of its body's size in a second when a substep begins feels dynamic
 /// friction all through it, others feel static friction.
-const STILL_SHARE: f64 = 1e-4;
+const STILL_SHARE: f64 = 1e-3;
 
 /// A friction that misses Coulomb's by no more than this share of it is right.
 const FRICTION_TOLERANCE: f64 = 1e-3;
@@ -235,8 +235,7 @@ pub(in crate::physics) fn settle<R: Real>(
                         normal: R::Vec3::from_dvec3(touch.normal),
                         gap: R::from_f64(touch.gap),
                         surface_velocity: R::Vec3::from_dvec3(touch.surface_velocity),
-                        force: R::Vec3::from_dvec3(touch.normal * touch.normal_impulse - touch.drag)
-                            * over_dt,
+                        force: R::Vec3::from_dvec3(touch.normal * touch.normal_impulse - touch.drag) * over_dt,
                     }),
                     None => meeting.surface(obstacle, velocity[particle]).map(|(surface, surface_velocity)| {
                         let (normal, gap) = (surface.normal, surface.gap);

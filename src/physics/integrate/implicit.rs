@@ -36,25 +36,27 @@ const MOST_ITERATIONS: u64 = 400;
 /// The share of the right-hand side that a solution may miss.
 const TOLERANCE: f64 = 1e-4;
 
-/// A link in the matrix: `across I + along alongᵀ` between its ends.
+/// A link in the matrix: `across I + along alongᵀ` between its ends. In the precision of the state: reading these is
+/// what an iteration takes longest for, and the matrix may be a little off as long as it is the same throughout.
 #[derive(Clone, Copy, Debug)]
-struct Bond {
+struct Bond<R: Real> {
     ends: [u32; 2],
-    across: f64,
-    along: DVec3,
+    across: R,
+    along: R::Vec3,
 }
 
-impl Bond {
+impl<R: Real> Bond<R> {
     #[inline]
     fn times(&self, v: DVec3) -> DVec3 {
-        v * self.across + self.along * self.along.dot(v)
+        let along = self.along.to_dvec3();
+        v * self.across.to_f64() + along * along.dot(v)
     }
 }
 
 /// Room for the largest body.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Room {
-    bonds: Vec<Bond>,
+pub(super) struct Room<R: Real> {
+    bonds: Vec<Bond<R>>,
     inverse_diagonal: Vec<f64>,
     /// The inverse blocks of the touched particles, one for each touch; only the first of a particle's counts.
     inverse_blocks: Vec<DMat3>,
@@ -66,9 +68,9 @@ pub(super) struct Room {
     product: Vec<DVec3>,
 }
 
-impl Room {
+impl<R: Real> Room<R> {
     /// Room for the bodies of a model.
-    pub(super) fn new<R: Real>(model: &Model<R>) -> Self {
+    pub(super) fn new(model: &Model<R>) -> Self {
         let most = |count: fn(&BodyModel<R>) -> usize| model.bodies.iter().map(count).max().unwrap_or(0);
         let particles = most(|body| body.particles.len());
         let links = most(|body| body.links.iter().map(|family| family.links.len()).sum());
@@ -124,7 +126,7 @@ struct System<'a, R: Real> {
     dt: f64,
     grab: Option<&'a Grab<R>>,
     touches: &'a mut [Touch],
-    room: &'a mut Room,
+    room: &'a mut Room<R>,
 }
 
 impl<R: Real> System<'_, R> {
@@ -153,7 +155,8 @@ impl<R: Real> System<'_, R> {
             let diagonal = across + along / 3.0;
             inverse_diagonal[i_local] += diagonal;
             inverse_diagonal[j_local] += diagonal;
-            bonds.push(Bond { ends: [i, j], across, along: direction * along.sqrt() });
+            let along = R::Vec3::from_dvec3(direction * along.sqrt());
+            bonds.push(Bond { ends: [i, j], across: R::from_f64(across), along });
         });
         if let Some(grab) = self.grab {
             let first = self.body.particles.start;
@@ -179,7 +182,8 @@ impl<R: Real> System<'_, R> {
     fn start(&mut self) -> f64 {
         let count = self.body.particles.len();
         self.find_residual(false);
-        let known = self.size_of_residual();
+        self.room.inverse_blocks.clear();
+        let known = self.scale_residual();
         if self.touches.is_empty() && self.body.pinned.is_empty() {
             let (sum, mass) = (0..count).fold((DVec3::ZERO, 0.0), |(sum, mass), local| {
                 (sum + self.room.residual[local], mass + self.body.mass(local).to_f64())
@@ -213,11 +217,11 @@ impl<R: Real> System<'_, R> {
         let count = self.body.particles.len();
         self.find_residual(true);
         self.precondition();
-        self.scale_residual();
+        let mut missed = self.scale_residual();
         let mut size = dot(&self.room.residual[..count], &self.room.scaled[..count]);
         self.room.search[..count].copy_from_slice(&self.room.scaled[..count]);
         let mut iterations = 0;
-        while iterations < MOST_ITERATIONS && self.size_of_residual() > enough {
+        while iterations < MOST_ITERATIONS && missed > enough {
             let mut product = std::mem::take(&mut self.room.product);
             self.times(&self.room.search, &mut product);
             for touch in &*self.touches {
@@ -235,7 +239,7 @@ impl<R: Real> System<'_, R> {
                 velocity[local] += search[local] * length;
                 residual[local] -= product[local] * length;
             }
-            self.scale_residual();
+            missed = self.scale_residual();
             let smaller = dot(&self.room.residual[..count], &self.room.scaled[..count]);
             let keep = smaller / size;
             let Room { search, scaled, .. } = &mut *self.room;
@@ -248,38 +252,37 @@ impl<R: Real> System<'_, R> {
         iterations
     }
 
-    /// The size of what is missed, over the diagonal without touches.
-    fn size_of_residual(&self) -> f64 {
-        let Room { residual, inverse_diagonal, .. } = &*self.room;
-        (0..self.body.particles.len())
-            .filter(|&local| !self.body.is_pinned(local))
-            .map(|local| residual[local].length_squared() * inverse_diagonal[local])
-            .sum()
-    }
-
     /// The inverse blocks of touched particles.
     fn precondition(&mut self) {
         let Room { inverse_blocks, inverse_diagonal, .. } = &mut *self.room;
         inverse_blocks.clear();
         for own in self.touches.chunk_by(|a, b| a.particle == b.particle) {
             let diagonal = 1.0 / inverse_diagonal[own[0].particle - self.body.particles.start];
-            let block = own.iter().fold(DMat3::from_diagonal(DVec3::splat(diagonal)), |sum, touch| sum + *touch.matrix());
+            let block =
+                own.iter().fold(DMat3::from_diagonal(DVec3::splat(diagonal)), |sum, touch| sum + *touch.matrix());
             inverse_blocks.push(block.inverse());
         }
     }
 
-    /// The residual over the diagonal, along the unknowns only.
-    fn scale_residual(&mut self) {
+    /// The residual over the diagonal. Returns its size in that norm: over the diagonal without touches, or what is held
+    /// would hardly count.
+    fn scale_residual(&mut self) -> f64 {
         let Room { residual, scaled, inverse_diagonal, inverse_blocks, .. } = &mut *self.room;
+        let mut sum = 0.0;
         for local in 0..self.body.particles.len() {
-            let free = !self.body.is_pinned(local);
-            scaled[local] = if free { residual[local] * inverse_diagonal[local] } else { DVec3::ZERO };
+            if self.body.is_pinned(local) {
+                scaled[local] = DVec3::ZERO;
+            } else {
+                scaled[local] = residual[local] * inverse_diagonal[local];
+                sum += residual[local].dot(scaled[local]);
+            }
         }
         let touched = self.touches.chunk_by(|a, b| a.particle == b.particle);
         for (own, block) in touched.zip(inverse_blocks) {
             let local = own[0].particle - self.body.particles.start;
             scaled[local] = *block * residual[local];
         }
+        sum
     }
 
     /// The matrix without touches times a vector.

@@ -45,7 +45,7 @@ pub(super) struct Scratch<R: Real> {
     /// Forces there, N.
     force: Vec<R::Vec3>,
     /// Of the implicit scheme.
-    room: implicit::Room,
+    room: implicit::Room<R>,
 }
 
 impl<R: Real> Scratch<R> {
