@@ -6,6 +6,7 @@ use gelatin::math::rng::Rng;
 use gelatin::physics::Simulation;
 use gelatin::scene::body::PinBox;
 use gelatin::scene::material::Spring;
+use gelatin::scene::settings::{Integrator, Stepping};
 use gelatin::scene::{Scene, Springs};
 use glam::DVec3;
 
@@ -114,6 +115,23 @@ fn every_broken_cube_comes_back_and_without_recovery_many_stay_broken() {
         }
         assert!(stay_broken >= 2, "n = {n}, k = {k}: only {stay_broken} ways break a cube at all");
     }
+}
+
+#[test]
+fn stiff_broken_cubes_come_back_with_the_implicit_scheme() {
+    let mut stay = Vec::new();
+    for way in WAYS {
+        let implicit = |scene: &mut Scene| {
+            scene.settings.integrator = Integrator::Implicit;
+            scene.settings.stepping = Stepping::Manual;
+            scene.settings.dt = 1.0 / 240.0;
+        };
+        let left = left_broken(broken::<f32>(7, even(7, 1e4), way, implicit));
+        if left > 0 {
+            stay.push((way, left));
+        }
+    }
+    assert!(stay.is_empty(), "cells still inverted: {stay:?}");
 }
 
 #[test]
