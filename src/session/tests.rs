@@ -7,6 +7,7 @@ use super::*;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::presets::preset;
 use crate::scene::{Body, Material};
+use crate::view::style::Tint;
 
 const FRAME: Duration = Duration::from_nanos(16_666_667);
 const PLENTY: Duration = Duration::MAX;
@@ -151,6 +152,10 @@ fn the_exploding_preset_explodes_soon_names_the_cause_and_every_cure_cures_it() 
     assert!(diagnostics.finite && diagnostics.max_speed < 1e4, "it is stopped while there is something to see");
     let trouble = exploding.status().trouble.expect("the explosion is explained");
     assert!(trouble.words.contains("structural stiffness of 1010 N"), "the cause is named: {}", trouble.words);
+    let guilty = &trouble.guilty_links;
+    assert!(!guilty.is_empty() && guilty.len() < 2000, "some of the structural links are at fault: {}", guilty.len());
+    let marked = |session: &mut Session| session.draw_list().overlay.lines.iter().any(|l| l.tint == Tint::Broken);
+    assert!(marked(&mut exploding), "and marked in the picture");
     let (start_again, cures) = trouble.cures.split_last().expect("there are cures");
     assert!(cures.len() >= 3 && start_again.edit.is_none(), "and a new start: {:?}", trouble.cures);
     for cure in cures {
@@ -160,6 +165,7 @@ fn the_exploding_preset_explodes_soon_names_the_cause_and_every_cure_cures_it() 
             session.handle(command).expect("a cure is allowed");
         }
         assert!(session.status().playing && session.status().trouble.is_none(), "{}: it runs again", cure.words);
+        assert!(!marked(&mut session), "{}: nothing is marked any more", cure.words);
         assert!((0..3000).all(|_| session.step()), "{}: three seconds later it still stands", cure.words);
     }
 }

@@ -1,5 +1,7 @@
 //! A simulation that broke: what was too large against what, in plain words, and what would cure it, as commands.
 
+use std::sync::Arc;
+
 use super::{Command, Session};
 use crate::extract;
 use crate::math::Vector;
@@ -19,6 +21,8 @@ pub struct Trouble {
     pub words: String,
     /// What would help, best first.
     pub cures: Vec<Cure>,
+    /// The links that are at fault, as particles of the draw list: marked in the picture.
+    pub guilty_links: Arc<Vec<[u32; 2]>>,
 }
 
 /// Something that would help.
@@ -60,7 +64,7 @@ impl Session {
         settings.inversion_recovery = true;
         let heal = Cure { words: "Turn them back".to_owned(), edit: Some(Edit::Settings(settings)), restart: false };
         let again = Cure { words: "Start again".to_owned(), edit: None, restart: true };
-        Some(Trouble { title: "It broke".to_owned(), words, cures: vec![heal, again] })
+        Some(Trouble { title: "It broke".to_owned(), words, cures: vec![heal, again], guilty_links: Arc::default() })
     }
 
     /// Looks for cells that are turned inside out, where nothing turns them back.
@@ -92,12 +96,14 @@ impl Session {
             "The simulation exploded and was stopped at its last good state. A step of {step} ms is too large for \
              {against}: {bound}."
         );
-        Trouble { title: EXPLODED.to_owned(), words, cures: self.cures(dt_secs / safe_secs) }
+        let guilty_links = Arc::new(extract::guilty::guilty_links(&self.simulation, body, families(guilty)));
+        Trouble { title: EXPLODED.to_owned(), words, cures: self.cures(dt_secs / safe_secs), guilty_links }
     }
 
     fn unexplained(&self) -> Trouble {
         let words = "The simulation became unstable and was stopped at its last good state.".to_owned();
-        Trouble { title: EXPLODED.to_owned(), words, cures: self.cures(1.0) }
+        let (title, cures) = (EXPLODED.to_owned(), self.cures(1.0));
+        Trouble { title, words, cures, guilty_links: Arc::default() }
     }
 
     /// What helps against a step that is `excess` times too large to be safe.
@@ -133,6 +139,19 @@ impl Session {
         };
         let speeds = self.simulation.model().bodies.iter().map(speed).enumerate();
         speeds.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(body, _)| body)
+    }
+}
+
+/// The families whose links are at fault.
+fn families(guilty: Term) -> &'static [Family] {
+    match guilty {
+        Term::Stiffness(family) | Term::Damping(family) => match family {
+            Family::Structural => &[Family::Structural],
+            Family::Shear => &[Family::Shear],
+            Family::Bending => &[Family::Bending],
+        },
+        Term::Combined => &Family::ALL,
+        Term::Contact | Term::User => &[],
     }
 }
 
