@@ -86,7 +86,7 @@ const DARK: Palette = Palette {
 
 const LIGHT: Palette = Palette {
     accent: Color32::from_rgb(24, 98, 205),
-    good: Color32::from_rgb(20, 110, 165),
+    good: Color32::from_rgb(10, 92, 150),
     warning: Color32::from_rgb(150, 86, 0),
     error: Color32::from_rgb(180, 38, 24),
     strong: Color32::from_gray(18),

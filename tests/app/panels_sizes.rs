@@ -85,3 +85,14 @@ fn the_list_of_keys_fits_the_smallest_window() {
         assert!(window.has("play, pause"), "{size:?}: it is read");
     }
 }
+
+#[test]
+fn all_that_can_be_added_is_inside_every_window() {
+    for size in SIZES {
+        let window = Window::sized("cube-on-plane", size, Theme::Dark);
+        for name in ["+ Cube", "+ Model…", "+ Sphere", "+ Plane"] {
+            let rect = window.rect(name);
+            assert!(rect.right() <= size[0] - 4.0 && rect.bottom() <= size[1], "{name} at {rect} in {size:?}");
+        }
+    }
+}

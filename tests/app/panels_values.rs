@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable;
 use gelatin::scene::obstacle::ContactStiffness;
-use gelatin::scene::settings::{ContactRule, Stepping};
+use gelatin::scene::settings::{ContactRule, Integrator, Stepping};
 use gelatin::scene::{Material, ObstacleShape, Springs};
 use gelatin::session::Command;
 
@@ -127,6 +127,9 @@ fn an_obstacle_has_place_size_and_contact() {
 #[test]
 fn nothing_chosen_shows_the_scene() {
     let mut window = Window::open("cube-on-plane");
+    window.click("Scheme");
+    window.click("Runge–Kutta 4");
+    assert_eq!(window.scene().settings.integrator, Integrator::Rk4);
     window.click("Stepping");
     window.click("manual");
     assert_eq!(window.scene().settings.stepping, Stepping::Manual);

@@ -40,6 +40,7 @@ pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, co
     let size = vec2(width.floor(), ui.spacing().interact_size.y);
     for row in NEW.chunks(columns) {
         ui.horizontal(|ui| {
+            ui.spacing_mut().button_padding.x = 2.0;
             for (label, new) in row {
                 let clicked = ui.add_sized(size, Button::new(*label)).clicked();
                 match new {

@@ -112,7 +112,10 @@ impl FilesState {
 
 /// The dialogs about files, over everything else. Commands that would lose unsaved changes wait for an answer.
 pub(super) fn files_ui(ui: &mut Ui, status: &Status, state: &mut UiState, commands: &mut Vec<Command>) {
-    recovery_card::recovery_card_ui(ui, state);
+    // One thing at a time: a simulation that broke comes first.
+    if status.trouble.is_none() {
+        recovery_card::recovery_card_ui(ui, state);
+    }
     for action in std::mem::take(&mut state.files.asked) {
         begin(action, status, state, commands);
     }

@@ -7,7 +7,7 @@ use crate::app::ui::value::{Touch, help, slider_ui, vector_ui};
 use crate::app::ui::{Running, actions, theme};
 use crate::scene::edit::Edit;
 use crate::scene::param;
-use crate::scene::settings::{ContactRule, Settings, Stepping};
+use crate::scene::settings::{ContactRule, Integrator, Settings, Stepping};
 use crate::session::Command;
 
 /// The panel of a scene.
@@ -23,6 +23,10 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
         let mut touch = Touch::default();
         touch.and(slider_ui(ui, "settings.dt", "Step", &mut dt, None));
         send(touch, || Edit::Settings(Settings { dt, ..old.clone() }), commands);
+        let schemes = Integrator::ALL.map(|scheme| (scheme, scheme_words(scheme)));
+        if let Some(integrator) = choice_ui(ui, "settings.integrator", "Scheme", old.integrator, &schemes) {
+            commands.extend(actions::alone(Edit::Settings(Settings { integrator, ..old.clone() })));
+        }
         let stepping = [(Stepping::Auto, "automatic"), (Stepping::Manual, "manual")];
         if let Some(stepping) = choice_ui(ui, "settings.stepping", "Stepping", old.stepping, &stepping) {
             commands.extend(actions::alone(Edit::Settings(Settings { stepping, ..old.clone() })));
@@ -34,6 +38,16 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
     });
     ui.add_space(4.0);
     ui.label(RichText::new("Click a body or an obstacle to change it.").color(theme::of(ui).weak));
+}
+
+fn scheme_words(scheme: Integrator) -> &'static str {
+    match scheme {
+        Integrator::SemiImplicit => "semi-implicit Euler",
+        Integrator::Explicit => "explicit Euler",
+        Integrator::Verlet => "velocity Verlet",
+        Integrator::Rk2 => "Runge–Kutta 2",
+        Integrator::Rk4 => "Runge–Kutta 4",
+    }
 }
 
 /// A choice among a few; what was chosen, if anything was.
