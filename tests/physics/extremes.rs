@@ -5,6 +5,7 @@ use gelatin::physics::diagnostics::Diagnostics;
 use gelatin::scene::body::CellsShape;
 use gelatin::scene::material::Spring;
 use gelatin::scene::{Scene, Shape, Springs};
+use gelatin::session::run::whole_steps;
 use glam::DVec3;
 
 use crate::support::{ball, cube, falling, plane, simulate};
@@ -25,12 +26,13 @@ fn extreme(rng: &mut Rng) -> Scene {
     let size = decade(-1.0, 1.0);
     let mut scene = falling(cube(3, size, springs, [0.0, size, 0.0]));
     if rng.unit() < 0.3 {
-        let mut list: Vec<[i32; 3]> = (0..14).map(|_| [0; 3].map(|_| (rng.next_u64() % 3) as i32)).collect();
+        let mut list: Vec<[i32; 3]> =
+            (0..14).map(|_| [0; 3].map(|_| i32::try_from(rng.next_u64() % 3).expect("small"))).collect();
         list.push([0; 3]);
         scene.bodies[0].shape = Shape::Cells(CellsShape { list, size: size / 3.0 });
     }
     scene.obstacles = vec![plane([0.0; 3], [0.0; 3], [0.6, 0.5]), ball([0.3 * size, 0.0, 0.0], 0.4 * size)];
-    scene.settings.gravity = [0.0, [0.0, -9.81, -1000.0][(rng.next_u64() % 3) as usize], 0.0];
+    scene.settings.gravity = [0.0, [0.0, -9.81, -1000.0][usize::try_from(rng.next_u64() % 3).expect("small")], 0.0];
     scene.bodies[0].pose.rotation_deg = [0; 3].map(|_| rng.between(-180.0, 180.0));
     match rng.next_u64() % 4 {
         0 => scene.bodies[0].pose.position[1] = 1000.0,
@@ -47,8 +49,8 @@ fn trouble(scene: &Scene) -> Option<String> {
     let start = simulation.diagnostics();
     let gravity = -scene.settings.gravity[1];
     let dt = simulation.plan().substep_secs();
-    let substeps = ((SECONDS / dt) as u64).min(MOST_SUBSTEPS);
-    let frame = ((1.0 / 60.0 / dt) as u64).clamp(1, substeps.max(1));
+    let substeps = whole_steps(SECONDS, dt).min(MOST_SUBSTEPS);
+    let frame = whole_steps(1.0 / 60.0, dt).clamp(1, substeps.max(1));
     let mut fallen = 0.0f64;
     let mut mean = (0.0, 0);
     for substep in 0..substeps {
