@@ -18,6 +18,7 @@ pub mod window;
 pub mod worker;
 
 mod files;
+mod jellify_job;
 mod native_dialog;
 mod recent;
 mod shell;
@@ -68,7 +69,7 @@ pub fn run(opened: Opened) -> Result<(), AppError> {
 pub(crate) enum Wake {
     /// The worker has something to take.
     Worker,
-    /// A dialog of the system was answered.
+    /// A dialog of the system was answered, or a model is ready.
     Dialog,
     /// Somebody looks at the window through its accessibility tree.
     Accessibility(accesskit_winit::Event),

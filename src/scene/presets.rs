@@ -3,6 +3,7 @@
 use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin};
 use super::material::{Material, Spring, Springs};
 use super::obstacle::{Obstacle, ObstacleShape, Plane, Sphere};
+use super::param::{self, Kind};
 use super::settings::Stepping;
 use super::view_settings::{CameraSettings, ViewSettings};
 use super::{Scene, builtin};
@@ -208,17 +209,28 @@ fn model_body(name: &str, shape: ModelShape, height: f64) -> Body {
 /// link constants of a given Young's modulus grow with the square of the cell, a particle's mass with its cube. The
 /// damping grows with the cube too: less of it in fine bodies, whose step it would limit. Models fill a small part of
 /// their box, so they are made denser, and stiffer in the same measure.
-fn jelly(cell_size: f64) -> Material {
+pub fn jelly(cell_size: f64) -> Material {
     const DENSER: f64 = 3.0;
     let Material::Springs(default) = Material::default();
     let ratio = cell_size / (1.0 / 9.0);
     let (area, volume) = (DENSER * ratio * ratio, DENSER * ratio * ratio * ratio);
-    let spring = |of: Spring| Spring { stiffness: of.stiffness * area, damping: of.damping * volume };
+    // Cells of a millimetre or of ten metres have no such material: they get the nearest one that there is.
+    let within = |name: &str, value: f64| {
+        let path = format!("bodies.0.material.springs.{name}");
+        match param::find(&path).map(|param| param.kind) {
+            Some(Kind::Number { min, max }) => value.clamp(min, max),
+            _ => value,
+        }
+    };
+    let spring = |of: Spring| Spring {
+        stiffness: within("structural.stiffness", of.stiffness * area),
+        damping: within("structural.damping", of.damping * volume),
+    };
     Material::Springs(Springs {
         structural: spring(default.structural),
         shear: spring(default.shear),
         bending: spring(default.bending),
-        particle_mass: default.particle_mass * volume,
+        particle_mass: within("particle_mass", default.particle_mass * volume),
     })
 }
 

@@ -9,6 +9,7 @@ pub mod document;
 mod editing;
 mod grab;
 mod history;
+pub mod jellify;
 mod library;
 mod picture;
 pub mod predict;

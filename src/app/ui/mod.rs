@@ -175,7 +175,8 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     message::message_ui(ui, status, shown.failure, state);
     keys::keys_ui(ui, state);
     // After a failure nothing can be saved any more: what is unsaved is kept as a draft.
-    files::files_ui(ui, if shown.failure.is_empty() { status } else { &idle }, state, commands);
+    let saved = if shown.failure.is_empty() { status } else { &idle };
+    files::files_ui(ui, saved, shown.running.map(|running| running.scene), state, commands);
 }
 
 /// The panels beside the view. In a narrow window the list stands above the values, so that the view keeps its half.
