@@ -68,7 +68,7 @@ fn trouble(scene: &Scene) -> Option<String> {
             let own = start.energy.total() - start.energy.gravity;
             let scale = own + start.mass_kg * gravity * (fallen + simulation_size(&start));
             // A body put into obstacles without gravity has nothing but what they push it out with.
-            let only_pushed = gravity == 0.0 && scene.bodies[0].velocity == [0.0; 3];
+            let only_pushed = gravity == 0.0 && scene.bodies[0].velocity.iter().all(|v| *v == 0.0);
             if !only_pushed && energy > start.energy.total() + 0.05 * scale {
                 return Some(format!("{} J and work of {scale} J became {energy} J", start.energy.total()));
             }
