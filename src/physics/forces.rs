@@ -24,8 +24,9 @@ pub fn evaluate<R: Real>(
     if plan.runs(Stage::Links) {
         timer.enter(Stage::Links);
         report.link_forces += links(model, plan, position, velocity, force);
+        report.damped_link_forces += damped_links(model, plan);
     }
-    if memory.iter().any(|memory| !memory.near_inversion.is_empty()) {
+    if plan.recovery && memory.iter().any(|memory| !memory.near_inversion.is_empty()) {
         timer.enter(Stage::Recovery);
         recovery::add_forces(model, plan, position, velocity, memory, force, report);
     }
@@ -60,6 +61,15 @@ pub fn links<R: Real>(
     evaluated
 }
 
+/// Links whose damping is worked out in an evaluation of all forces.
+fn damped_links<R: Real>(model: &Model<R>, plan: &Plan) -> u64 {
+    let families = model.bodies.iter().flat_map(|body| body.links.iter().zip(plan.families));
+    families
+        .filter(|(family, chosen)| *chosen && family.damping > R::ZERO)
+        .map(|(family, _)| family.links.len() as u64)
+        .sum()
+}
+
 /// Calls `visit` with the ends (local numbers) of every link of the chosen families and the force on the first end, N.
 /// `position` and `velocity` are the body's own.
 pub fn for_each_link<R: Real>(
@@ -70,18 +80,29 @@ pub fn for_each_link<R: Real>(
     mut visit: impl FnMut([usize; 2], R::Vec3),
 ) {
     for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
+        let undamped = family.damping == R::ZERO;
         for link in &family.links {
             let [i, j] = link.ends.map(|end| end as usize);
-            let on_i = link_force(
-                position[j] - position[i],
-                velocity[j] - velocity[i],
-                link.inverse_rest_length,
-                family.stiffness,
-                family.damping,
-            );
+            let d = position[j] - position[i];
+            let on_i = if undamped {
+                elastic_force(d, link.inverse_rest_length, family.stiffness)
+            } else {
+                let dv = velocity[j] - velocity[i];
+                link_force(d, dv, link.inverse_rest_length, family.stiffness, family.damping)
+            };
             visit([i, j], on_i);
         }
     }
+}
+
+/// The force of a link without damping, N: [`link_force`] to the bit where the damping is zero.
+#[inline]
+pub fn elastic_force<R: Real>(d: R::Vec3, inverse_rest_length: R, stiffness: R) -> R::Vec3 {
+    let length = d.length();
+    if length == R::ZERO {
+        return R::Vec3::ZERO;
+    }
+    d * (R::ONE / length) * (stiffness * (length * inverse_rest_length - R::ONE))
 }
 
 /// The force on the first end of a link, N (GC §2 with the sign of `F_j` settled: the second end gets the opposite).
@@ -122,6 +143,17 @@ mod tests {
         let rest = DVec3::X * 0.5;
         assert_eq!(force(rest, DVec3::X), DVec3::new(6.0, 0.0, 0.0), "d times speed over rest length");
         assert_eq!(force(rest, DVec3::Y), DVec3::ZERO, "turning about an end is rigid motion");
+    }
+
+    #[test]
+    fn without_damping_the_short_form_is_the_long_one_to_the_bit() {
+        let mut rng = crate::math::rng::Rng::new(2);
+        for _ in 0..1000 {
+            let mut vector = || DVec3::from_array([0; 3].map(|_| rng.between(-2.0, 2.0))).as_vec3();
+            let (d, dv) = (vector(), vector());
+            let long = link_force::<f32>(d, dv, 1.7, 20.0, 0.0);
+            assert_eq!(elastic_force::<f32>(d, 1.7, 20.0), long, "{d} {dv}");
+        }
     }
 
     #[test]

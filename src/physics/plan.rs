@@ -55,10 +55,16 @@ pub struct Plan {
     pub limits: SceneLimits,
     /// Which families have a link with a force, in any body.
     pub families: [bool; 3],
+    /// Which families have a damping to work out, in any body.
+    pub damped: [bool; 3],
     /// Whether crushed cells are pushed back to shape.
     pub recovery: bool,
     /// Whether anything can be met.
     pub contact: bool,
+    /// Whether any obstacle is a sphere.
+    pub spheres: bool,
+    /// Whether any obstacle rubs.
+    pub friction: bool,
     /// How obstacles push back.
     pub contact_rule: ContactRule,
     /// Whether an explosion is looked for: where nobody vouches for the step.
@@ -83,6 +89,10 @@ impl Plan {
             substeps: if divided { limits.substeps(settings.dt) } else { 1 },
             limits,
             families: Family::ALL.map(|family| has_force(family as usize)),
+            damped: Family::ALL
+                .map(|family| model.bodies.iter().any(|body| body.links[family as usize].damping > R::ZERO)),
+            spheres: model.obstacles.iter().any(|o| matches!(o.shape, ObstacleShape::Sphere { .. })),
+            friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
             recovery: model.bodies.iter().any(|body| body.recovery_stiffness > R::ZERO),
             contact: !model.obstacles.is_empty() && !model.bodies.is_empty(),
             contact_rule: settings.contact,
@@ -94,6 +104,32 @@ impl Plan {
     /// The step in use, s.
     pub fn substep_secs(&self) -> f64 {
         self.dt_secs / f64::from(self.substeps)
+    }
+
+    /// What this scene does not need and no step does, with the reason.
+    pub fn left_out(&self) -> Vec<(String, &'static str)> {
+        let mut left_out = Vec::new();
+        for (family, (forces, damped)) in Family::ALL.into_iter().zip(self.families.into_iter().zip(self.damped)) {
+            if !forces {
+                left_out.push((
+                    format!("{} links", family.name()),
+                    "their stiffness and damping are zero, or there are none",
+                ));
+            } else if !damped {
+                left_out.push((format!("{} damping", family.name()), "it is zero: the undamped force is worked out"));
+            }
+        }
+        let mut leave_out = |condition: bool, name: &str, reason| {
+            if condition {
+                left_out.push((name.to_owned(), reason));
+            }
+        };
+        leave_out(!self.recovery, "recovery from inversion", "it is switched off, or no link has a stiffness");
+        leave_out(!self.contact, "contact", "there is no obstacle, or no body");
+        leave_out(self.contact && !self.spheres, "sphere contact", "there is no sphere");
+        leave_out(self.contact && !self.friction, "friction", "all its coefficients are zero");
+        leave_out(!self.watched, "watch for explosions", "the steps are known to be stable");
+        left_out
     }
 
     /// Whether a stage ever runs.

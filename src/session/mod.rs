@@ -16,7 +16,6 @@ pub mod predict;
 pub mod run;
 pub mod state_file;
 pub mod status;
-pub mod timer;
 pub mod trouble;
 mod warnings;
 mod words;

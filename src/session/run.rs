@@ -5,11 +5,11 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::Session;
-use super::timer::WallTimer;
 use crate::geometry::Watch;
 use crate::physics::StepReport;
 use crate::physics::diagnostics::{Diagnostics, Energy};
 use crate::physics::plan::Stage;
+use crate::report::timer::WallTimer;
 
 /// Extremes are looked for this often, simulated s; penetration in every substep.
 const SAMPLE_SECS: f64 = 1.0 / 60.0;

@@ -1,11 +1,12 @@
 //! What a step does not do: far tests, stages that a scene does not need.
 
+use gelatin::physics::StepReport;
 use gelatin::physics::plan::Stage;
 use gelatin::physics::report::StageTimer;
 use gelatin::scene::Scene;
 use gelatin::scene::presets::presets;
 
-use crate::support::{alone, ball, cube, simulate, springs};
+use crate::support::{alone, ball, cube, falling, plane, simulate, springs};
 
 #[test]
 fn the_broad_phase_changes_no_preset_and_saves_tests() {
@@ -63,4 +64,49 @@ fn a_far_ball_costs_no_test() {
     simulation.step();
     let report = simulation.step();
     assert_eq!((report.narrow_tests, report.narrow_tests_saved), (0, 27), "every particle was saved a test");
+}
+
+/// A cube that falls on a plane, and what a second of it did.
+fn fallen(change: impl Fn(&mut Scene)) -> (StepReport, Vec<String>) {
+    let mut scene = falling(cube(3, 1.0, springs(40.0, 0.2, 0.02), [0.0, 0.6, 0.0]));
+    scene.obstacles.push(plane([0.0; 3], [0.0; 3], [0.6, 0.5]));
+    change(&mut scene);
+    let mut simulation = simulate::<f32>(&scene);
+    let mut report = StepReport::default();
+    (0..1000).for_each(|_| report.add(&simulation.step()));
+    (report, simulation.plan().left_out().into_iter().map(|(name, _)| name).collect())
+}
+
+fn material(scene: &mut Scene) -> &mut gelatin::scene::Springs {
+    let gelatin::scene::Material::Springs(springs) = &mut scene.bodies[0].material;
+    springs
+}
+
+#[test]
+fn each_feature_runs_only_where_it_is_needed_and_the_plan_says_so() {
+    let (report, left_out) = fallen(|_| ());
+    assert!(report.frictions > 0 && report.damped_link_forces == report.link_forces, "all is needed: {report:?}");
+    assert_eq!((report.sphere_tests, report.recovery_cells), (0, 0), "but no sphere and no push");
+    assert!(left_out.contains(&"sphere contact".to_owned()), "{left_out:?}");
+    let (report, left_out) = fallen(|scene| scene.obstacles.push(ball([0.0, 0.2, 0.0], 0.3)));
+    assert!(report.sphere_tests > 0 && !left_out.contains(&"sphere contact".to_owned()), "a sphere is tested");
+    let (report, left_out) = fallen(|scene| scene.obstacles[0] = plane([0.0; 3], [0.0; 3], [0.0; 2]));
+    assert!(report.contacts > 0 && report.frictions == 0, "no coefficient, no friction: {report:?}");
+    assert!(left_out.contains(&"friction".to_owned()), "{left_out:?}");
+    let with_bending = fallen(|_| ()).0;
+    let (report, left_out) = fallen(|scene| {
+        let bending = &mut material(scene).bending;
+        (bending.stiffness, bending.damping) = (0.0, 0.0);
+    });
+    let links = [with_bending, report].map(|report| report.link_forces / report.substeps);
+    assert_eq!(links[0] - links[1], 96, "the 3·4²·2 bending links are not evaluated");
+    assert!(left_out.contains(&"bending links".to_owned()), "{left_out:?}");
+    let (report, left_out) = fallen(|scene| {
+        let springs = material(scene);
+        springs.shear.damping = 0.0;
+        springs.bending.damping = 0.0;
+        springs.structural.damping = 0.0;
+    });
+    assert!(report.link_forces > 0 && report.damped_link_forces == 0, "no damping, no damped force: {report:?}");
+    assert!(left_out.contains(&"shear damping".to_owned()), "{left_out:?}");
 }

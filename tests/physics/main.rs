@@ -4,6 +4,7 @@ mod analytic;
 mod contact;
 mod determinism;
 mod economy;
+mod extremes;
 mod friction;
 mod integrators;
 mod presets;

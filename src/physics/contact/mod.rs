@@ -157,12 +157,15 @@ impl<R: Real, T: StageTimer> Meetings<'_, R, T> {
                     if body.is_pinned(local) || has_met() {
                         continue;
                     }
-                    let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0 };
+                    let mut meeting =
+                        Meeting { model, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
                     let before = velocity[particle];
                     velocity[particle] =
                         meeting.resolve(before, body.mass(local), &body.contacts, &scratch.near, &mut scratch.contacts);
                     changed(particle, velocity[particle] - before);
                     report.narrow_tests += meeting.tests;
+                    report.sphere_tests += meeting.sphere_tests;
+                    report.frictions += meeting.frictions;
                 }
             }
             report.narrow_tests_saved += all_tests.saturating_sub(report.narrow_tests - tests_before);
@@ -178,6 +181,8 @@ struct Meeting<'a, R: Real> {
     particle: usize,
     dt: R,
     tests: u64,
+    sphere_tests: u64,
+    frictions: u64,
 }
 
 impl<R: Real> Meeting<'_, R> {
@@ -207,6 +212,8 @@ impl<R: Real> Meeting<'_, R> {
                 self.dt,
                 velocity - surface_velocity,
             ) + surface_velocity;
+            let rubs = velocity != before && response::has_friction(&self.model.obstacles[obstacle]);
+            self.frictions += u64::from(rubs);
             // Also where nothing pushes: a particle that leaves must keep its side until it is out.
             records.push(ContactRecord {
                 particle: self.particle,
@@ -272,6 +279,7 @@ impl<R: Real> Meeting<'_, R> {
             return None;
         }
         self.tests += 1;
+        self.sphere_tests += u64::from(matches!(shape, ObstacleShape::Sphere { .. }));
         let Some(carry) = carry else { return Some((meet(shape, side, from, path)?, R::Vec3::ZERO)) };
         let carried = carry.apply(from);
         let surface = meet(shape, side, carried, from + path - carried)?;

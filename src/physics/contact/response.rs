@@ -29,6 +29,9 @@ pub(super) fn respond<R: Real>(
         return predicted;
     }
     let tangential = predicted - surface.normal * approach;
+    if !has_friction(obstacle) {
+        return surface.normal * after + tangential;
+    }
     surface.normal * after + slowed_by_friction::<R>(tangential, impulse, obstacle)
 }
 
@@ -36,6 +39,11 @@ pub(super) fn respond<R: Real>(
 pub(super) fn deepest_velocity<R: Real>(surface: &Surface<R>, contact: &ContactModel<R>, dt: R) -> R {
     let deepest = contact.depth_limit.max(-surface.gap);
     -(deepest + surface.gap) / dt
+}
+
+/// Whether an obstacle rubs at all.
+pub(super) fn has_friction<R: Real>(obstacle: &ObstacleModel<R>) -> bool {
+    obstacle.friction_static > R::ZERO || obstacle.friction_dynamic > R::ZERO
 }
 
 /// Coulomb friction as a stop (GC §6, settled): the tangential velocity the particle would have is taken away where
