@@ -5,6 +5,7 @@
 mod bodies;
 mod clock;
 pub mod command;
+mod costs;
 pub mod document;
 mod editing;
 mod grab;
@@ -27,6 +28,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 pub use command::{Command, Pull};
+pub use costs::{StageCost, StepCost};
 pub use status::{BodyStatus, Status};
 pub use trouble::{Cure, Trouble};
 
@@ -39,6 +41,7 @@ use crate::scene::file::SceneFileError;
 use crate::scene::resolve::ResolveError;
 use bodies::Bodies;
 use clock::Clock;
+use costs::Costs;
 use document::{Document, Opened, SaveError};
 use history::History;
 use library::Library;
@@ -99,6 +102,8 @@ pub struct Session {
     /// The first warning about the scene; found anew after every edit, not every frame.
     notice: String,
     picture: Picture,
+    /// What the steps cost, while someone looks.
+    costs: Option<Costs>,
 }
 
 impl Session {
@@ -133,6 +138,7 @@ impl Session {
             inverted_cells: 0,
             notice: String::new(),
             picture: Picture::default(),
+            costs: None,
         };
         session.find_notice();
         Ok(session)
@@ -182,6 +188,7 @@ impl Session {
             Command::Undo => self.undo()?,
             Command::Redo => self.redo()?,
             Command::Grab(pull) => self.grab(pull)?,
+            Command::WatchCost(watch) => self.costs = watch.then(|| Costs::new(self.simulation.plan())),
         }
         Ok(())
     }
@@ -230,7 +237,14 @@ impl Session {
     }
 
     fn substep(&mut self) -> bool {
-        self.report = self.simulation.substep(&mut ());
+        self.report = match &mut self.costs {
+            None => self.simulation.substep(&mut ()),
+            Some(costs) => {
+                let report = self.simulation.substep(costs.timer());
+                costs.note(&report, self.simulation.plan());
+                report
+            }
+        };
         self.picture.touch();
         if self.report.diverged {
             self.playing = false;
@@ -267,6 +281,7 @@ impl Session {
             redo: self.history.redo_words().to_owned(),
             bodies: self.body_status(),
             trouble: self.trouble.clone().or_else(|| self.explain_inversion()),
+            cost: self.costs.as_ref().map(|costs| costs.shown(plan)),
         }
     }
 

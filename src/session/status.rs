@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::Trouble;
+use super::{StepCost, Trouble};
 
 /// The state of a session, published with every snapshot.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,6 +49,8 @@ pub struct Status {
     pub bodies: Vec<BodyStatus>,
     /// Why the simulation was stopped, if it was.
     pub trouble: Option<Trouble>,
+    /// What a step costs; none while nobody looks.
+    pub cost: Option<StepCost>,
 }
 
 /// What there is to know of a body beside what the scene says.
