@@ -73,7 +73,7 @@ pub(super) fn watch<R: Real>(model: &Model<R>, plan: &Plan, held: Option<usize>,
             state.bodies[number].still_substeps += 1;
             continue;
         }
-        let way = farthest(&state.position[own.clone()], &state.anchor[own.clone()]);
+        let way = farthest::<R>(&state.position[own.clone()], &state.anchor[own.clone()]);
         if still_for == 0 || way > longest_way(model, body, done) {
             state.anchor[own.clone()].copy_from_slice(&state.position[own]);
             state.bodies[number].still_substeps = 1;

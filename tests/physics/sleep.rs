@@ -56,7 +56,7 @@ fn rests_everywhere<R: Real>() {
             let mut scene = resting();
             scene.settings.integrator = integrator;
             scene.settings.stepping = stepping;
-            scene.settings.dt = 5e-4;
+            scene.settings.dt = 1e-4;
             let mut simulation = simulate::<R>(&scene);
             let time = sleeps_within(&mut simulation, 10.0);
             let what = format!("{} {stepping:?}", integrator.name());
