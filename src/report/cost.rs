@@ -1,6 +1,7 @@
 //! What a scene costs: the stages that run, what is left out and why, and each feature switched off in turn.
 
 use std::fmt::Write;
+use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -10,7 +11,7 @@ use super::timer::WallTimer;
 use crate::geometry::Lattice;
 use crate::physics::plan::{Plan, Stage};
 use crate::physics::{Simulation, StepReport};
-use crate::scene::{Family, Scene};
+use crate::scene::{ColorBy, Family, Material, Scene};
 
 /// Times every variant is measured; the least counts, as others work on the machine too.
 const ROUNDS: usize = 5;
@@ -32,6 +33,7 @@ pub struct CostFigures {
     pub frictions: u64,
     pub cells_looked_at: u64,
     pub recovery_cells: u64,
+    pub bodies_asleep: usize,
     pub stages: Vec<StageCost>,
     pub left_out: Vec<LeftOut>,
     pub ablation: Vec<Ablation>,
@@ -56,15 +58,19 @@ pub struct LeftOut {
     pub why: &'static str,
 }
 
-/// A feature, on and off, from the same state in the same run.
+/// A feature with and without, from the same state in the same run.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
 pub struct Ablation {
     pub feature: String,
-    pub secs_per_substep_on: f64,
-    pub secs_per_substep_off: f64,
-    /// Whether the motion is the same to the bit without it.
+    /// What the times are of: a substep or a picture.
+    pub per: &'static str,
+    pub secs_on: f64,
+    pub secs_off: f64,
+    /// Whether the motion is the same to the bit.
     pub same_bits: bool,
+    /// Whether it must be, as the feature only saves time or there was nothing for it to do.
+    pub must_be_same: bool,
 }
 
 /// Runs a scene for `seconds` of simulated time and measures it there; `lattices` are those of its bodies.
@@ -99,60 +105,128 @@ pub fn cost(title: &str, scene: &Scene, lattices: &[Arc<Lattice>], seconds: f64)
         frictions: report.frictions,
         cells_looked_at: report.cells_looked_at,
         recovery_cells: report.recovery_cells,
+        bodies_asleep: report.bodies_asleep,
         stages: Stage::ALL.into_iter().zip(spent).map(stage_cost).collect(),
         left_out: left_out.collect(),
-        ablation: ablation(&simulation),
+        ablation: ablation(&simulation, scene, lattices),
     }
 }
 
-/// A feature of a plan and how to switch it off.
-type Switch = (String, fn(&mut Plan));
+/// The same simulation twice, with a feature and without it.
+struct Pair {
+    feature: String,
+    on: Simulation<f32>,
+    off: Simulation<f32>,
+    must_be_same: bool,
+}
 
-fn ablation(simulation: &Simulation<f32>) -> Vec<Ablation> {
-    let offs: [fn(&mut Plan); 3] =
+/// What features of a scene cost where the simulation is now: every body is awake but in the row about sleeping.
+fn ablation(simulation: &Simulation<f32>, scene: &Scene, lattices: &[Arc<Lattice>]) -> Vec<Ablation> {
+    let mut awake = simulation.clone();
+    awake.plan_mut().sleeping = false;
+    awake.wake_all();
+    let plan = awake.plan();
+    let mut pairs = Vec::new();
+    let mut compare = |feature: &str, must_be_same, on: Simulation<f32>, off| {
+        pairs.push(Pair { feature: feature.to_owned(), on, off, must_be_same });
+    };
+    let planned = |change: fn(&mut Plan)| {
+        let mut changed = awake.clone();
+        change(changed.plan_mut());
+        changed
+    };
+    let compiled = |change: fn(&mut Scene)| {
+        let mut scene = scene.clone();
+        scene.settings.sleeping = false;
+        change(&mut scene);
+        let kept: Vec<_> = (0..scene.obstacles.len()).map(Some).collect();
+        let mut changed = awake.clone();
+        changed.set_parameters(&scene, lattices, &kept, false);
+        changed
+    };
+    let without_links: [fn(&mut Plan); 3] =
         [|plan| plan.families[0] = false, |plan| plan.families[1] = false, |plan| plan.families[2] = false];
-    let plan = simulation.plan();
-    let mut switches: Vec<Switch> = Vec::new();
-    for (family, off) in Family::ALL.into_iter().zip(offs).filter(|(family, _)| plan.families[*family as usize]) {
-        switches.push((format!("{} links", family.name()), off));
+    for (family, off) in Family::ALL.into_iter().zip(without_links).filter(|(family, _)| plan.families[*family as usize])
+    {
+        compare(&format!("{} links", family.name()), false, awake.clone(), planned(off));
+    }
+    if plan.damped.contains(&true) {
+        compare("damping", false, awake.clone(), compiled(without_damping));
     }
     if plan.recovery {
-        switches.push(("recovery from inversion".to_owned(), |plan| plan.recovery = false));
+        compare("recovery from inversion", true, awake.clone(), planned(|plan| plan.recovery = false));
     }
     if plan.contact {
-        switches.push(("broad phase".to_owned(), |plan| plan.broad_phase = false));
-        switches.push(("contact".to_owned(), |plan| plan.contact = false));
+        compare("broad phase", true, awake.clone(), planned(|plan| plan.broad_phase = false));
+        compare("contact", false, awake.clone(), planned(|plan| plan.contact = false));
     }
-    // About 2 million links a round.
-    let links: usize = simulation.model().link_counts().iter().sum();
-    let substeps = (2_000_000 / links.max(1)).clamp(3, 2000);
-    let on = |_: &mut Plan| {};
-    let mut found = Vec::new();
-    for (feature, off) in switches {
-        let mut best = [f64::INFINITY; 2];
-        let mut hashes = [0; 2];
-        for _ in 0..ROUNDS {
-            for (place, change) in [on as fn(&mut Plan), off].into_iter().enumerate() {
-                let (secs, hash) = timed(simulation, change, substeps);
-                best[place] = best[place].min(secs);
-                hashes[place] = hash;
-            }
-        }
-        let [secs_per_substep_on, secs_per_substep_off] = best;
-        found.push(Ablation { feature, secs_per_substep_on, secs_per_substep_off, same_bits: hashes[0] == hashes[1] });
+    if plan.friction {
+        compare("friction", false, awake.clone(), compiled(without_friction));
     }
-    found
+    compare("leaving out what is not needed", true, awake.clone(), planned(Plan::work_out_everything));
+    if simulation.plan().sleeping {
+        compare("sleeping", !simulation.is_asleep(), simulation.clone(), awake.clone());
+    }
+    let mut rows: Vec<_> = pairs.into_iter().map(measured).collect();
+    rows.push(colours(&awake));
+    rows
 }
 
-/// Wall time of a substep and the hash after some of them, on a copy.
-fn timed(simulation: &Simulation<f32>, change: fn(&mut Plan), substeps: usize) -> (f64, u64) {
-    let mut copy = simulation.clone();
-    change(copy.plan_mut());
-    let begin = Instant::now();
-    for _ in 0..substeps {
-        copy.substep(&mut ());
+fn without_damping(scene: &mut Scene) {
+    for body in &mut scene.bodies {
+        let Material::Springs(springs) = &mut body.material;
+        for family in [&mut springs.structural, &mut springs.shear, &mut springs.bending] {
+            family.damping = 0.0;
+        }
     }
-    (begin.elapsed().as_secs_f64() / substeps as f64, copy.hash())
+}
+
+fn without_friction(scene: &mut Scene) {
+    for obstacle in &mut scene.obstacles {
+        (obstacle.friction_static, obstacle.friction_dynamic) = (0.0, 0.0);
+    }
+}
+
+/// Times both sides of a pair in turn.
+fn measured(pair: Pair) -> Ablation {
+    let Pair { feature, on, off, must_be_same } = pair;
+    // About 2 million links a round.
+    let links: usize = on.model().link_counts().iter().sum();
+    let substeps = (2_000_000 / links.max(1)).clamp(3, 2000);
+    let mut best = [f64::INFINITY; 2];
+    let mut hashes = [0; 2];
+    let mut pushed = 0;
+    for _ in 0..ROUNDS {
+        for (place, side) in [&on, &off].into_iter().enumerate() {
+            let mut copy = side.clone();
+            let begin = Instant::now();
+            for _ in 0..substeps {
+                pushed += copy.substep(&mut ()).recovery_cells;
+            }
+            best[place] = best[place].min(begin.elapsed().as_secs_f64() / substeps as f64);
+            hashes[place] = copy.hash();
+        }
+    }
+    let [secs_on, secs_off] = best;
+    // Cells that are pushed back to shape move otherwise without the push, and with another look at them.
+    let must_be_same = must_be_same && pushed == 0;
+    Ablation { feature, per: "substep", secs_on, secs_off, same_bits: hashes[0] == hashes[1], must_be_same }
+}
+
+/// Times the value of every particle that a force map shows.
+fn colours(simulation: &Simulation<f32>) -> Ablation {
+    let before = simulation.hash();
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..ROUNDS {
+        for (place, color) in [ColorBy::Load, ColorBy::Plain].into_iter().enumerate() {
+            let begin = Instant::now();
+            black_box(simulation.scalars(color));
+            best[place] = best[place].min(begin.elapsed().as_secs_f64());
+        }
+    }
+    let [secs_on, secs_off] = best;
+    let same_bits = simulation.hash() == before;
+    Ablation { feature: "colours".to_owned(), per: "picture", secs_on, secs_off, same_bits, must_be_same: true }
 }
 
 /// The figures of scenes as a document.
@@ -189,15 +263,21 @@ fn write_scene(text: &mut String, figures: &CostFigures) -> std::fmt::Result {
         ("pushes with friction", figures.frictions),
         ("cells looked at for inversion", figures.cells_looked_at),
         ("cells pushed back", figures.recovery_cells),
+        ("bodies asleep at the end", figures.bodies_asleep as u64),
     ];
     for (name, count) in counters {
         writeln!(text, "| {name} | {count} |")?;
     }
-    writeln!(text, "\n| feature | µs a substep with it | without it | same bits |\n|---|---|---|---|")?;
+    writeln!(text, "\n| feature | with it, µs | without, µs | for each | same motion to the bit |\n|---|---|---|---|---|")?;
     for row in &figures.ablation {
-        let same = if row.same_bits { "yes" } else { "no" };
-        let [on, off] = [row.secs_per_substep_on, row.secs_per_substep_off].map(|secs| secs * 1e6);
-        writeln!(text, "| {} | {on:.2} | {off:.2} | {same} |", row.feature)?;
+        let [on, off] = [row.secs_on, row.secs_off].map(|secs| secs * 1e6);
+        let same = match (row.same_bits, row.must_be_same) {
+            (true, true) => "yes, as it must be",
+            (true, false) => "yes",
+            (false, false) => "no",
+            (false, true) => "NO, BUT IT MUST BE",
+        };
+        writeln!(text, "| {} | {on:.2} | {off:.2} | {} | {same} |", row.feature, row.per)?;
     }
     Ok(())
 }

@@ -78,7 +78,7 @@ const RUN_KEYS: &str = "scene simulated_secs wall_secs real_time_factor steps su
 const CHECK_KEYS: &str = "ok errors particles links dt_limit_secs dt_safe_secs limited_by limits substeps_per_frame \
     predicted_real_time_factor";
 
-fn missing<'a>(object: &serde_json::Value, keys: &'a str) -> Vec<&'a str> {
+pub(crate) fn missing<'a>(object: &serde_json::Value, keys: &'a str) -> Vec<&'a str> {
     keys.split_whitespace().filter(|key| object.get(key).is_none()).collect()
 }
 
