@@ -1,13 +1,20 @@
 //! Forces of gravity and of the links (GC §2).
 
-use super::model::{BodyModel, Model};
+use super::model::{BodyModel, Link, Model};
 use super::plan::Plan;
 use crate::math::{Real, Vector};
 
 /// Writes the weight of every particle, N.
 pub fn gravity<R: Real>(model: &Model<R>, force: &mut [R::Vec3]) {
     for body in &model.bodies {
-        force[body.particles.clone()].fill(model.gravity * body.particle_mass);
+        let force = &mut force[body.particles.clone()];
+        if body.masses.is_empty() {
+            force.fill(model.gravity * body.particle_mass);
+        } else {
+            for (force, mass) in force.iter_mut().zip(&body.masses) {
+                *force = model.gravity * *mass;
+            }
+        }
     }
 }
 
@@ -43,16 +50,17 @@ pub fn for_each_link<R: Real>(
     mut visit: impl FnMut([usize; 2], R::Vec3),
 ) {
     for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
-        for link in &family.links {
+        let mut evaluate = |link: &Link<R>, [stiffness, damping]: [R; 2]| {
             let [i, j] = link.ends.map(|end| end as usize);
-            let on_i = link_force(
-                position[j] - position[i],
-                velocity[j] - velocity[i],
-                link.inverse_rest_length,
-                family.stiffness,
-                family.damping,
-            );
-            visit([i, j], on_i);
+            let (d, dv) = (position[j] - position[i], velocity[j] - velocity[i]);
+            visit([i, j], link_force(d, dv, link.inverse_rest_length, stiffness, damping));
+        };
+        if family.classes.is_empty() {
+            family.links.iter().for_each(|link| evaluate(link, [family.stiffness, family.damping]));
+        } else {
+            for (link, &class) in family.links.iter().zip(&family.classes) {
+                evaluate(link, family.constants[usize::from(class)]);
+            }
         }
     }
 }

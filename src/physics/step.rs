@@ -104,11 +104,12 @@ pub fn substep<R: Real>(
 
 fn predict_velocity<R: Real>(model: &Model<R>, dt: R, state: &State<R>, force: &[R::Vec3], velocity: &mut [R::Vec3]) {
     for body in &model.bodies {
-        let dt_over_mass = dt / body.particle_mass;
+        let uniform = dt / body.particle_mass;
         for (local, particle) in body.particles.clone().enumerate() {
             velocity[particle] = if body.is_pinned(local) {
                 R::Vec3::ZERO
             } else {
+                let dt_over_mass = body.masses.get(local).map_or(uniform, |mass| dt / *mass);
                 state.velocity[particle] + force[particle] * dt_over_mass
             };
         }

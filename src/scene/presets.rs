@@ -1,7 +1,7 @@
 //! The scenes that the program carries. Tests, benches, the window and the command line use the same ones.
 
 use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin};
-use super::material::{Material, Spring, Springs};
+use super::material::{Material, Solid, Spring, Springs};
 use super::obstacle::{Obstacle, ObstacleShape, Plane, Sphere};
 use super::settings::Stepping;
 use super::view_settings::{CameraSettings, ViewSettings};
@@ -175,7 +175,7 @@ fn spot() -> Scene {
 /// and the first touch of the ground wakes the mode that grows.
 fn exploding() -> Scene {
     let damping = 0.01;
-    let Material::Springs(soft) = Material::default();
+    let soft = Springs::default();
     let stiff = Springs {
         structural: Spring { stiffness: 1010.0, damping },
         shear: Spring { damping, ..soft.shear },
@@ -210,7 +210,7 @@ fn model_body(name: &str, shape: ModelShape, height: f64) -> Body {
 /// their box, so they are made denser, and stiffer in the same measure.
 fn jelly(cell_size: f64) -> Material {
     const DENSER: f64 = 3.0;
-    let Material::Springs(default) = Material::default();
+    let default = Springs::default();
     let ratio = cell_size / (1.0 / 9.0);
     let (area, volume) = (DENSER * ratio * ratio, DENSER * ratio * ratio * ratio);
     let spring = |of: Spring| Spring { stiffness: of.stiffness * area, damping: of.damping * volume };
@@ -224,7 +224,12 @@ fn jelly(cell_size: f64) -> Material {
 
 /// A material with more damping.
 fn damped(material: &Material, factor: f64) -> Material {
-    let Material::Springs(springs) = material;
+    let springs = match material {
+        Material::Springs(springs) => springs,
+        Material::Solid(solid) => {
+            return Material::Solid(Solid { damping_ratio: solid.damping_ratio * factor, ..*solid });
+        }
+    };
     let spring = |of: Spring| Spring { damping: of.damping * factor, ..of };
     Material::Springs(Springs {
         structural: spring(springs.structural),

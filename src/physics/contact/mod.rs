@@ -108,7 +108,7 @@ pub fn respond<R: Real>(
                 let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0 };
                 velocity[particle] = meeting.resolve(
                     velocity[particle],
-                    body.particle_mass,
+                    body.mass(particle - body.particles.start),
                     &body.contacts,
                     &scratch.near,
                     &mut scratch.contacts,
