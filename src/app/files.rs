@@ -7,10 +7,11 @@ use std::time::Duration;
 
 use directories::ProjectDirs;
 
+use super::jellify_job::{JellifyJob, Outcome};
 use super::native_dialog::{Answer, NativeDialog};
 use super::recent::Recent;
 use super::recovery::{self, Draft, Found, Keeper};
-use super::ui::files::{FilesState, FoundDraft, Wish};
+use super::ui::files::{FilesState, FoundDraft, Wish, Work};
 use super::worker::Snapshot;
 use crate::scene::Scene;
 use crate::scene::view_settings::CameraSettings;
@@ -26,6 +27,7 @@ pub(super) struct Files {
     keeper: Option<Keeper>,
     found: Vec<Found>,
     native: Option<NativeDialog>,
+    job: Option<JellifyJob>,
     /// The scene that was last kept as a draft.
     kept: Option<Arc<Scene>>,
     file: Option<PathBuf>,
@@ -55,8 +57,17 @@ impl Files {
         });
         let recent = Recent::new(folder.as_deref());
         ui.recent = recent.paths();
-        let files =
-            Self { recent, keeper, found, native: None, kept: None, file: None, recovering: None, generation: 0 };
+        let files = Self {
+            recent,
+            keeper,
+            found,
+            native: None,
+            job: None,
+            kept: None,
+            file: None,
+            recovering: None,
+            generation: 0,
+        };
         files.offer(ui);
         files
     }
@@ -98,8 +109,9 @@ impl Files {
         }
     }
 
-    /// Passes on what a dialog of the system was answered.
+    /// Passes on what a dialog of the system was answered and what became of a model.
     pub(super) fn answer(&mut self, ui: &mut FilesState) {
+        self.look_after_job(ui);
         let Some(native) = &self.native else { return };
         match native.answer() {
             Answer::Waiting => return,
@@ -110,7 +122,7 @@ impl Files {
         self.native = None;
     }
 
-    /// Does what the panels wished for. `wake` is called when a dialog of the system is answered.
+    /// Does what the panels wished for. `wake` is called when what takes long is done.
     pub(super) fn grant(&mut self, ui: &mut FilesState, wake: impl Fn() + Clone + Send + 'static) -> Granted {
         let mut granted = Granted::default();
         for wish in std::mem::take(&mut ui.wishes) {
@@ -119,6 +131,15 @@ impl Files {
                     if self.native.is_none() {
                         self.native = Some(NativeDialog::open(purpose, &folder, wake.clone()));
                     }
+                }
+                Wish::Jellify(shape, settings) => {
+                    let job = JellifyJob::start(*shape, *settings, wake.clone());
+                    ui.set_work(Work::Running(job.progress()));
+                    self.job = Some(job);
+                }
+                Wish::StopJellifying => {
+                    ui.set_work(Work::Idle);
+                    self.job = None;
                 }
                 Wish::Quit => granted.quit = true,
                 Wish::Recover => {
@@ -136,6 +157,17 @@ impl Files {
             }
         }
         granted
+    }
+
+    fn look_after_job(&mut self, ui: &mut FilesState) {
+        let Some(job) = &self.job else { return };
+        match job.outcome() {
+            Outcome::Waiting => return,
+            Outcome::Ready(body) => ui.set_work(Work::Ready(body)),
+            Outcome::Cancelled => ui.set_work(Work::Idle),
+            Outcome::Failed(why) => ui.set_work(Work::Failed(why)),
+        }
+        self.job = None;
     }
 
     /// The window closes; a draft is kept where the program failed before.

@@ -7,6 +7,8 @@
 //! orbit   middle drag            left drag     two-finger scroll
 //! pan     shift + middle drag    right drag    shift + left drag, shift + scroll
 //! zoom    wheel, to the pointer  pinch         ctrl + middle drag, ctrl + scroll
+//! choose  left click
+//! hold    left drag on something that can be held
 //! ```
 
 use glam::Vec2;
@@ -24,6 +26,8 @@ const ORBIT_RAD_PER_POINT: f32 = 0.007;
 const ZOOM_PER_NOTCH: f32 = 0.86;
 /// What a point of scrolling or dragging does to the logarithm of the distance.
 const ZOOM_PER_POINT: f32 = 0.005;
+/// A press that moves less than this (points) before it ends is a click.
+const CLICK_RADIUS: f32 = 4.0;
 
 /// A window event, as far as it concerns the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,17 +89,26 @@ pub enum Key {
     F1,
     /// The escape key.
     Escape,
+    /// The key that deletes.
+    Delete,
+    /// The second function key.
+    F2,
+    /// The key for the beginning.
+    Home,
     /// A letter (lower case), digit or sign.
     Char(char),
 }
 
 /// What the window must know to answer an event.
 #[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "four independent facts, each true or not")]
 pub struct Situation {
     /// The pointer is over the view, not over a panel.
     pub over_view: bool,
     /// A widget has the keyboard.
     pub typing: bool,
+    /// What lies under the pointer can be held. Asked when a button goes down.
+    pub holdable: bool,
     /// Time runs.
     pub playing: bool,
     /// Pixels a point of the interface.
@@ -113,10 +126,44 @@ pub enum Action {
     ColorBy(ColorBy),
     /// Show or hide the list of keys.
     ToggleKeys,
-    /// Close what lies over the view.
+    /// Show or hide a panel beside the view.
+    TogglePanel(Panel),
+    /// Close what lies over the view, let go, choose nothing.
     Close,
+    /// Choose what lies under this pixel.
+    Choose(Vec2),
+    /// Take hold of what lies under this pixel.
+    Take(Vec2),
+    /// Move what is held to under this pixel.
+    Drag(Vec2),
+    /// Let go of what is held.
+    Release,
+    /// Do something with what is chosen.
+    Chosen(ChosenAction),
     /// Something with files.
     Files(FileAction),
+}
+
+/// A panel beside the view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Panel {
+    /// The list of bodies and obstacles.
+    Tree,
+    /// The values of what is chosen.
+    Inspector,
+}
+
+/// Something to do with the body or obstacle that is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChosenAction {
+    /// Take it out of the scene.
+    Delete,
+    /// Put another one like it beside it.
+    Duplicate,
+    /// Hide it, or show it again.
+    Hide,
+    /// Give it another name.
+    Rename,
 }
 
 /// A move of the camera.
@@ -138,8 +185,10 @@ pub enum CameraMove {
         /// The pixel kept in place, from the window's upper left corner.
         at: Vec2,
     },
-    /// Show everything.
+    /// Show what is chosen, or everything.
     Frame,
+    /// Show everything.
+    FrameAll,
 }
 
 /// The view's rectangle in the window, pixels.
@@ -163,7 +212,7 @@ impl ViewRect {
     }
 }
 
-/// Carries out a move other than [`CameraMove::Frame`], which needs the scene's bounds.
+/// Carries out a move that does not need the scene's bounds.
 pub fn move_camera(orbit: &mut Orbit, camera_move: CameraMove, view: ViewRect) {
     match camera_move {
         CameraMove::Orbit { yaw_rad, pitch_rad } => orbit.orbit(yaw_rad, pitch_rad),
@@ -172,7 +221,7 @@ pub fn move_camera(orbit: &mut Orbit, camera_move: CameraMove, view: ViewRect) {
             let ray = orbit.camera().ray_through(at - view.origin, view.size);
             orbit.zoom_along(factor, &ray);
         }
-        CameraMove::Zoom { .. } | CameraMove::Frame => (),
+        CameraMove::Zoom { .. } | CameraMove::Frame | CameraMove::FrameAll => (),
     }
 }
 
@@ -180,7 +229,7 @@ pub fn move_camera(orbit: &mut Orbit, camera_move: CameraMove, view: ViewRect) {
 #[derive(Debug, Default)]
 pub struct Input {
     pointer: Vec2,
-    drag: Option<(Button, Drag)>,
+    press: Option<Press>,
     shift: bool,
     control: bool,
     other: bool,
@@ -188,9 +237,25 @@ pub struct Input {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Drag {
+    Camera(CameraDrag),
+    Hold,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum CameraDrag {
     Orbit,
     Pan,
     Zoom { at: Vec2 },
+}
+
+/// A button that is down since it was pressed in the view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Press {
+    button: Button,
+    drag: Drag,
+    from: Vec2,
+    /// It has moved too far for a click.
+    moved: bool,
 }
 
 impl Input {
@@ -201,7 +266,7 @@ impl Input {
 
     /// Whether a drag that began in the view goes on.
     pub fn dragging(&self) -> bool {
-        self.drag.is_some()
+        self.press.is_some()
     }
 
     /// What an event asks for, if anything.
@@ -211,18 +276,24 @@ impl Input {
             Event::PointerMoved(pixel) => {
                 let moved = pixel - self.pointer;
                 self.pointer = pixel;
-                let (_, drag) = self.drag?;
-                (moved != Vec2::ZERO).then(|| Action::Camera(dragged(drag, moved, scale)))
+                if moved == Vec2::ZERO { None } else { self.dragged_by(moved, scale) }
             }
             Event::Button { button, pressed: true } => {
-                if situation.over_view && self.drag.is_none() {
-                    self.drag = Some((button, self.drag_of(button)));
+                if situation.over_view && self.press.is_none() {
+                    let drag = self.drag_of(button, situation.holdable);
+                    self.press = Some(Press { button, drag, from: self.pointer, moved: false });
                 }
                 None
             }
             Event::Button { button, pressed: false } => {
-                self.drag.take_if(|(held, _)| *held == button);
-                None
+                let press = self.press.take_if(|press| press.button == button)?;
+                match (press.drag, press.moved) {
+                    (Drag::Hold, true) => Some(Action::Release),
+                    (Drag::Hold | Drag::Camera(CameraDrag::Orbit), false) if button == Button::Primary => {
+                        Some(Action::Choose(press.from))
+                    }
+                    _ => None,
+                }
             }
             Event::Wheel(notches) => {
                 let factor = ZOOM_PER_NOTCH.powf(notches);
@@ -233,7 +304,7 @@ impl Input {
                 self.over(situation, CameraMove::Zoom { factor, at: self.pointer })
             }
             Event::Scroll(pixels) if self.shift => self.over(situation, CameraMove::Pan(pixels)),
-            Event::Scroll(pixels) => self.over(situation, dragged(Drag::Orbit, pixels, scale)),
+            Event::Scroll(pixels) => self.over(situation, dragged(CameraDrag::Orbit, pixels, scale)),
             Event::Pinch(spread) => {
                 let factor = (-spread).exp();
                 self.over(situation, CameraMove::Zoom { factor, at: self.pointer })
@@ -243,18 +314,34 @@ impl Input {
                 None
             }
             Event::FocusLost => {
-                (self.drag, self.shift, self.control, self.other) = (None, false, false, false);
-                None
+                (self.shift, self.control, self.other) = (false, false, false);
+                let press = self.press.take()?;
+                (press.drag == Drag::Hold && press.moved).then_some(Action::Release)
             }
             Event::Key { key, repeat } => self.on_key(key, repeat, situation),
+        }
+    }
+
+    fn dragged_by(&mut self, moved: Vec2, scale: f32) -> Option<Action> {
+        let pointer = self.pointer;
+        let press = self.press.as_mut()?;
+        let began = !press.moved && (pointer - press.from).length() > CLICK_RADIUS * scale;
+        press.moved |= began;
+        match press.drag {
+            Drag::Hold if began => Some(Action::Take(press.from)),
+            Drag::Hold if press.moved => Some(Action::Drag(pointer)),
+            Drag::Hold => None,
+            Drag::Camera(drag) => Some(Action::Camera(dragged(drag, moved, scale))),
         }
     }
 
     fn on_key(&self, key: Key, repeat: bool, situation: Situation) -> Option<Action> {
         // Holding a key down steps on and on; everything else happens once.
         let stepping = matches!(key, Key::Right | Key::Char('.'));
-        if self.control && !self.other && !repeat {
-            return file_action(key, self.shift).map(Action::Files);
+        if self.control && !self.other {
+            let history = if situation.typing { None } else { self.history_key(key) };
+            let files = || file_action(key, self.shift).filter(|_| !repeat).map(Action::Files);
+            return history.or_else(files);
         }
         if self.control || self.other || (repeat && !stepping) {
             return None;
@@ -267,7 +354,14 @@ impl Input {
             Key::Space => Some(Action::Send(Command::Play)),
             Key::Right | Key::Char('.') => Some(Action::Send(Command::StepOnce)),
             Key::Char('r') => Some(Action::Send(Command::Restart)),
+            Key::Home => Some(Action::Camera(CameraMove::FrameAll)),
+            Key::Char('t') => Some(Action::TogglePanel(Panel::Tree)),
+            Key::Char('n') => Some(Action::TogglePanel(Panel::Inspector)),
             Key::Char('f') => Some(Action::Camera(CameraMove::Frame)),
+            Key::Char('x') | Key::Delete => Some(Action::Chosen(ChosenAction::Delete)),
+            Key::Char('d') if self.shift => Some(Action::Chosen(ChosenAction::Duplicate)),
+            Key::Char('h') => Some(Action::Chosen(ChosenAction::Hide)),
+            Key::F2 => Some(Action::Chosen(ChosenAction::Rename)),
             Key::Char(digit) => {
                 let index = usize::try_from(digit.to_digit(10)?).ok()?.checked_sub(1)?;
                 ColorBy::ALL.get(index).copied().map(Action::ColorBy)
@@ -275,17 +369,26 @@ impl Input {
         }
     }
 
-    fn drag_of(&self, button: Button) -> Drag {
+    fn history_key(&self, key: Key) -> Option<Action> {
+        match (key, self.shift) {
+            (Key::Char('z'), false) => Some(Action::Send(Command::Undo)),
+            (Key::Char('z'), true) | (Key::Char('y'), false) => Some(Action::Send(Command::Redo)),
+            _ => None,
+        }
+    }
+
+    fn drag_of(&self, button: Button, holdable: bool) -> Drag {
         match button {
-            Button::Secondary => Drag::Pan,
-            Button::Primary | Button::Middle if self.shift => Drag::Pan,
-            Button::Middle if self.control => Drag::Zoom { at: self.pointer },
-            Button::Primary | Button::Middle => Drag::Orbit,
+            Button::Secondary => Drag::Camera(CameraDrag::Pan),
+            Button::Primary | Button::Middle if self.shift => Drag::Camera(CameraDrag::Pan),
+            Button::Middle if self.control => Drag::Camera(CameraDrag::Zoom { at: self.pointer }),
+            Button::Primary if holdable => Drag::Hold,
+            Button::Primary | Button::Middle => Drag::Camera(CameraDrag::Orbit),
         }
     }
 
     fn over(&self, situation: Situation, camera_move: CameraMove) -> Option<Action> {
-        (situation.over_view || self.drag.is_some()).then_some(Action::Camera(camera_move))
+        (situation.over_view || self.press.is_some()).then_some(Action::Camera(camera_move))
     }
 }
 
@@ -301,14 +404,14 @@ fn file_action(key: Key, shift: bool) -> Option<FileAction> {
     }
 }
 
-fn dragged(drag: Drag, pixels: Vec2, scale: f32) -> CameraMove {
+fn dragged(drag: CameraDrag, pixels: Vec2, scale: f32) -> CameraMove {
     let points = pixels / scale;
     match drag {
-        Drag::Orbit => {
+        CameraDrag::Orbit => {
             CameraMove::Orbit { yaw_rad: -points.x * ORBIT_RAD_PER_POINT, pitch_rad: points.y * ORBIT_RAD_PER_POINT }
         }
-        Drag::Pan => CameraMove::Pan(pixels),
-        Drag::Zoom { at } => CameraMove::Zoom { factor: (points.y * ZOOM_PER_POINT).exp(), at },
+        CameraDrag::Pan => CameraMove::Pan(pixels),
+        CameraDrag::Zoom { at } => CameraMove::Zoom { factor: (points.y * ZOOM_PER_POINT).exp(), at },
     }
 }
 
@@ -354,6 +457,9 @@ fn key_of(key: &WinitKey) -> Option<Key> {
         WinitKey::Named(NamedKey::ArrowRight) => Some(Key::Right),
         WinitKey::Named(NamedKey::F1) => Some(Key::F1),
         WinitKey::Named(NamedKey::Escape) => Some(Key::Escape),
+        WinitKey::Named(NamedKey::Delete) => Some(Key::Delete),
+        WinitKey::Named(NamedKey::F2) => Some(Key::F2),
+        WinitKey::Named(NamedKey::Home) => Some(Key::Home),
         WinitKey::Character(text) => {
             let mut letters = text.chars().flat_map(char::to_lowercase);
             let letter = letters.next()?;

@@ -9,6 +9,8 @@
 //!
 //! Everything is event-driven: without a new snapshot, an event or an animation nothing is drawn.
 
+pub mod hand;
+pub mod handles;
 pub mod input;
 pub mod recovery;
 pub mod theme;
@@ -17,6 +19,7 @@ pub mod window;
 pub mod worker;
 
 mod files;
+mod jellify_job;
 mod native_dialog;
 mod recent;
 mod shell;
@@ -67,7 +70,7 @@ pub fn run(opened: Opened) -> Result<(), AppError> {
 pub(crate) enum Wake {
     /// The worker has something to take.
     Worker,
-    /// A dialog of the system was answered.
+    /// A dialog of the system was answered, or a model is ready.
     Dialog,
     /// Somebody looks at the window through its accessibility tree.
     Accessibility(accesskit_winit::Event),

@@ -40,6 +40,7 @@ impl NativeDialog {
             let dialog = rfd::FileDialog::new().set_directory(folder);
             let chosen = match purpose {
                 PathUse::OpenScene => dialog.set_title("Open scene").add_filter("Gelatin scene", &["ron"]).pick_file(),
+                PathUse::OpenModel => dialog.set_title("Load model").add_filter("OBJ model", &["obj"]).pick_file(),
                 PathUse::SaveScene => {
                     dialog.set_title("Save scene as").add_filter("Gelatin scene", &["ron"]).save_file()
                 }

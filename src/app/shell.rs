@@ -1,6 +1,8 @@
 //! The open window: what it remembers, what it does with an event, how a frame comes about. Holds the pieces together
 //! and decides when to draw; what the pieces do stands in their own modules.
 
+mod pointing;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,9 +17,11 @@ use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::window::Window;
 
 use super::files::Files;
-use super::input::{self, Action, CameraMove, Input, Situation, ViewRect};
+use super::hand::{self, Hand};
+use super::handles::Handles;
+use super::input::{self, Action, Input, ViewRect};
 use super::ui::files::FileAction;
-use super::ui::{self, Running, UiState};
+use super::ui::{self, Framing, Running, UiState};
 use super::window::{Canvas, CanvasError, Frame, Shown};
 use super::worker::{Ended, Snapshot, Worker, sentence};
 use super::{Wake, theme};
@@ -61,6 +65,8 @@ pub(super) struct Shell {
     snapshot: Option<Snapshot>,
     orbit: Orbit,
     input: Input,
+    hand: Hand,
+    handles: Handles,
     ui: UiState,
     failure: String,
     /// The view's picture differs from the one on the screen.
@@ -101,6 +107,8 @@ impl Shell {
             snapshot: None,
             orbit: Orbit::default(),
             input: Input::default(),
+            hand: Hand::default(),
+            handles: Handles::default(),
             ui,
             failure: String::new(),
             changed: true,
@@ -131,9 +139,15 @@ impl Shell {
             _ => (),
         }
         let response = self.egui.on_window_event(&self.window, event);
-        let action = input::from_winit(event).and_then(|event| self.input.on_event(event, self.situation()));
+        let action = input::from_winit(event).and_then(|event| {
+            let situation = self.situation(event);
+            self.input.on_event(event, situation)
+        });
         if let Some(action) = action {
             self.act(action);
+        }
+        if matches!(event, WindowEvent::CursorMoved { .. }) {
+            self.hover();
         }
         if response.repaint && self.visible {
             self.window.request_redraw();
@@ -173,7 +187,11 @@ impl Shell {
             let old = self.snapshot.as_ref();
             if old.is_none_or(|old| old.generation != snapshot.generation) {
                 self.orbit = extract::view::orbit(&snapshot.scene.view.camera);
+                (self.hand, self.handles) = (Hand::default(), Handles::default());
+                self.ui.selection = None;
             }
+            // The lens is a value of the scene; where the eye is, is the window's own.
+            self.orbit.fov_rad = extract::view::orbit(&snapshot.scene.view.camera).fov_rad;
             let named = |status: &Status| (status.title.clone(), status.unsaved);
             if old.is_none_or(|old| named(&old.status) != named(&snapshot.status)) {
                 let mark = if snapshot.status.unsaved { "• " } else { "" };
@@ -193,42 +211,6 @@ impl Shell {
                 Ok(())
             }
             None => Ok(()),
-        }
-    }
-
-    fn situation(&self) -> Situation {
-        let pointer = self.input.pointer();
-        let points = egui::pos2(pointer.x, pointer.y) / self.pixels_per_point();
-        let covered = self.context.layer_id_at(points).is_some_and(|layer| layer.order != egui::Order::Background);
-        Situation {
-            over_view: self.view().contains(pointer) && !covered && !self.context.egui_is_using_pointer(),
-            typing: self.context.egui_wants_keyboard_input(),
-            playing: self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.playing),
-            scale: self.pixels_per_point(),
-        }
-    }
-
-    fn act(&mut self, action: Action) {
-        match action {
-            Action::Camera(CameraMove::Frame) => self.frame_everything(),
-            Action::Camera(camera_move) => {
-                let view = self.view();
-                input::move_camera(&mut self.orbit, camera_move, view);
-                self.changed = true;
-            }
-            Action::Send(command) => self.worker.send(command),
-            Action::ColorBy(color) => self.color_by(color),
-            Action::Files(action) => {
-                self.ui.files.ask(action);
-                self.window.request_redraw();
-            }
-            Action::ToggleKeys => self.ui.keys_open = !self.ui.keys_open,
-            Action::Close => {
-                self.ui.keys_open = false;
-                let message = self.snapshot.as_ref().map(|snapshot| &snapshot.status.message);
-                let shown = if self.failure.is_empty() { message } else { Some(&self.failure) };
-                self.ui.dismissed = shown.cloned().unwrap_or_default();
-            }
         }
     }
 
@@ -276,12 +258,20 @@ impl Shell {
         self.next_frame = Instant::now().checked_add(delay);
         let panels = self.context.tessellate(output.shapes, output.pixels_per_point);
         let view = self.view();
+        let sight = self.sight(self.input.pointer());
         if let Some(snapshot) = &mut self.snapshot {
             let (picture, scale) = (&mut snapshot.draw_list, output.pixels_per_point);
             picture.camera = self.orbit.camera();
+            picture.style = self.ui.theme.style();
+            picture.selected = self.ui.selection.and_then(|target| hand::place(&snapshot.scene, target));
             picture.overlay.scale = scale;
             let cross = axes(&picture.camera, &picture.style.overlay);
             picture.tools = Overlay { lines: vec![cross], scale, ..Overlay::default() };
+            if let Some([grabbed, target]) = self.hand.pulled(picture) {
+                extract::overlay::add_grab(&mut picture.tools, grabbed, target);
+            }
+            let colors = picture.style.overlay;
+            self.handles.add_to(&mut picture.tools, &snapshot.scene, self.ui.selection, &sight, &colors);
         }
         let frame = Frame {
             draw_list: self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list),
@@ -295,7 +285,10 @@ impl Shell {
         let shown = self.canvas.show(&frame);
         self.canvas.free_textures(&mut output.textures_delta);
         match shown {
-            Ok(Shown::Presented) => self.changed = false,
+            Ok(Shown::Presented) => {
+                log::trace!("a frame is on the screen");
+                self.changed = false;
+            }
             Ok(Shown::Again) => self.next_frame = Some(Instant::now() + RETRY),
             Ok(Shown::Unseen) => self.next_frame = None,
             Err(error) => self.recover(event_loop, error)?,
@@ -310,15 +303,19 @@ impl Shell {
     fn run_panels(&mut self) -> egui::FullOutput {
         let raw_input = self.egui.take_egui_input(&self.window);
         self.ui.files.camera = extract::view::camera_settings(&self.orbit);
+        let value = self.value_under_pointer();
         let Self { context, snapshot, ui, failure, worker, .. } = self;
-        let shown = ui::Shown { running: snapshot.as_ref().map(running), failure };
-        let mut commands = Vec::new();
+        let shown = ui::Shown { running: snapshot.as_ref().map(running), failure, value: &value };
+        let (mut commands, looks) = (Vec::new(), (ui.theme, ui.selection));
         let output = context.run_ui(raw_input, |root| ui::panels_ui(root, &shown, ui, &mut commands));
         for command in commands {
             worker.send(command);
         }
-        if std::mem::take(&mut self.ui.frame) {
-            self.frame_everything();
+        self.changed |= (self.ui.theme, self.ui.selection) != looks;
+        match self.ui.frame.take() {
+            Some(Framing::Everything) => self.frame_everything(),
+            Some(Framing::Chosen) => self.frame_chosen(),
+            None => (),
         }
         if std::mem::take(&mut self.ui.revive) {
             self.revive();

@@ -1,78 +1,165 @@
-//! How the interface looks: a neutral dark theme with one accent, a real interface font, and figures that stand still
-//! while they change. Knows nothing of what the panels say.
+//! How the interface looks: a neutral dark theme and a light one with one accent, a real interface font, and figures
+//! that stand still while they change. Knows nothing of what the panels say.
 
 use std::sync::Arc;
 
 use egui::epaint::{CornerRadius, Shadow};
 use egui::{
-    Color32, Context, FontData, FontDefinitions, FontFamily, FontId, Margin, Response, Sense, Stroke, TextStyle, Theme,
-    Ui, Vec2, Visuals, WidgetInfo, vec2,
+    Color32, Context, FontData, FontDefinitions, FontFamily, FontId, Margin, Response, Sense, Stroke, TextStyle, Ui,
+    Vec2, Visuals, WidgetInfo, vec2,
 };
+
+use crate::view::Style;
 
 /// The body size of text, points.
 pub const TEXT_SIZE: f32 = 13.5;
-/// What a person is to look at: what is chosen, what runs.
-pub const ACCENT: Color32 = Color32::from_rgb(94, 160, 255);
-/// All is well; told from [`WARNING`] by lightness too, not by hue alone.
-pub const GOOD: Color32 = Color32::from_rgb(120, 190, 235);
-/// Something deserves a look.
-pub const WARNING: Color32 = Color32::from_rgb(245, 190, 80);
-/// Something went wrong.
-pub const ERROR: Color32 = Color32::from_rgb(255, 140, 120);
-/// Numbers and what is chosen.
-pub const STRONG: Color32 = Color32::from_gray(238);
-/// Names of numbers, units, what stands beside.
-pub const WEAK: Color32 = Color32::from_gray(158);
 
-const TEXT: Color32 = Color32::from_gray(208);
-const PANEL: Color32 = Color32::from_rgb(27, 29, 33);
-const FLOAT: Color32 = Color32::from_rgb(33, 35, 40);
-const LINE: Color32 = Color32::from_rgb(52, 55, 62);
-const WIDGET: Color32 = Color32::from_rgb(45, 48, 54);
-const WIDGET_HOVERED: Color32 = Color32::from_rgb(58, 62, 70);
-const WIDGET_ACTIVE: Color32 = Color32::from_rgb(70, 75, 85);
+/// Which colours the interface and the view have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Theme {
+    /// Light text on dark grey.
+    #[default]
+    Dark,
+    /// Dark text on light grey: for bright rooms and projectors.
+    Light,
+}
 
-/// Gives a context this look.
+impl Theme {
+    /// The colours of the view.
+    pub fn style(self) -> Style {
+        match self {
+            Self::Dark => Style::dark(),
+            Self::Light => Style::light(),
+        }
+    }
+}
+
+/// The colours of the interface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Palette {
+    /// What a person is to look at: what is chosen, what runs.
+    pub accent: Color32,
+    /// All is well; told from `warning` by lightness too, not by hue alone.
+    pub good: Color32,
+    /// Something deserves a look.
+    pub warning: Color32,
+    /// Something went wrong.
+    pub error: Color32,
+    /// Numbers and what is chosen.
+    pub strong: Color32,
+    /// Plain text.
+    pub text: Color32,
+    /// Names of numbers, units, what stands beside.
+    pub weak: Color32,
+    /// Panels and bars.
+    pub panel: Color32,
+    /// What floats over the view.
+    pub float: Color32,
+    /// Fields to type in.
+    pub field: Color32,
+    /// Lines between things.
+    pub line: Color32,
+    /// The rail that a slider or a meter runs along.
+    pub rail: Color32,
+    /// Buttons: at rest, under the pointer, pressed.
+    pub widget: [Color32; 3],
+    /// How dark the shadow of what floats is, 0 to 255.
+    pub shadow: u8,
+}
+
+const DARK: Palette = Palette {
+    accent: Color32::from_rgb(94, 160, 255),
+    good: Color32::from_rgb(120, 190, 235),
+    warning: Color32::from_rgb(245, 190, 80),
+    error: Color32::from_rgb(255, 140, 120),
+    strong: Color32::from_gray(238),
+    text: Color32::from_gray(208),
+    weak: Color32::from_gray(158),
+    panel: Color32::from_rgb(27, 29, 33),
+    float: Color32::from_rgb(33, 35, 40),
+    field: Color32::from_rgb(20, 21, 24),
+    line: Color32::from_rgb(52, 55, 62),
+    rail: Color32::from_rgb(58, 62, 70),
+    widget: [Color32::from_rgb(45, 48, 54), Color32::from_rgb(58, 62, 70), Color32::from_rgb(70, 75, 85)],
+    shadow: 110,
+};
+
+const LIGHT: Palette = Palette {
+    accent: Color32::from_rgb(24, 98, 205),
+    good: Color32::from_rgb(10, 92, 150),
+    warning: Color32::from_rgb(150, 86, 0),
+    error: Color32::from_rgb(180, 38, 24),
+    strong: Color32::from_gray(18),
+    text: Color32::from_gray(48),
+    weak: Color32::from_gray(92),
+    panel: Color32::from_rgb(243, 244, 246),
+    float: Color32::from_rgb(252, 252, 253),
+    field: Color32::from_rgb(255, 255, 255),
+    line: Color32::from_rgb(205, 209, 216),
+    rail: Color32::from_rgb(202, 206, 214),
+    widget: [Color32::from_rgb(224, 227, 232), Color32::from_rgb(211, 215, 222), Color32::from_rgb(196, 201, 210)],
+    shadow: 45,
+};
+
+/// Gives a context this look, in both themes.
 pub fn apply(context: &Context) {
     context.set_fonts(fonts());
-    context.set_theme(Theme::Dark);
-    context.all_styles_mut(|style| {
-        style.visuals = visuals();
-        style.text_styles = [
-            (TextStyle::Small, 11.5),
-            (TextStyle::Body, TEXT_SIZE),
-            (TextStyle::Button, TEXT_SIZE),
-            (TextStyle::Heading, 17.0),
-            (TextStyle::Monospace, 13.0),
-        ]
-        .into_iter()
-        .map(|(style, size)| {
-            let family = if style == TextStyle::Monospace { FontFamily::Monospace } else { FontFamily::Proportional };
-            (style, FontId::new(size, family))
-        })
-        .collect();
-        style.spacing.item_spacing = vec2(8.0, 6.0);
-        style.spacing.button_padding = vec2(9.0, 4.0);
-        style.spacing.interact_size = vec2(40.0, 26.0);
-        style.spacing.menu_margin = Margin::same(6);
-        style.spacing.window_margin = Margin::same(14);
-        style.interaction.selectable_labels = false;
-        style.interaction.tooltip_delay = 0.4;
-    });
+    context.set_theme(egui_theme(Theme::default()));
+    for (theme, palette) in [(egui::Theme::Dark, &DARK), (egui::Theme::Light, &LIGHT)] {
+        context.style_mut_of(theme, |style| {
+            style.visuals = visuals(theme, palette);
+            style.text_styles = [
+                (TextStyle::Small, 11.5),
+                (TextStyle::Body, TEXT_SIZE),
+                (TextStyle::Button, TEXT_SIZE),
+                (TextStyle::Heading, 17.0),
+                (TextStyle::Monospace, 13.0),
+            ]
+            .into_iter()
+            .map(|(style, size)| {
+                let monospace = style == TextStyle::Monospace;
+                let family = if monospace { FontFamily::Monospace } else { FontFamily::Proportional };
+                (style, FontId::new(size, family))
+            })
+            .collect();
+            style.spacing.item_spacing = vec2(8.0, 6.0);
+            style.spacing.button_padding = vec2(9.0, 4.0);
+            style.spacing.interact_size = vec2(40.0, 26.0);
+            style.spacing.menu_margin = Margin::same(6);
+            style.spacing.window_margin = Margin::same(14);
+            style.interaction.selectable_labels = false;
+            style.interaction.tooltip_delay = 0.4;
+        });
+    }
+}
+
+/// Turns a root panel, and all that is drawn after it, to one of the themes.
+pub fn choose(ui: &mut Ui, theme: Theme) {
+    let theme = egui_theme(theme);
+    if ui.ctx().theme() != theme {
+        ui.ctx().set_theme(theme);
+        ui.reset_style();
+    }
+}
+
+/// The colours of the theme that a panel is drawn in.
+pub fn of(ui: &Ui) -> &'static Palette {
+    if ui.visuals().dark_mode { &DARK } else { &LIGHT }
 }
 
 /// The frame of what floats over the view.
-pub fn float_frame() -> egui::Frame {
+pub fn float_frame(ui: &Ui) -> egui::Frame {
+    let palette = of(ui);
     egui::Frame::new()
-        .fill(FLOAT.gamma_multiply(0.94))
-        .stroke(Stroke::new(1.0, LINE))
+        .fill(palette.float.gamma_multiply(0.94))
+        .stroke(Stroke::new(1.0, palette.line))
         .corner_radius(CornerRadius::same(7))
         .inner_margin(Margin::symmetric(12, 10))
 }
 
 /// The frame of a bar along an edge of the window.
-pub fn bar_frame() -> egui::Frame {
-    egui::Frame::new().fill(PANEL).inner_margin(Margin::symmetric(12, 7))
+pub fn bar_frame(ui: &Ui) -> egui::Frame {
+    egui::Frame::new().fill(of(ui).panel).inner_margin(Margin::symmetric(12, 7))
 }
 
 /// A number in figures of equal width, so that nothing jitters while it changes. `widest` is a text that is as wide
@@ -105,6 +192,13 @@ pub fn dot_ui(ui: &mut Ui, color: Color32) {
     ui.painter().circle_filled(rect.center(), 4.0, color);
 }
 
+fn egui_theme(theme: Theme) -> egui::Theme {
+    match theme {
+        Theme::Dark => egui::Theme::Dark,
+        Theme::Light => egui::Theme::Light,
+    }
+}
+
 fn glyph_width(ui: &Ui, font: &FontId, letter: char) -> f32 {
     ui.fonts_mut(|fonts| fonts.glyph_width(font, letter))
 }
@@ -117,38 +211,97 @@ fn fonts() -> FontDefinitions {
     fonts
 }
 
-fn visuals() -> Visuals {
-    let mut visuals = Visuals::dark();
-    visuals.panel_fill = PANEL;
-    visuals.window_fill = FLOAT;
-    visuals.window_stroke = Stroke::new(1.0, LINE);
+fn visuals(theme: egui::Theme, palette: &Palette) -> Visuals {
+    let mut visuals = theme.default_visuals();
+    visuals.panel_fill = palette.panel;
+    visuals.window_fill = palette.float;
+    visuals.window_stroke = Stroke::new(1.0, palette.line);
     visuals.window_corner_radius = CornerRadius::same(9);
     visuals.menu_corner_radius = CornerRadius::same(7);
-    visuals.extreme_bg_color = Color32::from_rgb(20, 21, 24);
-    visuals.weak_text_color = Some(WEAK);
-    visuals.selection.bg_fill = ACCENT.gamma_multiply(0.35);
-    visuals.selection.stroke = Stroke::new(1.0, STRONG);
-    visuals.hyperlink_color = ACCENT;
-    visuals.warn_fg_color = WARNING;
-    visuals.error_fg_color = ERROR;
-    let shadow = Shadow { offset: [0, 4], blur: 16, spread: 0, color: Color32::from_black_alpha(110) };
+    visuals.extreme_bg_color = palette.field;
+    visuals.weak_text_color = Some(palette.weak);
+    visuals.selection.bg_fill = palette.accent.gamma_multiply(0.35);
+    visuals.selection.stroke = Stroke::new(1.0, palette.strong);
+    visuals.hyperlink_color = palette.accent;
+    visuals.warn_fg_color = palette.warning;
+    visuals.error_fg_color = palette.error;
+    let color = Color32::from_black_alpha(palette.shadow);
+    let shadow = Shadow { offset: [0, 4], blur: 16, spread: 0, color };
     visuals.window_shadow = shadow;
     visuals.popup_shadow = shadow;
+    let [rest, hovered, active] = palette.widget;
     let widgets = &mut visuals.widgets;
     for (widget, fill, text) in [
-        (&mut widgets.noninteractive, PANEL, TEXT),
-        (&mut widgets.inactive, WIDGET, TEXT),
-        (&mut widgets.hovered, WIDGET_HOVERED, STRONG),
-        (&mut widgets.active, WIDGET_ACTIVE, STRONG),
-        (&mut widgets.open, WIDGET_HOVERED, STRONG),
+        (&mut widgets.noninteractive, palette.panel, palette.text),
+        (&mut widgets.inactive, rest, palette.text),
+        (&mut widgets.hovered, hovered, palette.strong),
+        (&mut widgets.active, active, palette.strong),
+        (&mut widgets.open, hovered, palette.strong),
     ] {
-        widget.bg_fill = fill;
+        // The boxes of check marks are filled with the first, buttons with the second.
+        widget.bg_fill = if fill == rest { palette.rail } else { fill };
         widget.weak_bg_fill = fill;
         widget.bg_stroke = Stroke::NONE;
         widget.fg_stroke = Stroke::new(1.0, text);
         widget.corner_radius = CornerRadius::same(5);
         widget.expansion = 0.0;
     }
-    widgets.noninteractive.bg_stroke = Stroke::new(1.0, LINE);
+    widgets.noninteractive.bg_stroke = Stroke::new(1.0, palette.line);
     visuals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative luminance, 0 black to 1 white (WCAG 2).
+    fn luminance(color: Color32) -> f64 {
+        let linear = |channel: u8| {
+            let share = f64::from(channel) / 255.0;
+            if share <= 0.040_45 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) }
+        };
+        0.212_6 * linear(color.r()) + 0.715_2 * linear(color.g()) + 0.072_2 * linear(color.b())
+    }
+
+    fn contrast(a: Color32, b: Color32) -> f64 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn every_text_can_be_read_on_what_lies_behind_it() {
+        for (name, palette) in [("dark", &DARK), ("light", &LIGHT)] {
+            let texts = [
+                palette.accent,
+                palette.good,
+                palette.warning,
+                palette.error,
+                palette.strong,
+                palette.text,
+                palette.weak,
+            ];
+            for (place, text) in texts.into_iter().enumerate() {
+                for behind in [palette.panel, palette.float, palette.field] {
+                    let contrast = contrast(text, behind);
+                    assert!(contrast >= 4.5, "{name} text {place} on {behind:?}: {contrast:.2}");
+                }
+            }
+            for (widget, text) in palette.widget.into_iter().zip([palette.text, palette.strong, palette.strong]) {
+                assert!(contrast(text, widget) >= 4.5, "{name} buttons are legible");
+            }
+        }
+    }
+
+    #[test]
+    fn contrast_is_that_of_the_definition() {
+        assert!((contrast(Color32::BLACK, Color32::WHITE) - 21.0).abs() < 1e-9, "black on white");
+        assert!(contrast(Color32::GRAY, Color32::GRAY) < 1.001, "grey on itself cannot be read");
+    }
+
+    #[test]
+    fn good_and_bad_differ_in_lightness_not_only_in_hue() {
+        for palette in [&DARK, &LIGHT] {
+            assert!(contrast(palette.good, palette.warning) > 1.1, "good and warning");
+        }
+    }
 }

@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use thiserror::Error;
+use thread_priority::{ThreadPriority, set_current_thread_priority};
 
 use crate::scene::Scene;
 use crate::session::document::Opened;
@@ -91,6 +92,17 @@ enum Order {
     Visible(bool),
 }
 
+impl Order {
+    /// Whether it leaves nothing of an order just before it.
+    fn supersedes(&self, before: &Self) -> bool {
+        match (self, before) {
+            (Self::Do(Command::Edit(edit)), Self::Do(Command::Edit(before))) => edit.replaces_same_node_as(before),
+            (Self::Do(Command::Grab(_)), Self::Do(Command::Grab(_))) => true,
+            _ => false,
+        }
+    }
+}
+
 #[derive(Debug, Default)]
 struct Slot {
     snapshot: Option<Snapshot>,
@@ -112,6 +124,10 @@ impl Worker {
         let slot = Arc::new(Mutex::new(Slot::default()));
         let publisher = Publisher { slot: Arc::clone(&slot), wake };
         std::thread::spawn(move || {
+            // The picture goes before the simulation: what a person does is answered however dear the physics.
+            if let Err(error) = set_current_thread_priority(ThreadPriority::Min) {
+                log::debug!("the simulation keeps the priority it has: {error:?}");
+            }
             let outcome = catch_unwind(AssertUnwindSafe(|| match make() {
                 Ok(sandbox) => Loop::new(sandbox, &received, &publisher).run(),
                 Err(error) => publisher.end(Ended::NotStarted(error)),
@@ -219,14 +235,22 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         } else {
             self.orders.recv().map_err(|_gone| WindowGone)?
         };
-        self.follow(first);
-        loop {
+        let mut orders = vec![first];
+        let gone = loop {
             match self.orders.try_recv() {
-                Ok(order) => self.follow(order),
-                Err(TryRecvError::Empty) => return Ok(true),
-                Err(TryRecvError::Disconnected) => return Err(WindowGone),
+                Ok(order) => orders.push(order),
+                Err(TryRecvError::Empty) => break false,
+                Err(TryRecvError::Disconnected) => break true,
+            }
+        };
+        // A slider that is dragged faster than the sandbox follows needs only its last value.
+        let mut orders = orders.into_iter().peekable();
+        while let Some(order) = orders.next() {
+            if !orders.peek().is_some_and(|next| next.supersedes(&order)) {
+                self.follow(order);
             }
         }
+        if gone { Err(WindowGone) } else { Ok(true) }
     }
 
     fn follow(&mut self, order: Order) {

@@ -24,7 +24,7 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     dt: Option<String>,
     /// The scheme that advances a step.
-    #[arg(long, value_parser = ["semi-implicit"])]
+    #[arg(long, value_parser = ["semi-implicit", "explicit", "verlet", "rk2", "rk4"])]
     integrator: Option<String>,
     /// Whether steps are divided so that they stay stable.
     #[arg(long, value_parser = ["auto", "manual"])]

@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3};
 use super::assembly::{self, Assembled};
 use super::model::{BodyModel, ContactModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use super::plan::Plan;
+use super::recovery;
 use super::stability::SceneLimits;
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
@@ -30,22 +31,17 @@ pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>]) -> (Model<R>, 
         Model { bodies: Vec::new(), obstacles: obstacles(&scene.obstacles), gravity: R::Vec3::from_dvec3(gravity) };
     let mut first = 0;
     for (body, lattice) in scene.bodies.iter().zip(lattices) {
-        let compiled = compile_body(body, lattice, first, &scene.obstacles, gravity.length());
+        let compiled = compile_body(body, lattice, first, scene);
         first = compiled.particles.end;
         model.bodies.push(compiled);
     }
-    let limits = SceneLimits::of(&model, scene.settings.contact);
+    let limits = SceneLimits::of(&model, scene.settings.contact, scene.settings.integrator);
     let plan = Plan::new(&scene.settings, &model, limits);
     (model, plan)
 }
 
-fn compile_body<R: Real>(
-    body: &Body,
-    lattice: &Arc<Lattice>,
-    first: usize,
-    obstacles: &[Obstacle],
-    gravity: f64,
-) -> BodyModel<R> {
+fn compile_body<R: Real>(body: &Body, lattice: &Arc<Lattice>, first: usize, scene: &Scene) -> BodyModel<R> {
+    let gravity = DVec3::from(scene.settings.gravity).length();
     let rotation = rotation::from_euler_deg(body.pose.rotation_deg);
     let position = DVec3::from(body.pose.position);
     let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
@@ -64,6 +60,11 @@ fn compile_body<R: Real>(
     };
     let heaviest = masses.iter().copied().fold(particle_mass, f64::max);
     let load = heaviest_load(lattice) * heaviest * gravity;
+    let [recovery_stiffness, recovery_mass] = match &body.material {
+        _ if !scene.settings.inversion_recovery => [0.0, particle_mass],
+        Material::Springs(springs) => recovery::of_springs(springs, lattice.grid.cell_size),
+        Material::Solid(_) => recovery::of_cells(&cell_kinds, lattice.grid.cell_size),
+    };
     BodyModel {
         particles: first..first + rest.len(),
         start: rest.iter().map(|p| R::Vec3::from_dvec3(position + rotation * *p)).collect(),
@@ -75,7 +76,11 @@ fn compile_body<R: Real>(
         links,
         lattice: Arc::clone(lattice),
         size: R::from_f64(size),
-        contacts: obstacles
+        inverse_cell_size: R::from_f64(1.0 / lattice.grid.cell_size),
+        recovery_stiffness: R::from_f64(recovery_stiffness),
+        recovery_mass: R::from_f64(recovery_mass),
+        contacts: scene
+            .obstacles
             .iter()
             .map(|obstacle| contact(obstacle, heaviest, size, load, lattice.grid.cell_size))
             .collect(),

@@ -4,8 +4,10 @@
 use glam::DVec3;
 
 use super::forces;
+use super::integrate;
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
+use super::recovery;
 use super::state::State;
 use super::step::{Inputs, Scratch, substep};
 use crate::math::{Aabb, Real, Vector};
@@ -44,26 +46,32 @@ pub struct Energy {
     pub gravity: f64,
     /// Of the penalty springs of contact.
     pub contact: f64,
+    /// Of the recovery from inversion.
+    pub recovery: f64,
 }
 
 impl Energy {
     /// The sum.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.gravity + self.contact
+        self.kinetic + self.elastic + self.gravity + self.contact + self.recovery
     }
 }
 
 impl Diagnostics {
     /// Of a state.
     pub fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Self {
-        // Semi-implicit Euler's velocity is half a step behind its position: the mean of it and the next one is on
-        // time. The next one is had by taking the substep on a copy.
+        // A velocity half a step behind its position has the mean of it and the next one on time. The next one is had
+        // by taking the substep on a copy.
         let mut ahead = state.clone();
-        let mut scratch = Scratch::new(model);
+        let mut scratch = Scratch::new(model, plan);
         let next = substep(model, plan, Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
         let centred = |particle: usize| {
             let now = state.velocity[particle].to_dvec3();
-            if next.diverged { now } else { 0.5 * (now + ahead.velocity[particle].to_dvec3()) }
+            if next.diverged || integrate::is_on_time(plan, state) {
+                now
+            } else {
+                0.5 * (now + ahead.velocity[particle].to_dvec3())
+            }
         };
         let mut sum = Self {
             energy: Energy::default(),
@@ -91,6 +99,7 @@ impl Diagnostics {
                 sum.max_speed = sum.max_speed.max(state.velocity[particle].to_dvec3().length());
             }
             sum.add_links(body, state);
+            sum.energy.recovery += recovery::energy(body, state);
             sum.inverted_cells += inverted_cells(body, state);
         }
         if sum.mass_kg > 0.0 {
@@ -126,20 +135,7 @@ impl Diagnostics {
 /// Cells whose mean edges along the three axes span no positive volume.
 fn inverted_cells<R: Real>(body: &BodyModel<R>, state: &State<R>) -> usize {
     let position = &state.position[body.particles.clone()];
-    body.lattice
-        .cells
-        .iter()
-        .filter(|cell| {
-            let corner = |place: usize| position[cell[place] as usize].to_dvec3();
-            let mean_edge =
-                |axis: usize| {
-                    (0..8).fold(DVec3::ZERO, |sum, place| {
-                        if place >> axis & 1 == 1 { sum + corner(place) } else { sum - corner(place) }
-                    })
-                };
-            mean_edge(0).dot(mean_edge(1).cross(mean_edge(2))) <= 0.0
-        })
-        .count()
+    body.lattice.cells.iter().filter(|cell| recovery::volume(body, position, cell) <= 0.0).count()
 }
 
 /// Mean magnitude of the link forces on every particle of the scene, and their sum: what `load` and `force` show, N.

@@ -1,8 +1,35 @@
 //! Forces of gravity and of the links (GC §2).
 
 use super::model::{BodyModel, Link, Model};
-use super::plan::Plan;
+use super::plan::{Plan, Stage};
+use super::recovery;
+use super::report::{StageTimer, StepReport};
+use super::state::BodyMemory;
 use crate::math::{Real, Vector};
+
+#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
+/// Writes all forces on particles at these positions with these velocities but those of contact, N.
+pub fn evaluate<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    position: &[R::Vec3],
+    velocity: &[R::Vec3],
+    memory: &[BodyMemory],
+    force: &mut [R::Vec3],
+    report: &mut StepReport,
+    timer: &mut impl StageTimer,
+) {
+    timer.enter(Stage::Gravity);
+    gravity(model, force);
+    if plan.runs(Stage::Links) {
+        timer.enter(Stage::Links);
+        report.link_forces += links(model, plan, position, velocity, force);
+    }
+    if memory.iter().any(|memory| !memory.near_inversion.is_empty()) {
+        timer.enter(Stage::Recovery);
+        recovery::add_forces(model, plan, position, velocity, memory, force, report);
+    }
+}
 
 /// Writes the weight of every particle, N.
 pub fn gravity<R: Real>(model: &Model<R>, force: &mut [R::Vec3]) {

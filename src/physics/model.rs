@@ -54,6 +54,12 @@ pub struct BodyModel<R: Real> {
     pub lattice: Arc<Lattice>,
     /// The longest extent at rest, m.
     pub size: R,
+    /// The inverse of its cells' size at rest, 1/m.
+    pub inverse_cell_size: R,
+    /// How strongly a cell resists inversion, N·m; zero where recovery is off.
+    pub recovery_stiffness: R,
+    /// The mass that a particle of the lightest cell has against that push, kg.
+    pub recovery_mass: R,
     /// How it meets each obstacle, in the obstacles' order.
     pub contacts: Vec<ContactModel<R>>,
 }

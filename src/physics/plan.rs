@@ -3,7 +3,7 @@
 use super::model::{Model, ObstacleShape};
 use super::stability::SceneLimits;
 use crate::math::Real;
-use crate::scene::settings::{ContactRule, Stepping};
+use crate::scene::settings::{ContactRule, Integrator, Stepping};
 use crate::scene::{Family, Settings};
 
 /// The stages of a substep in their order (GC Algorithm 1).
@@ -13,6 +13,8 @@ pub enum Stage {
     Gravity,
     /// Forces of the links.
     Links,
+    /// Cells that are near inversion (S7).
+    Recovery,
     /// Boxes against boxes (GC §7).
     BroadPhase,
     /// Particles against obstacles, response and friction (GC §5, §6).
@@ -23,13 +25,15 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in their order.
-    pub const ALL: [Self; 5] = [Self::Gravity, Self::Links, Self::BroadPhase, Self::Contact, Self::Integrate];
+    pub const ALL: [Self; 6] =
+        [Self::Gravity, Self::Links, Self::Recovery, Self::BroadPhase, Self::Contact, Self::Integrate];
 
     /// The stage's word in figures.
     pub fn name(self) -> &'static str {
         match self {
             Self::Gravity => "gravity",
             Self::Links => "links",
+            Self::Recovery => "recovery",
             Self::BroadPhase => "broad_phase",
             Self::Contact => "contact",
             Self::Integrate => "integrate",
@@ -39,7 +43,10 @@ impl Stage {
 
 /// What a step does for one scene.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a stage that runs or does not, and any mixture is a plan")]
 pub struct Plan {
+    /// The scheme in use.
+    pub integrator: Integrator,
     /// The whole step, s.
     pub dt_secs: f64,
     /// Substeps in a whole step.
@@ -48,6 +55,8 @@ pub struct Plan {
     pub limits: SceneLimits,
     /// Which families have a link with a force, in any body.
     pub families: [bool; 3],
+    /// Whether crushed cells are pushed back to shape.
+    pub recovery: bool,
     /// Whether anything can be met.
     pub contact: bool,
     /// How obstacles push back.
@@ -67,17 +76,17 @@ impl Plan {
                 !links.links.is_empty() && (links.stiffness > R::ZERO || links.damping > R::ZERO)
             })
         };
+        let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
         Self {
+            integrator: settings.integrator,
             dt_secs: settings.dt,
-            substeps: match settings.stepping {
-                Stepping::Manual => 1,
-                Stepping::Auto => limits.substeps(settings.dt),
-            },
+            substeps: if divided { limits.substeps(settings.dt) } else { 1 },
             limits,
             families: Family::ALL.map(|family| has_force(family as usize)),
+            recovery: model.bodies.iter().any(|body| body.recovery_stiffness > R::ZERO),
             contact: !model.obstacles.is_empty() && !model.bodies.is_empty(),
             contact_rule: settings.contact,
-            watched: settings.stepping == Stepping::Manual,
+            watched: !divided,
             broad_phase: true,
         }
     }
@@ -92,6 +101,7 @@ impl Plan {
         match stage {
             Stage::Gravity | Stage::Integrate => true,
             Stage::Links => self.families.contains(&true),
+            Stage::Recovery => self.recovery,
             Stage::BroadPhase => self.contact && self.broad_phase,
             Stage::Contact => self.contact,
         }

@@ -19,6 +19,10 @@ pub struct StepReport {
     pub narrow_tests_saved: u64,
     /// Link forces evaluated.
     pub link_forces: u64,
+    /// Cells looked at for being near inversion.
+    pub cells_looked_at: u64,
+    /// Watched cells whose push against inversion was worked out.
+    pub recovery_cells: u64,
     /// Whether the step was abandoned, state untouched, because a number would have stopped being finite or, in
     /// manual stepping, a body would have been torn apart.
     pub diverged: bool,
@@ -34,6 +38,8 @@ impl StepReport {
         self.narrow_tests += later.narrow_tests;
         self.narrow_tests_saved += later.narrow_tests_saved;
         self.link_forces += later.link_forces;
+        self.cells_looked_at += later.cells_looked_at;
+        self.recovery_cells += later.recovery_cells;
         self.diverged |= later.diverged;
     }
 }

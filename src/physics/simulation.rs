@@ -12,7 +12,7 @@ use super::interaction::Grab;
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::report::{StageTimer, StepReport};
-use super::state::State;
+use super::state::{BodyMemory, State};
 use super::step::{self, Inputs, Scratch};
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector, rotation};
@@ -35,8 +35,9 @@ impl<R: Real> Simulation<R> {
     /// A scene at its start. `lattices` are those of the scene's bodies, in their order.
     pub fn new(scene: &Scene, lattices: &[Arc<Lattice>]) -> Self {
         let (model, plan) = compile(scene, lattices);
-        let state = State::start(&model);
-        let scratch = Scratch::new(&model);
+        let mut state = State::start(&model);
+        state.fit_scheme(&plan);
+        let scratch = Scratch::new(&model, &plan);
         Self { model, plan, state, scratch, sweeps: Vec::new(), grab: None, diverged: false }
     }
 
@@ -52,7 +53,8 @@ impl<R: Real> Simulation<R> {
         sweep::keep_sides(&self.model, &model, kept, &self.sweeps, &sides, &mut self.state);
         // The share of the step that was taken stays taken: dear steps come to an end however often they are edited.
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
-        self.scratch.fit(&model);
+        self.state.fit_scheme(&plan);
+        self.scratch.fit(&model, &plan);
         self.model = model;
         self.plan = plan;
         self.diverged = false;
@@ -80,6 +82,7 @@ impl<R: Real> Simulation<R> {
             position_residual: self.state.position_residual[particles.clone()].to_vec(),
             velocity: self.state.velocity[particles.clone()].to_vec(),
             side: self.state.side.iter().map(|row| row[particles.clone()].to_vec()).collect(),
+            memory: self.state.bodies[body].clone(),
         }
     }
 
@@ -98,6 +101,8 @@ impl<R: Real> Simulation<R> {
                 None => row[particles.clone()].fill(0),
             }
         }
+        self.state.bodies[body].clone_from(&motion.memory);
+        self.state.reserve(&self.model);
         self.scratch.contact.touch_all();
         self.diverged = false;
     }
@@ -115,6 +120,7 @@ impl<R: Real> Simulation<R> {
             position_residual: vec![R::Vec3::ZERO; start.particles.len()],
             velocity: (0..start.particles.len()).map(|local| self.start_velocity(body, local)).collect(),
             side: Vec::new(),
+            memory: BodyMemory::default(),
         };
         self.set_body_motion(body, &motion);
     }
@@ -142,6 +148,7 @@ impl<R: Real> Simulation<R> {
             position_residual: vec![R::Vec3::ZERO; particles.len()],
             velocity: vec![R::Vec3::ZERO; particles.len()],
             side: Vec::new(),
+            memory: self.state.bodies[body].clone(),
         };
         self.set_body_motion(body, &motion);
     }
@@ -230,7 +237,9 @@ impl<R: Real> Simulation<R> {
     pub fn set_state(&mut self, state: State<R>) {
         assert_eq!(state.position.len(), self.model.particle_count(), "the state must be one of this model");
         self.state = state;
-        self.scratch = Scratch::new(&self.model);
+        self.state.reserve(&self.model);
+        self.state.fit_scheme(&self.plan);
+        self.scratch = Scratch::new(&self.model, &self.plan);
         self.diverged = false;
     }
 
@@ -257,6 +266,7 @@ pub struct BodyMotion<R: Real> {
     position_residual: Vec<R::Vec3>,
     velocity: Vec<R::Vec3>,
     side: Vec<Vec<i8>>,
+    memory: BodyMemory,
 }
 
 /// As many of `new` substeps as make up the same share of a step as `taken` of `old`; never all of them.

@@ -14,6 +14,8 @@
 //! Removing links only lowers the quadratic form, so the bound holds for every subset of cells with the same mass
 //! per particle, whatever its size. It is a bound at rest; crumpled states were seen to blow up from about 0.58 of
 //! it, hence the safety factor.
+//!
+//! Verlet with its predicted damping velocity counts the damping twice; RK4 has a region of stability of its own.
 
 use glam::{DMat3, DVec3};
 
@@ -21,7 +23,7 @@ use super::cell_bound::CellLoads;
 use super::model::{BodyModel, Model};
 use crate::math::Real;
 use crate::scene::Family;
-use crate::scene::settings::ContactRule;
+use crate::scene::settings::{ContactRule, Integrator};
 
 /// Automatic stepping stays below this share of the bound at rest, which covers crumpled bodies.
 pub const SAFETY: f64 = 0.55;
@@ -31,6 +33,30 @@ pub(super) const LATTICE_LIMIT: f64 = 4.0;
 
 /// Wave numbers 0, π/8 … π along each axis: the extremes of the stencil lie on this grid.
 const WAVES: usize = 9;
+
+/// Where in the complex plane dt times an eigenvalue of the motion may lie, by scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Region {
+    /// The leapfrog family: `dt² ω² + 2 s dt c < 4` with a share s of the damping, 1 for semi-implicit Euler and 2 where
+    /// the velocity of the damping is predicted.
+    Leapfrog(f64),
+    /// Half a disc of this radius. An eigenvalue is no larger than the larger of ω and c, whichever way damping and
+    /// stiffness mix.
+    HalfDisc(f64),
+}
+
+impl Region {
+    fn of(integrator: Integrator) -> Self {
+        match integrator {
+            Integrator::SemiImplicit => Self::Leapfrog(1.0),
+            Integrator::Verlet => Self::Leapfrog(2.0),
+            // Largest half disc within |1 + z + z²/2 + z³/6 + z⁴/24| ≤ 1, whose ends are 2.828 i and −2.785.
+            Integrator::Rk4 => Self::HalfDisc(2.61),
+            // Beyond −2 both blow up for certain; below, undamped vibrations still grow, slowly.
+            Integrator::Explicit | Integrator::Rk2 => Self::HalfDisc(2.0),
+        }
+    }
+}
 
 /// What can limit a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -81,12 +107,13 @@ pub struct SceneLimits {
 }
 
 impl SceneLimits {
-    /// The limits of a model.
-    pub fn of<R: Real>(model: &Model<R>, rule: ContactRule) -> Self {
+    /// The limits of a model that a scheme advances. Explicit Euler and RK2 have no stable step for an undamped
+    /// vibration: theirs are the steps beyond which every vibration blows up at once.
+    pub fn of<R: Real>(model: &Model<R>, rule: ContactRule, integrator: Integrator) -> Self {
         let waves = lattice_waves();
         let mut limits = Self::default();
         for body in &model.bodies {
-            limits.tighten(&body_limits(body, rule, &waves));
+            limits.tighten(&body_limits(body, rule, Region::of(integrator), &waves));
         }
         limits
     }
@@ -176,14 +203,15 @@ fn half_stencil() -> impl Iterator<Item = (Family, DVec3)> {
     near.chain(DVec3::AXES.into_iter().map(|axis| (Family::Bending, 2.0 * axis)))
 }
 
-fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, waves: &[WaveTensors]) -> SceneLimits {
+fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, waves: &[WaveTensors]) -> SceneLimits {
     let lightest = body.masses.iter().copied().fold(body.particle_mass, R::min).to_f64();
     let contact = match rule {
         ContactRule::Implicit => 0.0,
         ContactRule::Thesis => body.contacts.iter().map(|c| c.stiffness.to_f64()).fold(0.0, f64::max) / lightest,
     };
     if !body.cell_kinds.is_empty() {
-        return cell_limits(&CellLoads::of(&body.cell_kinds, body.lattice.grid.cell_size), contact);
+        let loads = CellLoads::of(&body.cell_kinds, body.lattice.grid.cell_size);
+        return cell_limits(&loads, contact, region);
     }
     // With the cell size h the tensors scale by 1/h; mass and cell size divide every constant.
     let scale = 1.0 / (body.particle_mass.to_f64() * body.lattice.grid.cell_size);
@@ -200,23 +228,54 @@ fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, waves: &[WaveTen
     };
     let mut terms = Vec::new();
     for (f, family) in Family::ALL.into_iter().enumerate() {
-        terms.push((Term::Stiffness(family), undamped_limit(largest(waves, only(stiffness, f)))));
-        terms.push((Term::Damping(family), damped_limit(largest(waves, only(damping, f)))));
+        let [stiff, damped] = [stiffness, damping].map(|constants| largest(waves, only(constants, f)));
+        terms.push((Term::Stiffness(family), region.undamped_limit(stiff)));
+        terms.push((Term::Damping(family), region.damped_limit(damped)));
     }
-    terms.push((Term::Contact, undamped_limit(contact)));
-    SceneLimits { terms, dt_limit_secs: combined_limit(waves, stiffness, damping, contact) }
+    terms.push((Term::Contact, region.undamped_limit(contact)));
+    let dt_limit_secs = match region {
+        Region::Leapfrog(share) => combined_limit(waves, stiffness, damping.map(|d| share * d), contact),
+        Region::HalfDisc(_) => smaller(
+            region.undamped_limit(largest(waves, stiffness) + contact),
+            region.damped_limit(largest(waves, damping)),
+        ),
+    };
+    SceneLimits { terms, dt_limit_secs }
+}
+
+impl Region {
+    /// The largest step for a vibration with `ω² = λ`.
+    fn undamped_limit(self, lambda: f64) -> Option<f64> {
+        match self {
+            Self::Leapfrog(_) => undamped_limit(lambda),
+            Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda.sqrt()),
+        }
+    }
+
+    /// The largest step for damping with `c = λ`.
+    fn damped_limit(self, lambda: f64) -> Option<f64> {
+        match self {
+            Self::Leapfrog(share) => damped_limit(share * lambda),
+            Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda),
+        }
+    }
 }
 
 /// Of a body of cells that share out their links. Its bending links have no force.
-fn cell_limits(loads: &CellLoads, contact: f64) -> SceneLimits {
+fn cell_limits(loads: &CellLoads, contact: f64, region: Region) -> SceneLimits {
     let mut terms = Vec::new();
     for (f, family) in Family::ALL.into_iter().enumerate() {
         let alone = |of: [f64; 2]| of.get(f).copied().unwrap_or(0.0);
-        terms.push((Term::Stiffness(family), undamped_limit(alone(loads.stiffness_alone))));
-        terms.push((Term::Damping(family), damped_limit(alone(loads.damping_alone))));
+        terms.push((Term::Stiffness(family), region.undamped_limit(alone(loads.stiffness_alone))));
+        terms.push((Term::Damping(family), region.damped_limit(alone(loads.damping_alone))));
     }
-    terms.push((Term::Contact, undamped_limit(contact)));
-    SceneLimits { terms, dt_limit_secs: CellLoads::dt_limit_secs(loads.stiffness + contact, loads.damping) }
+    terms.push((Term::Contact, region.undamped_limit(contact)));
+    let stiffness = loads.stiffness + contact;
+    let dt_limit_secs = match region {
+        Region::Leapfrog(share) => CellLoads::dt_limit_secs(stiffness, share * loads.damping),
+        Region::HalfDisc(_) => smaller(region.undamped_limit(stiffness), region.damped_limit(loads.damping)),
+    };
+    SceneLimits { terms, dt_limit_secs }
 }
 
 /// `dt² λ ≤ 4`.

@@ -1,11 +1,12 @@
 //! One substep, in the order of GC Algorithm 1.
 //!
 //! ```text
-//! forces   F  = m g + Σ links
+//! forces   F  = m g + Σ links + Σ cells near inversion
 //! predict  v* = v + dt F/m
 //! pull     v* of a grabbed point's particles   (an implicit spring)
 //! contact  v* → v'   (implicit penalty and friction; the thesis rule adds to F before the prediction)
-//! move     x += dt v'
+//! refine   v' and the mean velocity u, where the scheme has one, with more forces on the way
+//! move     x += dt v'   (or dt u)
 //! ```
 //!
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
@@ -13,9 +14,11 @@
 
 use super::contact;
 use super::forces;
+use super::integrate::{self, Free};
 use super::interaction::{self, Grab};
 use super::model::Model;
 use super::plan::{Plan, Stage};
+use super::recovery;
 use super::report::{StageTimer, StepReport};
 use super::runaway::runs_away;
 use super::state::State;
@@ -27,26 +30,33 @@ use crate::scene::settings::ContactRule;
 pub struct Scratch<R: Real> {
     /// Net force on every particle without implicit contact, N.
     pub force: Vec<R::Vec3>,
+    /// Of it the thesis's contact, N; empty without that rule.
+    thesis_force: Vec<R::Vec3>,
     /// The velocity at the end of the substep, m/s.
     pub velocity: Vec<R::Vec3>,
     /// Contact's working room and what it found.
     pub contact: contact::Scratch<R>,
+    scheme: integrate::Scratch<R>,
 }
 
 impl<R: Real> Scratch<R> {
-    /// Room for a model.
-    pub fn new(model: &Model<R>) -> Self {
+    /// Room for a model under a plan.
+    pub fn new(model: &Model<R>, plan: &Plan) -> Self {
         let count = model.particle_count();
+        let has_thesis_force = plan.contact && plan.contact_rule == ContactRule::Thesis;
         Self {
             force: vec![R::Vec3::ZERO; count],
+            thesis_force: vec![R::Vec3::ZERO; if has_thesis_force { count } else { 0 }],
             velocity: vec![R::Vec3::ZERO; count],
             contact: contact::Scratch::new(model),
+            scheme: integrate::Scratch::new(model, plan),
         }
     }
 
     /// Makes room for a model of the same bodies and other obstacles.
-    pub(super) fn fit(&mut self, model: &Model<R>) {
-        self.contact = contact::Scratch::new(model);
+    pub(super) fn fit(&mut self, model: &Model<R>, plan: &Plan) {
+        let Self { contact, thesis_force, scheme, .. } = Self::new(model, plan);
+        (self.contact, self.thesis_force, self.scheme) = (contact, thesis_force, scheme);
     }
 }
 
@@ -68,32 +78,46 @@ pub fn substep<R: Real>(
 ) -> StepReport {
     let dt = R::from_f64(plan.substep_secs());
     let mut report = StepReport { substeps: 1, ..StepReport::default() };
+    let implicit_contact = plan.contact && plan.contact_rule == ContactRule::Implicit;
+    let thesis_contact = plan.contact && plan.contact_rule == ContactRule::Thesis;
+    let Scratch { force, thesis_force, velocity, contact, scheme } = scratch;
 
-    timer.enter(Stage::Gravity);
-    forces::gravity(model, &mut scratch.force);
-    if plan.runs(Stage::Links) {
-        timer.enter(Stage::Links);
-        report.link_forces = forces::links(model, plan, &state.position, &state.velocity, &mut scratch.force);
+    if plan.recovery && recovery::is_due(plan, state) {
+        timer.enter(Stage::Recovery);
+        recovery::look(model, state, &mut report);
     }
-    if plan.contact && plan.contact_rule == ContactRule::Thesis {
+    let felt = integrate::damping_velocity(plan, state, scheme);
+    forces::evaluate(model, plan, &state.position, felt, &state.bodies, force, &mut report, timer);
+    if thesis_contact {
         timer.enter(Stage::Contact);
-        contact::thesis::add_forces(model, dt, state, &mut scratch.force, &mut scratch.contact.contacts, &mut report);
+        contact::thesis::add_forces(model, dt, state, force, thesis_force, &mut contact.contacts, &mut report);
     }
     timer.enter(Stage::Integrate);
-    predict_velocity(model, dt, state, &scratch.force, &mut scratch.velocity);
+    let held_force = &thesis_force[..];
+    let mut free = Free { model, plan, dt, state, force, held_force, scratch: scheme };
+    free.predict(velocity);
     if let Some(grab) = inputs.grab {
-        interaction::pull(model, dt, grab, &state.position, &mut scratch.velocity);
+        interaction::pull(model, dt, grab, &state.position, velocity);
     }
-    if plan.contact && plan.contact_rule == ContactRule::Implicit {
-        contact::respond(model, plan, dt, state, &mut scratch.velocity, &mut scratch.contact, &mut report, timer);
+    if implicit_contact {
+        contact::respond(model, plan, dt, state, velocity, contact, &mut report, timer);
         timer.enter(Stage::Integrate);
     }
-    let exploded = plan.watched && runs_away(model, dt, &scratch.velocity);
-    if !exploded && stays_finite(dt, state, &scratch.velocity) {
-        if plan.contact && plan.contact_rule == ContactRule::Implicit {
-            contact::remember_sides(model, dt, state, &scratch.velocity, &mut scratch.contact, &mut report);
+    free.refine(velocity, &mut report, timer);
+    let path = &mut scheme.path;
+    if implicit_contact && !path.is_empty() {
+        contact::respond_to_paths(model, plan, dt, state, velocity, path, contact, &mut report, timer);
+        timer.enter(Stage::Integrate);
+    }
+    let moving = if path.is_empty() { &*velocity } else { &*path };
+    let exploded = plan.watched && runs_away(model, dt, moving);
+    if !exploded && stays_finite(dt, state, moving, velocity) {
+        if implicit_contact {
+            contact::remember_sides(model, dt, state, moving, contact, &mut report);
         }
-        move_particles(dt, state, &scratch.velocity);
+        integrate::remember(model, plan, dt, force, held_force, state);
+        move_particles(dt, state, moving);
+        state.velocity.copy_from_slice(velocity);
         state.time_secs += plan.substep_secs();
     } else {
         report.diverged = true;
@@ -102,32 +126,18 @@ pub fn substep<R: Real>(
     report
 }
 
-fn predict_velocity<R: Real>(model: &Model<R>, dt: R, state: &State<R>, force: &[R::Vec3], velocity: &mut [R::Vec3]) {
-    for body in &model.bodies {
-        let uniform = dt / body.particle_mass;
-        for (local, particle) in body.particles.clone().enumerate() {
-            velocity[particle] = if body.is_pinned(local) {
-                R::Vec3::ZERO
-            } else {
-                let dt_over_mass = body.masses.get(local).map_or(uniform, |mass| dt / *mass);
-                state.velocity[particle] + force[particle] * dt_over_mass
-            };
-        }
-    }
-}
-
-fn stays_finite<R: Real>(dt: R, state: &State<R>, velocity: &[R::Vec3]) -> bool {
-    state.position.iter().zip(velocity).all(|(x, v)| (*x + *v * dt).is_finite() && v.is_finite())
+fn stays_finite<R: Real>(dt: R, state: &State<R>, path: &[R::Vec3], velocity: &[R::Vec3]) -> bool {
+    let moved = state.position.iter().zip(path).all(|(x, v)| (*x + *v * dt).is_finite());
+    moved && velocity.iter().all(|v| v.is_finite())
 }
 
 /// `x += dt v`, with what rounding keeps back carried to the next step (Kahan 1965).
-fn move_particles<R: Real>(dt: R, state: &mut State<R>, velocity: &[R::Vec3]) {
-    for (particle, v) in velocity.iter().enumerate() {
+fn move_particles<R: Real>(dt: R, state: &mut State<R>, path: &[R::Vec3]) {
+    for (particle, v) in path.iter().enumerate() {
         let x = state.position[particle];
         let change = *v * dt + state.position_residual[particle];
         let moved = x + change;
         state.position_residual[particle] = change - (moved - x);
         state.position[particle] = moved;
     }
-    state.velocity.copy_from_slice(velocity);
 }

@@ -136,6 +136,11 @@ impl Looks {
         }
     }
 
+    /// Forgets all looks but the first `count`, and the positions they hold.
+    pub(super) fn keep(&mut self, count: usize) {
+        self.looks.truncate(count);
+    }
+
     /// The n-th look, if it has been set.
     pub(super) fn get(&self, index: usize) -> Option<&wgpu::BindGroup> {
         self.looks.get(index).map(|look| &look.bind_group)

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Material;
-use crate::geometry::voxel::{Keep, OccupancyChoice};
+pub use crate::geometry::voxel::{Keep, MAX_DIVISIONS, OccupancyChoice};
 
 /// A soft body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

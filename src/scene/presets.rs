@@ -3,6 +3,7 @@
 use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin};
 use super::material::{Material, Solid, Spring, Springs};
 use super::obstacle::{Obstacle, ObstacleShape, Plane, Sphere};
+use super::param::{self, Kind};
 use super::settings::Stepping;
 use super::view_settings::{CameraSettings, ViewSettings};
 use super::{Scene, builtin};
@@ -47,7 +48,7 @@ pub fn ground_only() -> Scene {
     scene
 }
 
-const PRESETS: [Preset; 12] = [
+const PRESETS: [Preset; 13] = [
     Preset { name: DEFAULT, summary: "A jelly cube falls on the ground beside a sphere.", build: cube_on_plane },
     Preset {
         name: "cube-on-sphere",
@@ -71,6 +72,11 @@ const PRESETS: [Preset; 12] = [
         name: "exploding",
         summary: "Springs too stiff for the step: see what happens, and why.",
         build: exploding,
+    },
+    Preset {
+        name: "broken",
+        summary: "A soft cube hits the ground so hard that cells stay inside out.",
+        build: broken,
     },
 ];
 
@@ -193,6 +199,32 @@ fn exploding() -> Scene {
     scene
 }
 
+/// GC Fig 24: thrown at 16 m/s, tilted, with springs half as stiff as usual and nothing that turns crushed cells back.
+/// It comes to rest in a form that its springs take for whole. Few cells, so that each can be seen.
+fn broken() -> Scene {
+    let springs = Springs::default();
+    let soft = |of: Spring| Spring { stiffness: 0.5 * of.stiffness, ..of };
+    let cube = Body {
+        name: "Jelly".to_owned(),
+        pose: Pose { position: [0.0, 1.4, 0.0], rotation_deg: [5.0, 0.0, 30.0] },
+        velocity: [0.0, -16.0, 0.0],
+        shape: Shape::Cube(CubeShape { cells: 5, size: 1.0 }),
+        material: Material::Springs(Springs {
+            structural: soft(springs.structural),
+            shear: soft(springs.shear),
+            bending: soft(springs.bending),
+            particle_mass: 0.03,
+        }),
+        ..Body::default()
+    };
+    let mut scene = looking_at([0.0, 0.3, 0.0], 3.4, scene(cube, Vec::new()));
+    scene.settings.stepping = Stepping::Manual;
+    scene.settings.dt = 5e-4;
+    scene.settings.inversion_recovery = false;
+    scene.view.overlays.cells = true;
+    scene
+}
+
 fn carried(name: &str) -> ModelShape {
     ModelShape { path: format!("{}{name}", builtin::PREFIX), ..ModelShape::default() }
 }
@@ -208,17 +240,28 @@ fn model_body(name: &str, shape: ModelShape, height: f64) -> Body {
 /// link constants of a given Young's modulus grow with the square of the cell, a particle's mass with its cube. The
 /// damping grows with the cube too: less of it in fine bodies, whose step it would limit. Models fill a small part of
 /// their box, so they are made denser, and stiffer in the same measure.
-fn jelly(cell_size: f64) -> Material {
+pub fn jelly(cell_size: f64) -> Material {
     const DENSER: f64 = 3.0;
     let default = Springs::default();
     let ratio = cell_size / (1.0 / 9.0);
     let (area, volume) = (DENSER * ratio * ratio, DENSER * ratio * ratio * ratio);
-    let spring = |of: Spring| Spring { stiffness: of.stiffness * area, damping: of.damping * volume };
+    // Cells of a millimetre or of ten metres have no such material: they get the nearest one that there is.
+    let within = |name: &str, value: f64| {
+        let path = format!("bodies.0.material.springs.{name}");
+        match param::find(&path).map(|param| param.kind) {
+            Some(Kind::Number { min, max }) => value.clamp(min, max),
+            _ => value,
+        }
+    };
+    let spring = |of: Spring| Spring {
+        stiffness: within("structural.stiffness", of.stiffness * area),
+        damping: within("structural.damping", of.damping * volume),
+    };
     Material::Springs(Springs {
         structural: spring(default.structural),
         shear: spring(default.shear),
         bending: spring(default.bending),
-        particle_mass: default.particle_mass * volume,
+        particle_mass: within("particle_mass", default.particle_mass * volume),
     })
 }
 

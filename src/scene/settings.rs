@@ -14,6 +14,8 @@ pub struct Settings {
     pub stepping: Stepping,
     /// How obstacles push back.
     pub contact: ContactRule,
+    /// Whether cells that are crushed or turned inside out are pushed back to shape.
+    pub inversion_recovery: bool,
     /// Acceleration of gravity, m/s². In files and on the command line a single number g means (0, −g, 0).
     #[serde(deserialize_with = "gravity")]
     pub gravity: [f64; 3],
@@ -26,6 +28,7 @@ impl Default for Settings {
             integrator: Integrator::SemiImplicit,
             stepping: Stepping::Auto,
             contact: ContactRule::Implicit,
+            inversion_recovery: true,
             gravity: [0.0, -9.81, 0.0],
         }
     }
@@ -38,6 +41,35 @@ pub enum Integrator {
     /// Semi-implicit Euler (GC §4.1): velocity first, position with the new velocity.
     #[serde(alias = "semi-implicit")]
     SemiImplicit,
+    /// Explicit Euler (GC §4.1): velocity and position from the old ones. Grows without damping, however small the step.
+    Explicit,
+    /// Leapfrog Verlet with the velocity of the damping predicted: second order at one evaluation of the forces a step.
+    Verlet,
+    /// Runge–Kutta of second order (midpoint). Grows slowly without damping.
+    Rk2,
+    /// The classical Runge–Kutta method of fourth order.
+    Rk4,
+}
+
+impl Integrator {
+    /// All schemes.
+    pub const ALL: [Self; 5] = [Self::SemiImplicit, Self::Explicit, Self::Verlet, Self::Rk2, Self::Rk4];
+
+    /// The scheme's word on the command line and in figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SemiImplicit => "semi-implicit",
+            Self::Explicit => "explicit",
+            Self::Verlet => "verlet",
+            Self::Rk2 => "rk2",
+            Self::Rk4 => "rk4",
+        }
+    }
+
+    /// Whether an undamped vibration stays bounded at some step: without that no division of a step makes it stable.
+    pub fn has_stable_step(self) -> bool {
+        !matches!(self, Self::Explicit | Self::Rk2)
+    }
 }
 
 /// Who answers for the step being small enough.

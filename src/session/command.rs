@@ -60,6 +60,8 @@ pub enum Command {
     /// Change the scene; the motion goes on as far as the change lets it. Changes of one value that follow each other
     /// are taken back together, until [`Command::EndEdit`].
     Edit(Edit),
+    /// Put the middle of a body here (m), deformed as it is and at rest; it also starts here from now on.
+    Teleport(BodyId, [f64; 3]),
     /// A slider or a thing dragged is let go: what comes next is taken back by itself.
     EndEdit,
     /// Add a body whose shape has been made ready elsewhere, behind the others.
@@ -101,6 +103,7 @@ impl Command {
             | Self::Save { .. }
             | Self::SaveAs { .. }
             | Self::Edit(_)
+            | Self::Teleport(..)
             | Self::EndEdit
             | Self::AddBody { .. }
             | Self::Undo

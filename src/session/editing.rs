@@ -6,7 +6,7 @@ use super::words::words;
 use super::{Bodies, Session, SessionError};
 use crate::physics::Simulation;
 use crate::physics::simulation::BodyMotion;
-use crate::scene::edit::{Applied, BodyId, Edit, Impact};
+use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact};
 use crate::scene::resolve::Jelly;
 use crate::scene::{Body, Scene};
 
@@ -17,8 +17,20 @@ impl Session {
         if words.is_empty() && edit.replaces_a_node_of(&self.scene) {
             return Ok(());
         }
-        let change = self.make(edit, words)?;
+        let change = self.make(edit, words, false)?;
         self.history.record(change);
+        Ok(())
+    }
+
+    /// Puts the middle of a body somewhere.
+    pub(super) fn teleport(&mut self, id: BodyId, place: [f64; 3]) -> Result<(), SessionError> {
+        let count = self.scene.bodies.len();
+        let mut body = self.scene.bodies.get(id.0).cloned().ok_or(EditError::NoSuchBody { id, count })?;
+        let words = format!("teleport {}", body.name);
+        body.pose.position = place;
+        let change = self.make(Edit::Body(id, Box::new(body)), words, true)?;
+        self.history.record(change);
+        self.history.close();
         Ok(())
     }
 
@@ -40,7 +52,8 @@ impl Session {
                     self.simulation.set_body_motion(*body, motion);
                     self.picture.touch();
                 }
-                self.history.push_undone(Undone { edit: applied.inverse, words: change.words });
+                let Change { words, teleport, .. } = change;
+                self.history.push_undone(Undone { edit: applied.inverse, words, teleport });
                 Ok(())
             }
             Err(error) => {
@@ -52,23 +65,28 @@ impl Session {
 
     /// Makes the change again that was taken back last.
     pub(super) fn redo(&mut self) -> Result<(), SessionError> {
-        let Some(Undone { edit, words }) = self.history.pop_undone() else { return Ok(()) };
-        match self.make(edit.clone(), words.clone()) {
+        let Some(Undone { edit, words, teleport }) = self.history.pop_undone() else { return Ok(()) };
+        match self.make(edit.clone(), words.clone(), teleport) {
             Ok(change) => {
                 self.history.push(change);
                 Ok(())
             }
             Err(error) => {
-                self.history.push_undone(Undone { edit, words });
+                self.history.push_undone(Undone { edit, words, teleport });
                 Err(error)
             }
         }
     }
 
-    fn make(&mut self, edit: Edit, words: String) -> Result<Change, SessionError> {
+    fn make(&mut self, edit: Edit, words: String, teleport: bool) -> Result<Change, SessionError> {
         let motion = self.motion_before(&edit);
         let Applied { inverse, impact } = self.carry_out(edit)?;
-        Ok(Change { inverse, words, motion: motion.filter(|_| impact >= Impact::Motion) })
+        if let Some((body, _)) = motion.as_ref().filter(|_| teleport && impact < Impact::Motion) {
+            let rotation_deg = self.scene.bodies[*body].pose.rotation_deg;
+            self.simulation.teleport_body(*body, rotation_deg, rotation_deg);
+            self.picture.touch();
+        }
+        Ok(Change { inverse, words, motion: motion.filter(|_| teleport || impact >= Impact::Motion), teleport })
     }
 
     fn motion_before(&self, edit: &Edit) -> Option<(usize, BodyMotion<f32>)> {
@@ -103,6 +121,7 @@ impl Session {
             self.picture.touch();
         }
         self.scene = scene;
+        self.find_inversion();
         self.find_notice();
         Ok(applied)
     }

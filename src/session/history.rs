@@ -17,6 +17,8 @@ pub(super) struct Change {
     pub(super) words: String,
     /// A body (its place before the change) and how it moved, where the change moved, reshaped or removed it.
     pub(super) motion: Option<(usize, BodyMotion<f32>)>,
+    /// The body is put to its start, also where its start was there before.
+    pub(super) teleport: bool,
 }
 
 /// A change that was taken back.
@@ -26,6 +28,8 @@ pub(super) struct Undone {
     pub(super) edit: Edit,
     /// What it changes, in words.
     pub(super) words: String,
+    /// As [`Change::teleport`].
+    pub(super) teleport: bool,
 }
 
 /// The changes of a scene in their order.

@@ -114,6 +114,21 @@ fn a_teleport_keeps_the_form_stops_the_body_and_undo_restores_both() {
 }
 
 #[test]
+fn a_teleport_to_where_the_body_starts_brings_it_back_there() {
+    let mut session = session("cube-on-plane");
+    run(&mut session, 700);
+    let before = session.simulation().state().clone();
+    let start = session.scene().bodies[0].pose.position;
+    session.handle(Command::Teleport(BodyId(0), start)).expect("a place");
+    assert!(center(&session).distance(start.into()) < 1e-5, "it is where it started, though its start is unchanged");
+    undo(&mut session);
+    assert_eq!(session.simulation().state(), &before, "and back again");
+    session.handle(Command::Redo).expect("what was undone can be done again");
+    assert!(center(&session).distance(start.into()) < 1e-5, "and there again");
+    session.handle(Command::Teleport(BodyId(7), start)).expect_err("there is no such body");
+}
+
+#[test]
 fn before_time_runs_a_moved_start_is_the_start() {
     let mut moved = session("cube-on-plane");
     change(&mut moved, |body| (body.pose.position[1], body.velocity[0]) = (2.0, 1.0));
@@ -263,8 +278,8 @@ fn a_body_is_pulled_and_let_go() {
     run(&mut session, 1500);
     assert!(lowest(&session) > 0.5, "it hangs from the hand");
     session.handle(Command::Grab(None)).expect("letting go is always possible");
-    run(&mut session, 1500);
-    assert!(lowest(&session) < 0.05, "it fell");
+    run(&mut session, 4000);
+    assert!(lowest(&session) < 0.05, "it fell and has done bouncing");
     let elsewhere = Pull { weights: vec![(1_000_000, 1.0)], ..pull.clone() };
     session.handle(Command::Grab(Some(elsewhere))).expect_err("there is no such particle");
     let nowhere = Pull { target: [f32::NAN; 3], ..pull };

@@ -9,6 +9,7 @@ pub mod document;
 mod editing;
 mod grab;
 mod history;
+pub mod jellify;
 mod library;
 mod picture;
 pub mod predict;
@@ -94,6 +95,8 @@ pub struct Session {
     report: StepReport,
     /// Why the simulation was stopped, if it was.
     trouble: Option<Trouble>,
+    /// Cells turned inside out where nothing turns them back.
+    inverted_cells: usize,
     /// The first warning about the scene; found anew after every edit, not every frame.
     notice: String,
     picture: Picture,
@@ -128,6 +131,7 @@ impl Session {
             speed: 1.0,
             report: StepReport::default(),
             trouble: None,
+            inverted_cells: 0,
             notice: String::new(),
             picture: Picture::default(),
         };
@@ -173,6 +177,7 @@ impl Session {
             Command::Save { camera } => self.document.save(&self.scene, camera, None)?,
             Command::SaveAs { path, camera } => self.document.save(&self.scene, camera, Some(path))?,
             Command::Edit(edit) => self.edit(edit)?,
+            Command::Teleport(body, place) => self.teleport(body, place)?,
             Command::EndEdit => self.history.close(),
             Command::AddBody { body, jelly } => self.add_body(body, *jelly)?,
             Command::Undo => self.undo()?,
@@ -186,6 +191,7 @@ impl Session {
         self.simulation = Simulation::new(&self.scene, &self.bodies.lattices());
         self.clock.forgive();
         self.trouble = None;
+        self.find_inversion();
         self.picture.touch();
     }
 
@@ -208,6 +214,7 @@ impl Session {
             }
         }
         self.clock.note(wall.as_secs_f64(), self.simulation.state().time_secs - time_before);
+        self.find_inversion();
     }
 
     /// Takes one whole step. Says whether the simulation is still sound.
@@ -217,6 +224,7 @@ impl Session {
                 return false;
             }
             if self.simulation.state().substep == 0 {
+                self.find_inversion();
                 return true;
             }
         }
@@ -259,7 +267,7 @@ impl Session {
             undo: self.history.undo_words().to_owned(),
             redo: self.history.redo_words().to_owned(),
             bodies: self.body_status(),
-            trouble: self.trouble.clone(),
+            trouble: self.trouble.clone().or_else(|| self.explain_inversion()),
         }
     }
 

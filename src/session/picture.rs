@@ -73,3 +73,43 @@ fn automatic_range(scalars: &[f32]) -> [f32; 2] {
     let (_, high, _) = sorted.select_nth_unstable_by(place, f32::total_cmp);
     [0.0, if *high > 0.0 { *high } else { 1.0 }]
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::scene::edit::Edit;
+    use crate::scene::presets;
+    use crate::session::Command;
+    use crate::view::overlay::LineEnds;
+
+    fn toggle(session: &mut Session, overlays: Overlays) {
+        let mut view = session.scene().view.clone();
+        view.overlays = overlays;
+        session.handle(Command::Edit(Edit::View(view))).expect("a view can be changed");
+    }
+
+    #[test]
+    fn overlays_come_and_go_by_edits_and_leave_the_motion_alone() {
+        let scene = (presets::presets()[0].build)();
+        let mut session = Session::new(scene, PathBuf::new(), String::new()).expect("a preset is sound");
+        assert!(session.draw_list().overlay.is_empty(), "none at first");
+        session.step();
+        let before = session.simulation().hash();
+        toggle(&mut session, Overlays { structural: true, ..Overlays::default() });
+        let links = |session: &mut Session| match &session.draw_list().overlay.lines[..] {
+            [lines] => match &lines.ends {
+                LineEnds::Particles { ends, .. } => Arc::clone(ends),
+                other => panic!("links hang on particles, not {other:?}"),
+            },
+            lines => panic!("one family, not {}", lines.len()),
+        };
+        let first = links(&mut session);
+        assert_eq!(session.simulation().hash(), before, "nothing has moved");
+        session.step();
+        assert!(Arc::ptr_eq(&first, &links(&mut session)), "a step copies no links");
+        toggle(&mut session, Overlays::default());
+        assert!(session.draw_list().overlay.is_empty(), "and none at last");
+    }
+}

@@ -78,7 +78,8 @@ impl Hand {
     }
 
     fn command(&mut self, scene: &Scene) -> Command {
-        match self.below(20) {
+        match self.below(21) {
+            20 => Command::Teleport(self.body_id(scene), self.vector(3.0)),
             0 => Command::Play,
             1 => Command::Pause,
             2 => Command::StepOnce,
@@ -101,6 +102,10 @@ impl Hand {
         }
     }
 
+    fn body_id(&mut self, scene: &Scene) -> BodyId {
+        BodyId(self.below(scene.bodies.len() + 2))
+    }
+
     fn pull(&mut self) -> Option<Pull> {
         let target = self.vector(5.0).map(|x| {
             #[expect(clippy::cast_possible_truncation, reason = "any place will do")]
@@ -112,7 +117,7 @@ impl Hand {
     }
 
     fn edit(&mut self, scene: &Scene) -> Edit {
-        let body_id = BodyId(self.below(scene.bodies.len() + 2));
+        let body_id = self.body_id(scene);
         let obstacle_id = ObstacleId(self.below(scene.obstacles.len() + 2));
         let full = scene.bodies.len() > 3;
         match self.below(8) {

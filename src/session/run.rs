@@ -70,7 +70,7 @@ pub struct EnergyFigures {
     pub elastic: f64,
     pub gravity: f64,
     pub contact: f64,
-    /// Of the recovery from inversion; zero, as no force recovers yet.
+    /// Of the recovery from inversion.
     pub recovery: f64,
     pub total: f64,
 }
@@ -186,7 +186,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         dt_limit_secs: plan.limits.dt_limit_secs,
         dt_safe_secs: plan.limits.dt_safe_secs(),
         limited_by: plan.limits.limited_by(plan.dt_secs).name(),
-        integrator: "semi-implicit",
+        integrator: plan.integrator.name(),
         simd: "portable",
         threads: 1,
         finite: last.finite && !report.diverged,
@@ -236,7 +236,7 @@ impl PeakFigures {
 
 impl From<Energy> for EnergyFigures {
     fn from(energy: Energy) -> Self {
-        let Energy { kinetic, elastic, gravity, contact } = energy;
-        Self { kinetic, elastic, gravity, contact, recovery: 0.0, total: energy.total() }
+        let Energy { kinetic, elastic, gravity, contact, recovery } = energy;
+        Self { kinetic, elastic, gravity, contact, recovery, total: energy.total() }
     }
 }

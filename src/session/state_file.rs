@@ -1,10 +1,13 @@
 //! A simulation's state as bytes, exactly: what `gelatin run --save-state` writes and `--from-state` goes on from.
 //!
 //! ```text
-//! "gelatin-state 1\n"                                       magic and version
+//! "gelatin-state 2\n"                                       magic and version
 //! particles, planes, steps, substep, time bits              five u64
+//! bits of the velocity's lag, accelerations                 two u64
 //! position, residual, velocity: 3 × particles × 3 f32
+//! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
+//! bodies: each a count u64 and as many cells u32             watched as they may invert
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
 
@@ -13,8 +16,9 @@ use thiserror::Error;
 
 use super::Session;
 use crate::physics::State;
+use crate::physics::state::BodyMemory;
 
-const MAGIC: &[u8] = b"gelatin-state 1\n";
+const MAGIC: &[u8] = b"gelatin-state 2\n";
 
 /// Why a state cannot be used.
 #[derive(Debug, Error, PartialEq, Eq)]
@@ -22,9 +26,9 @@ pub enum StateFileError {
     /// Something else.
     #[error("this is not a state that `gelatin run --save-state` wrote")]
     NotAState,
-    /// Written by a later program.
-    #[error("this state was written by a newer version of the program (it begins with {begins:?}, version 1 is read)")]
-    Newer {
+    /// Written by an earlier or a later program.
+    #[error("this state was written by another version of the program (it begins with {begins:?}, version 2 is read)")]
+    OtherVersion {
         /// The first words.
         begins: String,
     },
@@ -58,12 +62,18 @@ impl Session {
             state.steps,
             u64::from(state.substep),
             state.time_secs.to_bits(),
+            state.velocity_lag_secs.to_bits(),
+            state.acceleration.len() as u64,
         ];
         bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
-        for vectors in [&state.position, &state.position_residual, &state.velocity] {
+        for vectors in [&state.position, &state.position_residual, &state.velocity, &state.acceleration] {
             bytes.extend(vectors.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
         }
         bytes.extend(state.side.iter().flatten().flat_map(|side| side.to_le_bytes()));
+        for memory in &state.bodies {
+            bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
+            bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
+        }
         let checksum = fnv1a(&bytes);
         bytes.extend(checksum.to_le_bytes());
         bytes
@@ -75,36 +85,60 @@ impl Session {
             let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
             return Err(match line.strip_prefix(b"gelatin-state ") {
                 Some(version) if version.len() < 8 => {
-                    StateFileError::Newer { begins: String::from_utf8_lossy(line).into_owned() }
+                    StateFileError::OtherVersion { begins: String::from_utf8_lossy(line).into_owned() }
                 }
                 _ => StateFileError::NotAState,
             });
         };
         let (body, checksum) = bytes.split_last_chunk::<8>().ok_or(StateFileError::Damaged)?;
-        if contents.len() < 48 || fnv1a(body) != u64::from_le_bytes(*checksum) {
+        if contents.len() < 64 || fnv1a(body) != u64::from_le_bytes(*checksum) {
             return Err(StateFileError::Damaged);
         }
         let mut reader = Reader { rest: &contents[..contents.len() - 8] };
-        let [particles, planes, steps, substep, time] = std::array::from_fn(|_| reader.u64());
+        let [particles, planes, steps, substep, time, lag, accelerations] = std::array::from_fn(|_| reader.u64());
         let present = self.simulation().state();
         let (scene_particles, scene_planes) = (present.position.len(), present.side.len());
         if particles != scene_particles as u64 || planes != scene_planes as u64 {
             return Err(StateFileError::OtherScene { particles, planes, scene_particles, scene_planes });
         }
-        if reader.rest.len() != scene_particles * (36 + scene_planes) {
+        let accelerated = if accelerations == 0 { 0 } else { scene_particles };
+        let of_particles = scene_particles * (36 + scene_planes) + 12 * accelerated;
+        if accelerations != accelerated as u64 || reader.rest.len() < of_particles {
             return Err(StateFileError::Damaged);
         }
+        let bodies = self.body_memories(&mut Reader { rest: &reader.rest[of_particles..] })?;
         let state = State {
             position: reader.vectors(scene_particles),
             position_residual: reader.vectors(scene_particles),
             velocity: reader.vectors(scene_particles),
+            acceleration: reader.vectors(accelerated),
+            velocity_lag_secs: f64::from_bits(lag),
             side: (0..scene_planes).map(|_| reader.sides(scene_particles)).collect(),
+            bodies,
             steps,
             substep: u32::try_from(substep).map_err(|_too_many| StateFileError::Damaged)?,
             time_secs: f64::from_bits(time),
         };
         self.replace_state(state);
         Ok(())
+    }
+
+    /// What is remembered of every body, at the end of the bytes.
+    fn body_memories(&self, reader: &mut Reader<'_>) -> Result<Vec<BodyMemory>, StateFileError> {
+        let mut memories = Vec::new();
+        for body in &self.simulation().model().bodies {
+            let cells = body.lattice.cells.len() as u64;
+            let count = reader.u64();
+            if count > cells || reader.rest.len() as u64 / 4 < count {
+                return Err(StateFileError::Damaged);
+            }
+            let near_inversion: Vec<u32> = (0..count).map(|_| u32::from_le_bytes(reader.chunk())).collect();
+            if near_inversion.iter().any(|&cell| u64::from(cell) >= cells) {
+                return Err(StateFileError::Damaged);
+            }
+            memories.push(BodyMemory { near_inversion });
+        }
+        if reader.rest.is_empty() { Ok(memories) } else { Err(StateFileError::Damaged) }
     }
 }
 

@@ -4,6 +4,7 @@ use super::Session;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::State;
 use crate::physics::model::{BodyModel, Model, ObstacleModel, ObstacleShape};
+use crate::scene::settings::{Settings, Stepping};
 use crate::scene::{Scene, param};
 
 impl Session {
@@ -12,10 +13,23 @@ impl Session {
         let (model, state) = (self.simulation().model(), self.simulation().state());
         let mut warnings: Vec<String> = param::warnings(self.scene()).iter().map(ToString::to_string).collect();
         warnings.extend(self.bodies.warnings().cloned());
+        warnings.extend(never_stable(&self.scene().settings));
         warnings.extend(small_obstacles(self.scene(), model));
         warnings.extend(overlapping_bodies(self.scene(), model, state));
         warnings
     }
+}
+
+/// A scheme that no division of a step makes stable is not divided.
+fn never_stable(settings: &Settings) -> Option<String> {
+    let Settings { integrator, stepping, dt, .. } = settings;
+    (*stepping == Stepping::Auto && !integrator.has_stable_step()).then(|| {
+        format!(
+            "the integrator {} makes undamped vibrations grow at any step, so automatic stepping has nothing to divide \
+             by: steps are taken as asked for, {dt} s",
+            integrator.name()
+        )
+    })
 }
 
 /// An obstacle that fits between two particles passes through a body unnoticed.
@@ -68,6 +82,7 @@ mod tests {
 
     use super::*;
     use crate::scene::obstacle::Sphere;
+    use crate::scene::settings::Integrator;
     use crate::scene::{Body, Obstacle, ObstacleShape};
 
     fn warnings(change: impl FnOnce(&mut Scene)) -> Vec<String> {
@@ -79,6 +94,17 @@ mod tests {
     #[test]
     fn a_plain_scene_has_none() {
         assert_eq!(warnings(|_| {}), Vec::<String>::new(), "nothing to say");
+    }
+
+    #[test]
+    fn a_scheme_that_is_never_stable_says_why_it_is_not_divided() {
+        let said = warnings(|scene| scene.settings.integrator = Integrator::Rk2);
+        assert!(said.len() == 1 && said[0].contains("rk2"), "{said:?}");
+        let manual = warnings(|scene| {
+            scene.settings.integrator = Integrator::Rk2;
+            scene.settings.stepping = Stepping::Manual;
+        });
+        assert_eq!(manual, Vec::<String>::new(), "who steps by hand knows");
     }
 
     #[test]

@@ -25,6 +25,6 @@ pub use image::Image;
 pub use legend::Legend;
 pub use orbit::Orbit;
 pub use overlay::Overlay;
-pub use pick::Ray;
+pub use pick::{Hit, Ray, Thing};
 pub use skin::{Skin, SkinVertex};
 pub use style::Style;

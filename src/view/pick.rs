@@ -2,6 +2,84 @@
 
 use glam::Vec3;
 
+use super::{DrawList, Skin, Solid};
+
+/// What a line of sight meets first in a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hit {
+    /// What it is.
+    pub what: Thing,
+    /// Where, m.
+    pub point: Vec3,
+    /// From the eye, m.
+    pub distance: f32,
+}
+
+/// Something in a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Thing {
+    /// A skin.
+    Skin {
+        /// Its place in the draw list.
+        skin: usize,
+        /// The particles that carry the point and their weights, which sum to 1.
+        weights: Vec<(u32, f32)>,
+    },
+    /// The solid of this place in the draw list.
+    Solid(usize),
+}
+
+/// What a line of sight meets first in a picture.
+pub fn nearest(draw_list: &DrawList, ray: &Ray) -> Option<Hit> {
+    let skins = draw_list.skins.iter().enumerate().filter_map(|(place, instance)| {
+        let (triangle, distance) = hit_skin(&instance.skin, &draw_list.particles, ray)?;
+        let weights = weights_at(&instance.skin, &draw_list.particles, triangle, ray.at(distance));
+        Some((Thing::Skin { skin: place, weights }, distance))
+    });
+    let solids = draw_list.solids.iter().enumerate();
+    let solids = solids.filter_map(|(place, solid)| Some((Thing::Solid(place), hit_solid(solid, ray)?)));
+    let first = skins.chain(solids).min_by(|a, b| a.1.total_cmp(&b.1));
+    first.map(|(what, distance)| Hit { what, point: ray.at(distance), distance })
+}
+
+fn hit_skin(skin: &Skin, particles: &[[f32; 3]], ray: &Ray) -> Option<(usize, f32)> {
+    let positions: Vec<Vec3> = skin.vertices.iter().map(|vertex| vertex.place(particles)).collect();
+    ray.hit_mesh(&positions, &skin.triangles)
+}
+
+/// The weights of the particles at a point of a triangle.
+fn weights_at(skin: &Skin, particles: &[[f32; 3]], triangle: usize, point: Vec3) -> Vec<(u32, f32)> {
+    let corners = skin.triangles[triangle].map(|vertex| &skin.vertices[vertex as usize]);
+    let [a, b, c] = corners.map(|vertex| vertex.place(particles));
+    let normal = (b - a).cross(c - a);
+    let share = |from: Vec3, to: Vec3| (to - from).cross(point - from).dot(normal) / normal.length_squared();
+    let shares = [share(b, c), share(c, a), share(a, b)];
+    let mut weights: Vec<(u32, f32)> = Vec::new();
+    for (vertex, share) in corners.into_iter().zip(shares) {
+        for (particle, weight) in vertex.particles.into_iter().zip(vertex.position) {
+            let weight = weight * share;
+            match weights.iter_mut().find(|(known, _)| *known == particle) {
+                Some((_, sum)) => *sum += weight,
+                None if weight != 0.0 => weights.push((particle, weight)),
+                None => (),
+            }
+        }
+    }
+    weights
+}
+
+fn hit_solid(solid: &Solid, ray: &Ray) -> Option<f32> {
+    match *solid {
+        Solid::Sphere { center, radius } => ray.hit_sphere(center, radius),
+        Solid::Plane { center, axes, half_extents } => {
+            let distance = ray.hit_plane(center, axes[0].cross(axes[1]))?;
+            let offset = ray.at(distance) - center;
+            let inside = (0..2).all(|axis| offset.dot(axes[axis]).abs() <= half_extents[axis]);
+            inside.then_some(distance)
+        }
+    }
+}
+
 /// A half-line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
@@ -61,7 +139,10 @@ impl Ray {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::view::{SkinInstance, SkinVertex};
 
     const DOWN: Ray = Ray { origin: Vec3::new(0.25, 3.0, 0.25), direction: Vec3::NEG_Y };
 
@@ -87,5 +168,40 @@ mod tests {
         assert_eq!(DOWN.hit_mesh(&positions, &triangles), Some((1, 2.0)), "the upper one is nearer");
         let beside = Ray { origin: Vec3::new(0.9, 3.0, 0.9), ..DOWN };
         assert_eq!(beside.hit_mesh(&positions, &triangles), None, "outside the edge nothing is met");
+    }
+
+    /// A triangle carried by particles 2, 1 and 0, a metre above a plane of half a metre around the origin.
+    fn picture() -> DrawList {
+        let vertex = |particle| SkinVertex {
+            particles: [particle, 0, 0, 0, 0, 0, 0, 0],
+            position: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            ..SkinVertex::default()
+        };
+        let skin = Skin { vertices: vec![vertex(2), vertex(1), vertex(0)], triangles: vec![[0, 1, 2]] };
+        DrawList {
+            skins: vec![SkinInstance { skin: Arc::new(skin), color: [1.0; 3] }],
+            particles: Arc::new(vec![[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 1.0]]),
+            solids: vec![Solid::Plane { center: Vec3::ZERO, axes: [Vec3::Z, Vec3::X], half_extents: [0.5; 2] }],
+            ..DrawList::default()
+        }
+    }
+
+    #[test]
+    fn the_nearest_thing_is_picked_with_the_weights_of_its_particles() {
+        let hit = nearest(&picture(), &DOWN).expect("the triangle lies below");
+        assert_eq!((hit.point, hit.distance), (Vec3::new(0.25, 1.0, 0.25), 2.0));
+        let Thing::Skin { skin: 0, mut weights } = hit.what else { panic!("the skin lies above the plane") };
+        weights.sort_by_key(|(particle, _)| *particle);
+        let wanted = [(0, 0.5), (1, 0.25), (2, 0.25)];
+        let close = weights.iter().zip(wanted).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() < 1e-6);
+        assert!(close && weights.len() == 3, "half of the first, a quarter of the others: {weights:?}");
+    }
+
+    #[test]
+    fn beside_the_skin_lies_the_plane_and_beside_the_plane_nothing() {
+        let down_at = |x: f32, z: f32| Ray { origin: Vec3::new(x, 3.0, z), ..DOWN };
+        let hit = nearest(&picture(), &down_at(-0.25, 0.25)).expect("the plane lies below");
+        assert_eq!((hit.what, hit.distance), (Thing::Solid(0), 3.0));
+        assert_eq!(nearest(&picture(), &down_at(-0.6, 0.0)), None, "past its edge");
     }
 }

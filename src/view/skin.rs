@@ -62,13 +62,22 @@ impl Skin {
 }
 
 impl SkinVertex {
+    /// Where it is, m.
+    ///
+    /// # Panics
+    /// When it names a particle that is not there.
+    pub fn place(&self, particles: &[[f32; 3]]) -> Vec3 {
+        self.sum(&self.position, particles)
+    }
+
     fn evaluate(&self, particles: &[[f32; 3]]) -> (Vec3, Vec3) {
-        let sum = |weights: &[f32; 8]| {
-            let terms = self.particles.iter().zip(weights);
-            terms.fold(Vec3::ZERO, |sum, (&index, &weight)| sum + Vec3::from(particles[index as usize]) * weight)
-        };
-        let normal = sum(&self.tangent_u).cross(sum(&self.tangent_v));
-        (sum(&self.position), normal.normalize_or_zero())
+        let normal = self.sum(&self.tangent_u, particles).cross(self.sum(&self.tangent_v, particles));
+        (self.place(particles), normal.normalize_or_zero())
+    }
+
+    fn sum(&self, weights: &[f32; 8], particles: &[[f32; 3]]) -> Vec3 {
+        let terms = self.particles.iter().zip(weights);
+        terms.fold(Vec3::ZERO, |sum, (&index, &weight)| sum + Vec3::from(particles[index as usize]) * weight)
     }
 }
 

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use gelatin::app::theme;
-use gelatin::app::ui::files::{FileAction, FoundDraft, PathUse, Wish};
+use gelatin::app::ui::files::{FileAction, FoundDraft, PathUse, Wish, Work};
 use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
 use gelatin::scene::view_settings::CameraSettings;
 use gelatin::scene::{Scene, presets};
+use gelatin::session::jellify::{Progress, jellify};
 use gelatin::session::{Command, Status};
 
 /// What the panels show, and what came of it.
@@ -30,7 +31,7 @@ fn show(file: Option<&Path>, unsaved: bool) -> Harness<'static, Stage> {
             let running = Running { status: &stage.status, scene: &stage.scene, color_key: None };
             // What a frame asks for is sent before the next one.
             let mut commands = Vec::new();
-            panels_ui(ui, &Shown { running: Some(running), failure: "" }, &mut stage.ui, &mut commands);
+            panels_ui(ui, &Shown { running: Some(running), failure: "", value: "" }, &mut stage.ui, &mut commands);
             stage.commands.append(&mut commands);
         },
         stage,
@@ -217,4 +218,86 @@ fn what_was_found_after_a_crash_is_offered() {
     click(&mut harness, "Recover");
     assert!(harness.state().ui.files.wishes.is_empty(), "there are new changes: it waits for an answer");
     harness.get_by_label("Unsaved changes");
+}
+
+/// Opens the assistant on a model and makes the body, as the window would on another thread.
+fn jellify_in_assistant(harness: &mut Harness<'_, Stage>, path: &Path) {
+    harness.state_mut().ui.files.load_model(path);
+    // The values have to stand for a while before the work begins.
+    harness.run_steps(60);
+    let wishes = std::mem::take(&mut harness.state_mut().ui.files.wishes);
+    let asked = wishes.into_iter().find_map(|wish| match wish {
+        Wish::Jellify(shape, settings) => Some((shape, settings)),
+        _ => None,
+    });
+    let (shape, settings) = asked.expect("the work is asked for");
+    let work = match jellify(&shape, Path::new(""), &settings, &Progress::default()) {
+        Ok(body) => Work::Ready(Box::new(body)),
+        Err(error) => Work::Failed(error.to_string()),
+    };
+    harness.state_mut().ui.files.set_work(work);
+    harness.run_steps(3);
+}
+
+fn box_model(folder: &Path) -> PathBuf {
+    let path = folder.join("slab.obj");
+    std::fs::write(
+        &path,
+        "v 0 0 0\nv 3 0 0\nv 3 0 1\nv 0 0 1\nv 1 2 0\nf 1 2 3 4\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n",
+    )
+    .expect("a file");
+    path
+}
+
+#[test]
+fn a_model_is_looked_at_before_it_is_added() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = show(None, false);
+    jellify_in_assistant(&mut harness, &box_model(folder.path()));
+    for label in
+        ["Cells", "Particles", "Links", "Components", "Safe step", "Speed", "Divisions", "Length", "Fill", "Keep"]
+    {
+        assert!(harness.query_all_by_label(label).next().is_some(), "{label} is shown");
+    }
+    let commands = click(&mut harness, "Add to scene");
+    let [Command::AddBody { body, jelly }] = &commands[..] else { panic!("one body, not {commands:?}") };
+    assert_eq!(body.name, "slab");
+    assert!(jelly.report.as_ref().is_some_and(|report| report.cells > 10), "filled already");
+    assert!(!is_open(&harness, "Load model"), "the assistant is closed");
+}
+
+#[test]
+fn a_model_that_takes_the_scenes_place_waits_for_unsaved_changes_as_a_whole() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = show(None, true);
+    jellify_in_assistant(&mut harness, &box_model(folder.path()));
+    assert!(click(&mut harness, "Replace scene").is_empty(), "the body must not fall into the old scene");
+    let commands = click(&mut harness, "Discard");
+    assert!(matches!(commands[..], [Command::Replace { .. }, Command::AddBody { .. }]), "{commands:?}");
+}
+
+#[test]
+fn a_model_that_cannot_be_read_is_explained_in_the_assistant() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("bad.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 zero\nf 1 2 3\n").expect("a file");
+    let mut harness = show(None, false);
+    jellify_in_assistant(&mut harness, &path);
+    assert!(harness.query_by_label_contains("bad.obj, line 3").is_some(), "file and line");
+    assert!(click(&mut harness, "Add to scene").is_empty(), "there is nothing to add");
+}
+
+#[test]
+fn work_that_is_stopped_or_closed_is_no_longer_wanted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = show(None, false);
+    harness.state_mut().ui.files.load_model(&box_model(folder.path()));
+    harness.run_steps(2);
+    harness.state_mut().ui.files.set_work(Work::Running(std::sync::Arc::default()));
+    harness.run_steps(2);
+    for label in ["Stop", "Close"] {
+        harness.state_mut().ui.files.wishes.clear();
+        click(&mut harness, label);
+        assert!(harness.state().ui.files.wishes.contains(&Wish::StopJellifying), "{label}");
+    }
 }

@@ -1,12 +1,14 @@
 //! What a pointer and a keyboard mean, without a window.
 
-use gelatin::app::input::{Action, Button, CameraMove, Event, Input, Key, Situation, ViewRect, move_camera};
+use gelatin::app::input::{
+    Action, Button, CameraMove, ChosenAction, Event, Input, Key, Panel, Situation, ViewRect, move_camera,
+};
 use gelatin::scene::ColorBy;
 use gelatin::session::Command;
 use gelatin::view::Orbit;
 use glam::Vec2;
 
-const OVER_VIEW: Situation = Situation { over_view: true, typing: false, playing: false, scale: 1.0 };
+const OVER_VIEW: Situation = Situation { over_view: true, typing: false, holdable: false, playing: false, scale: 1.0 };
 const OVER_PANEL: Situation = Situation { over_view: false, ..OVER_VIEW };
 const SHIFT: Event = Event::Modifiers { shift: true, control: false, other: false };
 
@@ -124,7 +126,16 @@ fn every_key_does_what_the_list_of_keys_says() {
     assert!(matches!(key(Key::Char('1'), OVER_VIEW), Some(Action::ColorBy(ColorBy::Plain))));
     assert!(matches!(key(Key::Char('7'), OVER_VIEW), Some(Action::ColorBy(ColorBy::Contact))));
     assert!(matches!(key(Key::F1, OVER_VIEW), Some(Action::ToggleKeys)));
-    for unused in ['0', '8', 'x'] {
+    for (letter, action) in [('x', ChosenAction::Delete), ('h', ChosenAction::Hide)] {
+        let asked = key(Key::Char(letter), OVER_VIEW);
+        assert!(matches!(asked, Some(Action::Chosen(chosen)) if chosen == action), "{letter}: {asked:?}");
+    }
+    assert!(matches!(key(Key::Delete, OVER_VIEW), Some(Action::Chosen(ChosenAction::Delete))));
+    assert!(matches!(key(Key::F2, OVER_VIEW), Some(Action::Chosen(ChosenAction::Rename))));
+    assert!(matches!(key(Key::Home, OVER_VIEW), Some(Action::Camera(CameraMove::FrameAll))));
+    assert!(matches!(key(Key::Char('t'), OVER_VIEW), Some(Action::TogglePanel(Panel::Tree))));
+    assert!(matches!(key(Key::Char('n'), OVER_VIEW), Some(Action::TogglePanel(Panel::Inspector))));
+    for unused in ['0', '8', 'q'] {
         assert!(key(Key::Char(unused), OVER_VIEW).is_none(), "{unused}");
     }
 }
@@ -144,4 +155,66 @@ fn holding_a_key_repeats_steps_and_nothing_else() {
     assert!(matches!(held(Key::Char('.')), Some(Action::Send(Command::StepOnce))));
     assert!(held(Key::Space).is_none(), "play and pause do not flicker");
     assert!(held(Key::Char('r')).is_none());
+}
+
+/// Everything that a run of events asks for, in short.
+fn asked(events: &[Event], situation: Situation) -> Vec<String> {
+    let mut input = Input::default();
+    let actions = events.iter().filter_map(|&event| input.on_event(event, situation));
+    actions
+        .map(|action| match action {
+            Action::Choose(at) => format!("choose at {}", at.x),
+            Action::Take(at) => format!("take at {}", at.x),
+            Action::Drag(at) => format!("drag to {}", at.x),
+            Action::Release => "release".to_owned(),
+            Action::Camera(_) => "camera".to_owned(),
+            other => format!("{other:?}"),
+        })
+        .collect()
+}
+
+fn at(x: f32) -> Event {
+    Event::PointerMoved(Vec2::new(x, 0.0))
+}
+
+const DOWN: Event = Event::Button { button: Button::Primary, pressed: true };
+const UP: Event = Event::Button { button: Button::Primary, pressed: false };
+const OVER_JELLY: Situation = Situation { holdable: true, ..OVER_VIEW };
+
+#[test]
+fn a_click_chooses_and_a_trembling_one_too() {
+    assert_eq!(asked(&[at(50.0), DOWN, UP], OVER_JELLY), ["choose at 50"]);
+    assert_eq!(asked(&[at(50.0), DOWN, at(52.0), UP], OVER_JELLY), ["choose at 50"]);
+    assert_eq!(
+        asked(&[at(50.0), DOWN, UP], OVER_VIEW),
+        ["choose at 50"],
+        "empty ground chooses nothing, by a click too"
+    );
+    assert_eq!(asked(&[at(50.0), DOWN, UP], OVER_PANEL), [""; 0], "a click on a panel is the panel's");
+}
+
+#[test]
+fn a_drag_holds_what_can_be_held_and_turns_the_eye_elsewhere() {
+    let drag = [at(50.0), DOWN, at(60.0), at(70.0), UP];
+    assert_eq!(asked(&drag, OVER_JELLY), ["take at 50", "drag to 70", "release"]);
+    assert_eq!(asked(&drag, OVER_VIEW), ["camera", "camera"]);
+    let shifted = [&[SHIFT][..], &drag].concat();
+    assert_eq!(asked(&shifted, OVER_JELLY), ["camera", "camera"], "shift pans, whatever lies there");
+}
+
+#[test]
+fn a_window_that_loses_the_keyboard_lets_go() {
+    let lost = [at(50.0), DOWN, at(60.0), Event::FocusLost, at(70.0), UP];
+    assert_eq!(asked(&lost, OVER_JELLY), ["take at 50", "release"]);
+}
+
+#[test]
+fn control_and_z_take_back_but_not_while_typing() {
+    let control = |shift| Event::Modifiers { shift, control: true, other: false };
+    let press = |key| Event::Key { key: Key::Char(key), repeat: false };
+    assert_eq!(asked(&[control(false), press('z')], OVER_VIEW), ["Send(Undo)"]);
+    assert_eq!(asked(&[control(true), press('z')], OVER_VIEW), ["Send(Redo)"]);
+    assert_eq!(asked(&[control(false), press('y')], OVER_VIEW), ["Send(Redo)"]);
+    let typing = Situation { typing: true, ..OVER_VIEW };
+    assert_eq!(asked(&[control(false), press('z')], typing), [""; 0], "a text field has its own");
 }

@@ -3,7 +3,12 @@
 
 mod files;
 mod input;
+mod live;
 mod panels;
+mod panels_pictures;
+mod panels_sizes;
+mod panels_things;
+mod panels_values;
 mod window;
 mod window_files;
 mod worker;

@@ -63,7 +63,8 @@ thread_local! {
     static COUNT: Cell<u64> = const { Cell::new(0) };
 }
 
-fn allocations() -> u64 {
+/// How often this thread has allocated.
+pub(crate) fn allocations() -> u64 {
     COUNT.with(Cell::get)
 }
 

@@ -5,6 +5,8 @@ mod contact;
 mod determinism;
 mod economy;
 mod friction;
+mod integrators;
 mod presets;
+mod recovery;
 mod stability;
 mod support;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use gelatin::render::{Renderer, offscreen};
 use gelatin::view::overlay::{CellFrames, Fill, LineEnds, Lines, PointPlaces, Points, Segment};
 use gelatin::view::style::Tint;
-use gelatin::view::{DrawList, Image, Solid, Style};
+use gelatin::view::{DrawList, Image, Selected, Solid, Style};
 use glam::{Vec2, Vec3};
 
 use crate::gpu::Studio;
@@ -218,6 +218,13 @@ fn overlays_that_are_not_numbers_do_no_harm() {
     ];
     let places = PointPlaces::Placed(Arc::new(wild.map(|place| place.to_array()).to_vec()));
     scene.overlay.points = vec![Points { places, tint: Tint::Own, size: 5.0, hidden: 0.5 }];
+    studio.picture(&scene, [64, 64]);
+    let ends = LineEnds::Particles { ends: Arc::new(vec![[0, 1], [1, 124]]), first: 0 };
+    scene.overlay.lines[0].ends = ends;
+    scene.overlay.cells = vec![CellFrames { cells: Arc::new(vec![[0, 1, 2, 3, 4, 5, 6, 7]]), first: 0, width: 1.0 }];
+    scene.overlay.points[0].places = PointPlaces::Particles { first: 100, count: 100 };
+    scene.selected = Some(Selected::Skin(0));
+    scene.particles = Arc::new(scene.particles.iter().map(|_| [f32::NAN, f32::INFINITY, 0.0]).collect());
     studio.picture(&scene, [64, 64]);
     studio.gpu.check().unwrap();
 }

@@ -2,7 +2,8 @@
 
 use egui::{ComboBox, FontId, Mesh, Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Ui, WidgetInfo, vec2};
 
-use super::{colored, theme};
+use super::value::vector_ui;
+use super::{actions, colored, theme};
 use crate::scene::edit::Edit;
 use crate::scene::{ColorBy, ViewSettings};
 use crate::session::Command;
@@ -29,7 +30,7 @@ pub(super) fn color_ui(
     commands: &mut Vec<Command>,
 ) {
     ui.horizontal(|ui| {
-        let label = ui.label(RichText::new("Colour by").color(theme::WEAK));
+        let label = ui.label(RichText::new("Colour by").color(theme::of(ui).weak));
         let combo = ComboBox::from_id_salt("colour by").width(158.0).height(420.0).selected_text(words(view.color));
         let response = combo.show_ui(ui, |ui| {
             for (index, color) in ColorBy::ALL.into_iter().enumerate() {
@@ -45,6 +46,28 @@ pub(super) fn color_ui(
         let legend = Legend::new(view.color.name(), view.color.unit(), range, TICKS);
         let highest = format!("{} {}", three_digits(f64::from(range[1])), view.color.unit());
         legend_ui(ui, &legend, colormap, &highest);
+        range_ui(ui, view, range, commands);
+    }
+}
+
+/// Whether the two ends of the colours follow the motion or stand still, and where.
+fn range_ui(ui: &mut Ui, view: &ViewSettings, now: [f32; 2], commands: &mut Vec<Command>) {
+    let fixed = |color_range| Edit::View(ViewSettings { color_range, ..view.clone() });
+    let mut stands = view.color_range.is_some();
+    let help = "Keeps the colours of the values; otherwise the ends follow the motion";
+    if ui.checkbox(&mut stands, "Fixed range").on_hover_text(help).changed() {
+        let ends = now.map(|end| three_digits(f64::from(end)).parse().unwrap_or_else(|_error| f64::from(end)));
+        commands.extend(actions::alone(fixed(stands.then_some(ends))));
+    }
+    if let Some(mut ends) = view.color_range {
+        let touch = vector_ui(ui, "view.color_range", "Range", &["from", "to"], &mut ends);
+        let rising = ends[0] < ends[1];
+        if touch.changed && rising {
+            commands.push(Command::Edit(fixed(Some(ends))));
+        }
+        if touch.ended {
+            commands.push(Command::EndEdit);
+        }
     }
 }
 
@@ -71,26 +94,26 @@ fn legend_ui(ui: &mut Ui, legend: &Legend, colormap: Colormap, highest: &str) {
 
 /// The marks with their numbers; the highest value stands at the end, with the unit.
 fn ticks(ui: &Ui, legend: &Legend, highest: &str, bar: Rect, font: &FontId) {
-    let end = ui.painter().layout_no_wrap(highest.to_owned(), font.clone(), theme::STRONG);
+    let end = ui.painter().layout_no_wrap(highest.to_owned(), font.clone(), theme::of(ui).strong);
     let end_left = bar.right() - end.size().x;
     let top = bar.bottom() + 5.0;
     let mut free_from = bar.left();
     for tick in &legend.ticks {
         let x = bar.left() + tick.place * bar.width();
-        let text = ui.painter().layout_no_wrap(tick.label.clone(), font.clone(), theme::STRONG);
+        let text = ui.painter().layout_no_wrap(tick.label.clone(), font.clone(), theme::of(ui).strong);
         let left = (x - 0.5 * text.size().x).max(bar.left());
         // A number that would run into its neighbour or into the highest one is left out; its mark stays.
         ui.painter().vline(
             x.clamp(bar.left() + 0.5, bar.right() - 0.5),
             bar.bottom()..=bar.bottom() + 3.0,
-            (1.0, theme::WEAK),
+            (1.0, theme::of(ui).weak),
         );
         if left >= free_from && left + text.size().x + 6.0 <= end_left {
             free_from = left + text.size().x + 6.0;
-            ui.painter().galley(Pos2::new(left, top), text, theme::STRONG);
+            ui.painter().galley(Pos2::new(left, top), text, theme::of(ui).strong);
         }
     }
-    ui.painter().galley(Pos2::new(end_left, top), end, theme::STRONG);
+    ui.painter().galley(Pos2::new(end_left, top), end, theme::of(ui).strong);
 }
 
 fn gradient(bar: Rect, colormap: Colormap) -> Shape {
@@ -112,7 +135,7 @@ fn gradient(bar: Rect, colormap: Colormap) -> Shape {
 }
 
 /// The scalar's name with its unit.
-fn words(color: ColorBy) -> String {
+pub(super) fn words(color: ColorBy) -> String {
     match color.unit() {
         "" => color.name().to_owned(),
         unit => format!("{}, {unit}", color.name()),

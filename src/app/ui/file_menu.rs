@@ -1,4 +1,4 @@
-//! The File menu: scenes in and out.
+//! The File menu: scenes and models in, scenes out.
 
 use egui::{Button, Ui, WidgetInfo};
 
@@ -18,6 +18,8 @@ pub(super) fn file_menu_ui(ui: &mut Ui, status: &Status, state: &mut UiState) {
             item_ui(ui, state, "Save", "Ctrl+S", FileAction::Save);
         });
         item_ui(ui, state, "Save as…", "Ctrl+Shift+S", FileAction::SaveAs);
+        ui.separator();
+        item_ui(ui, state, "Load model…", "", FileAction::LoadModel);
         ui.separator();
         item_ui(ui, state, "Quit", "Ctrl+Q", FileAction::Quit);
     });

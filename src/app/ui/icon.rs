@@ -21,26 +21,52 @@ pub(super) enum Icon {
     Help,
     /// Put away.
     Close,
+    /// It is drawn.
+    Eye,
+    /// It is not drawn.
+    EyeClosed,
+    /// Take back.
+    Undo,
+    /// Make again.
+    Redo,
 }
 
 /// A button with a sign, named for those who cannot see it, with its key in the tooltip.
 pub(super) fn icon_button_ui(ui: &mut Ui, icon: Icon, name: &str, key: &str, enabled: bool) -> Response {
+    let response = sign_ui(ui, icon, name, Vec2::new(32.0, 26.0), enabled);
+    if key.is_empty() { response.on_hover_text(name) } else { response.on_hover_text(format!("{name}  ({key})")) }
+}
+
+/// A button for a row of a list: a sign without a ground of its own.
+pub(super) fn small_button_ui(ui: &mut Ui, icon: Icon, name: &str) -> Response {
+    let ground = ui.visuals().widgets.inactive.weak_bg_fill;
+    ui.visuals_mut().widgets.inactive.weak_bg_fill = Color32::TRANSPARENT;
+    let response = sign_ui(ui, icon, name, Vec2::new(24.0, 22.0), true);
+    ui.visuals_mut().widgets.inactive.weak_bg_fill = ground;
+    response.on_hover_text(name)
+}
+
+fn sign_ui(ui: &mut Ui, icon: Icon, name: &str, size: Vec2, enabled: bool) -> Response {
     let sense = if enabled { Sense::click() } else { Sense::hover() };
-    let (rect, response) = ui.allocate_exact_size(Vec2::new(32.0, 26.0), sense);
+    let (rect, response) = ui.allocate_exact_size(size, sense);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled && ui.is_enabled(), name));
     let visuals = ui.style().interact(&response);
     let color = match (enabled, icon) {
-        (false, _) => theme::WEAK.gamma_multiply(0.45),
-        (true, Icon::Play) => theme::ACCENT,
+        (false, _) => theme::of(ui).weak.gamma_multiply(0.45),
+        (true, Icon::Play) => theme::of(ui).accent,
         (true, _) => visuals.fg_stroke.color,
     };
-    ui.painter().rect_filled(rect, visuals.corner_radius, if enabled { visuals.bg_fill } else { Color32::TRANSPARENT });
+    ui.painter().rect_filled(
+        rect,
+        visuals.corner_radius,
+        if enabled { visuals.weak_bg_fill } else { Color32::TRANSPARENT },
+    );
     if response.has_focus() {
-        let outline = Stroke::new(1.5, theme::ACCENT);
+        let outline = Stroke::new(1.5, theme::of(ui).accent);
         ui.painter().rect_stroke(rect, visuals.corner_radius, outline, egui::StrokeKind::Inside);
     }
     ui.painter().extend(shapes(icon, rect.center(), color));
-    if key.is_empty() { response.on_hover_text(name) } else { response.on_hover_text(format!("{name}  ({key})")) }
+    response
 }
 
 fn shapes(icon: Icon, center: Pos2, color: Color32) -> Vec<Shape> {
@@ -70,6 +96,37 @@ fn shapes(icon: Icon, center: Pos2, color: Color32) -> Vec<Shape> {
             });
             let hook: Vec<Pos2> = hook.chain([at(0.0, 2.6)]).collect();
             vec![Shape::line(hook, Stroke::new(1.6, color)), Shape::circle_filled(at(0.0, 5.4), 1.2, color)]
+        }
+        Icon::Eye => {
+            let lid = |side: f32| {
+                let arc = (0..=8).map(|step| {
+                    let x = step as f32 / 4.0 - 1.0;
+                    at(7.0 * x, side * 4.2 * (1.0 - x * x))
+                });
+                Shape::line(arc.collect(), Stroke::new(1.4, color))
+            };
+            vec![lid(1.0), lid(-1.0), Shape::circle_filled(at(0.0, 0.0), 2.2, color)]
+        }
+        Icon::EyeClosed => {
+            let faint = color.gamma_multiply(0.5);
+            let lid = (0..=8).map(|step| {
+                let x = step as f32 / 4.0 - 1.0;
+                at(7.0 * x, 3.0 * (1.0 - x * x))
+            });
+            vec![Shape::line(lid.collect(), Stroke::new(1.4, faint))]
+        }
+        Icon::Undo | Icon::Redo => {
+            let side = if icon == Icon::Undo { 1.0 } else { -1.0 };
+            let bow = (0..=10).map(|step| {
+                let angle = std::f32::consts::PI * (0.5 - step as f32 / 10.0);
+                at(side * (1.0 + 4.5 * angle.cos()), 0.8 - 4.5 * angle.sin())
+            });
+            let bow: Vec<Pos2> = [at(-4.0 * side, -3.7)].into_iter().chain(bow.rev()).collect();
+            let tip = vec![at(-6.5 * side, -3.7), at(-2.0 * side, -7.0), at(-2.0 * side, -0.4)];
+            let tail = line(at(1.0 * side, 5.3), at(-3.0 * side, 5.3));
+            let mut shapes = vec![Shape::convex_polygon(tip, color, Stroke::NONE), tail];
+            shapes.extend(bow.windows(2).map(|pair| line(pair[0], pair[1])));
+            shapes
         }
         Icon::Close => vec![line(at(-4.0, -4.0), at(4.0, 4.0)), line(at(-4.0, 4.0), at(4.0, -4.0))],
     }

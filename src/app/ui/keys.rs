@@ -1,52 +1,103 @@
 //! The list of keys and moves of the hand.
 
-use egui::{Align2, Grid, RichText, Ui, Window};
+use egui::{Align2, Grid, RichText, ScrollArea, Ui, Window};
 
 use super::{UiState, theme};
 
-const KEYS: [(&str, &str); 9] = [
-    ("Space", "play, pause"),
-    ("→  or  .", "one step"),
-    ("R", "restart"),
-    ("F", "show everything"),
-    ("1 … 7", "colour by plain, load, force, net, strain, speed, contact"),
-    ("Tab", "go from one control to the next"),
-    ("Esc", "put away what lies over the view"),
-    ("Ctrl + N O S Q", "new, open, save, quit; with shift + S save as"),
-    ("F1", "this list"),
+/// Below this width of the view (points) the list has one column instead of two.
+const TWO_COLUMNS_NEED: f32 = 780.0;
+/// Width of the column of keys, points.
+const KEY_WIDTH: f32 = 108.0;
+
+/// What keys do, in groups.
+const LEFT: [Group; 2] = [
+    ("Time", &[("Space", "play, pause"), ("→  or  .", "one step"), ("R", "restart")]),
+    (
+        "What is chosen",
+        &[
+            ("Click", "choose, in the view or in the list"),
+            ("F2", "rename"),
+            ("Shift + D", "duplicate"),
+            ("H", "hide, show"),
+            ("X  or  Del", "delete"),
+            ("Ctrl + Z", "undo"),
+            ("Ctrl + Y", "redo; also Ctrl + Shift + Z"),
+        ],
+    ),
 ];
 
-const POINTER: [(&str, &str); 3] = [
-    ("turn", "middle drag · left drag · two fingers"),
-    ("pan", "shift + middle drag · right drag · shift + two fingers"),
-    ("zoom", "wheel, to the pointer · pinch · ctrl + two fingers"),
+/// What the hand does, and the rest of the keys.
+const RIGHT: [Group; 2] = [
+    (
+        "In the view",
+        &[
+            ("Left drag", "pull the jelly, move a ball; elsewhere turn"),
+            ("Middle drag", "turn; with shift pan, with ctrl zoom"),
+            ("Right drag", "pan"),
+            ("Wheel", "zoom, to the pointer"),
+            ("Two fingers", "turn; with shift pan, with ctrl zoom"),
+            ("F", "show what is chosen, or everything"),
+            ("1 … 7", "colour by plain, load, force, net, strain, speed, contact"),
+        ],
+    ),
+    (
+        "Window",
+        &[
+            ("T,  N", "list of things, values"),
+            ("Tab", "from one control to the next"),
+            ("Arrows", "move a slider; with shift finely"),
+            ("Esc", "choose nothing, put away what lies over the view"),
+            ("Ctrl + N O S Q", "new, open, save, quit; with shift + S save as"),
+            ("F1", "this list"),
+        ],
+    ),
 ];
+
+/// A heading, and keys with what they do.
+type Group = (&'static str, &'static [(&'static str, &'static str)]);
 
 /// The list of keys, when it is open.
 pub(super) fn keys_ui(ui: &Ui, state: &mut UiState) {
     let mut open = state.keys_open;
+    let window = ui.ctx().content_rect().size();
     Window::new("Keys")
         .open(&mut open)
         .collapsible(false)
         .resizable(false)
         .pivot(Align2::CENTER_CENTER)
-        .fixed_pos(state.view_rect.center())
+        .fixed_pos(ui.ctx().content_rect().center())
         .show(ui.ctx(), |ui| {
             ui.spacing_mut().interact_size.y = 20.0;
-            rows_ui(ui, "keys", &KEYS);
-            ui.add_space(6.0);
-            ui.label(RichText::new("In the view").color(theme::WEAK));
-            rows_ui(ui, "pointer", &POINTER);
+            let room = (window.y - 120.0).max(120.0);
+            ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
+                if window.x < TWO_COLUMNS_NEED {
+                    groups_ui(ui, &LEFT);
+                    groups_ui(ui, &RIGHT);
+                } else {
+                    ui.horizontal_top(|ui| {
+                        ui.vertical(|ui| groups_ui(ui, &LEFT));
+                        ui.add_space(28.0);
+                        ui.vertical(|ui| groups_ui(ui, &RIGHT));
+                    });
+                }
+            });
         });
     state.keys_open = open;
 }
 
-fn rows_ui(ui: &mut Ui, name: &str, rows: &[(&str, &str)]) {
-    Grid::new(name).num_columns(2).spacing([18.0, 6.0]).min_col_width(70.0).min_row_height(20.0).show(ui, |ui| {
-        for (key, meaning) in rows {
-            ui.label(RichText::new(*key).color(theme::STRONG));
-            ui.label(*meaning);
-            ui.end_row();
-        }
-    });
+fn groups_ui(ui: &mut Ui, groups: &[Group]) {
+    for (title, rows) in groups {
+        ui.label(RichText::new(*title).color(theme::of(ui).weak));
+        Grid::new(title).num_columns(2).spacing([14.0, 6.0]).min_col_width(KEY_WIDTH).min_row_height(20.0).show(
+            ui,
+            |ui| {
+                for (key, meaning) in *rows {
+                    ui.label(RichText::new(*key).color(theme::of(ui).strong));
+                    ui.label(*meaning);
+                    ui.end_row();
+                }
+            },
+        );
+        ui.add_space(10.0);
+    }
 }

@@ -19,14 +19,14 @@ pub(super) fn message_ui(ui: &Ui, status: &Status, failure: &str, state: &mut Ui
     }
     let view = state.view_rect;
     over_view(ui, "message", view, Align2::CENTER_TOP, |ui| {
-        theme::float_frame().show(ui, |ui| {
+        theme::float_frame(ui).show(ui, |ui| {
             ui.set_max_width((view.width() - 80.0).clamp(200.0, 640.0));
             ui.horizontal(|ui| {
                 let width = ui.available_width() - 44.0;
-                theme::dot_ui(ui, theme::ERROR);
+                theme::dot_ui(ui, theme::of(ui).error);
                 ui.scope(|ui| {
                     ui.set_max_width(width - 20.0);
-                    ui.add(egui::Label::new(RichText::new(capitalised(text)).color(theme::STRONG)).wrap());
+                    ui.add(egui::Label::new(RichText::new(capitalised(text)).color(theme::of(ui).strong)).wrap());
                 });
                 if icon_button_ui(ui, Icon::Close, "Close message", "Esc", true).clicked() {
                     text.clone_into(&mut state.dismissed);

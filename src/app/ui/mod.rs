@@ -1,18 +1,26 @@
 //! The panels: what a status says, as words and widgets, and what a person does to them, as commands. Nothing here
 //! knows a session, a window or a GPU; every function takes what is shown and returns intent.
 
+pub mod actions;
 mod color;
 mod file_menu;
 pub mod files;
 mod icon;
+mod inspector;
 mod keys;
+mod menu;
 mod message;
+mod meter;
 mod timeline;
 mod top_bar;
+mod tree;
+mod trouble;
+mod value;
 
 use egui::{Align2, Area, Id, Order, Rect, RichText, Ui};
 
-use super::theme;
+use super::hand::Target;
+use super::theme::{self, Theme};
 use crate::scene::presets::Preset;
 use crate::scene::{ColorBy, Scene, ViewSettings};
 use crate::session::{Command, Status};
@@ -21,6 +29,15 @@ use crate::view::Colormap;
 pub use color::color_command;
 use files::FilesState;
 
+/// Widths of the panels beside the view, points.
+const TREE_WIDTH: f32 = 190.0;
+const INSPECTOR_WIDTH: f32 = 336.0;
+/// Below this width of the window (points) both panels stand on one side.
+const TWO_SIDES_NEED: f32 = 1100.0;
+/// The share of that side that the list has, and its least height, points.
+const TREE_SHARE: f32 = 0.36;
+const TREE_HEIGHT: f32 = 140.0;
+
 /// What the panels show.
 #[derive(Clone, Copy, Debug)]
 pub struct Shown<'a> {
@@ -28,6 +45,8 @@ pub struct Shown<'a> {
     pub running: Option<Running<'a>>,
     /// A failure of the program itself, as a sentence; empty when all is well.
     pub failure: &'a str,
+    /// The value under the pointer with its unit; empty when there is none.
+    pub value: &'a str,
 }
 
 /// What the panels show of a running sandbox.
@@ -54,10 +73,42 @@ pub struct UiState {
     pub view_rect: Rect,
     /// A person asked for a new start after a failure.
     pub revive: bool,
-    /// A person asked to see everything.
-    pub frame: bool,
+    /// What a person asked to see whole.
+    pub frame: Option<Framing>,
+    /// The colours of the interface and the view.
+    pub theme: Theme,
+    /// What is chosen.
+    pub selection: Option<Target>,
+    /// What will be chosen as soon as it is there: the sandbox answers a few frames later.
+    pub awaited: Option<Target>,
+    /// What is being renamed, and the name so far.
+    pub renaming: Option<(Target, String)>,
+    /// Where the next teleport goes, m.
+    pub origin: [f64; 3],
+    /// A person asked to load a model.
+    pub load_model: bool,
+    /// Which panels are open.
+    pub panels: Panels,
     /// The dialogs about files.
     pub files: FilesState,
+}
+
+/// What the camera is to show whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Framing {
+    /// All bodies.
+    Everything,
+    /// What is chosen; everything where nothing is.
+    Chosen,
+}
+
+/// Which panels beside the view are open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Panels {
+    /// The list of bodies and obstacles, on the left.
+    pub tree: bool,
+    /// The values of what is chosen, on the right.
+    pub inspector: bool,
 }
 
 impl UiState {
@@ -69,42 +120,104 @@ impl UiState {
             dismissed: String::new(),
             view_rect: Rect::NOTHING,
             revive: false,
-            frame: false,
+            frame: None,
+            theme: Theme::default(),
+            selection: None,
+            awaited: None,
+            renaming: None,
+            origin: [0.0, 1.0, 0.0],
+            load_model: false,
+            panels: Panels { tree: true, inspector: true },
             files: FilesState::default(),
+        }
+    }
+
+    /// Chooses what has come, and nothing that is not there.
+    fn follow(&mut self, scene: &Scene) {
+        let there = |target: &Target| actions::exists(scene, *target);
+        self.selection = self.awaited.take_if(|awaited| there(awaited)).or(self.selection.filter(there));
+        if self.renaming.as_ref().is_some_and(|(target, _)| !there(target)) {
+            self.renaming = None;
         }
     }
 }
 
 /// All panels, around and over the view.
 pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    theme::choose(ui, state.theme);
     let idle = Status::default();
     let status = shown.running.map_or(&idle, |running| running.status);
-    egui::Panel::top("top bar").resizable(false).frame(theme::bar_frame()).show(ui, |ui| {
-        top_bar::top_bar_ui(ui, status, state, commands);
+    egui::Panel::top("top bar").resizable(false).frame(theme::bar_frame(ui)).show(ui, |ui| {
+        top_bar::top_bar_ui(ui, shown, state, commands);
     });
-    egui::Panel::bottom("timeline").resizable(false).frame(theme::bar_frame()).show(ui, |ui| {
-        timeline::timeline_ui(ui, status, state, commands);
+    egui::Panel::bottom("timeline").resizable(false).frame(theme::bar_frame(ui)).show(ui, |ui| {
+        timeline::timeline_ui(ui, status, commands);
     });
+    if let Some(running) = shown.running {
+        state.follow(running.scene);
+        side_panels_ui(ui, running, state, commands);
+    }
     state.view_rect = ui.available_rect_before_wrap();
     match shown.running {
         Some(running) => {
+            trouble::trouble_ui(ui, status, state, commands);
             over_view(ui, "color", state.view_rect, Align2::LEFT_BOTTOM, |ui| {
-                theme::float_frame().show(ui, |ui| {
+                theme::float_frame(ui).show(ui, |ui| {
                     color::color_ui(ui, &running.scene.view, running.color_key, commands);
                 });
             });
         }
         None if shown.failure.is_empty() => {
             over_view(ui, "preparing", state.view_rect, Align2::CENTER_CENTER, |ui| {
-                ui.label(RichText::new("Preparing the scene…").color(theme::WEAK));
+                ui.label(RichText::new("Preparing the scene…").color(theme::of(ui).weak));
             });
         }
         None => (),
     }
+    value_under_pointer_ui(ui, shown.value);
     message::message_ui(ui, status, shown.failure, state);
     keys::keys_ui(ui, state);
     // After a failure nothing can be saved any more: what is unsaved is kept as a draft.
-    files::files_ui(ui, if shown.failure.is_empty() { status } else { &idle }, state, commands);
+    let saved = if shown.failure.is_empty() { status } else { &idle };
+    files::files_ui(ui, saved, shown.running.map(|running| running.scene), state, commands);
+}
+
+/// The panels beside the view. In a narrow window the list stands above the values, so that the view keeps its half.
+fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    let Panels { tree, inspector } = state.panels;
+    let wide = ui.available_width() >= TWO_SIDES_NEED;
+    if tree && (wide || !inspector) {
+        let left = egui::Panel::left("tree").resizable(false).exact_size(TREE_WIDTH);
+        left.frame(theme::bar_frame(ui)).show(ui, |ui| tree::tree_ui(ui, running, state, commands));
+    }
+    if inspector {
+        let right = egui::Panel::right("inspector").resizable(false).exact_size(INSPECTOR_WIDTH);
+        right.frame(theme::bar_frame(ui)).show(ui, |ui| {
+            if tree && !wide {
+                let height = (TREE_SHARE * ui.available_height()).max(TREE_HEIGHT);
+                let above = egui::Panel::top("tree above").resizable(false).exact_size(height);
+                let frame = egui::Frame::new().inner_margin(egui::Margin { bottom: 6, ..egui::Margin::ZERO });
+                above.frame(frame).show(ui, |ui| tree::tree_ui(ui, running, state, commands));
+            }
+            inspector::inspector_ui(ui, running, state, commands);
+        });
+    }
+}
+
+/// A small label beside the pointer with the value there.
+fn value_under_pointer_ui(ui: &Ui, value: &str) {
+    let pointer = ui.input(|input| input.pointer.hover_pos());
+    let Some(pointer) = pointer.filter(|_| !value.is_empty()) else { return };
+    Area::new(Id::unique("value under the pointer"))
+        .order(Order::Middle)
+        .interactable(false)
+        .fade_in(false)
+        .fixed_pos(pointer + egui::vec2(14.0, 12.0))
+        .show(ui.ctx(), |ui| {
+            theme::float_frame(ui).inner_margin(egui::Margin::symmetric(8, 4)).show(ui, |ui| {
+                ui.add(egui::Label::new(RichText::new(value).color(theme::of(ui).strong)).extend());
+            });
+        });
 }
 
 /// The view settings with another scalar for the colours.

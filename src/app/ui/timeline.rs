@@ -3,16 +3,16 @@
 use egui::{Align, Layout, RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
-use super::{UiState, capitalised, theme};
+use super::{capitalised, theme};
 use crate::session::{Command, Status};
 
 /// Below this width (points) the counts give way to the words.
 const COUNTS_NEED: f32 = 860.0;
 
 /// The bar along the bottom.
-pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
+pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
     let ready = status.particles > 0 || !status.title.is_empty();
-    let wide = state.view_rect.width() >= COUNTS_NEED;
+    let wide = ui.available_width() >= COUNTS_NEED;
     ui.horizontal(|ui| {
         if icon_button_ui(ui, Icon::Restart, "Restart", "R", ready).clicked() {
             commands.push(Command::Restart);
@@ -28,7 +28,7 @@ pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, state: &UiState, command
             commands.push(Command::StepOnce);
         }
         ui.add_space(4.0);
-        theme::figures_ui(ui, &format!("{:.3} s", status.time_secs), "000.000 s", theme::STRONG)
+        theme::figures_ui(ui, &format!("{:.3} s", status.time_secs), "000.000 s", theme::of(ui).strong)
             .on_hover_text("Simulated time");
         ui.add_space(8.0);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -37,7 +37,7 @@ pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, state: &UiState, command
                 ui.add_space(8.0);
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                ui.add(egui::Label::new(RichText::new(status_words(status)).color(theme::WEAK)).truncate());
+                ui.add(egui::Label::new(RichText::new(status_words(status)).color(theme::of(ui).weak)).truncate());
             });
         });
     });
@@ -57,8 +57,8 @@ fn counts_ui(ui: &mut Ui, status: &Status) {
         if index > 0 {
             ui.add_space(9.0);
         }
-        ui.label(RichText::new(name).color(theme::WEAK));
-        theme::figures_ui(ui, &grouped(count), widest, theme::STRONG);
+        ui.label(RichText::new(name).color(theme::of(ui).weak));
+        theme::figures_ui(ui, &grouped(count), widest, theme::of(ui).strong);
     }
 }
 

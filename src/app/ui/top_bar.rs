@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Align, ComboBox, FontId, Layout, RichText, Ui, WidgetInfo, vec2};
+use egui::{Align, ComboBox, FontId, Layout, Response, RichText, Ui, WidgetInfo, vec2};
 
 use super::icon::{Icon, icon_button_ui};
-use super::{UiState, file_menu, theme};
+use super::meter::{self, milliseconds};
+use super::{Framing, Shown, UiState, menu, theme};
 use crate::scene::presets::Preset;
 use crate::session::{Command, Status};
 
@@ -19,48 +20,74 @@ const KEEPS_UP: f64 = 0.95;
 const SCENE_WIDTH: f32 = 168.0;
 /// Where summaries begin in the list of presets, points from the names.
 const SUMMARY_COLUMN: f32 = 124.0;
-/// Below this width (points) the bar has no room for the step.
-const STEP_NEEDS: f32 = 840.0;
+/// Below these widths of the bar (points) it has no room for the step in figures, and for words beside the boxes.
+const STEP_NEEDS: f32 = 1230.0;
+const WORDS_NEED: f32 = 940.0;
 
 /// The bar along the top.
-pub(super) fn top_bar_ui(ui: &mut Ui, status: &Status, state: &mut UiState, commands: &mut Vec<Command>) {
-    let wide = ui.available_width() >= STEP_NEEDS;
+pub(super) fn top_bar_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    let idle = Status::default();
+    let status = shown.running.map_or(&idle, |running| running.status);
+    let width = ui.available_width();
+    let words = width >= WORDS_NEED;
     ui.horizontal(|ui| {
-        file_menu::file_menu_ui(ui, status, state);
-        preset_ui(ui, status, state, commands);
+        menu::menus_ui(ui, shown, state, commands);
         ui.add_space(6.0);
-        speed_ui(ui, status, commands);
+        preset_ui(ui, words, status, state, commands);
+        ui.add_space(6.0);
+        history_ui(ui, status, commands);
+        ui.add_space(6.0);
+        speed_ui(ui, words, status, commands);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if icon_button_ui(ui, Icon::Help, "Keys", "F1", true).clicked() {
+            if words && icon_button_ui(ui, Icon::Help, "Keys", "F1", true).clicked() {
                 state.keys_open = !state.keys_open;
             }
-            if icon_button_ui(ui, Icon::Frame, "Show everything", "F", true).clicked() {
-                state.frame = true;
+            if icon_button_ui(ui, Icon::Frame, "Show everything", "", true).clicked() {
+                state.frame = Some(Framing::Everything);
             }
             ui.add_space(6.0);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                // Written from the right, so that the numbers keep their places whatever else the bar holds.
-                if wide {
+            // Written from the right, so that the numbers keep their places whatever else the bar holds.
+            if words {
+                meter::meter_ui(ui, status);
+                if width >= STEP_NEEDS {
+                    ui.add_space(2.0);
                     step_ui(ui, status);
-                    ui.add_space(10.0);
                 }
-                real_time_ui(ui, status);
-            });
+                ui.add_space(10.0);
+            }
+            real_time_ui(ui, status);
         });
     });
 }
 
-fn preset_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
-    let label = ui.label(RichText::new("Scene").color(theme::WEAK));
+/// What can be taken back and made again, with its words in the tooltip.
+fn history_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
+    for (icon, name, words, key, command) in [
+        (Icon::Undo, "Undo", &status.undo, "Ctrl+Z", Command::Undo),
+        (Icon::Redo, "Redo", &status.redo, "Ctrl+Shift+Z", Command::Redo),
+    ] {
+        let response = icon_button_ui(ui, icon, name, key, !words.is_empty());
+        let clicked = response.clicked();
+        if !words.is_empty() {
+            response.on_hover_text(words);
+        }
+        if clicked {
+            commands.push(command);
+        }
+    }
+}
+
+fn preset_ui(ui: &mut Ui, words: bool, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
+    let word = word_ui(ui, words, "Scene");
     let combo = ComboBox::from_id_salt("scene")
         .width(SCENE_WIDTH)
         .height(420.0)
         .truncate()
-        .selected_text(RichText::new(&status.title).color(theme::STRONG));
+        .selected_text(RichText::new(&status.title).color(theme::of(ui).strong));
     // A box no wider than this, or a long name would push the rest of the bar away.
     let room = vec2(SCENE_WIDTH, ui.spacing().interact_size.y);
     let response = ui.allocate_ui(room, |ui| combo.show_ui(ui, |ui| presets_ui(ui, status, state, commands))).inner;
-    response.response.labelled_by(label.id);
+    named(ui, response.response, word, "Scene");
 }
 
 fn presets_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
@@ -81,16 +108,30 @@ fn presets_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<
 /// The name, and beside it in a column what happens.
 fn preset_line(ui: &Ui, preset: &Preset) -> LayoutJob {
     let font = FontId::proportional(theme::TEXT_SIZE);
-    let name = ui.painter().layout_no_wrap(preset.name.to_owned(), font, theme::STRONG).size().x;
+    let name = ui.painter().layout_no_wrap(preset.name.to_owned(), font, theme::of(ui).strong).size().x;
     let format = |color| TextFormat { font_id: FontId::proportional(theme::TEXT_SIZE), color, ..TextFormat::default() };
     let mut line = LayoutJob::default();
-    line.append(preset.name, 0.0, format(theme::STRONG));
-    line.append(preset.summary, (SUMMARY_COLUMN - name).max(12.0), format(theme::WEAK));
+    line.append(preset.name, 0.0, format(theme::of(ui).strong));
+    line.append(preset.summary, (SUMMARY_COLUMN - name).max(12.0), format(theme::of(ui).weak));
     line
 }
 
-fn speed_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
-    let label = ui.label(RichText::new("Speed").color(theme::WEAK));
+/// The name of a box beside it, where there is room.
+fn word_ui(ui: &mut Ui, words: bool, name: &str) -> Option<Response> {
+    words.then(|| ui.label(RichText::new(name).color(theme::of(ui).weak)))
+}
+
+/// Names a box for those who cannot see it.
+fn named(ui: &Ui, response: Response, word: Option<Response>, name: &str) -> Response {
+    if let Some(word) = word {
+        return response.labelled_by(word.id);
+    }
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+    response
+}
+
+fn speed_ui(ui: &mut Ui, words: bool, status: &Status, commands: &mut Vec<Command>) {
+    let word = word_ui(ui, words, "Speed");
     let combo = ComboBox::from_id_salt("speed").width(72.0).height(420.0).selected_text(speed_text(status.speed));
     let response = combo.show_ui(ui, |ui| {
         for speed in SPEEDS {
@@ -101,7 +142,7 @@ fn speed_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
             }
         }
     });
-    response.response.labelled_by(label.id).on_hover_text("Simulated seconds a second");
+    named(ui, response.response, word, "Speed").on_hover_text("Simulated seconds a second");
 }
 
 fn speed_text(speed: f64) -> String {
@@ -112,60 +153,28 @@ fn speed_text(speed: f64) -> String {
 fn real_time_ui(ui: &mut Ui, status: &Status) {
     let keeps_up = status.real_time_factor >= KEEPS_UP * status.speed;
     let (color, words) = match (status.playing, keeps_up) {
-        (false, _) => (theme::WEAK, "Paused"),
-        (true, true) => (theme::GOOD, "As fast as asked"),
-        (true, false) => (theme::WARNING, "Slower than asked"),
+        (false, _) => (theme::of(ui).weak, "Paused"),
+        (true, true) => (theme::of(ui).good, "As fast as asked"),
+        (true, false) => (theme::of(ui).warning, "Slower than asked"),
     };
     theme::dot_ui(ui, color);
     let text = if status.playing { format!("{:.2}×", status.real_time_factor) } else { "–".to_owned() };
-    theme::figures_ui(ui, &text, "10.00×", theme::STRONG).on_hover_text(words);
-    ui.label(RichText::new("real time").color(theme::WEAK)).on_hover_text("Simulated seconds a second, measured");
+    theme::figures_ui(ui, &text, "10.00×", theme::of(ui).strong).on_hover_text(words);
+    ui.label(RichText::new("real time").color(theme::of(ui).weak))
+        .on_hover_text("Simulated seconds a second, measured");
 }
 
 /// Written from right to left.
 fn step_ui(ui: &mut Ui, status: &Status) {
-    theme::figures_ui(ui, &milliseconds(status.dt_safe_secs), "00.00 ms", theme::STRONG)
+    theme::figures_ui(ui, &milliseconds(status.dt_safe_secs), "00.00 ms", theme::of(ui).strong)
         .on_hover_text(format!("The largest step that is safe, limited by {}", limit_words(status)));
-    ui.label(RichText::new("safe").color(theme::WEAK));
-    ui.label(RichText::new("/").color(theme::WEAK));
-    let unsafe_step = status.dt_safe_secs > 0.0 && status.dt_secs > status.dt_safe_secs * (1.0 + 1e-9);
-    let color = if unsafe_step { theme::WARNING } else { theme::STRONG };
+    ui.label(RichText::new("safe").color(theme::of(ui).weak));
+    ui.label(RichText::new("/").color(theme::of(ui).weak));
+    let color = if meter::is_unsafe(status) { theme::of(ui).warning } else { theme::of(ui).strong };
     theme::figures_ui(ui, &milliseconds(status.dt_secs), "00.00 ms", color).on_hover_text("The step in use");
-    ui.label(RichText::new("step").color(theme::WEAK));
+    ui.label(RichText::new("step").color(theme::of(ui).weak));
 }
 
 fn limit_words(status: &Status) -> &str {
     if status.dt_limited_by.is_empty() { "nothing" } else { &status.dt_limited_by }
-}
-
-/// A duration in milliseconds to three significant digits or so, "∞" without a limit.
-fn milliseconds(secs: f64) -> String {
-    let ms = secs * 1e3;
-    match ms {
-        _ if !ms.is_finite() || ms > 1e4 => "∞".to_owned(),
-        _ if ms >= 99.95 => format!("{ms:.0} ms"),
-        _ if ms >= 9.995 => format!("{ms:.1} ms"),
-        _ if ms >= 0.01 || ms == 0.0 => format!("{ms:.2} ms"),
-        _ => format!("{:.1} µs", ms * 1e3),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_step_is_written_short_and_with_its_unit() {
-        let cases = [
-            (0.001, "1.00 ms"),
-            (0.003_4, "3.40 ms"),
-            (0.016, "16.0 ms"),
-            (0.1, "100 ms"),
-            (2e-6, "2.0 µs"),
-            (f64::INFINITY, "∞"),
-        ];
-        for (secs, text) in cases {
-            assert_eq!(milliseconds(secs), text, "{secs} s");
-        }
-    }
 }

@@ -46,6 +46,11 @@ impl<R: Real> Scratch<R> {
         }
     }
 
+    /// How many contacts push.
+    fn pushing(&self) -> usize {
+        self.contacts.iter().filter(|contact| contact.force != R::Vec3::ZERO).count()
+    }
+
     /// Any particle may touch any obstacle: they have been moved.
     pub(super) fn touch_all(&mut self) {
         self.touching.fill(true);
@@ -91,34 +96,78 @@ pub fn respond<R: Real>(
     timer: &mut impl StageTimer,
 ) {
     scratch.contacts.clear();
-    for (number, body) in model.bodies.iter().enumerate() {
-        let all_tests = (body.particles.len() * model.obstacles.len()) as u64;
-        let tests_before = report.narrow_tests;
-        if plan.broad_phase {
-            timer.enter(Stage::BroadPhase);
-        }
-        let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
-        broad::near_obstacles(model, plan, body, dt, state, velocity, touching, &mut scratch.near);
-        if !scratch.near.is_empty() {
-            timer.enter(Stage::Contact);
-            for particle in body.particles.clone() {
-                if body.is_pinned(particle - body.particles.start) {
-                    continue;
-                }
-                let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0 };
-                velocity[particle] = meeting.resolve(
-                    velocity[particle],
-                    body.mass(particle - body.particles.start),
-                    &body.contacts,
-                    &scratch.near,
-                    &mut scratch.contacts,
-                );
-                report.narrow_tests += meeting.tests;
-            }
-        }
-        report.narrow_tests_saved += all_tests.saturating_sub(report.narrow_tests - tests_before);
+    let mut meetings = Meetings { model, plan, dt, state, scratch, report, timer };
+    meetings.of_all(velocity, |_, _| ());
+    report.contacts = scratch.pushing();
+}
+
+/// Changes the velocities that move particles where those at the end of the substep are others. What has met an
+/// obstacle already moves with what [`respond`] left it; one that only its path leads into an obstacle is stopped there,
+/// and what stops it changes its velocity too.
+#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
+pub fn respond_to_paths<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    dt: R,
+    state: &State<R>,
+    velocity: &mut [R::Vec3],
+    path: &mut [R::Vec3],
+    scratch: &mut Scratch<R>,
+    report: &mut StepReport,
+    timer: &mut impl StageTimer,
+) {
+    for contact in &scratch.contacts {
+        path[contact.particle] = velocity[contact.particle];
     }
-    report.contacts = scratch.contacts.iter().filter(|contact| contact.force != R::Vec3::ZERO).count();
+    let mut meetings = Meetings { model, plan, dt, state, scratch, report, timer };
+    meetings.of_all(path, |particle, change| velocity[particle] += change);
+    report.contacts = scratch.pushing();
+}
+
+/// All particles among all obstacles.
+struct Meetings<'a, R: Real, T> {
+    model: &'a Model<R>,
+    plan: &'a Plan,
+    dt: R,
+    state: &'a State<R>,
+    scratch: &'a mut Scratch<R>,
+    report: &'a mut StepReport,
+    timer: &'a mut T,
+}
+
+impl<R: Real, T: StageTimer> Meetings<'_, R, T> {
+    /// Resolves all velocities but of the particles that are known to meet something, and tells of each change.
+    fn of_all(&mut self, velocity: &mut [R::Vec3], mut changed: impl FnMut(usize, R::Vec3)) {
+        let met = self.scratch.contacts.len();
+        let Self { model, plan, dt, state, scratch, report, timer } = self;
+        let (model, plan, dt, state) = (*model, *plan, *dt, *state);
+        for (number, body) in model.bodies.iter().enumerate() {
+            let all_tests = (body.particles.len() * model.obstacles.len()) as u64;
+            let tests_before = report.narrow_tests;
+            if plan.broad_phase {
+                timer.enter(Stage::BroadPhase);
+            }
+            let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
+            broad::near_obstacles(model, plan, body, dt, state, velocity, touching, &mut scratch.near);
+            if !scratch.near.is_empty() {
+                timer.enter(Stage::Contact);
+                for (local, particle) in body.particles.clone().enumerate() {
+                    // The contacts are in the order of the particles.
+                    let has_met = || scratch.contacts[..met].binary_search_by_key(&particle, |c| c.particle).is_ok();
+                    if body.is_pinned(local) || has_met() {
+                        continue;
+                    }
+                    let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0 };
+                    let before = velocity[particle];
+                    velocity[particle] =
+                        meeting.resolve(before, body.mass(local), &body.contacts, &scratch.near, &mut scratch.contacts);
+                    changed(particle, velocity[particle] - before);
+                    report.narrow_tests += meeting.tests;
+                }
+            }
+            report.narrow_tests_saved += all_tests.saturating_sub(report.narrow_tests - tests_before);
+        }
+    }
 }
 
 /// One particle among the obstacles near its body.

@@ -15,16 +15,18 @@ use crate::physics::state::State;
 /// compares with zero, which no number in a simulation ever is.
 const STILL_SPEED: f64 = 1e-3;
 
-/// Adds reaction and friction to the force of every particle found past a surface.
+/// Adds reaction and friction to the force of every particle found past a surface, and writes them down by themselves.
 pub fn add_forces<R: Real>(
     model: &Model<R>,
     dt: R,
     state: &State<R>,
     force: &mut [R::Vec3],
+    thesis_force: &mut [R::Vec3],
     contacts: &mut Vec<ContactRecord<R>>,
     report: &mut StepReport,
 ) {
     contacts.clear();
+    thesis_force.fill(R::Vec3::ZERO);
     let mut deepest = R::ZERO;
     for body in &model.bodies {
         for particle in body.particles.clone() {
@@ -42,6 +44,7 @@ pub fn add_forces<R: Real>(
                 let reaction =
                     reaction(normal, depth, contact, pressing) + friction(normal, obstacle, pressing, velocity);
                 force[particle] += reaction;
+                thesis_force[particle] += reaction;
                 deepest = deepest.max(depth);
                 contacts.push(ContactRecord {
                     particle,

@@ -66,6 +66,7 @@ impl CellsPass {
             }
         }
         self.cells.end();
+        self.looks.keep(self.sets.len());
         Ok(())
     }
 

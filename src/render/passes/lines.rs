@@ -131,6 +131,7 @@ impl LinesPass {
         }
         self.pairs.end();
         self.segments.end();
+        self.looks.keep(self.sets.len());
         Ok(())
     }
 

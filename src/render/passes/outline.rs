@@ -167,18 +167,16 @@ impl OutlinePass {
         };
         self.segments.end();
         let found: Option<Result<_, RenderError>> = found;
-        match (found.transpose()?, draw_list.selected) {
-            (Some((positions, instances, count)), Some(selected)) => {
-                let look = bytemuck::bytes_of(&look);
-                self.looks.set(device, queue, 0, look, &positions, bytes_counted);
-                if self.mask.as_ref().is_none_or(|mask| mask.size != size) {
-                    self.mask = Some(Mask::new(device, &self.mask_layout, self.output.samples, size));
-                }
-                let count = u32::try_from(count).unwrap_or(u32::MAX);
-                self.ready = Some(Ready { selected, instances, count });
-            }
-            _ => self.mask = None,
+        let (Some((positions, instances, count)), Some(selected)) = (found.transpose()?, draw_list.selected) else {
+            self.mask = None;
+            self.looks.keep(0);
+            return Ok(());
+        };
+        self.looks.set(device, queue, 0, bytemuck::bytes_of(&look), &positions, bytes_counted);
+        if self.mask.as_ref().is_none_or(|mask| mask.size != size) {
+            self.mask = Some(Mask::new(device, &self.mask_layout, self.output.samples, size));
         }
+        self.ready = Some(Ready { selected, instances, count: u32::try_from(count).unwrap_or(u32::MAX) });
         Ok(())
     }
 

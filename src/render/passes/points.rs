@@ -96,6 +96,7 @@ impl PointsPass {
             }
         }
         self.places.end();
+        self.looks.keep(self.sets.len());
         Ok(())
     }
 

@@ -2,6 +2,8 @@
 //! after a crash, files dropped on the window. Remembers what is open and asked; what needs a thread, the system or
 //! the disk's state folder is a [`Wish`] to the window.
 
+mod drop;
+mod load_model;
 mod path_dialog;
 mod path_field;
 mod question;
@@ -12,9 +14,13 @@ use std::path::{Path, PathBuf};
 use egui::{Color32, Id, Key, Modal, Modifiers, Response, RichText, Ui};
 
 use super::{UiState, theme};
+use crate::scene::body::ModelShape;
 use crate::scene::view_settings::CameraSettings;
+use crate::scene::{Scene, Settings};
 use crate::session::{Command, Status};
 
+use load_model::LoadModel;
+pub use load_model::Work;
 use path_dialog::PathDialog;
 pub use path_field::PathUse;
 use question::Question;
@@ -35,6 +41,8 @@ pub enum FileAction {
     Save,
     /// The dialog to save a scene elsewhere.
     SaveAs,
+    /// The assistant that makes a model into jelly.
+    LoadModel,
     /// Open what was found after a crash.
     Recover,
     /// Close the window.
@@ -42,12 +50,16 @@ pub enum FileAction {
 }
 
 /// What only the window can do.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Wish {
     /// Show the system's own dialog; its answer goes to [`FilesState::browsed`].
     Browse(PathUse, PathBuf),
     /// Close the window.
     Quit,
+    /// Make a model into a body, to run under these settings; [`FilesState::set_work`] hears of it.
+    Jellify(Box<ModelShape>, Box<Settings>),
+    /// The body is no longer wanted.
+    StopJellifying,
     /// Open what was found after a crash.
     Recover,
     /// Throw away what was found after a crash.
@@ -80,6 +92,7 @@ pub struct FilesState {
     no_browser: bool,
     dialog: Option<PathDialog>,
     question: Option<Question>,
+    model: Option<LoadModel>,
 }
 
 impl FilesState {
@@ -90,10 +103,24 @@ impl FilesState {
 
     /// The system's dialog was answered: a path, or nothing.
     pub fn browsed(&mut self, purpose: PathUse, chosen: Option<&Path>) {
-        if let (Some(dialog), Some(path)) = (&mut self.dialog, chosen)
+        if let (PathUse::OpenModel, Some(model), Some(path)) = (purpose, &mut self.model, chosen) {
+            model.set(path);
+        } else if let (Some(dialog), Some(path)) = (&mut self.dialog, chosen)
             && dialog.purpose() == purpose
         {
             dialog.set(path);
+        }
+    }
+
+    /// Opens the assistant on a model.
+    pub fn load_model(&mut self, path: &Path) {
+        self.model = Some(LoadModel::new(path));
+    }
+
+    /// The work on a model has begun, ended or failed.
+    pub fn set_work(&mut self, work: Work) {
+        if let Some(model) = &mut self.model {
+            model.set_work(work);
         }
     }
 
@@ -111,10 +138,26 @@ impl FilesState {
 }
 
 /// The dialogs about files, over everything else. Commands that would lose unsaved changes wait for an answer.
-pub(super) fn files_ui(ui: &mut Ui, status: &Status, state: &mut UiState, commands: &mut Vec<Command>) {
-    recovery_card::recovery_card_ui(ui, state);
+pub(super) fn files_ui(
+    ui: &mut Ui,
+    status: &Status,
+    scene: Option<&Scene>,
+    state: &mut UiState,
+    commands: &mut Vec<Command>,
+) {
+    drop::drop_ui(ui, state);
+    if std::mem::take(&mut state.load_model) {
+        state.files.ask(FileAction::LoadModel);
+    }
+    // One thing at a time: a simulation that broke comes first.
+    if status.trouble.is_none() {
+        recovery_card::recovery_card_ui(ui, state);
+    }
     for action in std::mem::take(&mut state.files.asked) {
         begin(action, status, state, commands);
+    }
+    if let Some(scene) = scene {
+        load_model::load_model_ui(ui, scene, state, commands);
     }
     question::hold_back(status, &mut state.files, commands);
     question::question_ui(ui, status, &mut state.files, commands);
@@ -139,6 +182,10 @@ fn begin(action: FileAction, status: &Status, state: &mut UiState, commands: &mu
             };
             files.dialog = Some(PathDialog::new(PathUse::SaveScene, &name));
         }
+        FileAction::LoadModel => {
+            let start = files.start_folder(status);
+            files.load_model(&start);
+        }
         FileAction::Recover => question::wish(Wish::Recover, status, files),
         FileAction::Quit => question::wish(Wish::Quit, status, files),
     }
@@ -150,7 +197,7 @@ fn dialog_ui(ui: &Ui, name: &str, width: f32, contents: impl FnOnce(&mut Ui)) ->
     let frame = egui::Frame::window(ui.style()).inner_margin(18);
     let modal = Modal::new(Id::unique(name)).frame(frame).show(ui.ctx(), |ui| {
         ui.set_width(width.min(room.x - 60.0));
-        ui.label(RichText::new(name).heading().color(theme::STRONG));
+        ui.label(RichText::new(name).heading().color(theme::of(ui).strong));
         ui.add_space(4.0);
         contents(ui);
     });

@@ -40,7 +40,7 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, state: &mut UiState, commands: &mut Ve
     let Some(mut dialog) = state.files.dialog.take() else { return };
     let name = match dialog.purpose {
         PathUse::SaveScene => "Save scene as",
-        PathUse::OpenScene => "Open scene",
+        PathUse::OpenScene | PathUse::OpenModel => "Open scene",
     };
     let mut done = false;
     let escaped = dialog_ui(ui, name, 560.0, |ui| {
@@ -57,6 +57,7 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, state: &mut UiState, commands: &mut Ve
             let verdict = dialog.field.verdict().clone();
             let (label, ready) = match (&verdict, dialog.purpose) {
                 (Verdict::Replaces(_), _) => ("Replace", true),
+                (Verdict::Model(_), _) => ("Load model…", true),
                 (Verdict::Usable(..), PathUse::SaveScene) => ("Save", true),
                 (Verdict::Usable(..), _) => ("Open", true),
                 (_, PathUse::SaveScene) => ("Save", false),
@@ -80,6 +81,7 @@ fn confirm(verdict: Verdict, purpose: PathUse, state: &mut UiState, commands: &m
         (Verdict::Usable(path, _) | Verdict::Replaces(path), PathUse::SaveScene) => {
             commands.push(Command::SaveAs { path, camera: state.files.camera });
         }
+        (Verdict::Model(path), _) => state.files.load_model(&path),
         (Verdict::Usable(path, _), _) => state.files.ask(FileAction::OpenFile(path)),
         (Verdict::Unfinished | Verdict::Unusable(_) | Verdict::Replaces(_), _) => {}
     }
@@ -89,7 +91,7 @@ fn recent_ui(ui: &mut Ui, recent: &[PathBuf], field: &mut PathField) {
     if recent.is_empty() {
         return;
     }
-    ui.label(RichText::new("Recent").color(theme::WEAK));
+    ui.label(RichText::new("Recent").color(theme::of(ui).weak));
     for path in recent.iter().take(RECENT) {
         let shown = path.display().to_string();
         if ui.add(egui::Button::new(&shown).frame(false).truncate()).clicked() {

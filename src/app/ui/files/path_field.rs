@@ -23,6 +23,8 @@ pub enum PathUse {
     OpenScene,
     /// The scene is written to it.
     SaveScene,
+    /// A model is read from it.
+    OpenModel,
 }
 
 /// What the path typed leads to.
@@ -36,6 +38,8 @@ pub(super) enum Verdict {
     Usable(PathBuf, String),
     /// It can be written, but there is a file already.
     Replaces(PathBuf),
+    /// A model where a scene was asked for.
+    Model(PathBuf),
 }
 
 /// A path being typed.
@@ -91,7 +95,7 @@ impl PathField {
     pub(super) fn ui(&mut self, ui: &mut Ui, label: &str, can_browse: bool) -> PathResponse {
         let mut response = PathResponse::default();
         ui.horizontal(|ui| {
-            let name = ui.label(RichText::new(label).color(theme::WEAK));
+            let name = ui.label(RichText::new(label).color(theme::of(ui).weak));
             let width = (ui.available_width() - 92.0).max(120.0);
             let edit = TextEdit::singleline(&mut self.text).desired_width(width).hint_text("type a path");
             let field = ui.add(edit).labelled_by(name.id);
@@ -113,10 +117,13 @@ impl PathField {
 
     fn verdict_ui(&self, ui: &mut Ui) {
         let (text, color) = match &self.verdict {
-            Verdict::Unfinished => (String::new(), theme::WEAK),
-            Verdict::Unusable(why) => (why.clone(), theme::ERROR),
-            Verdict::Usable(_, what) => (what.clone(), theme::WEAK),
-            Verdict::Replaces(_) => ("There is a file of this name; it will be replaced".to_owned(), theme::WARNING),
+            Verdict::Unfinished => (String::new(), theme::of(ui).weak),
+            Verdict::Unusable(why) => (why.clone(), theme::of(ui).error),
+            Verdict::Usable(_, what) => (what.clone(), theme::of(ui).weak),
+            Verdict::Model(_) => ("A model, not a scene: it can be made into jelly".to_owned(), theme::of(ui).weak),
+            Verdict::Replaces(_) => {
+                ("There is a file of this name; it will be replaced".to_owned(), theme::of(ui).warning)
+            }
         };
         ui.add(egui::Label::new(RichText::new(text).color(color)).wrap());
     }
@@ -160,7 +167,7 @@ pub(super) struct PathResponse {
 }
 
 fn row_ui(ui: &mut Ui, shown: &str, name: &str) -> egui::Response {
-    let button = Button::new(RichText::new(shown).color(theme::STRONG)).frame(false).truncate();
+    let button = Button::new(RichText::new(shown).color(theme::of(ui).strong)).frame(false).truncate();
     let response = ui.add_sized([ui.available_width(), 20.0], button.right_text(""));
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, name));
     response
@@ -194,6 +201,11 @@ fn judge(purpose: PathUse, text: &str) -> Verdict {
         PathUse::SaveScene => judge_target(path),
         _ if !path.exists() => Verdict::Unusable(format!("{} does not exist", path.display())),
         _ if path.is_dir() => Verdict::Unusable(format!("{} is a folder", path.display())),
+        PathUse::OpenModel if is_scene_path(&path) => {
+            Verdict::Unusable(format!("{} is a scene, not a model; use Open…", path.display()))
+        }
+        PathUse::OpenModel => Verdict::Usable(path, String::new()),
+        PathUse::OpenScene if is_model_path(&path) => Verdict::Model(path),
         PathUse::OpenScene => match Scene::load(&path) {
             Ok(scene) => Verdict::Usable(path, words(&scene)),
             Err(error) => Verdict::Unusable(sentence(&error)),
@@ -222,6 +234,11 @@ fn with_ending(path: PathBuf) -> PathBuf {
     name.into()
 }
 
+/// Whether a file's name is that of a model.
+fn is_model_path(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("obj"))
+}
+
 fn words(scene: &Scene) -> String {
     let count = |count: usize, one: &str, many: &str| match count {
         1 => format!("1 {one}"),
@@ -242,6 +259,7 @@ fn entries(purpose: PathUse, text: &str) -> Vec<Entry> {
         typed.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default()
     };
     let fits = |path: &Path| match purpose {
+        PathUse::OpenModel => is_model_path(path),
         PathUse::OpenScene | PathUse::SaveScene => is_scene_path(path),
     };
     let Ok(all) = std::fs::read_dir(folder) else { return Vec::new() };
@@ -287,6 +305,7 @@ mod tests {
         let says = |name, words: &str| matches!(judged(name), Verdict::Unusable(why) if why.contains(words));
         assert!(says("x.ron", "does not exist"));
         assert!(says("sub", "is a folder"));
+        assert!(matches!(judged("cow.obj"), Verdict::Model(_)), "a model is told from a scene");
         assert!(says("bad.ron", "bad.ron:2"), "the line is named: {:?}", judged("bad.ron"));
         assert!(matches!(judged("a.ron"), Verdict::Usable(_, what) if what == "A scene of 0 bodies and 0 obstacles"));
     }
@@ -309,6 +328,7 @@ mod tests {
         };
         assert_eq!(names(PathUse::OpenScene, ""), ["sub", "a.ron", "bad.ron"]);
         assert_eq!(names(PathUse::OpenScene, "B"), ["bad.ron"]);
-        assert_eq!(names(PathUse::OpenScene, "nowhere/"), [""; 0]);
+        assert_eq!(names(PathUse::OpenModel, ""), ["sub", "cow.obj"]);
+        assert_eq!(names(PathUse::OpenModel, "nowhere/"), [""; 0]);
     }
 }

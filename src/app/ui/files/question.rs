@@ -16,7 +16,7 @@ pub(super) struct Question {
 #[derive(Debug)]
 enum Then {
     Grant(Wish),
-    Do(Box<Command>),
+    Do(Vec<Command>),
 }
 
 /// A wish that would lose unsaved changes: it waits where there are some.
@@ -33,8 +33,9 @@ pub(super) fn hold_back(status: &Status, files: &mut FilesState, commands: &mut 
     if !status.unsaved {
         return;
     }
-    for command in commands.extract_if(.., |command| command.replaces_scene()) {
-        files.question = Some(Question { then: Then::Do(Box::new(command)), saving: false });
+    // What follows was meant for the new scene: it waits too.
+    if let Some(first) = commands.iter().position(Command::replaces_scene) {
+        files.question = Some(Question { then: Then::Do(commands.split_off(first)), saving: false });
     }
 }
 
@@ -97,6 +98,6 @@ enum Answer {
 fn go_on(question: Question, files: &mut FilesState, commands: &mut Vec<Command>) {
     match question.then {
         Then::Grant(wish) => files.wishes.push(wish),
-        Then::Do(command) => commands.push(*command),
+        Then::Do(held) => commands.extend(held),
     }
 }

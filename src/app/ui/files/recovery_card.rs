@@ -9,10 +9,10 @@ use super::{FileAction, UiState, Wish, main_button_ui, theme};
 pub(super) fn recovery_card_ui(ui: &Ui, state: &mut UiState) {
     let Some(found) = state.files.found.clone() else { return };
     over_view(ui, "recovery", state.view_rect, Align2::RIGHT_TOP, |ui| {
-        theme::float_frame().show(ui, |ui| {
+        theme::float_frame(ui).show(ui, |ui| {
             ui.set_max_width(300.0);
             let question = format!("Recover unsaved changes of {} from {}?", found.title, found.when);
-            ui.add(egui::Label::new(RichText::new(question).color(theme::STRONG)).wrap());
+            ui.add(egui::Label::new(RichText::new(question).color(theme::of(ui).strong)).wrap());
             ui.horizontal(|ui| {
                 if main_button_ui(ui, "Recover", true).clicked() {
                     state.files.ask(FileAction::Recover);

@@ -1,0 +1,68 @@
+//! A model made into a body on a thread of its own, so that the window and the sandbox go on. Dropping a job stops it.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+use super::worker::sentence;
+use crate::scene::Settings;
+use crate::scene::body::ModelShape;
+use crate::session::jellify::{Jellified, JellifyError, Progress, jellify};
+
+/// Work that goes on.
+#[derive(Debug)]
+pub(super) struct JellifyJob {
+    progress: Arc<Progress>,
+    outcome: Receiver<Result<Jellified, JellifyError>>,
+}
+
+/// What became of the work.
+#[derive(Debug)]
+pub(super) enum Outcome {
+    /// It goes on.
+    Waiting,
+    /// The body is ready.
+    Ready(Box<Jellified>),
+    /// Nobody wants it any more.
+    Cancelled,
+    /// It cannot be made; why, as a sentence.
+    Failed(String),
+}
+
+impl Drop for JellifyJob {
+    fn drop(&mut self) {
+        self.progress.cancel();
+    }
+}
+
+impl JellifyJob {
+    /// Begins. `wake` is called when it ends.
+    pub(super) fn start(shape: ModelShape, settings: Settings, wake: impl FnOnce() + Send + 'static) -> Self {
+        let (send, outcome) = channel();
+        let progress = Arc::new(Progress::default());
+        let watched = Arc::clone(&progress);
+        std::thread::spawn(move || {
+            if send.send(jellify(&shape, Path::new(""), &settings, &watched)).is_err() {
+                log::debug!("nobody waits for {} any more", shape.path);
+            }
+            wake();
+        });
+        Self { progress, outcome }
+    }
+
+    /// How far the work is.
+    pub(super) fn progress(&self) -> Arc<Progress> {
+        Arc::clone(&self.progress)
+    }
+
+    /// What has become of the work.
+    pub(super) fn outcome(&self) -> Outcome {
+        match self.outcome.try_recv() {
+            Ok(Ok(body)) => Outcome::Ready(Box::new(body)),
+            Ok(Err(JellifyError::Cancelled)) => Outcome::Cancelled,
+            Ok(Err(error)) => Outcome::Failed(sentence(&error)),
+            Err(TryRecvError::Empty) => Outcome::Waiting,
+            Err(TryRecvError::Disconnected) => Outcome::Failed("an error in the program ended the work".to_owned()),
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! The assistant that makes a model into jelly (J7): which file, how finely, and what will come of it before anything
+//! is changed. A value that changes starts the work anew; the work itself is done elsewhere.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use egui::{Align, ComboBox, DragValue, Grid, Layout, ProgressBar, RichText, ScrollArea, Ui};
+
+use super::path_field::{PathField, PathUse, Verdict};
+use super::{UiState, Wish, dialog_ui, main_button_ui, theme};
+use crate::scene::body::{Keep, MAX_DIVISIONS, ModelShape, OccupancyChoice};
+use crate::scene::{Scene, Settings};
+use crate::session::Command;
+use crate::session::jellify::{Jellified, Preview, Progress, occupancy_word};
+use crate::view::legend::three_digits;
+
+/// How long a value must stand before the work begins, s.
+const PAUSE_SECS: f64 = 0.3;
+/// How often the progress is looked at while the work goes on.
+const LOOK: std::time::Duration = std::time::Duration::from_millis(60);
+
+/// The assistant.
+#[derive(Debug)]
+pub(super) struct LoadModel {
+    field: PathField,
+    shape: ModelShape,
+    /// What was last asked for, and since when it has been waited for, s.
+    asked: Option<ModelShape>,
+    changed_secs: f64,
+    work: Work,
+}
+
+/// How far the work is.
+#[derive(Debug, Default)]
+pub enum Work {
+    /// There is nothing to do.
+    #[default]
+    Idle,
+    /// It goes on.
+    Running(Arc<Progress>),
+    /// The body is ready.
+    Ready(Box<Jellified>),
+    /// It cannot be made; why, as a sentence.
+    Failed(String),
+}
+
+impl LoadModel {
+    /// An assistant that starts from a path.
+    pub(super) fn new(start: &Path) -> Self {
+        let field = PathField::new(PathUse::OpenModel, start);
+        Self { field, shape: ModelShape::default(), asked: None, changed_secs: f64::NEG_INFINITY, work: Work::Idle }
+    }
+
+    /// Puts another path into the field.
+    pub(super) fn set(&mut self, path: &Path) {
+        self.field.set(path);
+    }
+
+    /// The work has begun, ended or failed.
+    pub(super) fn set_work(&mut self, work: Work) {
+        self.work = work;
+    }
+
+    /// The shape that the values stand for, once the path leads to a file.
+    fn wanted(&mut self) -> Option<ModelShape> {
+        let Verdict::Usable(path, _) = self.field.verdict() else { return None };
+        let path = std::path::absolute(path).ok()?;
+        Some(ModelShape { path: path.to_str()?.to_owned(), ..self.shape.clone() })
+    }
+
+    /// Starts the work anew once the values have stood for a while.
+    fn follow(&mut self, ui: &Ui, settings: &Settings, wishes: &mut Vec<Wish>) {
+        let wanted = self.wanted();
+        let now = ui.input(|input| input.time);
+        if wanted != self.asked {
+            self.asked = wanted;
+            self.changed_secs = now;
+            self.work = Work::Idle;
+            wishes.push(Wish::StopJellifying);
+        }
+        if self.changed_secs.is_finite() && self.asked.is_some() {
+            let rest = self.changed_secs + PAUSE_SECS - now;
+            if rest <= 0.0 {
+                self.changed_secs = f64::NEG_INFINITY;
+                wishes
+                    .extend(self.asked.clone().map(|shape| Wish::Jellify(Box::new(shape), Box::new(settings.clone()))));
+            } else {
+                ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(rest));
+            }
+        }
+    }
+}
+
+/// The assistant, when it is open.
+pub(super) fn load_model_ui(ui: &mut Ui, scene: &Scene, state: &mut UiState, commands: &mut Vec<Command>) {
+    let Some(mut model) = state.files.model.take() else { return };
+    let mut done = false;
+    let escaped = dialog_ui(ui, "Load model", 600.0, |ui| {
+        let response = model.field.ui(ui, "Model", !state.files.no_browser);
+        if response.browse {
+            state.files.wishes.push(Wish::Browse(PathUse::OpenModel, model.field.folder()));
+        }
+        ui.separator();
+        values_ui(ui, &mut model.shape);
+        ui.separator();
+        model.follow(ui, &scene.settings, &mut state.files.wishes);
+        work_ui(ui, &mut model, &mut state.files.wishes);
+        ui.add_space(6.0);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let ready = matches!(model.work, Work::Ready(_));
+            let add = main_button_ui(ui, "Add to scene", ready).clicked() || (response.entered && ready);
+            let replace = ui.add_enabled(ready, egui::Button::new("Replace scene")).clicked();
+            done = ui.button("Close").clicked();
+            if (add || replace)
+                && let Work::Ready(body) = std::mem::take(&mut model.work)
+            {
+                done = true;
+                if add {
+                    commands.push(body.add_to(scene));
+                } else {
+                    commands.extend(body.replace());
+                }
+            }
+        });
+    });
+    if escaped || done {
+        state.files.wishes.push(Wish::StopJellifying);
+    } else {
+        state.files.model = Some(model);
+    }
+}
+
+fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
+    Grid::new("model values").num_columns(4).spacing([12.0, 8.0]).show(ui, |ui| {
+        let label = ui.label(RichText::new("Divisions").color(theme::of(ui).weak));
+        ui.add(DragValue::new(&mut shape.divisions).range(1..=MAX_DIVISIONS).speed(0.2))
+            .labelled_by(label.id)
+            .on_hover_text("Cells along the longest extent");
+        let label = ui.label(RichText::new("Length").color(theme::of(ui).weak));
+        ui.add(DragValue::new(&mut shape.length).range(0.0..=1000.0).speed(0.01).max_decimals(3).suffix(" m"))
+            .labelled_by(label.id)
+            .on_hover_text("The longest extent; 0 keeps the file's own size");
+        ui.end_row();
+        let label = ui.label(RichText::new("Fill").color(theme::of(ui).weak));
+        let combo = ComboBox::from_id_salt("occupancy").width(140.0).selected_text(occupancy_word(shape.occupancy));
+        let response = combo.show_ui(ui, |ui| {
+            for (choice, help) in [
+                (OccupancyChoice::Auto, "By what the model is like"),
+                (OccupancyChoice::Centre, "Cells whose centre is inside"),
+                (OccupancyChoice::Surface, "Cells that the surface touches"),
+                (OccupancyChoice::Solid, "Cells that the surface touches, and all that they enclose"),
+            ] {
+                ui.selectable_value(&mut shape.occupancy, choice, occupancy_word(choice)).on_hover_text(help);
+            }
+        });
+        response.response.labelled_by(label.id);
+        let label = ui.label(RichText::new("Keep").color(theme::of(ui).weak));
+        let word = |keep: Keep| if keep == Keep::All { "all pieces" } else { "the largest piece" };
+        let combo = ComboBox::from_id_salt("keep").width(140.0).selected_text(word(shape.keep));
+        let response = combo.show_ui(ui, |ui| {
+            for keep in [Keep::Largest, Keep::All] {
+                ui.selectable_value(&mut shape.keep, keep, word(keep));
+            }
+        });
+        response.response.labelled_by(label.id);
+        ui.end_row();
+    });
+}
+
+fn work_ui(ui: &mut Ui, model: &mut LoadModel, wishes: &mut Vec<Wish>) {
+    let area = ScrollArea::vertical().max_height(250.0).auto_shrink([false, true]);
+    area.show(ui, |ui| match &model.work {
+        Work::Idle => {
+            let words = if model.asked.is_some() { "…" } else { "Choose a model: an OBJ file." };
+            ui.label(RichText::new(words).color(theme::of(ui).weak));
+        }
+        Work::Running(progress) => {
+            ui.ctx().request_repaint_after(LOOK);
+            ui.horizontal(|ui| {
+                let bar = ProgressBar::new(progress.fraction()).desired_width(380.0).show_percentage();
+                ui.add(bar);
+                if ui.button("Stop").clicked() {
+                    wishes.push(Wish::StopJellifying);
+                }
+            });
+        }
+        Work::Failed(why) => {
+            ui.add(egui::Label::new(RichText::new(why).color(theme::of(ui).error)).wrap());
+        }
+        Work::Ready(body) => preview_ui(ui, &body.preview),
+    });
+}
+
+fn preview_ui(ui: &mut Ui, preview: &Preview) {
+    Grid::new("preview").num_columns(2).spacing([16.0, 5.0]).min_row_height(18.0).show(ui, |ui| {
+        for (name, value) in rows(preview) {
+            ui.label(RichText::new(name).color(theme::of(ui).weak));
+            ui.add(egui::Label::new(RichText::new(value).color(theme::of(ui).strong)).wrap());
+            ui.end_row();
+        }
+    });
+    for warning in &preview.warnings {
+        let text = RichText::new(super::super::capitalised(warning)).color(theme::of(ui).warning);
+        ui.add(egui::Label::new(text).wrap());
+    }
+}
+
+fn rows(preview: &Preview) -> Vec<(&'static str, String)> {
+    let Preview { triangles, parts, joined_parts, thin_parts, components, dropped_cells, .. } = preview;
+    let closed = if preview.closed { "closed" } else { "open" };
+    let [occupancy, why] = &preview.occupancy;
+    let [x, y, z] = preview.size_m.map(three_digits);
+    let safe = match preview.dt_safe_secs {
+        secs if secs.is_finite() => format!("{} ms, limited by {}", three_digits(secs * 1e3), preview.dt_limited_by),
+        _ => "no limit".to_owned(),
+    };
+    let factor = preview.real_time_factor;
+    let speed = if factor >= 1.0 {
+        format!("{}× real time", three_digits(factor))
+    } else {
+        format!("{} times slower than real time", three_digits(1.0 / factor.max(1e-9)))
+    };
+    vec![
+        ("Mesh", format!("{triangles} triangles, {closed}, {parts} parts ({joined_parts} joined, {thin_parts} thin)")),
+        ("Filled", format!("{occupancy}: {why}")),
+        ("Cells", format!("{} of {} m", preview.cells, three_digits(preview.cell_size_m))),
+        ("Components", format!("{components} ({dropped_cells} cells dropped)")),
+        ("Particles", preview.particles.to_string()),
+        ("Links", preview.links.to_string()),
+        ("Box", format!("{x} × {y} × {z} m")),
+        ("Safe step", safe),
+        ("Speed", speed),
+    ]
+}

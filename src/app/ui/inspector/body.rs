@@ -1,0 +1,172 @@
+//! A body: its material live, where it is and where it starts, its shape in figures.
+
+use egui::{Button, ComboBox, RichText, Ui, vec2};
+
+use super::{section_ui, send};
+use crate::app::ui::value::{Touch, field_ui, figure, slider_ui, vector_ui};
+use crate::app::ui::{Running, UiState, theme};
+use crate::scene::edit::{BodyId, Edit};
+use crate::scene::{Body, Family, Material, Shape, Skin, Solid, Springs};
+use crate::session::{BodyStatus, Command};
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The panel of a body.
+pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    let Some(body) = running.scene.bodies.get(id.0) else { return };
+    section_ui(ui, "Material", true, |ui| material_ui(ui, id, body, commands));
+    section_ui(ui, "Place", true, |ui| place_ui(ui, id, body, running.status.bodies.get(id.0), state, commands));
+    section_ui(ui, "Shape", true, |ui| shape_ui(ui, id, body, running.status.bodies.get(id.0), commands));
+}
+
+fn material_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
+    match body.material {
+        Material::Springs(springs) => springs_ui(ui, id, body, springs, commands),
+        Material::Solid(solid) => solid_ui(ui, id, body, solid, commands),
+    }
+}
+
+fn solid_ui(ui: &mut Ui, id: BodyId, body: &Body, mut solid: Solid, commands: &mut Vec<Command>) {
+    let mut touch = Touch::default();
+    let Solid { young_modulus, density, damping_ratio } = &mut solid;
+    for (what, label, value) in [
+        ("young_modulus", "Young's modulus", young_modulus),
+        ("density", "Density", density),
+        ("damping_ratio", "Damping ratio", damping_ratio),
+    ] {
+        let path = format!("bodies.{}.material.solid.{what}", id.0);
+        touch.and(slider_ui(ui, &path, label, value, None));
+    }
+    let changed = || Body { material: Material::Solid(solid), ..body.clone() };
+    send(touch, || Edit::Body(id, Box::new(changed())), commands);
+}
+
+fn springs_ui(ui: &mut Ui, id: BodyId, body: &Body, mut springs: Springs, commands: &mut Vec<Command>) {
+    let mut touch = Touch::default();
+    for family in Family::ALL {
+        ui.label(RichText::new(family_title(family)).color(theme::of(ui).strong));
+        let spring = family_mut(&mut springs, family);
+        let path = |what: &str| format!("bodies.{}.material.springs.{}.{what}", id.0, family.name());
+        touch.and(slider_ui(ui, &path("stiffness"), "Stiffness", &mut spring.stiffness, None));
+        touch.and(slider_ui(ui, &path("damping"), "Damping", &mut spring.damping, None));
+    }
+    ui.add_space(2.0);
+    let path = format!("bodies.{}.material.springs.particle_mass", id.0);
+    touch.and(slider_ui(ui, &path, "Particle mass", &mut springs.particle_mass, None));
+    let changed = || Body { material: Material::Springs(springs), ..body.clone() };
+    send(touch, || Edit::Body(id, Box::new(changed())), commands);
+}
+
+fn family_title(family: Family) -> &'static str {
+    match family {
+        Family::Structural => "Structural springs",
+        Family::Shear => "Shear springs",
+        Family::Bending => "Bending springs",
+    }
+}
+
+fn family_mut(springs: &mut Springs, family: Family) -> &mut crate::scene::material::Spring {
+    match family {
+        Family::Structural => &mut springs.structural,
+        Family::Shear => &mut springs.shear,
+        Family::Bending => &mut springs.bending,
+    }
+}
+
+fn place_ui(
+    ui: &mut Ui,
+    id: BodyId,
+    body: &Body,
+    status: Option<&BodyStatus>,
+    state: &mut UiState,
+    commands: &mut Vec<Command>,
+) {
+    let path = |what: &str| format!("bodies.{}.{what}", id.0);
+    let (mut pose, mut velocity) = (body.pose, body.velocity);
+    let mut touch = vector_ui(ui, &path("pose.position"), "Start", &AXES, &mut pose.position);
+    touch.and(vector_ui(ui, &path("pose.rotation_deg"), "Rotation", &AXES, &mut pose.rotation_deg));
+    touch.and(vector_ui(ui, &path("velocity"), "Velocity", &AXES, &mut velocity));
+    let changed = || Body { pose, velocity, ..body.clone() };
+    send(touch, || Edit::Body(id, Box::new(changed())), commands);
+
+    vector_ui(ui, &path("pose.position"), "Teleport to", &AXES, &mut state.origin);
+    ui.horizontal(|ui| {
+        let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
+        let button = ui.add_sized(size, Button::new("Teleport"));
+        let help = "Puts the middle of the body there, deformed as it is and at rest";
+        if button.on_hover_text(help).clicked() {
+            commands.push(Command::Teleport(id, state.origin));
+        }
+    });
+    if let Some(status) = status {
+        let [x, y, z] = status.center.map(|at| format!("{at:.2}"));
+        row_ui(ui, "Now at", &format!("{x}, {y}, {z} m"));
+    }
+}
+
+fn shape_ui(ui: &mut Ui, id: BodyId, body: &Body, status: Option<&BodyStatus>, commands: &mut Vec<Command>) {
+    let (what, editable) = match &body.shape {
+        Shape::Cube(_) => ("Cube".to_owned(), true),
+        Shape::Cells(cells) => (format!("{} cells of {} m", cells.list.len(), figure(cells.size)), false),
+        Shape::Model(model) => (format!("{} in {} divisions", file_name(&model.path), model.divisions), false),
+    };
+    row_ui(ui, "Made of", &what);
+    if editable {
+        cube_ui(ui, id, body, commands);
+    } else if matches!(body.shape, Shape::Model(_)) {
+        skin_ui(ui, id, body, commands);
+    }
+    if let Some(status) = status {
+        row_ui(ui, "Mass", &format!("{} kg", figure((status.mass_kg * 1e4).round() / 1e4)));
+        row_ui(ui, "Cells", &status.cells.to_string());
+        row_ui(ui, "Particles", &status.particles.to_string());
+        let [structural, shear, bending] = status.links;
+        row_ui(ui, "Links", &format!("{structural} + {shear} + {bending}"));
+    }
+    if !body.pins.is_empty() {
+        row_ui(ui, "Held by", &format!("{} pin boxes", body.pins.len()));
+    }
+}
+
+fn cube_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
+    let Shape::Cube(cube) = &body.shape else { return };
+    let (mut cells, mut size) = (f64::from(cube.cells), cube.size);
+    let mut touch = field_ui(ui, &format!("bodies.{}.shape.cube.cells", id.0), "Cells an edge", &mut cells);
+    touch.and(field_ui(ui, &format!("bodies.{}.shape.cube.size", id.0), "Edge", &mut size));
+    let mut cube = cube.clone();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the parameter's range")]
+    let whole = cells.round() as u32;
+    (cube.cells, cube.size) = (whole, size);
+    send(touch, || Edit::Body(id, Box::new(Body { shape: Shape::Cube(cube), ..body.clone() })), commands);
+}
+
+fn skin_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
+    let words = |skin| if skin == Skin::Auto { "the model's surface" } else { "its cells" };
+    ui.horizontal(|ui| {
+        let label = ui.label(RichText::new("Drawn as").color(theme::of(ui).weak));
+        let combo = ComboBox::from_id_salt("skin").selected_text(words(body.skin));
+        let response = combo.show_ui(ui, |ui| {
+            for skin in [Skin::Auto, Skin::Cells] {
+                if ui.selectable_label(skin == body.skin, words(skin)).clicked() && skin != body.skin {
+                    let changed = Body { skin, ..body.clone() };
+                    commands.extend(crate::app::ui::actions::alone(Edit::Body(id, Box::new(changed))));
+                }
+            }
+        });
+        response.response.labelled_by(label.id);
+    });
+}
+
+fn row_ui(ui: &mut Ui, name: &str, value: &str) {
+    ui.horizontal(|ui| {
+        ui.allocate_ui(vec2(crate::app::ui::value::LABEL_WIDTH, 18.0), |ui| {
+            ui.set_min_width(crate::app::ui::value::LABEL_WIDTH);
+            ui.label(RichText::new(name).color(theme::of(ui).weak));
+        });
+        ui.add(egui::Label::new(value).truncate());
+    });
+}
+
+fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\', ':']).next().unwrap_or(path)
+}

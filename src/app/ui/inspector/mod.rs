@@ -1,0 +1,50 @@
+//! The panel on the right: the values of what is chosen, or of the scene where nothing is. Every change is an edit of
+//! one node; the panel itself keeps nothing.
+
+mod body;
+mod light;
+mod obstacle;
+mod settings;
+
+use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
+
+use super::value::Touch;
+use super::{Running, UiState, actions, theme};
+use crate::app::hand::Target;
+use crate::scene::edit::Edit;
+use crate::session::Command;
+
+/// The panel.
+pub(super) fn inspector_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        let chosen = state.selection.filter(|target| actions::exists(running.scene, *target));
+        let title = chosen.map_or_else(|| "The scene".to_owned(), |target| actions::name(running.scene, target));
+        ui.label(RichText::new(title).color(theme::of(ui).strong).size(15.0).strong());
+        ui.add_space(2.0);
+        match chosen {
+            Some(Target::Body(id)) => body::body_ui(ui, id, running, state, commands),
+            Some(Target::Obstacle(id)) => obstacle::obstacle_ui(ui, id, running.scene, commands),
+            None => settings::settings_ui(ui, running, commands),
+        }
+        ui.add_space(6.0);
+        section_ui(ui, "Light and camera", false, |ui| light::light_ui(ui, running.scene, commands));
+    });
+}
+
+/// A part of the panel that can be folded away.
+fn section_ui(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
+    ui.separator();
+    CollapsingHeader::new(RichText::new(title).color(theme::of(ui).strong))
+        .default_open(open)
+        .show_unindented(ui, contents);
+}
+
+/// Sends an edit where something has changed, and its end where that is finished.
+fn send(touch: Touch, edit: impl FnOnce() -> Edit, commands: &mut Vec<Command>) {
+    if touch.changed {
+        commands.push(Command::Edit(edit()));
+    }
+    if touch.ended {
+        commands.push(Command::EndEdit);
+    }
+}

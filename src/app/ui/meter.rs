@@ -1,0 +1,115 @@
+//! The stability meter: how much of the largest safe step is in use, as a bar and in words.
+
+use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
+
+use super::theme;
+use crate::session::Status;
+
+/// Size of the bar, points.
+const BAR: egui::Vec2 = vec2(72.0, 6.0);
+/// Rounding may put a step this much above the bound it was made from.
+const TOLERANCE: f64 = 1e-9;
+
+/// Whether the step in use is larger than is safe.
+pub(super) fn is_unsafe(status: &Status) -> bool {
+    status.dt_safe_secs > 0.0 && status.dt_secs > status.dt_safe_secs * (1.0 + TOLERANCE)
+}
+
+/// The bar, with its share in figures. Written from right to left.
+pub(super) fn meter_ui(ui: &mut Ui, status: &Status) {
+    let share = share(status);
+    let color = if is_unsafe(status) { theme::of(ui).warning } else { theme::of(ui).good };
+    let words = words(status);
+    theme::figures_ui(ui, &share_text(share), "100 %", theme::of(ui).strong).on_hover_text(&words);
+    let (rect, response) = ui.allocate_exact_size(vec2(BAR.x, ui.spacing().interact_size.y), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::ProgressIndicator, true, format!("Stability: {words}")));
+    let bar = Rect::from_center_size(rect.center(), BAR);
+    ui.painter().rect_filled(bar, 3.0, theme::of(ui).rail);
+    #[expect(clippy::cast_possible_truncation, reason = "a share of a width")]
+    let filled = bar.width() * share.clamp(0.0, 1.0) as f32;
+    ui.painter().rect_filled(Rect::from_min_size(bar.min, vec2(filled, bar.height())), 3.0, color);
+    response.on_hover_text(words);
+}
+
+/// The step in use over the largest safe one; 0 where nothing limits it.
+fn share(status: &Status) -> f64 {
+    let share = status.dt_secs / status.dt_safe_secs;
+    if share.is_finite() && share > 0.0 { share } else { 0.0 }
+}
+
+fn share_text(share: f64) -> String {
+    if share < 9.995 { format!("{:.0} %", share * 100.0) } else { format!("{:.0}×", share.min(9999.0)) }
+}
+
+/// The meter as a sentence.
+fn words(status: &Status) -> String {
+    let step = milliseconds(status.dt_secs);
+    if share(status) == 0.0 {
+        return format!("a step of {step}; nothing limits it");
+    }
+    let of = share_text(share(status));
+    let bound = milliseconds(status.dt_safe_secs);
+    let whose = if status.dt_limited_by.is_empty() { "links and contacts" } else { &status.dt_limited_by };
+    let advice = if is_unsafe(status) { ": it may explode" } else { "" };
+    format!("a step of {step}, {of} of the {bound} that are safe{advice}; limited by {whose}")
+}
+
+/// A duration in milliseconds to three significant digits or so, "∞" without a limit.
+pub(super) fn milliseconds(secs: f64) -> String {
+    let ms = secs * 1e3;
+    match ms {
+        _ if !ms.is_finite() || ms > 1e4 => "∞".to_owned(),
+        _ if ms >= 99.95 => format!("{ms:.0} ms"),
+        _ if ms >= 9.995 => format!("{ms:.1} ms"),
+        _ if ms >= 0.01 || ms == 0.0 => format!("{ms:.2} ms"),
+        _ => format!("{:.1} µs", ms * 1e3),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn status(dt_secs: f64, dt_safe_secs: f64) -> Status {
+        Status { dt_secs, dt_safe_secs, dt_limited_by: "shear stiffness".into(), ..Status::default() }
+    }
+
+    #[test]
+    fn the_words_say_step_bound_share_and_cause() {
+        let words = |dt, safe| words(&status(dt, safe));
+        let calm = "a step of 1.00 ms, 29 % of the 3.40 ms that are safe; limited by shear stiffness";
+        assert_eq!(words(0.001, 0.003_4), calm);
+        let wild = "a step of 1.00 ms, 200 % of the 0.50 ms that are safe: it may explode; limited by shear stiffness";
+        assert_eq!(words(0.001, 0.000_5), wild);
+        assert_eq!(words(0.001, f64::INFINITY), "a step of 1.00 ms; nothing limits it");
+    }
+
+    #[test]
+    fn a_share_stays_short_however_large() {
+        for (share, text) in [(0.0, "0 %"), (0.294, "29 %"), (1.4, "140 %"), (25.0, "25×"), (1e9, "9999×")] {
+            assert_eq!(share_text(share), text);
+        }
+    }
+
+    #[test]
+    fn a_step_as_large_as_its_bound_is_safe_and_a_larger_one_is_not() {
+        assert!(!is_unsafe(&status(0.001, 0.001)), "just safe");
+        assert!(is_unsafe(&status(0.001_1, 0.001)), "too large");
+        assert!(!is_unsafe(&Status::default()), "no simulation yet");
+    }
+
+    #[test]
+    fn a_step_is_written_short_and_with_its_unit() {
+        let cases = [
+            (0.001, "1.00 ms"),
+            (0.003_4, "3.40 ms"),
+            (0.016, "16.0 ms"),
+            (0.1, "100 ms"),
+            (2e-6, "2.0 µs"),
+            (f64::INFINITY, "∞"),
+        ];
+        for (secs, text) in cases {
+            assert_eq!(milliseconds(secs), text, "{secs} s");
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The list of everything in the scene: what is there, what is chosen, what is hidden, and the buttons that add more.
+
+use egui::{Align, Button, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
+
+use super::actions::{self, New};
+use super::icon::{Icon, small_button_ui};
+use super::{Running, UiState, theme};
+use crate::app::hand::Target;
+use crate::app::input::ChosenAction;
+use crate::scene::Scene;
+use crate::scene::edit::{BodyId, ObstacleId};
+use crate::session::Command;
+
+/// What can be added; `None` is a model, which has to be found first.
+const NEW: [(&str, Option<New>); 4] =
+    [("+ Cube", Some(New::Cube)), ("+ Model…", None), ("+ Sphere", Some(New::Sphere)), ("+ Plane", Some(New::Plane))];
+/// From this width on (points) they stand in one row.
+const ONE_ROW_NEEDS: f32 = 290.0;
+
+/// The list, with the buttons that add to it.
+pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    let Running { scene, status, .. } = running;
+    let columns = if ui.available_width() < ONE_ROW_NEEDS { 2 } else { 4 };
+    let (rows, gap) = ((NEW.len() / columns) as f32, ui.spacing().item_spacing.x);
+    let buttons = (ui.spacing().interact_size.y + ui.spacing().item_spacing.y) * rows + 16.0;
+    let room = (ui.available_height() - buttons).max(60.0);
+    ScrollArea::vertical().max_height(room).auto_shrink([false, false]).show(ui, |ui| {
+        heading_ui(ui, "Bodies");
+        for place in 0..scene.bodies.len() {
+            row_ui(ui, scene, Target::Body(BodyId(place)), state, commands);
+        }
+        ui.add_space(8.0);
+        heading_ui(ui, "Obstacles");
+        for place in 0..scene.obstacles.len() {
+            row_ui(ui, scene, Target::Obstacle(ObstacleId(place)), state, commands);
+        }
+    });
+    ui.separator();
+    let width = (ui.available_width() + gap) / columns as f32 - gap;
+    let size = vec2(width.floor(), ui.spacing().interact_size.y);
+    for row in NEW.chunks(columns) {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().button_padding.x = 2.0;
+            for (label, new) in row {
+                let clicked = ui.add_sized(size, Button::new(*label)).clicked();
+                match new {
+                    Some(new) if clicked => actions::create(*new, scene, &status.bodies, state, commands),
+                    None if clicked => state.load_model = true,
+                    _ => (),
+                }
+            }
+        });
+    }
+}
+
+fn heading_ui(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).small().color(theme::of(ui).weak));
+}
+
+fn row_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, commands: &mut Vec<Command>) {
+    if state.renaming.as_ref().is_some_and(|(renamed, _)| *renamed == target) {
+        rename_ui(ui, scene, target, state, commands);
+        return;
+    }
+    let (hidden, name) = (actions::is_hidden(scene, target), actions::name(scene, target));
+    let chosen = state.selection == Some(target);
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let (icon, word) = if hidden { (Icon::EyeClosed, "Show") } else { (Icon::Eye, "Hide") };
+            if small_button_ui(ui, icon, &format!("{word} {name}")).clicked() {
+                actions::act(ChosenAction::Hide, target, scene, state, commands);
+            }
+            ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
+                let color = if hidden { theme::of(ui).weak } else { theme::of(ui).strong };
+                let text = RichText::new(&name).color(color);
+                let button = Button::selectable(chosen, text).truncate().sense(Sense::click());
+                let row = ui.add(button);
+                row.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, chosen, &name));
+                if row.clicked() {
+                    (state.selection, state.awaited) = (Some(target), None);
+                }
+                if row.double_clicked() {
+                    actions::act(ChosenAction::Rename, target, scene, state, commands);
+                }
+                row.context_menu(|ui| menu_ui(ui, scene, target, state, commands));
+            });
+        });
+    });
+}
+
+/// What can be done with one row.
+fn menu_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, commands: &mut Vec<Command>) {
+    let entries = [
+        ("Rename", ChosenAction::Rename),
+        ("Duplicate", ChosenAction::Duplicate),
+        ("Hide or show", ChosenAction::Hide),
+        ("Delete", ChosenAction::Delete),
+    ];
+    for (label, action) in entries {
+        if ui.button(label).clicked() {
+            actions::act(action, target, scene, state, commands);
+            ui.close();
+        }
+    }
+}
+
+fn rename_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, commands: &mut Vec<Command>) {
+    let Some((_, name)) = &mut state.renaming else { return };
+    let response = ui.add(TextEdit::singleline(name).desired_width(f32::INFINITY).char_limit(60));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::TextInput, true, "New name"));
+    if response.lost_focus() {
+        let name = std::mem::take(name);
+        state.renaming = None;
+        let given_up = ui.input(|input| input.key_pressed(Key::Escape));
+        if let Some(edit) = actions::rename(scene, target, name).filter(|_| !given_up) {
+            commands.extend(actions::alone(edit));
+        }
+    } else {
+        response.request_focus();
+    }
+}

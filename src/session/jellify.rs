@@ -1,0 +1,336 @@
+//! A model made into a body before anyone decides to use it (J7): what it will be, how fast it will run, and the body
+//! itself, so that nothing is computed twice. Works on the caller's thread; reports and stops through [`Progress`].
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use thiserror::Error;
+
+use super::document::Opened;
+use super::predict::Prediction;
+use super::{Command, Document, Library, Session, SessionError};
+use crate::geometry::Watch;
+use crate::geometry::voxel::{OccupancyChoice, VoxelReport, VoxelizeError};
+use crate::scene::body::{Body, ModelShape, Pose, Shape};
+use crate::scene::param::{self, Problem};
+use crate::scene::resolve::{Jelly, ResolveError, resolve};
+use crate::scene::view_settings::CameraSettings;
+use crate::scene::{ObstacleShape, Scene, Settings, presets};
+
+/// The share of the work that filling with cells is.
+const FILLING: f64 = 0.8;
+/// A body is let fall from this height, as a share of its longest extent.
+const DROP: f64 = 0.4;
+
+/// How far work on another thread is, and whether it is still wanted.
+#[derive(Debug, Default)]
+pub struct Progress {
+    permille: AtomicU32,
+    cancelled: AtomicBool,
+}
+
+impl Progress {
+    /// How far the work is, 0..1.
+    pub fn fraction(&self) -> f32 {
+        self.permille.load(Ordering::Relaxed) as f32 / 1000.0
+    }
+
+    /// Asks the work to stop; it does soon.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the work is no longer wanted.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+impl Watch for Progress {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a thousand")]
+    fn progress(&self, fraction: f64) {
+        self.permille.store((fraction.clamp(0.0, 1.0) * FILLING * 1000.0) as u32, Ordering::Relaxed);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.is_cancelled()
+    }
+}
+
+/// Why a model gives no body.
+#[derive(Debug, Error)]
+pub enum JellifyError {
+    /// It was asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// The model cannot be read or filled.
+    #[error(transparent)]
+    Resolve(ResolveError),
+    /// The body would have values that no scene may have.
+    #[error("{0}")]
+    Value(Problem),
+    /// The body cannot be simulated.
+    #[error(transparent)]
+    Session(#[from] SessionError),
+}
+
+/// A model made into a body, ready to be added.
+#[derive(Clone, Debug)]
+pub struct Jellified {
+    /// The body, at the place it falls from in an empty scene.
+    pub body: Body,
+    /// Its shape, made ready.
+    pub jelly: Jelly,
+    /// What a person should know before deciding.
+    pub preview: Preview,
+}
+
+/// What a body made from a model will be.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Preview {
+    /// Triangles of the model.
+    pub triangles: usize,
+    /// Whether its surface is closed.
+    pub closed: bool,
+    /// Connected pieces of the model.
+    pub parts: usize,
+    /// Pieces of the model that cells join to another.
+    pub joined_parts: usize,
+    /// Pieces of the model thinner than a cell.
+    pub thin_parts: usize,
+    /// Which cells are filled, in a word, and why.
+    pub occupancy: [String; 2],
+    /// Filled cells.
+    pub cells: usize,
+    /// Cells that were not kept.
+    pub dropped_cells: usize,
+    /// Groups of cells that share no particle, before some were dropped.
+    pub components: usize,
+    /// Particles.
+    pub particles: usize,
+    /// Links.
+    pub links: usize,
+    /// The edge of a cell, m.
+    pub cell_size_m: f64,
+    /// The body's box, m.
+    pub size_m: [f64; 3],
+    /// The largest step that is safe, s; infinite without a limit.
+    pub dt_safe_secs: f64,
+    /// What limits it, in plain words.
+    pub dt_limited_by: String,
+    /// Simulated seconds a second that the body alone reaches on this machine.
+    pub real_time_factor: f64,
+    /// What a person should know, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Makes a model into a body and predicts how it runs under `settings`. Relative model paths start at `base_dir`.
+pub fn jellify(
+    model: &ModelShape,
+    base_dir: &Path,
+    settings: &Settings,
+    progress: &Progress,
+) -> Result<Jellified, JellifyError> {
+    let go_on = || if progress.is_cancelled() { Err(JellifyError::Cancelled) } else { Ok(()) };
+    let shape = Shape::Model(model.clone());
+    let jelly = resolve(&shape, base_dir, progress).map_err(|error| match error {
+        ResolveError::Voxelize { source: VoxelizeError::Cancelled, .. } => JellifyError::Cancelled,
+        error => JellifyError::Resolve(error),
+    })?;
+    go_on()?;
+    let grid = jelly.lattice.grid;
+    let size_m = grid.dims.map(|n| f64::from(n) * grid.cell_size);
+    let longest = size_m.into_iter().fold(0.0, f64::max);
+    let body = Body {
+        name: name_of(&model.path),
+        shape,
+        pose: Pose { position: [0.0, 0.5 * size_m[1] + DROP * longest, 0.0], ..Pose::default() },
+        material: presets::jelly(grid.cell_size),
+        ..Body::default()
+    };
+    let scene = Scene { bodies: vec![body.clone()], settings: settings.clone(), ..presets::ground_only() };
+    if let Some(problem) = param::validate(&scene).into_iter().next() {
+        return Err(JellifyError::Value(problem));
+    }
+    let mut library = Library::new(base_dir.to_owned());
+    library.put(body.shape.clone(), jelly.clone());
+    let document = Document::new(&Opened::without_file(scene.clone(), body.name.clone(), base_dir.to_owned()));
+    let session = Session::start(scene, document, library, &())?;
+    go_on()?;
+    let preview = preview(&jelly, size_m, &session);
+    Ok(Jellified { body, jelly, preview })
+}
+
+impl Jellified {
+    /// Adds the body to a scene, beside what is there.
+    pub fn add_to(self, scene: &Scene) -> Command {
+        let Self { mut body, jelly, preview } = self;
+        body.pose.position = free_place(scene, body.pose.position, preview.size_m);
+        Command::AddBody { body: Box::new(body), jelly: Box::new(jelly) }
+    }
+
+    /// Makes a scene of nothing but the body on the ground.
+    pub fn replace(self) -> [Command; 2] {
+        let Self { body, jelly, preview } = self;
+        let mut scene = presets::ground_only();
+        let longest = preview.size_m.into_iter().fold(0.0, f64::max);
+        scene.view.camera =
+            CameraSettings { target: [0.0, 0.45 * longest, 0.0], distance: 3.6 * longest, ..scene.view.camera };
+        let title = body.name.clone();
+        let replace = Command::Replace { scene: Box::new(scene), base_dir: PathBuf::new(), title };
+        [replace, Command::AddBody { body: Box::new(body), jelly: Box::new(jelly) }]
+    }
+}
+
+fn preview(jelly: &Jelly, size_m: [f64; 3], session: &Session) -> Preview {
+    let report: VoxelReport = jelly.report.clone().unwrap_or_default();
+    let prediction = Prediction::of(session);
+    let status = session.status();
+    Preview {
+        triangles: report.triangles,
+        closed: report.closed,
+        parts: report.parts,
+        joined_parts: report.joined_parts,
+        thin_parts: report.thin_parts,
+        occupancy: [occupancy_word(report.occupancy).to_owned(), report.why],
+        cells: report.cells,
+        dropped_cells: report.dropped_cells,
+        components: report.components,
+        particles: prediction.particles,
+        links: prediction.links,
+        cell_size_m: report.cell_size_m,
+        size_m,
+        dt_safe_secs: status.dt_safe_secs,
+        dt_limited_by: status.dt_limited_by,
+        real_time_factor: prediction.predicted_real_time_factor,
+        warnings: jelly.warnings.clone(),
+    }
+}
+
+/// What an occupancy is called.
+pub fn occupancy_word(occupancy: OccupancyChoice) -> &'static str {
+    match occupancy {
+        OccupancyChoice::Auto => "automatic",
+        OccupancyChoice::Centre => "centre",
+        OccupancyChoice::Surface => "surface",
+        OccupancyChoice::Solid => "solid",
+    }
+}
+
+fn name_of(path: &str) -> String {
+    let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    file.rsplit_once('.').map_or(file, |(stem, _)| stem).to_owned()
+}
+
+/// A place at the height of `start` where a box of `size` overlaps no body's start and no sphere: `start` itself or as
+/// near to it as steps to the right and left lead.
+fn free_place(scene: &Scene, start: [f64; 3], size: [f64; 3]) -> [f64; 3] {
+    let bodies = scene.bodies.iter().map(|body| (body.pose.position, [reach(&body.shape); 3]));
+    let spheres = scene.obstacles.iter().filter_map(|obstacle| match &obstacle.shape {
+        ObstacleShape::Sphere(sphere) => Some((sphere.center, [sphere.radius; 3])),
+        ObstacleShape::Plane(_) => None,
+    });
+    let taken: Vec<_> = bodies.chain(spheres).collect();
+    let is_free = |place: [f64; 3]| {
+        taken.iter().all(|(center, half)| (0..3).any(|k| (place[k] - center[k]).abs() > half[k] + 0.5 * size[k]))
+    };
+    let step = 0.25 * size[0].max(1e-3);
+    let places = (0..400_u32).flat_map(|n| [f64::from(n), -f64::from(n)]);
+    let mut places = places.map(|n| [start[0] + n * step, start[1], start[2]]);
+    places.find(|&place| is_free(place)).unwrap_or(start)
+}
+
+/// About half of a shape's longest extent, m, turned any way.
+fn reach(shape: &Shape) -> f64 {
+    const DIAGONAL: f64 = 0.87;
+    match shape {
+        Shape::Cube(cube) => DIAGONAL * cube.size,
+        Shape::Model(model) => 0.6 * if model.length > 0.0 { model.length } else { 1.0 },
+        Shape::Cells(cells) => {
+            let span = |axis: usize| {
+                let places = || cells.list.iter().map(|cell| cell[axis]);
+                f64::from(places().max().unwrap_or(0)) - f64::from(places().min().unwrap_or(0)) + 1.0
+            };
+            0.5 * cells.size * (0..3).map(span).fold(0.0, f64::max)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TENT: &str = "v 0 0 0\nv 4 0 0\nv 4 0 2\nv 0 0 2\nv 2 3 1\nf 1 2 3 4\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n";
+
+    fn model(folder: &Path, text: &str) -> ModelShape {
+        let path = folder.join("tent.obj");
+        std::fs::write(&path, text).expect("a file");
+        ModelShape { path: path.to_string_lossy().into_owned(), divisions: 8, ..ModelShape::default() }
+    }
+
+    fn tent(length: f64) -> Jellified {
+        let folder = tempfile::tempdir().expect("a folder");
+        let shape = ModelShape { length, ..model(folder.path(), TENT) };
+        jellify(&shape, Path::new(""), &Settings::default(), &Progress::default()).expect("a sound model")
+    }
+
+    #[test]
+    fn the_preview_is_what_the_session_gets_and_the_file_is_not_read_again() {
+        let tent = tent(1.0);
+        let preview = tent.preview.clone();
+        assert!(preview.cells > 10 && preview.closed && preview.parts == 1, "{preview:?}");
+        assert!(preview.dt_safe_secs > 1e-6 && preview.real_time_factor > 0.0, "{preview:?}");
+        let mut session = Session::new(presets::ground_only(), PathBuf::new(), String::new()).expect("a session");
+        let command = tent.add_to(session.scene());
+        session.handle(command).expect("the folder is gone, but nobody reads it");
+        let status = session.status();
+        assert_eq!((status.particles, status.links), (preview.particles, preview.links));
+        assert_eq!(status.undo, "add tent", "one step of undo");
+    }
+
+    #[test]
+    fn a_scene_of_its_own_shows_a_body_of_any_size() {
+        for length in [0.02, 1.0, 300.0] {
+            let mut session = Session::new(Scene::default(), PathBuf::new(), String::new()).expect("a session");
+            for command in tent(length).replace() {
+                session.handle(command).expect("a scene with one body");
+            }
+            let camera = session.scene().view.camera;
+            assert!((camera.distance - 3.6 * length).abs() < 0.2 * length, "{length} m: {camera:?}");
+            assert!(session.status().unsaved, "a scene that someone has made");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_made_names_the_file_and_the_line() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let bad = model(folder.path(), "v 0 0 0\nv 1 0 0\nv 0 1 zero\nf 1 2 3\n");
+        let refused = |shape: &ModelShape| {
+            let error = jellify(shape, Path::new(""), &Settings::default(), &Progress::default());
+            error.expect_err("it cannot be made").to_string()
+        };
+        assert!(refused(&bad).contains("tent.obj, line 3"), "{}", refused(&bad));
+        let huge = ModelShape { length: 9e9, ..model(folder.path(), TENT) };
+        assert!(refused(&huge).contains("length"), "longer than anything can be: {}", refused(&huge));
+    }
+
+    #[test]
+    fn what_is_no_longer_wanted_stops() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let progress = Progress::default();
+        progress.cancel();
+        let shape = ModelShape { divisions: 60, ..model(folder.path(), TENT) };
+        let stopped = jellify(&shape, Path::new(""), &Settings::default(), &progress);
+        assert!(stopped.is_err(), "nothing comes of it");
+    }
+
+    #[test]
+    fn a_body_is_put_beside_the_others() {
+        let scene = (presets::presets()[0].build)();
+        let place = free_place(&scene, [0.0, 1.0, 0.0], [1.0; 3]);
+        let cube = scene.bodies[0].pose.position;
+        assert!((place[0] - cube[0]).abs() > 1.0, "not in the cube: {place:?}");
+        let alone = free_place(&Scene::default(), [0.0, 1.0, 0.0], [1.0; 3]);
+        assert!(alone[0].abs() < 1e-12, "nothing in the way: {alone:?}");
+    }
+}

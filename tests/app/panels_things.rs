@@ -1,0 +1,166 @@
+//! The list of things and the menus: what they ask for is done by a sandbox that really runs.
+
+use egui::{Key, Modifiers};
+use gelatin::app::hand::Target;
+use gelatin::app::theme::Theme;
+use gelatin::app::ui::Framing;
+use gelatin::scene::edit::{BodyId, ObstacleId};
+use gelatin::scene::{ColorBy, ObstacleShape};
+use gelatin::session::Command;
+
+use crate::live::Window;
+
+const SPHERE: &str = "Sphere";
+
+#[test]
+fn new_things_stand_beside_the_old_ones_and_are_chosen() {
+    let mut window = Window::open("cube-on-plane");
+    let (bodies, obstacles) = (window.scene().bodies.len(), window.scene().obstacles.len());
+    window.click("+ Cube");
+    assert_eq!(window.scene().bodies.len(), bodies + 1);
+    assert_eq!(window.harness.state().ui.selection, Some(Target::Body(BodyId(bodies))));
+    window.click("+ Sphere");
+    window.click("+ Plane");
+    assert_eq!(window.scene().obstacles.len(), obstacles + 2);
+    assert_eq!(window.harness.state().ui.selection, Some(Target::Obstacle(ObstacleId(obstacles + 1))));
+    let names: Vec<&str> = window.scene().obstacles.iter().map(|obstacle| obstacle.name.as_str()).collect();
+    assert!(names.iter().all(|name| names.iter().filter(|other| *other == name).count() == 1), "{names:?} differ");
+    let place = |place: usize| match window.scene().obstacles[place].shape {
+        ObstacleShape::Sphere(sphere) => sphere.center[0],
+        ObstacleShape::Plane(plane) => plane.center[0],
+    };
+    assert!(place(obstacles) < place(obstacles + 1), "one beside the other");
+}
+
+#[test]
+fn all_that_was_added_is_taken_back_by_the_menu_in_words() {
+    let mut window = Window::open("cube-on-plane");
+    let before = window.scene().clone();
+    window.click("+ Sphere");
+    let words = window.harness.state().session.status().undo;
+    assert!(!words.is_empty(), "there is something to take back");
+    window.choose("Edit", &format!("Undo {words}"));
+    assert_eq!(*window.scene(), before);
+    window.choose("Edit", &format!("Redo {words}"));
+    assert_eq!(window.scene().obstacles.len(), before.obstacles.len() + 1);
+}
+
+#[test]
+fn a_thing_is_renamed_in_its_place_and_escape_gives_up() {
+    let mut window = Window::open("cube-on-plane");
+    window.click("Jelly");
+    window.choose("Edit", "Rename Jelly");
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.enter("Pudding");
+    assert_eq!(window.scene().bodies[0].name, "Pudding");
+    window.choose("Edit", "Rename Pudding");
+    window.harness.event(egui::Event::Text("Other".into()));
+    window.wait();
+    window.key(Modifiers::NONE, Key::Escape);
+    assert_eq!(window.scene().bodies[0].name, "Pudding", "given up");
+    assert!(window.has("Pudding"), "and the list is as before");
+}
+
+#[test]
+fn a_double_click_renames() {
+    let mut window = Window::open("cube-on-plane");
+    window.double_click("Jelly");
+    assert!(window.harness.state().ui.renaming.is_some(), "the name can be typed");
+}
+
+#[test]
+fn hiding_duplicating_and_deleting_act_on_what_is_chosen() {
+    let mut window = Window::open("cube-on-plane");
+    window.click(SPHERE);
+    window.choose("Edit", "Hide Sphere");
+    assert!(window.scene().obstacles[1].hidden, "hidden");
+    window.choose("Edit", "Show Sphere");
+    assert!(!window.scene().obstacles[1].hidden, "shown");
+    window.choose("Edit", "Duplicate Sphere");
+    assert_eq!(window.scene().obstacles.len(), 3);
+    window.choose("Edit", "Delete Sphere copy");
+    assert_eq!(window.scene().obstacles.len(), 2);
+    assert_eq!(window.harness.state().ui.selection, None, "nothing is chosen that is not there");
+}
+
+#[test]
+fn the_eye_hides_without_choosing() {
+    let mut window = Window::open("cube-on-plane");
+    window.click("Hide Jelly");
+    assert!(window.scene().bodies[0].hidden, "hidden");
+    assert_eq!(window.harness.state().ui.selection, None);
+    window.click("Show Jelly");
+    assert!(!window.scene().bodies[0].hidden, "shown");
+}
+
+#[test]
+fn without_a_choice_nothing_can_be_deleted() {
+    let mut window = Window::open("cube-on-plane");
+    let before = window.scene().clone();
+    window.choose("Edit", "Delete");
+    assert_eq!(*window.scene(), before);
+}
+
+#[test]
+fn a_choice_does_not_outlive_what_was_chosen() {
+    let mut window = Window::open("cube-on-plane");
+    window.click("+ Sphere");
+    let added = window.harness.state().ui.selection;
+    window.harness.state_mut().session.handle(Command::Undo).expect("it is taken back");
+    window.wait();
+    assert!(added.is_some() && window.harness.state().ui.selection.is_none(), "{added:?} is gone");
+}
+
+#[test]
+fn the_view_menu_colours_draws_over_and_frames() {
+    let mut window = Window::open("cube-on-plane");
+    window.click("View");
+    window.click("Colour by");
+    window.click("Strain, %");
+    assert_eq!(window.scene().view.color, ColorBy::Strain);
+    window.click("Draw over the jelly");
+    for name in ["Wire frame", "Particles"] {
+        window.click(name);
+    }
+    let overlays = window.scene().view.overlays;
+    assert!(overlays.wireframe && overlays.particles && !overlays.cells, "the two that were clicked: {overlays:?}");
+    window.click("Show everything");
+    assert_eq!(window.harness.state().ui.frame, Some(Framing::Everything));
+}
+
+#[test]
+fn panels_are_folded_away_and_come_back() {
+    let mut window = Window::open("cube-on-plane");
+    let narrow = window.harness.state().ui.view_rect.width();
+    window.choose("View", "List of things");
+    window.click("Values");
+    let wide = window.harness.state().ui.view_rect.width();
+    assert!(wide > narrow + 400.0 && !window.has("+ Cube"), "the view has all the width: {wide}");
+    window.click("List of things");
+    window.click("Values");
+    assert!(window.has("+ Cube"), "the list is back");
+}
+
+#[test]
+fn the_theme_is_chosen_from_the_menu() {
+    let mut window = Window::open("cube-on-plane");
+    window.choose("View", "Light");
+    assert_eq!(window.harness.state().ui.theme, Theme::Light);
+    assert!(!window.harness.ctx.global_style().visuals.dark_mode, "it is light");
+    window.click("Dark");
+    assert!(window.harness.ctx.global_style().visuals.dark_mode, "it is dark again");
+}
+
+#[test]
+fn the_range_of_the_colours_is_held_and_let_go() {
+    let mut window = Window::open("cube-on-plane");
+    window.choose("Colour by", "load, N");
+    window.click("Fixed range");
+    assert_eq!(window.scene().view.color_range, Some([0.0, 12.4]), "as it was when it was held");
+    window.click("Range to");
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.enter("5");
+    assert_eq!(window.scene().view.color_range, Some([0.0, 5.0]));
+    window.click("Fixed range");
+    assert_eq!(window.scene().view.color_range, None, "it follows the motion again");
+}

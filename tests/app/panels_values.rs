@@ -1,0 +1,156 @@
+//! The values of what is chosen: sliders, typed numbers, words and flags, against a sandbox that really runs.
+
+use egui::{Key, Modifiers, pos2};
+use egui_kittest::kittest::Queryable;
+use gelatin::scene::obstacle::ContactStiffness;
+use gelatin::scene::settings::{ContactRule, Integrator, Stepping};
+use gelatin::scene::{Material, ObstacleShape, Springs};
+use gelatin::session::Command;
+
+use crate::live::Window;
+
+fn springs(window: &Window) -> Springs {
+    let Material::Springs(springs) = window.scene().bodies[0].material else { unreachable!("a body of springs") };
+    springs
+}
+
+fn jelly() -> Window {
+    let mut window = Window::open("cube-on-plane");
+    window.click("Jelly");
+    window.sent();
+    window
+}
+
+#[test]
+fn a_drag_along_a_track_is_many_changes_and_one_undo() {
+    let mut window = jelly();
+    let before = window.scene().clone();
+    let track = window.rect("Structural stiffness slider");
+    window.drag(track.center(), pos2(track.right() - 8.0, track.center().y));
+    let sent = window.sent();
+    let edits = sent.iter().filter(|command| matches!(command, Command::Edit(_))).count();
+    assert!(edits >= 2, "the sandbox follows the hand: {sent:?}");
+    assert!(matches!(sent.last(), Some(Command::EndEdit)), "and hears of the end: {sent:?}");
+    assert!(springs(&window).structural.stiffness > 1e6, "{:?}", springs(&window).structural);
+    window.click("Undo");
+    assert_eq!(*window.scene(), before, "one step back");
+}
+
+#[test]
+fn zero_is_at_the_left_end_of_a_logarithmic_track() {
+    let mut window = jelly();
+    let track = window.rect("Bending damping slider");
+    window.drag(track.center(), pos2(track.left() - 30.0, track.center().y));
+    assert!(springs(&window).bending.damping.abs() < f64::MIN_POSITIVE, "{:?}", springs(&window).bending);
+}
+
+#[test]
+fn a_double_click_brings_the_default_back() {
+    let mut window = jelly();
+    let track = window.rect("Shear stiffness slider");
+    window.drag(track.center(), pos2(track.right() - 8.0, track.center().y));
+    assert_ne!(springs(&window).shear, Springs::default().shear);
+    window.double_click("Shear stiffness slider");
+    assert_eq!(springs(&window).shear, Springs::default().shear);
+}
+
+#[test]
+fn arrow_keys_move_a_slider_and_shift_moves_it_finely() {
+    let step = |modifiers: Modifiers| {
+        let mut window = jelly();
+        let before = springs(&window).particle_mass;
+        window.control("Particle mass slider").focus();
+        window.wait();
+        window.key(modifiers, Key::ArrowRight);
+        springs(&window).particle_mass / before
+    };
+    let (coarse, fine) = (step(Modifiers::NONE), step(Modifiers::SHIFT));
+    assert!(1.0 < fine && fine < coarse && coarse < 3.0, "finely {fine}, coarsely {coarse}");
+}
+
+#[test]
+fn a_typed_number_counts_when_it_is_entered() {
+    let mut window = jelly();
+    window.click("Shear stiffness");
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.enter("1234");
+    assert!((springs(&window).shear.stiffness - 1234.0).abs() < 1e-9, "{:?}", springs(&window).shear);
+}
+
+#[test]
+fn a_number_outside_its_range_is_refused_with_a_hint() {
+    let mut window = jelly();
+    let before = springs(&window);
+    window.click("Particle mass");
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.enter("0");
+    assert_eq!(springs(&window), before, "nothing has changed");
+    let hint = window.harness.query_by_label_contains("is outside");
+    assert!(hint.is_some(), "and a person reads why");
+}
+
+#[test]
+fn the_number_of_cells_is_whole_and_builds_the_cube_anew() {
+    let mut window = jelly();
+    window.click("Cells an edge");
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.enter("4");
+    assert_eq!(window.harness.state().session.status().bodies[0].cells, 64, "4 × 4 × 4");
+}
+
+#[test]
+fn a_body_is_put_somewhere_else() {
+    let mut window = jelly();
+    window.harness.state_mut().ui.origin = [2.0, 3.0, -1.0];
+    window.wait();
+    window.click("Teleport");
+    let center = window.harness.state().session.status().bodies[0].center;
+    let off: f64 = center.iter().zip([2.0, 3.0, -1.0]).map(|(at, to)| (at - to).abs()).sum();
+    assert!(off < 1e-3, "it is at {center:?}");
+}
+
+#[test]
+fn an_obstacle_has_place_size_and_contact() {
+    let mut window = Window::open("cube-on-plane");
+    window.click("Sphere");
+    window.click("Radius");
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.enter("0.25 m");
+    let ObstacleShape::Sphere(sphere) = window.scene().obstacles[1].shape else { panic!("a sphere") };
+    assert!((sphere.radius - 0.25).abs() < 1e-12, "{sphere:?}");
+    window.click("Automatic stiffness");
+    assert!(matches!(window.scene().obstacles[1].stiffness, ContactStiffness::Given(_)), "now given by hand");
+    window.click("Undo");
+    assert_eq!(window.scene().obstacles[1].stiffness, ContactStiffness::Auto, "that was one change");
+}
+
+#[test]
+fn nothing_chosen_shows_the_scene() {
+    let mut window = Window::open("cube-on-plane");
+    window.click("Scheme");
+    window.click("Runge–Kutta 4");
+    assert_eq!(window.scene().settings.integrator, Integrator::Rk4);
+    window.click("Stepping");
+    window.click("manual");
+    assert_eq!(window.scene().settings.stepping, Stepping::Manual);
+    window.click("Contact");
+    window.click("as in the thesis");
+    assert_eq!(window.scene().settings.contact, ContactRule::Thesis);
+}
+
+#[test]
+fn trouble_is_explained_and_a_button_cures_it() {
+    let mut window = Window::open("exploding");
+    window.harness.state_mut().session.handle(Command::Play).expect("it plays");
+    for _ in 0..20_000 {
+        if !window.harness.state_mut().session.step() {
+            break;
+        }
+    }
+    window.wait();
+    let trouble = window.harness.state().session.status().trouble.expect("it exploded");
+    assert!(window.has(&trouble.words), "the card says why");
+    let cure = trouble.cures.first().expect("there is a cure").words.clone();
+    window.click(&cure);
+    assert!(window.harness.state().session.status().trouble.is_none(), "{cure} cures it");
+}

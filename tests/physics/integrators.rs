@@ -1,0 +1,264 @@
+//! The schemes: their orders, their contact, their limits.
+
+use gelatin::math::rng::Rng;
+use gelatin::physics::Simulation;
+use gelatin::scene::Scene;
+use gelatin::scene::body::PinBox;
+use gelatin::scene::settings::{Integrator, Stepping};
+use gelatin::session::run::whole_steps;
+use glam::DVec3;
+
+use crate::determinism::allocations;
+use crate::support::{alone, ball, cube, falling, plane, run, simulate, springs};
+
+/// Length of the smooth scenes, s.
+const SECONDS: f64 = 0.5;
+
+/// A damped jelly cube of 125 particles, shaken at the start.
+fn vibrating() -> Scene {
+    alone(cube(4, 1.0, springs(20.0, 0.02, 1.0 / 125.0), [0.0; 3]), 1e-3)
+}
+
+/// The same cube hung up by its top layer.
+fn hanging() -> Scene {
+    let mut scene = vibrating();
+    scene.settings.gravity = [0.0, -9.81, 0.0];
+    scene.bodies[0].pins = vec![PinBox { min: [-1.0, 0.49, -1.0], max: [1.0, 0.51, 1.0] }];
+    scene
+}
+
+/// Positions after half a second in steps of 2^-`exponent` s.
+fn positions(scene: &Scene, integrator: Integrator, exponent: i32) -> Vec<DVec3> {
+    let mut scene = scene.clone();
+    scene.settings.integrator = integrator;
+    scene.settings.dt = 0.5f64.powi(exponent);
+    let mut simulation = simulate::<f64>(&scene);
+    if scene.bodies[0].pins.is_empty() {
+        shake(&mut simulation);
+    }
+    run(&mut simulation, SECONDS);
+    simulation.state().position.clone()
+}
+
+/// Bends and twists a body smoothly out of its rest.
+fn shake(simulation: &mut Simulation<f64>) {
+    let mut state = simulation.state().clone();
+    for x in &mut state.position {
+        *x += 0.1 * DVec3::new(x.y * x.y - x.z, x.x * x.z, 0.5 * x.x * x.x + x.y);
+    }
+    simulation.set_state(state);
+}
+
+fn rms_distance(a: &[DVec3], b: &[DVec3]) -> f64 {
+    let sum: f64 = a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)).sum();
+    (sum / a.len() as f64).sqrt()
+}
+
+/// log2 of the error at some step over that at half of it.
+fn observed_order(scene: &Scene, integrator: Integrator, exponent: i32) -> f64 {
+    let reference = positions(scene, Integrator::Rk4, 13);
+    let error = |exponent| rms_distance(&positions(scene, integrator, exponent), &reference);
+    (error(exponent) / error(exponent + 1)).log2()
+}
+
+#[test]
+fn errors_shrink_with_the_order_of_the_scheme() {
+    for (name, scene) in [("vibrating", vibrating()), ("hanging", hanging())] {
+        for (integrator, order, exponent) in [
+            (Integrator::Explicit, 1.0, 12),
+            (Integrator::SemiImplicit, 1.0, 11),
+            (Integrator::Verlet, 2.0, 10),
+            (Integrator::Rk2, 2.0, 10),
+            (Integrator::Rk4, 4.0, 9),
+        ] {
+            let observed = observed_order(&scene, integrator, exponent);
+            assert!((observed - order).abs() < 0.2, "{name}, {integrator:?}: order {observed} instead of {order}");
+        }
+    }
+}
+
+#[test]
+fn verlet_is_much_nearer_than_semi_implicit_euler_at_the_same_cost() {
+    for (scene, factor) in [(vibrating(), 5.0), (hanging(), 8.0)] {
+        let reference = positions(&scene, Integrator::Rk4, 13);
+        let [euler, verlet] = [Integrator::SemiImplicit, Integrator::Verlet]
+            .map(|integrator| rms_distance(&positions(&scene, integrator, 10), &reference));
+        assert!(verlet * factor < euler, "{verlet:e} m against {euler:e} m");
+    }
+}
+
+/// How much the energy of a slightly shaken cube grows in a second whose damping is `delay` times its stiffness.
+fn growth(integrator: Integrator, delay: f64, dt: f64) -> f64 {
+    let mut scene = alone(cube(4, 1.0, springs(20.0, 20.0 * delay, 1.0 / 125.0), [0.0; 3]), dt);
+    scene.settings.integrator = integrator;
+    let mut simulation = simulate::<f64>(&scene);
+    let mut state = simulation.state().clone();
+    let mut rng = Rng::new(7);
+    for position in &mut state.position {
+        *position += 1e-6 * DVec3::new(rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(-1.0, 1.0));
+    }
+    simulation.set_state(state);
+    let before = simulation.diagnostics().energy.total();
+    for _ in 0..whole_steps(1.0, dt) {
+        if simulation.step().diverged {
+            return f64::INFINITY;
+        }
+    }
+    simulation.diagnostics().energy.total() / before
+}
+
+/// With C = b K every underdamped vibration of explicit Euler shrinks if dt < b and grows if dt > b.
+#[test]
+fn explicit_euler_grows_where_theory_says() {
+    let delay = 2e-3;
+    assert!(growth(Integrator::Explicit, delay, 0.9 * delay) < 1e-2, "below the limit it calms down");
+    assert!(growth(Integrator::Explicit, delay, 1.2 * delay) > 1e2, "above the limit it explodes");
+    assert!(growth(Integrator::Explicit, 0.0, 1e-3) > 1e2, "without damping it always does");
+    assert!(growth(Integrator::SemiImplicit, delay, 1.2 * delay) < 1.0, "semi-implicit Euler does not mind");
+    assert!(growth(Integrator::SemiImplicit, 0.0, 1e-3) < 4.0, "nor without damping");
+}
+
+/// Steps as they would be divided, and just too large.
+#[test]
+fn verlet_and_rk4_are_stable_below_their_own_limits() {
+    for integrator in [Integrator::Verlet, Integrator::Rk4] {
+        for delay in [0.0, 1e-4, 2e-3, 2e-2] {
+            let mut scene = alone(cube(4, 1.0, springs(20.0, 20.0 * delay, 1.0 / 125.0), [0.0; 3]), 1e-3);
+            scene.settings.integrator = integrator;
+            let limit = simulate::<f64>(&scene).plan().limits.dt_limit_secs.expect("springs limit the step");
+            let (below, above) = (growth(integrator, delay, 0.98 * limit), growth(integrator, delay, 1.6 * limit));
+            assert!(below < 50.0, "{integrator:?}, delay {delay} s: grows {below} times below {limit:e} s");
+            assert!(above > 1e3, "{integrator:?}, delay {delay} s: {limit:e} s is far too careful: {above}");
+        }
+    }
+}
+
+#[test]
+fn a_scheme_without_a_stable_step_is_not_divided_and_is_watched() {
+    for integrator in Integrator::ALL {
+        let mut scene = vibrating();
+        scene.settings.integrator = integrator;
+        scene.settings.stepping = Stepping::Auto;
+        scene.settings.dt = 0.05;
+        let simulation = simulate::<f32>(&scene);
+        let plan = simulation.plan();
+        assert_eq!(plan.integrator, integrator, "the scheme that was chosen");
+        assert_eq!(plan.substeps > 1, integrator.has_stable_step(), "{integrator:?}");
+        assert_eq!(plan.watched, !integrator.has_stable_step(), "{integrator:?}");
+    }
+}
+
+/// A damped cube of a metre just above a plane that is tilted by `slope`, with friction of 0.5.
+fn on_plane(integrator: Integrator, slope: f64) -> (Scene, DVec3) {
+    let tilt = [0.0, 0.0, slope.atan().to_degrees()];
+    let up = gelatin::math::rotation::from_euler_deg(tilt).y_axis;
+    let mut scene = falling(cube(4, 1.0, springs(60.0, 0.6, 0.008), (up * 0.5).to_array()));
+    scene.bodies[0].pose.rotation_deg = tilt;
+    scene.obstacles.push(plane([0.0; 3], tilt, [0.5, 0.5]));
+    scene.settings.integrator = integrator;
+    // Small enough for those that nobody divides: their damping may take 2 dt c < 4.
+    scene.settings.dt = 2.5e-4;
+    (scene, up)
+}
+
+#[test]
+fn every_scheme_rests_at_the_same_depth() {
+    let mut depths = Vec::new();
+    for integrator in Integrator::ALL {
+        let (scene, _) = on_plane(integrator, 0.0);
+        let mut simulation = simulate::<f64>(&scene);
+        run(&mut simulation, 8.0);
+        let speed = simulation.diagnostics().max_speed;
+        assert!(speed < 1e-4, "{integrator:?} moves at {speed} m/s");
+        depths.push(-simulation.diagnostics().bounds.min.y);
+    }
+    for depth in &depths {
+        assert!((depth / depths[0] - 1.0).abs() < 0.02, "depths by scheme: {depths:?}");
+    }
+}
+
+#[test]
+fn every_scheme_holds_on_a_slope_below_friction_and_slides_above() {
+    for integrator in Integrator::ALL {
+        let after = |slope: f64, seconds: f64| {
+            let (scene, up) = on_plane(integrator, slope);
+            let mut simulation = simulate::<f64>(&scene);
+            run(&mut simulation, seconds);
+            let (now, down) = (simulation.diagnostics(), DVec3::new(-up.y, up.x, 0.0));
+            (now.center.dot(down), now.momentum.dot(down) / now.mass_kg)
+        };
+        let creep = (after(0.95 * 0.5, 8.0).0 - after(0.95 * 0.5, 4.0).0).abs();
+        assert!(creep < 1e-6, "{integrator:?} creeps {creep} m in 4 s");
+        let slope: f64 = 1.5 * 0.5;
+        let acceleration = after(slope, 3.0).1 - after(slope, 2.0).1;
+        let ratio = acceleration / (9.81 * (slope.atan().sin() - 0.5 * slope.atan().cos()));
+        assert!((ratio - 1.0).abs() < 0.02, "{integrator:?} slides with {ratio} of the analytic acceleration");
+    }
+}
+
+#[test]
+fn no_scheme_lets_anything_through() {
+    for integrator in Integrator::ALL {
+        for speed in [3.0, 1000.0] {
+            let (mut scene, _) = on_plane(integrator, 0.0);
+            scene.bodies[0].pose.position[1] = 2.0;
+            scene.bodies[0].velocity = [0.0, -speed, 0.0];
+            let mut simulation = simulate::<f32>(&scene);
+            for _ in 0..2000 {
+                // A thrown body may be more than a scheme that nobody divides can take; it must not pass all the same.
+                simulation.step();
+                let lowest = simulation.diagnostics().bounds.min.y;
+                assert!(lowest > -0.0201, "{integrator:?} at {speed} m/s: {lowest} is behind the plane");
+            }
+        }
+    }
+}
+
+fn landing(integrator: Integrator) -> Scene {
+    let (mut scene, _) = on_plane(integrator, 0.2);
+    scene.bodies[0].pose.position[1] += 0.3;
+    scene.obstacles.push(ball([0.8, 0.3, 0.0], 0.4));
+    scene
+}
+
+#[test]
+fn every_scheme_gives_the_same_bits_also_when_it_goes_on_from_a_copy() {
+    for integrator in Integrator::ALL {
+        let scene = landing(integrator);
+        let [mut whole, mut first] = [simulate::<f32>(&scene), simulate::<f32>(&scene)];
+        run(&mut whole, 0.6);
+        run(&mut first, 0.3);
+        let mut second = simulate::<f32>(&scene);
+        second.set_state(first.state().clone());
+        run(&mut second, 0.3);
+        assert_eq!(whole.hash(), second.hash(), "{integrator:?}");
+    }
+}
+
+#[test]
+fn no_scheme_allocates_in_a_step() {
+    for integrator in Integrator::ALL {
+        let mut simulation = simulate::<f32>(&landing(integrator));
+        run(&mut simulation, 0.8);
+        let before = allocations();
+        run(&mut simulation, 0.05);
+        assert_eq!(allocations() - before, 0, "{integrator:?}, fifty steps in contact");
+    }
+}
+
+#[test]
+fn forces_are_evaluated_once_or_as_often_as_the_scheme_says() {
+    for (integrator, evaluations) in [
+        (Integrator::SemiImplicit, 1),
+        (Integrator::Explicit, 1),
+        (Integrator::Verlet, 1),
+        (Integrator::Rk2, 2),
+        (Integrator::Rk4, 4),
+    ] {
+        let mut scene = vibrating();
+        scene.settings.integrator = integrator;
+        let mut simulation = simulate::<f64>(&scene);
+        let links: usize = simulation.model().link_counts().iter().sum();
+        assert_eq!(simulation.step().link_forces, (links * evaluations) as u64, "{integrator:?}");
+    }
+}
