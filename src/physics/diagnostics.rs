@@ -88,8 +88,8 @@ impl Diagnostics {
         };
         let gravity = model.gravity.to_dvec3();
         for (body, memory) in model.bodies.iter().zip(&state.bodies) {
-            let mass = body.particle_mass.to_f64();
-            for particle in body.particles.clone() {
+            for (local, particle) in body.particles.clone().enumerate() {
+                let mass = body.mass(local).to_f64();
                 let position = state.position[particle].to_dvec3();
                 let velocity = centred(particle, memory.asleep);
                 sum.mass_kg += mass;
@@ -123,11 +123,11 @@ impl Diagnostics {
     fn add_links<R: Real>(&mut self, body: &BodyModel<R>, state: &State<R>) {
         let position = &state.position[body.particles.clone()];
         for family in &body.links {
-            for link in &family.links {
+            for (number, link) in family.links.iter().enumerate() {
                 let [i, j] = link.ends.map(|end| position[end as usize].to_dvec3());
                 let rest = link.rest_length.to_f64();
                 let strain = (j - i).length() / rest - 1.0;
-                self.energy.elastic += 0.5 * family.stiffness.to_f64() * rest * strain * strain;
+                self.energy.elastic += 0.5 * family.constants(number)[0].to_f64() * rest * strain * strain;
                 self.max_strain = self.max_strain.max(strain.abs());
             }
         }

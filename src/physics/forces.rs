@@ -1,6 +1,6 @@
 //! Forces of gravity and of the links (GC §2).
 
-use super::model::{BodyModel, Model};
+use super::model::{BodyModel, Link, Model};
 use super::plan::{Plan, Stage};
 use super::recovery;
 use super::report::{StageTimer, StepReport};
@@ -36,7 +36,14 @@ pub fn evaluate<R: Real>(
 /// Writes the weight of every particle, N.
 pub fn gravity<R: Real>(model: &Model<R>, memory: &[BodyMemory], force: &mut [R::Vec3]) {
     for body in awake(model, memory) {
-        force[body.particles.clone()].fill(model.gravity * body.particle_mass);
+        let force = &mut force[body.particles.clone()];
+        if body.masses.is_empty() {
+            force.fill(model.gravity * body.particle_mass);
+        } else {
+            for (force, mass) in force.iter_mut().zip(&body.masses) {
+                *force = model.gravity * *mass;
+            }
+        }
     }
 }
 
@@ -83,16 +90,22 @@ pub fn for_each_link<R: Real>(
 ) {
     for (family, _) in body.links.iter().zip(plan.families).filter(|(_, chosen)| *chosen) {
         let undamped = plan.lean && family.damping == R::ZERO;
-        for link in &family.links {
+        let mut evaluate = |link: &Link<R>, [stiffness, damping]: [R; 2]| {
             let [i, j] = link.ends.map(|end| end as usize);
             let d = position[j] - position[i];
             let on_i = if undamped {
-                elastic_force(d, link.inverse_rest_length, family.stiffness)
+                elastic_force(d, link.inverse_rest_length, stiffness)
             } else {
-                let dv = velocity[j] - velocity[i];
-                link_force(d, dv, link.inverse_rest_length, family.stiffness, family.damping)
+                link_force(d, velocity[j] - velocity[i], link.inverse_rest_length, stiffness, damping)
             };
             visit([i, j], on_i);
+        };
+        if family.classes.is_empty() {
+            family.links.iter().for_each(|link| evaluate(link, [family.stiffness, family.damping]));
+        } else {
+            for (link, &class) in family.links.iter().zip(&family.classes) {
+                evaluate(link, family.constants[usize::from(class)]);
+            }
         }
     }
 }

@@ -16,7 +16,7 @@
 //! One common cap for all three keeps momentum and angular momentum; without it the push would grow with the fourth
 //! power of an edge. A cell that is on its way back is pushed half as hard as one on its way in: what it takes from
 //! a blow it does not give back in full, so that crushed bodies come to rest rather than gain energy. The size of κ
-//! follows from the links (`stiffness`), so that the term costs no smaller step.
+//! follows from the links ([`of_springs`], [`of_cells`]), so that the term costs no smaller step.
 //!
 //! Only the cells of a list are pushed: those below [`WATCH`]. All cells are looked at once in every 1/60 s of simulated
 //! time, and in every substep while the list is not empty, as a cell that inverted unseen would be given energy; a body
@@ -26,7 +26,8 @@
 //! What does not come back: a body whose bending links are 1e4 times stiffer than all others, and one with next to
 //! nothing but shear links after it was crushed to a point or mirrored. Their mirrored minima span more than a cell.
 
-use super::model::{BodyModel, Model};
+use super::cell_bound::CellLoads;
+use super::model::{BodyModel, CellKind, Model};
 use super::plan::Plan;
 use super::report::StepReport;
 use super::state::{BodyMemory, State};
@@ -51,15 +52,22 @@ const RETURNED: f64 = 0.5;
 /// The most of `κ dt²/(m h²)`: a person's own step or an implicit one may be larger than the push could bear.
 const STIFFEST: f64 = 0.6;
 
-/// A cell's stiffness against inversion, N·m, from the constants of its links.
+/// A cell's stiffness against inversion, N·m, and the mass against it, kg, from the constants of links that are alike.
 ///
 /// A mode of wave number q along an axis changes V by `2 sin(q/2)/h` of its amplitude, so the term adds at most
 /// `4 κ/(m h²)` to the square of a frequency, and the links at most `(4 k1 + 8.74 k2 + 2 k3)/(m h)`. Half of the latter
 /// keeps the sum below the limit at the share of it that automatic stepping takes. For equal constants it is 7.4 k h;
 /// from half of that on every crushed cube came back, at more than twice of it crumpled ones gained energy.
-pub(super) fn stiffness(springs: &Springs, cell_size: f64) -> f64 {
+pub(super) fn of_springs(springs: &Springs, cell_size: f64) -> [f64; 2] {
     let links = 4.0 * springs.structural.stiffness + 8.736 * springs.shear.stiffness + 2.0 * springs.bending.stiffness;
-    0.5 * links * cell_size
+    [0.5 * links * cell_size, springs.particle_mass]
+}
+
+/// The same from cells that share out their links and masses. On its own a cell of mass M moves with `12 κ/(M h²)`, as if
+/// its particles weighed a third of it; its links add at most `loads.stiffness`.
+pub(super) fn of_cells(kinds: &[CellKind], cell_size: f64) -> [f64; 2] {
+    let lightest = kinds.iter().map(|kind| kind.mass).fold(f64::INFINITY, f64::min) / 3.0;
+    [0.5 * CellLoads::of(kinds, cell_size).stiffness * lightest * cell_size * cell_size, lightest]
 }
 
 /// Whether all cells are looked at in this substep.
@@ -105,7 +113,7 @@ pub(super) fn add_forces<R: Real>(
         let force = &mut force[body.particles.clone()];
         report.recovery_cells += memory.near_inversion.len() as u64;
         let stiffness = body.recovery_stiffness * body.inverse_cell_size;
-        let most = R::from_f64(STIFFEST) * body.particle_mass / (body.inverse_cell_size * dt * dt);
+        let most = R::from_f64(STIFFEST) * body.recovery_mass / (body.inverse_cell_size * dt * dt);
         let stiffness = stiffness.min(most);
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];

@@ -146,7 +146,8 @@ fn ablation(simulation: &Simulation<f32>, scene: &Scene, lattices: &[Arc<Lattice
     };
     let without_links: [fn(&mut Plan); 3] =
         [|plan| plan.families[0] = false, |plan| plan.families[1] = false, |plan| plan.families[2] = false];
-    for (family, off) in Family::ALL.into_iter().zip(without_links).filter(|(family, _)| plan.families[*family as usize])
+    for (family, off) in
+        Family::ALL.into_iter().zip(without_links).filter(|(family, _)| plan.families[*family as usize])
     {
         compare(&format!("{} links", family.name()), false, awake.clone(), planned(off));
     }
@@ -174,9 +175,13 @@ fn ablation(simulation: &Simulation<f32>, scene: &Scene, lattices: &[Arc<Lattice
 
 fn without_damping(scene: &mut Scene) {
     for body in &mut scene.bodies {
-        let Material::Springs(springs) = &mut body.material;
-        for family in [&mut springs.structural, &mut springs.shear, &mut springs.bending] {
-            family.damping = 0.0;
+        match &mut body.material {
+            Material::Springs(springs) => {
+                for family in [&mut springs.structural, &mut springs.shear, &mut springs.bending] {
+                    family.damping = 0.0;
+                }
+            }
+            Material::Solid(solid) => solid.damping_ratio = 0.0,
         }
     }
 }
@@ -268,7 +273,10 @@ fn write_scene(text: &mut String, figures: &CostFigures) -> std::fmt::Result {
     for (name, count) in counters {
         writeln!(text, "| {name} | {count} |")?;
     }
-    writeln!(text, "\n| feature | with it, µs | without, µs | for each | same motion to the bit |\n|---|---|---|---|---|")?;
+    writeln!(
+        text,
+        "\n| feature | with it, µs | without, µs | for each | same motion to the bit |\n|---|---|---|---|---|"
+    )?;
     for row in &figures.ablation {
         let [on, off] = [row.secs_on, row.secs_off].map(|secs| secs * 1e6);
         let same = match (row.same_bits, row.must_be_same) {

@@ -1,4 +1,4 @@
-//! What a body is made of: the thesis's seven values (GC §3, §8).
+//! What a body is made of: the thesis's seven values (GC §3, §8), or a solid by its modulus, density and damping.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 pub enum Material {
     /// Link constants given directly.
     Springs(Springs),
+    /// A solid, from which the link constants follow for every resolution.
+    Solid(Solid),
 }
 
 impl Default for Material {
@@ -43,6 +45,88 @@ impl Default for Springs {
             particle_mass: 0.01,
         }
     }
+}
+
+/// A homogeneous isotropic solid. Its Poisson ratio is 1/4, as that of every lattice of central forces (Cauchy).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Solid {
+    /// Tension over strain, Pa.
+    pub young_modulus: f64,
+    /// Mass over volume, kg/m³.
+    pub density: f64,
+    /// Damping of the slowest vibration along the body over the damping at which it would no longer swing. Faster
+    /// vibrations are damped more, in proportion to their frequency.
+    pub damping_ratio: f64,
+}
+
+impl Default for Solid {
+    /// A cube of 1 m sags by about 5 % under its own weight and wobbles for a second.
+    fn default() -> Self {
+        Self { young_modulus: 1e5, density: 1000.0, damping_ratio: 0.05 }
+    }
+}
+
+/// A material by its everyday name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MaterialPreset {
+    /// Its everyday name.
+    pub name: &'static str,
+    /// Its values.
+    pub material: Solid,
+    /// Where they come from, one sentence.
+    pub source: &'static str,
+}
+
+/// Solids by their everyday names, soft to stiff. Modulus and density are measured values of the source named; so is
+/// the damping where the source says so.
+pub fn presets() -> &'static [MaterialPreset] {
+    &PRESETS
+}
+
+/// Where the figures of rubbers, foams and cork come from.
+macro_rules! ashby {
+    ($figures:literal) => {
+        concat!(
+            "M. F. Ashby, Materials Selection in Mechanical Design, 3rd ed. 2005, appendix A: ",
+            $figures,
+            "; the damping is chosen."
+        )
+    };
+}
+
+const PRESETS: [MaterialPreset; 8] = [
+    preset(
+        "pectin jelly",
+        [1.2e3, 1000.0, 0.05],
+        "H. Nielsen, B. U. Marr, S. Hvidt, Carbohydrate Polymers 45 (2001) 395: shear modulus of the standard gel 379 to 429 Pa, \
+         three times that as it keeps its volume; density of water, the damping is chosen.",
+    ),
+    preset(
+        "gelatin dessert",
+        [4.3e3, 1000.0, 0.05],
+        "J. E. Bonavia, arXiv:2512.20502 (2025): 4.34 kPa for 20 parts of water to one of gelatin; density of water, the \
+         damping is chosen.",
+    ),
+    preset(
+        "gummy gelatin",
+        [2.77e5, 1200.0, 0.1],
+        "J. E. Bonavia, arXiv:2512.20502 (2025): 277 kPa for two parts of water to one of gelatin; density of such a \
+         mixture estimated, the damping is chosen.",
+    ),
+    preset("foam", [6e5, 25.0, 0.1], ashby!("flexible foam of very low density, 0.3 to 1 MPa, 16 to 35 kg/m³")),
+    preset("sponge", [2e6, 55.0, 0.1], ashby!("flexible foam of low density, 1 to 3 MPa, 38 to 70 kg/m³")),
+    preset("rubber", [2e6, 925.0, 0.05], ashby!("natural rubber, 1.5 to 2.5 MPa, 920 to 930 kg/m³")),
+    preset("neoprene", [1.3e6, 1240.0, 0.1], ashby!("neoprene, 0.7 to 2 MPa, 1230 to 1250 kg/m³")),
+    preset("cork", [3e7, 180.0, 0.1], ashby!("cork, 13 to 50 MPa, 120 to 240 kg/m³")),
+];
+
+const fn preset(
+    name: &'static str,
+    [young_modulus, density, damping_ratio]: [f64; 3],
+    source: &'static str,
+) -> MaterialPreset {
+    MaterialPreset { name, material: Solid { young_modulus, density, damping_ratio }, source }
 }
 
 /// The two constants of a family of links.

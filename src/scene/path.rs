@@ -46,7 +46,7 @@ pub enum PathError {
 /// The nodes that are one of several forms, and the names of the forms.
 const FORMS: [(&str, &[&str]); 3] = [
     ("bodies.*.shape", &["cube", "cells", "model"]),
-    ("bodies.*.material", &["springs"]),
+    ("bodies.*.material", &["springs", "solid"]),
     ("obstacles.*", &["plane", "sphere"]),
 ];
 

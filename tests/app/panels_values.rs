@@ -10,7 +10,7 @@ use gelatin::session::Command;
 use crate::live::Window;
 
 fn springs(window: &Window) -> Springs {
-    let Material::Springs(springs) = window.scene().bodies[0].material;
+    let Material::Springs(springs) = window.scene().bodies[0].material else { unreachable!("a body of springs") };
     springs
 }
 

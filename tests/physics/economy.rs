@@ -78,7 +78,9 @@ fn fallen(change: impl Fn(&mut Scene)) -> (StepReport, Vec<String>) {
 }
 
 fn material(scene: &mut Scene) -> &mut gelatin::scene::Springs {
-    let gelatin::scene::Material::Springs(springs) = &mut scene.bodies[0].material;
+    let gelatin::scene::Material::Springs(springs) = &mut scene.bodies[0].material else {
+        unreachable!("a body of springs")
+    };
     springs
 }
 

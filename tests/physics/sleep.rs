@@ -46,7 +46,8 @@ fn moves_after(mut simulation: Simulation<f32>, scene: &Scene, least: f32) {
 fn moves(simulation: &mut Simulation<f32>, least: f32) {
     let before = simulation.state().position.clone();
     run(simulation, 0.3);
-    let way = simulation.state().position.iter().zip(&before).map(|(now, then)| now.distance(*then)).fold(0.0, f32::max);
+    let way =
+        simulation.state().position.iter().zip(&before).map(|(now, then)| now.distance(*then)).fold(0.0, f32::max);
     assert!(way > least, "it moved by {way} m");
 }
 
@@ -118,7 +119,7 @@ fn what_touches_it_or_changes_wakes_it() {
     change(&|scene| scene.obstacles[1] = ball([0.6, 0.5, 0.0], 0.4), 0.05);
     change(&|scene| scene.settings.gravity = [0.0, 2.0, 0.0], 0.05);
     let softer = |scene: &mut Scene| {
-        let Material::Springs(springs) = &mut scene.bodies[0].material;
+        let Material::Springs(springs) = &mut scene.bodies[0].material else { unreachable!("a body of springs") };
         springs.structural.stiffness = 1.0;
         springs.shear.stiffness = 1.0;
     };
@@ -177,7 +178,7 @@ fn what_moves_never_sleeps() {
     stays_awake(&floating, 3.0, "a cube that falls by a few micrometres");
     let mut swinging = resting();
     swinging.obstacles.clear();
-    let Material::Springs(springs) = &mut swinging.bodies[0].material;
+    let Material::Springs(springs) = &mut swinging.bodies[0].material else { unreachable!("a body of springs") };
     *springs = crate::support::springs(2000.0, 0.2, 0.02);
     swinging.bodies[0].pins = vec![PinBox { min: [-0.6, 0.4, -0.6], max: [-0.4, 0.6, 0.6] }];
     stays_awake(&swinging, 4.0, "a cube that swings by its edge");

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use super::body::{CellsShape, CubeShape, ModelShape, PinBox};
 use super::obstacle::{Plane, Sphere};
-use super::{Body, Obstacle, ObstacleShape, Scene, Shape};
+use super::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid};
 use table::MODEL_PATH;
 pub use table::PARAMS;
 
@@ -256,12 +256,13 @@ pub(super) fn specimen() -> Scene {
 /// A scene that holds one of everything, each at its default.
 fn defaults() -> Scene {
     let body = |shape| Body { shape, pins: vec![PinBox::default()], ..Body::default() };
+    let solid = |shape| Body { material: Material::Solid(Solid::default()), ..body(shape) };
     let obstacle = |shape| Obstacle { shape, ..Obstacle::default() };
     Scene {
         bodies: vec![
             body(Shape::Cube(CubeShape::default())),
             body(Shape::Cells(CellsShape::default())),
-            body(Shape::Model(ModelShape::default())),
+            solid(Shape::Model(ModelShape::default())),
         ],
         obstacles: vec![
             obstacle(ObstacleShape::Plane(Plane::default())),

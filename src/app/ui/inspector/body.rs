@@ -6,7 +6,7 @@ use super::{section_ui, send};
 use crate::app::ui::value::{Touch, field_ui, figure, slider_ui, vector_ui};
 use crate::app::ui::{Running, UiState, theme};
 use crate::scene::edit::{BodyId, Edit};
-use crate::scene::{Body, Family, Material, Shape, Skin, Springs};
+use crate::scene::{Body, Family, Material, Shape, Skin, Solid, Springs};
 use crate::session::{BodyStatus, Command};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -20,7 +20,28 @@ pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut
 }
 
 fn material_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
-    let Material::Springs(mut springs) = body.material;
+    match body.material {
+        Material::Springs(springs) => springs_ui(ui, id, body, springs, commands),
+        Material::Solid(solid) => solid_ui(ui, id, body, solid, commands),
+    }
+}
+
+fn solid_ui(ui: &mut Ui, id: BodyId, body: &Body, mut solid: Solid, commands: &mut Vec<Command>) {
+    let mut touch = Touch::default();
+    let Solid { young_modulus, density, damping_ratio } = &mut solid;
+    for (what, label, value) in [
+        ("young_modulus", "Young's modulus", young_modulus),
+        ("density", "Density", density),
+        ("damping_ratio", "Damping ratio", damping_ratio),
+    ] {
+        let path = format!("bodies.{}.material.solid.{what}", id.0);
+        touch.and(slider_ui(ui, &path, label, value, None));
+    }
+    let changed = || Body { material: Material::Solid(solid), ..body.clone() };
+    send(touch, || Edit::Body(id, Box::new(changed())), commands);
+}
+
+fn springs_ui(ui: &mut Ui, id: BodyId, body: &Body, mut springs: Springs, commands: &mut Vec<Command>) {
     let mut touch = Touch::default();
     for family in Family::ALL {
         ui.label(RichText::new(family_title(family)).color(theme::of(ui).strong));
