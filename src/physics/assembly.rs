@@ -26,10 +26,10 @@ use crate::scene::material::Solid;
 use crate::scene::{Family, Springs};
 
 /// `E h²` over the constant of diagonal links: 2.5 (√2/2 + 4√3/9) isotropic constants.
-const MODULUS_OVER_SHEAR: f64 = 3.692_27;
+pub(super) const MODULUS_OVER_SHEAR: f64 = 3.692_27;
 
 /// The constant of edges over that of diagonals in an isotropic lattice.
-const STRUCTURAL_OVER_SHEAR: f64 = 2.246_71;
+pub(super) const STRUCTURAL_OVER_SHEAR: f64 = 2.246_71;
 
 /// The material side of a body model.
 #[derive(Debug)]

@@ -15,6 +15,7 @@ pub mod hash;
 mod integrate;
 pub mod interaction;
 pub mod model;
+pub mod other_form;
 pub mod plan;
 pub mod recovery;
 pub mod report;

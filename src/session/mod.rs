@@ -15,6 +15,7 @@ mod library;
 mod picture;
 pub mod predict;
 pub mod run;
+mod safe;
 pub mod state_file;
 pub mod status;
 pub mod trouble;
@@ -22,6 +23,7 @@ mod warnings;
 mod words;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
@@ -29,7 +31,7 @@ use thiserror::Error;
 
 pub use command::{Command, Pull};
 pub use costs::{StageCost, StepCost};
-pub use status::{BodyStatus, Status};
+pub use status::{BodyStatus, SafeValue, Status};
 pub use trouble::{Cure, Trouble};
 
 use crate::geometry::Watch;
@@ -103,6 +105,8 @@ pub struct Session {
     /// The first warning about the scene; found anew after every edit, not every frame.
     notice: String,
     picture: Picture,
+    /// How far the values of each body may go.
+    safe: Vec<safe::Found>,
     /// What the steps cost, while someone looks.
     costs: Option<Costs>,
 }
@@ -140,8 +144,10 @@ impl Session {
             notice: String::new(),
             picture: Picture::default(),
             costs: None,
+            safe: Vec::new(),
         };
         session.find_notice();
+        session.find_safe_values();
         Ok(session)
     }
 
@@ -291,7 +297,7 @@ impl Session {
 
     fn body_status(&self) -> Vec<BodyStatus> {
         let position = &self.simulation.state().position;
-        let status = |(body, memory): (&BodyModel<f32>, &BodyMemory)| {
+        let status = |((body, memory), found): ((&BodyModel<f32>, &BodyMemory), &safe::Found)| {
             let own = &position[body.particles.clone()];
             let sum = own.iter().fold(DVec3::ZERO, |sum, at| sum + at.as_dvec3());
             BodyStatus {
@@ -301,9 +307,12 @@ impl Session {
                 mass_kg: f64::from(body.particle_mass) * own.len() as f64,
                 center: (sum / own.len().max(1) as f64).to_array(),
                 asleep: memory.asleep,
+                safe: Arc::clone(&found.safe),
+                other_form: found.other.clone(),
             }
         };
-        self.simulation.model().bodies.iter().zip(&self.simulation.state().bodies).map(status).collect()
+        let (model, state) = (self.simulation.model(), self.simulation.state());
+        model.bodies.iter().zip(&state.bodies).zip(&self.safe).map(status).collect()
     }
 
     fn slowness(&self, factor: f64, links: usize) -> String {
