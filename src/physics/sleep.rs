@@ -53,7 +53,11 @@ pub(super) fn is_quiet<R: Real>(state: &State<R>) -> bool {
 /// Lets every body fall asleep that has been at rest for long enough, after a substep; never one that is `held`.
 pub(super) fn watch<R: Real>(model: &Model<R>, plan: &Plan, held: Option<usize>, state: &mut State<R>) {
     let substeps_in = |secs: f64| {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a count of at least one, saturating"
+        )]
         let count = libm::ceil(secs / plan.substep_secs()).max(1.0) as u64;
         count
     };

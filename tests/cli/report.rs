@@ -77,7 +77,8 @@ fn a_person_reads_tables_and_finds_them_in_the_folder() {
     let folder = Folder::new();
     let ran = folder.run("report cost incline --quick -o made/here --set bodies.0.shape.cube.cells=2");
     assert_eq!(ran.code, Some(0), "{ran:?}");
-    for words in ["## incline", "27 particles", "sphere contact", "there is no sphere", "broad phase", "as it must be"] {
+    for words in ["## incline", "27 particles", "sphere contact", "there is no sphere", "broad phase", "as it must be"]
+    {
         assert!(ran.figures.contains(words), "{words} is in {}", ran.figures);
     }
     assert!(!ran.figures.contains("BUT IT MUST"), "{}", ran.figures);

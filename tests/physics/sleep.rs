@@ -46,7 +46,8 @@ fn moves_after(mut simulation: Simulation<f32>, scene: &Scene, least: f32) {
 fn moves(simulation: &mut Simulation<f32>, least: f32) {
     let before = simulation.state().position.clone();
     run(simulation, 0.3);
-    let way = simulation.state().position.iter().zip(&before).map(|(now, then)| now.distance(*then)).fold(0.0, f32::max);
+    let way =
+        simulation.state().position.iter().zip(&before).map(|(now, then)| now.distance(*then)).fold(0.0, f32::max);
     assert!(way > least, "it moved by {way} m");
 }
 
