@@ -139,7 +139,10 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
         }
         let elapsed = session.simulation.state().time_secs - time_at_start;
         if elapsed >= next_sample {
-            peak.include(&session.simulation.diagnostics());
+            // What sleeps has no new extremes.
+            if !session.simulation.is_asleep() {
+                peak.include(&session.simulation.diagnostics());
+            }
             watch.progress((step + 1) as f64 / steps as f64);
             next_sample += SAMPLE_SECS * libm::floor((elapsed - next_sample) / SAMPLE_SECS + 1.0);
         }
