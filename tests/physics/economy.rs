@@ -62,8 +62,14 @@ fn a_far_ball_costs_no_test() {
     let mut simulation = simulate::<f32>(&scene);
     // The first substep looks: only then is it known that nothing touches.
     simulation.step();
-    let report = simulation.step();
+    let mut stages = Stages::default();
+    let report = simulation.step_timed(&mut stages);
     assert_eq!((report.narrow_tests, report.narrow_tests_saved), (0, 27), "every particle was saved a test");
+    assert_eq!(
+        (stages.0[Stage::BroadPhase as usize], stages.0[Stage::Contact as usize]),
+        (1, 0),
+        "by one look at boxes"
+    );
 }
 
 /// A cube that falls on a plane, and what a second of it did.

@@ -8,6 +8,7 @@ use gelatin::scene::settings::{Integrator, Stepping};
 use gelatin::scene::{Material, ObstacleShape, Scene};
 use glam::Vec3;
 
+use crate::determinism::allocations;
 use crate::support::{ball, cube, falling, lattices, plane, run, simulate, springs};
 
 /// A well damped cube just above a plane, with a ball beside it.
@@ -90,6 +91,16 @@ fn a_sleeping_body_costs_nothing_and_stays_as_it_is() {
     assert_eq!(simulation.scratch().contact.contacts, contacts, "its contacts are still there to be shown");
     assert!(report.contacts == 16 && load.iter().sum::<f32>() > 1.0, "{} contacts", report.contacts);
     assert!(report.max_penetration_m > 0.0, "and as deep");
+}
+
+#[test]
+fn falling_asleep_and_sleeping_allocate_nothing() {
+    let mut simulation = simulate::<f32>(&resting());
+    run(&mut simulation, 0.1);
+    let before = allocations();
+    assert!(sleeps_within(&mut simulation, 10.0).is_some(), "it comes to rest");
+    run(&mut simulation, 0.1);
+    assert_eq!(allocations() - before, 0, "on the way to sleep and in it");
 }
 
 #[test]

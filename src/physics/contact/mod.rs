@@ -33,7 +33,8 @@ pub struct Scratch<R: Real> {
     near: Vec<u32>,
     /// Particle–obstacle pairs that met in the last substep, by particle.
     pub contacts: Vec<ContactRecord<R>>,
-    /// For every body and plane whether a side is remembered: such pairs are near without a look at boxes.
+    /// For every body and obstacle whether they are near without a look at boxes: planes of which a side is remembered,
+    /// and all before the first substep.
     touching: Vec<bool>,
 }
 
@@ -349,13 +350,14 @@ pub fn remember_sides<R: Real>(
             continue;
         }
         for (obstacle, shape) in model.obstacles.iter().map(|o| &o.shape).enumerate() {
-            let ObstacleShape::Plane(plane) = shape else { continue };
             let touching = &mut scratch.touching[number * model.obstacles.len() + obstacle];
             if !*touching {
                 continue;
             }
             *touching = false;
-            state.side[plane.side_row][body.particles.clone()].fill(0);
+            if let ObstacleShape::Plane(plane) = shape {
+                state.side[plane.side_row][body.particles.clone()].fill(0);
+            }
         }
     }
     for contact in &scratch.contacts {
