@@ -8,5 +8,7 @@ mod friction;
 mod integrators;
 mod presets;
 mod recovery;
+mod solid;
 mod stability;
+mod statics;
 mod support;

@@ -1,0 +1,149 @@
+//! Bodies given by Young's modulus and density: the same solid at every resolution.
+
+use gelatin::physics::model::BodyModel;
+use gelatin::scene::body::{CellsShape, CubeShape};
+use gelatin::scene::material::Spring;
+use gelatin::scene::{Body, Material, Shape, Solid, Springs};
+use glam::DVec3;
+
+use crate::statics::{Linear, dot, face_load, mean_along};
+use crate::support::{alone, simulate};
+
+const SOLID: Solid = Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.05 };
+
+fn compiled(body: Body) -> BodyModel<f64> {
+    simulate::<f64>(&alone(body, 1e-3)).model().bodies[0].clone()
+}
+
+/// A cube of 1 m.
+fn cube(cells: u32, material: Material) -> Body {
+    Body { shape: Shape::Cube(CubeShape { cells, size: 1.0 }), material, ..Body::default() }
+}
+
+fn solid_cube(cells: u32) -> Body {
+    cube(cells, Material::Solid(SOLID))
+}
+
+/// What a pull of 1 N at both ends along x shows: the modulus, Pa, and Poisson's ratio.
+fn pulled(body: &BodyModel<f64>, cells: u32) -> [f64; 2] {
+    let body = Linear::of(body);
+    let cell = 1.0 / f64::from(cells);
+    let on = |face: DVec3, direction: DVec3| face_load(&body, DVec3::ONE, cell, face, direction);
+    let ends = [on(DVec3::X, DVec3::X), on(DVec3::NEG_X, DVec3::NEG_X)].map(|load| load);
+    let load: Vec<DVec3> = ends[0].iter().zip(&ends[1]).map(|(a, b)| *a + *b).collect();
+    let displacement = body.solve(&load);
+    let stretch = mean_along(&load, &displacement);
+    let across = mean_along(&on(DVec3::Y, DVec3::Y), &displacement)
+        + mean_along(&on(DVec3::NEG_Y, DVec3::NEG_Y), &displacement);
+    [1.0 / stretch, -across / stretch]
+}
+
+#[test]
+fn a_pull_measures_the_modulus_at_every_resolution() {
+    for cells in [7, 10, 20, 40] {
+        let [modulus, poisson] = pulled(&compiled(solid_cube(cells)), cells);
+        let ratio = modulus / SOLID.young_modulus;
+        println!("{cells} cells an edge: {ratio:.6} of the modulus, Poisson's ratio {poisson:.6}");
+        assert!((ratio - 1.0).abs() < 2e-4, "{cells} cells an edge: {ratio} of the modulus");
+        assert!((poisson - 0.25).abs() < 2e-4, "{cells} cells an edge: Poisson's ratio {poisson}");
+    }
+}
+
+/// The patch test: what stretches evenly needs no forces but those at its ends.
+#[test]
+fn an_even_stretch_is_in_balance_inside_and_at_free_surfaces() {
+    let strain = DVec3::new(1.0, -0.25, -0.25);
+    for cells in [7, 10, 20] {
+        let body = Linear::of(&compiled(solid_cube(cells)));
+        let displacement: Vec<DVec3> = body.start.iter().map(|start| *start * strain).collect();
+        let force = body.resistance(&displacement);
+        let at_ends = |start: &DVec3| start.x.abs() > 0.5 - 1e-9;
+        let largest = |ends: bool| {
+            let chosen = force.iter().zip(&body.start).filter(|(_, start)| at_ends(start) == ends);
+            chosen.map(|(force, _)| force.length()).fold(0.0, f64::max)
+        };
+        assert!(largest(false) < 1e-5 * largest(true), "{cells}: {} N of {} N", largest(false), largest(true));
+    }
+}
+
+/// The control: links that do not share are too stiff at every surface, the more of it there is.
+#[test]
+fn springs_that_are_all_alike_are_stiffer_the_fewer_they_are() {
+    let mut last = f64::INFINITY;
+    for (cells, expected) in [(7, 1.24), (10, 1.17), (20, 1.08)] {
+        let solid = compiled(solid_cube(cells));
+        let alike = |family: usize| Spring { stiffness: solid.links[family].stiffness, damping: 0.0 };
+        let springs = Springs {
+            structural: alike(0),
+            shear: alike(1),
+            bending: Spring { stiffness: 0.0, damping: 0.0 },
+            particle_mass: 0.01,
+        };
+        let [modulus, _] = pulled(&compiled(cube(cells, Material::Springs(springs))), cells);
+        let ratio = modulus / SOLID.young_modulus;
+        println!("{cells} cells an edge, springs alike: {ratio:.4} of the modulus");
+        assert!((ratio - expected).abs() < 0.3 && ratio < last, "{cells} cells an edge: {ratio}, not {expected}");
+        last = ratio;
+    }
+}
+
+fn spread(of: &[f64]) -> f64 {
+    of.iter().copied().fold(0.0, f64::max) / of.iter().copied().fold(f64::INFINITY, f64::min) - 1.0
+}
+
+fn weight(body: &Linear) -> Vec<DVec3> {
+    body.mass.iter().map(|mass| DVec3::NEG_Y * (9.81 * mass)).collect()
+}
+
+/// The solid cube hung by its top, `held` of which is held.
+fn hung(cells: u32, held: DVec3) -> Linear {
+    let mut body = Linear::of(&compiled(solid_cube(cells)));
+    body.hold(held, |start| start.y > 0.5 - 1e-9);
+    body
+}
+
+#[test]
+fn a_hanging_body_sags_alike_at_every_resolution() {
+    // With its top free to shrink the cube is a bar: ρ g L²/(2 E).
+    let bar = SOLID.density * 9.81 / (2.0 * SOLID.young_modulus);
+    let mut pinned = Vec::new();
+    for cells in [7, 20, 40] {
+        let sag = |held: DVec3| {
+            let body = hung(cells, held);
+            let bottom = face_load(&body, DVec3::ONE, 1.0 / f64::from(cells), DVec3::NEG_Y, DVec3::NEG_Y);
+            mean_along(&bottom, &body.solve(&weight(&body)))
+        };
+        let [free, held] = [DVec3::Y, DVec3::ONE].map(sag);
+        println!("{cells} divisions: sag {:.5} of a bar's, {:.5} with its top pinned", free / bar, held / bar);
+        assert!((free / bar - 1.0).abs() < 2e-4, "{cells} divisions sag {free} m, a bar {bar} m");
+        pinned.push(held);
+    }
+    assert!(spread(&pinned) < 0.02, "with a pinned top: {pinned:?}");
+}
+
+#[test]
+fn a_body_swings_along_itself_alike_at_every_resolution() {
+    let bar = std::f64::consts::FRAC_PI_2 * (SOLID.young_modulus / SOLID.density).sqrt();
+    let mut found = Vec::new();
+    for cells in [7, 20, 40] {
+        let body = hung(cells, DVec3::Y);
+        let omega = body.lowest(body.solve(&weight(&body))).sqrt();
+        println!("{cells} divisions: {:.5} of a thin bar's frequency", omega / bar);
+        found.push(omega);
+    }
+    assert!(spread(&found) < 0.02, "rad/s: {found:?}");
+    // A bar as thick as it is long swings more slowly, by the inertia of its own narrowing (Rayleigh, Love).
+    assert!(found.iter().all(|omega| (0.9..1.0).contains(&(omega / bar))), "{found:?} against {bar}");
+}
+
+#[test]
+fn a_body_weighs_its_cells() {
+    let list = vec![[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [2, 1, 0]];
+    let shape = Shape::Cells(CellsShape { list, size: 0.3 });
+    let body = compiled(Body { shape, material: Material::Solid(SOLID), ..Body::default() });
+    let mass: f64 = (0..body.start.len()).map(|particle| body.mass(particle)).sum();
+    let expected = 5.0 * 0.3f64.powi(3) * SOLID.density;
+    assert!((mass / expected - 1.0).abs() < 1e-12, "{mass} kg, not {expected} kg");
+    let weight = weight(&Linear::of(&body));
+    assert!((-dot(&weight, &vec![DVec3::Y; weight.len()]) / (9.81 * expected) - 1.0).abs() < 1e-12, "and its weight");
+}
