@@ -33,8 +33,8 @@ fn pulled(body: &BodyModel<f64>, cells: u32) -> [f64; 2] {
     let load: Vec<DVec3> = ends[0].iter().zip(&ends[1]).map(|(a, b)| *a + *b).collect();
     let displacement = body.solve(&load);
     let stretch = mean_along(&load, &displacement);
-    let across = mean_along(&on(DVec3::Y, DVec3::Y), &displacement)
-        + mean_along(&on(DVec3::NEG_Y, DVec3::NEG_Y), &displacement);
+    let across =
+        mean_along(&on(DVec3::Y, DVec3::Y), &displacement) + mean_along(&on(DVec3::NEG_Y, DVec3::NEG_Y), &displacement);
     [1.0 / stretch, -across / stretch]
 }
 
