@@ -67,7 +67,7 @@ impl Linear {
         let mut z = times(&scale, &r);
         let mut p = z.clone();
         let mut rho = dot(&r, &z);
-        let enough = 1e-20 * rho;
+        let enough = 1e-16 * rho;
         for _ in 0..20_000 {
             if rho <= enough {
                 return x;
@@ -126,8 +126,7 @@ pub(crate) fn face_load(body: &Linear, size: DVec3, cell: f64, face: DVec3, dire
         let across: f64 = (0..3).filter(|&axis| face[axis] == 0.0).map(edge).product();
         if on_face { across } else { 0.0 }
     };
-    let area = (size / cell).powf(1.0);
-    let cells: f64 = (0..3).filter(|&axis| face[axis] == 0.0).map(|axis| area[axis]).product();
+    let cells: f64 = (0..3).filter(|&axis| face[axis] == 0.0).map(|axis| size[axis] / cell).product();
     body.start.iter().map(|start| direction * (share(start) / cells)).collect()
 }
 
