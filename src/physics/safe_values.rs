@@ -8,6 +8,7 @@ use super::stability::{
 };
 use crate::geometry::Lattice;
 use crate::math::Aabb;
+use crate::scene::body::Inlay;
 use crate::scene::material::Solid;
 use crate::scene::settings::Integrator;
 use crate::scene::{Body, Family, Material, Springs};
@@ -33,7 +34,7 @@ pub fn largest_safe(body: &Body, lattice: &Lattice, dt_secs: f64, integrator: In
     let shares = load_shares(integrator, dt_secs / SAFETY);
     match &body.material {
         Material::Springs(springs) => of_springs(springs, lattice, &shares),
-        Material::Solid(solid) => of_solid(solid, lattice, &shares),
+        Material::Solid(solid) => of_solid(solid, &body.inlays, lattice, &shares),
     }
 }
 
@@ -124,16 +125,21 @@ fn bisect(mut low: f64, mut high: f64, is_allowed: impl Fn(f64) -> bool) -> f64 
     low
 }
 
-fn of_solid(solid: &Solid, lattice: &Lattice, shares: &[LoadShare]) -> Vec<SafeValue> {
-    let rest = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle));
-    let size = Aabb::<f64>::around(rest).size().max_element();
+fn of_solid(solid: &Solid, inlays: &[Inlay], lattice: &Lattice, shares: &[LoadShare]) -> Vec<SafeValue> {
+    let rest: Vec<_> = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle)).collect();
+    let size = Aabb::<f64>::around(rest.iter().copied()).size().max_element();
     let loads_of = |damping_ratio: f64| {
         let kind = assembly::solid_cell(&Solid { damping_ratio, ..*solid }, lattice, size);
         CellLoads::of(&[kind], lattice.grid.cell_size)
     };
     let (loads, critical) = (loads_of(solid.damping_ratio), loads_of(1.0));
     let (mut times, mut damping_ratio) = (f64::INFINITY, f64::INFINITY);
+    let (kinds, _) = assembly::solid_cells(solid, inlays, lattice, size, &rest);
+    let others = CellLoads::of(&kinds[1..], lattice.grid.cell_size);
     for share in shares {
+        if share.stiffness * others.stiffness + share.damping * others.damping > LATTICE_LIMIT {
+            (times, damping_ratio) = (0.0, 0.0);
+        }
         let (stiff, damped) = (share.stiffness * loads.stiffness, share.damping * loads.damping);
         // Stiffness grows with E/ρ, damping with z √(E/ρ): stiff x² + damped x = 4 for the root x of how many times E/ρ
         // may be what it is.

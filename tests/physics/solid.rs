@@ -1,13 +1,14 @@
 //! Bodies given by Young's modulus and density: the same solid at every resolution.
 
+use gelatin::physics::Simulation;
 use gelatin::physics::model::BodyModel;
-use gelatin::scene::body::{CellsShape, CubeShape};
+use gelatin::scene::body::{CellsShape, CubeShape, Inlay, PinBox};
 use gelatin::scene::material::Spring;
-use gelatin::scene::{Body, Material, Shape, Solid, Springs};
-use glam::DVec3;
+use gelatin::scene::{Body, Material, Scene, Shape, Solid, Springs};
+use glam::{DVec3, Vec3};
 
 use crate::statics::{Linear, dot, face_load, mean_along};
-use crate::support::{alone, simulate};
+use crate::support::{alone, falling, lattices, plane, run, simulate};
 
 const SOLID: Solid = Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.05 };
 
@@ -146,4 +147,60 @@ fn a_body_weighs_its_cells() {
     assert!((mass / expected - 1.0).abs() < 1e-12, "{mass} kg, not {expected} kg");
     let weight = weight(&Linear::of(&body));
     assert!((-dot(&weight, &vec![DVec3::Y; weight.len()]) / (9.81 * expected) - 1.0).abs() < 1e-12, "and its weight");
+}
+
+/// A cube hung by its top, the half at positive x of which is ten times as stiff.
+fn half_stiff() -> Scene {
+    let stiff = Solid { young_modulus: 10.0 * SOLID.young_modulus, ..SOLID };
+    let mut body = solid_cube(6);
+    body.inlays.push(Inlay { min: [0.0, -1.0, -1.0], max: [1.0; 3], solid: stiff });
+    body.pins.push(PinBox { min: [-1.0, 0.49, -1.0], max: [1.0; 3] });
+    falling(body)
+}
+
+#[test]
+fn of_two_materials_in_one_body_the_stiffer_sags_less() {
+    let scene = half_stiff();
+    let mut simulation = simulate::<f32>(&scene);
+    run(&mut simulation, 2.0);
+    let body = &simulation.model().bodies[0];
+    let sag = |x: f32| {
+        let at = |start: &Vec3| (start.x - x).abs() < 1e-3 && start.y < -0.49 && start.z.abs() < 1e-3;
+        let particle = body.start.iter().position(at).expect("a particle below");
+        body.start[particle].y - simulation.state().position[particle].y
+    };
+    let [soft, middle, stiff] = [-0.5, 0.0, 0.5].map(sag);
+    println!("sag of the soft side {soft:.4} m, between {middle:.4} m, of the stiff side {stiff:.4} m");
+    // What the soft side pulls down tilts the stiff one: its outer edge may even rise.
+    assert!(soft > 2.0 * middle && middle > stiff, "{soft}, {middle}, {stiff} m");
+}
+
+#[test]
+fn the_stiffest_part_of_a_body_limits_its_step_and_a_change_of_it_is_heeded() {
+    let limit = |simulation: &Simulation<f64>| simulation.plan().limits.dt_limit_secs.expect("limited");
+    let scene = half_stiff();
+    let mut simulation = simulate::<f64>(&scene);
+    let mut soft = scene.clone();
+    soft.bodies[0].inlays.clear();
+    let before = limit(&simulation);
+    simulation.set_parameters(&soft, &lattices(&soft), &[Some(0)], false);
+    assert!(limit(&simulation) > 3.0 * before, "without the stiff half: {before} s, then {} s", limit(&simulation));
+    assert_eq!(limit(&simulation), limit(&simulate::<f64>(&soft)), "as if it had never been there");
+}
+
+/// What holds a particle at rest is the body's weight, however unequal its particles are.
+#[test]
+fn a_solid_rests_on_a_plane_with_its_weight() {
+    let solid = Solid { damping_ratio: 0.5, ..SOLID };
+    let mut scene = falling(cube(4, Material::Solid(solid)));
+    scene.bodies[0].pose.position = [0.0, 0.5, 0.0];
+    scene.obstacles.push(plane([0.0; 3], [0.0; 3], [0.5, 0.4]));
+    let mut simulation = simulate::<f64>(&scene);
+    run(&mut simulation, 4.0);
+    let push: f64 = simulation.scratch().contact.contacts.iter().map(|contact| contact.force.y).sum();
+    let weight = SOLID.density * 9.81;
+    assert!((push / weight - 1.0).abs() < 1e-2, "pushed by {push} N against a weight of {weight} N");
+    let depth = -simulation.diagnostics().bounds.min.y;
+    assert!((0.0..=0.02).contains(&depth), "no deeper than a fiftieth of its size: {depth} m");
+    assert!(simulation.diagnostics().max_speed < 1e-3, "and still");
 }
