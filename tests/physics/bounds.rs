@@ -81,7 +81,9 @@ fn largest_eigenvalue(body: &BodyModel<f64>, dt: f64, share: f64) -> f64 {
         .collect();
     let norm = |v: &[DVec3]| v.iter().map(|v| v.length_squared()).sum::<f64>().sqrt();
     let scale = norm(&v).recip();
-    v.iter_mut().for_each(|v| *v *= scale);
+    for v in &mut v {
+        *v *= scale;
+    }
     let (mut before, mut beta) = (vec![DVec3::ZERO; v.len()], 0.0);
     let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
     for _ in 0..LANCZOS {
@@ -96,7 +98,9 @@ fn largest_eigenvalue(body: &BodyModel<f64>, dt: f64, share: f64) -> f64 {
             break;
         }
         beside.push(beta);
-        w.iter_mut().for_each(|w| *w /= beta);
+        for w in &mut w {
+            *w /= beta;
+        }
         before = std::mem::replace(&mut v, w);
     }
     largest_of_tridiagonal(&diagonal, &beside)
@@ -183,8 +187,7 @@ fn cases(count: usize, seed: u64, material: impl Fn(&mut Rng) -> Material) -> Ve
 #[test]
 fn the_limit_of_springs_is_never_above_that_of_the_body_and_near_it() {
     let ratios = ratios(&cases(200, 23, springs));
-    let [least, median, most] = [ratios[0], ratios[100], ratios[199]];
-    println!("springs: predicted over measured {least:.3} {median:.3} {most:.4}");
+    let [median, most] = [ratios[100], ratios[199]];
     assert!(most <= 1.0 + 1e-6, "predicted is above measured: {most}");
     assert!(median >= 0.9, "predicted is far below measured: {median}");
 }
@@ -192,8 +195,7 @@ fn the_limit_of_springs_is_never_above_that_of_the_body_and_near_it() {
 #[test]
 fn the_limit_of_solids_is_never_above_that_of_the_body() {
     let ratios = ratios(&cases(100, 29, solid));
-    let [least, median, most] = [ratios[0], ratios[50], ratios[99]];
-    println!("solids: predicted over measured {least:.3} {median:.3} {most:.4}");
+    let [median, most] = [ratios[50], ratios[99]];
     assert!(most <= 1.0 + 1e-6, "predicted is above measured: {most}");
     assert!(median >= 0.75, "predicted is far below measured: {median}");
 }

@@ -84,9 +84,10 @@ fn a_cantilever_comes_nearer_to_beam_theory_with_every_cell_across_it() {
     let picture = svg(&curve);
     let fresh = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cantilever.svg");
     std::fs::write(&fresh, &picture).expect("the target folder can be written to");
-    let row: String = curve.iter().map(|(_, ratio)| format!(" | {ratio:.3}")).collect();
+    let figures: Vec<_> = curve.iter().map(|(_, ratio)| format!("{ratio:.3}")).collect();
+    let row = format!("| deflection | {} |", figures.join(" | "));
     assert!(is_shown("assets/cantilever.svg", &picture), "assets/cantilever.svg is not {}", fresh.display());
-    assert!(is_shown("README.md", &row), "the README's row of deflections is not{row}");
+    assert!(is_shown("README.md", &row), "the README's row of deflections is not {row}");
 }
 
 #[test]

@@ -44,7 +44,6 @@ fn a_pull_measures_the_modulus_at_every_resolution() {
     for cells in [7, 10, 20, 40] {
         let [modulus, poisson] = pulled(&compiled(solid_cube(cells)), cells);
         let ratio = modulus / SOLID.young_modulus;
-        println!("{cells} cells an edge: {ratio:.6} of the modulus, Poisson's ratio {poisson:.6}");
         assert!((ratio - 1.0).abs() < 2e-4, "{cells} cells an edge: {ratio} of the modulus");
         assert!((poisson - 0.25).abs() < 2e-4, "{cells} cells an edge: Poisson's ratio {poisson}");
     }
@@ -82,7 +81,6 @@ fn springs_that_are_all_alike_are_stiffer_the_fewer_they_are() {
         };
         let [modulus, _] = pulled(&compiled(cube(cells, Material::Springs(springs))), cells);
         let ratio = modulus / SOLID.young_modulus;
-        println!("{cells} cells an edge, springs alike: {ratio:.4} of the modulus");
         assert!((ratio - expected).abs() < 0.005 && ratio < last, "{cells} cells an edge: {ratio}, not {expected}");
         last = ratio;
     }
@@ -115,7 +113,6 @@ fn a_hanging_body_sags_alike_at_every_resolution() {
             mean_along(&bottom, &body.solve(&weight(&body)))
         };
         let [free, held] = [DVec3::Y, DVec3::ONE].map(sag);
-        println!("{cells} divisions: sag {:.5} of a bar's, {:.5} with its top pinned", free / bar, held / bar);
         assert!((free / bar - 1.0).abs() < 2e-4, "{cells} divisions sag {free} m, a bar {bar} m");
         pinned.push(held);
     }
@@ -129,7 +126,6 @@ fn a_body_swings_along_itself_alike_at_every_resolution() {
     for cells in [7, 20, 40] {
         let body = hung(cells, DVec3::Y);
         let omega = body.lowest(body.solve(&weight(&body))).sqrt();
-        println!("{cells} divisions: {:.5} of a thin bar's frequency", omega / bar);
         found.push(omega);
     }
     assert!(spread(&found) < 0.02, "rad/s: {found:?}");
@@ -170,7 +166,6 @@ fn of_two_materials_in_one_body_the_stiffer_sags_less() {
         body.start[particle].y - simulation.state().position[particle].y
     };
     let [soft, middle, stiff] = [-0.5, 0.0, 0.5].map(sag);
-    println!("sag of the soft side {soft:.4} m, between {middle:.4} m, of the stiff side {stiff:.4} m");
     // What the soft side pulls down tilts the stiff one: its outer edge may even rise.
     assert!(soft > 2.0 * middle && middle > stiff, "{soft}, {middle}, {stiff} m");
 }
@@ -185,7 +180,8 @@ fn the_stiffest_part_of_a_body_limits_its_step_and_a_change_of_it_is_heeded() {
     let before = limit(&simulation);
     simulation.set_parameters(&soft, &lattices(&soft), &[Some(0)], false);
     assert!(limit(&simulation) > 3.0 * before, "without the stiff half: {before} s, then {} s", limit(&simulation));
-    assert_eq!(limit(&simulation), limit(&simulate::<f64>(&soft)), "as if it had never been there");
+    let fresh = limit(&simulate::<f64>(&soft));
+    assert!((limit(&simulation) / fresh - 1.0).abs() < 1e-15, "as if it had never been there: {fresh} s");
 }
 
 /// What holds a particle at rest is the body's weight, however unequal its particles are.
