@@ -227,6 +227,7 @@ impl Classes {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "the shares are halves and quarters of small numbers")]
 mod tests {
     use super::*;
     use crate::geometry::voxel::Cells;
