@@ -22,6 +22,7 @@ use glam::DVec3;
 use super::model::{CellKind, Link, LinkFamily};
 use crate::geometry::Lattice;
 use crate::math::Real;
+use crate::scene::body::{Inlay, MAX_INLAYS};
 use crate::scene::material::Solid;
 use crate::scene::{Family, Springs};
 
@@ -72,6 +73,34 @@ pub(super) fn solid_cell(solid: &Solid, lattice: &Lattice, size: f64) -> CellKin
         damping: stiffness.map(|stiffness| stiffness * damping_over_stiffness),
         mass: solid.density * h * h * h,
     }
+}
+
+/// The kinds of the cells of a solid with inlays, and of which kind each cell is; none where all are of the first.
+pub(super) fn solid_cells(
+    solid: &Solid,
+    inlays: &[Inlay],
+    lattice: &Lattice,
+    size: f64,
+    rest: &[DVec3],
+) -> (Vec<CellKind>, Vec<u8>) {
+    let mut kinds = vec![solid_cell(solid, lattice, size)];
+    let mut kind_of_cell = Vec::new();
+    for inlay in inlays.iter().take(MAX_INLAYS) {
+        let number = u8::try_from(kinds.len()).unwrap_or(0);
+        let mut is_used = false;
+        for (cell, corners) in lattice.cells.iter().enumerate() {
+            let middle = 0.5 * (rest[corners[0] as usize] + rest[corners[7] as usize]);
+            if (middle.cmpge(DVec3::from(inlay.min)) & middle.cmple(DVec3::from(inlay.max))).all() {
+                kind_of_cell.resize(lattice.cells.len(), 0);
+                kind_of_cell[cell] = number;
+                is_used = true;
+            }
+        }
+        if is_used {
+            kinds.push(solid_cell(&inlay.solid, lattice, size));
+        }
+    }
+    (kinds, kind_of_cell)
 }
 
 /// Sums the shares of the cells. `kind_of_cell` holds a place in `kinds` for every cell of the lattice; empty: all are
@@ -198,6 +227,7 @@ impl Classes {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "the shares are halves and quarters of small numbers")]
 mod tests {
     use super::*;
     use crate::geometry::voxel::Cells;

@@ -127,10 +127,10 @@ fn rotate(a: &mut Matrix, p: usize, q: usize) {
         row[p] = c * x - s * y;
         row[q] = s * x + c * y;
     }
-    for column in 0..SIZE {
-        let (x, y) = (a[p][column], a[q][column]);
-        a[p][column] = c * x - s * y;
-        a[q][column] = s * x + c * y;
+    if let Ok([first, second]) = a.get_disjoint_mut([p, q]) {
+        for (x, y) in first.iter_mut().zip(second) {
+            (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
+        }
     }
 }
 

@@ -56,7 +56,10 @@ fn compile_body<R: Real>(body: &Body, lattice: &Arc<Lattice>, first: usize, scen
     };
     let Assembled { particle_mass, masses, links, cell_kinds } = match &body.material {
         Material::Springs(springs) => assembly::uniform(springs, lattice, &rest),
-        Material::Solid(solid) => assembly::by_cell(&[assembly::solid_cell(solid, lattice, size)], &[], lattice, &rest),
+        Material::Solid(solid) => {
+            let (kinds, kind_of_cell) = assembly::solid_cells(solid, &body.inlays, lattice, size, &rest);
+            assembly::by_cell(&kinds, &kind_of_cell, lattice, &rest)
+        }
     };
     let heaviest = masses.iter().copied().fold(particle_mass, f64::max);
     let load = heaviest_load(lattice) * heaviest * gravity;

@@ -58,6 +58,27 @@ impl Region {
     }
 }
 
+/// How much of the stiffness (1/s²) and of the damping (1/s) of a vibration adds to its load, which stays bounded up to
+/// [`LATTICE_LIMIT`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LoadShare {
+    /// s².
+    pub(super) stiffness: f64,
+    /// s.
+    pub(super) damping: f64,
+}
+
+/// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme.
+pub(super) fn load_shares(integrator: Integrator, dt: f64) -> Vec<LoadShare> {
+    match Region::of(integrator) {
+        Region::Leapfrog(share) => vec![LoadShare { stiffness: dt * dt, damping: 2.0 * share * dt }],
+        Region::HalfDisc(radius) => vec![
+            LoadShare { stiffness: LATTICE_LIMIT * (dt / radius) * (dt / radius), damping: 0.0 },
+            LoadShare { stiffness: 0.0, damping: LATTICE_LIMIT * dt / radius },
+        ],
+    }
+}
+
 /// What can limit a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Term {
