@@ -30,9 +30,9 @@
 //! ```text
 //!  winit event ─ app::input ─┐
 //!  egui panel  ─ app::ui ────┼─► Command ─► Session::handle ─► Edit ─► Scene::apply ─► Applied { inverse, impact }
-//!  command line, test ───────┘                                                              │
-//!       Impact::Appearance → skins and colours only                                         ▼
-//!       Impact::Parameters → Simulation::set_parameters: the motion goes on
+//!  command line, test ───────┘                                         undo, redo ◄─ history ┘ │
+//!       Impact::Appearance → skins and colours only                                           ▼
+//!       Impact::Parameters → Simulation::set_parameters: the motion goes on, moved obstacles sweep to their place
 //!       Impact::Motion     → the body is moved, turned or thrown; nothing is rebuilt
 //!       Impact::Topology   → compiled anew; bodies that stay keep their motion
 //!  wall time ─► Session::advance ─► whole steps, each of n substeps ─► StepReport ─► Status ─► panels
@@ -53,8 +53,8 @@
 //!    (`tests/physics/determinism.rs`, `contact.rs`).
 //! 5. In automatic stepping no value of a parameter within its range makes a body explode
 //!    (`tests/physics/stability.rs`).
-//! 6. Everything a person changes in a scene is an [`scene::edit::Edit`], whose inverse takes it back byte for byte
-//!    (`scene::edit`).
+//! 6. Everything a person changes in a scene is an [`scene::edit::Edit`], whose inverse takes it back byte for byte, with
+//!    the motion of the body it moved or removed (`scene::edit`, `session`: ten thousand random commands).
 //! 7. Every struct shared with a shader has its layout (`tests/render`).
 //! 8. What a file, a graphics driver or a person can cause is a typed error with a sentence (`tests/cli`).
 //!

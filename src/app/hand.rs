@@ -92,6 +92,8 @@ struct Held {
     what: Grip,
     point: Vec3,
     normal: Vec3,
+    /// Where the pointer wants the point now, m.
+    to: Vec3,
 }
 
 #[derive(Clone, Debug)]
@@ -113,7 +115,7 @@ impl Hand {
             }
             (Target::Body(_), Thing::Solid(_)) => return None,
         };
-        self.held = Some(Held { what, point: hit.point, normal: forward });
+        self.held = Some(Held { what, point: hit.point, normal: forward, to: hit.point });
         Some(target)
     }
 
@@ -122,10 +124,20 @@ impl Hand {
         self.held.is_some()
     }
 
-    /// The pointer has moved to another line of sight.
-    pub fn drag(&self, scene: &Scene, ray: &Ray) -> Option<Command> {
+    /// The point of the jelly that is pulled and where to, m; `None` where no jelly is held.
+    pub fn pulled(&self, draw_list: &DrawList) -> Option<[Vec3; 2]> {
         let held = self.held.as_ref()?;
+        let Grip::Jelly { weights, .. } = &held.what else { return None };
+        let place = |particle: u32| draw_list.particles.get(particle as usize).map(|at| Vec3::from(*at));
+        let terms = weights.iter().map(|&(particle, weight)| Some(place(particle)? * weight));
+        Some([terms.sum::<Option<Vec3>>()?, held.to])
+    }
+
+    /// The pointer has moved to another line of sight.
+    pub fn drag(&mut self, scene: &Scene, ray: &Ray) -> Option<Command> {
+        let held = self.held.as_mut()?;
         let to = ray.at(ray.hit_plane(held.point, held.normal)?);
+        held.to = to;
         match &held.what {
             Grip::Jelly { body, weights } => {
                 let pull = Pull { body: *body, weights: weights.clone(), target: to.to_array() };
@@ -186,6 +198,8 @@ mod tests {
         assert!((at - Vec3::new(0.1, 1.0, at.z)).length() < 1e-4, "the weights are those of the point: {at}");
         let to = Vec3::from(pull.target);
         assert!((to - Vec3::new(0.6, 1.5, at.z)).length() < 1e-4, "pulled across the line of sight, to {to}");
+        let [from, shown] = hand.pulled(&draw_list).expect("the pull can be shown");
+        assert!(from.distance(at) < 1e-5 && shown == to, "from the point to the pointer: {from}, {shown}");
         assert!(matches!(hand.release(), Some(Command::Grab(None))), "and let go");
         assert!(hand.release().is_none(), "once");
     }

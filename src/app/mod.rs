@@ -10,6 +10,7 @@
 //! Everything is event-driven: without a new snapshot, an event or an animation nothing is drawn.
 
 pub mod hand;
+pub mod handles;
 pub mod input;
 pub mod recovery;
 pub mod theme;

@@ -18,6 +18,7 @@ use winit::window::Window;
 
 use super::files::Files;
 use super::hand::{self, Hand};
+use super::handles::Handles;
 use super::input::{self, Action, Input, ViewRect};
 use super::ui::files::FileAction;
 use super::ui::{self, Framing, Running, UiState};
@@ -65,6 +66,7 @@ pub(super) struct Shell {
     orbit: Orbit,
     input: Input,
     hand: Hand,
+    handles: Handles,
     ui: UiState,
     failure: String,
     /// The view's picture differs from the one on the screen.
@@ -106,6 +108,7 @@ impl Shell {
             orbit: Orbit::default(),
             input: Input::default(),
             hand: Hand::default(),
+            handles: Handles::default(),
             ui,
             failure: String::new(),
             changed: true,
@@ -142,6 +145,9 @@ impl Shell {
         });
         if let Some(action) = action {
             self.act(action);
+        }
+        if matches!(event, WindowEvent::CursorMoved { .. }) {
+            self.hover();
         }
         if response.repaint && self.visible {
             self.window.request_redraw();
@@ -181,7 +187,7 @@ impl Shell {
             let old = self.snapshot.as_ref();
             if old.is_none_or(|old| old.generation != snapshot.generation) {
                 self.orbit = extract::view::orbit(&snapshot.scene.view.camera);
-                self.hand = Hand::default();
+                (self.hand, self.handles) = (Hand::default(), Handles::default());
                 self.ui.selection = None;
             }
             // The lens is a value of the scene; where the eye is, is the window's own.
@@ -252,6 +258,7 @@ impl Shell {
         self.next_frame = Instant::now().checked_add(delay);
         let panels = self.context.tessellate(output.shapes, output.pixels_per_point);
         let view = self.view();
+        let sight = self.sight(self.input.pointer());
         if let Some(snapshot) = &mut self.snapshot {
             let (picture, scale) = (&mut snapshot.draw_list, output.pixels_per_point);
             picture.camera = self.orbit.camera();
@@ -260,6 +267,11 @@ impl Shell {
             picture.overlay.scale = scale;
             let cross = axes(&picture.camera, &picture.style.overlay);
             picture.tools = Overlay { lines: vec![cross], scale, ..Overlay::default() };
+            if let Some([grabbed, target]) = self.hand.pulled(picture) {
+                extract::overlay::add_grab(&mut picture.tools, grabbed, target);
+            }
+            let colors = picture.style.overlay;
+            self.handles.add_to(&mut picture.tools, &snapshot.scene, self.ui.selection, &sight, &colors);
         }
         let frame = Frame {
             draw_list: self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list),
@@ -273,7 +285,10 @@ impl Shell {
         let shown = self.canvas.show(&frame);
         self.canvas.free_textures(&mut output.textures_delta);
         match shown {
-            Ok(Shown::Presented) => self.changed = false,
+            Ok(Shown::Presented) => {
+                log::trace!("a frame is on the screen");
+                self.changed = false;
+            }
             Ok(Shown::Again) => self.next_frame = Some(Instant::now() + RETRY),
             Ok(Shown::Unseen) => self.next_frame = None,
             Err(error) => self.recover(event_loop, error)?,
@@ -288,8 +303,9 @@ impl Shell {
     fn run_panels(&mut self) -> egui::FullOutput {
         let raw_input = self.egui.take_egui_input(&self.window);
         self.ui.files.camera = extract::view::camera_settings(&self.orbit);
+        let value = self.value_under_pointer();
         let Self { context, snapshot, ui, failure, worker, .. } = self;
-        let shown = ui::Shown { running: snapshot.as_ref().map(running), failure };
+        let shown = ui::Shown { running: snapshot.as_ref().map(running), failure, value: &value };
         let (mut commands, looks) = (Vec::new(), (ui.theme, ui.selection));
         let output = context.run_ui(raw_input, |root| ui::panels_ui(root, &shown, ui, &mut commands));
         for command in commands {

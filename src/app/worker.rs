@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use thiserror::Error;
+use thread_priority::{ThreadPriority, set_current_thread_priority};
 
 use crate::scene::Scene;
 use crate::session::document::Opened;
@@ -123,6 +124,10 @@ impl Worker {
         let slot = Arc::new(Mutex::new(Slot::default()));
         let publisher = Publisher { slot: Arc::clone(&slot), wake };
         std::thread::spawn(move || {
+            // The picture goes before the simulation: what a person does is answered however dear the physics.
+            if let Err(error) = set_current_thread_priority(ThreadPriority::Min) {
+                log::debug!("the simulation keeps the priority it has: {error:?}");
+            }
             let outcome = catch_unwind(AssertUnwindSafe(|| match make() {
                 Ok(sandbox) => Loop::new(sandbox, &received, &publisher).run(),
                 Err(error) => publisher.end(Ended::NotStarted(error)),

@@ -14,6 +14,20 @@ pub fn from_euler_deg(angles_deg: [f64; 3]) -> DMat3 {
     about_z * about_y * about_x
 }
 
+/// The angles of [`from_euler_deg`] that give a rotation, degrees in −180 … 180; where the turn about y is a quarter
+/// turn, and those about x and z are one and the same, the one about z is 0.
+pub fn to_euler_deg(rotation: &DMat3) -> [f64; 3] {
+    const NEARLY_ONE: f64 = 1.0 - 1e-12;
+    let DMat3 { x_axis, y_axis, z_axis } = *rotation;
+    let sin_y = (-x_axis.z).clamp(-1.0, 1.0);
+    let angles = if sin_y.abs() < NEARLY_ONE {
+        [libm::atan2(y_axis.z, z_axis.z), libm::asin(sin_y), libm::atan2(x_axis.y, x_axis.x)]
+    } else {
+        [libm::atan2(-z_axis.y, y_axis.y), libm::asin(sin_y), 0.0]
+    };
+    angles.map(f64::to_degrees)
+}
+
 fn sin_cos_deg(angle_deg: f64) -> (f64, f64) {
     const QUARTER_TURNS: [(f64, (f64, f64)); 4] =
         [(0.0, (0.0, 1.0)), (90.0, (1.0, 0.0)), (180.0, (0.0, -1.0)), (270.0, (-1.0, 0.0))];
@@ -44,5 +58,15 @@ mod tests {
         let r = from_euler_deg([12.0, 34.0, 56.0]);
         assert!((r.determinant() - 1.0).abs() < 1e-14, "a rotation has determinant one");
         assert!(((r * DVec3::X).length() - 1.0).abs() < 1e-14, "a rotation keeps lengths");
+    }
+
+    #[test]
+    fn angles_come_back_as_the_same_rotation() {
+        let cases = [[0.0; 3], [12.0, 34.0, 56.0], [-170.0, -80.0, 123.0], [30.0, 90.0, 0.0], [30.0, -90.0, 45.0]];
+        for angles in cases {
+            let rotation = from_euler_deg(angles);
+            let back = from_euler_deg(to_euler_deg(&rotation));
+            assert!(rotation.abs_diff_eq(back, 1e-9), "{angles:?} became {:?}", to_euler_deg(&rotation));
+        }
     }
 }

@@ -16,7 +16,7 @@
 //! One common cap for all three keeps momentum and angular momentum; without it the push would grow with the fourth
 //! power of an edge. A cell that is on its way back is pushed half as hard as one on its way in: what it takes from
 //! a blow it does not give back in full, so that crushed bodies come to rest rather than gain energy. The size of κ
-//! follows from the links ([`stiffness`]), so that the term costs no smaller step.
+//! follows from the links (`stiffness`), so that the term costs no smaller step.
 //!
 //! Only the cells of a list are pushed: those below [`WATCH`]. All cells are looked at once in every 1/60 s of simulated
 //! time, and in every substep while the list is not empty, as a cell that inverted unseen would be given energy; a body

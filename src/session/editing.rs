@@ -121,6 +121,7 @@ impl Session {
             self.picture.touch();
         }
         self.scene = scene;
+        self.find_inversion();
         self.find_notice();
         Ok(applied)
     }

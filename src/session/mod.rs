@@ -94,6 +94,8 @@ pub struct Session {
     report: StepReport,
     /// Why the simulation was stopped, if it was.
     trouble: Option<Trouble>,
+    /// Cells turned inside out where nothing turns them back.
+    inverted_cells: usize,
     /// The first warning about the scene; found anew after every edit, not every frame.
     notice: String,
     picture: Picture,
@@ -128,6 +130,7 @@ impl Session {
             speed: 1.0,
             report: StepReport::default(),
             trouble: None,
+            inverted_cells: 0,
             notice: String::new(),
             picture: Picture::default(),
         };
@@ -187,6 +190,7 @@ impl Session {
         self.simulation = Simulation::new(&self.scene, &self.bodies.lattices());
         self.clock.forgive();
         self.trouble = None;
+        self.find_inversion();
         self.picture.touch();
     }
 
@@ -209,6 +213,7 @@ impl Session {
             }
         }
         self.clock.note(wall.as_secs_f64(), self.simulation.state().time_secs - time_before);
+        self.find_inversion();
     }
 
     /// Takes one whole step. Says whether the simulation is still sound.
@@ -218,6 +223,7 @@ impl Session {
                 return false;
             }
             if self.simulation.state().substep == 0 {
+                self.find_inversion();
                 return true;
             }
         }
@@ -260,7 +266,7 @@ impl Session {
             undo: self.history.undo_words().to_owned(),
             redo: self.history.redo_words().to_owned(),
             bodies: self.body_status(),
-            trouble: self.trouble.clone(),
+            trouble: self.trouble.clone().or_else(|| self.explain_inversion()),
         }
     }
 

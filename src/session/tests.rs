@@ -163,3 +163,18 @@ fn the_exploding_preset_explodes_soon_names_the_cause_and_every_cure_cures_it() 
         assert!((0..3000).all(|_| session.step()), "{}: three seconds later it still stands", cure.words);
     }
 }
+
+#[test]
+fn the_broken_preset_stays_broken_says_so_and_is_turned_back_while_it_runs() {
+    let mut broken = session("broken");
+    (0..4000).for_each(|_| assert!(broken.step(), "it does not explode"));
+    let trouble = broken.status().trouble.expect("it says that it is broken");
+    assert!(trouble.words.contains("inside out"), "{}", trouble.words);
+    assert!(broken.simulation().diagnostics().inverted_cells > 50, "many cells are inside out");
+    for command in trouble.cures[0].commands() {
+        broken.handle(command).expect("a cure is allowed");
+    }
+    (0..8000).for_each(|_| assert!(broken.step(), "it does not explode"));
+    assert_eq!(broken.simulation().diagnostics().inverted_cells, 0, "all cells are whole again");
+    assert!(broken.status().trouble.is_none(), "nothing is left to say");
+}

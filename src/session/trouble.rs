@@ -1,6 +1,7 @@
 //! A simulation that broke: what was too large against what, in plain words, and what would cure it, as commands.
 
 use super::{Command, Session};
+use crate::extract;
 use crate::math::Vector;
 use crate::physics::stability::Term;
 use crate::scene::edit::{BodyId, Edit};
@@ -12,6 +13,8 @@ use crate::view::legend::three_digits;
 /// A simulation that broke, explained.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trouble {
+    /// What happened, in two or three words.
+    pub title: String,
     /// What happened and why, a few sentences.
     pub words: String,
     /// What would help, best first.
@@ -25,17 +28,47 @@ pub struct Cure {
     pub words: String,
     /// The change it needs; none where a new start is enough.
     pub edit: Option<Edit>,
+    /// Whether the scene has to start anew.
+    pub restart: bool,
 }
 
 impl Cure {
-    /// What the button sends: the change, as one step of undo, and a new start.
+    /// What the button sends: the change, as one step of undo, a new start where it needs one, and time.
     pub fn commands(&self) -> Vec<Command> {
         let edit = self.edit.iter().cloned().flat_map(|edit| [Command::EndEdit, Command::Edit(edit), Command::EndEdit]);
-        edit.chain([Command::Restart, Command::Play]).collect()
+        let restart = self.restart.then_some(Command::Restart);
+        edit.chain(restart).chain([Command::Play]).collect()
     }
 }
 
+/// What an explosion is called.
+const EXPLODED: &str = "It exploded";
+
 impl Session {
+    /// Explains cells that are turned inside out where nothing turns them back (GC §10, Fig 24).
+    pub(super) fn explain_inversion(&self) -> Option<Trouble> {
+        let broken = self.inverted_cells;
+        if broken == 0 {
+            return None;
+        }
+        let cells: usize = self.simulation.model().bodies.iter().map(|body| body.lattice.cells.len()).sum();
+        let words = format!(
+            "{broken} of {cells} cells are turned inside out. Their springs are as long as they want to be, so nothing \
+             turns them back: a spring knows lengths, not left from right."
+        );
+        let mut settings = self.scene.settings.clone();
+        settings.inversion_recovery = true;
+        let heal = Cure { words: "Turn them back".to_owned(), edit: Some(Edit::Settings(settings)), restart: false };
+        let again = Cure { words: "Start again".to_owned(), edit: None, restart: true };
+        Some(Trouble { title: "It broke".to_owned(), words, cures: vec![heal, again] })
+    }
+
+    /// Looks for cells that are turned inside out, where nothing turns them back.
+    pub(super) fn find_inversion(&mut self) {
+        let left_broken = !self.scene.settings.inversion_recovery;
+        self.inverted_cells = if left_broken { extract::overlay::inverted_cells(&self.simulation) } else { 0 };
+    }
+
     /// Explains why the simulation has just been stopped.
     pub(super) fn explain_divergence(&self) -> Trouble {
         let plan = self.simulation.plan();
@@ -59,19 +92,19 @@ impl Session {
             "The simulation exploded and was stopped at its last good state. A step of {step} ms is too large for \
              {against}: {bound}."
         );
-        Trouble { words, cures: self.cures(dt_secs / safe_secs) }
+        Trouble { title: EXPLODED.to_owned(), words, cures: self.cures(dt_secs / safe_secs) }
     }
 
     fn unexplained(&self) -> Trouble {
         let words = "The simulation became unstable and was stopped at its last good state.".to_owned();
-        Trouble { words, cures: self.cures(1.0) }
+        Trouble { title: EXPLODED.to_owned(), words, cures: self.cures(1.0) }
     }
 
     /// What helps against a step that is `excess` times too large to be safe.
     fn cures(&self, excess: f64) -> Vec<Cure> {
         let settings = &self.scene.settings;
         let mut cures = Vec::new();
-        let cure = |words: String, edit| Cure { words, edit: Some(edit) };
+        let cure = |words: String, edit| Cure { words, edit: Some(edit), restart: true };
         if settings.stepping == Stepping::Manual {
             let mut automatic = settings.clone();
             automatic.stepping = Stepping::Auto;
@@ -88,7 +121,7 @@ impl Session {
                 cures.extend(material_cures(body, excess).map(|(words, body)| cure(words, replaced(body))));
             }
         }
-        cures.push(Cure { words: "Start again".to_owned(), edit: None });
+        cures.push(Cure { words: "Start again".to_owned(), edit: None, restart: true });
         cures
     }
 

@@ -31,7 +31,7 @@ fn show(file: Option<&Path>, unsaved: bool) -> Harness<'static, Stage> {
             let running = Running { status: &stage.status, scene: &stage.scene, color_key: None };
             // What a frame asks for is sent before the next one.
             let mut commands = Vec::new();
-            panels_ui(ui, &Shown { running: Some(running), failure: "" }, &mut stage.ui, &mut commands);
+            panels_ui(ui, &Shown { running: Some(running), failure: "", value: "" }, &mut stage.ui, &mut commands);
             stage.commands.append(&mut commands);
         },
         stage,

@@ -169,7 +169,7 @@ fn frame(ui: &mut egui::Ui, live: &mut Live) {
     let mut commands = Vec::new();
     let (status, scene) = (live.session.status(), live.session.scene());
     let running = Running { status: &status, scene, color_key: Some((Colormap::default(), [0.0, 12.4])) };
-    panels_ui(ui, &Shown { running: Some(running), failure: "" }, &mut live.ui, &mut commands);
+    panels_ui(ui, &Shown { running: Some(running), failure: "", value: "" }, &mut live.ui, &mut commands);
     for command in &commands {
         if let Err(error) = live.session.handle(command.clone()) {
             panic!("{command:?} was refused: {error}");

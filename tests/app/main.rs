@@ -5,6 +5,7 @@ mod files;
 mod input;
 mod live;
 mod panels;
+mod panels_pictures;
 mod panels_sizes;
 mod panels_things;
 mod panels_values;

@@ -48,7 +48,7 @@ fn show_at(stage: Stage, size: [f32; 2]) -> Harness<'static, Stage> {
             theme::apply(ui.ctx());
             let color_key = Some((Colormap::default(), [0.0, 12.4]));
             let running = Running { status: &stage.status, scene: &stage.scene, color_key };
-            let shown = Shown { running: Some(running), failure: &stage.failure };
+            let shown = Shown { running: Some(running), failure: &stage.failure, value: "" };
             panels_ui(ui, &shown, &mut stage.ui, &mut stage.commands);
         },
         stage,

@@ -14,6 +14,18 @@ const HAND: Duration = Duration::from_millis(300);
 const PATIENCE: Duration = Duration::from_mins(1);
 /// A pixel of the view, away from the panels and from what lies over the view.
 const IN_VIEW: [i32; 2] = [640, 200];
+/// A pixel of the jelly of the default scene once it has landed, in a window of 1280 × 800.
+const JELLY: [i32; 2] = [600, 450];
+/// Well above where the jelly lies.
+const HIGH: ViewRect = ViewRect { origin: Vec2::new(480.0, 60.0), size: Vec2::new(240.0, 220.0) };
+/// Where the stiffness of the structural springs is typed.
+const STIFFNESS: [i32; 2] = [1226, 153];
+/// The button that adds a sphere.
+const ADD_SPHERE: [i32; 2] = [52, 735];
+/// The panel of values.
+const VALUES: ViewRect = ViewRect { origin: Vec2::new(950.0, 45.0), size: Vec2::new(325.0, 700.0) };
+/// The list of bodies and obstacles.
+const LIST: ViewRect = ViewRect { origin: Vec2::new(4.0, 45.0), size: Vec2::new(180.0, 400.0) };
 /// One window at a time: screenshots of two would time out on a small machine.
 static ALONE: Mutex<()> = Mutex::new(());
 
@@ -101,6 +113,55 @@ fn the_picture_follows_the_size_of_the_window() {
             window.wait_until("the jelly is in sight", |shot| shot.size == size && shot.jelly_share() > 0.005);
             window.wait_until("the bar at the bottom has moved along", Shot::has_bottom_bar);
         }
+    });
+}
+
+#[test]
+fn the_jelly_is_pulled_chosen_and_the_pull_ends_with_the_button() {
+    with_window("cube-on-plane", |window| {
+        std::thread::sleep(4 * HAND);
+        let [x, y] = JELLY;
+        window.point_at([x, y]);
+        window.hand(&["mousedown", "1"]);
+        window.point_at([x + 20, y - 60]);
+        window.point_at([x, y - 260]);
+        window.wait_until("the jelly hangs from the pointer", |shot| shot.jelly_share_of(HIGH) > 0.1);
+        window.hand(&["mouseup", "1"]);
+        window.wait_until("it falls", |shot| shot.jelly_share_of(HIGH) < 0.03);
+    });
+}
+
+#[test]
+fn a_click_chooses_typing_changes_and_undo_takes_back() {
+    with_window("cube-on-plane", |window| {
+        window.key("space");
+        window.wait_until_still();
+        let nothing = window.shot();
+        window.click("1", JELLY);
+        window.wait_until("its values are shown", |shot| shot.differs(&nothing, VALUES));
+        window.wait_until_still();
+        let chosen = window.shot();
+        window.click("1", STIFFNESS);
+        window.hand(&["type", "--delay", "60", "2000"]);
+        window.key("Return");
+        window.wait_until("the value is another", |shot| shot.differs(&chosen, VALUES));
+        window.point_at(IN_VIEW);
+        window.key("ctrl+z");
+        window.wait_until("the value is back", |shot| !shot.differs(&chosen, VALUES));
+    });
+}
+
+#[test]
+fn an_added_sphere_is_in_the_list_and_goes_with_delete() {
+    with_window("cube-on-plane", |window| {
+        window.key("space");
+        window.wait_until_still();
+        let before = window.shot();
+        window.click("1", ADD_SPHERE);
+        window.wait_until("the list is longer", |shot| shot.differs(&before, LIST));
+        window.point_at(IN_VIEW);
+        window.key("Delete");
+        window.wait_until("the list is as it was", |shot| !shot.differs(&before, LIST));
     });
 }
 
@@ -375,9 +436,14 @@ impl Shot {
 
     /// The share of the view that is the raspberry of the first body.
     fn jelly_share(&self) -> f32 {
+        self.jelly_share_of(self.view())
+    }
+
+    /// The same for a part of the picture.
+    fn jelly_share_of(&self, part: ViewRect) -> f32 {
         let is_jelly = |[red, green, blue]: [u8; 3]| red > 120 && red > green.saturating_mul(2) && red > blue;
         let (mut jelly, mut all) = (0, 0);
-        for index in self.within(self.view()) {
+        for index in self.within(part) {
             all += 1;
             jelly += usize::from(is_jelly(self.pixels[index]));
         }

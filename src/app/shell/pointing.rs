@@ -4,16 +4,16 @@ use glam::Vec2;
 
 use super::Shell;
 use crate::app::hand;
+use crate::app::handles::{self, Sight};
 use crate::app::input::{self, Action, CameraMove, ChosenAction, Event, Panel, Situation};
 use crate::app::ui;
 use crate::view::Ray;
+use crate::view::legend::three_digits;
 
 impl Shell {
     pub(super) fn situation(&self, event: Event) -> Situation {
         let pointer = self.input.pointer();
-        let points = egui::pos2(pointer.x, pointer.y) / self.pixels_per_point();
-        let covered = self.context.layer_id_at(points).is_some_and(|layer| layer.order != egui::Order::Background);
-        let over_view = self.view().contains(pointer) && !covered && !self.context.egui_is_using_pointer();
+        let over_view = self.is_over_view(pointer);
         Situation {
             over_view,
             typing: self.context.egui_wants_keyboard_input(),
@@ -25,6 +25,9 @@ impl Shell {
 
     fn is_holdable(&self, pixel: Vec2) -> bool {
         let Some(snapshot) = &self.snapshot else { return false };
+        if handles::is_on_handle(&snapshot.scene, self.ui.selection, &self.sight(pixel)) {
+            return true;
+        }
         hand::target(&snapshot.scene, &snapshot.draw_list, &self.ray(pixel))
             .is_some_and(|(target, _)| hand::can_be_held(&snapshot.scene, target))
     }
@@ -33,6 +36,42 @@ impl Shell {
     fn ray(&self, pixel: Vec2) -> Ray {
         let view = self.view();
         self.orbit.camera().ray_through(pixel - view.origin, view.size)
+    }
+
+    /// How the view is seen, with the pointer at a pixel of the window.
+    pub(super) fn sight(&self, pixel: Vec2) -> Sight {
+        let (view, scale) = (self.view(), self.pixels_per_point());
+        Sight { camera: self.orbit.camera(), size: view.size / scale, pointer: (pixel - view.origin) / scale }
+    }
+
+    /// The scalar shown at the point of the jelly under the pointer, with its unit; empty where there is none.
+    pub(super) fn value_under_pointer(&self) -> String {
+        let pointer = self.input.pointer();
+        let Some(snapshot) = self.snapshot.as_ref().filter(|_| !self.input.dragging()) else { return String::new() };
+        if snapshot.draw_list.scalars.is_none() || !self.is_over_view(pointer) {
+            return String::new();
+        }
+        let hit = crate::view::pick::nearest(&snapshot.draw_list, &self.ray(pointer));
+        let value = hit.and_then(|hit| hand::value_at(&snapshot.draw_list, &hit));
+        let unit = snapshot.scene.view.color.unit();
+        value.map_or_else(String::new, |value| format!("{} {unit}", three_digits(f64::from(value))))
+    }
+
+    fn is_over_view(&self, pixel: Vec2) -> bool {
+        let points = egui::pos2(pixel.x, pixel.y) / self.pixels_per_point();
+        let covered = self.context.layer_id_at(points).is_some_and(|layer| layer.order != egui::Order::Background);
+        self.view().contains(pixel) && !covered && !self.context.egui_is_using_pointer()
+    }
+
+    /// Lets the handle under the pointer stand out.
+    pub(super) fn hover(&mut self) {
+        let sight = self.sight(self.input.pointer());
+        if let Some(snapshot) = &self.snapshot
+            && self.handles.hover(&snapshot.scene, self.ui.selection, &sight)
+        {
+            self.changed = true;
+            self.window.request_redraw();
+        }
     }
 
     pub(super) fn act(&mut self, action: Action) {
@@ -79,7 +118,12 @@ impl Shell {
     }
 
     fn take(&mut self, pixel: Vec2) {
+        let sight = self.sight(pixel);
         let Some(snapshot) = &self.snapshot else { return };
+        if self.handles.take(&snapshot.scene, self.ui.selection, &sight) {
+            self.drag(self.input.pointer());
+            return;
+        }
         let (ray, forward) = (self.ray(pixel), self.orbit.camera().forward());
         if let Some(target) = self.hand.take(&snapshot.scene, &snapshot.draw_list, &ray, forward) {
             self.ui.selection = Some(target);
@@ -89,15 +133,22 @@ impl Shell {
 
     fn drag(&mut self, pixel: Vec2) {
         let Some(snapshot) = &self.snapshot else { return };
-        if let Some(command) = self.hand.drag(&snapshot.scene, &self.ray(pixel)) {
+        let ray = self.ray(pixel);
+        let command = if self.handles.holds() {
+            self.handles.drag(self.sight(pixel).pointer)
+        } else {
+            self.hand.drag(&snapshot.scene, &ray)
+        };
+        if let Some(command) = command {
             self.worker.send(command);
         }
     }
 
     fn release(&mut self) {
-        if let Some(command) = self.hand.release() {
+        for command in self.hand.release().into_iter().chain(self.handles.release()) {
             self.worker.send(command);
         }
+        self.changed = true;
     }
 
     fn act_on_chosen(&mut self, action: ChosenAction) {

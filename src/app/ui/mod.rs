@@ -45,6 +45,8 @@ pub struct Shown<'a> {
     pub running: Option<Running<'a>>,
     /// A failure of the program itself, as a sentence; empty when all is well.
     pub failure: &'a str,
+    /// The value under the pointer with its unit; empty when there is none.
+    pub value: &'a str,
 }
 
 /// What the panels show of a running sandbox.
@@ -172,6 +174,7 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
         }
         None => (),
     }
+    value_under_pointer_ui(ui, shown.value);
     message::message_ui(ui, status, shown.failure, state);
     keys::keys_ui(ui, state);
     // After a failure nothing can be saved any more: what is unsaved is kept as a draft.
@@ -199,6 +202,22 @@ fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, comman
             inspector::inspector_ui(ui, running, state, commands);
         });
     }
+}
+
+/// A small label beside the pointer with the value there.
+fn value_under_pointer_ui(ui: &Ui, value: &str) {
+    let pointer = ui.input(|input| input.pointer.hover_pos());
+    let Some(pointer) = pointer.filter(|_| !value.is_empty()) else { return };
+    Area::new(Id::unique("value under the pointer"))
+        .order(Order::Middle)
+        .interactable(false)
+        .fade_in(false)
+        .fixed_pos(pointer + egui::vec2(14.0, 12.0))
+        .show(ui.ctx(), |ui| {
+            theme::float_frame(ui).inner_margin(egui::Margin::symmetric(8, 4)).show(ui, |ui| {
+                ui.add(egui::Label::new(RichText::new(value).color(theme::of(ui).strong)).extend());
+            });
+        });
 }
 
 /// The view settings with another scalar for the colours.

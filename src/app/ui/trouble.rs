@@ -14,7 +14,7 @@ pub(super) fn trouble_ui(ui: &Ui, status: &Status, state: &UiState, commands: &m
     over_view(ui, "trouble", state.view_rect, Align2::CENTER_TOP, |ui| {
         theme::float_frame(ui).stroke(egui::Stroke::new(1.0, theme::of(ui).warning)).show(ui, |ui| {
             ui.set_max_width(WIDTH.min(state.view_rect.width() - 60.0));
-            ui.label(RichText::new("It exploded").color(theme::of(ui).warning).size(15.0).strong());
+            ui.label(RichText::new(&trouble.title).color(theme::of(ui).warning).size(15.0).strong());
             ui.label(RichText::new(&trouble.words).color(theme::of(ui).strong));
             ui.add_space(4.0);
             ui.horizontal_wrapped(|ui| {

@@ -1,0 +1,205 @@
+//! The handles of the obstacle that is chosen: which one the pointer is on, and what dragging it does to the obstacle.
+//! Pure: knows neither a window nor which button was pressed.
+
+use glam::{DMat3, DVec3, Vec2};
+
+use super::hand::Target;
+use crate::math::rotation::{from_euler_deg, to_euler_deg};
+use crate::scene::edit::{Edit, ObstacleId};
+use crate::scene::{Obstacle, ObstacleShape, Scene};
+use crate::session::Command;
+use crate::view::gizmo::{Drag, Gizmo, Handle};
+use crate::view::style::OverlayColors;
+use crate::view::{Camera, Overlay};
+
+/// How the view is seen: the camera, the view's size and the pointer from its upper left corner, both in points.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight {
+    /// The camera.
+    pub camera: Camera,
+    /// Width and height of the view, points.
+    pub size: Vec2,
+    /// The pointer, points from the view's upper left corner.
+    pub pointer: Vec2,
+}
+
+/// The handles of the obstacle that is chosen.
+#[derive(Clone, Debug, Default)]
+pub struct Handles {
+    hot: Option<Handle>,
+    held: Option<Held>,
+}
+
+/// A handle that is dragged, and how everything was when that began.
+#[derive(Clone, Debug)]
+struct Held {
+    id: ObstacleId,
+    start: Obstacle,
+    gizmo: Gizmo,
+    handle: Handle,
+    from: Sight,
+}
+
+impl Handles {
+    /// The pointer has moved. Says whether another handle than before stands out.
+    pub fn hover(&mut self, scene: &Scene, chosen: Option<Target>, sight: &Sight) -> bool {
+        if self.held.is_some() {
+            return false;
+        }
+        let hot = handle_at(scene, chosen, sight).map(|(_, _, handle)| handle);
+        std::mem::replace(&mut self.hot, hot) != hot
+    }
+
+    /// Takes hold of the handle under the pointer; says whether there is one.
+    pub fn take(&mut self, scene: &Scene, chosen: Option<Target>, sight: &Sight) -> bool {
+        self.held = handle_at(scene, chosen, sight).map(|(id, gizmo, handle)| {
+            let start = scene.obstacles[id.0].clone();
+            Held { id, start, gizmo, handle, from: *sight }
+        });
+        self.hot = self.held.as_ref().map(|held| held.handle).or(self.hot);
+        self.held.is_some()
+    }
+
+    /// Whether a handle is held.
+    pub fn holds(&self) -> bool {
+        self.held.is_some()
+    }
+
+    /// The pointer has dragged the handle to another place, points from the view's upper left corner.
+    pub fn drag(&self, to: Vec2) -> Option<Command> {
+        let Held { id, start, gizmo, handle, from } = self.held.as_ref()?;
+        let drag = gizmo.drag(&from.camera, from.size, *handle, from.pointer, to)?;
+        let obstacle = Obstacle { shape: dragged(start.shape, drag), ..start.clone() };
+        Some(Command::Edit(Edit::Obstacle(*id, Box::new(obstacle))))
+    }
+
+    /// Lets go: what has to be told, if a handle was held.
+    pub fn release(&mut self) -> Option<Command> {
+        self.held.take().map(|_| Command::EndEdit)
+    }
+
+    /// Draws the handles of what is chosen.
+    pub fn add_to(
+        &self,
+        tools: &mut Overlay,
+        scene: &Scene,
+        chosen: Option<Target>,
+        sight: &Sight,
+        colors: &OverlayColors,
+    ) {
+        if let Some((_, gizmo)) = gizmo_of(scene, chosen) {
+            gizmo.add_to(tools, &sight.camera, sight.size, self.hot, colors);
+        }
+    }
+}
+
+/// Whether a handle lies under the pointer.
+pub fn is_on_handle(scene: &Scene, chosen: Option<Target>, sight: &Sight) -> bool {
+    handle_at(scene, chosen, sight).is_some()
+}
+
+fn handle_at(scene: &Scene, chosen: Option<Target>, sight: &Sight) -> Option<(ObstacleId, Gizmo, Handle)> {
+    let (id, gizmo) = gizmo_of(scene, chosen)?;
+    let handle = gizmo.hit(&sight.camera, sight.size, sight.pointer)?;
+    Some((id, gizmo, handle))
+}
+
+fn gizmo_of(scene: &Scene, chosen: Option<Target>) -> Option<(ObstacleId, Gizmo)> {
+    let Some(Target::Obstacle(id)) = chosen else { return None };
+    let obstacle = scene.obstacles.get(id.0).filter(|obstacle| !obstacle.hidden)?;
+    let (center, turns) = match obstacle.shape {
+        ObstacleShape::Plane(plane) => (plane.center, true),
+        ObstacleShape::Sphere(sphere) => (sphere.center, false),
+    };
+    Some((id, Gizmo::new(DVec3::from(center).as_vec3(), turns)))
+}
+
+fn dragged(shape: ObstacleShape, drag: Drag) -> ObstacleShape {
+    match (shape, drag) {
+        (ObstacleShape::Plane(mut plane), Drag::Move(way)) => {
+            plane.center = (DVec3::from(plane.center) + way.as_dvec3()).to_array();
+            ObstacleShape::Plane(plane)
+        }
+        (ObstacleShape::Plane(mut plane), Drag::Turn { axis, angle_rad }) => {
+            let turn = DMat3::from_axis_angle(axis.as_dvec3(), f64::from(angle_rad));
+            plane.rotation_deg = to_euler_deg(&(turn * from_euler_deg(plane.rotation_deg)));
+            ObstacleShape::Plane(plane)
+        }
+        (ObstacleShape::Sphere(mut sphere), Drag::Move(way)) => {
+            sphere.center = (DVec3::from(sphere.center) + way.as_dvec3()).to_array();
+            ObstacleShape::Sphere(sphere)
+        }
+        (ObstacleShape::Sphere(sphere), Drag::Turn { .. }) => ObstacleShape::Sphere(sphere),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::scene::presets::preset;
+
+    const SIZE: Vec2 = Vec2::new(800.0, 600.0);
+    const GROUND: Option<Target> = Some(Target::Obstacle(ObstacleId(0)));
+    const BALL: Option<Target> = Some(Target::Obstacle(ObstacleId(1)));
+
+    fn scene() -> Scene {
+        (preset("cube-on-plane").expect("a preset").build)()
+    }
+
+    /// From the front, a little from above.
+    fn sight(pointer: Vec2) -> Sight {
+        let target = Vec3::new(0.0, 0.3, 0.0);
+        let camera = Camera { eye: target + Vec3::new(1.0, 2.0, 8.0), target, up: Vec3::Y, fov_rad: 0.7 };
+        Sight { camera, size: SIZE, pointer }
+    }
+
+    /// The first pixel along a way across the view with a handle of this kind.
+    fn find(chosen: Option<Target>, wanted: impl Fn(Handle) -> bool) -> Sight {
+        let pixels = (0..600).flat_map(|y| (0..800).step_by(3).map(move |x| Vec2::new(x as f32, y as f32)));
+        let mut sights = pixels.map(sight);
+        let found = sights.find(|sight| handle_at(&scene(), chosen, sight).is_some_and(|(_, _, h)| wanted(h)));
+        found.expect("there is such a handle in the view")
+    }
+
+    fn drag(chosen: Option<Target>, wanted: impl Fn(Handle) -> bool, way: Vec2) -> ObstacleShape {
+        let mut handles = Handles::default();
+        let sight = find(chosen, wanted);
+        assert!(handles.take(&scene(), chosen, &sight), "there is a handle under the pointer");
+        let Some(Command::Edit(Edit::Obstacle(_, moved))) = handles.drag(sight.pointer + way) else {
+            panic!("dragging it changes the obstacle")
+        };
+        assert!(matches!(handles.release(), Some(Command::EndEdit)) && !handles.holds(), "and is one change");
+        moved.shape
+    }
+
+    #[test]
+    fn an_arrow_moves_a_ball_along_its_axis_alone() {
+        let ObstacleShape::Sphere(ball) = drag(BALL, |handle| handle == Handle::Arrow(1), Vec2::new(5.0, -40.0)) else {
+            panic!("a ball stays one")
+        };
+        let [x, y, z] = ball.center;
+        assert!((x - 1.5).abs() < 1e-6 && (z + 0.3).abs() < 1e-6 && y > 0.5, "up, and nowhere else: {:?}", ball.center);
+    }
+
+    #[test]
+    fn a_ring_turns_the_ground_about_its_middle() {
+        let turned = drag(GROUND, |handle| matches!(handle, Handle::Ring(_)), Vec2::new(30.0, 30.0));
+        let ObstacleShape::Plane(plane) = turned else { panic!("a plane stays one") };
+        let angle = plane.rotation_deg.iter().fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+        assert!(DVec3::from(plane.center).length() < 1e-9 && angle > 1.0, "turned where it lies: {plane:?}");
+    }
+
+    #[test]
+    fn only_a_visible_obstacle_has_handles_and_the_one_under_the_pointer_stands_out() {
+        let on_arrow = find(GROUND, |handle| handle == Handle::Arrow(1));
+        let mut handles = Handles::default();
+        assert!(handles.hover(&scene(), GROUND, &on_arrow), "the pointer comes over it");
+        assert!(!handles.hover(&scene(), GROUND, &on_arrow), "and stays there");
+        assert!(handles.hover(&scene(), None, &on_arrow), "nothing is chosen any more");
+        let mut hidden = scene();
+        hidden.obstacles[0].hidden = true;
+        assert!(!is_on_handle(&hidden, GROUND, &on_arrow), "what is not seen has no handles");
+    }
+}
