@@ -66,9 +66,10 @@ fn run_cost(args: &CostArgs) -> Result<(), Failure> {
         None => None,
     };
     args.changes.start_threads()?;
+    // What cannot be opened is told before anything is measured.
+    let opened = args.scenes.iter().map(|scene| args.changes.open(scene)).collect::<Result<Vec<_>, _>>()?;
     let mut figures = Vec::new();
-    for scene in &args.scenes {
-        let opened = args.changes.open(scene)?;
+    for opened in opened {
         let mut lattices = Vec::new();
         for (index, body) in opened.scene.bodies.iter().enumerate() {
             let jelly = resolve(&body.shape, &opened.base_dir, &Progress::new("filling"));

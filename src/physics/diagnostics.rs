@@ -8,7 +8,7 @@ use super::integrate;
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::recovery;
-use super::state::State;
+use super::state::{BodyMemory, State};
 use super::step::{Inputs, Scratch, substep};
 use crate::math::{Aabb, Real, Vector};
 
@@ -63,11 +63,13 @@ impl Diagnostics {
         // A velocity half a step behind its position has the mean of it and the next one on time. The next one is had
         // by taking the substep on a copy.
         let mut ahead = state.clone();
+        // A sleeping body's contacts are found, too.
+        ahead.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut scratch = Scratch::new(model, plan);
         let next = substep(model, plan, Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
-        let centred = |particle: usize| {
+        let centred = |particle: usize, asleep: bool| {
             let now = state.velocity[particle].to_dvec3();
-            if next.diverged || integrate::is_on_time(plan, state) {
+            if asleep || next.diverged || integrate::is_on_time(plan, state) {
                 now
             } else {
                 0.5 * (now + ahead.velocity[particle].to_dvec3())
@@ -85,11 +87,11 @@ impl Diagnostics {
             finite: state.position.iter().chain(&state.velocity).all(|v| v.is_finite()),
         };
         let gravity = model.gravity.to_dvec3();
-        for body in &model.bodies {
+        for (body, memory) in model.bodies.iter().zip(&state.bodies) {
             let mass = body.particle_mass.to_f64();
             for particle in body.particles.clone() {
                 let position = state.position[particle].to_dvec3();
-                let velocity = centred(particle);
+                let velocity = centred(particle, memory.asleep);
                 sum.mass_kg += mass;
                 sum.energy.kinetic += 0.5 * mass * velocity.length_squared();
                 sum.energy.gravity -= mass * gravity.dot(position);
@@ -147,7 +149,7 @@ pub(super) fn link_loads<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R
     for body in &model.bodies {
         let range = body.particles.clone();
         let (position, velocity) = (&state.position[range.clone()], &state.velocity[range.clone()]);
-        forces::for_each_link(body, plan.families, position, velocity, |[i, j], on_i| {
+        forces::for_each_link(body, plan, position, velocity, |[i, j], on_i| {
             let (i, j) = (range.start + i, range.start + j);
             let strength = on_i.length();
             for end in [i, j] {

@@ -4,11 +4,12 @@ use super::model::{BodyModel, Model};
 use super::plan::{Plan, Stage};
 use super::recovery;
 use super::report::{StageTimer, StepReport};
+use super::sleep::awake;
 use super::state::BodyMemory;
 use crate::math::{Real, Vector};
 
 #[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
-/// Writes all forces on particles at these positions with these velocities but those of contact, N.
+/// Writes all forces on the particles of bodies that are awake, at these positions with these velocities but those of contact, N.
 pub fn evaluate<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -20,21 +21,21 @@ pub fn evaluate<R: Real>(
     timer: &mut impl StageTimer,
 ) {
     timer.enter(Stage::Gravity);
-    gravity(model, force);
+    gravity(model, memory, force);
     if plan.runs(Stage::Links) {
         timer.enter(Stage::Links);
-        report.link_forces += links(model, plan, position, velocity, force);
-        report.damped_link_forces += damped_links(model, plan);
+        report.link_forces += links(model, plan, position, velocity, memory, force);
+        report.damped_link_forces += damped_links(model, plan, memory);
     }
-    if plan.recovery && memory.iter().any(|memory| !memory.near_inversion.is_empty()) {
+    if plan.recovery && memory.iter().any(BodyMemory::is_watched) {
         timer.enter(Stage::Recovery);
         recovery::add_forces(model, plan, position, velocity, memory, force, report);
     }
 }
 
 /// Writes the weight of every particle, N.
-pub fn gravity<R: Real>(model: &Model<R>, force: &mut [R::Vec3]) {
-    for body in &model.bodies {
+pub fn gravity<R: Real>(model: &Model<R>, memory: &[BodyMemory], force: &mut [R::Vec3]) {
+    for body in awake(model, memory) {
         force[body.particles.clone()].fill(model.gravity * body.particle_mass);
     }
 }
@@ -45,14 +46,15 @@ pub fn links<R: Real>(
     plan: &Plan,
     position: &[R::Vec3],
     velocity: &[R::Vec3],
+    memory: &[BodyMemory],
     force: &mut [R::Vec3],
 ) -> u64 {
     let mut evaluated = 0;
-    for body in &model.bodies {
+    for body in awake(model, memory) {
         let particles = body.particles.clone();
         let (position, velocity) = (&position[particles.clone()], &velocity[particles.clone()]);
         let force = &mut force[particles];
-        for_each_link(body, plan.families, position, velocity, |[i, j], on_i| {
+        for_each_link(body, plan, position, velocity, |[i, j], on_i| {
             force[i] += on_i;
             force[j] -= on_i;
             evaluated += 1;
@@ -62,25 +64,25 @@ pub fn links<R: Real>(
 }
 
 /// Links whose damping is worked out in an evaluation of all forces.
-fn damped_links<R: Real>(model: &Model<R>, plan: &Plan) -> u64 {
-    let families = model.bodies.iter().flat_map(|body| body.links.iter().zip(plan.families));
+fn damped_links<R: Real>(model: &Model<R>, plan: &Plan, memory: &[BodyMemory]) -> u64 {
+    let families = awake(model, memory).flat_map(|body| body.links.iter().zip(plan.families));
     families
-        .filter(|(family, chosen)| *chosen && family.damping > R::ZERO)
+        .filter(|(family, chosen)| *chosen && (family.damping > R::ZERO || !plan.lean))
         .map(|(family, _)| family.links.len() as u64)
         .sum()
 }
 
-/// Calls `visit` with the ends (local numbers) of every link of the chosen families and the force on the first end, N.
+/// Calls `visit` with the ends (local numbers) of every link of the plan's families and the force on the first end, N.
 /// `position` and `velocity` are the body's own.
 pub fn for_each_link<R: Real>(
     body: &BodyModel<R>,
-    families: [bool; 3],
+    plan: &Plan,
     position: &[R::Vec3],
     velocity: &[R::Vec3],
     mut visit: impl FnMut([usize; 2], R::Vec3),
 ) {
-    for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
-        let undamped = family.damping == R::ZERO;
+    for (family, _) in body.links.iter().zip(plan.families).filter(|(_, chosen)| *chosen) {
+        let undamped = plan.lean && family.damping == R::ZERO;
         for link in &family.links {
             let [i, j] = link.ends.map(|end| end as usize);
             let d = position[j] - position[i];

@@ -19,6 +19,7 @@ pub mod report;
 pub mod runaway;
 pub mod scalars;
 pub mod simulation;
+pub mod sleep;
 pub mod stability;
 pub mod state;
 pub mod step;

@@ -21,12 +21,14 @@ pub enum Stage {
     Contact,
     /// Velocity and position.
     Integrate,
+    /// Whether bodies have come to rest.
+    Rest,
 }
 
 impl Stage {
     /// All stages in their order.
-    pub const ALL: [Self; 6] =
-        [Self::Gravity, Self::Links, Self::Recovery, Self::BroadPhase, Self::Contact, Self::Integrate];
+    pub const ALL: [Self; 7] =
+        [Self::Gravity, Self::Links, Self::Recovery, Self::BroadPhase, Self::Contact, Self::Integrate, Self::Rest];
 
     /// The stage's word in figures.
     pub fn name(self) -> &'static str {
@@ -37,6 +39,7 @@ impl Stage {
             Self::BroadPhase => "broad_phase",
             Self::Contact => "contact",
             Self::Integrate => "integrate",
+            Self::Rest => "rest",
         }
     }
 }
@@ -71,6 +74,10 @@ pub struct Plan {
     pub watched: bool,
     /// Whether boxes keep particles from the narrow phase; the result is the same without, only dearer.
     pub broad_phase: bool,
+    /// Whether bodies at rest sleep.
+    pub sleeping: bool,
+    /// Whether what cannot change anything is left out; the result is the same without, only dearer.
+    pub lean: bool,
 }
 
 impl Plan {
@@ -98,12 +105,21 @@ impl Plan {
             contact_rule: settings.contact,
             watched: !divided,
             broad_phase: true,
+            sleeping: settings.sleeping,
+            lean: true,
         }
     }
 
     /// The step in use, s.
     pub fn substep_secs(&self) -> f64 {
         self.dt_secs / f64::from(self.substeps)
+    }
+
+    /// Has everything worked out in every substep, whether the scene needs it or not: dearer, and the same to the bit.
+    pub fn work_out_everything(&mut self) {
+        self.families = [true; 3];
+        self.broad_phase = false;
+        self.lean = false;
     }
 
     /// What this scene does not need and no step does, with the reason.
@@ -128,6 +144,7 @@ impl Plan {
         leave_out(!self.contact, "contact", "there is no obstacle, or no body");
         leave_out(self.contact && !self.spheres, "sphere contact", "there is no sphere");
         leave_out(self.contact && !self.friction, "friction", "all its coefficients are zero");
+        leave_out(!self.sleeping, "sleeping", "it is switched off");
         leave_out(!self.watched, "watch for explosions", "the steps are known to be stable");
         left_out
     }
@@ -140,6 +157,7 @@ impl Plan {
             Stage::Recovery => self.recovery,
             Stage::BroadPhase => self.contact && self.broad_phase,
             Stage::Contact => self.contact,
+            Stage::Rest => self.sleeping,
         }
     }
 }

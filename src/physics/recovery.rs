@@ -67,13 +67,13 @@ pub(super) fn is_due<R: Real>(plan: &Plan, state: &State<R>) -> bool {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
     let every = libm::round(LOOK_SECS / plan.substep_secs()).max(1.0) as u64;
     let number = state.steps.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep));
-    number % every == 0 || state.bodies.iter().any(|memory| !memory.near_inversion.is_empty())
+    number % every == 0 || !plan.lean || state.bodies.iter().any(BodyMemory::is_watched)
 }
 
 /// Looks at all cells and writes down those that are near inversion.
 pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, report: &mut StepReport) {
     let watch = R::from_f64(WATCH);
-    for (body, memory) in model.bodies.iter().zip(&mut state.bodies) {
+    for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
         memory.near_inversion.clear();
         if body.recovery_stiffness <= R::ZERO {
             continue;
@@ -99,7 +99,7 @@ pub(super) fn add_forces<R: Real>(
     report: &mut StepReport,
 ) {
     let dt = R::from_f64(plan.substep_secs());
-    for (body, memory) in model.bodies.iter().zip(memory) {
+    for (body, memory) in model.bodies.iter().zip(memory).filter(|(_, memory)| !memory.asleep) {
         let position = &position[body.particles.clone()];
         let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];

@@ -32,6 +32,7 @@ pub use trouble::{Cure, Trouble};
 
 use crate::geometry::Watch;
 use crate::physics::model::BodyModel;
+use crate::physics::state::BodyMemory;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
 use crate::scene::edit::EditError;
@@ -230,8 +231,11 @@ impl Session {
     }
 
     fn substep(&mut self) -> bool {
+        let asleep = self.simulation.is_asleep();
         self.report = self.simulation.substep(&mut ());
-        self.picture.touch();
+        if !asleep {
+            self.picture.touch();
+        }
         if self.report.diverged {
             self.playing = false;
             self.trouble = Some(self.explain_divergence());
@@ -272,7 +276,7 @@ impl Session {
 
     fn body_status(&self) -> Vec<BodyStatus> {
         let position = &self.simulation.state().position;
-        let status = |body: &BodyModel<f32>| {
+        let status = |(body, memory): (&BodyModel<f32>, &BodyMemory)| {
             let own = &position[body.particles.clone()];
             let sum = own.iter().fold(DVec3::ZERO, |sum, at| sum + at.as_dvec3());
             BodyStatus {
@@ -281,9 +285,10 @@ impl Session {
                 links: std::array::from_fn(|family| body.links[family].links.len()),
                 mass_kg: f64::from(body.particle_mass) * own.len() as f64,
                 center: (sum / own.len().max(1) as f64).to_array(),
+                asleep: memory.asleep,
             }
         };
-        self.simulation.model().bodies.iter().map(status).collect()
+        self.simulation.model().bodies.iter().zip(&self.simulation.state().bodies).map(status).collect()
     }
 
     fn slowness(&self, factor: f64, links: usize) -> String {

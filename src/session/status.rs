@@ -64,4 +64,6 @@ pub struct BodyStatus {
     pub mass_kg: f64,
     /// The centre of mass now, m.
     pub center: [f64; 3],
+    /// Whether it has come to rest and is left alone until something touches it or a value changes.
+    pub asleep: bool,
 }

@@ -110,6 +110,24 @@ fn a_state_goes_to_bytes_and_back_bit_for_bit() {
 }
 
 #[test]
+fn what_sleeps_is_not_copied_for_a_picture_and_looking_at_it_does_not_wake_it() {
+    let mut session = session("tree");
+    let steps = (0..20_000).take_while(|_| session.step() && !session.status().bodies[0].asleep).count();
+    assert!((1000..20_000).contains(&steps), "it falls, rests and sleeps: {steps} ms");
+    let first = session.draw_list();
+    assert!(session.step(), "time goes on");
+    assert!(Arc::ptr_eq(&first.particles, &session.draw_list().particles), "the picture is the one before");
+    let mut view = session.scene().view.clone();
+    view.color = crate::scene::ColorBy::Contact;
+    session.handle(Command::Edit(Edit::View(view))).expect("a view can be changed");
+    let shown = session.draw_list().scalars.expect("colours are on");
+    assert!(shown.iter().sum::<f32>() > 1.0, "its contacts are still to be seen");
+    assert!(session.status().bodies[0].asleep, "a look wakes nothing");
+    session.handle(edited_body(&session, |body| body.pose.position[1] += 1.0)).expect("it can be lifted");
+    assert!(session.step() && !session.status().bodies[0].asleep, "a hand does");
+}
+
+#[test]
 fn damaged_and_foreign_states_are_refused() {
     let bytes = session("cube-on-plane").state_bytes();
     let refused = |bytes: &[u8]| session("cube-on-plane").set_state_bytes(bytes).expect_err("this must be refused");

@@ -3,3 +3,4 @@
 mod bad_input;
 mod figures;
 mod program;
+mod report;

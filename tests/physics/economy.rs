@@ -4,7 +4,7 @@ use gelatin::physics::StepReport;
 use gelatin::physics::plan::Stage;
 use gelatin::physics::report::StageTimer;
 use gelatin::scene::Scene;
-use gelatin::scene::presets::presets;
+use gelatin::scene::presets::{preset, presets};
 
 use crate::support::{alone, ball, cube, falling, plane, simulate, springs};
 
@@ -62,8 +62,14 @@ fn a_far_ball_costs_no_test() {
     let mut simulation = simulate::<f32>(&scene);
     // The first substep looks: only then is it known that nothing touches.
     simulation.step();
-    let report = simulation.step();
+    let mut stages = Stages::default();
+    let report = simulation.step_timed(&mut stages);
     assert_eq!((report.narrow_tests, report.narrow_tests_saved), (0, 27), "every particle was saved a test");
+    assert_eq!(
+        (stages.0[Stage::BroadPhase as usize], stages.0[Stage::Contact as usize]),
+        (1, 0),
+        "by one look at boxes"
+    );
 }
 
 /// A cube that falls on a plane, and what a second of it did.
@@ -109,4 +115,61 @@ fn each_feature_runs_only_where_it_is_needed_and_the_plan_says_so() {
     });
     assert!(report.link_forces > 0 && report.damped_link_forces == 0, "no damping, no damped force: {report:?}");
     assert!(left_out.contains(&"shear damping".to_owned()), "{left_out:?}");
+}
+
+/// A preset after a second of simulated time, nothing asleep.
+fn after_a_second(name: &str, everything: bool, change: fn(&mut Scene)) -> (u64, StepReport) {
+    let mut scene = (preset(name).expect("a preset of this name").build)();
+    scene.settings.sleeping = false;
+    change(&mut scene);
+    let mut simulation = simulate::<f32>(&scene);
+    if everything {
+        simulation.plan_mut().work_out_everything();
+    }
+    let mut report = StepReport::default();
+    (0..1000).for_each(|_| report.add(&simulation.step()));
+    (simulation.hash(), report)
+}
+
+#[test]
+fn what_is_left_out_of_whole_scenes_changes_no_bit() {
+    for name in ["cube-on-plane", "cube-on-sphere", "incline", "incline-slide", "u-on-sphere", "tree", "coupler-7"] {
+        let (lean, spared) = after_a_second(name, false, |_| ());
+        let (full, done) = after_a_second(name, true, |_| ());
+        assert_eq!(lean, full, "{name}: bit for bit");
+        assert!(spared.narrow_tests < done.narrow_tests, "{name}: far particles are tested");
+        assert!(spared.cells_looked_at < done.cells_looked_at, "{name}: cells are looked at in every substep");
+    }
+}
+
+/// No friction, no bending, no damping.
+fn bare(scene: &mut Scene) {
+    for obstacle in &mut scene.obstacles {
+        (obstacle.friction_static, obstacle.friction_dynamic) = (0.0, 0.0);
+    }
+    let springs = material(scene);
+    springs.bending.stiffness = 0.0;
+    for family in [&mut springs.structural, &mut springs.shear, &mut springs.bending] {
+        family.damping = 0.0;
+    }
+}
+
+/// With a ball further away than anything ever gets.
+fn bare_with_a_ball(scene: &mut Scene) {
+    bare(scene);
+    scene.obstacles.push(ball([5e3, 5e3, 0.0], 1.0));
+}
+
+#[test]
+fn friction_bending_damping_and_spheres_are_missed_by_no_bit() {
+    for name in ["cube-on-plane", "incline", "tree"] {
+        let (lean, spared) = after_a_second(name, false, bare);
+        let (full, done) = after_a_second(name, true, bare_with_a_ball);
+        assert_eq!(lean, full, "{name}: bit for bit");
+        assert_eq!((spared.frictions, spared.damped_link_forces), (0, 0), "{name}: nothing rubs, nothing is damped");
+        assert!(done.frictions > 0 && done.damped_link_forces > 0 && done.sphere_tests > spared.sphere_tests, "{name}");
+        assert!(spared.link_forces < done.link_forces, "{name}: no bending links");
+        let (other, _) = after_a_second(name, true, |_| ());
+        assert_ne!(other, full, "{name}: what does something is missed");
+    }
 }

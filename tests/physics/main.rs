@@ -9,5 +9,6 @@ mod friction;
 mod integrators;
 mod presets;
 mod recovery;
+mod sleep;
 mod stability;
 mod support;

@@ -9,11 +9,13 @@ use super::Surface;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel};
 
-/// The velocity of a particle after it met a surface with the velocity `predicted`, m/s.
+/// The velocity of a particle after it met a surface with the velocity `predicted`, m/s. Friction is worked out where it
+/// `rubs`; without coefficients that changes nothing.
 pub(super) fn respond<R: Real>(
     surface: &Surface<R>,
     contact: &ContactModel<R>,
     obstacle: &ObstacleModel<R>,
+    rubs: bool,
     mass: R,
     dt: R,
     predicted: R::Vec3,
@@ -29,7 +31,7 @@ pub(super) fn respond<R: Real>(
         return predicted;
     }
     let tangential = predicted - surface.normal * approach;
-    if !has_friction(obstacle) {
+    if !rubs {
         return surface.normal * after + tangential;
     }
     surface.normal * after + slowed_by_friction::<R>(tangential, impulse, obstacle)
@@ -84,7 +86,7 @@ mod tests {
             friction_static: friction[0],
             friction_dynamic: friction[1],
         };
-        respond(&surface, &contact, &obstacle, MASS, DT, predicted)
+        respond(&surface, &contact, &obstacle, has_friction(&obstacle), MASS, DT, predicted)
     }
 
     #[test]
