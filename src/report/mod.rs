@@ -2,4 +2,6 @@
 //! figures and tables; knows no files, no arguments and no window.
 
 pub mod cost;
+pub mod extremes;
+pub mod judge;
 pub mod timer;
