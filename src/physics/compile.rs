@@ -66,7 +66,7 @@ fn compile_body<R: Real>(body: &Body, lattice: &Arc<Lattice>, first: usize, scen
         size: R::from_f64(size),
         inverse_cell_size: R::from_f64(1.0 / lattice.grid.cell_size),
         recovery_stiffness: R::from_f64(if scene.settings.inversion_recovery {
-            recovery::stiffness(springs, lattice.grid.cell_size)
+            recovery::stiffness(springs, lattice)
         } else {
             0.0
         }),

@@ -30,8 +30,9 @@ use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::report::StepReport;
 use super::state::{BodyMemory, State};
+use crate::geometry::Lattice;
 use crate::math::{Real, Vector};
-use crate::scene::Springs;
+use crate::scene::{Family, Springs};
 
 /// A cell below this signed volume is pushed back to shape.
 pub const THRESHOLD: f64 = 0.3;
@@ -56,10 +57,15 @@ const STIFFEST: f64 = 0.6;
 /// A mode of wave number q along an axis changes V by `2 sin(q/2)/h` of its amplitude, so the term adds at most
 /// `4 κ/(m h²)` to the square of a frequency, and the links at most `(4 k1 + 8.74 k2 + 2 k3)/(m h)`. Half of the latter
 /// keeps the sum below the limit at the share of it that automatic stepping takes. For equal constants it is 7.4 k h;
-/// from half of that on every crushed cube came back, at more than twice of it crumpled ones gained energy.
-pub(super) fn stiffness(springs: &Springs, cell_size: f64) -> f64 {
-    let links = 4.0 * springs.structural.stiffness + 8.736 * springs.shear.stiffness + 2.0 * springs.bending.stiffness;
-    0.5 * links * cell_size
+/// from half of that on every crushed cube came back, at more than twice of it crumpled ones gained energy. A family
+/// without links in `lattice` limits no step and so has no share.
+pub(super) fn stiffness(springs: &Springs, lattice: &Lattice) -> f64 {
+    let share = |family: Family, share: f64| {
+        let has_links = !lattice.links[family as usize].is_empty();
+        if has_links { share * springs.family(family).stiffness } else { 0.0 }
+    };
+    let links = share(Family::Structural, 4.0) + share(Family::Shear, 8.736) + share(Family::Bending, 2.0);
+    0.5 * links * lattice.grid.cell_size
 }
 
 /// Whether all cells are looked at in this substep.
@@ -98,15 +104,12 @@ pub(super) fn add_forces<R: Real>(
     force: &mut [R::Vec3],
     report: &mut StepReport,
 ) {
-    let dt = R::from_f64(plan.substep_secs());
     for (body, memory) in model.bodies.iter().zip(memory).filter(|(_, memory)| !memory.asleep) {
         let position = &position[body.particles.clone()];
         let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];
         report.recovery_cells += memory.near_inversion.len() as u64;
-        let stiffness = body.recovery_stiffness * body.inverse_cell_size;
-        let most = R::from_f64(STIFFEST) * body.particle_mass / (body.inverse_cell_size * dt * dt);
-        let stiffness = stiffness.min(most);
+        let stiffness = bearable_stiffness(plan, body) * body.inverse_cell_size;
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
             let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
@@ -123,9 +126,16 @@ pub(super) fn add_forces<R: Real>(
     }
 }
 
+/// The stiffness of a body's cells as far as the substep bears it, N·m.
+fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
+    let dt = R::from_f64(plan.substep_secs());
+    let inverse = body.inverse_cell_size * dt;
+    body.recovery_stiffness.min(R::from_f64(STIFFEST) * body.particle_mass / (inverse * inverse))
+}
+
 /// Energy of the push of a body's cells, J. The cap on far-stretched cells follows no potential: their share is the
 /// work that the present push would do.
-pub(super) fn energy<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
+pub(super) fn energy<R: Real>(plan: &Plan, body: &BodyModel<R>, state: &State<R>) -> f64 {
     let position = &state.position[body.particles.clone()];
     let energy_of = |corners: &[u32; 8]| {
         let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
@@ -136,7 +146,7 @@ pub(super) fn energy<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
         let sprung = missing.min(DEEPEST);
         sprung * (missing - 0.5 * sprung) / edges.cap().to_f64()
     };
-    body.recovery_stiffness.to_f64() * body.lattice.cells.iter().map(energy_of).sum::<f64>()
+    bearable_stiffness(plan, body).to_f64() * body.lattice.cells.iter().map(energy_of).sum::<f64>()
 }
 
 /// The signed volume of a cell over that at rest; not above zero where it is inverted.

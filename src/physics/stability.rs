@@ -138,6 +138,11 @@ impl SceneLimits {
         }
     }
 
+    /// The longest step that can be divided into safe ones, s: there is no counting beyond it.
+    pub fn longest_step_secs(&self) -> f64 {
+        self.dt_safe_secs().map_or(f64::INFINITY, |safe| safe * f64::from(u32::MAX))
+    }
+
     /// What limits a whole step of `dt_secs`: the tightest term, or the person who asked for less.
     pub fn limited_by(&self, dt_secs: f64) -> Term {
         if self.dt_safe_secs().is_none_or(|safe| dt_secs <= safe) {

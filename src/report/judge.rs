@@ -16,6 +16,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use crate::geometry::Lattice;
+use crate::math::{Real, Vector};
 use crate::physics::Simulation;
 use crate::physics::diagnostics::Diagnostics;
 use crate::scene::Scene;
@@ -28,6 +29,9 @@ pub const REACH: f64 = 1.5;
 
 /// Energies are means over so much simulated time, s.
 const WINDOW_SECS: f64 = 1.0 / 60.0;
+
+/// Units in the last place by which rounding may misplace a particle.
+const MISPLACED: f64 = 8.0;
 
 /// Looks at the energy in that time.
 const LOOKS: u64 = 8;
@@ -84,16 +88,23 @@ pub struct Verdict {
     pub largest_gain: f64,
 }
 
-/// Watches a scene in single precision, as the sandbox runs it; `lattices` are those of its bodies.
-pub fn judge(scene: &Scene, lattices: &[Arc<Lattice>], patience: Patience) -> Verdict {
-    watch(&mut Simulation::new(scene, lattices), patience, |_, _| ())
+/// Watches a scene, in single precision as the sandbox runs it or in double; `lattices` are those of its bodies.
+pub fn judge<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>], patience: Patience) -> Verdict {
+    watch(&mut Simulation::<R>::new(scene, lattices), patience, |_, _| ())
+}
+
+/// LAB
+pub fn judge_finer<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>], patience: Patience, finer: u32) -> Verdict {
+    let mut s = Simulation::<R>::new(scene, lattices);
+    s.plan_mut().substeps *= finer;
+    watch(&mut s, Patience { most_link_forces: patience.most_link_forces * u64::from(finer), ..patience }, |_, _| ())
 }
 
 /// Watches a simulation; `meddle` may do to it before each substep what nothing else would.
-fn watch(
-    simulation: &mut Simulation<f32>,
+fn watch<R: Real>(
+    simulation: &mut Simulation<R>,
     patience: Patience,
-    mut meddle: impl FnMut(&mut Simulation<f32>, u64),
+    mut meddle: impl FnMut(&mut Simulation<R>, u64),
 ) -> Verdict {
     let dt = simulation.plan().substep_secs();
     let links: usize = simulation.model().link_counts().iter().sum();
@@ -129,7 +140,7 @@ fn watch(
                 account.look(simulation);
             }
             if close {
-                verdict.largest_gain = verdict.largest_gain.max(account.close());
+                verdict.largest_gain = verdict.largest_gain.max(account.close(verdict.substeps));
             }
         }
         let fault = bodies.iter().find_map(|account| account.fault(verdict.simulated_secs, verdict.largest_gain));
@@ -154,7 +165,13 @@ struct Account {
     start: Diagnostics,
     own_at_start: f64,
     gravity: DVec3,
+    dt: f64,
+    /// Of all links and contacts together, N/m.
+    stiffness: f64,
+    /// Of the scalar in use.
+    epsilon: f64,
     now: Diagnostics,
+    substeps: u64,
     /// Sums over the window: own energy, what it may be.
     sums: [f64; 2],
     looks: u32,
@@ -164,15 +181,36 @@ struct Account {
 }
 
 impl Account {
-    fn open(simulation: &Simulation<f32>, body: usize) -> Self {
+    fn open<R: Real>(simulation: &Simulation<R>, body: usize) -> Self {
         let start = simulation.diagnostics_of(body);
         let own_at_start = own(&start);
-        let gravity = DVec3::from(simulation.model().gravity.to_array().map(f64::from));
+        let gravity = simulation.model().gravity.to_dvec3();
         let now = start.clone();
-        Self { body, start, own_at_start, gravity, now, sums: [0.0; 2], looks: 0, turnover: own_at_start, gain: None }
+        let model = &simulation.model().bodies[body];
+        let links = model.links.iter().map(|family| {
+            let lengths: f64 = family.links.iter().map(|link| link.inverse_rest_length.to_f64()).sum();
+            family.stiffness.to_f64() * lengths
+        });
+        let contacts: f64 = model.contacts.iter().map(|contact| contact.stiffness.to_f64()).sum();
+        let stiffness = links.sum::<f64>() + contacts * model.particles.len() as f64;
+        Self {
+            body,
+            start,
+            own_at_start,
+            gravity,
+            dt: simulation.plan().substep_secs(),
+            stiffness,
+            epsilon: R::EPSILON.to_f64(),
+            now,
+            substeps: 0,
+            sums: [0.0; 2],
+            looks: 0,
+            turnover: own_at_start,
+            gain: None,
+        }
     }
 
-    fn look(&mut self, simulation: &Simulation<f32>) {
+    fn look<R: Real>(&mut self, simulation: &Simulation<R>) {
         self.now = simulation.diagnostics_of(self.body);
         let allowed = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity;
         self.turnover = self.turnover.max(allowed);
@@ -181,21 +219,25 @@ impl Account {
     }
 
     /// Closes a window and tells of its gain as a share.
-    fn close(&mut self) -> f64 {
+    fn close(&mut self, substeps: u64) -> f64 {
+        self.substeps = substeps;
         let [own, allowed] = self.sums.map(|sum| sum / f64::from(self.looks.max(1)));
         (self.sums, self.looks) = ([0.0; 2], 0);
         let gain = own - allowed;
-        // A body that stands still, far from everything, is all rounding.
-        let least = self.rounding();
-        let share = (gain - least) / self.turnover.max(f64::MIN_POSITIVE);
+        let share = (gain - self.rounding()) / self.turnover.max(f64::MIN_POSITIVE);
         if share > GAIN || share.is_nan() {
             self.gain = Some(format!("{own:e} J where {allowed:e} J can be, body {}", self.body));
         }
         share
     }
 
+    /// Energy that rounding alone may show, J: as if every particle had been misplaced by some units in the last place
+    /// of the farthest coordinate, at the start and once more in every substep; undamped links keep what that gives
+    /// them. Far from the origin a small stiff body at rest has no other energy.
     fn rounding(&self) -> f64 {
-        0.0
+        let farthest = self.now.bounds.min.abs().max(self.now.bounds.max.abs()).max_element();
+        let misplaced = self.epsilon * farthest;
+        0.5 * self.stiffness * misplaced * misplaced * (MISPLACED * MISPLACED + self.substeps as f64)
     }
 
     fn fault(&self, seconds: f64, _gain: f64) -> Option<(Fault, String)> {
@@ -215,7 +257,7 @@ impl Account {
         let stored = self.own_at_start - self.start.energy.kinetic;
         let speed = self.start.max_speed + (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
         let size = self.start.bounds.size().length();
-        speed * seconds + 0.5 * self.gravity.length() * seconds * seconds + size
+        speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
     }
 
     /// Of the start's middle, m.

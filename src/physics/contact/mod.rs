@@ -6,12 +6,13 @@
 //! response      a stiff, critically damped spring taken implicitly, then Coulomb friction (response)
 //! ```
 //!
-//! Particles do not meet each other. A particle that meets several obstacles in one substep is brought to a velocity
-//! that none of them forbids.
+//! Particles do not meet each other. What several obstacles do to one particle is found together (settle), and it is
+//! brought to a velocity that none of them forbids.
 
 mod broad;
 mod plane;
 mod response;
+mod settle;
 mod sphere;
 pub(super) mod sweep;
 pub mod thesis;
@@ -258,6 +259,10 @@ impl<R: Real> Meeting<'_, R> {
                 surface_velocity,
                 force: (velocity - before) * (mass / self.dt),
             });
+        }
+        if records.len() > first_record + 1 {
+            let (obstacles, found) = (&self.model.obstacles, &mut records[first_record..]);
+            velocity = settle::settle(predicted, contacts, obstacles, mass, self.dt, found);
         }
         if records.len() > first_record {
             let allowed = self.allowed_by_all(velocity, contacts);
