@@ -19,7 +19,7 @@
 //! follows from the links (`stiffness`), so that the term costs no smaller step.
 //!
 //! Only the cells of a list are pushed: those below [`WATCH`]. All cells are looked at once in every 1/60 s of simulated
-//! time, and in every substep while the list is not empty, as a cell that inverted unseen would be given energy; a body
+//! time, sooner where particles move past each other fast enough to crush a cell in that time, and in every substep while the list is not empty, as a cell that inverted unseen would be given energy; a body
 //! that is well costs nothing but those few looks. The list is part of the [`State`]: the motion follows from the
 //! state alone.
 //!
@@ -43,8 +43,12 @@ pub const WATCH: f64 = 0.7;
 /// The push stops growing this far below the threshold.
 const DEEPEST: f64 = 2.0;
 
-/// Simulated time between two looks at all cells, s.
+/// Simulated time between two looks at all cells, s, in a body that is calm.
 const LOOK_SECS: f64 = 1.0 / 60.0;
+
+/// Two particles of a body move past each other by no more than this between two looks, cell sizes: a cell that was not
+/// on the list then is still above the threshold, even if it is crushed along all its axes at once.
+const UNSEEN_SHARE: f64 = 0.2;
 
 /// The share of the push that is left while a cell is on its way back.
 const RETURNED: f64 = 0.5;
@@ -69,11 +73,22 @@ pub(super) fn stiffness(springs: &Springs, lattice: &Lattice) -> f64 {
 }
 
 /// Whether all cells are looked at in this substep.
-pub(super) fn is_due<R: Real>(plan: &Plan, state: &State<R>) -> bool {
+pub(super) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
+    let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, state)));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
-    let every = libm::round(LOOK_SECS / plan.substep_secs()).max(1.0) as u64;
+    let every = libm::round(between_looks / plan.substep_secs()).max(1.0) as u64;
     let number = state.steps.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep));
     number % every == 0 || !plan.lean || state.bodies.iter().any(BodyMemory::is_watched)
+}
+
+/// How long a body's cells may stay unseen as fast as its particles move past each other now, s.
+fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
+    let velocity = &state.velocity[body.particles.clone()];
+    // Bounds of the components: cheap, and no larger than the differences between particles.
+    let Some(&first) = velocity.first() else { return LOOK_SECS };
+    let (low, high) = velocity.iter().fold((first, first), |(low, high), v| (low.min(*v), high.max(*v)));
+    let fastest = (high - low).length().to_f64();
+    if fastest > 0.0 { UNSEEN_SHARE / (body.inverse_cell_size.to_f64() * fastest) } else { LOOK_SECS }
 }
 
 /// Looks at all cells and writes down those that are near inversion.
