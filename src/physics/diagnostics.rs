@@ -119,7 +119,9 @@ impl Diagnostics {
             sum.center /= sum.mass_kg;
         }
         for contact in scratch.contact.contacts.iter().filter(|contact| contact.gap < R::ZERO) {
-            let Some(body) = model.bodies[bodies.clone()].iter().find(|body| body.particles.contains(&contact.particle)) else {
+            let Some(body) =
+                model.bodies[bodies.clone()].iter().find(|body| body.particles.contains(&contact.particle))
+            else {
                 continue;
             };
             let constants = &body.contacts[contact.obstacle];

@@ -2,10 +2,15 @@
 //! kilometre a second, put into obstacles, heavy beside light. Scenes follow from a seed and a number alone, so that
 //! each of them can be made again.
 
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::geometry::Lattice;
 use crate::math::rng::Rng;
 use crate::scene::body::{Body, CellsShape, CubeShape, ModelShape, Pose};
 use crate::scene::material::{Material, Spring, Springs};
 use crate::scene::obstacle::{ContactStiffness, Plane, Sphere};
+use crate::scene::resolve::{ResolveError, resolve};
 use crate::scene::settings::Integrator;
 use crate::scene::{Obstacle, ObstacleShape, Scene, Shape, builtin};
 
@@ -36,6 +41,12 @@ pub fn extreme_scene(seed: u64, number: u64) -> Scene {
     scene.settings.gravity =
         if draw.chance(0.8) { [0.0, -strength, 0.0] } else { draw.direction().map(|x| x * strength) };
     scene
+}
+
+/// The lattices of a scene's bodies; models are those that the program carries.
+pub fn lattices(scene: &Scene) -> Result<Vec<Arc<Lattice>>, ResolveError> {
+    let resolved = scene.bodies.iter().map(|body| Ok(resolve(&body.shape, Path::new("."), &())?.lattice));
+    resolved.collect()
 }
 
 /// Draws one value after another.
@@ -164,7 +175,8 @@ impl Draw {
         }
         if self.chance(0.3) {
             let rotation_deg = self.vector(180.0);
-            let plane = Plane { center: self.vector(0.5 * size), rotation_deg, half_extents: [size.max(1e-3), 2.0 * size] };
+            let plane =
+                Plane { center: self.vector(0.5 * size), rotation_deg, half_extents: [size.max(1e-3), 2.0 * size] };
             obstacles.push(self.obstacle(ObstacleShape::Plane(plane)));
         }
         obstacles
@@ -215,7 +227,9 @@ mod tests {
         some("models", &|scene| matches!(scene.bodies[0].shape, Shape::Model(_)));
         some("cells", &|scene| matches!(scene.bodies[0].shape, Shape::Cells(_)));
         some("heights of a kilometre", &|scene| scene.bodies[0].pose.position[1] > 999.0);
-        some("a kilometre a second", &|scene| scene.bodies[0].velocity.iter().map(|v| v * v).sum::<f64>() > 990.0 * 990.0);
+        some("a kilometre a second", &|scene| {
+            scene.bodies[0].velocity.iter().map(|v| v * v).sum::<f64>() > 990.0 * 990.0
+        });
         some("no gravity", &|scene| scene.settings.gravity.iter().all(|g| g.abs() < 1e-9));
         some("great gravity", &|scene| scene.settings.gravity[1] < -999.0);
         some("two bodies", &|scene| scene.bodies.len() == 2);

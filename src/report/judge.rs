@@ -93,13 +93,6 @@ pub fn judge<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>], patience: Patien
     watch(&mut Simulation::<R>::new(scene, lattices), patience, |_, _| ())
 }
 
-/// LAB
-pub fn judge_finer<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>], patience: Patience, finer: u32) -> Verdict {
-    let mut s = Simulation::<R>::new(scene, lattices);
-    s.plan_mut().substeps *= finer;
-    watch(&mut s, Patience { most_link_forces: patience.most_link_forces * u64::from(finer), ..patience }, |_, _| ())
-}
-
 /// Watches a simulation; `meddle` may do to it before each substep what nothing else would.
 fn watch<R: Real>(
     simulation: &mut Simulation<R>,
@@ -143,7 +136,7 @@ fn watch<R: Real>(
                 verdict.largest_gain = verdict.largest_gain.max(account.close(verdict.substeps));
             }
         }
-        let fault = bodies.iter().find_map(|account| account.fault(verdict.simulated_secs, verdict.largest_gain));
+        let fault = bodies.iter().find_map(|account| account.fault(verdict.simulated_secs));
         if let Some((fault, words)) = fault {
             (verdict.fault, verdict.words) = (Some(fault), words);
             break;
@@ -240,7 +233,7 @@ impl Account {
         0.5 * self.stiffness * misplaced * misplaced * (MISPLACED * MISPLACED + self.substeps as f64)
     }
 
-    fn fault(&self, seconds: f64, _gain: f64) -> Option<(Fault, String)> {
+    fn fault(&self, seconds: f64) -> Option<(Fault, String)> {
         if !self.now.finite {
             return Some((Fault::NotFinite, format!("after {seconds} s")));
         }
@@ -271,4 +264,102 @@ impl Account {
 /// Energy without that of height, J.
 fn own(diagnostics: &Diagnostics) -> f64 {
     diagnostics.energy.total() - diagnostics.energy.gravity
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::rng::Rng;
+    use crate::report::extremes::{extreme_scene, lattices};
+    use crate::scene::Body;
+    use crate::scene::settings::Stepping;
+
+    const PATIENCE: Patience = Patience { seconds: 0.5, most_link_forces: 3_000_000 };
+
+    fn falling_cube() -> Scene {
+        let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
+        scene.bodies[0].pose.position[1] = 2.0;
+        scene
+    }
+
+    fn seen(scene: &Scene, meddle: impl FnMut(&mut Simulation<f32>, u64)) -> Verdict {
+        watch(&mut Simulation::new(scene, &lattices(scene).expect("sound shapes")), PATIENCE, meddle)
+    }
+
+    #[test]
+    fn a_sound_motion_is_left_alone() {
+        let verdict = seen(&falling_cube(), |_, _| ());
+        assert_eq!((verdict.fault, verdict.cut_short), (None, false), "{verdict:?}");
+        assert!(verdict.largest_gain < 1e-3 && (verdict.simulated_secs - 0.5).abs() < 1e-3, "{verdict:?}");
+    }
+
+    #[test]
+    fn an_explosion_is_seen() {
+        let mut scene = falling_cube();
+        scene.settings.stepping = Stepping::Manual;
+        scene.settings.dt = 0.1;
+        let mut rng = Rng::new(1);
+        let verdict = seen(&scene, |simulation, substep| {
+            if substep == 0 {
+                let mut state = simulation.state().clone();
+                state.velocity.iter_mut().for_each(|v| v.x += rng.between(-0.1, 0.1) as f32);
+                simulation.set_state(state);
+            }
+        });
+        assert!(verdict.fault.is_some(), "a manual step far above the limit: {verdict:?}");
+    }
+
+    #[test]
+    fn a_tenth_more_energy_is_seen_and_a_fiftieth_is_not() {
+        let gained = |share: f32| {
+            seen(&falling_cube(), |simulation, substep| {
+                if substep == 250 {
+                    let mut state = simulation.state().clone();
+                    state.velocity.iter_mut().for_each(|v| *v *= (1.0 + share).sqrt());
+                    simulation.set_state(state);
+                }
+            })
+        };
+        let (tenth, fiftieth) = (gained(0.1), gained(0.02));
+        assert_eq!(tenth.fault, Some(Fault::Energy), "{tenth:?}");
+        assert!((tenth.largest_gain - 0.1).abs() < 0.02, "{tenth:?}");
+        assert_eq!(fiftieth.fault, None, "{fiftieth:?}");
+    }
+
+    #[test]
+    fn a_body_that_is_suddenly_elsewhere_is_seen() {
+        let mut scene = falling_cube();
+        scene.settings.gravity = [0.0; 3];
+        let verdict = seen(&scene, |simulation, substep| {
+            if substep == 100 {
+                let mut state = simulation.state().clone();
+                state.position.iter_mut().for_each(|x| x.x += 30.0);
+                simulation.set_state(state);
+            }
+        });
+        assert_eq!(verdict.fault, Some(Fault::Reach), "{verdict:?}");
+    }
+
+    #[test]
+    fn a_nan_is_seen() {
+        let verdict = seen(&falling_cube(), |simulation, substep| {
+            if substep == 3 {
+                let mut state = simulation.state().clone();
+                state.velocity[5].y = f32::NAN;
+                simulation.set_state(state);
+            }
+        });
+        assert_eq!(verdict.fault, Some(Fault::NotFinite), "{verdict:?}");
+    }
+
+    #[test]
+    fn what_takes_too_long_is_cut_short_and_says_so() {
+        let hasty = Patience { most_link_forces: 100_000, ..PATIENCE };
+        let scene = extreme_scene(1, 7);
+        let verdict = judge::<f32>(&scene, &lattices(&scene).expect("sound shapes"), hasty);
+        let cut_short = seen(&scene, |_, _| ()).substeps > verdict.substeps;
+        assert_eq!(verdict.cut_short, cut_short, "{verdict:?}");
+        let cube = judge::<f32>(&falling_cube(), &lattices(&falling_cube()).expect("sound shapes"), hasty);
+        assert!(cube.cut_short && cube.simulated_secs < 0.05, "{cube:?}");
+    }
 }

@@ -4,4 +4,6 @@
 pub mod cost;
 pub mod extremes;
 pub mod judge;
+pub mod matrix;
+pub mod stability;
 pub mod timer;
