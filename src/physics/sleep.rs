@@ -73,7 +73,7 @@ pub(super) fn watch<R: Real>(model: &Model<R>, plan: &Plan, held: Option<usize>,
         }
         let still_for = state.bodies[number].still_substeps;
         let done = still_for >= long_enough;
-        if still_for > 0 && !done && still_for % between_looks != 0 {
+        if still_for > 0 && !done && !still_for.is_multiple_of(between_looks) {
             state.bodies[number].still_substeps += 1;
             continue;
         }

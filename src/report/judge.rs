@@ -268,6 +268,8 @@ fn own(diagnostics: &Diagnostics) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::math::rng::Rng;
     use crate::report::extremes::{extreme_scene, lattices};
@@ -302,7 +304,9 @@ mod tests {
         let verdict = seen(&scene, |simulation, substep| {
             if substep == 0 {
                 let mut state = simulation.state().clone();
-                state.velocity.iter_mut().for_each(|v| v.x += rng.between(-0.1, 0.1) as f32);
+                for v in &mut state.velocity {
+                    *v += Vec3::X.lerp(Vec3::NEG_X, if rng.unit() < 0.5 { 0.4 } else { 0.6 });
+                }
                 simulation.set_state(state);
             }
         });

@@ -4,19 +4,18 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
+use glam::DVec3;
 use serde::Serialize;
 
 use super::extremes::{extreme_scene, lattices};
 use super::judge::{Fault, Patience, Verdict, judge};
 use crate::geometry::Lattice;
-use crate::math::Real;
-use crate::math::Vector;
 use crate::math::rng::Rng;
+use crate::math::{Aabb, Vector};
 use crate::physics::Simulation;
 use crate::scene::Scene;
 use crate::scene::resolve::ResolveError;
-use crate::scene::settings::{Integrator, Stepping};
-use glam::DVec3;
+use crate::scene::settings::Stepping;
 
 /// A body that has not blown up after so many steps is stable; and with `quick`.
 const STEPS: [usize; 2] = [1500, 400];
@@ -85,7 +84,10 @@ pub fn patience(quick: bool) -> Patience {
 pub fn case(name: &str, scene: &Scene, lattices: &[Arc<Lattice>], quick: bool) -> CaseFigures {
     let mut automatic = scene.clone();
     automatic.settings.stepping = Stepping::Auto;
-    let verdict = judge::<f32>(&automatic, lattices, patience(quick));
+    // A case is one of few: it may take longer than a random scene.
+    let Patience { seconds, most_link_forces } = patience(quick);
+    let patient = Patience { seconds, most_link_forces: 4 * most_link_forces };
+    let verdict = judge::<f32>(&automatic, lattices, patient);
     let predicted = Simulation::<f64>::new(scene, lattices).plan().limits.dt_limit_secs;
     let measured = predicted.and_then(|predicted| measured_limit(scene, lattices, predicted, quick));
     let ratio = predicted.zip(measured).map(|(predicted, measured)| predicted / measured);
@@ -191,7 +193,7 @@ fn survives(simulation: &mut Simulation<f64>, steps: usize) -> bool {
 fn all_together(simulation: &Simulation<f64>) -> bool {
     (0..simulation.model().bodies.len()).all(|number| {
         let body = &simulation.model().bodies[number];
-        let start = body.start.iter().fold(crate::math::Aabb::<f64>::empty(), |bounds, x| bounds.include(x.to_dvec3()));
+        let start = body.start.iter().fold(Aabb::<f64>::empty(), |bounds, x| bounds.include(x.to_dvec3()));
         let now = simulation.diagnostics_of(number);
         now.finite && now.bounds.size().max_element() < 1.5 * start.size().max_element()
     })
@@ -275,6 +277,7 @@ pub fn csv(cases: &[CaseFigures]) -> String {
 mod tests {
     use super::*;
     use crate::report::matrix::matrix;
+    use crate::scene::settings::Integrator;
 
     #[test]
     fn the_bisection_finds_an_edge_and_says_where_there_is_none() {

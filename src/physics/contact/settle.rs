@@ -25,7 +25,9 @@ pub(super) fn settle<R: Real>(
 ) -> R::Vec3 {
     let mut velocity = predicted;
     // Until the end the forces are changes of velocity: along the normal the push, across it friction.
-    records.iter_mut().for_each(|record| record.force = R::Vec3::ZERO);
+    for record in &mut *records {
+        record.force = R::Vec3::ZERO;
+    }
     push_together(&mut velocity, contacts, mass, dt, records);
     for record in &mut *records {
         let obstacle = &obstacles[record.obstacle];
@@ -40,7 +42,9 @@ pub(super) fn settle<R: Real>(
     }
     // Friction on one may press into another.
     push_together(&mut velocity, contacts, mass, dt, records);
-    records.iter_mut().for_each(|record| record.force = record.force * (mass / dt));
+    for record in records {
+        record.force = record.force * (mass / dt);
+    }
     velocity
 }
 
