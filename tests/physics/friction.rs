@@ -43,7 +43,6 @@ fn drift<R: Real>() -> f64 {
 #[test]
 fn below_the_friction_angle_it_rests_and_does_not_creep() {
     let (double, single) = (drift::<f64>(), drift::<f32>());
-    println!("drift over a minute on a slope of 0.95 μ: {double:e} in f64, {single:e} in f32");
     assert!(double < 1e-6 && single < 1e-6, "{double:e} and {single:e} body sizes");
 }
 
