@@ -31,7 +31,7 @@ pub(super) struct StabilityArgs {
     #[command(flatten)]
     changes: Changes,
     /// Random extreme scenes; 300 where no SCENE is given, 30 with --quick.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(0..=1_000_000))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(0..=1_000_000))]
     scenes: Option<u64>,
     /// What the random scenes follow from.
     #[arg(long, value_name = "N", default_value_t = 1)]
