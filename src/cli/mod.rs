@@ -7,6 +7,7 @@ mod out;
 mod presets;
 mod render;
 mod report;
+mod report_stability;
 mod run;
 mod scene_args;
 mod voxelize;
@@ -40,7 +41,7 @@ enum Command {
     Voxelize(voxelize::VoxelizeArgs),
     /// Parse and validate a scene, predict its stable step and what it costs.
     Check(check::CheckArgs),
-    /// Measure: what scenes cost.
+    /// Measure: what scenes cost, what explodes.
     Report(report::ReportArgs),
 }
 

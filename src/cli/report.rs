@@ -1,4 +1,5 @@
-//! `gelatin report`: measurements. `cost`: what scenes cost, stage by stage, and what they do not need.
+//! `gelatin report`: measurements. `cost`: what scenes cost, stage by stage, and what they do not need. `stability`: next
+//! door.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -9,6 +10,7 @@ use serde_json::json;
 
 use super::Failure;
 use super::out::{self, Progress};
+use super::report_stability::{self, StabilityArgs};
 use super::scene_args::Changes;
 use crate::report::cost;
 use crate::scene::resolve::resolve;
@@ -27,6 +29,8 @@ pub(super) struct ReportArgs {
 enum Report {
     /// What scenes cost: the stages that run, what is left out and why, each feature on and off.
     Cost(CostArgs),
+    /// How large steps may be, predicted and measured, and whether extreme scenes explode in automatic stepping.
+    Stability(StabilityArgs),
 }
 
 /// The scenes and where the report goes.
@@ -52,6 +56,7 @@ struct CostArgs {
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     match &args.report {
         Report::Cost(args) => run_cost(args),
+        Report::Stability(args) => report_stability::run(args),
     }
 }
 

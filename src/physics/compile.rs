@@ -65,7 +65,7 @@ fn compile_body<R: Real>(body: &Body, lattice: &Arc<Lattice>, first: usize, scen
     let load = heaviest_load(lattice) * heaviest * gravity;
     let [recovery_stiffness, recovery_mass] = match &body.material {
         _ if !scene.settings.inversion_recovery => [0.0, particle_mass],
-        Material::Springs(springs) => recovery::of_springs(springs, lattice.grid.cell_size),
+        Material::Springs(springs) => recovery::of_springs(springs, lattice),
         Material::Solid(_) => recovery::of_cells(&cell_kinds, lattice.grid.cell_size),
     };
     BodyModel {

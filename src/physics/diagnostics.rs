@@ -1,6 +1,8 @@
 //! What a simulation looks like in numbers: energies, momentum, extremes, broken cells. Computed when asked, in
 //! double precision, never inside a step.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use super::forces;
@@ -60,6 +62,15 @@ impl Energy {
 impl Diagnostics {
     /// Of a state.
     pub fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Self {
+        Self::of_bodies(model, plan, state, 0..model.bodies.len())
+    }
+
+    /// Of one body in a state.
+    pub fn of_body<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize) -> Self {
+        Self::of_bodies(model, plan, state, body..body + 1)
+    }
+
+    fn of_bodies<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, bodies: Range<usize>) -> Self {
         // A velocity half a step behind its position has the mean of it and the next one on time. The next one is had
         // by taking the substep on a copy.
         let mut ahead = state.clone();
@@ -87,7 +98,7 @@ impl Diagnostics {
             finite: state.position.iter().chain(&state.velocity).all(|v| v.is_finite()),
         };
         let gravity = model.gravity.to_dvec3();
-        for (body, memory) in model.bodies.iter().zip(&state.bodies) {
+        for (body, memory) in model.bodies[bodies.clone()].iter().zip(&state.bodies[bodies.clone()]) {
             for (local, particle) in body.particles.clone().enumerate() {
                 let mass = body.mass(local).to_f64();
                 let position = state.position[particle].to_dvec3();
@@ -101,14 +112,16 @@ impl Diagnostics {
                 sum.max_speed = sum.max_speed.max(state.velocity[particle].to_dvec3().length());
             }
             sum.add_links(body, state);
-            sum.energy.recovery += recovery::energy(body, state);
+            sum.energy.recovery += recovery::energy(plan, body, state);
             sum.inverted_cells += inverted_cells(body, state);
         }
         if sum.mass_kg > 0.0 {
             sum.center /= sum.mass_kg;
         }
         for contact in scratch.contact.contacts.iter().filter(|contact| contact.gap < R::ZERO) {
-            let Some(body) = model.bodies.iter().find(|body| body.particles.contains(&contact.particle)) else {
+            let Some(body) =
+                model.bodies[bodies.clone()].iter().find(|body| body.particles.contains(&contact.particle))
+            else {
                 continue;
             };
             let constants = &body.contacts[contact.obstacle];

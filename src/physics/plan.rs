@@ -50,7 +50,7 @@ impl Stage {
 pub struct Plan {
     /// The scheme in use.
     pub integrator: Integrator,
-    /// The whole step, s.
+    /// The whole step, s: what the person asked for, or as much of it as can be counted in substeps that are safe.
     pub dt_secs: f64,
     /// Substeps in a whole step.
     pub substeps: u32,
@@ -92,7 +92,7 @@ impl Plan {
         let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
         Self {
             integrator: settings.integrator,
-            dt_secs: settings.dt,
+            dt_secs: if divided { settings.dt.min(limits.longest_step_secs()) } else { settings.dt },
             substeps: if divided { limits.substeps(settings.dt) } else { 1 },
             limits,
             families: Family::ALL.map(|family| has_force(family as usize)),

@@ -4,7 +4,7 @@
 use super::assembly;
 use super::cell_bound::CellLoads;
 use super::stability::{
-    LATTICE_LIMIT, LoadShare, SAFETY, WaveTensors, largest, largest_eigenvalue, lattice_waves, load_shares,
+    LATTICE_LIMIT, LoadShare, WaveTensors, largest, largest_eigenvalue, lattice_waves, load_shares, safety,
 };
 use crate::geometry::Lattice;
 use crate::math::Aabb;
@@ -29,9 +29,15 @@ pub struct SafeValue {
 }
 
 /// The bounds of all values of a body's material for steps of `dt_secs` of a scheme, at rest and with the margin that
-/// automatic stepping keeps.
-pub fn largest_safe(body: &Body, lattice: &Lattice, dt_secs: f64, integrator: Integrator) -> Vec<SafeValue> {
-    let shares = load_shares(integrator, dt_secs / SAFETY);
+/// automatic stepping keeps, which may be wider among obstacles.
+pub fn largest_safe(
+    body: &Body,
+    lattice: &Lattice,
+    dt_secs: f64,
+    integrator: Integrator,
+    among_obstacles: bool,
+) -> Vec<SafeValue> {
+    let shares = load_shares(integrator, dt_secs / safety(integrator, among_obstacles));
     match &body.material {
         Material::Springs(springs) => of_springs(springs, lattice, &shares),
         Material::Solid(solid) => of_solid(solid, &body.inlays, lattice, &shares),
@@ -189,7 +195,7 @@ mod tests {
     }
 
     fn bounds(scene: &Scene) -> Vec<SafeValue> {
-        largest_safe(&scene.bodies[0], &lattice(scene), scene.settings.dt, scene.settings.integrator)
+        largest_safe(&scene.bodies[0], &lattice(scene), scene.settings.dt, scene.settings.integrator, false)
     }
 
     /// The safe step over the step asked for, with a value that many times its bound on the unsafe side of it; none where

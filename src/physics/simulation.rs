@@ -293,6 +293,11 @@ impl<R: Real> Simulation<R> {
         Diagnostics::of(&self.model, &self.plan, &self.state)
     }
 
+    /// The same of one body alone.
+    pub fn diagnostics_of(&self, body: usize) -> Diagnostics {
+        Diagnostics::of_body(&self.model, &self.plan, &self.state, body)
+    }
+
     /// The fingerprint of positions and velocities.
     pub fn hash(&self) -> u64 {
         state_hash(&self.state)

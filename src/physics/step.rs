@@ -90,7 +90,7 @@ pub fn substep<R: Real>(
     let thesis_contact = plan.contact && plan.contact_rule == ContactRule::Thesis;
     let Scratch { force, thesis_force, velocity, contact, scheme } = scratch;
 
-    if plan.recovery && recovery::is_due(plan, state) {
+    if plan.recovery && recovery::is_due(model, plan, state) {
         timer.enter(Stage::Recovery);
         recovery::look(model, state, &mut report);
     }

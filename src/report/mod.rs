@@ -2,4 +2,8 @@
 //! figures and tables; knows no files, no arguments and no window.
 
 pub mod cost;
+pub mod extremes;
+pub mod judge;
+pub mod matrix;
+pub mod stability;
 pub mod timer;

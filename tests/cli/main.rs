@@ -4,3 +4,4 @@ mod bad_input;
 mod figures;
 mod program;
 mod report;
+mod stability;

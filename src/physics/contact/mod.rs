@@ -6,12 +6,13 @@
 //! response      a stiff, critically damped spring taken implicitly, then Coulomb friction (response)
 //! ```
 //!
-//! Particles do not meet each other. A particle that meets several obstacles in one substep is brought to a velocity
-//! that none of them forbids.
+//! Particles do not meet each other. What several obstacles do to one particle is found together (settle), and it is
+//! brought to a velocity that none of them forbids.
 
 mod broad;
 mod plane;
 mod response;
+mod settle;
 mod sphere;
 pub(super) mod sweep;
 pub mod thesis;
@@ -67,6 +68,22 @@ impl<R: Real> Scratch<R> {
         if sleep::asleep(state) > 0 {
             self.contacts.sort_unstable_by_key(|contact| (contact.particle, contact.obstacle));
         }
+    }
+
+    /// Forgets the particles of bodies awake that met something which did not push them: the path they now have may need a push.
+    fn forget_unpushed(&mut self, model: &Model<R>, state: &State<R>) {
+        let (mut kept, mut first) = (0, 0);
+        while let Some(contact) = self.contacts.get(first) {
+            let particle = contact.particle;
+            let same = self.contacts[first..].iter().take_while(|contact| contact.particle == particle);
+            let (count, pushed) = same.fold((0, false), |(n, pushed), c| (n + 1, pushed || c.force != R::Vec3::ZERO));
+            if pushed || body_of(model, contact).is_some_and(|body| state.bodies[body].asleep) {
+                self.contacts.copy_within(first..first + count, kept);
+                kept += count;
+            }
+            first += count;
+        }
+        self.contacts.truncate(kept);
     }
 
     /// The depth of the deepest contact as it was found, m.
@@ -133,8 +150,8 @@ pub fn respond<R: Real>(
 }
 
 /// Changes the velocities that move particles where those at the end of the substep are others. What has met an
-/// obstacle already moves with what [`respond`] left it; one that only its path leads into an obstacle is stopped there,
-/// and what stops it changes its velocity too.
+/// obstacle already moves with the velocity at the end of the substep; one that only its path leads into an obstacle, or
+/// that velocity where nothing had pushed it, is stopped there, and what stops it changes its velocity too.
 #[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 pub fn respond_to_paths<R: Real>(
     model: &Model<R>,
@@ -150,6 +167,7 @@ pub fn respond_to_paths<R: Real>(
     for contact in &scratch.contacts {
         path[contact.particle] = velocity[contact.particle];
     }
+    scratch.forget_unpushed(model, state);
     let mut meetings = Meetings { model, plan, dt, state, scratch, report, timer };
     meetings.of_all(path, |particle, change| velocity[particle] += change);
     report.contacts = scratch.pushing();
@@ -258,6 +276,10 @@ impl<R: Real> Meeting<'_, R> {
                 surface_velocity,
                 force: (velocity - before) * (mass / self.dt),
             });
+        }
+        if records.len() > first_record + 1 {
+            let (obstacles, found) = (&self.model.obstacles, &mut records[first_record..]);
+            velocity = settle::settle(predicted, contacts, obstacles, mass, self.dt, found);
         }
         if records.len() > first_record {
             let allowed = self.allowed_by_all(velocity, contacts);
