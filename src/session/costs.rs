@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn cost_is_measured_only_while_someone_looks_and_changes_no_motion() {
-        let (mut watched, mut other) = (session("cube-on-plane"), session("cube-on-plane"));
+        let (mut watched, mut other) = (session("tree"), session("tree"));
         assert!(watched.status().cost.is_none(), "nobody looks");
         watched.handle(Command::WatchCost(true)).expect("anyone may look");
         for _ in 0..20 {

@@ -19,7 +19,7 @@ fn run(window: &mut Window) {
 
 #[test]
 fn the_cost_panel_says_where_the_time_goes_and_what_is_left_out_while_it_is_open() {
-    let mut window = Window::open("cube-on-plane");
+    let mut window = Window::open("tree");
     assert!(window.harness.state().session.status().cost.is_none(), "nobody looks, nothing is measured");
     window.click("Cost");
     assert!(window.has("Nothing is measured while time stands still."), "the window begins paused");
@@ -34,7 +34,7 @@ fn the_cost_panel_says_where_the_time_goes_and_what_is_left_out_while_it_is_open
 
 #[test]
 fn another_scene_is_measured_in_its_place() {
-    let mut window = Window::open("cube-on-plane");
+    let mut window = Window::open("tree");
     window.click("Cost");
     window.choose("Scene", "cube-on-sphere");
     window.wait();

@@ -6,15 +6,16 @@ use super::{capitalised, theme};
 use crate::session::StepCost;
 
 /// Height of the panel, points.
-pub(super) const HEIGHT: f32 = 208.0;
+pub(super) const HEIGHT: f32 = 226.0;
 /// Size of a stage's bar, points.
 const BAR: egui::Vec2 = vec2(120.0, 8.0);
 /// Width of a column, points.
-const COLUMN: f32 = 300.0;
+const COLUMN: f32 = 320.0;
 
 /// The panel; empty columns until the first stretch of time was measured.
 pub(super) fn cost_ui(ui: &mut Ui, cost: Option<&StepCost>, playing: bool) {
     let Some(cost) = cost else { return };
+    ui.spacing_mut().interact_size.y = 18.0;
     ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
         ui.horizontal_top(|ui| {
             column_ui(ui, "A step", |ui| stages_ui(ui, cost, playing));

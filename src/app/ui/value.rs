@@ -13,7 +13,7 @@ use crate::scene::param::{self, Kind, Param};
 /// Width of a label, points.
 pub(super) const LABEL_WIDTH: f32 = 92.0;
 /// Width of a typed number, points.
-const NUMBER_WIDTH: f32 = 84.0;
+const NUMBER_WIDTH: f32 = 94.0;
 /// Decades below the greatest value that a track from zero shows.
 const DECADES: f64 = 10.0;
 /// The share of such a track that means zero.

@@ -57,7 +57,7 @@ fn shape_ui(ui: &mut Ui, id: BodyId, body: &Body, status: Option<&BodyStatus>, c
         Shape::Cells(cells) => (format!("{} cells of {} m", cells.list.len(), figure(cells.size)), false),
         Shape::Model(model) => (format!("{} in {} divisions", file_name(&model.path), model.divisions), false),
     };
-    row_ui(ui, "Made of", &what);
+    row_ui(ui, "Form", &what);
     if editable {
         cube_ui(ui, id, body, commands);
     } else if matches!(body.shape, Shape::Model(_)) {

@@ -90,16 +90,17 @@ struct Safe<'a> {
 }
 
 impl Safe<'_> {
-    /// The bound of a value; `None` where its whole range is safe.
+    /// The bound of a value; `None` where its whole range is safe, and where none of it is: then another value is to
+    /// blame, whose track shows it.
     fn bound(self, path: &str) -> Option<Bound> {
         let own = path.splitn(3, '.').nth(2)?;
         let safe = self.of.iter().find(|safe| safe.path == own)?;
         let Some(param::Kind::Number { min, max }) = param::find(path).map(|param| param.kind) else { return None };
         let bound = safe.bound?;
         if safe.is_smallest {
-            (bound > min).then_some(Bound::AtLeast(bound))
+            (bound > min && bound.is_finite()).then_some(Bound::AtLeast(bound))
         } else {
-            (bound < max).then_some(Bound::AtMost(bound))
+            (bound > 0.0 && bound < max).then_some(Bound::AtMost(bound))
         }
     }
 }
@@ -108,7 +109,7 @@ fn solid_ui(ui: &mut Ui, id: BodyId, body: &Body, mut solid: Solid, safe: Safe<'
     let mut touch = Touch::default();
     let Solid { young_modulus, density, damping_ratio } = &mut solid;
     for (what, label, value) in [
-        ("young_modulus", "Young's modulus", young_modulus),
+        ("young_modulus", "Modulus", young_modulus),
         ("density", "Density", density),
         ("damping_ratio", "Damping ratio", damping_ratio),
     ] {
