@@ -33,6 +33,8 @@ use files::FilesState;
 /// Widths of the panels beside the view, points.
 const TREE_WIDTH: f32 = 190.0;
 const INSPECTOR_WIDTH: f32 = 336.0;
+/// The most of the window's height that the cost panel takes: the view keeps the rest.
+const COST_SHARE: f32 = 0.4;
 /// Below this width of the window (points) both panels stand on one side.
 const TWO_SIDES_NEED: f32 = 1100.0;
 /// The share of that side that the list has, and its least height, points.
@@ -193,7 +195,9 @@ fn cost_panel_ui(ui: &mut Ui, shown: &Shown<'_>, open: bool, commands: &mut Vec<
         commands.push(Command::WatchCost(open));
     }
     if open {
-        let panel = egui::Panel::bottom("cost").resizable(false).exact_size(cost::HEIGHT);
+        let panel = egui::Panel::bottom("cost")
+            .resizable(false)
+            .exact_size(cost::HEIGHT.min(COST_SHARE * ui.available_height()));
         panel.frame(theme::bar_frame(ui)).show(ui, |ui| {
             cost::cost_ui(ui, running.status.cost.as_ref(), running.status.playing);
         });
