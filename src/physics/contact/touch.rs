@@ -161,6 +161,9 @@ pub(in crate::physics) fn find<R: Real>(
 ) {
     scratch.touches.clear();
     for (number, body) in model.bodies.iter().enumerate() {
+        if state.bodies[number].asleep {
+            continue;
+        }
         let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
         timer.enter(Stage::BroadPhase);
         broad::near_obstacles(model, plan, body, dt, state, falling, touching, &mut scratch.near);
@@ -172,7 +175,7 @@ pub(in crate::physics) fn find<R: Real>(
             if body.is_pinned(local) {
                 continue;
             }
-            let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0 };
+            let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
             let size = body.size.to_f64();
             for &near in &scratch.near {
                 let obstacle = near as usize;
@@ -204,6 +207,7 @@ pub(in crate::physics) fn find<R: Real>(
                 scratch.touches.push(touch);
             }
             report.narrow_tests += meeting.tests;
+            report.sphere_tests += meeting.sphere_tests;
         }
     }
 }
@@ -220,13 +224,13 @@ pub(in crate::physics) fn settle<R: Real>(
     report: &mut StepReport,
     timer: &mut impl StageTimer,
 ) {
-    scratch.contacts.clear();
+    scratch.keep_of_sleepers(model, state);
     let mut touches = scratch.touches.chunk_by(|a, b| a.particle == b.particle).peekable();
     for body in &model.bodies {
         while let Some(own) = touches.next_if(|own| body.particles.contains(&own[0].particle)) {
             let particle = own[0].particle;
             let over_dt = R::ONE / dt;
-            let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0 };
+            let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
             for obstacle in 0..model.obstacles.len() {
                 let record = match own.iter().find(|touch| touch.obstacle == obstacle) {
                     Some(touch) => Some(ContactRecord {
@@ -252,9 +256,12 @@ pub(in crate::physics) fn settle<R: Real>(
                 velocity[particle] = allowed;
             }
             report.narrow_tests += meeting.tests;
+            report.sphere_tests += meeting.sphere_tests;
         }
     }
+    scratch.sort(state);
     let mut meetings = Meetings { model, plan, dt, state, scratch, report, timer };
     meetings.of_all(velocity, |_, _| ());
+    scratch.sort(state);
     report.contacts = scratch.pushing();
 }

@@ -2,7 +2,7 @@
 //! Witkin, "Large steps in cloth simulation", 1998).
 //!
 //! ```text
-//! (M + dt C + dt² K⁺) v' = M v + dt (F(x, v) + C v)          x' = x + dt v'
+//! (M + dt C + dt² K⁺) v' = M v + dt F(x)          x' = x + dt v'
 //! K⁺ of a link = k/l0 ( d̂ d̂ᵀ + max(0, 1 − l0/l) (I − d̂ d̂ᵀ) )
 //! ```
 //!
@@ -101,6 +101,10 @@ pub(super) fn solve<R: Real>(
     let room = &mut free.scratch.room;
     let mut touches = touches;
     for (number, body) in model.bodies.iter().enumerate() {
+        // Nothing touches what sleeps.
+        if state.bodies[number].asleep {
+            continue;
+        }
         let own = touches.partition_point(|touch| touch.particle < body.particles.end);
         let (own, others) = touches.split_at_mut(own);
         touches = others;
@@ -147,14 +151,9 @@ impl<R: Real> System<'_, R> {
             let damping = dt * bond.damping.to_f64();
             let along = stiff - across + damping;
             let direction = bond.direction.to_dvec3();
-            let [i_local, j_local] = [i as usize, j as usize];
-            // What damps is in the force as it is now, and in the matrix as it will be.
-            let damped = direction * (damping * direction.dot(now[i_local] - now[j_local]));
-            known[i_local] += damped;
-            known[j_local] -= damped;
             let diagonal = across + along / 3.0;
-            inverse_diagonal[i_local] += diagonal;
-            inverse_diagonal[j_local] += diagonal;
+            inverse_diagonal[i as usize] += diagonal;
+            inverse_diagonal[j as usize] += diagonal;
             let along = R::Vec3::from_dvec3(direction * along.sqrt());
             bonds.push(Bond { ends: [i, j], across: R::from_f64(across), along });
         });
