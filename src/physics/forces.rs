@@ -1,5 +1,7 @@
 //! Forces of gravity and of the links (GC §2).
 
+use glam::DVec3;
+
 use super::model::{BodyModel, Link, Model};
 use super::plan::{Plan, Stage};
 use super::recovery;
@@ -8,10 +10,10 @@ use super::sleep::awake;
 use super::state::BodyMemory;
 use crate::math::{Real, Vector};
 
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 /// Writes all forces on the particles of bodies that are awake, at these positions with these velocities but those of
 /// contact, N. Where `residual` holds what rounding has kept back from the positions, links are worked out exactly and
 /// without their damping, as the implicit integrator needs them; otherwise it is empty.
+#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 pub fn evaluate<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -90,22 +92,49 @@ fn exact_links<R: Real>(
 ) -> u64 {
     let mut evaluated = 0;
     for body in awake(model, memory) {
-        let first = body.particles.start;
-        for (family, _) in body.links.iter().zip(plan.families).filter(|(_, chosen)| *chosen) {
-            for (number, link) in family.links.iter().enumerate() {
-                let [i, j] = link.ends.map(|end| first + end as usize);
-                let [stiffness, _] = family.constants(number);
-                let far = residual[j].to_dvec3() - residual[i].to_dvec3();
-                let d = position[j].to_dvec3() - position[i].to_dvec3() + far;
-                let on_i = elastic_force::<f64>(d, 1.0 / link.rest_length.to_f64(), stiffness.to_f64());
-                let on_i = R::Vec3::from_dvec3(on_i);
-                force[i] += on_i;
-                force[j] -= on_i;
-                evaluated += 1;
-            }
-        }
+        let own = body.particles.clone();
+        let force = &mut force[own.clone()];
+        for_each_exact_link(body, plan.families, &position[own.clone()], &residual[own], |[i, j], link| {
+            let on_i = elastic_force::<f64>(link.d, link.inverse_rest_length, link.stiffness);
+            let on_i = R::Vec3::from_dvec3(on_i);
+            force[i] += on_i;
+            force[j] -= on_i;
+            evaluated += 1;
+        });
     }
     evaluated
+}
+
+/// A link in double precision.
+#[derive(Clone, Copy, Debug)]
+pub struct ExactLink {
+    /// From the first end to the second, m.
+    pub d: DVec3,
+    /// Over the length at rest, 1/m.
+    pub inverse_rest_length: f64,
+    /// Force at 100 % strain, N.
+    pub stiffness: f64,
+}
+
+/// Calls `visit` with the ends (local numbers) of every link of the chosen families and the link between them.
+/// `position` is the body's own, `residual` what rounding has kept back from it.
+pub fn for_each_exact_link<R: Real>(
+    body: &BodyModel<R>,
+    families: [bool; 3],
+    position: &[R::Vec3],
+    residual: &[R::Vec3],
+    mut visit: impl FnMut([usize; 2], ExactLink),
+) {
+    for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
+        for (number, link) in family.links.iter().enumerate() {
+            let [i, j] = link.ends.map(|end| end as usize);
+            let [stiffness, _] = family.constants(number);
+            let kept_back = residual[j].to_dvec3() - residual[i].to_dvec3();
+            let d = position[j].to_dvec3() - position[i].to_dvec3() + kept_back;
+            let inverse_rest_length = 1.0 / link.rest_length.to_f64();
+            visit([i, j], ExactLink { d, inverse_rest_length, stiffness: stiffness.to_f64() });
+        }
+    }
 }
 
 /// Links whose damping is worked out in an evaluation of all forces.
@@ -217,8 +246,6 @@ pub fn link_force<R: Real>(d: R::Vec3, dv: R::Vec3, inverse_rest_length: R, stif
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
 
     fn force(d: DVec3, dv: DVec3) -> DVec3 {

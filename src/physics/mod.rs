@@ -6,6 +6,7 @@
 //! `f32` to run, `f64` as reference.
 
 mod assembly;
+mod balance;
 mod cell_bound;
 pub mod compile;
 pub mod contact;

@@ -17,6 +17,9 @@ pub const IMPLICIT_ABOVE: f64 = 100.0;
 /// simulated time, and quiet a vibration of 5 Hz in one period instead of three.
 const LONGEST_IMPLICIT_SECS: f64 = 0.25 * FRAME_SECS;
 
+/// The most halvings of a substep of the implicit integrator.
+const MOST_HALVINGS: u32 = 24;
+
 /// The stages of a substep in their order (GC Algorithm 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Stage {
@@ -68,6 +71,9 @@ pub struct Plan {
     /// Whole steps that one substep covers: more than one only where the implicit integrator has taken over, as many as
     /// its own step has room for. The steps before the last are counted and the motion waits for it.
     pub span: u32,
+    /// How often a substep of the implicit integrator may be halved whose linear equations prove wrong: down to a step
+    /// that an explicit integrator could take. Never in manual stepping.
+    pub halvings: u32,
     /// The predicted stability limits the subdivision follows from.
     pub limits: SceneLimits,
     /// Which families have a link with a force, in any body.
@@ -105,22 +111,24 @@ impl Plan {
         };
         let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
         let substeps = if divided { limits.substeps(settings.dt) } else { 1 };
-        let per_frame = FRAME_SECS / settings.dt * f64::from(substeps);
         let contact = !model.obstacles.is_empty() && !model.bodies.is_empty();
         let taken_over = settings.allow_implicit
             && divided
             && settings.integrator != Integrator::Implicit
-            && per_frame > IMPLICIT_ABOVE
+            && substeps > 1
+            && limits.dt_safe_secs().is_some_and(|safe| FRAME_SECS / safe > IMPLICIT_ABOVE)
             && !(contact && settings.contact == ContactRule::Thesis);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of at least one")]
         let [span, implicit_substeps] =
             [LONGEST_IMPLICIT_SECS / settings.dt, libm::ceil(settings.dt / LONGEST_IMPLICIT_SECS)]
                 .map(|count| count.max(1.0) as u32);
-        Self {
-            integrator: if taken_over { Integrator::Implicit } else { settings.integrator },
+        let integrator = if taken_over { Integrator::Implicit } else { settings.integrator };
+        let plan = Self {
+            integrator,
             dt_secs: if divided && !taken_over { settings.dt.min(limits.longest_step_secs()) } else { settings.dt },
             substeps: if taken_over { implicit_substeps } else { substeps },
             span: if taken_over { span } else { 1 },
+            halvings: 0,
             limits,
             families: Family::ALL.map(|family| has_force(family as usize)),
             damped: Family::ALL
@@ -134,7 +142,9 @@ impl Plan {
             broad_phase: true,
             sleeping: settings.sleeping,
             lean: true,
-        }
+        };
+        let halved = divided && integrator == Integrator::Implicit;
+        Self { halvings: if halved { halvings(model, settings.contact, plan.substep_secs()) } else { 0 }, ..plan }
     }
 
     /// The step in use, s.
@@ -187,6 +197,15 @@ impl Plan {
             Stage::Rest => self.sleeping,
         }
     }
+}
+
+/// How often a step is to be halved until the default integrator could take it.
+fn halvings<R: Real>(model: &Model<R>, rule: ContactRule, step_secs: f64) -> u32 {
+    let safe = SceneLimits::of(model, rule, Integrator::SemiImplicit).dt_safe_secs();
+    let parts = safe.map_or(1.0, |safe| (step_secs / safe).max(1.0));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero to the bound")]
+    let halvings = libm::ceil(libm::log2(parts)).min(f64::from(MOST_HALVINGS)) as u32;
+    halvings
 }
 
 /// Planes among the obstacles of a model.

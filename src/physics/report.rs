@@ -19,6 +19,8 @@ pub struct StepReport {
     pub narrow_tests_saved: u64,
     /// Link forces evaluated.
     pub link_forces: u64,
+    /// Substeps of the implicit integrator, or parts of one, that would have given energy and were halved.
+    pub halved: u64,
     /// Linear systems that the implicit integrator solved.
     pub solves: u64,
     /// Iterations of the implicit integrator's solver.
@@ -50,6 +52,7 @@ impl StepReport {
         self.narrow_tests += later.narrow_tests;
         self.narrow_tests_saved += later.narrow_tests_saved;
         self.link_forces += later.link_forces;
+        self.halved += later.halved;
         self.solves += later.solves;
         self.iterations += later.iterations;
         self.damped_link_forces += later.damped_link_forces;

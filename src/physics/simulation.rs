@@ -14,7 +14,7 @@ use super::plan::Plan;
 use super::report::{StageTimer, StepReport};
 use super::sleep;
 use super::state::{BodyMemory, State};
-use super::step::{self, Inputs, Scratch};
+use super::step::{self, Inputs, Scratch, Stretch};
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector, rotation};
 use crate::scene::Scene;
@@ -216,10 +216,8 @@ impl<R: Real> Simulation<R> {
         }
         if !self.sweeps.is_empty() {
             self.wake_all();
-            sweep::advance(&mut self.model, &mut self.sweeps, self.plan.substep_secs());
         }
-        let inputs = Inputs { grab: self.grab.as_ref() };
-        let report = step::substep(&self.model, &self.plan, inputs, &mut self.state, &mut self.scratch, timer);
+        let report = self.divide(timer);
         self.diverged = report.diverged;
         self.touching = StepReport {
             contacts: report.contacts,
@@ -232,6 +230,36 @@ impl<R: Real> Simulation<R> {
             if self.state.substep >= self.plan.substeps {
                 self.state.substep = 0;
                 self.state.steps += 1;
+            }
+        }
+        report
+    }
+
+    /// Advances by one substep, halved where its linear equations would give energy, and on as coarsely as they hold.
+    fn divide(&mut self, timer: &mut impl StageTimer) -> StepReport {
+        let finest = self.plan.halvings;
+        let whole = 1u64 << finest;
+        let (mut done, mut halvings) = (0, 0);
+        let mut report = StepReport::default();
+        while done < whole && !report.diverged {
+            let parts = 1 << (finest - halvings);
+            let stretch = Stretch {
+                secs: self.plan.substep_secs() * (parts as f64 / whole as f64),
+                may_be_halved: halvings < finest,
+                is_last: done + parts == whole,
+            };
+            sweep::advance(&mut self.model, &mut self.sweeps, stretch.secs);
+            let inputs = Inputs { grab: self.grab.as_ref() };
+            let part =
+                step::substep(&self.model, &self.plan, stretch, inputs, &mut self.state, &mut self.scratch, timer);
+            report.add(&part);
+            if part.halved > 0 {
+                sweep::take_back(&mut self.sweeps);
+                halvings += 1;
+            } else {
+                done += parts;
+                let is_even = done % (2 * parts) == 0;
+                halvings -= u32::from(is_even && halvings > 0);
             }
         }
         report
@@ -285,7 +313,8 @@ impl<R: Real> Simulation<R> {
         let mut awake = self.state.clone();
         awake.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut found = Scratch::new(&self.model, &self.plan);
-        step::substep(&self.model, &self.plan, Inputs { grab: None }, &mut awake, &mut found, &mut ());
+        let whole = Stretch::whole(&self.plan);
+        step::substep(&self.model, &self.plan, whole, Inputs { grab: None }, &mut awake, &mut found, &mut ());
         self.scratch.contact.contacts = found.contact.contacts;
         self.scratch.contact.keep_of_sleepers(&self.model, &self.state);
     }

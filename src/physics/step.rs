@@ -15,6 +15,7 @@
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
 //! anything is written: the state stays the last good one and the report says so.
 
+use super::balance::gains_energy;
 use super::contact;
 use super::forces;
 use super::integrate::{self, Free};
@@ -71,21 +72,40 @@ pub struct Inputs<'a, R: Real> {
     pub grab: Option<&'a Grab<R>>,
 }
 
-/// Advances the state by one substep.
+/// The time that a substep covers, or the part of one that is divided further.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch {
+    /// Its length, s.
+    pub secs: f64,
+    /// Whether it is abandoned where it would give energy from nowhere, as it can be halved.
+    pub may_be_halved: bool,
+    /// Whether the substep ends with it.
+    pub is_last: bool,
+}
+
+impl Stretch {
+    /// A whole substep, come what may.
+    pub fn whole(plan: &Plan) -> Self {
+        Self { secs: plan.substep_secs(), may_be_halved: false, is_last: true }
+    }
+}
+
+/// Advances the state by one substep or a part of it. Abandons it, state untouched, where the report counts one as halved.
 pub fn substep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
+    stretch: Stretch,
     inputs: Inputs<'_, R>,
     state: &mut State<R>,
     scratch: &mut Scratch<R>,
     timer: &mut impl StageTimer,
 ) -> StepReport {
-    let dt = R::from_f64(plan.substep_secs());
+    let dt = R::from_f64(stretch.secs);
     let mut report = StepReport { substeps: 1, ..StepReport::default() };
     if sleep::is_quiet(state) {
         report.bodies_asleep = state.bodies.len();
         scratch.contact.report_kept(&mut report);
-        state.time_secs += plan.substep_secs();
+        state.time_secs += stretch.secs;
         return report;
     }
     let implicit_contact = plan.contact && plan.contact_rule == ContactRule::Implicit;
@@ -135,17 +155,24 @@ pub fn substep<R: Real>(
     }
     let moving = if path.is_empty() { &*velocity } else { &*path };
     let exploded = plan.watched && runs_away(model, dt, moving);
-    if !exploded && stays_finite(model, dt, state, moving, velocity) {
+    let sound = !exploded && stays_finite(model, dt, state, moving, velocity);
+    if stretch.may_be_halved
+        && !(sound && !gains_energy(model, plan, dt, state, force, velocity, &contact.contacts, inputs.grab))
+    {
+        timer.leave();
+        return StepReport { substeps: 0, halved: 1, ..report };
+    }
+    if sound {
         if implicit_contact {
             contact::remember_sides(model, dt, state, moving, contact, &mut report);
         }
         integrate::remember(model, plan, dt, force, held_force, state);
         move_particles(model, dt, state, moving, velocity);
-        state.time_secs += plan.substep_secs();
+        state.time_secs += stretch.secs;
     } else {
         report.diverged = true;
     }
-    if plan.sleeping && !report.diverged {
+    if plan.sleeping && stretch.is_last && !report.diverged {
         timer.enter(Stage::Rest);
         sleep::watch(model, plan, inputs.grab.map(|grab| grab.body), state);
         report.bodies_asleep = sleep::asleep(state);

@@ -310,6 +310,7 @@ fn the_implicit_scheme_tells_static_from_dynamic_friction() {
 fn an_undamped_drop_never_gains_energy_with_the_implicit_scheme() {
     for_all_stiff(|stiffness, dt| {
         let (mut scene, _) = stiff(stiffness, dt, 0.0, [0.0; 2]);
+        scene.settings.stepping = Stepping::Auto;
         scene.bodies[0] = cube(4, 1.0, springs(stiffness, 0.0, 0.008), [0.0, 1.0, 0.0]);
         scene.bodies[0].pose.rotation_deg = [20.0, 0.0, 30.0];
         let mut simulation = simulate::<f32>(&scene);

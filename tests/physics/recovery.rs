@@ -6,7 +6,7 @@ use gelatin::math::rng::Rng;
 use gelatin::physics::Simulation;
 use gelatin::scene::body::PinBox;
 use gelatin::scene::material::Spring;
-use gelatin::scene::settings::{Integrator, Stepping};
+use gelatin::scene::settings::Integrator;
 use gelatin::scene::{Scene, Springs};
 use glam::DVec3;
 
@@ -123,7 +123,6 @@ fn stiff_broken_cubes_come_back_with_the_implicit_scheme() {
     for way in WAYS {
         let implicit = |scene: &mut Scene| {
             scene.settings.integrator = Integrator::Implicit;
-            scene.settings.stepping = Stepping::Manual;
             scene.settings.dt = 1.0 / 240.0;
         };
         let left = left_broken(broken::<f32>(7, even(7, 1e4), way, implicit));

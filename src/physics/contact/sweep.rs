@@ -19,6 +19,8 @@ pub(crate) struct Sweep<R: Real> {
     now: Frame,
     to: Frame,
     left_secs: f64,
+    /// The two before the last advance.
+    before: (Frame, f64),
     /// What it is once it has arrived, as compiled.
     arrived: ObstacleModel<R>,
 }
@@ -60,7 +62,8 @@ pub(crate) fn sweeps<R: Real>(old: &Model<R>, new: &Model<R>, kept: &[Option<usi
             let before = &old.obstacles[(*before)?];
             let moved = before.shape != after.shape && same_form(&before.shape, &after.shape);
             let (now, to) = (Frame::of(&before.shape), Frame::of(&after.shape));
-            moved.then(|| Sweep { obstacle, now, to, left_secs: SWEEP_SECS, arrived: after.clone() })
+            let (left_secs, arrived) = (SWEEP_SECS, after.clone());
+            moved.then_some(Sweep { obstacle, now, to, left_secs, before: (now, left_secs), arrived })
         })
         .collect()
 }
@@ -80,6 +83,7 @@ pub(crate) fn advance<R: Real>(model: &mut Model<R>, sweeps: &mut Vec<Sweep<R>>,
             obstacle.clone_from(&sweep.arrived);
             return false;
         }
+        sweep.before = (sweep.now, sweep.left_secs);
         let share = (dt_secs / sweep.left_secs).min(1.0);
         let next = if share < 1.0 { sweep.now.towards(sweep.to, share) } else { sweep.to };
         let turn = DMat3::from_quat(next.rotation) * DMat3::from_quat(sweep.now.rotation).transpose();
@@ -99,6 +103,13 @@ pub(crate) fn advance<R: Real>(model: &mut Model<R>, sweeps: &mut Vec<Sweep<R>>,
         sweep.left_secs = if share < 1.0 { sweep.left_secs - dt_secs } else { 0.0 };
         true
     });
+}
+
+/// Takes the last advance back, to be followed by a shorter one.
+pub(crate) fn take_back<R: Real>(sweeps: &mut [Sweep<R>]) {
+    for sweep in sweeps {
+        (sweep.now, sweep.left_secs) = sweep.before;
+    }
 }
 
 /// Takes over on which side of a plane particles touch it. A plane that was put elsewhere at once keeps those that it
