@@ -11,7 +11,7 @@ use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::recovery;
 use super::state::{BodyMemory, State};
-use super::step::{Inputs, Scratch, Stretch, substep};
+use super::step::{Inputs, Part, Scratch, substep};
 use crate::math::{Aabb, Real, Vector};
 
 /// The state of a simulation in numbers, SI units.
@@ -77,7 +77,7 @@ impl Diagnostics {
         // A sleeping body's contacts are found, too.
         ahead.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut scratch = Scratch::new(model, plan);
-        let next = substep(model, plan, Stretch::whole(plan), Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
+        let next = substep(model, plan, Part::whole(plan), Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
         let centred = |particle: usize, asleep: bool| {
             let now = state.velocity[particle].to_dvec3();
             if asleep || next.diverged || integrate::is_on_time(plan, state) {

@@ -18,7 +18,7 @@ pub const IMPLICIT_ABOVE: f64 = 100.0;
 const LONGEST_IMPLICIT_SECS: f64 = 0.25 * FRAME_SECS;
 
 /// The most halvings of a substep of the implicit integrator.
-const MOST_HALVINGS: u32 = 24;
+pub const MOST_HALVINGS: u32 = 24;
 
 /// The stages of a substep in their order (GC Algorithm 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -14,7 +14,7 @@ use super::plan::Plan;
 use super::report::{StageTimer, StepReport};
 use super::sleep;
 use super::state::{BodyMemory, State};
-use super::step::{self, Inputs, Scratch, Stretch};
+use super::step::{self, Inputs, Part, Scratch};
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector, rotation};
 use crate::scene::Scene;
@@ -86,6 +86,8 @@ impl<R: Real> Simulation<R> {
         }
         self.state.steps = before.state.steps;
         self.state.substep = rescaled(before.state.substep, before.plan.substeps, self.plan.substeps);
+        (self.state.part, self.state.halvings) = (before.state.part, before.state.halvings);
+        self.state.fit_scheme(&self.plan);
         self.state.time_secs = before.state.time_secs;
     }
 
@@ -125,7 +127,7 @@ impl<R: Real> Simulation<R> {
 
     /// Whether no time has passed.
     pub fn is_at_start(&self) -> bool {
-        self.state.steps == 0 && self.state.substep == 0
+        self.state.steps == 0 && self.state.is_between_steps()
     }
 
     /// Puts a body to its start; the others go on.
@@ -195,13 +197,13 @@ impl<R: Real> Simulation<R> {
         let mut report = StepReport::default();
         loop {
             report.add(&self.substep(timer));
-            if self.diverged || self.state.substep == 0 {
+            if self.diverged || self.state.is_between_steps() {
                 return report;
             }
         }
     }
 
-    /// Advances by one substep. A simulation that has diverged stays where it was last good.
+    /// Advances by one substep, or a part of one where the implicit integrator halves it. A simulation that has diverged stays where it was last good.
     pub fn substep(&mut self, timer: &mut impl StageTimer) -> StepReport {
         if self.diverged {
             return StepReport { diverged: true, ..StepReport::default() };
@@ -217,14 +219,14 @@ impl<R: Real> Simulation<R> {
         if !self.sweeps.is_empty() {
             self.wake_all();
         }
-        let report = self.divide(timer);
+        let report = self.advance(timer);
         self.diverged = report.diverged;
         self.touching = StepReport {
             contacts: report.contacts,
             max_penetration_m: report.max_penetration_m,
             ..StepReport::default()
         };
-        if !self.diverged {
+        if !self.diverged && self.state.end_part() {
             self.state.held_steps = 0;
             self.state.substep += 1;
             if self.state.substep >= self.plan.substeps {
@@ -235,34 +237,25 @@ impl<R: Real> Simulation<R> {
         report
     }
 
-    /// Advances by one substep, halved where its linear equations would give energy, and on as coarsely as they hold.
-    fn divide(&mut self, timer: &mut impl StageTimer) -> StepReport {
-        let finest = self.plan.halvings;
-        let whole = 1u64 << finest;
-        let (mut done, mut halvings) = (0, 0);
+    /// Advances by a part of a substep that the linear equations of the implicit integrator hold for; with other
+    /// integrators by all of it.
+    fn advance(&mut self, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport::default();
-        while done < whole && !report.diverged {
-            let parts = 1 << (finest - halvings);
-            let stretch = Stretch {
-                secs: self.plan.substep_secs() * (parts as f64 / whole as f64),
-                may_be_halved: halvings < finest,
-                is_last: done + parts == whole,
-            };
-            sweep::advance(&mut self.model, &mut self.sweeps, stretch.secs);
+        loop {
+            let (share, is_last) = self.state.next_part();
+            let secs = self.plan.substep_secs() * share;
+            let part = Part { secs, may_be_halved: self.state.halvings < self.plan.halvings, is_last };
+            sweep::advance(&mut self.model, &mut self.sweeps, secs);
             let inputs = Inputs { grab: self.grab.as_ref() };
-            let part =
-                step::substep(&self.model, &self.plan, stretch, inputs, &mut self.state, &mut self.scratch, timer);
-            report.add(&part);
-            if part.halved > 0 {
-                sweep::take_back(&mut self.sweeps);
-                halvings += 1;
-            } else {
-                done += parts;
-                let is_even = done % (2 * parts) == 0;
-                halvings -= u32::from(is_even && halvings > 0);
+            let Self { model, plan, state, scratch, .. } = self;
+            let of_part = step::substep(model, plan, part, inputs, state, scratch, timer);
+            report.add(&of_part);
+            if of_part.halved == 0 {
+                return report;
             }
+            sweep::take_back(&mut self.sweeps);
+            self.state.halvings += 1;
         }
-        report
     }
 
     /// Whether the last step would have made a number infinite or NaN.
@@ -313,7 +306,7 @@ impl<R: Real> Simulation<R> {
         let mut awake = self.state.clone();
         awake.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut found = Scratch::new(&self.model, &self.plan);
-        let whole = Stretch::whole(&self.plan);
+        let whole = Part::whole(&self.plan);
         step::substep(&self.model, &self.plan, whole, Inputs { grab: None }, &mut awake, &mut found, &mut ());
         self.scratch.contact.contacts = found.contact.contacts;
         self.scratch.contact.keep_of_sleepers(&self.model, &self.state);

@@ -1,7 +1,7 @@
 //! The mutable side of a simulation: where every particle is, how fast it goes, and what contact must remember.
 
 use super::model::Model;
-use super::plan::Plan;
+use super::plan::{MOST_HALVINGS, Plan};
 use crate::math::{Real, Vector};
 use crate::scene::settings::Integrator;
 
@@ -32,6 +32,11 @@ pub struct State<R: Real> {
     pub steps: u64,
     /// Substeps taken of the step that is under way.
     pub substep: u32,
+    /// How much of the substep under way is done, in parts of 2 to the power of minus [`MOST_HALVINGS`] of it: more than
+    /// nothing only where the implicit integrator halves it.
+    pub part: u64,
+    /// How often the substep under way is halved at present.
+    pub halvings: u32,
     /// Whole steps that are counted and that the motion has yet to catch up with: see `Plan::span`.
     pub held_steps: u32,
     /// Simulated time, s: kept, not recomputed, as the step may be changed on the way.
@@ -63,6 +68,33 @@ impl BodyMemory {
 }
 
 impl<R: Real> State<R> {
+    /// Whether no step is under way.
+    pub fn is_between_steps(&self) -> bool {
+        self.substep == 0 && self.part == 0
+    }
+
+    /// The part of the substep that comes next: its share, and whether the substep ends with it.
+    pub(super) fn next_part(&self) -> (f64, bool) {
+        let length = 1 << (MOST_HALVINGS - self.halvings);
+        let whole = 1 << MOST_HALVINGS;
+        (length as f64 / whole as f64, self.part + length == whole)
+    }
+
+    /// Counts the next part as done and goes on as coarsely as the grid of halves allows. Says whether the substep is
+    /// done.
+    pub(super) fn end_part(&mut self) -> bool {
+        let length = 1 << (MOST_HALVINGS - self.halvings);
+        self.part += length;
+        if self.halvings > 0 && self.part.is_multiple_of(2 * length) {
+            self.halvings -= 1;
+        }
+        let ends = self.part == 1 << MOST_HALVINGS;
+        if ends {
+            (self.part, self.halvings) = (0, 0);
+        }
+        ends
+    }
+
     /// Every particle at its start.
     pub fn start(model: &Model<R>) -> Self {
         let count = model.particle_count();
@@ -77,6 +109,8 @@ impl<R: Real> State<R> {
             bodies: vec![BodyMemory::default(); model.bodies.len()],
             steps: 0,
             substep: 0,
+            part: 0,
+            halvings: 0,
             held_steps: 0,
             time_secs: 0.0,
         };
@@ -102,6 +136,9 @@ impl<R: Real> State<R> {
     /// behind.
     pub(super) fn fit_scheme(&mut self, plan: &Plan) {
         self.held_steps = self.held_steps.min(plan.span - 1);
+        if plan.halvings == 0 {
+            (self.part, self.halvings) = (0, 0);
+        }
         let count = if plan.integrator == Integrator::Verlet { self.position.len() } else { 0 };
         if self.acceleration.len() != count {
             self.acceleration = vec![R::Vec3::ZERO; count];

@@ -74,7 +74,7 @@ pub struct Inputs<'a, R: Real> {
 
 /// The time that a substep covers, or the part of one that is divided further.
 #[derive(Clone, Copy, Debug)]
-pub struct Stretch {
+pub struct Part {
     /// Its length, s.
     pub secs: f64,
     /// Whether it is abandoned where it would give energy from nowhere, as it can be halved.
@@ -83,7 +83,7 @@ pub struct Stretch {
     pub is_last: bool,
 }
 
-impl Stretch {
+impl Part {
     /// A whole substep, come what may.
     pub fn whole(plan: &Plan) -> Self {
         Self { secs: plan.substep_secs(), may_be_halved: false, is_last: true }
@@ -94,18 +94,18 @@ impl Stretch {
 pub fn substep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
-    stretch: Stretch,
+    part: Part,
     inputs: Inputs<'_, R>,
     state: &mut State<R>,
     scratch: &mut Scratch<R>,
     timer: &mut impl StageTimer,
 ) -> StepReport {
-    let dt = R::from_f64(stretch.secs);
+    let dt = R::from_f64(part.secs);
     let mut report = StepReport { substeps: 1, ..StepReport::default() };
     if sleep::is_quiet(state) {
         report.bodies_asleep = state.bodies.len();
         scratch.contact.report_kept(&mut report);
-        state.time_secs += stretch.secs;
+        state.time_secs += part.secs;
         return report;
     }
     let implicit_contact = plan.contact && plan.contact_rule == ContactRule::Implicit;
@@ -156,7 +156,7 @@ pub fn substep<R: Real>(
     let moving = if path.is_empty() { &*velocity } else { &*path };
     let exploded = plan.watched && runs_away(model, dt, moving);
     let sound = !exploded && stays_finite(model, dt, state, moving, velocity);
-    if stretch.may_be_halved
+    if part.may_be_halved
         && !(sound && !gains_energy(model, plan, dt, state, force, velocity, &contact.contacts, inputs.grab))
     {
         timer.leave();
@@ -168,11 +168,11 @@ pub fn substep<R: Real>(
         }
         integrate::remember(model, plan, dt, force, held_force, state);
         move_particles(model, dt, state, moving, velocity);
-        state.time_secs += stretch.secs;
+        state.time_secs += part.secs;
     } else {
         report.diverged = true;
     }
-    if plan.sleeping && stretch.is_last && !report.diverged {
+    if plan.sleeping && part.is_last && !report.diverged {
         timer.enter(Stage::Rest);
         sleep::watch(model, plan, inputs.grab.map(|grab| grab.body), state);
         report.bodies_asleep = sleep::asleep(state);

@@ -116,9 +116,23 @@ fn watch<R: Real>(
         substeps: 0,
         largest_gain: 0.0,
     };
+    let mut forces = 0;
     for substep in 0..substeps {
+        if verdict.cut_short {
+            break;
+        }
         meddle(simulation, substep);
-        let diverged = simulation.substep(&mut ()).diverged;
+        let diverged = loop {
+            let report = simulation.substep(&mut ());
+            forces += report.link_forces + report.iterations * links as u64;
+            if report.diverged || simulation.state().part == 0 {
+                break report.diverged;
+            }
+            if forces > patience.most_link_forces {
+                break false;
+            }
+        };
+        verdict.cut_short |= forces > patience.most_link_forces && substep + 1 < substeps;
         (verdict.substeps, verdict.simulated_secs) = (substep + 1, (substep + 1) as f64 * dt);
         if diverged {
             (verdict.fault, verdict.words) = (Some(Fault::NotFinite), format!("after {} s", verdict.simulated_secs));

@@ -222,7 +222,7 @@ impl Session {
             if !self.substep() {
                 break;
             }
-            if self.simulation.state().substep == 0 {
+            if self.simulation.state().is_between_steps() {
                 self.clock.pay(dt_secs);
             }
         }
@@ -236,7 +236,7 @@ impl Session {
             if !self.substep() {
                 return false;
             }
-            if self.simulation.state().substep == 0 {
+            if self.simulation.state().is_between_steps() {
                 self.find_inversion();
                 return true;
             }

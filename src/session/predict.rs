@@ -68,15 +68,15 @@ impl Prediction {
 
 fn real_time_factor(session: &Session) -> f64 {
     let mut copy = session.simulation().clone();
+    let start_secs = copy.state().time_secs;
     let begin = Instant::now();
-    let mut substeps = 0;
     loop {
-        substeps += copy.substep(&mut ()).substeps;
+        copy.substep(&mut ());
         if copy.has_diverged() || begin.elapsed() >= MEASURE {
             break;
         }
     }
-    substeps as f64 * copy.plan().substep_secs() / begin.elapsed().as_secs_f64()
+    (copy.state().time_secs - start_secs) / begin.elapsed().as_secs_f64()
 }
 
 #[cfg(test)]

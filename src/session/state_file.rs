@@ -1,9 +1,10 @@
 //! A simulation's state as bytes, exactly: what `gelatin run --save-state` writes and `--from-state` goes on from.
 //!
 //! ```text
-//! "gelatin-state 3\n"                                       magic and version
+//! "gelatin-state 4\n"                                       magic and version
 //! particles, planes, steps, substep, time bits              five u64
-//! bits of the velocity's lag, accelerations, held steps     three u64
+//! bits of the velocity's lag, accelerations                 two u64
+//! held steps, part of the substep, its halvings             three u64
 //! position, residual, velocity: 3 × particles × 3 f32
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
@@ -18,9 +19,10 @@ use thiserror::Error;
 
 use super::Session;
 use crate::physics::State;
+use crate::physics::plan::MOST_HALVINGS;
 use crate::physics::state::BodyMemory;
 
-const MAGIC: &[u8] = b"gelatin-state 3\n";
+const MAGIC: &[u8] = b"gelatin-state 4\n";
 
 /// Why a state cannot be used.
 #[derive(Debug, Error, PartialEq, Eq)]
@@ -29,7 +31,7 @@ pub enum StateFileError {
     #[error("this is not a state that `gelatin run --save-state` wrote")]
     NotAState,
     /// Written by an earlier or a later program.
-    #[error("this state was written by another version of the program (it begins with {begins:?}, version 3 is read)")]
+    #[error("this state was written by another version of the program (it begins with {begins:?}, version 4 is read)")]
     OtherVersion {
         /// The first words.
         begins: String,
@@ -67,6 +69,8 @@ impl Session {
             state.velocity_lag_secs.to_bits(),
             state.acceleration.len() as u64,
             u64::from(state.held_steps),
+            state.part,
+            u64::from(state.halvings),
         ];
         bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
         for vectors in [&state.position, &state.position_residual, &state.velocity, &state.acceleration] {
@@ -99,11 +103,12 @@ impl Session {
             });
         };
         let (body, checksum) = bytes.split_last_chunk::<8>().ok_or(StateFileError::Damaged)?;
-        if contents.len() < 72 || fnv1a(body) != u64::from_le_bytes(*checksum) {
+        if contents.len() < 88 || fnv1a(body) != u64::from_le_bytes(*checksum) {
             return Err(StateFileError::Damaged);
         }
         let mut reader = Reader { rest: &contents[..contents.len() - 8] };
-        let [particles, planes, steps, substep, time, lag, accelerations, held] = std::array::from_fn(|_| reader.u64());
+        let [particles, planes, steps, substep, time, lag, accelerations] = std::array::from_fn(|_| reader.u64());
+        let [held_steps, part, halvings] = std::array::from_fn(|_| reader.u64());
         let present = self.simulation().state();
         let (scene_particles, scene_planes) = (present.position.len(), present.side.len());
         if particles != scene_particles as u64 || planes != scene_planes as u64 {
@@ -115,18 +120,24 @@ impl Session {
             return Err(StateFileError::Damaged);
         }
         let (bodies, anchor) = self.body_memories(&mut Reader { rest: &reader.rest[of_particles..] })?;
+        let small = |word: u64| u32::try_from(word).map_err(|_too_many| StateFileError::Damaged);
+        if halvings > u64::from(MOST_HALVINGS) || part >= 1 << MOST_HALVINGS {
+            return Err(StateFileError::Damaged);
+        }
         let state = State {
             position: reader.vectors(scene_particles),
             position_residual: reader.vectors(scene_particles),
             velocity: reader.vectors(scene_particles),
             acceleration: reader.vectors(accelerated),
             velocity_lag_secs: f64::from_bits(lag),
-            held_steps: u32::try_from(held).map_err(|_too_many| StateFileError::Damaged)?,
+            held_steps: small(held_steps)?,
             side: (0..scene_planes).map(|_| reader.sides(scene_particles)).collect(),
             anchor,
             bodies,
             steps,
-            substep: u32::try_from(substep).map_err(|_too_many| StateFileError::Damaged)?,
+            substep: small(substep)?,
+            part,
+            halvings: small(halvings)?,
             time_secs: f64::from_bits(time),
         };
         self.replace_state(state);
