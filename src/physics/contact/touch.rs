@@ -65,6 +65,8 @@ pub(in crate::physics) struct Touch {
     matrix: DMat3,
     /// The impulse on a particle that has the velocity of the surface, N·s.
     bias: DVec3,
+    /// The impulse in the last solution, N·s.
+    impulse: DVec3,
 }
 
 impl Touch {
@@ -131,12 +133,12 @@ impl Touch {
     /// take out energy. Says whether it has to be solved again.
     pub(in crate::physics) fn reconsider(&mut self, velocity: DVec3, carefully: bool) -> bool {
         let pushed = self.pushes;
-        let impulse = self.impulse(velocity);
+        self.impulse = self.impulse(velocity);
         let sliding = self.sliding(velocity);
         self.normal_impulse = self.normal_impulse_at(velocity).max(0.0);
         self.pushes = self.normal_impulse > 0.0;
         let (limit, coulomb) = (self.limit(), self.coulomb(sliding));
-        self.drag = if pushed { self.normal * impulse.dot(self.normal) - impulse } else { coulomb };
+        self.drag = if pushed { self.normal * self.impulse.dot(self.normal) - self.impulse } else { coulomb };
         let strength = self.drag.length();
         let allowed = limit * (1.0 + FRICTION_TOLERANCE);
         let right = strength <= allowed
@@ -198,6 +200,7 @@ pub(in crate::physics) fn find<R: Real>(
                     drag: DVec3::ZERO,
                     matrix: DMat3::ZERO,
                     bias: DVec3::ZERO,
+                    impulse: DVec3::ZERO,
                 };
                 let velocity = state.velocity[particle].to_dvec3();
                 if touch.sliding(velocity).length() > STILL_SHARE * size {
@@ -239,7 +242,7 @@ pub(in crate::physics) fn settle<R: Real>(
                         normal: R::Vec3::from_dvec3(touch.normal),
                         gap: R::from_f64(touch.gap),
                         surface_velocity: R::Vec3::from_dvec3(touch.surface_velocity),
-                        force: R::Vec3::from_dvec3(touch.normal * touch.normal_impulse - touch.drag) * over_dt,
+                        force: R::Vec3::from_dvec3(touch.impulse) * over_dt,
                     }),
                     None => meeting.surface(obstacle, velocity[particle]).map(|(surface, surface_velocity)| {
                         let (normal, gap) = (surface.normal, surface.gap);
