@@ -33,8 +33,12 @@ const CAREFUL_ROUNDS: usize = 2;
 /// Iterations of one solve: some ten times those a stiff body of 20 cells an edge takes.
 const MOST_ITERATIONS: u64 = 400;
 
-/// The share of the right-hand side that a solution may miss.
+/// The share of a body's momentum, or of the right-hand side where that is smaller, that a solution may miss.
 const TOLERANCE: f64 = 1e-4;
+
+/// The least share of the right-hand side that a solution may miss, however slow the body: what is held by friction on
+/// a slope would creep by what is missed.
+const FINEST_TOLERANCE: f64 = 1e-7;
 
 /// A link in the matrix: `across I + along alongᵀ` between its ends. In the precision of the state: reading these is
 /// what an iteration takes longest for, and the matrix may be a little off as long as it is the same throughout.
@@ -183,6 +187,9 @@ impl<R: Real> System<'_, R> {
         self.find_residual(false);
         self.room.inverse_blocks.clear();
         let known = self.scale_residual();
+        let moving = (0..count).fold(0.0, |sum, local| {
+            sum + self.body.mass(local).to_f64() * self.room.velocity[local].length_squared()
+        });
         if self.touches.is_empty() && self.body.pinned.is_empty() {
             let (sum, mass) = (0..count).fold((DVec3::ZERO, 0.0), |(sum, mass), local| {
                 (sum + self.room.residual[local], mass + self.body.mass(local).to_f64())
@@ -191,7 +198,7 @@ impl<R: Real> System<'_, R> {
                 *velocity += sum / mass;
             }
         }
-        known * (TOLERANCE * TOLERANCE)
+        (moving.min(known) * TOLERANCE * TOLERANCE).max(known * FINEST_TOLERANCE * FINEST_TOLERANCE)
     }
 
     /// What the equations miss of being fulfilled.
