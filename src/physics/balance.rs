@@ -5,7 +5,7 @@
 //! and of a hand, and F all other forces, what comes from nowhere is
 //!
 //! ```text
-//! Σ links [V(d') − V(d) − V'(d)·(d' − d)]  +  T(v') − T(v)  −  Σ particles v'·(dt F + J)
+//! Σ links and crushed cells [V(d') − V(d) − V'(d)·(d' − d)]  +  T(v') − T(v)  −  Σ particles v'·(dt F + J)
 //! ```
 //!
 //! which is the change of a body's energy less all work done on it. Backward Euler, of which the integrator is the first
@@ -17,6 +17,7 @@ use super::forces::for_each_exact_link;
 use super::interaction::Grab;
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
+use super::recovery;
 use super::state::State;
 use crate::math::{Real, Vector};
 
@@ -39,7 +40,6 @@ pub(super) fn gains_energy<R: Real>(
     contacts: &[ContactRecord<R>],
     grab: Option<&Grab<R>>,
 ) -> bool {
-    let dt = dt.to_f64();
     let mut contacts = contacts;
     model.bodies.iter().enumerate().any(|(number, body)| {
         let own = contacts.partition_point(|contact| contact.particle < body.particles.end);
@@ -48,14 +48,17 @@ pub(super) fn gains_energy<R: Real>(
         if state.bodies[number].asleep {
             return false;
         }
-        let (kinetic, gained) = of_particles(body, dt, state, force, velocity);
+        let (kinetic, gained) = of_particles(body, dt.to_f64(), state, force, velocity);
         let (pushed, turned_over) = own.iter().fold((0.0, 0.0), |(pushed, turned_over), contact| {
-            let work = dt * contact.force.to_dvec3().dot(velocity[contact.particle].to_dvec3());
+            let work = dt.to_f64() * contact.force.to_dvec3().dot(velocity[contact.particle].to_dvec3());
             (pushed + work, turned_over + work.abs())
         });
-        let pulled =
-            grab.filter(|grab| grab.body == number).map_or(0.0, |grab| work_of(grab, body, dt, state, velocity));
-        gained + of_links(body, plan, dt, state, velocity) - pushed - pulled
+        let pulled = grab
+            .filter(|grab| grab.body == number)
+            .map_or(0.0, |grab| work_of(grab, body, dt.to_f64(), state, velocity));
+        let own = [&state.position[..], &state.velocity, velocity].map(|of| &of[body.particles.clone()]);
+        let unfolded = recovery::energy_past_work(plan, body, &state.bodies[number], own, dt);
+        gained + of_links(body, plan, dt.to_f64(), state, velocity) + unfolded - pushed - pulled
             > ROUNDING * kinetic + UNSOLVED * turned_over
     })
 }

@@ -26,6 +26,8 @@
 //! What does not come back: a body whose bending links are 1e4 times stiffer than all others, and one with next to
 //! nothing but shear links after it was crushed to a point or mirrored. Their mirrored minima span more than a cell.
 
+use glam::DVec3;
+
 use super::cell_bound::CellLoads;
 use super::model::{BodyModel, CellKind, Model};
 use super::plan::Plan;
@@ -33,6 +35,7 @@ use super::report::StepReport;
 use super::state::{BodyMemory, State};
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector};
+use crate::scene::settings::Integrator;
 use crate::scene::{Family, Springs};
 
 /// A cell below this signed volume is pushed back to shape.
@@ -150,8 +153,93 @@ pub(super) fn add_forces<R: Real>(
     }
 }
 
-/// The stiffness of a body's cells as far as the substep bears it, N·m.
+/// What a cell that is pushed resists while it moves: its part of the equations of the implicit integrator.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Resistance {
+    corners: [u32; 8],
+    /// What the volume gains when the mean edges do, 1/m.
+    growth: [DVec3; 3],
+    /// The energy's second derivative by the volume, J.
+    stiffness: f64,
+}
+
+impl Resistance {
+    /// Adds the force on the corners that move by these ways (m), times −`scale`, to `to`: `scale κ ∇V (∇V · way)`, which
+    /// leaves out that ∇V changes (Gauss and Newton) and so never pushes.
+    pub(super) fn add_product(&self, scale: f64, ways: &[DVec3], to: &mut [DVec3]) {
+        let rates = mean_edges::<f64>(ways, &self.corners, 1.0);
+        let grown = (0..3).fold(0.0, |sum, axis| sum + rates[axis].dot(self.growth[axis]));
+        for (place, &corner) in self.corners.iter().enumerate() {
+            to[corner as usize] += self.gradient(place) * (scale * self.stiffness * grown);
+        }
+    }
+
+    /// Calls `visit` with every corner and a third of the trace of its block, N/m.
+    pub(super) fn for_each_diagonal(&self, mut visit: impl FnMut(usize, f64)) {
+        for (place, &corner) in self.corners.iter().enumerate() {
+            visit(corner as usize, self.stiffness * self.gradient(place).length_squared() / 3.0);
+        }
+    }
+
+    fn gradient(&self, place: usize) -> DVec3 {
+        (0..3)
+            .fold(DVec3::ZERO, |sum, axis| sum + self.growth[axis] * if place >> axis & 1 == 1 { 0.25 } else { -0.25 })
+    }
+}
+
+/// The resistances of the cells on a body's list that are pushed. `position` is the body's own.
+pub(super) fn resistances<R: Real>(
+    plan: &Plan,
+    body: &BodyModel<R>,
+    memory: &BodyMemory,
+    position: &[R::Vec3],
+) -> impl Iterator<Item = Resistance> {
+    let stiffness = bearable_stiffness(plan, body).to_f64();
+    let inverse_cell_size = body.inverse_cell_size;
+    memory.near_inversion.iter().filter_map(move |&cell| {
+        let corners = body.lattice.cells[cell as usize];
+        let edges = MeanEdges::of(position, &corners, inverse_cell_size);
+        edges.is_pushed().then(|| Resistance {
+            corners,
+            growth: edges.faces.map(|face| face.to_dvec3() * inverse_cell_size.to_f64()),
+            stiffness: stiffness / edges.cap().to_f64(),
+        })
+    })
+}
+
+/// What the pushed cells of a body have of energy past the work of their forces, J, when its particles, that had one
+/// velocity, go on with another (m/s) for `dt` (s): see [`super::balance`].
+pub(super) fn energy_past_work<R: Real>(
+    plan: &Plan,
+    body: &BodyModel<R>,
+    memory: &BodyMemory,
+    [position, velocity, path]: [&[R::Vec3]; 3],
+    dt: R,
+) -> f64 {
+    let stiffness = bearable_stiffness(plan, body);
+    let energy_of = |edges: &MeanEdges<R>| edges.energy() * stiffness.to_f64();
+    let mut sum = 0.0;
+    for &cell in &memory.near_inversion {
+        let corners = &body.lattice.cells[cell as usize];
+        let at = corners.map(|corner| position[corner as usize]);
+        let moved = corners.map(|corner| position[corner as usize] + path[corner as usize] * dt);
+        let own = [0, 1, 2, 3, 4, 5, 6, 7];
+        let before = MeanEdges::of(&at, &own, body.inverse_cell_size);
+        let after = MeanEdges::of(&moved, &own, body.inverse_cell_size);
+        let way = mean_edges(path, corners, dt);
+        let rates = mean_edges(velocity, corners, R::ONE);
+        let push = before.push(&rates, stiffness * body.inverse_cell_size);
+        let work = push.map_or(0.0, |push| (0..3).fold(0.0, |sum, axis| sum + push[axis].dot(way[axis]).to_f64()));
+        sum += energy_of(&after) - energy_of(&before) + work;
+    }
+    sum
+}
+
+/// The stiffness of a body's cells as far as the substep bears it, N·m: all of it where it is solved for.
 fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
+    if plan.integrator == Integrator::Implicit {
+        return body.recovery_stiffness;
+    }
     let dt = R::from_f64(plan.substep_secs());
     let inverse = body.inverse_cell_size * dt;
     body.recovery_stiffness.min(R::from_f64(STIFFEST) * body.recovery_mass / (inverse * inverse))
@@ -161,15 +249,7 @@ fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
 /// work that the present push would do.
 pub(super) fn energy<R: Real>(plan: &Plan, body: &BodyModel<R>, state: &State<R>) -> f64 {
     let position = &state.position[body.particles.clone()];
-    let energy_of = |corners: &[u32; 8]| {
-        let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
-        let missing = THRESHOLD - edges.volume().to_f64();
-        if missing <= 0.0 {
-            return 0.0;
-        }
-        let sprung = missing.min(DEEPEST);
-        sprung * (missing - 0.5 * sprung) / edges.cap().to_f64()
-    };
+    let energy_of = |corners: &[u32; 8]| MeanEdges::of(position, corners, body.inverse_cell_size).energy();
     bearable_stiffness(plan, body).to_f64() * body.lattice.cells.iter().map(energy_of).sum::<f64>()
 }
 
@@ -217,25 +297,40 @@ impl<R: Real> MeanEdges<R> {
         self.faces.iter().fold(R::ONE, |largest, face| largest.max(face.length()))
     }
 
+    #[inline]
+    fn missing(&self) -> R {
+        R::from_f64(THRESHOLD) - self.volume()
+    }
+
+    /// Whether the cell is pushed: below the threshold and not so far stretched that its volume is no number.
+    #[inline]
+    fn is_pushed(&self) -> bool {
+        self.missing().is_finite() && self.missing() > R::ZERO
+    }
+
+    /// The energy for a stiffness of one.
+    fn energy(&self) -> f64 {
+        let missing = self.missing().to_f64();
+        let sprung = missing.min(DEEPEST);
+        if missing > 0.0 { sprung * (missing - 0.5 * sprung) / self.cap().to_f64() } else { 0.0 }
+    }
+
     /// The forces on the three mean edges for a stiffness over the cell size, N; none above the threshold, or where a
     /// cell is so far stretched that its volume is no number.
     #[inline]
     fn push(&self, rates: &[R::Vec3; 3], stiffness: R) -> Option<[R::Vec3; 3]> {
-        let missing = R::from_f64(THRESHOLD) - self.volume();
-        if !missing.is_finite() || missing <= R::ZERO {
+        if !self.is_pushed() {
             return None;
         }
         let growth = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(self.faces[axis]));
         let returned = if growth > R::ZERO { R::from_f64(RETURNED) } else { R::ONE };
-        let strength = stiffness * returned * missing.min(R::from_f64(DEEPEST)) / self.cap();
+        let strength = stiffness * returned * self.missing().min(R::from_f64(DEEPEST)) / self.cap();
         Some(self.faces.map(|face| face * strength)).filter(|push| push.iter().all(|force| force.is_finite()))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
 
     const CORNERS: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];

@@ -2,9 +2,9 @@
 
 use gelatin::math::rng::Rng;
 use gelatin::physics::Simulation;
-use gelatin::scene::{Material, Scene};
 use gelatin::scene::body::PinBox;
 use gelatin::scene::settings::{ContactRule, Integrator, Stepping};
+use gelatin::scene::{Material, Scene};
 use gelatin::session::run::whole_steps;
 use glam::DVec3;
 

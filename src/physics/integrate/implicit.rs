@@ -22,7 +22,9 @@ use crate::physics::forces::for_each_bond;
 use crate::physics::interaction::Grab;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::plan::Plan;
+use crate::physics::recovery::{self, Resistance};
 use crate::physics::report::StepReport;
+use crate::physics::state::BodyMemory;
 
 /// Solves in which touches may change their minds.
 const ROUNDS: usize = 16;
@@ -61,6 +63,8 @@ impl<R: Real> Bond<R> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Room<R: Real> {
     bonds: Vec<Bond<R>>,
+    /// Of cells that are pushed back from inversion.
+    resistances: Vec<Resistance>,
     inverse_diagonal: Vec<f64>,
     /// The inverse blocks of the touched particles, one for each touch; only the first of a particle's counts.
     inverse_blocks: Vec<DMat3>,
@@ -81,6 +85,7 @@ impl<R: Real> Room<R> {
         let vectors = || vec![DVec3::ZERO; particles];
         Self {
             bonds: Vec::with_capacity(links),
+            resistances: Vec::with_capacity(most(|body| body.lattice.cells.len())),
             inverse_diagonal: vec![0.0; particles],
             inverse_blocks: Vec::with_capacity(particles),
             known: vectors(),
@@ -115,7 +120,8 @@ pub(super) fn solve<R: Real>(
         let range = body.particles.clone();
         let grab = grab.filter(|grab| grab.body == number);
         let mut system = System { body, dt: dt.to_f64(), grab, touches: own, room };
-        system.assemble(plan, &state.position[range.clone()], &state.velocity[range.clone()], &force[range.clone()]);
+        let own = [&state.position[..], &state.velocity, force].map(|of| &of[range.clone()]);
+        system.assemble(plan, &state.bodies[number], own);
         let enough = system.start();
         for round in 1..=ROUNDS {
             report.solves += 1;
@@ -139,7 +145,7 @@ struct System<'a, R: Real> {
 
 impl<R: Real> System<'_, R> {
     /// The matrix and the right-hand side without touches, and the velocities now.
-    fn assemble(&mut self, plan: &Plan, position: &[R::Vec3], velocity: &[R::Vec3], force: &[R::Vec3]) {
+    fn assemble(&mut self, plan: &Plan, memory: &BodyMemory, [position, velocity, force]: [&[R::Vec3]; 3]) {
         let dt = self.dt;
         let Room { bonds, known, inverse_diagonal, velocity: now, .. } = &mut *self.room;
         for (local, force) in force.iter().enumerate() {
@@ -161,6 +167,12 @@ impl<R: Real> System<'_, R> {
             let along = R::Vec3::from_dvec3(direction * along.sqrt());
             bonds.push(Bond { ends: [i, j], across: R::from_f64(across), along });
         });
+        self.room.resistances.clear();
+        self.room.resistances.extend(recovery::resistances(plan, self.body, memory, position));
+        let Room { resistances, inverse_diagonal, .. } = &mut *self.room;
+        for resistance in resistances {
+            resistance.for_each_diagonal(|corner, diagonal| inverse_diagonal[corner] += dt * dt * diagonal);
+        }
         if let Some(grab) = self.grab {
             let first = self.body.particles.start;
             let away = (grab.target - grab.mean_of(position, first)).to_dvec3();
@@ -187,9 +199,8 @@ impl<R: Real> System<'_, R> {
         self.find_residual(false);
         self.room.inverse_blocks.clear();
         let known = self.scale_residual();
-        let moving = (0..count).fold(0.0, |sum, local| {
-            sum + self.body.mass(local).to_f64() * self.room.velocity[local].length_squared()
-        });
+        let moving = (0..count)
+            .fold(0.0, |sum, local| sum + self.body.mass(local).to_f64() * self.room.velocity[local].length_squared());
         if self.touches.is_empty() && self.body.pinned.is_empty() {
             let (sum, mass) = (0..count).fold((DVec3::ZERO, 0.0), |(sum, mass), local| {
                 (sum + self.room.residual[local], mass + self.body.mass(local).to_f64())
@@ -301,6 +312,9 @@ impl<R: Real> System<'_, R> {
             let part = bond.times(of[i] - of[j]);
             product[i] += part;
             product[j] -= part;
+        }
+        for resistance in &self.room.resistances {
+            resistance.add_product(self.dt * self.dt, of, product);
         }
         if let Some(grab) = self.grab {
             let first = self.body.particles.start;
