@@ -11,7 +11,8 @@ use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::recovery;
 use super::state::{BodyMemory, State};
-use super::step::{Inputs, Scratch, substep};
+use super::step::{Inputs, Part, Scratch, substep};
+use super::stretch;
 use crate::math::{Aabb, Real, Vector};
 
 /// The state of a simulation in numbers, SI units.
@@ -72,18 +73,20 @@ impl Diagnostics {
 
     fn of_bodies<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, bodies: Range<usize>) -> Self {
         // A velocity half a step behind its position has the mean of it and the next one on time. The next one is had
-        // by taking the substep on a copy.
+        // by taking the substep, or the part of it that comes next, on a copy.
         let mut ahead = state.clone();
         // A sleeping body's contacts are found, too.
         ahead.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut scratch = Scratch::new(model, plan);
-        let next = substep(model, plan, Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
+        let part = Part { number: 0, of: stretch::parts_now(model, plan, &mut ahead) };
+        let next = substep(model, plan, part, Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
+        let share = integrate::share_to_center(state, &ahead);
         let centred = |particle: usize, asleep: bool| {
             let now = state.velocity[particle].to_dvec3();
             if asleep || next.diverged || integrate::is_on_time(plan, state) {
                 now
             } else {
-                0.5 * (now + ahead.velocity[particle].to_dvec3())
+                now + share * (ahead.velocity[particle].to_dvec3() - now)
             }
         };
         let mut sum = Self {

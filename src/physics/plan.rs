@@ -2,6 +2,7 @@
 
 use super::model::{Model, ObstacleShape};
 use super::stability::SceneLimits;
+use super::stretch;
 use crate::math::Real;
 use crate::scene::settings::{ContactRule, Integrator, Stepping};
 use crate::scene::{Family, Settings};
@@ -54,6 +55,8 @@ pub struct Plan {
     pub dt_secs: f64,
     /// Substeps in a whole step.
     pub substeps: u32,
+    /// Parts that a substep is taken in while a body is overstretched.
+    pub parts: u32,
     /// The predicted stability limits the subdivision follows from.
     pub limits: SceneLimits,
     /// Which families have a link with a force, in any body.
@@ -90,10 +93,11 @@ impl Plan {
             })
         };
         let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
-        Self {
+        let plan = Self {
             integrator: settings.integrator,
             dt_secs: if divided { settings.dt.min(limits.longest_step_secs()) } else { settings.dt },
             substeps: if divided { limits.substeps(settings.dt) } else { 1 },
+            parts: 1,
             limits,
             families: Family::ALL.map(|family| has_force(family as usize)),
             damped: Family::ALL
@@ -107,7 +111,9 @@ impl Plan {
             broad_phase: true,
             sleeping: settings.sleeping,
             lean: true,
-        }
+        };
+        let parts = if divided { stretch::parts(model, plan.integrator, plan.substep_secs()) } else { 1 };
+        Self { parts, ..plan }
     }
 
     /// The step in use, s.

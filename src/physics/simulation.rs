@@ -14,7 +14,8 @@ use super::plan::Plan;
 use super::report::{StageTimer, StepReport};
 use super::sleep;
 use super::state::{BodyMemory, State};
-use super::step::{self, Inputs, Scratch};
+use super::step::{self, Inputs, Part, Scratch};
+use super::stretch;
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector, rotation};
 use crate::scene::Scene;
@@ -200,11 +201,21 @@ impl<R: Real> Simulation<R> {
         }
         if !self.sweeps.is_empty() {
             self.wake_all();
-            sweep::advance(&mut self.model, &mut self.sweeps, self.plan.substep_secs());
         }
-        let inputs = Inputs { grab: self.grab.as_ref() };
-        let report = step::substep(&self.model, &self.plan, inputs, &mut self.state, &mut self.scratch, timer);
-        self.diverged = report.diverged;
+        let mut report = StepReport::default();
+        let of = stretch::parts_now(&self.model, &self.plan, &mut self.state);
+        for number in 0..of {
+            if !self.sweeps.is_empty() {
+                sweep::advance(&mut self.model, &mut self.sweeps, self.plan.substep_secs() / f64::from(of));
+            }
+            let (part, inputs) = (Part { number, of }, Inputs { grab: self.grab.as_ref() });
+            let Self { model, plan, state, scratch, .. } = self;
+            report.add(&step::substep(model, plan, part, inputs, state, scratch, timer));
+            self.diverged = report.diverged;
+            if self.diverged {
+                break;
+            }
+        }
         if !self.diverged {
             self.state.substep += 1;
             if self.state.substep >= self.plan.substeps {
@@ -263,7 +274,8 @@ impl<R: Real> Simulation<R> {
         let mut awake = self.state.clone();
         awake.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut found = Scratch::new(&self.model, &self.plan);
-        step::substep(&self.model, &self.plan, Inputs { grab: None }, &mut awake, &mut found, &mut ());
+        let (part, inputs) = (Part { number: 0, of: 1 }, Inputs { grab: None });
+        step::substep(&self.model, &self.plan, part, inputs, &mut awake, &mut found, &mut ());
         self.scratch.contact.contacts = found.contact.contacts;
         self.scratch.contact.keep_of_sleepers(&self.model, &self.state);
     }

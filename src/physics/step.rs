@@ -62,6 +62,22 @@ impl<R: Real> Scratch<R> {
     }
 }
 
+/// Which part of a substep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Its number, from 0.
+    pub number: u32,
+    /// Parts of the substep.
+    pub of: u32,
+}
+
+impl Part {
+    /// How long it takes, s.
+    fn secs(self, plan: &Plan) -> f64 {
+        plan.substep_secs() / f64::from(self.of)
+    }
+}
+
 /// What comes from outside into a substep.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a, R: Real> {
@@ -69,21 +85,23 @@ pub struct Inputs<'a, R: Real> {
     pub grab: Option<&'a Grab<R>>,
 }
 
-/// Advances the state by one substep.
+/// Advances the state by a part of a substep; [`stretch::parts_now`](super::stretch) tells how many there are.
+#[expect(clippy::too_many_arguments, reason = "the parts of a simulation, split borrow by borrow")]
 pub fn substep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
+    part: Part,
     inputs: Inputs<'_, R>,
     state: &mut State<R>,
     scratch: &mut Scratch<R>,
     timer: &mut impl StageTimer,
 ) -> StepReport {
-    let dt = R::from_f64(plan.substep_secs());
+    let dt = R::from_f64(part.secs(plan));
     let mut report = StepReport { substeps: 1, ..StepReport::default() };
     if sleep::is_quiet(state) {
         report.bodies_asleep = state.bodies.len();
         scratch.contact.report_kept(&mut report);
-        state.time_secs += plan.substep_secs();
+        state.time_secs += part.secs(plan);
         return report;
     }
     let implicit_contact = plan.contact && plan.contact_rule == ContactRule::Implicit;
@@ -125,11 +143,11 @@ pub fn substep<R: Real>(
         }
         integrate::remember(model, plan, dt, force, held_force, state);
         move_particles(model, dt, state, moving, velocity);
-        state.time_secs += plan.substep_secs();
+        state.time_secs += part.secs(plan);
     } else {
         report.diverged = true;
     }
-    if plan.sleeping && !report.diverged {
+    if plan.sleeping && !report.diverged && part.number + 1 == part.of {
         timer.enter(Stage::Rest);
         sleep::watch(model, plan, inputs.grab.map(|grab| grab.body), state);
         report.bodies_asleep = sleep::asleep(state);
