@@ -27,7 +27,7 @@ use crate::scene::settings::Integrator;
 pub const STRAINS: [f64; 2] = [0.5, 1.0];
 
 /// Parts stay below this share of the step that is bounded in any state.
-pub const SHARE: f64 = 0.5;
+pub const SHARE: f64 = 0.4;
 
 /// Simulated time between two looks at all links, s, in a body that is calm.
 const LOOK_SECS: f64 = 1.0 / 60.0;
@@ -49,9 +49,13 @@ pub(super) fn parts<R: Real>(model: &Model<R>, integrator: Integrator, dt_secs: 
 /// No substep is divided further.
 const MOST_PARTS: u32 = 16;
 
-/// What the links of every particle add at most to the square of a frequency (1/s²) and to a rate of damping (1/s).
+/// What the links of every particle and the recovery from inversion add at most to the square of a frequency (1/s²) and
+/// to a rate of damping (1/s).
 fn loads<R: Real>(body: &BodyModel<R>) -> Vec<[f64; 2]> {
-    let mut loads = vec![[0.0; 2]; body.particles.len()];
+    // The recovery from inversion adds no more than this to a lattice at rest.
+    let inverse = body.inverse_cell_size.to_f64();
+    let recovery = 4.0 * body.recovery_stiffness.to_f64() / body.recovery_mass.to_f64() * inverse * inverse;
+    let mut loads = vec![[recovery, 0.0]; body.particles.len()];
     for family in &body.links {
         for (number, link) in family.links.iter().enumerate() {
             let ends = link.ends.map(|end| end as usize);
@@ -117,8 +121,10 @@ mod tests {
     use crate::geometry::Lattice;
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
+    use crate::scene::body::CubeShape;
     use crate::scene::resolve::resolve;
-    use crate::scene::{Body, Scene};
+    use crate::scene::material::Spring;
+    use crate::scene::{Body, Material, Scene, Shape, Springs};
 
     fn cube(dt: f64) -> (Scene, Vec<Arc<Lattice>>) {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
@@ -154,27 +160,35 @@ mod tests {
         assert_eq!(Simulation::<f64>::new(&small, &lattices).plan().parts, 1, "a small step needs no parts");
     }
 
+    /// The energy after a while over that at the start of an undamped body in shreds; without bound where it blew up.
+    fn gain(with_parts: bool) -> f64 {
+        let (mut scene, _) = cube(0.1);
+        scene.settings.inversion_recovery = false;
+        scene.bodies[0].shape = Shape::Cube(CubeShape { cells: 2, size: 0.1 });
+        let [structural, bending] = [24.0, 4.0].map(|stiffness| Spring { stiffness, damping: 0.0 });
+        let shear = Spring { stiffness: 0.0, damping: 0.0 };
+        scene.bodies[0].material = Material::Springs(Springs { structural, shear, bending, particle_mass: 3e-5 });
+        let lattices = vec![resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice];
+        let mut simulation = crumpled(&scene, &lattices, 0.3);
+        if !with_parts {
+            simulation.plan_mut().parts = 1;
+        }
+        let mean = |simulation: &mut Simulation<f64>| {
+            let energies = (0..200).map(|_| {
+                let diverged = simulation.substep(&mut ()).diverged;
+                if diverged { f64::INFINITY } else { simulation.diagnostics().energy.total() }
+            });
+            energies.sum::<f64>() / 200.0
+        };
+        let begin = mean(&mut simulation);
+        let is_finite = (0..1000).all(|_| !simulation.substep(&mut ()).diverged);
+        if is_finite { mean(&mut simulation) / begin } else { f64::INFINITY }
+    }
+
     #[test]
     fn shreds_gain_no_energy_and_would_without_parts() {
-        let (mut scene, lattices) = cube(0.1);
-        let crate::scene::Material::Springs(springs) = &mut scene.bodies[0].material else {
-            panic!("the default body is one of springs")
-        };
-        for family in [&mut springs.structural, &mut springs.shear, &mut springs.bending] {
-            family.damping = 0.0;
-        }
-        let gain = |with_parts: bool| {
-            let mut simulation = crumpled(&scene, &lattices, 5.0);
-            if !with_parts {
-                simulation.plan_mut().parts = 1;
-            }
-            let begin = simulation.diagnostics().energy.total();
-            let substeps = 4000;
-            (0..substeps).for_each(|_| assert!(!simulation.substep(&mut ()).diverged, "stays finite"));
-            simulation.diagnostics().energy.total() / begin
-        };
-        let (with, without) = (gain(true), gain(false));
+        let [with, without] = [true, false].map(gain);
         assert!(with < 1.05, "{with} of the energy");
-        assert!(without > 1.5, "{without} of the energy: else parts are for nothing");
+        assert!(without > 1.3, "{without} of the energy: parts are for nothing");
     }
 }
