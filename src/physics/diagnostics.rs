@@ -12,7 +12,7 @@ use super::plan::Plan;
 use super::recovery;
 use super::state::{BodyMemory, State};
 use super::step::{Inputs, Part, Scratch, substep};
-use super::stretch;
+use super::strain;
 use crate::math::{Aabb, Real, Vector};
 
 /// The state of a simulation in numbers, SI units.
@@ -78,7 +78,7 @@ impl Diagnostics {
         // A sleeping body's contacts are found, too.
         ahead.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut scratch = Scratch::new(model, plan);
-        let part = Part { number: 0, of: stretch::parts_now(model, plan, &mut ahead) };
+        let part = Part { number: 0, of: strain::parts_now(model, plan, &mut ahead) };
         let next = substep(model, plan, part, Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
         let share = integrate::share_to_center(state, &ahead);
         let centred = |particle: usize, asleep: bool| {
@@ -104,7 +104,8 @@ impl Diagnostics {
         for (body, memory) in model.bodies[bodies.clone()].iter().zip(&state.bodies[bodies.clone()]) {
             for (local, particle) in body.particles.clone().enumerate() {
                 let mass = body.mass(local).to_f64();
-                let position = state.position[particle].to_dvec3();
+                // What rounding has kept back from a position is part of where the particle is.
+                let position = state.position[particle].to_dvec3() + state.position_residual[particle].to_dvec3();
                 let velocity = centred(particle, memory.asleep);
                 sum.mass_kg += mass;
                 sum.energy.kinetic += 0.5 * mass * velocity.length_squared();

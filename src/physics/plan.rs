@@ -2,7 +2,7 @@
 
 use super::model::{Model, ObstacleShape};
 use super::stability::SceneLimits;
-use super::stretch;
+use super::strain;
 use crate::math::Real;
 use crate::scene::settings::{ContactRule, Integrator, Stepping};
 use crate::scene::{Family, Settings};
@@ -55,7 +55,7 @@ pub struct Plan {
     pub dt_secs: f64,
     /// Substeps in a whole step.
     pub substeps: u32,
-    /// Parts that a substep is taken in while a body is overstretched.
+    /// Parts that a substep is taken in while a body is strained.
     pub parts: u32,
     /// The predicted stability limits the subdivision follows from.
     pub limits: SceneLimits,
@@ -112,7 +112,7 @@ impl Plan {
             sleeping: settings.sleeping,
             lean: true,
         };
-        let parts = if divided { stretch::parts(model, plan.integrator, plan.substep_secs()) } else { 1 };
+        let parts = if divided { strain::parts(model, plan.integrator, plan.substep_secs()) } else { 1 };
         Self { parts, ..plan }
     }
 

@@ -15,7 +15,7 @@ use super::report::{StageTimer, StepReport};
 use super::sleep;
 use super::state::{BodyMemory, State};
 use super::step::{self, Inputs, Part, Scratch};
-use super::stretch;
+use super::strain;
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector, rotation};
 use crate::scene::Scene;
@@ -203,7 +203,7 @@ impl<R: Real> Simulation<R> {
             self.wake_all();
         }
         let mut report = StepReport::default();
-        let of = stretch::parts_now(&self.model, &self.plan, &mut self.state);
+        let of = strain::parts_now(&self.model, &self.plan, &mut self.state);
         for number in 0..of {
             if !self.sweeps.is_empty() {
                 sweep::advance(&mut self.model, &mut self.sweeps, self.plan.substep_secs() / f64::from(of));

@@ -43,7 +43,7 @@ pub struct BodyMemory {
     /// Cells that are watched as they may invert, ascending.
     pub near_inversion: Vec<u32>,
     /// Whether links are far longer than at rest, so that substeps are taken in parts.
-    pub overstretched: bool,
+    pub strained: bool,
     /// Substeps for which the body has been still.
     pub still_substeps: u64,
     /// Whether the body sleeps: it stays as it is until something wakes it.

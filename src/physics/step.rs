@@ -85,7 +85,7 @@ pub struct Inputs<'a, R: Real> {
     pub grab: Option<&'a Grab<R>>,
 }
 
-/// Advances the state by a part of a substep; [`stretch::parts_now`](super::stretch) tells how many there are.
+/// Advances the state by a part of a substep; [`strain::parts_now`](super::strain) tells how many there are.
 #[expect(clippy::too_many_arguments, reason = "the parts of a simulation, split borrow by borrow")]
 pub fn substep<R: Real>(
     model: &Model<R>,

@@ -1,5 +1,5 @@
-//! Overstretched bodies: links far beyond their length make a body stiffer than it is at rest, so that steps that are
-//! safe at rest give it energy.
+//! Strained bodies: links far from their length make a body stiffer than it is at rest, so that steps that are safe at
+//! rest give it energy.
 //!
 //! The bound of [`super::stability`] holds for a lattice at rest, in which the links of a particle point everywhere. In a
 //! body that was torn through an obstacle or crumpled at a hundred metres a second they may line up, and a link that is
@@ -11,9 +11,9 @@
 //! ```
 //!
 //! Below the limit of that the motion stays bounded as long as the stiffness does not change; it changes from substep to
-//! substep in such a body, which pumps energy into it near the limit. While any link is twice as long as at rest a
-//! substep is therefore taken in parts that stay below [`SHARE`] of it. At rest this would be three times as dear as it
-//! need be for nothing.
+//! substep in such a body, which pumps energy into it near the limit. While any link is longer or shorter by far than at
+//! rest a substep is therefore taken in parts that stay below [`SHARE`] of it. At rest this would be three times as dear
+//! as it need be for nothing.
 
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
@@ -23,8 +23,9 @@ use super::state::State;
 use crate::math::{Real, Vector};
 use crate::scene::settings::Integrator;
 
-/// A body is overstretched from the larger of these strains of any link on, until all are below the smaller.
-pub const STRAINS: [f64; 2] = [0.5, 1.0];
+/// A body is strained from the larger of these strains of any link on, stretched or compressed, until all are below the
+/// smaller: bodies that fall on the ground of their own weight are not.
+pub const STRAINS: [f64; 2] = [0.5, 0.7];
 
 /// Parts stay below this share of the step that is bounded in any state.
 pub const SHARE: f64 = 0.4;
@@ -32,7 +33,7 @@ pub const SHARE: f64 = 0.4;
 /// Simulated time between two looks at all links, s, in a body that is calm.
 const LOOK_SECS: f64 = 1.0 / 60.0;
 
-/// Into how many parts a substep of `dt_secs` is divided while a body is overstretched.
+/// Into how many parts a substep of `dt_secs` is divided while a body is strained.
 pub(super) fn parts<R: Real>(model: &Model<R>, integrator: Integrator, dt_secs: f64) -> u32 {
     let loads: Vec<[f64; 2]> = model.bodies.iter().flat_map(|body| loads(body)).collect();
     let is_bearable = |parts: u32| {
@@ -79,12 +80,12 @@ pub(super) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, state: &mut Stat
     if is_due(model, plan, state) {
         look(model, state);
     }
-    let is_overstretched = state.bodies.iter().any(|memory| memory.overstretched && !memory.asleep);
-    if is_overstretched { plan.parts } else { 1 }
+    let is_strained = state.bodies.iter().any(|memory| memory.strained && !memory.asleep);
+    if is_strained { plan.parts } else { 1 }
 }
 
 fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
-    if state.bodies.iter().any(|memory| memory.overstretched) {
+    if state.bodies.iter().any(|memory| memory.strained) {
         return true;
     }
     let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(recovery::unseen_secs(body, state)));
@@ -96,15 +97,16 @@ fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
 
 fn look<R: Real>(model: &Model<R>, state: &mut State<R>) {
     for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
-        let longest = R::from_f64(1.0 + STRAINS[usize::from(!memory.overstretched)]);
+        let strain = STRAINS[usize::from(!memory.strained)];
+        let [shortest, longest] = [1.0 - strain, 1.0 + strain].map(R::from_f64);
         let position = &state.position[body.particles.clone()];
-        memory.overstretched = body.links.iter().any(|family| {
+        memory.strained = body.links.iter().any(|family| {
             family.stiffness.max(family.damping) > R::ZERO
                 && family.links.iter().any(|link| {
                     let [i, j] = link.ends.map(|end| end as usize);
-                    let length = longest * link.rest_length;
-                    let d = position[j] - position[i];
-                    d.dot(d) > length * length
+                    let d = (position[j] - position[i]) * link.inverse_rest_length;
+                    let squared = d.dot(d);
+                    squared > longest * longest || squared < shortest * shortest
                 })
         });
     }
