@@ -3,8 +3,9 @@
 //!
 //! ```text
 //! own energy   motion (centred velocity), links, recovery, and the penalty springs of contact; mean over 1/60 s
-//! work         what gravity did to the body since the start: obstacles that stand still do none, as what they give
-//!              back was stored in their penalty springs, at the start too where a body was put into them
+//! work         what gravity did to the body since the start, moving obstacles (force × velocity of the surface) and what
+//!              else was done to it from outside: obstacles that stand still do none, as what they give back was
+//!              stored in their penalty springs, at the start too where a body was put into them
 //! faultless    own energy ≤ own energy at the start + work + 5 % of the largest that sum has been,
 //!              and what rounding shows and a fall within one substep gives, both next to nothing in common scenes
 //! ```
@@ -16,10 +17,12 @@ use std::sync::Arc;
 use glam::DVec3;
 use serde::Serialize;
 
+use super::disturb::Disturbance;
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector};
 use crate::physics::Simulation;
 use crate::physics::diagnostics::Diagnostics;
+use crate::physics::report::StepReport;
 use crate::scene::Scene;
 
 /// The energy that may be gained from nowhere, as a share.
@@ -91,14 +94,36 @@ pub struct Verdict {
 
 /// Watches a scene, in single precision as the sandbox runs it or in double; `lattices` are those of its bodies.
 pub fn judge<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>], patience: Patience) -> Verdict {
-    watch(&mut Simulation::<R>::new(scene, lattices), patience, |_, _| ())
+    judge_disturbed::<R>(scene, &[], lattices, patience)
 }
 
-/// Watches a simulation; `meddle` may do to it before each substep what nothing else would.
+/// The same of a scene of one body to which something happens in the order given.
+pub fn judge_disturbed<R: Real>(
+    scene: &Scene,
+    disturbances: &[Disturbance],
+    lattices: &[Arc<Lattice>],
+    patience: Patience,
+) -> Verdict {
+    let mut coming = disturbances.iter().peekable();
+    watch(&mut Simulation::<R>::new(scene, lattices), patience, |simulation, substep| {
+        let now = substep as f64 * simulation.plan().substep_secs();
+        let total = |simulation: &Simulation<R>| simulation.diagnostics().energy.total();
+        let mut work = 0.0;
+        while let Some(disturbance) = coming.next_if(|coming| coming.at_secs <= now) {
+            let before = total(simulation);
+            disturbance.happen(simulation, scene, lattices);
+            work += total(simulation) - before;
+        }
+        work
+    })
+}
+
+/// Watches a simulation; `meddle` may do to it before each substep what nothing else would, and tells of the work (J) that
+/// counts as done from outside.
 fn watch<R: Real>(
     simulation: &mut Simulation<R>,
     patience: Patience,
-    mut meddle: impl FnMut(&mut Simulation<R>, u64),
+    mut meddle: impl FnMut(&mut Simulation<R>, u64) -> f64,
 ) -> Verdict {
     let dt = simulation.plan().substep_secs();
     let links: usize = simulation.model().link_counts().iter().sum();
@@ -117,8 +142,9 @@ fn watch<R: Real>(
         largest_gain: 0.0,
     };
     for substep in 0..substeps {
-        meddle(simulation, substep);
-        let diverged = simulation.substep(&mut ()).diverged;
+        let meddling = meddle(simulation, substep);
+        let StepReport { diverged, obstacle_work_j, .. } = simulation.substep(&mut ());
+        bodies.iter_mut().for_each(|account| account.work += meddling + obstacle_work_j);
         (verdict.substeps, verdict.simulated_secs) = (substep + 1, (substep + 1) as f64 * dt);
         if diverged {
             (verdict.fault, verdict.words) = (Some(Fault::NotFinite), format!("after {} s", verdict.simulated_secs));
@@ -158,6 +184,10 @@ struct Account {
     body: usize,
     start: Diagnostics,
     own_at_start: f64,
+    /// Done from outside but by gravity, J.
+    work: f64,
+    /// The most it has been, J.
+    most_work: f64,
     gravity: DVec3,
     dt: f64,
     /// Of all links and contacts together, N/m.
@@ -191,6 +221,8 @@ impl Account {
             body,
             start,
             own_at_start,
+            work: 0.0,
+            most_work: 0.0,
             gravity,
             dt: simulation.plan().substep_secs(),
             stiffness,
@@ -206,7 +238,8 @@ impl Account {
 
     fn look<R: Real>(&mut self, simulation: &Simulation<R>) {
         self.now = simulation.diagnostics_of(self.body);
-        let allowed = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity;
+        let allowed = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity + self.work;
+        self.most_work = self.most_work.max(self.work);
         self.turnover = self.turnover.max(allowed);
         self.sums = [self.sums[0] + own(&self.now), self.sums[1] + allowed];
         self.looks += 1;
@@ -252,10 +285,10 @@ impl Account {
         (furthest > REACH * reach).then(|| (Fault::Reach, format!("{furthest} m away of {reach} m, after {seconds} s")))
     }
 
-    /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with,
-    /// and its own size, m.
+    /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with, by
+    /// the work done from outside and its own size, m.
     fn reach(&self, seconds: f64) -> f64 {
-        let stored = self.own_at_start - self.start.energy.kinetic;
+        let stored = self.own_at_start - self.start.energy.kinetic + self.most_work;
         let speed = self.start.max_speed + (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
         let size = self.start.bounds.size().length();
         speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
@@ -292,8 +325,12 @@ mod tests {
         scene
     }
 
-    fn seen(scene: &Scene, meddle: impl FnMut(&mut Simulation<f32>, u64)) -> Verdict {
-        watch(&mut Simulation::new(scene, &lattices(scene).expect("sound shapes")), PATIENCE, meddle)
+    fn seen(scene: &Scene, mut meddle: impl FnMut(&mut Simulation<f32>, u64)) -> Verdict {
+        let mut simulation = Simulation::new(scene, &lattices(scene).expect("sound shapes"));
+        watch(&mut simulation, PATIENCE, |simulation, substep| {
+            meddle(simulation, substep);
+            0.0
+        })
     }
 
     #[test]

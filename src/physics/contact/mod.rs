@@ -287,10 +287,12 @@ impl<R: Real> Meeting<'_, R> {
             if among_several && self.gains(predicted, allowed, mass, contacts) {
                 allowed = R::Vec3::ZERO;
             }
-            if allowed != velocity
-                && let Some(last) = records.last_mut()
-            {
-                last.force += (allowed - velocity) * (mass / self.dt);
+            if allowed != velocity {
+                // The force is that of an obstacle that moves, if one does: it carries the particle along.
+                let found = &mut records[first_record..];
+                let moves = |record: &ContactRecord<R>| record.surface_velocity != R::Vec3::ZERO;
+                let at = found.iter().position(moves).unwrap_or(found.len() - 1);
+                found[at].force += (allowed - velocity) * (mass / self.dt);
                 velocity = allowed;
             }
         }
@@ -411,6 +413,7 @@ pub fn remember_sides<R: Real>(
             deepest = deepest.max(-contact.gap);
             continue;
         }
+        report.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
         let ObstacleShape::Plane(plane) = &model.obstacles[contact.obstacle].shape else {
             deepest = deepest.max(depth);
