@@ -34,6 +34,9 @@ pub const REACH: f64 = 1.5;
 /// Energies are means over so much simulated time, s.
 const WINDOW_SECS: f64 = 1.0 / 60.0;
 
+/// The share of the work that a moving obstacle does in one substep which that substep may misjudge.
+const UNRESOLVED_WORK: f64 = 0.25;
+
 /// Units in the last place by which rounding may misplace a particle.
 const MISPLACED: f64 = 8.0;
 
@@ -144,7 +147,10 @@ fn watch<R: Real>(
     for substep in 0..substeps {
         let meddling = meddle(simulation, substep);
         let StepReport { diverged, obstacle_work_j, .. } = simulation.substep(&mut ());
-        bodies.iter_mut().for_each(|account| account.work += meddling + obstacle_work_j);
+        for account in &mut bodies {
+            account.work += meddling + obstacle_work_j;
+            account.hastiest_work = account.hastiest_work.max(obstacle_work_j.abs());
+        }
         (verdict.substeps, verdict.simulated_secs) = (substep + 1, (substep + 1) as f64 * dt);
         if diverged {
             (verdict.fault, verdict.words) = (Some(Fault::NotFinite), format!("after {} s", verdict.simulated_secs));
@@ -188,6 +194,10 @@ struct Account {
     work: f64,
     /// The most it has been, J.
     most_work: f64,
+    /// The most that moving obstacles did in one substep, J.
+    hastiest_work: f64,
+    /// As if all of its particles were as light as the lightest, kg.
+    least_mass_kg: f64,
     gravity: DVec3,
     dt: f64,
     /// Of all links and contacts together, N/m.
@@ -216,6 +226,7 @@ impl Account {
             family.stiffness.to_f64() * lengths
         });
         let contacts: f64 = model.contacts.iter().map(|contact| contact.stiffness.to_f64()).sum();
+        let lightest = model.masses.iter().copied().fold(model.particle_mass, R::min);
         let stiffness = links.sum::<f64>() + contacts * model.particles.len() as f64;
         Self {
             body,
@@ -223,6 +234,8 @@ impl Account {
             own_at_start,
             work: 0.0,
             most_work: 0.0,
+            hastiest_work: 0.0,
+            least_mass_kg: lightest.to_f64() * model.particles.len() as f64,
             gravity,
             dt: simulation.plan().substep_secs(),
             stiffness,
@@ -268,10 +281,11 @@ impl Account {
     }
 
     /// What gravity gives a body that is let go in the middle of a substep, J: steps cannot tell when. It is nothing but
-    /// where gravity is great and the step long.
+    /// where gravity is great and the step long. Also a part of the work that a moving obstacle does in one substep,
+    /// in which force and normal are held to be constant; it is nothing where it takes many to get to its place.
     fn unresolved(&self) -> f64 {
         let speed = 0.5 * self.gravity.length() * self.dt;
-        0.5 * self.start.mass_kg * speed * speed
+        0.5 * self.start.mass_kg * speed * speed + UNRESOLVED_WORK * self.hastiest_work
     }
 
     fn fault(&self, seconds: f64) -> Option<(Fault, String)> {
@@ -289,7 +303,7 @@ impl Account {
     /// the work done from outside and its own size, m.
     fn reach(&self, seconds: f64) -> f64 {
         let stored = self.own_at_start - self.start.energy.kinetic + self.most_work;
-        let speed = self.start.max_speed + (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
+        let speed = self.start.max_speed + (2.0 * stored.max(0.0) / self.least_mass_kg).sqrt();
         let size = self.start.bounds.size().length();
         speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
     }
