@@ -1,5 +1,6 @@
 //! A scene in motion: model, plan and state together.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
@@ -302,12 +303,22 @@ impl<R: Real> Simulation<R> {
 
     /// Energies, momentum, extremes.
     pub fn diagnostics(&self) -> Diagnostics {
-        Diagnostics::of(&self.model, &self.plan, &self.state)
+        Diagnostics::of(&self.still_model(), &self.plan, &self.state)
     }
 
     /// The same of one body alone.
     pub fn diagnostics_of(&self, body: usize) -> Diagnostics {
-        Diagnostics::of_body(&self.model, &self.plan, &self.state, body)
+        Diagnostics::of_body(&self.still_model(), &self.plan, &self.state, body)
+    }
+
+    /// The model with obstacles where they are now, as if none were on its way: how deep particles are in them now.
+    fn still_model(&self) -> Cow<'_, Model<R>> {
+        if self.sweeps.is_empty() {
+            return Cow::Borrowed(&self.model);
+        }
+        let mut still = self.model.clone();
+        still.obstacles.iter_mut().for_each(|obstacle| obstacle.carry = None);
+        Cow::Owned(still)
     }
 
     /// The fingerprint of positions and velocities.

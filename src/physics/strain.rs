@@ -122,8 +122,8 @@ mod tests {
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
     use crate::scene::body::CubeShape;
-    use crate::scene::resolve::resolve;
     use crate::scene::material::Spring;
+    use crate::scene::resolve::resolve;
     use crate::scene::{Body, Material, Scene, Shape, Springs};
 
     fn cube(dt: f64) -> (Scene, Vec<Arc<Lattice>>) {

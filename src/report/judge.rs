@@ -147,8 +147,12 @@ fn watch<R: Real>(
     for substep in 0..substeps {
         let meddling = meddle(simulation, substep);
         let StepReport { diverged, obstacle_work_j, .. } = simulation.substep(&mut ());
+        let contacts = &simulation.scratch().contact.contacts;
+        let push = contacts.iter().fold(0.0, |push: f64, c| push.max(c.surface_velocity.length().to_f64()));
         for account in &mut bodies {
             account.work += meddling + obstacle_work_j;
+            account.meddling += meddling.max(0.0);
+            account.fastest_push = account.fastest_push.max(push);
             account.hastiest_work = account.hastiest_work.max(obstacle_work_j.abs());
         }
         (verdict.substeps, verdict.simulated_secs) = (substep + 1, (substep + 1) as f64 * dt);
@@ -192,12 +196,12 @@ struct Account {
     own_at_start: f64,
     /// Done from outside but by gravity, J.
     work: f64,
-    /// The most it has been, J.
-    most_work: f64,
+    /// Of it what was done at once, J.
+    meddling: f64,
+    /// The fastest surface of an obstacle that was met, m/s.
+    fastest_push: f64,
     /// The most that moving obstacles did in one substep, J.
     hastiest_work: f64,
-    /// As if all of its particles were as light as the lightest, kg.
-    least_mass_kg: f64,
     gravity: DVec3,
     dt: f64,
     /// Of all links and contacts together, N/m.
@@ -226,16 +230,15 @@ impl Account {
             family.stiffness.to_f64() * lengths
         });
         let contacts: f64 = model.contacts.iter().map(|contact| contact.stiffness.to_f64()).sum();
-        let lightest = model.masses.iter().copied().fold(model.particle_mass, R::min);
         let stiffness = links.sum::<f64>() + contacts * model.particles.len() as f64;
         Self {
             body,
             start,
             own_at_start,
             work: 0.0,
-            most_work: 0.0,
+            meddling: 0.0,
+            fastest_push: 0.0,
             hastiest_work: 0.0,
-            least_mass_kg: lightest.to_f64() * model.particles.len() as f64,
             gravity,
             dt: simulation.plan().substep_secs(),
             stiffness,
@@ -252,7 +255,6 @@ impl Account {
     fn look<R: Real>(&mut self, simulation: &Simulation<R>) {
         self.now = simulation.diagnostics_of(self.body);
         let allowed = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity + self.work;
-        self.most_work = self.most_work.max(self.work);
         self.turnover = self.turnover.max(allowed);
         self.sums = [self.sums[0] + own(&self.now), self.sums[1] + allowed];
         self.looks += 1;
@@ -300,10 +302,10 @@ impl Account {
     }
 
     /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with, by
-    /// the work done from outside and its own size, m.
+    /// obstacles that push it and its own size, m.
     fn reach(&self, seconds: f64) -> f64 {
-        let stored = self.own_at_start - self.start.energy.kinetic + self.most_work;
-        let speed = self.start.max_speed + (2.0 * stored.max(0.0) / self.least_mass_kg).sqrt();
+        let stored = self.own_at_start - self.start.energy.kinetic + self.meddling;
+        let speed = self.start.max_speed + self.fastest_push + (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
         let size = self.start.bounds.size().length();
         speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
     }

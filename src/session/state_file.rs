@@ -75,7 +75,11 @@ impl Session {
         for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
-            bytes.extend([u64::from(memory.asleep) + 2 * u64::from(memory.strained), memory.still_substeps].iter().flat_map(|word| word.to_le_bytes()));
+            bytes.extend(
+                [u64::from(memory.asleep) + 2 * u64::from(memory.strained), memory.still_substeps]
+                    .iter()
+                    .flat_map(|word| word.to_le_bytes()),
+            );
             if memory.still_substeps > 0 {
                 let anchor = &state.anchor[body.particles.clone()];
                 bytes.extend(anchor.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
