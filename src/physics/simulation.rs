@@ -78,6 +78,11 @@ impl<R: Real> Simulation<R> {
         self.state.steps = before.state.steps;
         self.state.substep = rescaled(before.state.substep, before.plan.substeps, self.plan.substeps);
         self.state.time_secs = before.state.time_secs;
+        // Verlet begins anew, as the accelerations it remembers are not taken over.
+        if self.state.acceleration.is_empty() && before.state.acceleration.is_empty() {
+            self.state.velocity_lag_secs = before.state.velocity_lag_secs;
+            self.state.fit_scheme(&self.plan);
+        }
     }
 
     /// How a body moves now.

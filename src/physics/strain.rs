@@ -117,7 +117,6 @@ mod tests {
 
     use glam::DVec3;
 
-    use super::*;
     use crate::geometry::Lattice;
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
