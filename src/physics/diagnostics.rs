@@ -12,6 +12,7 @@ use super::plan::Plan;
 use super::recovery;
 use super::state::{BodyMemory, State};
 use super::step::{Inputs, Part, Scratch, substep};
+use super::strain;
 use crate::math::{Aabb, Real, Vector};
 
 /// The state of a simulation in numbers, SI units.
@@ -72,18 +73,20 @@ impl Diagnostics {
 
     fn of_bodies<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, bodies: Range<usize>) -> Self {
         // A velocity half a step behind its position has the mean of it and the next one on time. The next one is had
-        // by taking the substep on a copy.
+        // by taking the substep, or the part of it that comes next, on a copy.
         let mut ahead = state.clone();
         // A sleeping body's contacts are found, too.
         ahead.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut scratch = Scratch::new(model, plan);
-        let next = substep(model, plan, Part::whole(plan), Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
+        let part = Part::whole(plan).of(strain::parts_now(model, plan, &mut ahead));
+        let next = substep(model, plan, part, Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
+        let share = integrate::share_to_center(state, &ahead);
         let centred = |particle: usize, asleep: bool| {
             let now = state.velocity[particle].to_dvec3();
             if asleep || next.diverged || integrate::is_on_time(plan, state) {
                 now
             } else {
-                0.5 * (now + ahead.velocity[particle].to_dvec3())
+                now + share * (ahead.velocity[particle].to_dvec3() - now)
             }
         };
         let mut sum = Self {
@@ -101,7 +104,8 @@ impl Diagnostics {
         for (body, memory) in model.bodies[bodies.clone()].iter().zip(&state.bodies[bodies.clone()]) {
             for (local, particle) in body.particles.clone().enumerate() {
                 let mass = body.mass(local).to_f64();
-                let position = state.position[particle].to_dvec3();
+                // What rounding has kept back from a position is part of where the particle is.
+                let position = state.position[particle].to_dvec3() + state.position_residual[particle].to_dvec3();
                 let velocity = centred(particle, memory.asleep);
                 sum.mass_kg += mass;
                 sum.energy.kinetic += 0.5 * mass * velocity.length_squared();

@@ -28,6 +28,7 @@ pub mod sleep;
 pub mod stability;
 pub mod state;
 pub mod step;
+pub mod strain;
 
 pub use model::Model;
 pub use plan::Plan;

@@ -2,6 +2,7 @@
 
 use super::model::{Model, ObstacleShape};
 use super::stability::SceneLimits;
+use super::strain;
 use crate::math::Real;
 use crate::scene::settings::{ContactRule, Integrator, Stepping};
 use crate::scene::{Family, Settings};
@@ -74,6 +75,8 @@ pub struct Plan {
     /// How often a substep of the implicit integrator may be halved whose linear equations prove wrong: down to a step
     /// that an explicit integrator could take. Never in manual stepping.
     pub halvings: u32,
+    /// Parts that a substep is taken in while a body is strained.
+    pub parts: u32,
     /// The predicted stability limits the subdivision follows from.
     pub limits: SceneLimits,
     /// Which families have a link with a force, in any body.
@@ -129,6 +132,7 @@ impl Plan {
             substeps: if taken_over { implicit_substeps } else { substeps },
             span: if taken_over { span } else { 1 },
             halvings: 0,
+            parts: 1,
             limits,
             families: Family::ALL.map(|family| has_force(family as usize)),
             damped: Family::ALL
@@ -143,8 +147,12 @@ impl Plan {
             sleeping: settings.sleeping,
             lean: true,
         };
-        let halved = divided && integrator == Integrator::Implicit;
-        Self { halvings: if halved { halvings(model, settings.contact, plan.substep_secs()) } else { 0 }, ..plan }
+        if !divided {
+            return plan;
+        }
+        let secs = plan.substep_secs();
+        let halvings = if integrator == Integrator::Implicit { halvings(model, settings.contact, secs) } else { 0 };
+        Self { halvings, parts: strain::parts(model, integrator, secs), ..plan }
     }
 
     /// The step in use, s.

@@ -94,7 +94,7 @@ pub(super) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -
 }
 
 /// How long a body's cells may stay unseen as fast as its particles move past each other now, s.
-fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
+pub(super) fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
     let velocity = &state.velocity[body.particles.clone()];
     // Bounds of the components: cheap, and no larger than the differences between particles.
     let Some(&first) = velocity.first() else { return LOOK_SECS };

@@ -35,6 +35,8 @@ pub struct StepReport {
     pub cells_looked_at: u64,
     /// Watched cells whose push against inversion was worked out.
     pub recovery_cells: u64,
+    /// Work that moving obstacles did, J.
+    pub obstacle_work_j: f64,
     /// Bodies that sleep after the last substep.
     pub bodies_asleep: usize,
     /// Whether the step was abandoned, state untouched, because a number would have stopped being finite or, in
@@ -60,6 +62,7 @@ impl StepReport {
         self.frictions += later.frictions;
         self.cells_looked_at += later.cells_looked_at;
         self.recovery_cells += later.recovery_cells;
+        self.obstacle_work_j += later.obstacle_work_j;
         self.bodies_asleep = later.bodies_asleep;
         self.diverged |= later.diverged;
     }

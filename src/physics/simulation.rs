@@ -1,5 +1,6 @@
 //! A scene in motion: model, plan and state together.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
@@ -15,6 +16,7 @@ use super::report::{StageTimer, StepReport};
 use super::sleep;
 use super::state::{BodyMemory, State};
 use super::step::{self, Inputs, Part, Scratch};
+use super::strain;
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector, rotation};
 use crate::scene::Scene;
@@ -89,6 +91,11 @@ impl<R: Real> Simulation<R> {
         (self.state.part, self.state.halvings) = (before.state.part, before.state.halvings);
         self.state.fit_scheme(&self.plan);
         self.state.time_secs = before.state.time_secs;
+        // Verlet begins anew, as the accelerations it remembers are not taken over.
+        if self.state.acceleration.is_empty() && before.state.acceleration.is_empty() {
+            self.state.velocity_lag_secs = before.state.velocity_lag_secs;
+            self.state.fit_scheme(&self.plan);
+        }
     }
 
     /// How a body moves now.
@@ -238,24 +245,28 @@ impl<R: Real> Simulation<R> {
     }
 
     /// Advances by a part of a substep that the linear equations of the implicit integrator hold for; with other
-    /// integrators by all of it.
+    /// integrators by all of it, in parts while a body is strained.
     fn advance(&mut self, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport::default();
-        loop {
+        let mut left = strain::parts_now(&self.model, &self.plan, &mut self.state);
+        let secs = self.plan.substep_secs() / f64::from(left);
+        while left > 0 && !report.diverged {
             let (share, is_last) = self.state.next_part();
-            let secs = self.plan.substep_secs() * share;
-            let part = Part { secs, may_be_halved: self.state.halvings < self.plan.halvings, is_last };
-            sweep::advance(&mut self.model, &mut self.sweeps, secs);
+            let may_be_halved = self.state.halvings < self.plan.halvings;
+            let part = Part { secs: secs * share, may_be_halved, is_last: is_last && left == 1 };
+            sweep::advance(&mut self.model, &mut self.sweeps, part.secs);
             let inputs = Inputs { grab: self.grab.as_ref() };
             let Self { model, plan, state, scratch, .. } = self;
             let of_part = step::substep(model, plan, part, inputs, state, scratch, timer);
             report.add(&of_part);
-            if of_part.halved == 0 {
-                return report;
+            if of_part.halved > 0 {
+                sweep::take_back(&mut self.sweeps);
+                self.state.halvings += 1;
+            } else {
+                left -= 1;
             }
-            sweep::take_back(&mut self.sweeps);
-            self.state.halvings += 1;
         }
+        report
     }
 
     /// Whether the last step would have made a number infinite or NaN.
@@ -334,12 +345,22 @@ impl<R: Real> Simulation<R> {
 
     /// Energies, momentum, extremes.
     pub fn diagnostics(&self) -> Diagnostics {
-        Diagnostics::of(&self.model, &self.plan, &self.state)
+        Diagnostics::of(&self.still_model(), &self.plan, &self.state)
     }
 
     /// The same of one body alone.
     pub fn diagnostics_of(&self, body: usize) -> Diagnostics {
-        Diagnostics::of_body(&self.model, &self.plan, &self.state, body)
+        Diagnostics::of_body(&self.still_model(), &self.plan, &self.state, body)
+    }
+
+    /// The model with obstacles where they are now, as if none were on its way: how deep particles are in them now.
+    fn still_model(&self) -> Cow<'_, Model<R>> {
+        if self.sweeps.is_empty() {
+            return Cow::Borrowed(&self.model);
+        }
+        let mut still = self.model.clone();
+        still.obstacles.iter_mut().for_each(|obstacle| obstacle.carry = None);
+        Cow::Owned(still)
     }
 
     /// The fingerprint of positions and velocities.

@@ -18,7 +18,8 @@ pub struct State<R: Real> {
     /// Acceleration of the last substep without contact, m/s²: with it Verlet predicts the velocity of the damping. Empty
     /// with other schemes.
     pub acceleration: Vec<R::Vec3>,
-    /// How far Verlet's velocity is behind the position's time, s: nothing at the start, then half a substep.
+    /// How far the velocity is behind the position's time, s: nothing at the start, then half a substep with Verlet and
+    /// semi-implicit Euler.
     pub velocity_lag_secs: f64,
     /// For every plane a row over all particles: the side (+1 or −1 along the normal) a touching particle came from,
     /// 0 where nothing touches.
@@ -48,6 +49,8 @@ pub struct State<R: Real> {
 pub struct BodyMemory {
     /// Cells that are watched as they may invert, ascending.
     pub near_inversion: Vec<u32>,
+    /// Whether links are far longer than at rest, so that substeps are taken in parts.
+    pub strained: bool,
     /// Substeps for which the body has been still.
     pub still_substeps: u64,
     /// Whether the body sleeps: it stays as it is until something wakes it.
@@ -138,6 +141,9 @@ impl<R: Real> State<R> {
         self.held_steps = self.held_steps.min(plan.span - 1);
         if plan.halvings == 0 {
             (self.part, self.halvings) = (0, 0);
+        }
+        if !matches!(plan.integrator, Integrator::Verlet | Integrator::SemiImplicit) {
+            self.velocity_lag_secs = 0.0;
         }
         let count = if plan.integrator == Integrator::Verlet { self.position.len() } else { 0 };
         if self.acceleration.len() != count {

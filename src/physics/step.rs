@@ -88,6 +88,11 @@ impl Part {
     pub fn whole(plan: &Plan) -> Self {
         Self { secs: plan.substep_secs(), may_be_halved: false, is_last: true }
     }
+
+    /// One of so many equal parts of it.
+    pub fn of(self, parts: u32) -> Self {
+        Self { secs: self.secs / f64::from(parts), ..self }
+    }
 }
 
 /// Advances the state by one substep or a part of it. Abandons it, state untouched, where the report counts one as halved.

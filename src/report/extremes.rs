@@ -5,10 +5,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::disturb::{self, Disturbance};
 use crate::geometry::Lattice;
 use crate::math::rng::Rng;
-use crate::scene::body::{Body, CellsShape, CubeShape, ModelShape, Pose};
-use crate::scene::material::{Material, Spring, Springs};
+use crate::scene::body::{Body, CellsShape, CubeShape, Inlay, ModelShape, Pose};
+use crate::scene::material::{Material, Solid, Spring, Springs};
 use crate::scene::obstacle::{ContactStiffness, Plane, Sphere};
 use crate::scene::resolve::{ResolveError, resolve};
 use crate::scene::settings::Integrator;
@@ -17,11 +18,19 @@ use crate::scene::{Obstacle, ObstacleShape, Scene, Shape, builtin};
 /// The schemes that automatic stepping can make stable; the others step as they are told.
 const SCHEMES: [Integrator; 3] = [Integrator::SemiImplicit, Integrator::Verlet, Integrator::Rk4];
 
-/// How much heavier than the first a second body is, or the first than it.
+/// The share of scenes with one body whose body is of two solids.
+const INLAID: f64 = 0.15;
+
+/// How much heavier than the first a second body is, or the first than it, and one solid of a body than the other.
 const MASS_RATIO: f64 = 1000.0;
 
-/// A random scene: number `number` of those that follow from `seed`, in automatic stepping.
+/// A random scene, number `number` of those that follow from `seed`, in automatic stepping.
 pub fn extreme_scene(seed: u64, number: u64) -> Scene {
+    extreme(seed, number).0
+}
+
+/// A random scene and what happens to it while time runs.
+pub fn extreme(seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
     // Through the generator, so that the sequences of neighbouring numbers are not the same one shifted.
     let mut seeds = Rng::new(seed ^ number.wrapping_mul(0xd134_2543_de82_ef95));
     let mut draw = Draw(Rng::new(seeds.next_u64()));
@@ -40,7 +49,14 @@ pub fn extreme_scene(seed: u64, number: u64) -> Scene {
     let strength = if draw.chance(0.5) { draw.one_of(&[0.0, 9.81, 1000.0]) } else { draw.decades(-3.0, 3.0) };
     scene.settings.gravity =
         if draw.chance(0.8) { [0.0, -strength, 0.0] } else { draw.direction().map(|x| x * strength) };
-    scene
+    // Draws of their own: the scenes without are what they would be without these.
+    let mut more = Draw(Rng::new(seeds.next_u64()));
+    if scene.bodies.len() == 1 && more.chance(INLAID) {
+        let step = more.decades(-4.3, -1.5);
+        more.inlay(&mut scene.bodies[0], cell_size, size, step);
+    }
+    let disturbances = disturb::disturbances(&mut more, &scene, size);
+    (scene, disturbances)
 }
 
 /// The lattices of a scene's bodies; models are those that the program carries.
@@ -50,10 +66,10 @@ pub fn lattices(scene: &Scene) -> Result<Vec<Arc<Lattice>>, ResolveError> {
 }
 
 /// Draws one value after another.
-struct Draw(Rng);
+pub(super) struct Draw(Rng);
 
 impl Draw {
-    fn chance(&mut self, share: f64) -> bool {
+    pub(super) fn chance(&mut self, share: f64) -> bool {
         self.0.unit() < share
     }
 
@@ -62,11 +78,11 @@ impl Draw {
     }
 
     /// Uniform in the logarithm, from 10 to one power to 10 to the other.
-    fn decades(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn decades(&mut self, low: f64, high: f64) -> f64 {
         libm::exp10(self.0.between(low, high)).clamp(libm::exp10(low), libm::exp10(high))
     }
 
-    fn whole(&mut self, low: i32, high: i32) -> i32 {
+    pub(super) fn whole(&mut self, low: i32, high: i32) -> i32 {
         #[expect(clippy::cast_possible_truncation, reason = "it lies between two i32")]
         let drawn = libm::floor(self.0.between(f64::from(low), f64::from(high) + 1.0)) as i32;
         drawn.min(high)
@@ -78,7 +94,7 @@ impl Draw {
         choices[place]
     }
 
-    fn vector(&mut self, reach: f64) -> [f64; 3] {
+    pub(super) fn vector(&mut self, reach: f64) -> [f64; 3] {
         [0; 3].map(|_| self.between(-reach, reach))
     }
 
@@ -164,6 +180,27 @@ impl Draw {
         Springs { structural, shear, bending, particle_mass }
     }
 
+    /// Makes a body one of two solids, a thousand times as heavy and as stiff as each other in any combination, whose
+    /// stable step is about `step` (s).
+    fn inlay(&mut self, body: &mut Body, cell_size: f64, size: f64, step: f64) {
+        let mut solid = |density: f64, lighter: f64| {
+            let speed = cell_size / step;
+            let softer = if self.chance(0.5) { 1.0 / MASS_RATIO } else { 1.0 };
+            Solid {
+                young_modulus: (density * speed * speed * lighter * softer).clamp(1.0, 1e10),
+                density,
+                damping_ratio: if self.chance(0.4) { 0.0 } else { self.decades(-4.0, -1.0) },
+            }
+        };
+        let heavy = if body.velocity[1] < 0.0 { 1e4 } else { 1e2 };
+        let [first, second] = [solid(heavy, 1.0 / MASS_RATIO), solid(heavy / MASS_RATIO, 1.0)];
+        let (outside, inside) = if self.chance(0.5) { (first, second) } else { (second, first) };
+        body.material = Material::Solid(outside);
+        // About half of the body.
+        let end = self.between(-0.2, 0.2) * size;
+        body.inlays = vec![Inlay { min: [-10.0 * size; 3], max: [end, 10.0 * size, 10.0 * size], solid: inside }];
+    }
+
     fn obstacles(&mut self, size: f64) -> Vec<Obstacle> {
         let ground = Plane { half_extents: [self.decades(0.0, 1.0) * size; 2], ..Plane::default() };
         let mut obstacles = vec![self.obstacle(ObstacleShape::Plane(ground))];
@@ -205,6 +242,7 @@ impl Draw {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::disturb::What;
     use crate::scene::param;
 
     #[test]
@@ -212,7 +250,12 @@ mod tests {
         for number in 0..2000 {
             let scene = extreme_scene(3, number);
             assert_eq!(param::validate(&scene), [], "scene {number}");
-            assert_eq!(scene, extreme_scene(3, number), "scene {number}");
+            assert_eq!(extreme(3, number), extreme(3, number), "scene {number}");
+            for disturbance in extreme(3, number).1 {
+                if let What::Obstacles { scene, .. } = disturbance.what {
+                    assert_eq!(param::validate(&scene), [], "scene {number} after {} s", disturbance.at_secs);
+                }
+            }
         }
         assert_ne!(extreme_scene(3, 0), extreme_scene(4, 0), "another seed, another scene");
     }
@@ -233,5 +276,8 @@ mod tests {
         some("no gravity", &|scene| scene.settings.gravity.iter().all(|g| g.abs() < 1e-9));
         some("great gravity", &|scene| scene.settings.gravity[1] < -999.0);
         some("two bodies", &|scene| scene.bodies.len() == 2);
+        some("two solids in a body", &|scene| !scene.bodies[0].inlays.is_empty());
+        let disturbed = (0..500).filter(|&number| !extreme(3, number).1.is_empty()).count();
+        assert!(disturbed > 50, "{disturbed} of 500 are disturbed");
     }
 }

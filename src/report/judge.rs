@@ -3,8 +3,9 @@
 //!
 //! ```text
 //! own energy   motion (centred velocity), links, recovery, and the penalty springs of contact; mean over 1/60 s
-//! work         what gravity did to the body since the start: obstacles that stand still do none, as what they give
-//!              back was stored in their penalty springs, at the start too where a body was put into them
+//! work         what gravity did to the body since the start, moving obstacles (force × velocity of the surface) and what
+//!              else was done to it from outside: obstacles that stand still do none, as what they give back was
+//!              stored in their penalty springs, at the start too where a body was put into them
 //! faultless    own energy ≤ own energy at the start + work + 5 % of the largest that sum has been,
 //!              and what rounding shows and a fall within one substep gives, both next to nothing in common scenes
 //! ```
@@ -16,6 +17,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use serde::Serialize;
 
+use super::disturb::Disturbance;
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector};
 use crate::physics::Simulation;
@@ -30,6 +32,9 @@ pub const REACH: f64 = 1.5;
 
 /// Energies are means over so much simulated time, s.
 const WINDOW_SECS: f64 = 1.0 / 60.0;
+
+/// The share of the work that a moving obstacle does in one substep which that substep may misjudge.
+const UNRESOLVED_WORK: f64 = 0.25;
 
 /// Units in the last place by which rounding may misplace a particle.
 const MISPLACED: f64 = 8.0;
@@ -91,14 +96,36 @@ pub struct Verdict {
 
 /// Watches a scene, in single precision as the sandbox runs it or in double; `lattices` are those of its bodies.
 pub fn judge<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>], patience: Patience) -> Verdict {
-    watch(&mut Simulation::<R>::new(scene, lattices), patience, |_, _| ())
+    judge_disturbed::<R>(scene, &[], lattices, patience)
 }
 
-/// Watches a simulation; `meddle` may do to it before each substep what nothing else would.
+/// The same of a scene of one body to which something happens in the order given.
+pub fn judge_disturbed<R: Real>(
+    scene: &Scene,
+    disturbances: &[Disturbance],
+    lattices: &[Arc<Lattice>],
+    patience: Patience,
+) -> Verdict {
+    let mut coming = disturbances.iter().peekable();
+    watch(&mut Simulation::<R>::new(scene, lattices), patience, |simulation, substep| {
+        let now = substep as f64 * simulation.plan().substep_secs();
+        let total = |simulation: &Simulation<R>| simulation.diagnostics().energy.total();
+        let mut work = 0.0;
+        while let Some(disturbance) = coming.next_if(|coming| coming.at_secs <= now) {
+            let before = total(simulation);
+            disturbance.happen(simulation, scene, lattices);
+            work += total(simulation) - before;
+        }
+        work
+    })
+}
+
+/// Watches a simulation; `meddle` may do to it before each substep what nothing else would, and tells of the work (J) that
+/// counts as done from outside.
 fn watch<R: Real>(
     simulation: &mut Simulation<R>,
     patience: Patience,
-    mut meddle: impl FnMut(&mut Simulation<R>, u64),
+    mut meddle: impl FnMut(&mut Simulation<R>, u64) -> f64,
 ) -> Verdict {
     let dt = simulation.plan().substep_secs();
     let links: usize = simulation.model().link_counts().iter().sum();
@@ -121,15 +148,16 @@ fn watch<R: Real>(
         if verdict.cut_short {
             break;
         }
-        meddle(simulation, substep);
+        let meddling = meddle(simulation, substep);
+        bodies.iter_mut().for_each(|account| account.meddle(meddling));
         let diverged = loop {
             let report = simulation.substep(&mut ());
             forces += report.link_forces + report.iterations * links as u64;
-            if report.diverged || simulation.state().part == 0 {
+            let contacts = &simulation.scratch().contact.contacts;
+            let push = contacts.iter().fold(0.0, |push: f64, c| push.max(c.surface_velocity.length().to_f64()));
+            bodies.iter_mut().for_each(|account| account.push(push, report.obstacle_work_j));
+            if report.diverged || simulation.state().part == 0 || forces > patience.most_link_forces {
                 break report.diverged;
-            }
-            if forces > patience.most_link_forces {
-                break false;
             }
         };
         verdict.cut_short |= forces > patience.most_link_forces && substep + 1 < substeps;
@@ -172,6 +200,14 @@ struct Account {
     body: usize,
     start: Diagnostics,
     own_at_start: f64,
+    /// Done from outside but by gravity, J.
+    work: f64,
+    /// Of it what was done at once, J.
+    meddling: f64,
+    /// The fastest surface of an obstacle that was met, m/s.
+    fastest_push: f64,
+    /// The most that moving obstacles did in one substep, J.
+    hastiest_work: f64,
     gravity: DVec3,
     dt: f64,
     /// Of all links and contacts together, N/m.
@@ -205,6 +241,10 @@ impl Account {
             body,
             start,
             own_at_start,
+            work: 0.0,
+            meddling: 0.0,
+            fastest_push: 0.0,
+            hastiest_work: 0.0,
             gravity,
             dt: simulation.plan().substep_secs(),
             stiffness,
@@ -218,9 +258,22 @@ impl Account {
         }
     }
 
+    /// Counts work done at once from outside, J.
+    fn meddle(&mut self, work: f64) {
+        self.work += work;
+        self.meddling += work.max(0.0);
+    }
+
+    /// Counts the work (J) of obstacles of which the fastest surface moves at `speed` (m/s).
+    fn push(&mut self, speed: f64, work: f64) {
+        self.work += work;
+        self.fastest_push = self.fastest_push.max(speed);
+        self.hastiest_work = self.hastiest_work.max(work.abs());
+    }
+
     fn look<R: Real>(&mut self, simulation: &Simulation<R>) {
         self.now = simulation.diagnostics_of(self.body);
-        let allowed = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity;
+        let allowed = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity + self.work;
         self.turnover = self.turnover.max(allowed);
         self.sums = [self.sums[0] + own(&self.now), self.sums[1] + allowed];
         self.looks += 1;
@@ -249,10 +302,11 @@ impl Account {
     }
 
     /// What gravity gives a body that is let go in the middle of a substep, J: steps cannot tell when. It is nothing but
-    /// where gravity is great and the step long.
+    /// where gravity is great and the step long. Also a part of the work that a moving obstacle does in one substep,
+    /// in which force and normal are held to be constant; it is nothing where it takes many to get to its place.
     fn unresolved(&self) -> f64 {
         let speed = 0.5 * self.gravity.length() * self.dt;
-        0.5 * self.start.mass_kg * speed * speed
+        0.5 * self.start.mass_kg * speed * speed + UNRESOLVED_WORK * self.hastiest_work
     }
 
     fn fault(&self, seconds: f64) -> Option<(Fault, String)> {
@@ -266,11 +320,11 @@ impl Account {
         (furthest > REACH * reach).then(|| (Fault::Reach, format!("{furthest} m away of {reach} m, after {seconds} s")))
     }
 
-    /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with,
-    /// and its own size, m.
+    /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with, by
+    /// obstacles that push it and its own size, m.
     fn reach(&self, seconds: f64) -> f64 {
-        let stored = self.own_at_start - self.start.energy.kinetic;
-        let speed = self.start.max_speed + (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
+        let stored = self.own_at_start - self.start.energy.kinetic + self.meddling;
+        let speed = self.start.max_speed + self.fastest_push + (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
         let size = self.start.bounds.size().length();
         speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
     }
@@ -306,8 +360,12 @@ mod tests {
         scene
     }
 
-    fn seen(scene: &Scene, meddle: impl FnMut(&mut Simulation<f32>, u64)) -> Verdict {
-        watch(&mut Simulation::new(scene, &lattices(scene).expect("sound shapes")), PATIENCE, meddle)
+    fn seen(scene: &Scene, mut meddle: impl FnMut(&mut Simulation<f32>, u64)) -> Verdict {
+        let mut simulation = Simulation::new(scene, &lattices(scene).expect("sound shapes"));
+        watch(&mut simulation, PATIENCE, |simulation, substep| {
+            meddle(simulation, substep);
+            0.0
+        })
     }
 
     #[test]

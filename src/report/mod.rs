@@ -2,6 +2,7 @@
 //! figures and tables; knows no files, no arguments and no window.
 
 pub mod cost;
+pub mod disturb;
 pub mod extremes;
 pub mod judge;
 pub mod matrix;

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use serde::Serialize;
 
-use super::extremes::{extreme_scene, lattices};
-use super::judge::{Fault, Patience, Verdict, judge};
+use super::extremes::{extreme, lattices};
+use super::judge::{Fault, Patience, Verdict, judge, judge_disturbed};
 use crate::geometry::Lattice;
 use crate::math::rng::Rng;
 use crate::math::{Aabb, Vector};
@@ -105,12 +105,13 @@ pub fn case(name: &str, scene: &Scene, lattices: &[Arc<Lattice>], quick: bool) -
 /// Judges random scene `number`; if it fails, in double precision too: whether it is sound there.
 ///
 /// # Errors
-/// If a shape cannot be made, which no scene of [`extreme_scene`] should cause.
+/// If a shape cannot be made, which no scene of [`extreme`] should cause.
 pub fn random(seed: u64, number: u64, quick: bool) -> Result<(Verdict, bool), ResolveError> {
-    let scene = extreme_scene(seed, number);
+    let (scene, disturbances) = extreme(seed, number);
     let lattices = lattices(&scene)?;
-    let verdict = judge::<f32>(&scene, &lattices, patience(quick));
-    let sound = verdict.fault.is_some() && judge::<f64>(&scene, &lattices, patience(quick)).fault.is_none();
+    let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, patience(quick));
+    let in_double = || judge_disturbed::<f64>(&scene, &disturbances, &lattices, patience(quick));
+    let sound = verdict.fault.is_some() && in_double().fault.is_none();
     Ok((verdict, sound))
 }
 

@@ -9,7 +9,7 @@
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
 //! bodies: each a count u64 and as many cells u32             watched as they may invert
-//!         asleep 0 or 1, substeps it has been still          two u64
+//!         1 if asleep + 2 if strained, substeps it has been still          two u64
 //!         where still: its particles × 3 f32                 where they were when they came to be still
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
@@ -80,7 +80,11 @@ impl Session {
         for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
-            bytes.extend([u64::from(memory.asleep), memory.still_substeps].iter().flat_map(|word| word.to_le_bytes()));
+            bytes.extend(
+                [u64::from(memory.asleep) + 2 * u64::from(memory.strained), memory.still_substeps]
+                    .iter()
+                    .flat_map(|word| word.to_le_bytes()),
+            );
             if memory.still_substeps > 0 {
                 let anchor = &state.anchor[body.particles.clone()];
                 bytes.extend(anchor.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
@@ -158,8 +162,8 @@ impl Session {
             if near_inversion.iter().any(|&cell| u64::from(cell) >= cells) {
                 return Err(StateFileError::Damaged);
             }
-            let [asleep, still_substeps] = [reader.u64(), reader.u64()];
-            if asleep > 1 {
+            let [flags, still_substeps] = [reader.u64(), reader.u64()];
+            if flags > 3 {
                 return Err(StateFileError::Damaged);
             }
             if still_substeps > 0 {
@@ -169,7 +173,8 @@ impl Session {
                 }
                 anchor[particles.clone()].copy_from_slice(&reader.vectors(particles.len()));
             }
-            memories.push(BodyMemory { near_inversion, still_substeps, asleep: asleep == 1 });
+            let (asleep, strained) = (flags & 1 == 1, flags & 2 == 2);
+            memories.push(BodyMemory { near_inversion, strained, still_substeps, asleep });
         }
         if reader.rest.is_empty() { Ok((memories, anchor)) } else { Err(StateFileError::Damaged) }
     }

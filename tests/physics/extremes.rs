@@ -1,8 +1,8 @@
 //! Random extreme scenes in automatic mode: nothing explodes (R2). The judge's own tests, in which it must find
 //! something, are beside it.
 
-use gelatin::report::extremes::{extreme_scene, lattices};
-use gelatin::report::judge::{Patience, judge};
+use gelatin::report::extremes::{extreme, lattices};
+use gelatin::report::judge::{Patience, judge_disturbed};
 
 /// Another seed than that of the command, whose scenes were looked at one by one.
 const SEED: u64 = 7;
@@ -15,8 +15,9 @@ fn no_extreme_scene_explodes() {
     let mut found = Vec::new();
     let mut whole = 0;
     for number in 0..SCENES {
-        let scene = extreme_scene(SEED, number);
-        let verdict = judge::<f32>(&scene, &lattices(&scene).expect("sound shapes"), patience);
+        let (scene, disturbances) = extreme(SEED, number);
+        let lattices = lattices(&scene).expect("sound shapes");
+        let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, patience);
         whole += u64::from(!verdict.cut_short);
         found.extend(verdict.fault.map(|fault| format!("scene {number}: {}: {}", fault.words(), verdict.words)));
     }

@@ -288,15 +288,40 @@ impl<R: Real> Meeting<'_, R> {
             velocity = settle::settle(predicted, contacts, obstacles, mass, self.dt, found);
         }
         if records.len() > first_record {
-            let allowed = self.allowed_by_all(velocity, contacts);
-            if allowed != velocity
-                && let Some(last) = records.last_mut()
-            {
-                last.force += (allowed - velocity) * (mass / self.dt);
+            let mut allowed = self.allowed_by_all(velocity, contacts);
+            let among_several = records.len() > first_record + 1 || allowed != velocity;
+            if among_several && self.gains(predicted, allowed, mass, contacts) {
+                allowed = R::Vec3::ZERO;
+            }
+            if allowed != velocity {
+                // The force is that of an obstacle that moves, if one does: it carries the particle along.
+                let found = &mut records[first_record..];
+                let moves = |record: &ContactRecord<R>| record.surface_velocity != R::Vec3::ZERO;
+                let at = found.iter().position(moves).unwrap_or(found.len() - 1);
+                found[at].force += (allowed - velocity) * (mass / self.dt);
                 velocity = allowed;
             }
         }
         velocity
+    }
+
+    /// Whether the particle and the springs of obstacles that stand still would have more energy with this velocity than
+    /// with the `predicted` one before them. Where the limit of one obstacle leads into a stiff other one, no velocity is
+    /// a minimum of the springs' energy; standing still gives neither more than it has.
+    fn gains(&mut self, predicted: R::Vec3, velocity: R::Vec3, mass: R, contacts: &[ContactModel<R>]) -> bool {
+        let half_mass = R::from_f64(0.5) * mass;
+        let had = half_mass * predicted.dot(predicted);
+        let (mut before, mut after) = (had, half_mass * velocity.dot(velocity));
+        for (obstacle, contact) in contacts.iter().enumerate() {
+            let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
+            if surface_velocity != R::Vec3::ZERO {
+                return false;
+            }
+            before += response::stored(contact, -surface.gap);
+            after += response::stored(contact, -(surface.gap + velocity.dot(surface.normal) * self.dt));
+        }
+        // The tolerance is rounding.
+        after - before > R::from_f64(1e-4) * before
     }
 
     /// A push from one obstacle may lead into another: looks for a velocity that no obstacle forbids. Standing still
@@ -394,6 +419,7 @@ pub fn remember_sides<R: Real>(
             deepest = deepest.max(-contact.gap);
             continue;
         }
+        report.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
         let ObstacleShape::Plane(plane) = &model.obstacles[contact.obstacle].shape else {
             deepest = deepest.max(depth);

@@ -89,6 +89,7 @@ impl<R: Real> Free<'_, R> {
         velocity.copy_from_slice(&self.state.velocity);
         let kicked_for = match self.plan.integrator {
             Integrator::Verlet => verlet::kicked_for(self.dt, self.state),
+            Integrator::SemiImplicit if self.state.velocity_lag_secs > 0.0 => verlet::kicked_for(self.dt, self.state),
             _ => self.dt,
         };
         kick(self.model, &self.state.bodies, kicked_for, self.force, velocity);
@@ -189,6 +190,12 @@ pub(super) fn is_on_time<R: Real>(plan: &Plan, state: &State<R>) -> bool {
     }
 }
 
+/// The share of the change of velocity in the coming substep that is over at the position's time.
+pub(super) fn share_to_center<R: Real>(state: &State<R>, ahead: &State<R>) -> f64 {
+    let [before, after] = [state.velocity_lag_secs, ahead.velocity_lag_secs];
+    if before > 0.0 && after > 0.0 { before / (before + after) } else { 0.5 }
+}
+
 /// The velocities with which the damping at the state is evaluated.
 pub(super) fn damping_velocity<'a, R: Real>(
     plan: &Plan,
@@ -210,8 +217,11 @@ pub(super) fn remember<R: Real>(
     held_force: &[R::Vec3],
     state: &mut State<R>,
 ) {
-    if plan.integrator == Integrator::Verlet {
-        verlet::remember(model, dt, force, held_force, state);
+    match plan.integrator {
+        Integrator::Verlet => verlet::remember(model, dt, force, held_force, state),
+        // The next kick is longer or shorter where the substeps change.
+        Integrator::SemiImplicit => state.velocity_lag_secs = 0.5 * dt.to_f64(),
+        _ => {}
     }
 }
 

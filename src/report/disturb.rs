@@ -1,0 +1,101 @@
+//! What happens to random extreme scenes from outside while time runs: obstacles that are moved or are suddenly
+//! elsewhere, bodies that are thrown anew or put back.
+
+use std::sync::Arc;
+
+use super::extremes::Draw;
+use crate::geometry::Lattice;
+use crate::math::Real;
+use crate::physics::Simulation;
+use crate::scene::{ObstacleShape, Scene};
+
+/// Something that happens at some time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Disturbance {
+    /// Simulated time, s.
+    pub at_secs: f64,
+    /// What.
+    pub what: What,
+}
+
+/// What can happen to a scene while time runs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum What {
+    /// The obstacles are those of this scene from now on.
+    Obstacles {
+        /// The scene as it is then; only obstacles differ.
+        scene: Box<Scene>,
+        /// Whether they sweep there and push what is in their way.
+        sweep: bool,
+    },
+    /// A body is put to where it started, deformed as it is.
+    Teleport(usize),
+    /// A body gets the velocity it started with.
+    Throw(usize),
+}
+
+/// How many random scenes are disturbed.
+const SHARE: f64 = 0.25;
+
+/// Obstacles are at once where they are moved to, rather than on their way there, where the whole step is longer than
+/// this, s: the work they do is known from forces that are constant over a step, and the way takes no more than 1/60 s.
+const LONGEST_STEP_SECS: f64 = 1.0 / 240.0;
+
+/// What happens to a random scene: nothing to most. What follows from other draws than the scene itself leaves the scene
+/// what it was. Scenes of two bodies are left alone, as work from outside is judged for all bodies together.
+pub(super) fn disturbances(draw: &mut Draw, scene: &Scene, size: f64) -> Vec<Disturbance> {
+    if !draw.chance(SHARE) || scene.bodies.len() != 1 {
+        return Vec::new();
+    }
+    let mut now = scene.clone();
+    let mut at_secs = 0.0;
+    let sweeps = scene.settings.dt <= LONGEST_STEP_SECS;
+    let events = 0..draw.whole(1, 3);
+    events
+        .map(|_| {
+            at_secs += draw.decades(-3.0, -0.2);
+            let what = match draw.whole(0, 5) {
+                0 => What::Teleport(0),
+                1 => What::Throw(0),
+                _ => {
+                    move_one(draw, &mut now, size);
+                    What::Obstacles { scene: Box::new(now.clone()), sweep: draw.chance(0.6) && sweeps }
+                }
+            };
+            Disturbance { at_secs, what }
+        })
+        .collect()
+}
+
+fn move_one(draw: &mut Draw, scene: &mut Scene, size: f64) {
+    let way = draw.vector(size);
+    let turn = draw.vector(90.0);
+    let last = scene.obstacles.len() - 1;
+    let number = draw.whole(0, i32::try_from(last).unwrap_or(0));
+    let add = |at: &mut [f64; 3], by: [f64; 3]| at.iter_mut().zip(by).for_each(|(at, by)| *at += by);
+    match scene.obstacles.get_mut(usize::try_from(number).unwrap_or(0)).map(|obstacle| &mut obstacle.shape) {
+        Some(ObstacleShape::Plane(plane)) => {
+            add(&mut plane.center, way);
+            add(&mut plane.rotation_deg, turn);
+        }
+        Some(ObstacleShape::Sphere(sphere)) => add(&mut sphere.center, way),
+        None => (),
+    }
+}
+
+impl Disturbance {
+    /// Lets it happen; `lattices` are those of the scene's bodies.
+    pub(super) fn happen<R: Real>(&self, simulation: &mut Simulation<R>, scene: &Scene, lattices: &[Arc<Lattice>]) {
+        match &self.what {
+            What::Obstacles { scene, sweep } => {
+                let kept: Vec<Option<usize>> = (0..scene.obstacles.len()).map(Some).collect();
+                simulation.set_parameters(scene, lattices, &kept, *sweep);
+            }
+            What::Teleport(body) => {
+                let rotation = scene.bodies[*body].pose.rotation_deg;
+                simulation.teleport_body(*body, rotation, rotation);
+            }
+            What::Throw(body) => simulation.throw_body(*body),
+        }
+    }
+}
