@@ -86,7 +86,6 @@ pub struct Inputs<'a, R: Real> {
 }
 
 /// Advances the state by a part of a substep; [`strain::parts_now`](super::strain) tells how many there are.
-#[expect(clippy::too_many_arguments, reason = "the parts of a simulation, split borrow by borrow")]
 pub fn substep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
