@@ -50,13 +50,9 @@ pub(super) fn parts<R: Real>(model: &Model<R>, integrator: Integrator, dt_secs: 
 /// No substep is divided further.
 const MOST_PARTS: u32 = 16;
 
-/// What the links of every particle and the recovery from inversion add at most to the square of a frequency (1/s²) and
-/// to a rate of damping (1/s).
+/// What the links of every particle add at most to the square of a frequency (1/s²) and to a rate of damping (1/s).
 fn loads<R: Real>(body: &BodyModel<R>) -> Vec<[f64; 2]> {
-    // The recovery from inversion adds no more than this to a lattice at rest.
-    let inverse = body.inverse_cell_size.to_f64();
-    let recovery = 4.0 * body.recovery_stiffness.to_f64() / body.recovery_mass.to_f64() * inverse * inverse;
-    let mut loads = vec![[recovery, 0.0]; body.particles.len()];
+    let mut loads = vec![[0.0; 2]; body.particles.len()];
     for family in &body.links {
         for (number, link) in family.links.iter().enumerate() {
             let ends = link.ends.map(|end| end as usize);
