@@ -23,9 +23,13 @@
 //! that is well costs nothing but those few looks. The list is part of the [`State`]: the motion follows from the
 //! state alone.
 //!
-//! What does not come back: a body whose bending links are 1e4 times stiffer than all others, and one with next to
-//! nothing but shear links after it was crushed to a point or mirrored. Their mirrored minima span more than a cell.
+//! The push alone does not turn every cell back: links of length 2h, or the two sublattices that shear links alone
+//! make of a body, hold their mirror images against any push that the step could bear. So the links between particles
+//! of crushed cells lose their elastic force by and by, all but 1 % where V ≤ 0, and get a damping of `k dt/2` in its
+//! place: they flow while the volume turns over, and are springs again as soon as it has. Link forces act in pairs
+//! along the link: momentum and angular momentum stay.
 
+use super::forces::link_force;
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::report::StepReport;
@@ -50,6 +54,14 @@ const RETURNED: f64 = 0.5;
 
 /// The most of `κ dt²/(m h²)`: a person's own step or an implicit one may be larger than the push could bear.
 const STIFFEST: f64 = 0.6;
+
+/// The share of their elastic force that links between particles of inverted cells lose; less of it the less a cell is
+/// below the threshold.
+const SOFTEST: f64 = 0.99;
+
+/// The damping that such links get instead, over `k dt`. In semi-implicit Euler a half limits the step as much as the
+/// elastic force that was taken away.
+const FLOW: f64 = 0.5;
 
 /// A cell's stiffness against inversion, N·m, from the constants of its links.
 ///
@@ -107,6 +119,7 @@ pub(super) fn add_forces<R: Real>(
         let stiffness = body.recovery_stiffness * body.inverse_cell_size;
         let most = R::from_f64(STIFFEST) * body.particle_mass / (body.inverse_cell_size * dt * dt);
         let stiffness = stiffness.min(most);
+        soften(body, &memory.near_inversion, position, velocity, dt, force);
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
             let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
@@ -118,6 +131,48 @@ pub(super) fn add_forces<R: Real>(
                     let share = if place >> axis & 1 == 1 { quarter } else { -quarter };
                     force[corner as usize] += push * share;
                 }
+            }
+        }
+    }
+}
+
+/// Takes from the links between particles of crushed cells most of their elastic force and lets them flow instead: the
+/// links of a mirrored cell would hold it in its mirror image, and springs that are only weakened would give back more
+/// than they took when they strengthen again.
+fn soften<R: Real>(
+    body: &BodyModel<R>,
+    cells: &[u32],
+    position: &[R::Vec3],
+    velocity: &[R::Vec3],
+    dt: R,
+    force: &mut [R::Vec3],
+) {
+    let crushed = |&cell: &u32| {
+        let corners = &body.lattice.cells[cell as usize];
+        let missing = R::from_f64(THRESHOLD) - MeanEdges::of(position, corners, body.inverse_cell_size).volume();
+        let share = R::from_f64(SOFTEST) * (missing * R::from_f64(1.0 / THRESHOLD)).min(R::ONE);
+        (missing.is_finite() && missing > R::ZERO).then_some((corners, share))
+    };
+    let mut crushed = cells.iter().filter_map(crushed).peekable();
+    if crushed.peek().is_none() {
+        return;
+    }
+    let mut softness = vec![R::ZERO; position.len()];
+    for (corners, share) in crushed {
+        for &corner in corners {
+            softness[corner as usize] = softness[corner as usize].max(share);
+        }
+    }
+    for family in &body.links {
+        let flow = family.stiffness * dt * R::from_f64(FLOW);
+        for link in &family.links {
+            let [i, j] = link.ends.map(|end| end as usize);
+            let share = softness[i].min(softness[j]);
+            if share > R::ZERO {
+                let (d, dv) = (position[j] - position[i], velocity[j] - velocity[i]);
+                let on_i = link_force(d, dv, link.inverse_rest_length, family.stiffness, -flow) * share;
+                force[i] -= on_i;
+                force[j] += on_i;
             }
         }
     }
