@@ -19,6 +19,7 @@
 //! | [`view`] | math | camera, draw list, colours, legend: a picture as plain data |
 //! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; what explains them (links, contacts, boxes) → overlays |
 //! | `render` | math, view | wgpu: draws a draw list to a window's surface or an image; has never heard of a spring |
+//! | [`report`] | math, geometry, scene, physics | measures and explains: what a scene costs and does not need, how far steps may go, whether extreme scenes stay whole |
 //! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no thread, no window |
 //! | [`export`] | math, geometry, view | pictures to files |
 //! | `cli` | all but physics | the command line; opens the window |
@@ -48,8 +49,8 @@
 //! 2. Only `app` names egui and winit; only `render` and `app::window` name wgpu (`tests/tidy.rs`).
 //! 3. A step cannot fail, allocate, read a clock or log; it abandons a step that would make a number infinite and
 //!    keeps the last good state (`tests/physics/determinism.rs`, `stability.rs`).
-//! 4. The same scene gives the same bits; boxes of the broad phase change nothing but time
-//!    (`tests/physics/determinism.rs`, `contact.rs`).
+//! 4. The same scene gives the same bits; what a plan leaves out changes nothing but time (`tests/physics/determinism.rs`,
+//!    `economy.rs`). Sleep does: what rests has stopped, as a function of the state alone (`tests/physics/sleep.rs`).
 //! 5. In automatic stepping no value of a parameter within its range makes a body explode
 //!    (`tests/physics/stability.rs`).
 //! 6. Everything a person changes in a scene is an [`scene::edit::Edit`], whose inverse takes it back byte for byte, with
@@ -79,6 +80,7 @@ pub mod view;
 
 pub mod export;
 pub mod extract;
+pub mod report;
 pub mod session;
 
 #[cfg(feature = "render")]

@@ -151,6 +151,8 @@ pub enum Panel {
     Tree,
     /// The values of what is chosen.
     Inspector,
+    /// What a step costs.
+    Cost,
 }
 
 /// Something to do with the body or obstacle that is chosen.
@@ -357,6 +359,7 @@ impl Input {
             Key::Home => Some(Action::Camera(CameraMove::FrameAll)),
             Key::Char('t') => Some(Action::TogglePanel(Panel::Tree)),
             Key::Char('n') => Some(Action::TogglePanel(Panel::Inspector)),
+            Key::Char('c') => Some(Action::TogglePanel(Panel::Cost)),
             Key::Char('f') => Some(Action::Camera(CameraMove::Frame)),
             Key::Char('x') | Key::Delete => Some(Action::Chosen(ChosenAction::Delete)),
             Key::Char('d') if self.shift => Some(Action::Chosen(ChosenAction::Duplicate)),

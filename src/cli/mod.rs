@@ -6,6 +6,8 @@ mod failure;
 mod out;
 mod presets;
 mod render;
+mod report;
+mod report_stability;
 mod run;
 mod scene_args;
 mod voxelize;
@@ -39,6 +41,8 @@ enum Command {
     Voxelize(voxelize::VoxelizeArgs),
     /// Parse and validate a scene, predict its stable step and what it costs.
     Check(check::CheckArgs),
+    /// Measure: what scenes cost, what explodes.
+    Report(report::ReportArgs),
 }
 
 /// Runs the program with its arguments, the program's name first. Reports a failure as one line on standard error.
@@ -68,6 +72,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Voxelize(args)) => voxelize::run(&args),
         Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Report(args)) => report::run(&args),
     }
 }
 

@@ -123,6 +123,7 @@ fn table(figures: &RunFigures) -> String {
                 figures.contacts, figures.narrow_tests, figures.narrow_tests_saved
             ),
         ),
+        ("asleep", format!("{} of {} bodies", figures.bodies_asleep, figures.bodies)),
         ("finite", if figures.finite { "yes" } else { "no" }.to_owned()),
         ("hash", figures.hash.clone()),
     ];

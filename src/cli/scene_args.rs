@@ -17,6 +17,13 @@ use crate::session::document::{Opened, is_scene_path};
 pub(super) struct SceneArgs {
     /// A preset's name, a .ron scene or a model file.
     scene: OsString,
+    #[command(flatten)]
+    changes: Changes,
+}
+
+/// What is set on a scene.
+#[derive(Debug, Args)]
+pub(super) struct Changes {
     /// Set a value of the scene (see `gelatin presets --params`); may be given again.
     #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
@@ -37,7 +44,15 @@ pub(super) struct SceneArgs {
 impl SceneArgs {
     /// Opens the scene, sets the values and starts the worker threads.
     pub(super) fn open(&self) -> Result<Opened, Failure> {
-        let mut opened = open(&self.scene)?;
+        self.changes.start_threads()?;
+        self.changes.open(&self.scene)
+    }
+}
+
+impl Changes {
+    /// Opens a scene and sets the values.
+    pub(super) fn open(&self, scene: &OsStr) -> Result<Opened, Failure> {
+        let mut opened = open(scene)?;
         let options = [
             ("settings.dt", &self.dt),
             ("settings.integrator", &self.integrator),
@@ -57,11 +72,16 @@ impl SceneArgs {
         if let Some(problem) = param::validate(&opened.scene).first() {
             return Err(Failure::usage(anyhow!("{problem}")));
         }
+        Ok(opened)
+    }
+
+    /// Starts the worker threads, once in a process.
+    pub(super) fn start_threads(&self) -> Result<(), Failure> {
         rayon::ThreadPoolBuilder::new()
             .num_threads(usize::from(self.threads))
             .build_global()
             .context("the worker threads cannot be started")?;
-        Ok(opened)
+        Ok(())
     }
 }
 

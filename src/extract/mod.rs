@@ -1,6 +1,7 @@
 //! From a scene and a simulation to a draw list: which surface follows which particles, where obstacles are, how the
 //! scene is looked at. Knows both sides and neither a window nor a graphics library.
 
+pub mod guilty;
 pub mod overlay;
 pub mod skin;
 pub mod solid;

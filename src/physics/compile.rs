@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use super::model::{BodyModel, ContactModel, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel};
+use super::assembly::{self, Assembled};
+use super::model::{BodyModel, ContactModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use super::plan::Plan;
 use super::recovery;
 use super::stability::SceneLimits;
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
 use crate::scene::obstacle::{ContactStiffness, Plane};
-use crate::scene::{self, Body, Family, Material, Obstacle, Scene, Springs};
+use crate::scene::{self, Body, Material, Obstacle, Scene};
 
 /// Stiffness of the default contact over the particle's mass, 1/s².
 const AUTO_STIFFNESS: f64 = 1e5;
@@ -41,7 +42,6 @@ pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>]) -> (Model<R>, 
 
 fn compile_body<R: Real>(body: &Body, lattice: &Arc<Lattice>, first: usize, scene: &Scene) -> BodyModel<R> {
     let gravity = DVec3::from(scene.settings.gravity).length();
-    let Material::Springs(springs) = &body.material;
     let rotation = rotation::from_euler_deg(body.pose.rotation_deg);
     let position = DVec3::from(body.pose.position);
     let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
@@ -54,45 +54,38 @@ fn compile_body<R: Real>(body: &Body, lattice: &Arc<Lattice>, first: usize, scen
         };
         rest.iter().map(held).collect()
     };
-    let load = heaviest_load(lattice) * springs.particle_mass * gravity;
+    let Assembled { particle_mass, masses, links, cell_kinds } = match &body.material {
+        Material::Springs(springs) => assembly::uniform(springs, lattice, &rest),
+        Material::Solid(solid) => {
+            let (kinds, kind_of_cell) = assembly::solid_cells(solid, &body.inlays, lattice, size, &rest);
+            assembly::by_cell(&kinds, &kind_of_cell, lattice, &rest)
+        }
+    };
+    let heaviest = masses.iter().copied().fold(particle_mass, f64::max);
+    let load = heaviest_load(lattice) * heaviest * gravity;
+    let [recovery_stiffness, recovery_mass] = match &body.material {
+        _ if !scene.settings.inversion_recovery => [0.0, particle_mass],
+        Material::Springs(springs) => recovery::of_springs(springs, lattice),
+        Material::Solid(_) => recovery::of_cells(&cell_kinds, lattice.grid.cell_size),
+    };
     BodyModel {
         particles: first..first + rest.len(),
         start: rest.iter().map(|p| R::Vec3::from_dvec3(position + rotation * *p)).collect(),
         start_velocity: R::Vec3::from_dvec3(DVec3::from(body.velocity)),
-        particle_mass: R::from_f64(springs.particle_mass),
+        particle_mass: R::from_f64(particle_mass),
+        masses: masses.into_iter().map(R::from_f64).collect(),
+        cell_kinds,
         pinned,
-        links: Family::ALL.map(|family| link_family(springs, family, lattice, &rest)),
+        links,
         lattice: Arc::clone(lattice),
         size: R::from_f64(size),
         inverse_cell_size: R::from_f64(1.0 / lattice.grid.cell_size),
-        recovery_stiffness: R::from_f64(if scene.settings.inversion_recovery {
-            recovery::stiffness(springs, lattice.grid.cell_size)
-        } else {
-            0.0
-        }),
+        recovery_stiffness: R::from_f64(recovery_stiffness),
+        recovery_mass: R::from_f64(recovery_mass),
         contacts: scene
             .obstacles
             .iter()
-            .map(|obstacle| contact(obstacle, springs.particle_mass, size, load, lattice.grid.cell_size))
-            .collect(),
-    }
-}
-
-fn link_family<R: Real>(springs: &Springs, family: Family, lattice: &Lattice, rest: &[DVec3]) -> LinkFamily<R> {
-    let constants = springs.family(family);
-    LinkFamily {
-        stiffness: R::from_f64(constants.stiffness),
-        damping: R::from_f64(constants.damping),
-        links: lattice.links[family as usize]
-            .iter()
-            .map(|&ends| {
-                let rest_length = rest[ends[0] as usize].distance(rest[ends[1] as usize]);
-                Link {
-                    ends,
-                    rest_length: R::from_f64(rest_length),
-                    inverse_rest_length: R::from_f64(1.0 / rest_length),
-                }
-            })
+            .map(|obstacle| contact(obstacle, heaviest, size, load, lattice.grid.cell_size))
             .collect(),
     }
 }

@@ -1,6 +1,8 @@
 //! What a simulation looks like in numbers: energies, momentum, extremes, broken cells. Computed when asked, in
 //! double precision, never inside a step.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use super::forces;
@@ -8,7 +10,7 @@ use super::integrate;
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::recovery;
-use super::state::State;
+use super::state::{BodyMemory, State};
 use super::step::{Inputs, Scratch, substep};
 use crate::math::{Aabb, Real, Vector};
 
@@ -60,14 +62,25 @@ impl Energy {
 impl Diagnostics {
     /// Of a state.
     pub fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Self {
+        Self::of_bodies(model, plan, state, 0..model.bodies.len())
+    }
+
+    /// Of one body in a state.
+    pub fn of_body<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize) -> Self {
+        Self::of_bodies(model, plan, state, body..body + 1)
+    }
+
+    fn of_bodies<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, bodies: Range<usize>) -> Self {
         // A velocity half a step behind its position has the mean of it and the next one on time. The next one is had
         // by taking the substep on a copy.
         let mut ahead = state.clone();
+        // A sleeping body's contacts are found, too.
+        ahead.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut scratch = Scratch::new(model, plan);
         let next = substep(model, plan, Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
-        let centred = |particle: usize| {
+        let centred = |particle: usize, asleep: bool| {
             let now = state.velocity[particle].to_dvec3();
-            if next.diverged || integrate::is_on_time(plan, state) {
+            if asleep || next.diverged || integrate::is_on_time(plan, state) {
                 now
             } else {
                 0.5 * (now + ahead.velocity[particle].to_dvec3())
@@ -85,11 +98,11 @@ impl Diagnostics {
             finite: state.position.iter().chain(&state.velocity).all(|v| v.is_finite()),
         };
         let gravity = model.gravity.to_dvec3();
-        for body in &model.bodies {
-            let mass = body.particle_mass.to_f64();
-            for particle in body.particles.clone() {
+        for (body, memory) in model.bodies[bodies.clone()].iter().zip(&state.bodies[bodies.clone()]) {
+            for (local, particle) in body.particles.clone().enumerate() {
+                let mass = body.mass(local).to_f64();
                 let position = state.position[particle].to_dvec3();
-                let velocity = centred(particle);
+                let velocity = centred(particle, memory.asleep);
                 sum.mass_kg += mass;
                 sum.energy.kinetic += 0.5 * mass * velocity.length_squared();
                 sum.energy.gravity -= mass * gravity.dot(position);
@@ -99,14 +112,16 @@ impl Diagnostics {
                 sum.max_speed = sum.max_speed.max(state.velocity[particle].to_dvec3().length());
             }
             sum.add_links(body, state);
-            sum.energy.recovery += recovery::energy(body, state);
+            sum.energy.recovery += recovery::energy(plan, body, state);
             sum.inverted_cells += inverted_cells(body, state);
         }
         if sum.mass_kg > 0.0 {
             sum.center /= sum.mass_kg;
         }
         for contact in scratch.contact.contacts.iter().filter(|contact| contact.gap < R::ZERO) {
-            let Some(body) = model.bodies.iter().find(|body| body.particles.contains(&contact.particle)) else {
+            let Some(body) =
+                model.bodies[bodies.clone()].iter().find(|body| body.particles.contains(&contact.particle))
+            else {
                 continue;
             };
             let constants = &body.contacts[contact.obstacle];
@@ -121,11 +136,11 @@ impl Diagnostics {
     fn add_links<R: Real>(&mut self, body: &BodyModel<R>, state: &State<R>) {
         let position = &state.position[body.particles.clone()];
         for family in &body.links {
-            for link in &family.links {
+            for (number, link) in family.links.iter().enumerate() {
                 let [i, j] = link.ends.map(|end| position[end as usize].to_dvec3());
                 let rest = link.rest_length.to_f64();
                 let strain = (j - i).length() / rest - 1.0;
-                self.energy.elastic += 0.5 * family.stiffness.to_f64() * rest * strain * strain;
+                self.energy.elastic += 0.5 * family.constants(number)[0].to_f64() * rest * strain * strain;
                 self.max_strain = self.max_strain.max(strain.abs());
             }
         }
@@ -147,7 +162,7 @@ pub(super) fn link_loads<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R
     for body in &model.bodies {
         let range = body.particles.clone();
         let (position, velocity) = (&state.position[range.clone()], &state.velocity[range.clone()]);
-        forces::for_each_link(body, plan.families, position, velocity, |[i, j], on_i| {
+        forces::for_each_link(body, plan, position, velocity, |[i, j], on_i| {
             let (i, j) = (range.start + i, range.start + j);
             let strength = on_i.length();
             for end in [i, j] {

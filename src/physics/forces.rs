@@ -1,14 +1,15 @@
 //! Forces of gravity and of the links (GC §2).
 
-use super::model::{BodyModel, Model};
+use super::model::{BodyModel, Link, Model};
 use super::plan::{Plan, Stage};
 use super::recovery;
 use super::report::{StageTimer, StepReport};
+use super::sleep::awake;
 use super::state::BodyMemory;
 use crate::math::{Real, Vector};
 
 #[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
-/// Writes all forces on particles at these positions with these velocities but those of contact, N.
+/// Writes all forces on the particles of bodies that are awake, at these positions with these velocities but those of contact, N.
 pub fn evaluate<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -20,21 +21,29 @@ pub fn evaluate<R: Real>(
     timer: &mut impl StageTimer,
 ) {
     timer.enter(Stage::Gravity);
-    gravity(model, force);
+    gravity(model, memory, force);
     if plan.runs(Stage::Links) {
         timer.enter(Stage::Links);
-        report.link_forces += links(model, plan, position, velocity, force);
+        report.link_forces += links(model, plan, position, velocity, memory, force);
+        report.damped_link_forces += damped_links(model, plan, memory);
     }
-    if memory.iter().any(|memory| !memory.near_inversion.is_empty()) {
+    if plan.recovery && memory.iter().any(BodyMemory::is_watched) {
         timer.enter(Stage::Recovery);
         recovery::add_forces(model, plan, position, velocity, memory, force, report);
     }
 }
 
 /// Writes the weight of every particle, N.
-pub fn gravity<R: Real>(model: &Model<R>, force: &mut [R::Vec3]) {
-    for body in &model.bodies {
-        force[body.particles.clone()].fill(model.gravity * body.particle_mass);
+pub fn gravity<R: Real>(model: &Model<R>, memory: &[BodyMemory], force: &mut [R::Vec3]) {
+    for body in awake(model, memory) {
+        let force = &mut force[body.particles.clone()];
+        if body.masses.is_empty() {
+            force.fill(model.gravity * body.particle_mass);
+        } else {
+            for (force, mass) in force.iter_mut().zip(&body.masses) {
+                *force = model.gravity * *mass;
+            }
+        }
     }
 }
 
@@ -44,14 +53,15 @@ pub fn links<R: Real>(
     plan: &Plan,
     position: &[R::Vec3],
     velocity: &[R::Vec3],
+    memory: &[BodyMemory],
     force: &mut [R::Vec3],
 ) -> u64 {
     let mut evaluated = 0;
-    for body in &model.bodies {
+    for body in awake(model, memory) {
         let particles = body.particles.clone();
         let (position, velocity) = (&position[particles.clone()], &velocity[particles.clone()]);
         let force = &mut force[particles];
-        for_each_link(body, plan.families, position, velocity, |[i, j], on_i| {
+        for_each_link(body, plan, position, velocity, |[i, j], on_i| {
             force[i] += on_i;
             force[j] -= on_i;
             evaluated += 1;
@@ -60,28 +70,54 @@ pub fn links<R: Real>(
     evaluated
 }
 
-/// Calls `visit` with the ends (local numbers) of every link of the chosen families and the force on the first end, N.
+/// Links whose damping is worked out in an evaluation of all forces.
+fn damped_links<R: Real>(model: &Model<R>, plan: &Plan, memory: &[BodyMemory]) -> u64 {
+    let families = awake(model, memory).flat_map(|body| body.links.iter().zip(plan.families));
+    families
+        .filter(|(family, chosen)| *chosen && (family.damping > R::ZERO || !plan.lean))
+        .map(|(family, _)| family.links.len() as u64)
+        .sum()
+}
+
+/// Calls `visit` with the ends (local numbers) of every link of the plan's families and the force on the first end, N.
 /// `position` and `velocity` are the body's own.
 pub fn for_each_link<R: Real>(
     body: &BodyModel<R>,
-    families: [bool; 3],
+    plan: &Plan,
     position: &[R::Vec3],
     velocity: &[R::Vec3],
     mut visit: impl FnMut([usize; 2], R::Vec3),
 ) {
-    for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
-        for link in &family.links {
+    for (family, _) in body.links.iter().zip(plan.families).filter(|(_, chosen)| *chosen) {
+        let undamped = plan.lean && family.damping == R::ZERO;
+        let mut evaluate = |link: &Link<R>, [stiffness, damping]: [R; 2]| {
             let [i, j] = link.ends.map(|end| end as usize);
-            let on_i = link_force(
-                position[j] - position[i],
-                velocity[j] - velocity[i],
-                link.inverse_rest_length,
-                family.stiffness,
-                family.damping,
-            );
+            let d = position[j] - position[i];
+            let on_i = if undamped {
+                elastic_force(d, link.inverse_rest_length, stiffness)
+            } else {
+                link_force(d, velocity[j] - velocity[i], link.inverse_rest_length, stiffness, damping)
+            };
             visit([i, j], on_i);
+        };
+        if family.classes.is_empty() {
+            family.links.iter().for_each(|link| evaluate(link, [family.stiffness, family.damping]));
+        } else {
+            for (link, &class) in family.links.iter().zip(&family.classes) {
+                evaluate(link, family.constants[usize::from(class)]);
+            }
         }
     }
+}
+
+/// The force of a link without damping, N: [`link_force`] to the bit where the damping is zero.
+#[inline]
+pub fn elastic_force<R: Real>(d: R::Vec3, inverse_rest_length: R, stiffness: R) -> R::Vec3 {
+    let length = d.length();
+    if length == R::ZERO {
+        return R::Vec3::ZERO;
+    }
+    d * (R::ONE / length) * (stiffness * (length * inverse_rest_length - R::ONE))
 }
 
 /// The force on the first end of a link, N (GC §2 with the sign of `F_j` settled: the second end gets the opposite).
@@ -122,6 +158,17 @@ mod tests {
         let rest = DVec3::X * 0.5;
         assert_eq!(force(rest, DVec3::X), DVec3::new(6.0, 0.0, 0.0), "d times speed over rest length");
         assert_eq!(force(rest, DVec3::Y), DVec3::ZERO, "turning about an end is rigid motion");
+    }
+
+    #[test]
+    fn without_damping_the_short_form_is_the_long_one_to_the_bit() {
+        let mut rng = crate::math::rng::Rng::new(2);
+        for _ in 0..1000 {
+            let mut vector = || DVec3::from_array([0; 3].map(|_| rng.between(-2.0, 2.0))).as_vec3();
+            let (d, dv) = (vector(), vector());
+            let long = link_force::<f32>(d, dv, 1.7, 20.0, 0.0);
+            assert_eq!(elastic_force::<f32>(d, 1.7, 20.0), long, "{d} {dv}");
+        }
     }
 
     #[test]

@@ -31,7 +31,8 @@ impl<R: Real> Grab<R> {
 pub fn pull<R: Real>(model: &Model<R>, dt: R, grab: &Grab<R>, position: &[R::Vec3], velocity: &mut [R::Vec3]) {
     let body = &model.bodies[grab.body];
     let mobility = |particle: usize| {
-        if body.is_pinned(particle - body.particles.start) { R::ZERO } else { R::ONE / body.particle_mass }
+        let local = particle - body.particles.start;
+        if body.is_pinned(local) { R::ZERO } else { body.inverse_mass(local) }
     };
     let inverse_mass = grab.weights.iter().fold(R::ZERO, |sum, &(particle, w)| sum + w * w * mobility(particle));
     let mass = body.particle_mass * R::from_f64(body.particles.len() as f64);

@@ -5,6 +5,8 @@
 //! input or output, reads no clock, never fails and does not allocate once it runs. It is generic over the scalar:
 //! `f32` to run, `f64` as reference.
 
+mod assembly;
+mod cell_bound;
 pub mod compile;
 pub mod contact;
 pub mod diagnostics;
@@ -13,12 +15,15 @@ pub mod hash;
 mod integrate;
 pub mod interaction;
 pub mod model;
+pub mod other_form;
 pub mod plan;
 pub mod recovery;
 pub mod report;
 pub mod runaway;
+pub mod safe_values;
 pub mod scalars;
 pub mod simulation;
+pub mod sleep;
 pub mod stability;
 pub mod state;
 pub mod step;

@@ -39,8 +39,13 @@ pub struct BodyModel<R: Real> {
     pub start: Vec<R::Vec3>,
     /// The velocity its particles start with, m/s.
     pub start_velocity: R::Vec3,
-    /// Mass of every particle, kg.
+    /// Mass of every particle where all weigh alike, else their mean, kg: times their number the body's mass.
     pub particle_mass: R,
+    /// Mass of each particle, kg; empty where all weigh alike.
+    pub masses: Vec<R>,
+    /// What the cells share out to links and particles; empty where every link of a family is alike and every particle
+    /// weighs alike.
+    pub cell_kinds: Vec<CellKind>,
     /// Which particles are held; empty when none is.
     pub pinned: Vec<bool>,
     /// Links by family: structural, shear, bending. Particle numbers are local to the body.
@@ -53,6 +58,8 @@ pub struct BodyModel<R: Real> {
     pub inverse_cell_size: R,
     /// How strongly a cell resists inversion, N·m; zero where recovery is off.
     pub recovery_stiffness: R,
+    /// The mass that a particle of the lightest cell has against that push, kg.
+    pub recovery_mass: R,
     /// How it meets each obstacle, in the obstacles' order.
     pub contacts: Vec<ContactModel<R>>,
 }
@@ -66,20 +73,52 @@ impl<R: Real> BodyModel<R> {
 
     /// Mass of a particle (local number), kg.
     #[inline]
-    pub fn mass(&self, _particle: usize) -> R {
-        self.particle_mass
+    pub fn mass(&self, particle: usize) -> R {
+        self.masses.get(particle).copied().unwrap_or(self.particle_mass)
+    }
+
+    /// The inverse of a particle's mass (local number), 1/kg.
+    #[inline]
+    pub fn inverse_mass(&self, particle: usize) -> R {
+        R::ONE / self.mass(particle)
     }
 }
 
 /// The links of one family in one body.
 #[derive(Clone, Debug)]
 pub struct LinkFamily<R: Real> {
-    /// Force at 100 % strain, N.
+    /// Force at 100 % strain, N; the largest where links differ.
     pub stiffness: R,
-    /// Force at a relative speed of one rest length a second, N·s.
+    /// Force at a relative speed of one rest length a second, N·s; the largest where links differ.
     pub damping: R,
     /// The links.
     pub links: Vec<Link<R>>,
+    /// The class of each link, a place in `constants`; empty where all links are alike.
+    pub classes: Vec<u16>,
+    /// Stiffness and damping of each class, in the units above.
+    pub constants: Vec<[R; 2]>,
+}
+
+impl<R: Real> LinkFamily<R> {
+    /// Stiffness (N) and damping (N·s) of one link.
+    #[inline]
+    pub fn constants(&self, link: usize) -> [R; 2] {
+        match self.classes.get(link) {
+            Some(&class) => self.constants[usize::from(class)],
+            None => [self.stiffness, self.damping],
+        }
+    }
+}
+
+/// What a cell of one material gives to its links and corners, shares of neighbours not counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellKind {
+    /// Constants of an edge between four such cells and of a diagonal between two: force at 100 % strain, N.
+    pub stiffness: [f64; 2],
+    /// The same of damping, N·s.
+    pub damping: [f64; 2],
+    /// Mass of the cell, kg.
+    pub mass: f64,
 }
 
 /// A spring between two particles.

@@ -16,10 +16,10 @@
 //! One common cap for all three keeps momentum and angular momentum; without it the push would grow with the fourth
 //! power of an edge. A cell that is on its way back is pushed half as hard as one on its way in: what it takes from
 //! a blow it does not give back in full, so that crushed bodies come to rest rather than gain energy. The size of κ
-//! follows from the links (`stiffness`), so that the term costs no smaller step.
+//! follows from the links (`of_springs`, `of_cells`), so that the term costs no smaller step.
 //!
 //! Only the cells of a list are pushed: those below [`WATCH`]. All cells are looked at once in every 1/60 s of simulated
-//! time, and in every substep while the list is not empty, as a cell that inverted unseen would be given energy; a body
+//! time, sooner where particles move past each other fast enough to crush a cell in that time, and in every substep while the list is not empty, as a cell that inverted unseen would be given energy; a body
 //! that is well costs nothing but those few looks. The list is part of the [`State`]: the motion follows from the
 //! state alone.
 //!
@@ -37,13 +37,15 @@
 //! What does not come back for certain is a body of shear links alone, or of shear and bending links, that was crushed
 //! to a point: in some of the random starts one or two cells stay in a knot.
 
+use super::cell_bound::CellLoads;
 use super::forces::link_force;
-use super::model::{BodyModel, Model};
+use super::model::{BodyModel, CellKind, Model};
 use super::plan::Plan;
 use super::report::StepReport;
 use super::state::{BodyMemory, State};
+use crate::geometry::Lattice;
 use crate::math::{Real, Vector};
-use crate::scene::Springs;
+use crate::scene::{Family, Springs};
 
 /// A cell below this signed volume is pushed back to shape.
 pub const THRESHOLD: f64 = 0.3;
@@ -54,8 +56,12 @@ pub const WATCH: f64 = 0.7;
 /// The push stops growing this far below the threshold.
 const DEEPEST: f64 = 2.0;
 
-/// Simulated time between two looks at all cells, s.
+/// Simulated time between two looks at all cells, s, in a body that is calm.
 const LOOK_SECS: f64 = 1.0 / 60.0;
+
+/// Two particles of a body move past each other by no more than this between two looks, cell sizes: a cell that was not
+/// on the list then is still above the threshold, even if it is crushed along all its axes at once.
+const UNSEEN_SHARE: f64 = 0.2;
 
 /// The share of the push that is left while a cell is on its way back.
 const RETURNED: f64 = 0.5;
@@ -75,29 +81,52 @@ const FLOW: f64 = 0.5;
 /// energy than it left with; crumpled cubes blew up.
 const TAUT: [f64; 2] = [0.5, 2.0];
 
-/// A cell's stiffness against inversion, N·m, from the constants of its links.
+/// A cell's stiffness against inversion, N·m, and the mass against it, kg, from the constants of links that are alike.
 ///
 /// A mode of wave number q along an axis changes V by `2 sin(q/2)/h` of its amplitude, so the term adds at most
 /// `4 κ/(m h²)` to the square of a frequency, and the links at most `(4 k1 + 8.74 k2 + 2 k3)/(m h)`. Half of the latter
 /// keeps the sum below the limit at the share of it that automatic stepping takes. For equal constants it is 7.4 k h;
-/// from half of that on every crushed cube came back, at more than twice of it crumpled ones gained energy.
-pub(super) fn stiffness(springs: &Springs, cell_size: f64) -> f64 {
-    let links = 4.0 * springs.structural.stiffness + 8.736 * springs.shear.stiffness + 2.0 * springs.bending.stiffness;
-    0.5 * links * cell_size
+/// from half of that on every crushed cube came back, at more than twice of it crumpled ones gained energy. A family
+/// without links in `lattice` limits no step and so has no share.
+pub(super) fn of_springs(springs: &Springs, lattice: &Lattice) -> [f64; 2] {
+    let share = |family: Family, share: f64| {
+        let has_links = !lattice.links[family as usize].is_empty();
+        if has_links { share * springs.family(family).stiffness } else { 0.0 }
+    };
+    let links = share(Family::Structural, 4.0) + share(Family::Shear, 8.736) + share(Family::Bending, 2.0);
+    [0.5 * links * lattice.grid.cell_size, springs.particle_mass]
+}
+
+/// The same from cells that share out their links and masses. On its own a cell of mass M moves with `12 κ/(M h²)`, as if
+/// its particles weighed a third of it; its links add at most `loads.stiffness`.
+pub(super) fn of_cells(kinds: &[CellKind], cell_size: f64) -> [f64; 2] {
+    let lightest = kinds.iter().map(|kind| kind.mass).fold(f64::INFINITY, f64::min) / 3.0;
+    [0.5 * CellLoads::of(kinds, cell_size).stiffness * lightest * cell_size * cell_size, lightest]
 }
 
 /// Whether all cells are looked at in this substep.
-pub(super) fn is_due<R: Real>(plan: &Plan, state: &State<R>) -> bool {
+pub(super) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
+    let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, state)));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
-    let every = libm::round(LOOK_SECS / plan.substep_secs()).max(1.0) as u64;
+    let every = libm::round(between_looks / plan.substep_secs()).max(1.0) as u64;
     let number = state.steps.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep));
-    number % every == 0 || state.bodies.iter().any(|memory| !memory.near_inversion.is_empty())
+    number % every == 0 || !plan.lean || state.bodies.iter().any(BodyMemory::is_watched)
+}
+
+/// How long a body's cells may stay unseen as fast as its particles move past each other now, s.
+fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
+    let velocity = &state.velocity[body.particles.clone()];
+    // Bounds of the components: cheap, and no larger than the differences between particles.
+    let Some(&first) = velocity.first() else { return LOOK_SECS };
+    let (low, high) = velocity.iter().fold((first, first), |(low, high), v| (low.min(*v), high.max(*v)));
+    let fastest = (high - low).length().to_f64();
+    if fastest > 0.0 { UNSEEN_SHARE / (body.inverse_cell_size.to_f64() * fastest) } else { LOOK_SECS }
 }
 
 /// Looks at all cells and writes down those that are near inversion.
 pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, report: &mut StepReport) {
     let watch = R::from_f64(WATCH);
-    for (body, memory) in model.bodies.iter().zip(&mut state.bodies) {
+    for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
         memory.near_inversion.clear();
         if body.recovery_stiffness <= R::ZERO {
             continue;
@@ -123,15 +152,13 @@ pub(super) fn add_forces<R: Real>(
     report: &mut StepReport,
 ) {
     let dt = R::from_f64(plan.substep_secs());
-    for (body, memory) in model.bodies.iter().zip(memory) {
+    for (body, memory) in model.bodies.iter().zip(memory).filter(|(_, memory)| !memory.asleep) {
         let position = &position[body.particles.clone()];
         let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];
         report.recovery_cells += memory.near_inversion.len() as u64;
-        let stiffness = body.recovery_stiffness * body.inverse_cell_size;
-        let most = R::from_f64(STIFFEST) * body.particle_mass / (body.inverse_cell_size * dt * dt);
-        let stiffness = stiffness.min(most);
         soften(body, &memory.near_inversion, position, velocity, dt, force);
+        let stiffness = bearable_stiffness(plan, body) * body.inverse_cell_size;
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
             let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
@@ -197,22 +224,29 @@ fn soften<R: Real>(
     }
 }
 
-/// The share of their elastic force that links between inverted cells' particles lose: none where all families are
-/// alike or bending outweighs all else, which the push alone turns back and which would gain energy by it.
+/// The share of their elastic force that links between inverted cells' particles lose: it grows with how far structural
+/// and shear links are apart. Where bending outweighs both, the push alone turns cells back, and soft links would give a
+/// body energy; links that cells share out are never far apart.
 fn softest<R: Real>(body: &BodyModel<R>) -> R {
     let [structural, shear, bending] = [0, 1, 2].map(|family: usize| body.links[family].stiffness);
     let most = structural.max(shear).max(bending);
-    let least = structural.min(shear).min(bending);
-    if most > R::ZERO {
-        R::from_f64(SOFTEST) * (R::ONE - least / most) * (structural.max(shear) / most)
+    if most > R::ZERO && body.cell_kinds.is_empty() {
+        R::from_f64(SOFTEST) * ((structural - shear).max(shear - structural) / most)
     } else {
         R::ZERO
     }
 }
 
+/// The stiffness of a body's cells as far as the substep bears it, N·m.
+fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
+    let dt = R::from_f64(plan.substep_secs());
+    let inverse = body.inverse_cell_size * dt;
+    body.recovery_stiffness.min(R::from_f64(STIFFEST) * body.recovery_mass / (inverse * inverse))
+}
+
 /// Energy of the push of a body's cells, J. The cap on far-stretched cells follows no potential: their share is the
 /// work that the present push would do.
-pub(super) fn energy<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
+pub(super) fn energy<R: Real>(plan: &Plan, body: &BodyModel<R>, state: &State<R>) -> f64 {
     let position = &state.position[body.particles.clone()];
     let energy_of = |corners: &[u32; 8]| {
         let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
@@ -223,7 +257,7 @@ pub(super) fn energy<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
         let sprung = missing.min(DEEPEST);
         sprung * (missing - 0.5 * sprung) / edges.cap().to_f64()
     };
-    body.recovery_stiffness.to_f64() * body.lattice.cells.iter().map(energy_of).sum::<f64>()
+    bearable_stiffness(plan, body).to_f64() * body.lattice.cells.iter().map(energy_of).sum::<f64>()
 }
 
 /// The signed volume of a cell over that at rest; not above zero where it is inverted.

@@ -19,10 +19,18 @@ pub struct StepReport {
     pub narrow_tests_saved: u64,
     /// Link forces evaluated.
     pub link_forces: u64,
+    /// Of these, the ones with a damping to work out.
+    pub damped_link_forces: u64,
+    /// Of the particle–obstacle tests, the ones against spheres.
+    pub sphere_tests: u64,
+    /// Pushes of an obstacle for which friction was worked out.
+    pub frictions: u64,
     /// Cells looked at for being near inversion.
     pub cells_looked_at: u64,
     /// Watched cells whose push against inversion was worked out.
     pub recovery_cells: u64,
+    /// Bodies that sleep after the last substep.
+    pub bodies_asleep: usize,
     /// Whether the step was abandoned, state untouched, because a number would have stopped being finite or, in
     /// manual stepping, a body would have been torn apart.
     pub diverged: bool,
@@ -38,8 +46,12 @@ impl StepReport {
         self.narrow_tests += later.narrow_tests;
         self.narrow_tests_saved += later.narrow_tests_saved;
         self.link_forces += later.link_forces;
+        self.damped_link_forces += later.damped_link_forces;
+        self.sphere_tests += later.sphere_tests;
+        self.frictions += later.frictions;
         self.cells_looked_at += later.cells_looked_at;
         self.recovery_cells += later.recovery_cells;
+        self.bodies_asleep = later.bodies_asleep;
         self.diverged |= later.diverged;
     }
 }

@@ -34,8 +34,8 @@ impl<R: Real> Simulation<R> {
         let (model, state) = (self.model(), self.state());
         let (_, mut force) = link_loads(model, self.plan(), state);
         for body in &model.bodies {
-            for particle in body.particles.clone() {
-                force[particle] += model.gravity * body.particle_mass;
+            for (local, particle) in body.particles.clone().enumerate() {
+                force[particle] += model.gravity * body.mass(local);
             }
         }
         for contact in &self.scratch().contact.contacts {

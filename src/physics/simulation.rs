@@ -12,6 +12,7 @@ use super::interaction::Grab;
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::report::{StageTimer, StepReport};
+use super::sleep;
 use super::state::{BodyMemory, State};
 use super::step::{self, Inputs, Scratch};
 use crate::geometry::Lattice;
@@ -37,6 +38,7 @@ impl<R: Real> Simulation<R> {
         let (model, plan) = compile(scene, lattices);
         let mut state = State::start(&model);
         state.fit_scheme(&plan);
+        state.fit_sleep(&plan);
         let scratch = Scratch::new(&model, &plan);
         Self { model, plan, state, scratch, sweeps: Vec::new(), grab: None, diverged: false }
     }
@@ -54,6 +56,8 @@ impl<R: Real> Simulation<R> {
         // The share of the step that was taken stays taken: dear steps come to an end however often they are edited.
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
         self.state.fit_scheme(&plan);
+        self.state.fit_sleep(&plan);
+        self.wake_all();
         self.scratch.fit(&model, &plan);
         self.model = model;
         self.plan = plan;
@@ -102,6 +106,7 @@ impl<R: Real> Simulation<R> {
             }
         }
         self.state.bodies[body].clone_from(&motion.memory);
+        self.wake(body);
         self.state.reserve(&self.model);
         self.scratch.contact.touch_all();
         self.diverged = false;
@@ -130,6 +135,7 @@ impl<R: Real> Simulation<R> {
         for (local, particle) in self.model.bodies[body].particles.clone().enumerate() {
             self.state.velocity[particle] = self.start_velocity(body, local);
         }
+        self.wake(body);
         self.diverged = false;
     }
 
@@ -189,7 +195,11 @@ impl<R: Real> Simulation<R> {
         if self.diverged {
             return StepReport { diverged: true, ..StepReport::default() };
         }
+        if let Some(grab) = &self.grab {
+            self.state.bodies[grab.body].asleep = false;
+        }
         if !self.sweeps.is_empty() {
+            self.wake_all();
             sweep::advance(&mut self.model, &mut self.sweeps, self.plan.substep_secs());
         }
         let inputs = Inputs { grab: self.grab.as_ref() };
@@ -239,8 +249,38 @@ impl<R: Real> Simulation<R> {
         self.state = state;
         self.state.reserve(&self.model);
         self.state.fit_scheme(&self.plan);
+        self.state.fit_sleep(&self.plan);
         self.scratch = Scratch::new(&self.model, &self.plan);
         self.diverged = false;
+        self.find_contacts_of_sleepers();
+    }
+
+    /// A sleeping body's contacts are no part of the state, but are shown.
+    fn find_contacts_of_sleepers(&mut self) {
+        if sleep::asleep(&self.state) == 0 {
+            return;
+        }
+        let mut awake = self.state.clone();
+        awake.bodies.iter_mut().for_each(BodyMemory::wake);
+        let mut found = Scratch::new(&self.model, &self.plan);
+        step::substep(&self.model, &self.plan, Inputs { grab: None }, &mut awake, &mut found, &mut ());
+        self.scratch.contact.contacts = found.contact.contacts;
+        self.scratch.contact.keep_of_sleepers(&self.model, &self.state);
+    }
+
+    /// Wakes a body, if it sleeps: it must rest anew before it sleeps again.
+    pub fn wake(&mut self, body: usize) {
+        self.state.bodies[body].wake();
+    }
+
+    /// Wakes every body.
+    pub fn wake_all(&mut self) {
+        self.state.bodies.iter_mut().for_each(BodyMemory::wake);
+    }
+
+    /// Whether all bodies sleep: a step then changes nothing but the time.
+    pub fn is_asleep(&self) -> bool {
+        sleep::is_quiet(&self.state)
     }
 
     /// What the last substep left behind: forces and contacts.
@@ -251,6 +291,11 @@ impl<R: Real> Simulation<R> {
     /// Energies, momentum, extremes.
     pub fn diagnostics(&self) -> Diagnostics {
         Diagnostics::of(&self.model, &self.plan, &self.state)
+    }
+
+    /// The same of one body alone.
+    pub fn diagnostics_of(&self, body: usize) -> Diagnostics {
+        Diagnostics::of_body(&self.model, &self.plan, &self.state, body)
     }
 
     /// The fingerprint of positions and velocities.

@@ -9,6 +9,8 @@
 //! λ(dt) = max_q λ_max( Σ over 16 half links of 2 κ (1 − cos q·δ) d̂ d̂ᵀ ) / m   ≤   4
 //! ```
 //!
+//! Where links and masses are shared out by cells the bound is that of the stiffest cell (`cell_bound`).
+//!
 //! Removing links only lowers the quadratic form, so the bound holds for every subset of cells with the same mass
 //! per particle, whatever its size. It is a bound at rest; crumpled states were seen to blow up from about 0.58 of
 //! it, hence the safety factor.
@@ -17,6 +19,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::cell_bound::CellLoads;
 use super::model::{BodyModel, Model};
 use crate::math::Real;
 use crate::scene::Family;
@@ -24,6 +27,15 @@ use crate::scene::settings::{ContactRule, Integrator};
 
 /// Automatic stepping stays below this share of the bound at rest, which covers crumpled bodies.
 pub const SAFETY: f64 = 0.55;
+
+/// The largest eigenvalue of `M⁻¹ (dt² K + 2 dt C)` with which motion stays bounded.
+pub(super) const LATTICE_LIMIT: f64 = 4.0;
+
+/// The share of [`SAFETY`] that is left to RK4 where bodies meet obstacles. Contact works on the velocities that the
+/// forces at the start of the substep predict; near RK4's own limit these are far from what it comes to, and contact then
+/// gives energy: of some 1300 random extreme scenes that are stepped so, about one in 150 gained with the whole share and
+/// three with this one.
+const RK4_CONTACT_SHARE: f64 = 0.6;
 
 /// Wave numbers 0, π/8 … π along each axis: the extremes of the stencil lie on this grid.
 const WAVES: usize = 9;
@@ -49,6 +61,27 @@ impl Region {
             // Beyond −2 both blow up for certain; below, undamped vibrations still grow, slowly.
             Integrator::Explicit | Integrator::Rk2 => Self::HalfDisc(2.0),
         }
+    }
+}
+
+/// How much of the stiffness (1/s²) and of the damping (1/s) of a vibration adds to its load, which stays bounded up to
+/// [`LATTICE_LIMIT`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LoadShare {
+    /// s².
+    pub(super) stiffness: f64,
+    /// s.
+    pub(super) damping: f64,
+}
+
+/// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme.
+pub(super) fn load_shares(integrator: Integrator, dt: f64) -> Vec<LoadShare> {
+    match Region::of(integrator) {
+        Region::Leapfrog(share) => vec![LoadShare { stiffness: dt * dt, damping: 2.0 * share * dt }],
+        Region::HalfDisc(radius) => vec![
+            LoadShare { stiffness: LATTICE_LIMIT * (dt / radius) * (dt / radius), damping: 0.0 },
+            LoadShare { stiffness: 0.0, damping: LATTICE_LIMIT * dt / radius },
+        ],
     }
 }
 
@@ -98,6 +131,13 @@ pub struct SceneLimits {
     pub terms: Vec<(Term, Option<f64>)>,
     /// All terms together at rest, s.
     pub dt_limit_secs: Option<f64>,
+    /// The share of it that automatic stepping takes.
+    pub safety: f64,
+}
+
+/// The share of the bound at rest that automatic stepping takes, among obstacles or not.
+pub(super) fn safety(integrator: Integrator, among_obstacles: bool) -> f64 {
+    if among_obstacles && integrator == Integrator::Rk4 { RK4_CONTACT_SHARE * SAFETY } else { SAFETY }
 }
 
 impl SceneLimits {
@@ -109,6 +149,7 @@ impl SceneLimits {
         for body in &model.bodies {
             limits.tighten(&body_limits(body, rule, Region::of(integrator), &waves));
         }
+        limits.safety = safety(integrator, !model.obstacles.is_empty());
         limits
     }
 
@@ -125,7 +166,7 @@ impl SceneLimits {
 
     /// The largest step that automatic stepping takes, s.
     pub fn dt_safe_secs(&self) -> Option<f64> {
-        self.dt_limit_secs.map(|limit| SAFETY * limit)
+        self.dt_limit_secs.map(|limit| self.safety * limit)
     }
 
     /// How many equal substeps make a whole step of `dt_secs` safe.
@@ -136,6 +177,11 @@ impl SceneLimits {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least one, saturating")]
             Some(safe) => libm::ceil(dt_secs / safe).max(1.0) as u32,
         }
+    }
+
+    /// The longest step that can be divided into safe ones, s: there is no counting beyond it.
+    pub fn longest_step_secs(&self) -> f64 {
+        self.dt_safe_secs().map_or(f64::INFINITY, |safe| safe * f64::from(u32::MAX))
     }
 
     /// What limits a whole step of `dt_secs`: the tightest term, or the person who asked for less.
@@ -159,10 +205,10 @@ fn smaller(a: Option<f64>, b: Option<f64>) -> Option<f64> {
 }
 
 /// The tensors `Σ 2 (1 − cos q·δ) d̂ d̂ᵀ / |δ|` of each family on a lattice of unit cells, for one wave vector.
-type WaveTensors = [DMat3; 3];
+pub(super) type WaveTensors = [DMat3; 3];
 
 /// The tensors for every wave vector of the grid with `0 ≤ q_z ≤ q_y ≤ q_x ≤ π`; symmetry covers the others.
-fn lattice_waves() -> Vec<WaveTensors> {
+pub(super) fn lattice_waves() -> Vec<WaveTensors> {
     let step = std::f64::consts::PI / (WAVES - 1) as f64;
     let mut waves = Vec::new();
     for x in 0..WAVES {
@@ -198,6 +244,15 @@ fn half_stencil() -> impl Iterator<Item = (Family, DVec3)> {
 }
 
 fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, waves: &[WaveTensors]) -> SceneLimits {
+    let lightest = body.masses.iter().copied().fold(body.particle_mass, R::min).to_f64();
+    let contact = match rule {
+        ContactRule::Implicit => 0.0,
+        ContactRule::Thesis => body.contacts.iter().map(|c| c.stiffness.to_f64()).fold(0.0, f64::max) / lightest,
+    };
+    if !body.cell_kinds.is_empty() {
+        let loads = CellLoads::of(&body.cell_kinds, body.lattice.grid.cell_size);
+        return cell_limits(&loads, contact, region);
+    }
     // With the cell size h the tensors scale by 1/h; mass and cell size divide every constant.
     let scale = 1.0 / (body.particle_mass.to_f64() * body.lattice.grid.cell_size);
     let mut stiffness = [0.0; 3];
@@ -206,13 +261,6 @@ fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, 
         stiffness[f] = family.stiffness.to_f64() * scale;
         damping[f] = family.damping.to_f64() * scale;
     }
-    let contact = match rule {
-        ContactRule::Implicit => 0.0,
-        ContactRule::Thesis => {
-            let stiffest = body.contacts.iter().map(|c| c.stiffness.to_f64()).fold(0.0, f64::max);
-            stiffest / body.particle_mass.to_f64()
-        }
-    };
     let only = |constants: [f64; 3], family: usize| {
         let mut alone = [0.0; 3];
         alone[family] = constants[family];
@@ -232,7 +280,7 @@ fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, 
             region.damped_limit(largest(waves, damping)),
         ),
     };
-    SceneLimits { terms, dt_limit_secs }
+    SceneLimits { terms, dt_limit_secs, safety: SAFETY }
 }
 
 impl Region {
@@ -251,6 +299,23 @@ impl Region {
             Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda),
         }
     }
+}
+
+/// Of a body of cells that share out their links. Its bending links have no force.
+fn cell_limits(loads: &CellLoads, contact: f64, region: Region) -> SceneLimits {
+    let mut terms = Vec::new();
+    for (f, family) in Family::ALL.into_iter().enumerate() {
+        let alone = |of: [f64; 2]| of.get(f).copied().unwrap_or(0.0);
+        terms.push((Term::Stiffness(family), region.undamped_limit(alone(loads.stiffness_alone))));
+        terms.push((Term::Damping(family), region.damped_limit(alone(loads.damping_alone))));
+    }
+    terms.push((Term::Contact, region.undamped_limit(contact)));
+    let stiffness = loads.stiffness + contact;
+    let dt_limit_secs = match region {
+        Region::Leapfrog(share) => CellLoads::dt_limit_secs(stiffness, share * loads.damping),
+        Region::HalfDisc(_) => smaller(region.undamped_limit(stiffness), region.damped_limit(loads.damping)),
+    };
+    SceneLimits { terms, dt_limit_secs, safety: SAFETY }
 }
 
 /// `dt² λ ≤ 4`.
@@ -289,7 +354,7 @@ fn combined_limit(waves: &[WaveTensors], stiffness: [f64; 3], damping: [f64; 3],
 }
 
 /// The largest eigenvalue over all wave vectors of the lattice with these constants by family.
-fn largest(waves: &[WaveTensors], constants: [f64; 3]) -> f64 {
+pub(super) fn largest(waves: &[WaveTensors], constants: [f64; 3]) -> f64 {
     if constants.iter().all(|&constant| constant <= 0.0) {
         return 0.0;
     }
@@ -303,7 +368,7 @@ fn largest(waves: &[WaveTensors], constants: [f64; 3]) -> f64 {
 
 /// The largest eigenvalue of a symmetric 3×3 matrix (Smith, "Eigenvalues of a symmetric 3 × 3 matrix", CACM 4(4),
 /// 1961).
-fn largest_eigenvalue(a: DMat3) -> f64 {
+pub(super) fn largest_eigenvalue(a: DMat3) -> f64 {
     let mean = (a.x_axis.x + a.y_axis.y + a.z_axis.z) / 3.0;
     let shifted = a - DMat3::from_diagonal(DVec3::splat(mean));
     let spread =
@@ -353,7 +418,7 @@ mod tests {
 
     #[test]
     fn nothing_limits_a_body_without_forces() {
-        let limits = SceneLimits { terms: Vec::new(), dt_limit_secs: None };
+        let limits = SceneLimits::default();
         assert_eq!(limits.substeps(0.1), 1, "one substep is enough");
         assert_eq!(limits.limited_by(0.1), Term::User, "only the person limits");
     }

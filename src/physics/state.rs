@@ -23,6 +23,9 @@ pub struct State<R: Real> {
     /// For every plane a row over all particles: the side (+1 or −1 along the normal) a touching particle came from,
     /// 0 where nothing touches.
     pub side: Vec<Vec<i8>>,
+    /// Where particles were when their body was first seen to be still, m; meaningless in bodies that move or sleep, empty
+    /// where none may sleep.
+    pub anchor: Vec<R::Vec3>,
     /// What is remembered of every body as a whole.
     pub bodies: Vec<BodyMemory>,
     /// Whole steps taken.
@@ -38,6 +41,23 @@ pub struct State<R: Real> {
 pub struct BodyMemory {
     /// Cells that are watched as they may invert, ascending.
     pub near_inversion: Vec<u32>,
+    /// Substeps for which the body has been still.
+    pub still_substeps: u64,
+    /// Whether the body sleeps: it stays as it is until something wakes it.
+    pub asleep: bool,
+}
+
+impl BodyMemory {
+    /// The body moves as it must, and rest is looked for anew.
+    pub fn wake(&mut self) {
+        self.asleep = false;
+        self.still_substeps = 0;
+    }
+
+    /// Whether cells of a body that is awake are watched as they may invert.
+    pub(super) fn is_watched(&self) -> bool {
+        !self.asleep && !self.near_inversion.is_empty()
+    }
 }
 
 impl<R: Real> State<R> {
@@ -51,6 +71,7 @@ impl<R: Real> State<R> {
             acceleration: Vec::new(),
             velocity_lag_secs: 0.0,
             side: Vec::new(),
+            anchor: Vec::new(),
             bodies: vec![BodyMemory::default(); model.bodies.len()],
             steps: 0,
             substep: 0,
@@ -81,6 +102,15 @@ impl<R: Real> State<R> {
         if self.acceleration.len() != count {
             self.acceleration = vec![R::Vec3::ZERO; count];
             self.velocity_lag_secs = 0.0;
+        }
+    }
+
+    /// Makes room for what the watch for rest remembers, or wakes every body where none may sleep.
+    pub(super) fn fit_sleep(&mut self, plan: &Plan) {
+        let count = if plan.sleeping { self.position.len() } else { 0 };
+        if self.anchor.len() != count {
+            self.anchor = vec![R::Vec3::ZERO; count];
+            self.bodies.iter_mut().for_each(BodyMemory::wake);
         }
     }
 

@@ -7,6 +7,7 @@
 //! contact  v* → v'   (implicit penalty and friction; the thesis rule adds to F before the prediction)
 //! refine   v' and the mean velocity u, where the scheme has one, with more forces on the way
 //! move     x += dt v'   (or dt u)
+//! rest     bodies that have been at rest for long enough fall asleep and are left out of all this
 //! ```
 //!
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
@@ -21,6 +22,7 @@ use super::plan::{Plan, Stage};
 use super::recovery;
 use super::report::{StageTimer, StepReport};
 use super::runaway::runs_away;
+use super::sleep;
 use super::state::State;
 use crate::math::{Real, Vector};
 use crate::scene::settings::ContactRule;
@@ -78,11 +80,17 @@ pub fn substep<R: Real>(
 ) -> StepReport {
     let dt = R::from_f64(plan.substep_secs());
     let mut report = StepReport { substeps: 1, ..StepReport::default() };
+    if sleep::is_quiet(state) {
+        report.bodies_asleep = state.bodies.len();
+        scratch.contact.report_kept(&mut report);
+        state.time_secs += plan.substep_secs();
+        return report;
+    }
     let implicit_contact = plan.contact && plan.contact_rule == ContactRule::Implicit;
     let thesis_contact = plan.contact && plan.contact_rule == ContactRule::Thesis;
     let Scratch { force, thesis_force, velocity, contact, scheme } = scratch;
 
-    if plan.recovery && recovery::is_due(plan, state) {
+    if plan.recovery && recovery::is_due(model, plan, state) {
         timer.enter(Stage::Recovery);
         recovery::look(model, state, &mut report);
     }
@@ -90,7 +98,7 @@ pub fn substep<R: Real>(
     forces::evaluate(model, plan, &state.position, felt, &state.bodies, force, &mut report, timer);
     if thesis_contact {
         timer.enter(Stage::Contact);
-        contact::thesis::add_forces(model, dt, state, force, thesis_force, &mut contact.contacts, &mut report);
+        contact::thesis::add_forces(model, dt, state, force, thesis_force, contact, &mut report);
     }
     timer.enter(Stage::Integrate);
     let held_force = &thesis_force[..];
@@ -111,33 +119,47 @@ pub fn substep<R: Real>(
     }
     let moving = if path.is_empty() { &*velocity } else { &*path };
     let exploded = plan.watched && runs_away(model, dt, moving);
-    if !exploded && stays_finite(dt, state, moving, velocity) {
+    if !exploded && stays_finite(model, dt, state, moving, velocity) {
         if implicit_contact {
             contact::remember_sides(model, dt, state, moving, contact, &mut report);
         }
         integrate::remember(model, plan, dt, force, held_force, state);
-        move_particles(dt, state, moving);
-        state.velocity.copy_from_slice(velocity);
+        move_particles(model, dt, state, moving, velocity);
         state.time_secs += plan.substep_secs();
     } else {
         report.diverged = true;
+    }
+    if plan.sleeping && !report.diverged {
+        timer.enter(Stage::Rest);
+        sleep::watch(model, plan, inputs.grab.map(|grab| grab.body), state);
+        report.bodies_asleep = sleep::asleep(state);
     }
     timer.leave();
     report
 }
 
-fn stays_finite<R: Real>(dt: R, state: &State<R>, path: &[R::Vec3], velocity: &[R::Vec3]) -> bool {
-    let moved = state.position.iter().zip(path).all(|(x, v)| (*x + *v * dt).is_finite());
-    moved && velocity.iter().all(|v| v.is_finite())
+fn stays_finite<R: Real>(model: &Model<R>, dt: R, state: &State<R>, path: &[R::Vec3], velocity: &[R::Vec3]) -> bool {
+    sleep::awake(model, &state.bodies).all(|body| {
+        let mut own = body.particles.clone();
+        own.all(|particle| {
+            (state.position[particle] + path[particle] * dt).is_finite() && velocity[particle].is_finite()
+        })
+    })
 }
 
-/// `x += dt v`, with what rounding keeps back carried to the next step (Kahan 1965).
-fn move_particles<R: Real>(dt: R, state: &mut State<R>, path: &[R::Vec3]) {
-    for (particle, v) in path.iter().enumerate() {
-        let x = state.position[particle];
-        let change = *v * dt + state.position_residual[particle];
-        let moved = x + change;
-        state.position_residual[particle] = change - (moved - x);
-        state.position[particle] = moved;
+/// `x += dt u`, with what rounding keeps back carried to the next step (Kahan 1965), and `v = v'`, of what is awake.
+fn move_particles<R: Real>(model: &Model<R>, dt: R, state: &mut State<R>, path: &[R::Vec3], velocity: &[R::Vec3]) {
+    for (number, body) in model.bodies.iter().enumerate() {
+        if state.bodies[number].asleep {
+            continue;
+        }
+        for particle in body.particles.clone() {
+            let x = state.position[particle];
+            let change = path[particle] * dt + state.position_residual[particle];
+            let moved = x + change;
+            state.position_residual[particle] = change - (moved - x);
+            state.position[particle] = moved;
+        }
+        state.velocity[body.particles.clone()].copy_from_slice(&velocity[body.particles.clone()]);
     }
 }

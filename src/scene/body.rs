@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Material;
+use super::{Material, Solid};
 pub use crate::geometry::voxel::{Keep, MAX_DIVISIONS, OccupancyChoice};
 
 /// A soft body.
@@ -19,6 +19,9 @@ pub struct Body {
     pub velocity: [f64; 3],
     /// What it is made of.
     pub material: Material,
+    /// Boxes whose cells are of other solids; where they overlap the last one counts. A body of springs has no use for
+    /// them.
+    pub inlays: Vec<Inlay>,
     /// Boxes in body coordinates (m, origin at the middle of the body's box, before the pose) whose particles are held.
     pub pins: Vec<PinBox>,
     /// Which surface is drawn.
@@ -107,6 +110,22 @@ pub struct Pose {
     pub position: [f64; 3],
     /// Euler angles about x, then y, then z (fixed axes), degrees.
     pub rotation_deg: [f64; 3],
+}
+
+/// The most inlays of a body.
+pub const MAX_INLAYS: usize = 16;
+
+/// A part of a solid body that is of another solid: the cells whose middle is in a box in body coordinates (m, origin at
+/// the middle of the body's box, before the pose).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Inlay {
+    /// The lowest corner, m.
+    pub min: [f64; 3],
+    /// The highest corner, m.
+    pub max: [f64; 3],
+    /// What its cells are made of.
+    pub solid: Solid,
 }
 
 /// A box in body coordinates.

@@ -177,7 +177,7 @@ fn leaf_impact(changed: bool, impact: Impact) -> Impact {
 fn body_impact(old: &Body, new: &Body) -> Impact {
     leaf_impact(old.shape != new.shape || old.pins != new.pins, Impact::Topology)
         .max(leaf_impact((old.pose, old.velocity) != (new.pose, new.velocity), Impact::Motion))
-        .max(leaf_impact(old.material != new.material, Impact::Parameters))
+        .max(leaf_impact(old.material != new.material || old.inlays != new.inlays, Impact::Parameters))
 }
 
 fn obstacle_impact(old: &Obstacle, new: &Obstacle) -> Impact {
@@ -189,8 +189,9 @@ fn obstacle_impact(old: &Obstacle, new: &Obstacle) -> Impact {
 mod tests {
     use super::*;
     use crate::math::rng::Rng;
+    use crate::scene::body::{CubeShape, Inlay};
     use crate::scene::material::Springs;
-    use crate::scene::{ColorBy, Material, Pose, Shape, body::CubeShape};
+    use crate::scene::{ColorBy, Material, Pose, Shape};
 
     fn impact_of(change: impl FnOnce(&mut Body)) -> Impact {
         let mut scene = param::specimen();
@@ -205,6 +206,7 @@ mod tests {
         assert_eq!(impact_of(|body| body.name = "jelly".into()), Impact::Appearance, "a name");
         let heavy = Material::Springs(Springs { particle_mass: 1.0, ..Springs::default() });
         assert_eq!(impact_of(|body| body.material = heavy), Impact::Parameters, "a mass");
+        assert_eq!(impact_of(|body| body.inlays.push(Inlay::default())), Impact::Parameters, "another solid within");
         assert_eq!(impact_of(|body| body.velocity[1] = 2.0), Impact::Motion, "a velocity");
         assert_eq!(impact_of(|body| body.pins.clear()), Impact::Topology, "pins");
         let cube = Shape::Cube(CubeShape { cells: 3, size: 1.0 });

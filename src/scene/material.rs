@@ -1,4 +1,4 @@
-//! What a body is made of: the thesis's seven values (GC §3, §8).
+//! What a body is made of: the thesis's seven values (GC §3, §8), or a solid by its modulus, density and damping.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 pub enum Material {
     /// Link constants given directly.
     Springs(Springs),
+    /// A solid, from which the link constants follow for every resolution.
+    Solid(Solid),
 }
 
 impl Default for Material {
@@ -43,6 +45,96 @@ impl Default for Springs {
             particle_mass: 0.01,
         }
     }
+}
+
+/// A homogeneous isotropic solid. Its Poisson ratio is 1/4, as that of every lattice of central forces (Cauchy).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Solid {
+    /// Tension over strain, Pa.
+    pub young_modulus: f64,
+    /// Mass over volume, kg/m³.
+    pub density: f64,
+    /// Damping of the slowest vibration along the body over the damping at which it would no longer swing. Faster
+    /// vibrations are damped more, in proportion to their frequency.
+    pub damping_ratio: f64,
+}
+
+impl Default for Solid {
+    /// A cube of 1 m sags by about 5 % under its own weight and wobbles for a second.
+    fn default() -> Self {
+        Self { young_modulus: 1e5, density: 1000.0, damping_ratio: 0.05 }
+    }
+}
+
+/// A material by its everyday name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MaterialPreset {
+    /// Its everyday name.
+    pub name: &'static str,
+    /// Its values.
+    pub material: Solid,
+    /// Where they come from, one sentence.
+    pub source: &'static str,
+}
+
+/// Solids by their everyday names, soft to stiff. Modulus and density are measured values of the source named; so is
+/// the damping where the source says so.
+pub fn presets() -> &'static [MaterialPreset] {
+    &PRESETS
+}
+
+const PRESETS: [MaterialPreset; 7] = [
+    preset(
+        "pectin jelly",
+        [1.2e3, 1000.0, 0.05],
+        "H. Nielsen, B. U. Marr, S. Hvidt, Carbohydrate Polymers 45 (2001) 395: shear modulus of the standard gel 379 to \
+         429 Pa, three times that as it keeps its volume; density of water, the damping is chosen.",
+    ),
+    preset(
+        "gelatin dessert",
+        [4.34e3, 1000.0, 0.05],
+        "J. E. Bonavia, arXiv:2512.20502 (2025): 4.34 kPa for 20 parts of water to one of gelatin; density of water, the \
+         damping is chosen.",
+    ),
+    preset(
+        "agar jelly",
+        [5.2e4, 1000.0, 0.05],
+        "K. A. Ross, M. G. Scanlon, Journal of Texture Studies 30 (1999) 17: 52 kPa in compression; density of water, the \
+         damping is chosen.",
+    ),
+    preset(
+        "sponge",
+        [1.36e5, 320.0, 0.1],
+        "Rogers Corporation, data sheet of Poron 4701-30, an open-celled urethane: 320 kg/m³, 34 kPa at 25 % compression, \
+         whose quotient this is; the damping is chosen.",
+    ),
+    preset(
+        "packing foam",
+        [1.6e5, 33.0, 0.1],
+        "customfoams.co.uk, data sheet of Plastazote LD33, a closed-cell polyethylene: 33 kg/m³, 40 kPa at 25 % \
+         compression, whose quotient this is; the damping is chosen.",
+    ),
+    preset(
+        "gummy sweet",
+        [2.77e5, 1200.0, 0.1],
+        "J. E. Bonavia, arXiv:2512.20502 (2025): 277 kPa for two parts of water to one of gelatin; the density is \
+         estimated, the damping chosen.",
+    ),
+    preset(
+        "rubber",
+        [1.5e6, 950.0, 0.05],
+        "matweb.com, Natural Rubber, Vulcanized: 950 kg/m³, shear modulus 0.5 MPa, three times that as it keeps its \
+         volume; the damping is chosen.",
+    ),
+];
+
+const fn preset(
+    name: &'static str,
+    [young_modulus, density, damping_ratio]: [f64; 3],
+    source: &'static str,
+) -> MaterialPreset {
+    MaterialPreset { name, material: Solid { young_modulus, density, damping_ratio }, source }
 }
 
 /// The two constants of a family of links.
@@ -88,6 +180,25 @@ impl Springs {
             Family::Structural => self.structural,
             Family::Shear => self.shear,
             Family::Bending => self.bending,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Body, Scene, param};
+
+    #[test]
+    fn every_everyday_material_is_in_range_and_names_its_source() {
+        let mut last = 0.0;
+        for preset in presets() {
+            let body = Body { material: Material::Solid(preset.material), ..Body::default() };
+            let problems = param::validate(&Scene { bodies: vec![body], ..Scene::default() });
+            assert!(problems.is_empty(), "{}: {problems:?}", preset.name);
+            assert!(preset.material.young_modulus > last, "{}: from soft to stiff", preset.name);
+            assert!(preset.source.len() > 20, "{}: no source", preset.name);
+            last = preset.material.young_modulus;
         }
     }
 }

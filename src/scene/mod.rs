@@ -18,7 +18,7 @@ pub mod view_settings;
 use serde::{Deserialize, Serialize};
 
 pub use body::{Body, Pose, Shape, Skin};
-pub use material::{Family, Material, Springs};
+pub use material::{Family, Material, Solid, Springs};
 pub use obstacle::{Obstacle, ObstacleShape};
 pub use settings::Settings;
 pub use view_settings::{ColorBy, ViewSettings};

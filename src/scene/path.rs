@@ -46,7 +46,7 @@ pub enum PathError {
 /// The nodes that are one of several forms, and the names of the forms.
 const FORMS: [(&str, &[&str]); 3] = [
     ("bodies.*.shape", &["cube", "cells", "model"]),
-    ("bodies.*.material", &["springs"]),
+    ("bodies.*.material", &["springs", "solid"]),
     ("obstacles.*", &["plane", "sphere"]),
 ];
 
@@ -221,6 +221,7 @@ mod tests {
         for param in PARAMS {
             let Some(default) = param.default_value().filter(|default| default != "") else { continue };
             let model = param.path.replace("bodies.*.shape.model", "bodies.2.shape.model");
+            let model = model.replace("bodies.*.inlays", "bodies.2.inlays");
             let path = model.replace("obstacles.*.sphere", "obstacles.1.sphere").replace('*', "0");
             let done = changed(&path, &default.to_string());
             assert!(done.is_ok(), "{path} = {default}: {done:?}");

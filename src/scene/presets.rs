@@ -1,7 +1,7 @@
 //! The scenes that the program carries. Tests, benches, the window and the command line use the same ones.
 
 use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin};
-use super::material::{Material, Spring, Springs};
+use super::material::{Material, Solid, Spring, Springs};
 use super::obstacle::{Obstacle, ObstacleShape, Plane, Sphere};
 use super::param::{self, Kind};
 use super::settings::Stepping;
@@ -181,7 +181,7 @@ fn spot() -> Scene {
 /// and the first touch of the ground wakes the mode that grows.
 fn exploding() -> Scene {
     let damping = 0.01;
-    let Material::Springs(soft) = Material::default();
+    let soft = Springs::default();
     let stiff = Springs {
         structural: Spring { stiffness: 1010.0, damping },
         shear: Spring { damping, ..soft.shear },
@@ -202,7 +202,7 @@ fn exploding() -> Scene {
 /// GC Fig 24: thrown at 16 m/s, tilted, with springs half as stiff as usual and nothing that turns crushed cells back.
 /// It comes to rest in a form that its springs take for whole. Few cells, so that each can be seen.
 fn broken() -> Scene {
-    let Material::Springs(springs) = Material::default();
+    let springs = Springs::default();
     let soft = |of: Spring| Spring { stiffness: 0.5 * of.stiffness, ..of };
     let cube = Body {
         name: "Jelly".to_owned(),
@@ -242,7 +242,7 @@ fn model_body(name: &str, shape: ModelShape, height: f64) -> Body {
 /// their box, so they are made denser, and stiffer in the same measure.
 pub fn jelly(cell_size: f64) -> Material {
     const DENSER: f64 = 3.0;
-    let Material::Springs(default) = Material::default();
+    let default = Springs::default();
     let ratio = cell_size / (1.0 / 9.0);
     let (area, volume) = (DENSER * ratio * ratio, DENSER * ratio * ratio * ratio);
     // Cells of a millimetre or of ten metres have no such material: they get the nearest one that there is.
@@ -267,7 +267,12 @@ pub fn jelly(cell_size: f64) -> Material {
 
 /// A material with more damping.
 fn damped(material: &Material, factor: f64) -> Material {
-    let Material::Springs(springs) = material;
+    let springs = match material {
+        Material::Springs(springs) => springs,
+        Material::Solid(solid) => {
+            return Material::Solid(Solid { damping_ratio: solid.damping_ratio * factor, ..*solid });
+        }
+    };
     let spring = |of: Spring| Spring { damping: of.damping * factor, ..of };
     Material::Springs(Springs {
         structural: spring(springs.structural),

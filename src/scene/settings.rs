@@ -16,6 +16,8 @@ pub struct Settings {
     pub contact: ContactRule,
     /// Whether cells that are crushed or turned inside out are pushed back to shape.
     pub inversion_recovery: bool,
+    /// Whether a body that has come to rest is left alone until something touches it or a value changes.
+    pub sleeping: bool,
     /// Acceleration of gravity, m/s². In files and on the command line a single number g means (0, −g, 0).
     #[serde(deserialize_with = "gravity")]
     pub gravity: [f64; 3],
@@ -29,6 +31,7 @@ impl Default for Settings {
             stepping: Stepping::Auto,
             contact: ContactRule::Implicit,
             inversion_recovery: true,
+            sleeping: true,
             gravity: [0.0, -9.81, 0.0],
         }
     }

@@ -77,6 +77,8 @@ pub enum Command {
     Redo,
     /// Pull a body by a point of it, pull on towards another place, or let go (`None`).
     Grab(Option<Pull>),
+    /// Measure what steps cost, or no longer.
+    WatchCost(bool),
 }
 
 /// A pull at a point of a body by a spring.
@@ -108,7 +110,8 @@ impl Command {
             | Self::AddBody { .. }
             | Self::Undo
             | Self::Redo
-            | Self::Grab(_) => false,
+            | Self::Grab(_)
+            | Self::WatchCost(_) => false,
         }
     }
 }

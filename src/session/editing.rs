@@ -123,6 +123,7 @@ impl Session {
         self.scene = scene;
         self.find_inversion();
         self.find_notice();
+        self.find_safe_values();
         Ok(applied)
     }
 

@@ -34,13 +34,13 @@ fn change_obstacle(session: &mut Session, place: usize, change: impl FnOnce(&mut
 
 fn set_shear(session: &mut Session, stiffness: f64) {
     change(session, |body| {
-        let Material::Springs(springs) = &mut body.material;
+        let Material::Springs(springs) = &mut body.material else { return };
         springs.shear.stiffness = stiffness;
     });
 }
 
 fn shear(session: &Session) -> f64 {
-    let Material::Springs(springs) = &session.scene().bodies[0].material;
+    let Material::Springs(springs) = &session.scene().bodies[0].material else { return f64::NAN };
     springs.shear.stiffness
 }
 

@@ -5,6 +5,7 @@
 mod bodies;
 mod clock;
 pub mod command;
+mod costs;
 pub mod document;
 mod editing;
 mod grab;
@@ -14,25 +15,28 @@ mod library;
 mod picture;
 pub mod predict;
 pub mod run;
+mod safe;
 pub mod state_file;
 pub mod status;
-pub mod timer;
 pub mod trouble;
 mod warnings;
 mod words;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use thiserror::Error;
 
 pub use command::{Command, Pull};
-pub use status::{BodyStatus, Status};
+pub use costs::{StageCost, StepCost};
+pub use status::{BodyStatus, SafeValue, Status};
 pub use trouble::{Cure, Trouble};
 
 use crate::geometry::Watch;
 use crate::physics::model::BodyModel;
+use crate::physics::state::BodyMemory;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
 use crate::scene::edit::EditError;
@@ -40,6 +44,7 @@ use crate::scene::file::SceneFileError;
 use crate::scene::resolve::ResolveError;
 use bodies::Bodies;
 use clock::Clock;
+use costs::Costs;
 use document::{Document, Opened, SaveError};
 use history::History;
 use library::Library;
@@ -100,6 +105,10 @@ pub struct Session {
     /// The first warning about the scene; found anew after every edit, not every frame.
     notice: String,
     picture: Picture,
+    /// How far the values of each body may go.
+    safe: Vec<safe::Found>,
+    /// What the steps cost, while someone looks.
+    costs: Option<Costs>,
 }
 
 impl Session {
@@ -134,8 +143,11 @@ impl Session {
             inverted_cells: 0,
             notice: String::new(),
             picture: Picture::default(),
+            costs: None,
+            safe: Vec::new(),
         };
         session.find_notice();
+        session.find_safe_values();
         Ok(session)
     }
 
@@ -183,6 +195,7 @@ impl Session {
             Command::Undo => self.undo()?,
             Command::Redo => self.redo()?,
             Command::Grab(pull) => self.grab(pull)?,
+            Command::WatchCost(watch) => self.costs = watch.then(|| Costs::new(self.simulation.plan())),
         }
         Ok(())
     }
@@ -231,8 +244,18 @@ impl Session {
     }
 
     fn substep(&mut self) -> bool {
-        self.report = self.simulation.substep(&mut ());
-        self.picture.touch();
+        let asleep = self.simulation.is_asleep();
+        self.report = match &mut self.costs {
+            None => self.simulation.substep(&mut ()),
+            Some(costs) => {
+                let report = self.simulation.substep(costs.timer());
+                costs.note(&report, self.simulation.plan());
+                report
+            }
+        };
+        if !asleep {
+            self.picture.touch();
+        }
         if self.report.diverged {
             self.playing = false;
             self.trouble = Some(self.explain_divergence());
@@ -268,12 +291,13 @@ impl Session {
             redo: self.history.redo_words().to_owned(),
             bodies: self.body_status(),
             trouble: self.trouble.clone().or_else(|| self.explain_inversion()),
+            cost: self.costs.as_ref().map(|costs| costs.shown(plan)),
         }
     }
 
     fn body_status(&self) -> Vec<BodyStatus> {
         let position = &self.simulation.state().position;
-        let status = |body: &BodyModel<f32>| {
+        let status = |((body, memory), found): ((&BodyModel<f32>, &BodyMemory), &safe::Found)| {
             let own = &position[body.particles.clone()];
             let sum = own.iter().fold(DVec3::ZERO, |sum, at| sum + at.as_dvec3());
             BodyStatus {
@@ -282,9 +306,13 @@ impl Session {
                 links: std::array::from_fn(|family| body.links[family].links.len()),
                 mass_kg: f64::from(body.particle_mass) * own.len() as f64,
                 center: (sum / own.len().max(1) as f64).to_array(),
+                asleep: memory.asleep,
+                safe: Arc::clone(&found.safe),
+                other_form: found.other.clone(),
             }
         };
-        self.simulation.model().bodies.iter().map(status).collect()
+        let (model, state) = (self.simulation.model(), self.simulation.state());
+        model.bodies.iter().zip(&state.bodies).zip(&self.safe).map(status).collect()
     }
 
     fn slowness(&self, factor: f64, links: usize) -> String {

@@ -46,6 +46,9 @@ impl Session {
             let (simulation, bodies) = (&self.simulation, &self.scene.bodies);
             let source = &mut self.picture.overlay_source;
             self.picture.overlay = source.fill(simulation, bodies, view.overlays);
+            if let Some(trouble) = &self.trouble {
+                extract::guilty::mark_links(&mut self.picture.overlay, &trouble.guilty_links);
+            }
             self.picture.drawn = Some(now);
         }
         DrawList {

@@ -78,3 +78,30 @@ fn real_time_factor(session: &Session) -> f64 {
     }
     substeps as f64 * copy.plan().substep_secs() / begin.elapsed().as_secs_f64()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::scene::{Body, Material, Scene, Solid};
+
+    fn prediction(material: Material) -> Prediction {
+        let scene = Scene { bodies: vec![Body { material, ..Body::default() }], ..Scene::default() };
+        Prediction::of(&Session::new(scene, PathBuf::new(), String::new()).expect("a cube resolves"))
+    }
+
+    #[test]
+    fn each_term_of_a_solid_has_a_limit_of_its_own() {
+        let prediction = prediction(Material::Solid(Solid::default()));
+        let of = |term: &str| {
+            prediction.limits.iter().find(|limit| limit.term == term).and_then(|limit| limit.dt_limit_secs)
+        };
+        let combined = of("combined").expect("a solid limits the step");
+        for term in ["structural_stiffness", "shear_stiffness", "structural_damping", "shear_damping"] {
+            assert!(of(term).is_some_and(|limit| limit > combined), "{term}: {:?} above {combined} s", of(term));
+        }
+        assert_eq!(of("bending_stiffness"), None, "a solid has no bending links that push");
+        assert_eq!(prediction.dt_limit_secs, Some(combined), "all together limit");
+    }
+}

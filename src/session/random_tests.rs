@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::{Command, Pull, Session};
 use crate::math::rng::Rng;
-use crate::scene::body::{CubeShape, PinBox, Pose};
+use crate::scene::body::{CubeShape, Inlay, PinBox, Pose};
 use crate::scene::edit::{BodyId, Edit, ObstacleId};
-use crate::scene::material::{Spring, Springs};
+use crate::scene::material::{Solid, Spring, Springs};
 use crate::scene::obstacle::{ObstacleShape, Plane, Sphere};
 use crate::scene::presets::preset;
 use crate::scene::resolve::resolve;
@@ -141,7 +141,7 @@ impl Hand {
                     0 => body.material = other.material,
                     1 => body.pose = other.pose,
                     2 => body.velocity = other.velocity,
-                    3 => body.pins = other.pins,
+                    3 => (body.pins, body.inlays) = (other.pins, other.inlays),
                     4 => body.hidden = !body.hidden,
                     5 => body.name.push('x'),
                     _ => body = other,
@@ -160,13 +160,17 @@ impl Hand {
             particle_mass: self.number(0.01, 1.0),
         };
         let cells = u32::try_from(self.below(4)).expect("small");
+        let solid = Solid { young_modulus: self.number(1e3, 1e5), ..Solid::default() };
+        let material = if self.below(3) == 0 { Material::Solid(solid) } else { Material::Springs(springs) };
+        let inlays = vec![Inlay { min: self.vector(1.0), max: self.vector(1.0), solid }; self.below(2)];
         let pins = vec![PinBox { min: self.vector(1.0), max: self.vector(1.0) }; self.below(2)];
         Body {
             name: format!("body {}", self.below(9)),
             shape: Shape::Cube(CubeShape { cells, size: self.number(0.2, 2.0) }),
             pose: Pose { position: self.vector(3.0), rotation_deg: self.vector(180.0) },
             velocity: self.vector(20.0),
-            material: Material::Springs(springs),
+            material,
+            inlays,
             pins,
             ..Body::default()
         }

@@ -5,11 +5,11 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::Session;
-use super::timer::WallTimer;
 use crate::geometry::Watch;
 use crate::physics::StepReport;
 use crate::physics::diagnostics::{Diagnostics, Energy};
 use crate::physics::plan::Stage;
+use crate::report::timer::WallTimer;
 
 /// Extremes are looked for this often, simulated s; penetration in every substep.
 const SAMPLE_SECS: f64 = 1.0 / 60.0;
@@ -44,6 +44,8 @@ pub struct RunFigures {
     pub contacts: usize,
     pub max_penetration_m: f64,
     pub inverted_cells: usize,
+    pub bodies: usize,
+    pub bodies_asleep: usize,
     pub narrow_tests: u64,
     pub narrow_tests_saved: u64,
     pub hash: String,
@@ -137,7 +139,10 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
         }
         let elapsed = session.simulation.state().time_secs - time_at_start;
         if elapsed >= next_sample {
-            peak.include(&session.simulation.diagnostics());
+            // What sleeps has no new extremes.
+            if !session.simulation.is_asleep() {
+                peak.include(&session.simulation.diagnostics());
+            }
             watch.progress((step + 1) as f64 / steps as f64);
             next_sample += SAMPLE_SECS * libm::floor((elapsed - next_sample) / SAMPLE_SECS + 1.0);
         }
@@ -202,6 +207,8 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         contacts: report.contacts,
         max_penetration_m: report.max_penetration_m,
         inverted_cells: last.inverted_cells,
+        bodies: simulation.model().bodies.len(),
+        bodies_asleep: report.bodies_asleep,
         narrow_tests: report.narrow_tests,
         narrow_tests_saved: report.narrow_tests_saved,
         hash: format!("{:016x}", simulation.hash()),

@@ -1,13 +1,15 @@
 //! A simulation's state as bytes, exactly: what `gelatin run --save-state` writes and `--from-state` goes on from.
 //!
 //! ```text
-//! "gelatin-state 2\n"                                       magic and version
+//! "gelatin-state 3\n"                                       magic and version
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
 //! position, residual, velocity: 3 × particles × 3 f32
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
 //! bodies: each a count u64 and as many cells u32             watched as they may invert
+//!         asleep 0 or 1, substeps it has been still          two u64
+//!         where still: its particles × 3 f32                 where they were when they came to be still
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
 
@@ -18,7 +20,7 @@ use super::Session;
 use crate::physics::State;
 use crate::physics::state::BodyMemory;
 
-const MAGIC: &[u8] = b"gelatin-state 2\n";
+const MAGIC: &[u8] = b"gelatin-state 3\n";
 
 /// Why a state cannot be used.
 #[derive(Debug, Error, PartialEq, Eq)]
@@ -27,7 +29,7 @@ pub enum StateFileError {
     #[error("this is not a state that `gelatin run --save-state` wrote")]
     NotAState,
     /// Written by an earlier or a later program.
-    #[error("this state was written by another version of the program (it begins with {begins:?}, version 2 is read)")]
+    #[error("this state was written by another version of the program (it begins with {begins:?}, version 3 is read)")]
     OtherVersion {
         /// The first words.
         begins: String,
@@ -70,9 +72,14 @@ impl Session {
             bytes.extend(vectors.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
         }
         bytes.extend(state.side.iter().flatten().flat_map(|side| side.to_le_bytes()));
-        for memory in &state.bodies {
+        for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
+            bytes.extend([u64::from(memory.asleep), memory.still_substeps].iter().flat_map(|word| word.to_le_bytes()));
+            if memory.still_substeps > 0 {
+                let anchor = &state.anchor[body.particles.clone()];
+                bytes.extend(anchor.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
+            }
         }
         let checksum = fnv1a(&bytes);
         bytes.extend(checksum.to_le_bytes());
@@ -106,7 +113,7 @@ impl Session {
         if accelerations != accelerated as u64 || reader.rest.len() < of_particles {
             return Err(StateFileError::Damaged);
         }
-        let bodies = self.body_memories(&mut Reader { rest: &reader.rest[of_particles..] })?;
+        let (bodies, anchor) = self.body_memories(&mut Reader { rest: &reader.rest[of_particles..] })?;
         let state = State {
             position: reader.vectors(scene_particles),
             position_residual: reader.vectors(scene_particles),
@@ -114,6 +121,7 @@ impl Session {
             acceleration: reader.vectors(accelerated),
             velocity_lag_secs: f64::from_bits(lag),
             side: (0..scene_planes).map(|_| reader.sides(scene_particles)).collect(),
+            anchor,
             bodies,
             steps,
             substep: u32::try_from(substep).map_err(|_too_many| StateFileError::Damaged)?,
@@ -123,9 +131,10 @@ impl Session {
         Ok(())
     }
 
-    /// What is remembered of every body, at the end of the bytes.
-    fn body_memories(&self, reader: &mut Reader<'_>) -> Result<Vec<BodyMemory>, StateFileError> {
+    /// What is remembered of every body and where the still ones were, at the end of the bytes.
+    fn body_memories(&self, reader: &mut Reader<'_>) -> Result<(Vec<BodyMemory>, Vec<Vec3>), StateFileError> {
         let mut memories = Vec::new();
+        let mut anchor = vec![Vec3::ZERO; self.simulation().model().particle_count()];
         for body in &self.simulation().model().bodies {
             let cells = body.lattice.cells.len() as u64;
             let count = reader.u64();
@@ -136,9 +145,20 @@ impl Session {
             if near_inversion.iter().any(|&cell| u64::from(cell) >= cells) {
                 return Err(StateFileError::Damaged);
             }
-            memories.push(BodyMemory { near_inversion });
+            let [asleep, still_substeps] = [reader.u64(), reader.u64()];
+            if asleep > 1 {
+                return Err(StateFileError::Damaged);
+            }
+            if still_substeps > 0 {
+                let particles = body.particles.clone();
+                if reader.rest.len() < 12 * particles.len() {
+                    return Err(StateFileError::Damaged);
+                }
+                anchor[particles.clone()].copy_from_slice(&reader.vectors(particles.len()));
+            }
+            memories.push(BodyMemory { near_inversion, still_substeps, asleep: asleep == 1 });
         }
-        if reader.rest.is_empty() { Ok(memories) } else { Err(StateFileError::Damaged) }
+        if reader.rest.is_empty() { Ok((memories, anchor)) } else { Err(StateFileError::Damaged) }
     }
 }
 

@@ -1,8 +1,11 @@
 //! What the panels show of a running sandbox: plain numbers and words, no physics types.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use super::Trouble;
+use super::{StepCost, Trouble};
+pub use crate::physics::safe_values::SafeValue;
+use crate::scene::Material;
 
 /// The state of a session, published with every snapshot.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,6 +52,8 @@ pub struct Status {
     pub bodies: Vec<BodyStatus>,
     /// Why the simulation was stopped, if it was.
     pub trouble: Option<Trouble>,
+    /// What a step costs; none while nobody looks.
+    pub cost: Option<StepCost>,
 }
 
 /// What there is to know of a body beside what the scene says.
@@ -64,4 +69,10 @@ pub struct BodyStatus {
     pub mass_kg: f64,
     /// The centre of mass now, m.
     pub center: [f64; 3],
+    /// Whether it has come to rest and is left alone until something touches it or a value changes.
+    pub asleep: bool,
+    /// How far each value of its material may go before the step asked for has to be divided.
+    pub safe: Arc<Vec<SafeValue>>,
+    /// Its material in the other form: springs of a solid, a solid of springs.
+    pub other_form: Material,
 }

@@ -7,6 +7,7 @@ use super::*;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::presets::preset;
 use crate::scene::{Body, Material};
+use crate::view::style::Tint;
 
 const FRAME: Duration = Duration::from_nanos(16_666_667);
 const PLENTY: Duration = Duration::MAX;
@@ -50,7 +51,7 @@ fn live_material_keeps_the_motion_and_restart_takes_it_back() {
     (0..200).for_each(|_| assert!(session.step(), "the preset is stable"));
     let (before, velocity) = (first_place(&session), session.simulation().state().velocity[0]);
     let softer = edited_body(&session, |body| {
-        let Material::Springs(springs) = &mut body.material;
+        let Material::Springs(springs) = &mut body.material else { return };
         springs.shear.stiffness *= 0.5;
     });
     session.handle(softer).expect("half the stiffness is in range");
@@ -110,6 +111,24 @@ fn a_state_goes_to_bytes_and_back_bit_for_bit() {
 }
 
 #[test]
+fn what_sleeps_is_not_copied_for_a_picture_and_looking_at_it_does_not_wake_it() {
+    let mut session = session("tree");
+    let steps = (0..20_000).take_while(|_| session.step() && !session.status().bodies[0].asleep).count();
+    assert!((1000..20_000).contains(&steps), "it falls, rests and sleeps: {steps} ms");
+    let first = session.draw_list();
+    assert!(session.step(), "time goes on");
+    assert!(Arc::ptr_eq(&first.particles, &session.draw_list().particles), "the picture is the one before");
+    let mut view = session.scene().view.clone();
+    view.color = crate::scene::ColorBy::Contact;
+    session.handle(Command::Edit(Edit::View(view))).expect("a view can be changed");
+    let shown = session.draw_list().scalars.expect("colours are on");
+    assert!(shown.iter().sum::<f32>() > 1.0, "its contacts are still to be seen");
+    assert!(session.status().bodies[0].asleep, "a look wakes nothing");
+    session.handle(edited_body(&session, |body| body.pose.position[1] += 1.0)).expect("it can be lifted");
+    assert!(session.step() && !session.status().bodies[0].asleep, "a hand does");
+}
+
+#[test]
 fn damaged_and_foreign_states_are_refused() {
     let bytes = session("cube-on-plane").state_bytes();
     let refused = |bytes: &[u8]| session("cube-on-plane").set_state_bytes(bytes).expect_err("this must be refused");
@@ -151,6 +170,10 @@ fn the_exploding_preset_explodes_soon_names_the_cause_and_every_cure_cures_it() 
     assert!(diagnostics.finite && diagnostics.max_speed < 1e4, "it is stopped while there is something to see");
     let trouble = exploding.status().trouble.expect("the explosion is explained");
     assert!(trouble.words.contains("structural stiffness of 1010 N"), "the cause is named: {}", trouble.words);
+    let guilty = &trouble.guilty_links;
+    assert!(!guilty.is_empty() && guilty.len() < 2000, "some of the structural links are at fault: {}", guilty.len());
+    let marked = |session: &mut Session| session.draw_list().overlay.lines.iter().any(|l| l.tint == Tint::Broken);
+    assert!(marked(&mut exploding), "and marked in the picture");
     let (start_again, cures) = trouble.cures.split_last().expect("there are cures");
     assert!(cures.len() >= 3 && start_again.edit.is_none(), "and a new start: {:?}", trouble.cures);
     for cure in cures {
@@ -160,6 +183,7 @@ fn the_exploding_preset_explodes_soon_names_the_cause_and_every_cure_cures_it() 
             session.handle(command).expect("a cure is allowed");
         }
         assert!(session.status().playing && session.status().trouble.is_none(), "{}: it runs again", cure.words);
+        assert!(!marked(&mut session), "{}: nothing is marked any more", cure.words);
         assert!((0..3000).all(|_| session.step()), "{}: three seconds later it still stands", cure.words);
     }
 }

@@ -1,5 +1,7 @@
 //! A simulation that broke: what was too large against what, in plain words, and what would cure it, as commands.
 
+use std::sync::Arc;
+
 use super::{Command, Session};
 use crate::extract;
 use crate::math::Vector;
@@ -7,7 +9,7 @@ use crate::physics::stability::Term;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::material::Spring;
 use crate::scene::settings::Stepping;
-use crate::scene::{Body, Family, Material, Springs};
+use crate::scene::{Body, Family, Material, Solid, Springs};
 use crate::view::legend::three_digits;
 
 /// A simulation that broke, explained.
@@ -19,6 +21,8 @@ pub struct Trouble {
     pub words: String,
     /// What would help, best first.
     pub cures: Vec<Cure>,
+    /// The links that are at fault, as particles of the draw list: marked in the picture.
+    pub guilty_links: Arc<Vec<[u32; 2]>>,
 }
 
 /// Something that would help.
@@ -60,7 +64,7 @@ impl Session {
         settings.inversion_recovery = true;
         let heal = Cure { words: "Turn them back".to_owned(), edit: Some(Edit::Settings(settings)), restart: false };
         let again = Cure { words: "Start again".to_owned(), edit: None, restart: true };
-        Some(Trouble { title: "It broke".to_owned(), words, cures: vec![heal, again] })
+        Some(Trouble { title: "It broke".to_owned(), words, cures: vec![heal, again], guilty_links: Arc::default() })
     }
 
     /// Looks for cells that are turned inside out, where nothing turns them back.
@@ -92,12 +96,14 @@ impl Session {
             "The simulation exploded and was stopped at its last good state. A step of {step} ms is too large for \
              {against}: {bound}."
         );
-        Trouble { title: EXPLODED.to_owned(), words, cures: self.cures(dt_secs / safe_secs) }
+        let guilty_links = Arc::new(extract::guilty::guilty_links(&self.simulation, body, families(guilty)));
+        Trouble { title: EXPLODED.to_owned(), words, cures: self.cures(dt_secs / safe_secs), guilty_links }
     }
 
     fn unexplained(&self) -> Trouble {
         let words = "The simulation became unstable and was stopped at its last good state.".to_owned();
-        Trouble { title: EXPLODED.to_owned(), words, cures: self.cures(1.0) }
+        let (title, cures) = (EXPLODED.to_owned(), self.cures(1.0));
+        Trouble { title, words, cures, guilty_links: Arc::default() }
     }
 
     /// What helps against a step that is `excess` times too large to be safe.
@@ -136,9 +142,38 @@ impl Session {
     }
 }
 
+/// The families whose links are at fault.
+fn families(guilty: Term) -> &'static [Family] {
+    match guilty {
+        Term::Stiffness(family) | Term::Damping(family) => match family {
+            Family::Structural => &[Family::Structural],
+            Family::Shear => &[Family::Shear],
+            Family::Bending => &[Family::Bending],
+        },
+        Term::Combined => &Family::ALL,
+        Term::Contact | Term::User => &[],
+    }
+}
+
 /// The value that is too large, and the mass it is too large for.
 fn accuse(guilty: Term, body: &Body) -> String {
-    let Material::Springs(springs) = &body.material;
+    match &body.material {
+        Material::Springs(springs) => accuse_springs(guilty, springs),
+        Material::Solid(solid) => {
+            let density = three_digits(solid.density);
+            let modulus = three_digits(solid.young_modulus);
+            match guilty {
+                Term::Stiffness(_) => format!("a Young's modulus of {modulus} Pa with a density of {density} kg/m³"),
+                Term::Damping(_) => format!("a damping ratio of {}", three_digits(solid.damping_ratio)),
+                Term::Contact | Term::User | Term::Combined => {
+                    format!("{} with a density of {density} kg/m³", guilty.words())
+                }
+            }
+        }
+    }
+}
+
+fn accuse_springs(guilty: Term, springs: &Springs) -> String {
     let mass = format!("a particle mass of {} g", three_digits(springs.particle_mass * 1e3));
     match guilty {
         Term::Stiffness(family) => {
@@ -154,18 +189,30 @@ fn accuse(guilty: Term, body: &Body) -> String {
 }
 
 /// A stable step grows with the root of the mass over the stiffness, and with the mass over the damping: the square of
-/// the excess is enough for both.
+/// the excess is enough for both. A solid's damping follows its modulus and density by their root, so that its damping
+/// ratio has to shrink too.
 fn material_cures(body: &Body, excess: f64) -> impl Iterator<Item = (String, Body)> {
-    let Material::Springs(springs) = &body.material;
     let factor = excess * excess;
-    let softer = |spring: Spring| Spring { stiffness: spring.stiffness / factor, damping: spring.damping / factor };
-    let [structural, shear, bending] = Family::ALL.map(|family| softer(springs.family(family)));
-    let soft = Springs { structural, shear, bending, ..*springs };
-    let heavy = Springs { particle_mass: springs.particle_mass * factor, ..*springs };
+    let [soft, heavy] = match &body.material {
+        Material::Springs(springs) => {
+            let softer =
+                |spring: Spring| Spring { stiffness: spring.stiffness / factor, damping: spring.damping / factor };
+            let [structural, shear, bending] = Family::ALL.map(|family| softer(springs.family(family)));
+            let heavy = Springs { particle_mass: springs.particle_mass * factor, ..*springs };
+            [Springs { structural, shear, bending, ..*springs }, heavy].map(Material::Springs)
+        }
+        Material::Solid(solid) => {
+            let soft = Solid { young_modulus: solid.young_modulus / factor, ..*solid };
+            let heavy = Solid { density: solid.density * factor, ..*solid };
+            [soft, heavy]
+                .map(|solid| Solid { damping_ratio: solid.damping_ratio / excess, ..solid })
+                .map(Material::Solid)
+        }
+    };
     let times = three_digits(factor);
     [(format!("Make the springs {times} times softer"), soft), (format!("Make it {times} times heavier"), heavy)]
         .into_iter()
-        .map(|(words, springs)| (words, Body { material: Material::Springs(springs), ..body.clone() }))
+        .map(|(words, material)| (words, Body { material, ..body.clone() }))
 }
 
 /// Two significant digits, never more than given.

@@ -7,7 +7,8 @@ use crate::scene::Scene;
 use crate::scene::edit::Edit;
 
 /// Names on a path that say nothing beside the name after them.
-const SILENT: [&str; 9] = ["material", "springs", "shape", "cube", "model", "pose", "plane", "sphere", "settings"];
+const SILENT: [&str; 10] =
+    ["material", "springs", "solid", "shape", "cube", "model", "pose", "plane", "sphere", "settings"];
 
 /// What an edit changes in a scene, in words. An edit that changes nothing has none.
 pub(super) fn words(scene: &Scene, edit: &Edit) -> String {
@@ -94,7 +95,7 @@ mod tests {
     #[test]
     fn the_value_and_the_body_are_named() {
         let shear = said(|body| {
-            let Material::Springs(springs) = &mut body.material;
+            let Material::Springs(springs) = &mut body.material else { return };
             springs.shear.stiffness = 1.0;
         });
         assert_eq!(shear, "shear stiffness of Jelly");
@@ -106,7 +107,7 @@ mod tests {
     #[test]
     fn several_values_are_named_by_what_they_share_and_none_has_no_words() {
         let springs = said(|body| {
-            let Material::Springs(springs) = &mut body.material;
+            let Material::Springs(springs) = &mut body.material else { return };
             (springs.shear.stiffness, springs.bending.stiffness) = (1.0, 2.0);
         });
         assert_eq!(springs, "springs of Jelly");

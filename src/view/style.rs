@@ -44,7 +44,7 @@ pub struct OverlayColors {
     /// Cells.
     pub cell: [f32; 3],
     /// Cells turned inside out.
-    pub inverted: [f32; 3],
+    pub broken: [f32; 3],
     /// The edges of skins.
     pub wireframe: [f32; 3],
     /// What is selected or grabbed.
@@ -74,8 +74,8 @@ pub enum Tint {
     ObstacleBox,
     /// Cells.
     Cell,
-    /// Cells turned inside out.
-    Inverted,
+    /// What is wrong: cells turned inside out, links that a step is too large for.
+    Broken,
     /// The edges of skins.
     Wireframe,
     /// What is selected or grabbed.
@@ -93,7 +93,7 @@ impl OverlayColors {
             Tint::BodyBox => self.body_box,
             Tint::ObstacleBox => self.obstacle_box,
             Tint::Cell => self.cell,
-            Tint::Inverted => self.inverted,
+            Tint::Broken => self.broken,
             Tint::Wireframe => self.wireframe,
             Tint::Accent => self.accent,
         };
@@ -108,7 +108,7 @@ impl OverlayColors {
             body_box: linear_from_srgb([240, 240, 244]),
             obstacle_box: linear_from_srgb([86, 180, 233]),
             cell: linear_from_srgb([150, 205, 240]),
-            inverted: linear_from_srgb([255, 150, 30]),
+            broken: linear_from_srgb([255, 150, 30]),
             wireframe: linear_from_srgb([250, 250, 250]),
             accent: linear_from_srgb([94, 160, 255]),
             hot: linear_from_srgb([255, 255, 255]),
@@ -125,7 +125,7 @@ impl OverlayColors {
             body_box: linear_from_srgb([40, 42, 50]),
             obstacle_box: linear_from_srgb([0, 104, 178]),
             cell: linear_from_srgb([30, 96, 150]),
-            inverted: linear_from_srgb([222, 92, 0]),
+            broken: linear_from_srgb([222, 92, 0]),
             wireframe: linear_from_srgb([24, 26, 32]),
             accent: linear_from_srgb([24, 104, 226]),
             hot: linear_from_srgb([16, 18, 24]),

@@ -5,6 +5,8 @@ mod files;
 mod input;
 mod live;
 mod panels;
+mod panels_cost;
+mod panels_material;
 mod panels_pictures;
 mod panels_sizes;
 mod panels_things;

@@ -10,7 +10,7 @@ use gelatin::session::Command;
 use crate::live::Window;
 
 fn springs(window: &Window) -> Springs {
-    let Material::Springs(springs) = window.scene().bodies[0].material;
+    let Material::Springs(springs) = window.scene().bodies[0].material else { unreachable!("a body of springs") };
     springs
 }
 
@@ -92,6 +92,8 @@ fn a_number_outside_its_range_is_refused_with_a_hint() {
 #[test]
 fn the_number_of_cells_is_whole_and_builds_the_cube_anew() {
     let mut window = jelly();
+    window.control("Cells an edge").scroll_to_me();
+    window.wait();
     window.click("Cells an edge");
     window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.enter("4");

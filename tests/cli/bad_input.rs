@@ -4,11 +4,11 @@ use std::fs;
 
 use crate::program::{Folder, square};
 
-const FAILED: i32 = 1;
-const USAGE: i32 = 2;
+pub(crate) const FAILED: i32 = 1;
+pub(crate) const USAGE: i32 = 2;
 
 /// Each line is refused with this code and a sentence that holds the words; no file changes.
-fn refused(folder: &Folder, line: &str, code: i32, words: &[&str]) {
+pub(crate) fn refused(folder: &Folder, line: &str, code: i32, words: &[&str]) {
     let before = listing(folder);
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(code), "gelatin {line}: {ran:?}");
@@ -119,7 +119,7 @@ fn output_that_cannot_be_written_is_refused_first() {
 #[test]
 fn runs_that_cannot_be_are_refused() {
     let folder = Folder::new();
-    folder.write("other.state", "gelatin-state 2\nnot much").write("kept.state", "kept");
+    folder.write("other.state", "gelatin-state 3\nnot much").write("kept.state", "kept");
     refused(&folder, "run cube-on-plane --seconds -1", USAGE, &["0 to 86400"]);
     refused(&folder, "run cube-on-plane --seconds nan", USAGE, &["0 to 86400"]);
     refused(&folder, "run cube-on-plane --seconds 0 --from-state gone.state", FAILED, &["gone.state"]);

@@ -78,7 +78,7 @@ const RUN_KEYS: &str = "scene simulated_secs wall_secs real_time_factor steps su
 const CHECK_KEYS: &str = "ok errors particles links dt_limit_secs dt_safe_secs limited_by limits substeps_per_frame \
     predicted_real_time_factor";
 
-fn missing<'a>(object: &serde_json::Value, keys: &'a str) -> Vec<&'a str> {
+pub(crate) fn missing<'a>(object: &serde_json::Value, keys: &'a str) -> Vec<&'a str> {
     keys.split_whitespace().filter(|key| object.get(key).is_none()).collect()
 }
 
@@ -105,6 +105,25 @@ fn a_run_repeats_bit_for_bit_on_any_number_of_threads_and_goes_on_from_a_state()
     hash("run tree --seconds 0.15 --json --save-state half.state");
     assert_eq!(whole, hash("run tree --seconds 0.25 --json --from-state half.state"), "in two halves");
     assert_ne!(whole, hash("run tree --seconds 0.4 --json --set bodies.0.velocity.0=0.001"), "another motion");
+}
+
+#[test]
+fn a_run_that_is_saved_while_it_falls_asleep_or_sleeps_goes_on_bit_for_bit() {
+    let folder = Folder::new();
+    let figures = |line: &str| {
+        let run = folder.json(line);
+        (run["hash"].as_str().expect("sixteen digits").to_owned(), run["bodies_asleep"].as_u64())
+    };
+    let whole = figures("run coupler-7 --seconds 6 --json");
+    assert_eq!(whole.1, Some(1), "it sleeps in the end");
+    for (before, after) in [("2", "4"), ("3", "3"), ("3.25", "2.75"), ("5", "1")] {
+        figures(&format!("run coupler-7 --seconds {before} --json --save-state half.state"));
+        let rest = figures(&format!("run coupler-7 --seconds {after} --json --from-state half.state"));
+        assert_eq!(rest, whole, "saved after {before} s");
+    }
+    let awake = figures("run coupler-7 --seconds 6 --json --set settings.sleeping=false");
+    assert_eq!(awake.1, Some(0), "it can be switched off");
+    assert_ne!(awake.0, whole.0, "what sleeps has stopped");
 }
 
 #[test]

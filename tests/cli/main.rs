@@ -3,3 +3,5 @@
 mod bad_input;
 mod figures;
 mod program;
+mod report;
+mod stability;

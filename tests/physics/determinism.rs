@@ -33,7 +33,7 @@ fn a_new_parameter_keeps_positions_and_velocities() {
     let mut simulation = simulate::<f32>(&scene);
     run(&mut simulation, 0.4);
     let before = simulation.state().clone();
-    let Material::Springs(material) = &mut scene.bodies[0].material;
+    let Material::Springs(material) = &mut scene.bodies[0].material else { unreachable!("a body of springs") };
     material.bending.stiffness *= 3.0;
     simulation.set_parameters(&scene, &lattices(&scene), &[Some(0)], true);
     assert_eq!(simulation.state().position, before.position, "everything stays where it is");

@@ -1,11 +1,12 @@
 //! What a step does not do: far tests, stages that a scene does not need.
 
+use gelatin::physics::StepReport;
 use gelatin::physics::plan::Stage;
 use gelatin::physics::report::StageTimer;
 use gelatin::scene::Scene;
-use gelatin::scene::presets::presets;
+use gelatin::scene::presets::{preset, presets};
 
-use crate::support::{alone, ball, cube, simulate, springs};
+use crate::support::{alone, ball, cube, falling, plane, simulate, springs};
 
 #[test]
 fn the_broad_phase_changes_no_preset_and_saves_tests() {
@@ -61,6 +62,116 @@ fn a_far_ball_costs_no_test() {
     let mut simulation = simulate::<f32>(&scene);
     // The first substep looks: only then is it known that nothing touches.
     simulation.step();
-    let report = simulation.step();
+    let mut stages = Stages::default();
+    let report = simulation.step_timed(&mut stages);
     assert_eq!((report.narrow_tests, report.narrow_tests_saved), (0, 27), "every particle was saved a test");
+    assert_eq!(
+        (stages.0[Stage::BroadPhase as usize], stages.0[Stage::Contact as usize]),
+        (1, 0),
+        "by one look at boxes"
+    );
+}
+
+/// A cube that falls on a plane, and what a second of it did.
+fn fallen(change: impl Fn(&mut Scene)) -> (StepReport, Vec<String>) {
+    let mut scene = falling(cube(3, 1.0, springs(40.0, 0.2, 0.02), [0.0, 0.6, 0.0]));
+    scene.obstacles.push(plane([0.0; 3], [0.0; 3], [0.6, 0.5]));
+    change(&mut scene);
+    let mut simulation = simulate::<f32>(&scene);
+    let mut report = StepReport::default();
+    (0..1000).for_each(|_| report.add(&simulation.step()));
+    (report, simulation.plan().left_out().into_iter().map(|(name, _)| name).collect())
+}
+
+fn material(scene: &mut Scene) -> &mut gelatin::scene::Springs {
+    let gelatin::scene::Material::Springs(springs) = &mut scene.bodies[0].material else {
+        unreachable!("a body of springs")
+    };
+    springs
+}
+
+#[test]
+fn each_feature_runs_only_where_it_is_needed_and_the_plan_says_so() {
+    let (report, left_out) = fallen(|_| ());
+    assert!(report.frictions > 0 && report.damped_link_forces == report.link_forces, "all is needed: {report:?}");
+    assert_eq!((report.sphere_tests, report.recovery_cells), (0, 0), "but no sphere and no push");
+    assert!(left_out.contains(&"sphere contact".to_owned()), "{left_out:?}");
+    let (report, left_out) = fallen(|scene| scene.obstacles.push(ball([0.0, 0.2, 0.0], 0.3)));
+    assert!(report.sphere_tests > 0 && !left_out.contains(&"sphere contact".to_owned()), "a sphere is tested");
+    let (report, left_out) = fallen(|scene| scene.obstacles[0] = plane([0.0; 3], [0.0; 3], [0.0; 2]));
+    assert!(report.contacts > 0 && report.frictions == 0, "no coefficient, no friction: {report:?}");
+    assert!(left_out.contains(&"friction".to_owned()), "{left_out:?}");
+    let with_bending = fallen(|_| ()).0;
+    let (report, left_out) = fallen(|scene| {
+        let bending = &mut material(scene).bending;
+        (bending.stiffness, bending.damping) = (0.0, 0.0);
+    });
+    let links = [with_bending, report].map(|report| report.link_forces / report.substeps);
+    assert_eq!(links[0] - links[1], 96, "the 3·4²·2 bending links are not evaluated");
+    assert!(left_out.contains(&"bending links".to_owned()), "{left_out:?}");
+    let (report, left_out) = fallen(|scene| {
+        let springs = material(scene);
+        springs.shear.damping = 0.0;
+        springs.bending.damping = 0.0;
+        springs.structural.damping = 0.0;
+    });
+    assert!(report.link_forces > 0 && report.damped_link_forces == 0, "no damping, no damped force: {report:?}");
+    assert!(left_out.contains(&"shear damping".to_owned()), "{left_out:?}");
+}
+
+/// A preset after a second of simulated time, nothing asleep.
+fn after_a_second(name: &str, everything: bool, change: fn(&mut Scene)) -> (u64, StepReport) {
+    let mut scene = (preset(name).expect("a preset of this name").build)();
+    scene.settings.sleeping = false;
+    change(&mut scene);
+    let mut simulation = simulate::<f32>(&scene);
+    if everything {
+        simulation.plan_mut().work_out_everything();
+    }
+    let mut report = StepReport::default();
+    (0..1000).for_each(|_| report.add(&simulation.step()));
+    (simulation.hash(), report)
+}
+
+#[test]
+fn what_is_left_out_of_whole_scenes_changes_no_bit() {
+    for name in ["cube-on-plane", "cube-on-sphere", "incline", "incline-slide", "u-on-sphere", "tree", "coupler-7"] {
+        let (lean, spared) = after_a_second(name, false, |_| ());
+        let (full, done) = after_a_second(name, true, |_| ());
+        assert_eq!(lean, full, "{name}: bit for bit");
+        assert!(spared.narrow_tests < done.narrow_tests, "{name}: far particles are tested");
+        assert!(spared.cells_looked_at < done.cells_looked_at, "{name}: cells are looked at in every substep");
+    }
+}
+
+/// No friction, no bending, no damping.
+fn bare(scene: &mut Scene) {
+    for obstacle in &mut scene.obstacles {
+        (obstacle.friction_static, obstacle.friction_dynamic) = (0.0, 0.0);
+    }
+    let springs = material(scene);
+    springs.bending.stiffness = 0.0;
+    for family in [&mut springs.structural, &mut springs.shear, &mut springs.bending] {
+        family.damping = 0.0;
+    }
+}
+
+/// With a ball further away than anything ever gets.
+fn bare_with_a_ball(scene: &mut Scene) {
+    bare(scene);
+    scene.obstacles.push(ball([5e3, 5e3, 0.0], 1.0));
+}
+
+#[test]
+fn friction_bending_damping_and_spheres_are_missed_by_no_bit() {
+    for name in ["cube-on-plane", "incline", "tree"] {
+        let (lean, spared) = after_a_second(name, false, bare);
+        let (full, done) = after_a_second(name, true, bare_with_a_ball);
+        assert_eq!(lean, full, "{name}: bit for bit");
+        assert_eq!((spared.frictions, spared.damped_link_forces), (0, 0), "{name}: nothing rubs, nothing is damped");
+        assert!(done.frictions > 0 && done.damped_link_forces > 0 && done.sphere_tests > spared.sphere_tests, "{name}");
+        assert!(spared.link_forces < done.link_forces, "{name}: no bending links");
+        let (other, _) = after_a_second(name, true, |_| ());
+        assert_ne!(other, full, "{name}: what does something is missed");
+    }
 }

@@ -1,12 +1,18 @@
 //! The physics against analytic values, conservation laws and its own promises. Needs no GPU and no window.
 
 mod analytic;
+mod bounds;
+mod cantilever;
 mod contact;
 mod determinism;
 mod economy;
+mod extremes;
 mod friction;
 mod integrators;
 mod presets;
 mod recovery;
+mod sleep;
+mod solid;
 mod stability;
+mod statics;
 mod support;

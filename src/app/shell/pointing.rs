@@ -91,6 +91,7 @@ impl Shell {
             }
             Action::TogglePanel(Panel::Tree) => self.ui.panels.tree ^= true,
             Action::TogglePanel(Panel::Inspector) => self.ui.panels.inspector ^= true,
+            Action::TogglePanel(Panel::Cost) => self.ui.panels.cost ^= true,
             Action::ToggleKeys => self.ui.keys_open = !self.ui.keys_open,
             Action::Close => self.put_away(),
             Action::Choose(pixel) => self.choose(pixel),

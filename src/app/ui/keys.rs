@@ -43,7 +43,7 @@ const RIGHT: [Group; 2] = [
     (
         "Window",
         &[
-            ("T,  N", "list of things, values"),
+            ("T,  N,  C", "list of things, values, what a step costs"),
             ("Tab", "from one control to the next"),
             ("Arrows", "move a slider; with shift finely"),
             ("Esc", "choose nothing, put away what lies over the view"),

@@ -87,6 +87,7 @@ fn view_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, comma
     ui.separator();
     toggle_ui(ui, &mut state.panels.tree, "List of things", "T");
     toggle_ui(ui, &mut state.panels.inspector, "Values", "N");
+    toggle_ui(ui, &mut state.panels.cost, "What a step costs", "C");
     ui.separator();
     if let Some(running) = running {
         let view = &running.scene.view;

@@ -3,6 +3,7 @@
 
 pub mod actions;
 mod color;
+mod cost;
 mod file_menu;
 pub mod files;
 mod icon;
@@ -32,6 +33,8 @@ use files::FilesState;
 /// Widths of the panels beside the view, points.
 const TREE_WIDTH: f32 = 190.0;
 const INSPECTOR_WIDTH: f32 = 336.0;
+/// The most of the window's height that the cost panel takes: the view keeps the rest.
+const COST_SHARE: f32 = 0.4;
 /// Below this width of the window (points) both panels stand on one side.
 const TWO_SIDES_NEED: f32 = 1100.0;
 /// The share of that side that the list has, and its least height, points.
@@ -109,6 +112,8 @@ pub struct Panels {
     pub tree: bool,
     /// The values of what is chosen, on the right.
     pub inspector: bool,
+    /// What a step costs, above the time line.
+    pub cost: bool,
 }
 
 impl UiState {
@@ -127,7 +132,7 @@ impl UiState {
             renaming: None,
             origin: [0.0, 1.0, 0.0],
             load_model: false,
-            panels: Panels { tree: true, inspector: true },
+            panels: Panels { tree: true, inspector: true, cost: false },
             files: FilesState::default(),
         }
     }
@@ -151,8 +156,9 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
         top_bar::top_bar_ui(ui, shown, state, commands);
     });
     egui::Panel::bottom("timeline").resizable(false).frame(theme::bar_frame(ui)).show(ui, |ui| {
-        timeline::timeline_ui(ui, status, commands);
+        timeline::timeline_ui(ui, status, &mut state.panels.cost, commands);
     });
+    cost_panel_ui(ui, shown, state.panels.cost, commands);
     if let Some(running) = shown.running {
         state.follow(running.scene);
         side_panels_ui(ui, running, state, commands);
@@ -182,9 +188,25 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     files::files_ui(ui, saved, shown.running.map(|running| running.scene), state, commands);
 }
 
+/// The panel above the time line; what it shows is measured only while it is open.
+fn cost_panel_ui(ui: &mut Ui, shown: &Shown<'_>, open: bool, commands: &mut Vec<Command>) {
+    let Some(running) = shown.running else { return };
+    if running.status.cost.is_some() != open {
+        commands.push(Command::WatchCost(open));
+    }
+    if open {
+        let panel = egui::Panel::bottom("cost")
+            .resizable(false)
+            .exact_size(cost::HEIGHT.min(COST_SHARE * ui.available_height()));
+        panel.frame(theme::bar_frame(ui)).show(ui, |ui| {
+            cost::cost_ui(ui, running.status.cost.as_ref(), running.status.playing);
+        });
+    }
+}
+
 /// The panels beside the view. In a narrow window the list stands above the values, so that the view keeps its half.
 fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
-    let Panels { tree, inspector } = state.panels;
+    let Panels { tree, inspector, .. } = state.panels;
     let wide = ui.available_width() >= TWO_SIDES_NEED;
     if tree && (wide || !inspector) {
         let left = egui::Panel::left("tree").resizable(false).exact_size(TREE_WIDTH);

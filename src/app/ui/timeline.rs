@@ -10,7 +10,7 @@ use crate::session::{Command, Status};
 const COUNTS_NEED: f32 = 860.0;
 
 /// The bar along the bottom.
-pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
+pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, cost_open: &mut bool, commands: &mut Vec<Command>) {
     let ready = status.particles > 0 || !status.title.is_empty();
     let wide = ui.available_width() >= COUNTS_NEED;
     ui.horizontal(|ui| {
@@ -32,7 +32,10 @@ pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Comma
             .on_hover_text("Simulated time");
         ui.add_space(8.0);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let help = "Where the time of a step goes, and what this scene does not need  (C)";
+            ui.toggle_value(cost_open, "Cost").on_hover_text(help);
             if wide {
+                ui.add_space(8.0);
                 counts_ui(ui, status);
                 ui.add_space(8.0);
             }

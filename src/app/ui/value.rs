@@ -13,7 +13,7 @@ use crate::scene::param::{self, Kind, Param};
 /// Width of a label, points.
 pub(super) const LABEL_WIDTH: f32 = 92.0;
 /// Width of a typed number, points.
-const NUMBER_WIDTH: f32 = 84.0;
+const NUMBER_WIDTH: f32 = 94.0;
 /// Decades below the greatest value that a track from zero shows.
 const DECADES: f64 = 10.0;
 /// The share of such a track that means zero.
@@ -36,6 +36,13 @@ impl Touch {
         self.changed |= other.changed;
         self.ended |= other.ended;
     }
+}
+
+/// How far a value may go so that the step asked for is safe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Bound {
+    AtMost(f64),
+    AtLeast(f64),
 }
 
 /// Where the track of a slider goes, and what is marked on it.
@@ -88,12 +95,12 @@ impl Scale {
     }
 }
 
-/// A slider with its label, its number and its unit. `safe` is the largest value (for a mass the least) that the step in
-/// use allows: it is marked on the track.
+/// A slider with its label, its number and its unit. `safe` is how far the step asked for lets it go: it is marked on
+/// the track.
 ///
 /// # Panics
 /// In debug builds, when no parameter has this path.
-pub(super) fn slider_ui(ui: &mut Ui, path: &str, label: &str, value: &mut f64, safe: Option<f64>) -> Touch {
+pub(super) fn slider_ui(ui: &mut Ui, path: &str, label: &str, value: &mut f64, safe: Option<Bound>) -> Touch {
     let Some((param, scale)) = param::find(path).and_then(|param| Some((param, Scale::of(param)?))) else {
         debug_assert!(false, "{path} is a number with a range");
         return Touch::default();
@@ -186,7 +193,7 @@ fn track_ui(
     label: &str,
     width: f32,
     value: &mut f64,
-    safe: Option<f64>,
+    safe: Option<Bound>,
 ) -> Touch {
     let (rect, _) = ui.allocate_exact_size(vec2(width, ui.spacing().interact_size.y), Sense::hover());
     let response = ui.interact(rect, id.with("track"), Sense::click_and_drag());
@@ -220,7 +227,14 @@ fn track_ui(
     hold(ui, id, response.dragged().then_some(*value));
     paint_track(ui, &response, line, scale, param, *value, safe);
     let response = response.on_hover_cursor(CursorIcon::ResizeHorizontal);
-    response.on_hover_text(help(param));
+    let bound = safe.map_or_else(String::new, |bound| {
+        let (words, at) = match bound {
+            Bound::AtMost(at) => ("up to", at),
+            Bound::AtLeast(at) => ("from", at),
+        };
+        format!("\nThe mark: safe with the step asked for {words} {} {}.", figure(rounded(at)), param.unit)
+    });
+    response.on_hover_text(format!("{}{bound}", help(param)));
     touch
 }
 
@@ -239,7 +253,15 @@ fn arrows(ui: &Ui, response: &Response, scale: &Scale, value: &mut f64) -> bool 
     true
 }
 
-fn paint_track(ui: &Ui, response: &Response, line: Rect, scale: &Scale, param: &Param, value: f64, safe: Option<f64>) {
+fn paint_track(
+    ui: &Ui,
+    response: &Response,
+    line: Rect,
+    scale: &Scale,
+    param: &Param,
+    value: f64,
+    safe: Option<Bound>,
+) {
     #[expect(clippy::cast_possible_truncation, reason = "a share of a width")]
     let at = |value: f64| line.left() + line.width() * scale.place(value) as f32;
     let (middle, painter) = (line.center().y, ui.painter());
@@ -250,7 +272,7 @@ fn paint_track(ui: &Ui, response: &Response, line: Rect, scale: &Scale, param: &
     if let Some(default) = param.default_value().and_then(|default| default.as_f64()) {
         painter.vline(at(default), middle - 6.0..=middle + 6.0, Stroke::new(1.0, theme::of(ui).weak));
     }
-    if let Some(safe) = safe {
+    if let Some(Bound::AtMost(safe) | Bound::AtLeast(safe)) = safe {
         let x = at(safe);
         painter.vline(x, middle - 7.0..=middle + 7.0, Stroke::new(2.0, theme::of(ui).warning));
     }

@@ -6,12 +6,13 @@
 //! response      a stiff, critically damped spring taken implicitly, then Coulomb friction (response)
 //! ```
 //!
-//! Particles do not meet each other. A particle that meets several obstacles in one substep is brought to a velocity
-//! that none of them forbids.
+//! Particles do not meet each other. What several obstacles do to one particle is found together (settle), and it is
+//! brought to a velocity that none of them forbids.
 
 mod broad;
 mod plane;
 mod response;
+mod settle;
 mod sphere;
 pub(super) mod sweep;
 pub mod thesis;
@@ -19,6 +20,7 @@ pub mod thesis;
 use super::model::{ContactModel, Model, ObstacleModel, ObstacleShape};
 use super::plan::{Plan, Stage};
 use super::report::{StageTimer, StepReport};
+use super::sleep;
 use super::state::State;
 use crate::math::{Real, Vector};
 
@@ -32,7 +34,8 @@ pub struct Scratch<R: Real> {
     near: Vec<u32>,
     /// Particle–obstacle pairs that met in the last substep, by particle.
     pub contacts: Vec<ContactRecord<R>>,
-    /// For every body and plane whether a side is remembered: such pairs are near without a look at boxes.
+    /// For every body and obstacle whether they are near without a look at boxes: planes of which a side is remembered,
+    /// and all before the first substep.
     touching: Vec<bool>,
 }
 
@@ -49,6 +52,50 @@ impl<R: Real> Scratch<R> {
     /// How many contacts push.
     fn pushing(&self) -> usize {
         self.contacts.iter().filter(|contact| contact.force != R::Vec3::ZERO).count()
+    }
+
+    /// Forgets all contacts but those of bodies that sleep.
+    pub(super) fn keep_of_sleepers(&mut self, model: &Model<R>, state: &State<R>) {
+        if sleep::asleep(state) == 0 {
+            self.contacts.clear();
+        } else {
+            self.contacts.retain(|contact| body_of(model, contact).is_some_and(|body| state.bodies[body].asleep));
+        }
+    }
+
+    /// Puts contacts in the order of particles again where some were kept.
+    fn sort(&mut self, state: &State<R>) {
+        if sleep::asleep(state) > 0 {
+            self.contacts.sort_unstable_by_key(|contact| (contact.particle, contact.obstacle));
+        }
+    }
+
+    /// Forgets the particles of bodies awake that met something which did not push them: the path they now have may need a push.
+    fn forget_unpushed(&mut self, model: &Model<R>, state: &State<R>) {
+        let (mut kept, mut first) = (0, 0);
+        while let Some(contact) = self.contacts.get(first) {
+            let particle = contact.particle;
+            let same = self.contacts[first..].iter().take_while(|contact| contact.particle == particle);
+            let (count, pushed) = same.fold((0, false), |(n, pushed), c| (n + 1, pushed || c.force != R::Vec3::ZERO));
+            if pushed || body_of(model, contact).is_some_and(|body| state.bodies[body].asleep) {
+                self.contacts.copy_within(first..first + count, kept);
+                kept += count;
+            }
+            first += count;
+        }
+        self.contacts.truncate(kept);
+    }
+
+    /// The depth of the deepest contact as it was found, m.
+    fn deepest(&self) -> R {
+        self.contacts.iter().fold(R::ZERO, |deepest, contact| deepest.max(-contact.gap))
+    }
+
+    /// Tells of the contacts that bodies keep in their sleep.
+    pub(super) fn report_kept(&self, report: &mut StepReport) {
+        report.contacts = self.pushing();
+        report.max_penetration_m = self.deepest().to_f64();
+        report.peak_penetration_m = report.max_penetration_m;
     }
 
     /// Any particle may touch any obstacle: they have been moved.
@@ -95,15 +142,16 @@ pub fn respond<R: Real>(
     report: &mut StepReport,
     timer: &mut impl StageTimer,
 ) {
-    scratch.contacts.clear();
+    scratch.keep_of_sleepers(model, state);
     let mut meetings = Meetings { model, plan, dt, state, scratch, report, timer };
     meetings.of_all(velocity, |_, _| ());
+    scratch.sort(state);
     report.contacts = scratch.pushing();
 }
 
 /// Changes the velocities that move particles where those at the end of the substep are others. What has met an
-/// obstacle already moves with what [`respond`] left it; one that only its path leads into an obstacle is stopped there,
-/// and what stops it changes its velocity too.
+/// obstacle already moves with the velocity at the end of the substep; one that only its path leads into an obstacle, or
+/// that velocity where nothing had pushed it, is stopped there, and what stops it changes its velocity too.
 #[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 pub fn respond_to_paths<R: Real>(
     model: &Model<R>,
@@ -119,6 +167,7 @@ pub fn respond_to_paths<R: Real>(
     for contact in &scratch.contacts {
         path[contact.particle] = velocity[contact.particle];
     }
+    scratch.forget_unpushed(model, state);
     let mut meetings = Meetings { model, plan, dt, state, scratch, report, timer };
     meetings.of_all(path, |particle, change| velocity[particle] += change);
     report.contacts = scratch.pushing();
@@ -142,6 +191,9 @@ impl<R: Real, T: StageTimer> Meetings<'_, R, T> {
         let Self { model, plan, dt, state, scratch, report, timer } = self;
         let (model, plan, dt, state) = (*model, *plan, *dt, *state);
         for (number, body) in model.bodies.iter().enumerate() {
+            if state.bodies[number].asleep {
+                continue;
+            }
             let all_tests = (body.particles.len() * model.obstacles.len()) as u64;
             let tests_before = report.narrow_tests;
             if plan.broad_phase {
@@ -157,12 +209,15 @@ impl<R: Real, T: StageTimer> Meetings<'_, R, T> {
                     if body.is_pinned(local) || has_met() {
                         continue;
                     }
-                    let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0 };
+                    let mut meeting =
+                        Meeting { model, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
                     let before = velocity[particle];
                     velocity[particle] =
                         meeting.resolve(before, body.mass(local), &body.contacts, &scratch.near, &mut scratch.contacts);
                     changed(particle, velocity[particle] - before);
                     report.narrow_tests += meeting.tests;
+                    report.sphere_tests += meeting.sphere_tests;
+                    report.frictions += meeting.frictions;
                 }
             }
             report.narrow_tests_saved += all_tests.saturating_sub(report.narrow_tests - tests_before);
@@ -178,6 +233,8 @@ struct Meeting<'a, R: Real> {
     particle: usize,
     dt: R,
     tests: u64,
+    sphere_tests: u64,
+    frictions: u64,
 }
 
 impl<R: Real> Meeting<'_, R> {
@@ -199,14 +256,17 @@ impl<R: Real> Meeting<'_, R> {
             }
             let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
             let before = velocity;
+            let rubs = !self.plan.lean || response::has_friction(&self.model.obstacles[obstacle]);
             velocity = response::respond(
                 &surface,
                 &contacts[obstacle],
                 &self.model.obstacles[obstacle],
+                rubs,
                 mass,
                 self.dt,
                 velocity - surface_velocity,
             ) + surface_velocity;
+            self.frictions += u64::from(rubs && velocity != before);
             // Also where nothing pushes: a particle that leaves must keep its side until it is out.
             records.push(ContactRecord {
                 particle: self.particle,
@@ -216,6 +276,10 @@ impl<R: Real> Meeting<'_, R> {
                 surface_velocity,
                 force: (velocity - before) * (mass / self.dt),
             });
+        }
+        if records.len() > first_record + 1 {
+            let (obstacles, found) = (&self.model.obstacles, &mut records[first_record..]);
+            velocity = settle::settle(predicted, contacts, obstacles, mass, self.dt, found);
         }
         if records.len() > first_record {
             let allowed = self.allowed_by_all(velocity, contacts);
@@ -272,6 +336,7 @@ impl<R: Real> Meeting<'_, R> {
             return None;
         }
         self.tests += 1;
+        self.sphere_tests += u64::from(matches!(shape, ObstacleShape::Sphere { .. }));
         let Some(carry) = carry else { return Some((meet(shape, side, from, path)?, R::Vec3::ZERO)) };
         let carried = carry.apply(from);
         let surface = meet(shape, side, carried, from + path - carried)?;
@@ -286,6 +351,11 @@ fn meet<R: Real>(shape: &ObstacleShape<R>, side: i8, from: R::Vec3, path: R::Vec
     }
 }
 
+/// The body that a contact's particle is of.
+fn body_of<R: Real>(model: &Model<R>, contact: &ContactRecord<R>) -> Option<usize> {
+    model.bodies.iter().position(|body| body.particles.contains(&contact.particle))
+}
+
 /// Writes down on which side of which plane every touching particle is once it has moved, and how deep the deepest is.
 pub fn remember_sides<R: Real>(
     model: &Model<R>,
@@ -298,17 +368,26 @@ pub fn remember_sides<R: Real>(
     let mut deepest = R::ZERO;
     // What touched before and does not any more is forgotten; what touches is in the records.
     for (number, body) in model.bodies.iter().enumerate() {
+        if state.bodies[number].asleep {
+            continue;
+        }
         for (obstacle, shape) in model.obstacles.iter().map(|o| &o.shape).enumerate() {
-            let ObstacleShape::Plane(plane) = shape else { continue };
             let touching = &mut scratch.touching[number * model.obstacles.len() + obstacle];
             if !*touching {
                 continue;
             }
             *touching = false;
-            state.side[plane.side_row][body.particles.clone()].fill(0);
+            if let ObstacleShape::Plane(plane) = shape {
+                state.side[plane.side_row][body.particles.clone()].fill(0);
+            }
         }
     }
     for contact in &scratch.contacts {
+        let Some(number) = body_of(model, contact) else { continue };
+        if state.bodies[number].asleep {
+            deepest = deepest.max(-contact.gap);
+            continue;
+        }
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
         let ObstacleShape::Plane(plane) = &model.obstacles[contact.obstacle].shape else {
             deepest = deepest.max(depth);
@@ -317,9 +396,7 @@ pub fn remember_sides<R: Real>(
         if depth >= -plane::rounding_margin::<R>(plane, state.position[contact.particle]) {
             let upper = contact.normal.dot(plane.normal) > R::ZERO;
             state.side[plane.side_row][contact.particle] = if upper { 1 } else { -1 };
-            if let Some(number) = model.bodies.iter().position(|body| body.particles.contains(&contact.particle)) {
-                scratch.touching[number * model.obstacles.len() + contact.obstacle] = true;
-            }
+            scratch.touching[number * model.obstacles.len() + contact.obstacle] = true;
             deepest = deepest.max(depth);
         }
     }

@@ -9,27 +9,43 @@ use super::Surface;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel};
 
-/// The velocity of a particle after it met a surface with the velocity `predicted`, m/s.
+/// The velocity of a particle after it met a surface with the velocity `predicted`, m/s. Friction is worked out where it
+/// `rubs`; without coefficients that changes nothing.
 pub(super) fn respond<R: Real>(
     surface: &Surface<R>,
     contact: &ContactModel<R>,
     obstacle: &ObstacleModel<R>,
+    rubs: bool,
     mass: R,
     dt: R,
     predicted: R::Vec3,
 ) -> R::Vec3 {
     let approach = predicted.dot(surface.normal);
-    // A body put deep inside is pushed out as if it were at the limit: it leaves, it is not shot out.
-    let depth = (-surface.gap).min(contact.depth_limit);
-    let pushed = (approach + dt * contact.stiffness * depth / mass)
-        / (R::ONE + (dt * dt * contact.stiffness + dt * contact.damping) / mass);
-    let after = pushed.max(deepest_velocity(surface, contact, dt));
+    let after = normal_velocity(surface, contact, mass, dt, approach);
     let impulse = after - approach;
     if impulse <= R::ZERO {
         return predicted;
     }
     let tangential = predicted - surface.normal * approach;
+    if !rubs {
+        return surface.normal * after + tangential;
+    }
     surface.normal * after + slowed_by_friction::<R>(tangential, impulse, obstacle)
+}
+
+/// The velocity along the normal that the spring leaves of `approach`, m/s; less than that where it would pull.
+pub(super) fn normal_velocity<R: Real>(
+    surface: &Surface<R>,
+    contact: &ContactModel<R>,
+    mass: R,
+    dt: R,
+    approach: R,
+) -> R {
+    // A body put deep inside is pushed out as if it were at the limit: it leaves, it is not shot out.
+    let depth = (-surface.gap).min(contact.depth_limit);
+    let pushed = (approach + dt * contact.stiffness * depth / mass)
+        / (R::ONE + (dt * dt * contact.stiffness + dt * contact.damping) / mass);
+    pushed.max(deepest_velocity(surface, contact, dt))
 }
 
 /// The least velocity along the normal that ends the step no deeper than the limit, or than where it began, m/s.
@@ -38,10 +54,15 @@ pub(super) fn deepest_velocity<R: Real>(surface: &Surface<R>, contact: &ContactM
     -(deepest + surface.gap) / dt
 }
 
+/// Whether an obstacle rubs at all.
+pub(super) fn has_friction<R: Real>(obstacle: &ObstacleModel<R>) -> bool {
+    obstacle.friction_static > R::ZERO || obstacle.friction_dynamic > R::ZERO
+}
+
 /// Coulomb friction as a stop (GC §6, settled): the tangential velocity the particle would have is taken away where
 /// static friction can hold it, else reduced by dynamic friction, never reversed. `impulse` is the normal impulse over
 /// the mass, m/s.
-fn slowed_by_friction<R: Real>(tangential: R::Vec3, impulse: R, obstacle: &ObstacleModel<R>) -> R::Vec3 {
+pub(super) fn slowed_by_friction<R: Real>(tangential: R::Vec3, impulse: R, obstacle: &ObstacleModel<R>) -> R::Vec3 {
     let speed = tangential.length();
     if speed <= obstacle.friction_static * impulse {
         return R::Vec3::ZERO;
@@ -76,7 +97,7 @@ mod tests {
             friction_static: friction[0],
             friction_dynamic: friction[1],
         };
-        respond(&surface, &contact, &obstacle, MASS, DT, predicted)
+        respond(&surface, &contact, &obstacle, has_friction(&obstacle), MASS, DT, predicted)
     }
 
     #[test]

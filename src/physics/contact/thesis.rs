@@ -5,10 +5,11 @@
 //! not clamped to the force that acts, so nothing ever quite rests. Planes act on the side of their normal and see a
 //! particle only within a threshold: faster than threshold/dt it falls through.
 
-use super::ContactRecord;
+use super::{ContactRecord, Scratch};
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::report::StepReport;
+use crate::physics::sleep::awake;
 use crate::physics::state::State;
 
 /// Below this speed along the surface a particle counts as still and static friction applies, m/s. The thesis
@@ -22,13 +23,13 @@ pub fn add_forces<R: Real>(
     state: &State<R>,
     force: &mut [R::Vec3],
     thesis_force: &mut [R::Vec3],
-    contacts: &mut Vec<ContactRecord<R>>,
+    scratch: &mut Scratch<R>,
     report: &mut StepReport,
 ) {
-    contacts.clear();
+    scratch.keep_of_sleepers(model, state);
     thesis_force.fill(R::Vec3::ZERO);
-    let mut deepest = R::ZERO;
-    for body in &model.bodies {
+    let mut deepest = scratch.deepest();
+    for body in awake(model, &state.bodies) {
         for particle in body.particles.clone() {
             for (number, obstacle) in model.obstacles.iter().enumerate() {
                 report.narrow_tests += 1;
@@ -46,7 +47,7 @@ pub fn add_forces<R: Real>(
                 force[particle] += reaction;
                 thesis_force[particle] += reaction;
                 deepest = deepest.max(depth);
-                contacts.push(ContactRecord {
+                scratch.contacts.push(ContactRecord {
                     particle,
                     obstacle: number,
                     normal,
@@ -57,7 +58,8 @@ pub fn add_forces<R: Real>(
             }
         }
     }
-    report.contacts = contacts.len();
+    scratch.sort(state);
+    report.contacts = scratch.contacts.len();
     report.max_penetration_m = deepest.to_f64();
     report.peak_penetration_m = report.max_penetration_m;
 }

@@ -21,7 +21,8 @@ use super::forces;
 use super::model::Model;
 use super::plan::{Plan, Stage};
 use super::report::{StageTimer, StepReport};
-use super::state::State;
+use super::sleep::awake;
+use super::state::{BodyMemory, State};
 use crate::math::{Real, Vector};
 use crate::scene::settings::Integrator;
 
@@ -79,7 +80,7 @@ impl<R: Real> Free<'_, R> {
             Integrator::Verlet => verlet::kicked_for(self.dt, self.state),
             Integrator::SemiImplicit | Integrator::Explicit | Integrator::Rk2 | Integrator::Rk4 => self.dt,
         };
-        kick(self.model, kicked_for, self.force, velocity);
+        kick(self.model, &self.state.bodies, kicked_for, self.force, velocity);
         if moves_by_mean(self.plan.integrator) {
             self.scratch.predicted.copy_from_slice(velocity);
         }
@@ -122,7 +123,7 @@ impl<R: Real> Free<'_, R> {
             *position = *start + *velocity * ahead;
         }
         velocity.copy_from_slice(&self.state.velocity);
-        kick(self.model, ahead, force, velocity);
+        kick(self.model, &self.state.bodies, ahead, force, velocity);
         forces::evaluate(self.model, self.plan, position, velocity, &self.state.bodies, force, report, timer);
         for (force, held) in force.iter_mut().zip(self.held_force) {
             *force += *held;
@@ -134,7 +135,7 @@ impl<R: Real> Free<'_, R> {
     /// Adds the mean force that made the settled velocities of the predicted ones.
     fn add_changes(&mut self) {
         let Scratch { predicted, settled, force, .. } = self.scratch;
-        for body in &self.model.bodies {
+        for body in awake(self.model, &self.state.bodies) {
             for (local, particle) in body.particles.clone().enumerate() {
                 force[particle] += (settled[particle] - predicted[particle]) * (body.mass(local) / self.dt);
             }
@@ -183,8 +184,8 @@ pub(super) fn remember<R: Real>(
 }
 
 /// `v += dt a` for every particle that is not held, where `a` is the force over the mass; held ones stand still.
-fn kick<R: Real>(model: &Model<R>, dt: R, force: &[R::Vec3], velocity: &mut [R::Vec3]) {
-    for body in &model.bodies {
+fn kick<R: Real>(model: &Model<R>, memory: &[BodyMemory], dt: R, force: &[R::Vec3], velocity: &mut [R::Vec3]) {
+    for body in awake(model, memory) {
         for (local, particle) in body.particles.clone().enumerate() {
             if body.is_pinned(local) {
                 velocity[particle] = R::Vec3::ZERO;

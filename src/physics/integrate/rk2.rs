@@ -16,5 +16,5 @@ pub(super) fn refine<R: Real>(
     free.next_stage(free.dt * R::from_f64(0.5), report, timer);
     free.scratch.path.copy_from_slice(&free.scratch.velocity);
     velocity.copy_from_slice(&free.state.velocity);
-    kick(free.model, free.dt, &free.scratch.force, velocity);
+    kick(free.model, &free.state.bodies, free.dt, &free.scratch.force, velocity);
 }

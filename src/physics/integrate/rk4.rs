@@ -30,5 +30,5 @@ fn add_share<R: Real>(free: &mut Free<'_, R>, share: f64, velocity: &mut [R::Vec
     for (path, stage) in free.scratch.path.iter_mut().zip(&free.scratch.velocity) {
         *path += *stage * share;
     }
-    kick(free.model, free.dt * share, &free.scratch.force, velocity);
+    kick(free.model, &free.state.bodies, free.dt * share, &free.scratch.force, velocity);
 }

@@ -33,7 +33,10 @@ pub(super) fn remember<R: Real>(
     held_force: &[R::Vec3],
     state: &mut State<R>,
 ) {
-    for body in &model.bodies {
+    for (number, body) in model.bodies.iter().enumerate() {
+        if state.bodies[number].asleep {
+            continue;
+        }
         for (local, particle) in body.particles.clone().enumerate() {
             let held = held_force.get(particle).copied().unwrap_or_default();
             state.acceleration[particle] = if body.is_pinned(local) {

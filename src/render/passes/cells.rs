@@ -53,7 +53,7 @@ impl CellsPass {
                 let CellFrames { cells, first, width } = frames;
                 let look = CellSet {
                     color: colors.of(Tint::Cell, 0.8),
-                    inverted: colors.of(Tint::Inverted, 1.0),
+                    inverted: colors.of(Tint::Broken, 1.0),
                     width: width * scale,
                     first: *first,
                     ..CellSet::default()

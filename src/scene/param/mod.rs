@@ -8,9 +8,9 @@ use std::fmt;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::body::{CellsShape, CubeShape, ModelShape, PinBox};
+use super::body::{CellsShape, CubeShape, Inlay, MAX_INLAYS, ModelShape, PinBox};
 use super::obstacle::{Plane, Sphere};
-use super::{Body, Obstacle, ObstacleShape, Scene, Shape};
+use super::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid};
 use table::MODEL_PATH;
 pub use table::PARAMS;
 
@@ -99,6 +99,12 @@ pub fn validate(scene: &Scene) -> Vec<Problem> {
 /// What is allowed but probably not meant.
 pub fn warnings(scene: &Scene) -> Vec<Problem> {
     let mut found = Vec::new();
+    for (index, body) in scene.bodies.iter().enumerate() {
+        if matches!(body.material, Material::Springs(_)) && !body.inlays.is_empty() {
+            let message = format!("{} boxes that do nothing: only a solid can hold other solids", body.inlays.len());
+            found.push(Problem { path: format!("bodies.{index}.inlays"), message });
+        }
+    }
     for (index, obstacle) in scene.obstacles.iter().enumerate() {
         let (low, high) = (obstacle.friction_static, obstacle.friction_dynamic);
         if low < high {
@@ -239,6 +245,9 @@ impl Param {
             "bodies.*.shape.cells.list" if entries.is_empty() => {
                 Some("an empty list; a body needs at least one cell".to_owned())
             }
+            "bodies.*.inlays" if entries.len() > MAX_INLAYS => {
+                Some(format!("a list of {} boxes; a body can hold at most {MAX_INLAYS}", entries.len()))
+            }
             _ => None,
         }
     }
@@ -256,12 +265,14 @@ pub(super) fn specimen() -> Scene {
 /// A scene that holds one of everything, each at its default.
 fn defaults() -> Scene {
     let body = |shape| Body { shape, pins: vec![PinBox::default()], ..Body::default() };
+    let solid =
+        |shape| Body { material: Material::Solid(Solid::default()), inlays: vec![Inlay::default()], ..body(shape) };
     let obstacle = |shape| Obstacle { shape, ..Obstacle::default() };
     Scene {
         bodies: vec![
             body(Shape::Cube(CubeShape::default())),
             body(Shape::Cells(CellsShape::default())),
-            body(Shape::Model(ModelShape::default())),
+            solid(Shape::Model(ModelShape::default())),
         ],
         obstacles: vec![
             obstacle(ObstacleShape::Plane(Plane::default())),
@@ -389,6 +400,19 @@ mod tests {
         assert!(cells.contains("at least one cell"), "{cells}");
         let version = problem_of(|scene| scene.version = 0);
         assert_eq!(version, "version = 0 is outside 1 … 1");
+    }
+
+    #[test]
+    fn other_solids_within_a_body_of_springs_or_too_many_of_them_are_named() {
+        let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
+        scene.bodies[0].inlays = vec![Inlay::default(); MAX_INLAYS];
+        assert_eq!(warnings(&scene).len(), 1, "they do nothing");
+        assert_eq!(validate(&scene), [], "as many as there may be");
+        scene.bodies[0].material = Material::Solid(Solid::default());
+        scene.bodies[0].inlays.push(Inlay::default());
+        assert_eq!(warnings(&scene), [], "a solid has use for them");
+        let problems = validate(&scene);
+        assert!(problems.len() == 1 && problems[0].message.contains("at most 16"), "one too many: {problems:?}");
     }
 
     #[test]

@@ -2,11 +2,12 @@
 
 use egui::{Button, ComboBox, RichText, Ui, vec2};
 
+use super::material::material_ui;
 use super::{section_ui, send};
-use crate::app::ui::value::{Touch, field_ui, figure, slider_ui, vector_ui};
+use crate::app::ui::value::{field_ui, figure, vector_ui};
 use crate::app::ui::{Running, UiState, theme};
 use crate::scene::edit::{BodyId, Edit};
-use crate::scene::{Body, Family, Material, Shape, Skin, Springs};
+use crate::scene::{Body, Shape, Skin};
 use crate::session::{BodyStatus, Command};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -14,42 +15,9 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// The panel of a body.
 pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(body) = running.scene.bodies.get(id.0) else { return };
-    section_ui(ui, "Material", true, |ui| material_ui(ui, id, body, commands));
+    section_ui(ui, "Material", true, |ui| material_ui(ui, id, body, running.status, commands));
     section_ui(ui, "Place", true, |ui| place_ui(ui, id, body, running.status.bodies.get(id.0), state, commands));
     section_ui(ui, "Shape", true, |ui| shape_ui(ui, id, body, running.status.bodies.get(id.0), commands));
-}
-
-fn material_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
-    let Material::Springs(mut springs) = body.material;
-    let mut touch = Touch::default();
-    for family in Family::ALL {
-        ui.label(RichText::new(family_title(family)).color(theme::of(ui).strong));
-        let spring = family_mut(&mut springs, family);
-        let path = |what: &str| format!("bodies.{}.material.springs.{}.{what}", id.0, family.name());
-        touch.and(slider_ui(ui, &path("stiffness"), "Stiffness", &mut spring.stiffness, None));
-        touch.and(slider_ui(ui, &path("damping"), "Damping", &mut spring.damping, None));
-    }
-    ui.add_space(2.0);
-    let path = format!("bodies.{}.material.springs.particle_mass", id.0);
-    touch.and(slider_ui(ui, &path, "Particle mass", &mut springs.particle_mass, None));
-    let changed = || Body { material: Material::Springs(springs), ..body.clone() };
-    send(touch, || Edit::Body(id, Box::new(changed())), commands);
-}
-
-fn family_title(family: Family) -> &'static str {
-    match family {
-        Family::Structural => "Structural springs",
-        Family::Shear => "Shear springs",
-        Family::Bending => "Bending springs",
-    }
-}
-
-fn family_mut(springs: &mut Springs, family: Family) -> &mut crate::scene::material::Spring {
-    match family {
-        Family::Structural => &mut springs.structural,
-        Family::Shear => &mut springs.shear,
-        Family::Bending => &mut springs.bending,
-    }
 }
 
 fn place_ui(
@@ -89,7 +57,7 @@ fn shape_ui(ui: &mut Ui, id: BodyId, body: &Body, status: Option<&BodyStatus>, c
         Shape::Cells(cells) => (format!("{} cells of {} m", cells.list.len(), figure(cells.size)), false),
         Shape::Model(model) => (format!("{} in {} divisions", file_name(&model.path), model.divisions), false),
     };
-    row_ui(ui, "Made of", &what);
+    row_ui(ui, "Form", &what);
     if editable {
         cube_ui(ui, id, body, commands);
     } else if matches!(body.shape, Shape::Model(_)) {

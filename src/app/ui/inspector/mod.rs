@@ -3,6 +3,7 @@
 
 mod body;
 mod light;
+mod material;
 mod obstacle;
 mod settings;
 

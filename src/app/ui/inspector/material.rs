@@ -1,0 +1,156 @@
+//! What a body is made of: springs with their seven values or a solid by its name, and how far each value may go.
+
+use egui::{ComboBox, RichText, Ui};
+
+use super::send;
+use crate::app::ui::value::{Bound, LABEL_WIDTH, Touch, figure, slider_ui};
+use crate::app::ui::{actions, capitalised, theme};
+use crate::scene::edit::{BodyId, Edit};
+use crate::scene::material::{MaterialPreset, Spring, presets};
+use crate::scene::{Body, Family, Material, Solid, Springs, param};
+use crate::session::{Command, SafeValue, Status};
+
+/// What a person reads of springs.
+const SPRINGS: &str = "springs, seven values";
+/// What a person reads of a solid whose values have no name.
+const SOLID: &str = "a solid of your own";
+
+/// The part of the panel.
+pub(super) fn material_ui(ui: &mut Ui, id: BodyId, body: &Body, status: &Status, commands: &mut Vec<Command>) {
+    let known = status.bodies.get(id.0);
+    let other_form = known.map_or(&body.material, |known| &known.other_form);
+    if let Some(material) = choice_ui(ui, &body.material, other_form) {
+        commands.extend(actions::alone(Edit::Body(id, Box::new(Body { material, ..body.clone() }))));
+    }
+    let safe = Safe { of: known.map_or(&[], |known| &known.safe) };
+    match body.material {
+        Material::Springs(springs) => springs_ui(ui, id, body, springs, safe, commands),
+        Material::Solid(solid) => solid_ui(ui, id, body, solid, safe, commands),
+    }
+}
+
+/// The list of materials; what was chosen, if anything was.
+fn choice_ui(ui: &mut Ui, now: &Material, other_form: &Material) -> Option<Material> {
+    let mut chosen = None;
+    let named = name_of(now);
+    let text = match (now, named) {
+        (Material::Springs(_), _) => SPRINGS.to_owned(),
+        (Material::Solid(_), Some(preset)) => preset.name.to_owned(),
+        (Material::Solid(_), None) => SOLID.to_owned(),
+    };
+    let source = named.map_or_else(String::new, |preset| capitalised(preset.source));
+    ui.horizontal(|ui| {
+        let size = egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
+        let label = ui.allocate_ui(size, |ui| {
+            ui.set_min_width(LABEL_WIDTH);
+            ui.label(RichText::new("Made of").color(theme::of(ui).weak))
+        });
+        let combo = ComboBox::from_id_salt("material").width(190.0).height(420.0).selected_text(text);
+        let response = combo.show_ui(ui, |ui| {
+            let is_solid = matches!(now, Material::Solid(_));
+            let own = [
+                (SPRINGS, !is_solid, "The seven values of a lattice of springs"),
+                (SOLID, is_solid && named.is_none(), "Young's modulus, density and damping, whatever the cells"),
+            ];
+            for (place, (words, selected, help)) in own.into_iter().enumerate() {
+                let switches = (place == 1) != is_solid;
+                if ui.selectable_label(selected, words).on_hover_text(help).clicked() && switches {
+                    chosen = Some(other_form.clone());
+                }
+            }
+            ui.separator();
+            for preset in presets() {
+                let selected = named == Some(preset);
+                let Solid { young_modulus, density, .. } = preset.material;
+                let values = format!("{} Pa, {} kg/m³", figure(young_modulus), figure(density));
+                let row = ui.selectable_label(selected, preset.name);
+                if row.on_hover_text(format!("{values}\n{}", preset.source)).clicked() && !selected {
+                    chosen = Some(Material::Solid(preset.material));
+                }
+            }
+        });
+        let response = response.response.labelled_by(label.inner.id);
+        if !source.is_empty() {
+            response.on_hover_text(source);
+        }
+    });
+    chosen
+}
+
+/// The named solid that a material is.
+fn name_of(material: &Material) -> Option<&'static MaterialPreset> {
+    let Material::Solid(solid) = material else { return None };
+    presets().iter().find(|preset| preset.material == *solid)
+}
+
+/// How far the values of a body may go.
+#[derive(Clone, Copy)]
+struct Safe<'a> {
+    of: &'a [SafeValue],
+}
+
+impl Safe<'_> {
+    /// The bound of a value; `None` where its whole range is safe, and where none of it is: then another value is to
+    /// blame, whose track shows it.
+    fn bound(self, path: &str) -> Option<Bound> {
+        let own = path.splitn(3, '.').nth(2)?;
+        let safe = self.of.iter().find(|safe| safe.path == own)?;
+        let Some(param::Kind::Number { min, max }) = param::find(path).map(|param| param.kind) else { return None };
+        let bound = safe.bound?;
+        if safe.is_smallest {
+            (bound > min && bound.is_finite()).then_some(Bound::AtLeast(bound))
+        } else {
+            (bound > 0.0 && bound < max).then_some(Bound::AtMost(bound))
+        }
+    }
+}
+
+fn solid_ui(ui: &mut Ui, id: BodyId, body: &Body, mut solid: Solid, safe: Safe<'_>, commands: &mut Vec<Command>) {
+    let mut touch = Touch::default();
+    let Solid { young_modulus, density, damping_ratio } = &mut solid;
+    for (what, label, value) in [
+        ("young_modulus", "Modulus", young_modulus),
+        ("density", "Density", density),
+        ("damping_ratio", "Damping ratio", damping_ratio),
+    ] {
+        let path = format!("bodies.{}.material.solid.{what}", id.0);
+        touch.and(slider_ui(ui, &path, label, value, safe.bound(&path)));
+    }
+    let changed = || Body { material: Material::Solid(solid), ..body.clone() };
+    send(touch, || Edit::Body(id, Box::new(changed())), commands);
+}
+
+fn springs_ui(ui: &mut Ui, id: BodyId, body: &Body, mut springs: Springs, safe: Safe<'_>, commands: &mut Vec<Command>) {
+    let mut touch = Touch::default();
+    for family in Family::ALL {
+        ui.label(RichText::new(family_title(family)).color(theme::of(ui).strong));
+        let spring = family_mut(&mut springs, family);
+        let path = |what: &str| format!("bodies.{}.material.springs.{}.{what}", id.0, family.name());
+        for (what, label, value) in
+            [("stiffness", "Stiffness", &mut spring.stiffness), ("damping", "Damping", &mut spring.damping)]
+        {
+            touch.and(slider_ui(ui, &path(what), label, value, safe.bound(&path(what))));
+        }
+    }
+    ui.add_space(2.0);
+    let path = format!("bodies.{}.material.springs.particle_mass", id.0);
+    touch.and(slider_ui(ui, &path, "Particle mass", &mut springs.particle_mass, safe.bound(&path)));
+    let changed = || Body { material: Material::Springs(springs), ..body.clone() };
+    send(touch, || Edit::Body(id, Box::new(changed())), commands);
+}
+
+fn family_title(family: Family) -> &'static str {
+    match family {
+        Family::Structural => "Structural springs",
+        Family::Shear => "Shear springs",
+        Family::Bending => "Bending springs",
+    }
+}
+
+fn family_mut(springs: &mut Springs, family: Family) -> &mut Spring {
+    match family {
+        Family::Structural => &mut springs.structural,
+        Family::Shear => &mut springs.shear,
+        Family::Bending => &mut springs.bending,
+    }
+}

@@ -1,0 +1,145 @@
+//! `gelatin report stability`: the limits of the step, predicted and measured, and extreme scenes in automatic stepping.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use anyhow::{Context, anyhow};
+use clap::Args;
+use rayon::prelude::*;
+use serde_json::json;
+
+use super::Failure;
+use super::out::{self, Progress};
+use super::scene_args::Changes;
+use crate::geometry::Watch;
+use crate::report::extremes::{extreme_scene, lattices};
+use crate::report::matrix::matrix;
+use crate::report::stability::{self, CaseFigures, RandomFigures};
+use crate::scene::resolve::resolve;
+
+/// Random scenes where none are asked for, and with `--quick`.
+const SCENES: [u64; 2] = [300, 30];
+
+/// What is measured and where the report goes.
+#[derive(Debug, Args)]
+pub(super) struct StabilityArgs {
+    /// Presets' names, .ron scenes or model files; without any the built-in cases and random scenes are measured.
+    #[arg(value_name = "SCENE")]
+    given: Vec<OsString>,
+    #[command(flatten)]
+    changes: Changes,
+    /// Random extreme scenes; 300 where no SCENE is given, 30 with --quick.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(0..=1_000_000))]
+    scenes: Option<u64>,
+    /// What the random scenes follow from.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Write stability.md, stability.csv and the random scenes that failed into this folder.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Measure for a shorter time.
+    #[arg(long)]
+    quick: bool,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Measures, prints, and fails if anything measured did.
+pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
+    if let Some(folder) = &args.output {
+        std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be created", folder.display()))?;
+        for name in ["stability.md", "stability.csv"] {
+            out::check_writable(&folder.join(name))?;
+        }
+    }
+    args.changes.start_threads()?;
+    let cases = cases(args)?;
+    let default = if args.given.is_empty() { SCENES[usize::from(args.quick)] } else { 0 };
+    let random = match args.scenes.unwrap_or(default) {
+        0 => None,
+        count => Some(random(args, count)?),
+    };
+    let text = stability::markdown(&cases, random.as_ref());
+    if let Some(folder) = &args.output {
+        out::write(&folder.join("stability.md"), text.as_bytes())?;
+        out::write(&folder.join("stability.csv"), stability::csv(&cases).as_bytes())?;
+        for failure in random.iter().flat_map(|random| &random.failures) {
+            let scene = extreme_scene(args.seed, failure.number);
+            let path = folder.join(format!("seed{}_scene{:06}.ron", args.seed, failure.number));
+            out::write(&path, scene.to_ron().context("a random scene cannot be written")?.as_bytes())?;
+        }
+    }
+    if args.json {
+        out::json(&json!({ "cases": cases, "random": random }))?;
+    } else {
+        out::figures(text.trim_end())?;
+    }
+    let failed = cases.iter().filter(|case| !case.passed).count();
+    let failed_scenes = random.map_or(0, |random| random.failures.len());
+    if failed + failed_scenes > 0 {
+        return Err(anyhow!("{failed} cases and {failed_scenes} random scenes failed; see the report").into());
+    }
+    Ok(())
+}
+
+fn cases(args: &StabilityArgs) -> Result<Vec<CaseFigures>, Failure> {
+    let mut measured = Vec::new();
+    if args.given.is_empty() {
+        for (name, scene) in matrix() {
+            let lattices = lattices(&scene).with_context(|| name.clone())?;
+            measured.push((name, scene, lattices));
+        }
+    }
+    for given in &args.given {
+        let opened = args.changes.open(given)?;
+        let mut lattices = Vec::new();
+        for (index, body) in opened.scene.bodies.iter().enumerate() {
+            let jelly = resolve(&body.shape, &opened.base_dir, &Progress::new("filling"));
+            lattices.push(jelly.with_context(|| format!("bodies.{index}.shape"))?.lattice);
+        }
+        measured.push((opened.title, opened.scene, lattices));
+    }
+    let tally = Tally::new("cases", measured.len());
+    let figures = measured.par_iter().map(|(name, scene, lattices)| {
+        let figures = stability::case(name, scene, lattices, args.quick);
+        tally.one_more();
+        figures
+    });
+    Ok(figures.collect())
+}
+
+fn random(args: &StabilityArgs, count: u64) -> Result<RandomFigures, Failure> {
+    let tally = Tally::new("random scenes", usize::try_from(count).unwrap_or(usize::MAX));
+    let begin = Instant::now();
+    let found: Result<Vec<_>, _> = (0..count)
+        .into_par_iter()
+        .map(|number| {
+            let found = stability::random(args.seed, number, args.quick);
+            tally.one_more();
+            found
+        })
+        .collect();
+    let found = found.context("a random scene cannot be made")?;
+    Ok(stability::summary(args.seed, &found, begin.elapsed().as_secs_f64()))
+}
+
+/// A progress bar that several threads count on.
+struct Tally {
+    bar: Progress,
+    done: AtomicUsize,
+    all: usize,
+}
+
+impl Tally {
+    fn new(what: &str, all: usize) -> Self {
+        Self { bar: Progress::new(what), done: AtomicUsize::new(0), all }
+    }
+
+    fn one_more(&self) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        self.bar.progress(done as f64 / self.all.max(1) as f64);
+    }
+}

@@ -1,0 +1,237 @@
+//! Random extreme scenes (R2): every value drawn over its whole range, bodies dropped from a kilometre, thrown at a
+//! kilometre a second, put into obstacles, heavy beside light. Scenes follow from a seed and a number alone, so that
+//! each of them can be made again.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::geometry::Lattice;
+use crate::math::rng::Rng;
+use crate::scene::body::{Body, CellsShape, CubeShape, ModelShape, Pose};
+use crate::scene::material::{Material, Spring, Springs};
+use crate::scene::obstacle::{ContactStiffness, Plane, Sphere};
+use crate::scene::resolve::{ResolveError, resolve};
+use crate::scene::settings::Integrator;
+use crate::scene::{Obstacle, ObstacleShape, Scene, Shape, builtin};
+
+/// The schemes that automatic stepping can make stable; the others step as they are told.
+const SCHEMES: [Integrator; 3] = [Integrator::SemiImplicit, Integrator::Verlet, Integrator::Rk4];
+
+/// How much heavier than the first a second body is, or the first than it.
+const MASS_RATIO: f64 = 1000.0;
+
+/// A random scene: number `number` of those that follow from `seed`, in automatic stepping.
+pub fn extreme_scene(seed: u64, number: u64) -> Scene {
+    // Through the generator, so that the sequences of neighbouring numbers are not the same one shifted.
+    let mut seeds = Rng::new(seed ^ number.wrapping_mul(0xd134_2543_de82_ef95));
+    let mut draw = Draw(Rng::new(seeds.next_u64()));
+    let size = draw.decades(-3.0, 3.0);
+    let (shape, cell_size) = draw.shape(size);
+    let springs = draw.springs(cell_size);
+    let body = draw.body(shape, springs, size);
+    let mut scene = Scene { bodies: vec![body], obstacles: draw.obstacles(size), ..Scene::default() };
+    if draw.chance(0.2) {
+        let other = draw.heavier_or_lighter(&scene.bodies[0], springs);
+        scene.bodies.push(other);
+    }
+    scene.settings.dt = draw.decades(-4.0, -1.0);
+    scene.settings.inversion_recovery = draw.chance(0.8);
+    scene.settings.integrator = if draw.chance(0.6) { Integrator::SemiImplicit } else { draw.one_of(&SCHEMES) };
+    let strength = if draw.chance(0.5) { draw.one_of(&[0.0, 9.81, 1000.0]) } else { draw.decades(-3.0, 3.0) };
+    scene.settings.gravity =
+        if draw.chance(0.8) { [0.0, -strength, 0.0] } else { draw.direction().map(|x| x * strength) };
+    scene
+}
+
+/// The lattices of a scene's bodies; models are those that the program carries.
+pub fn lattices(scene: &Scene) -> Result<Vec<Arc<Lattice>>, ResolveError> {
+    let resolved = scene.bodies.iter().map(|body| Ok(resolve(&body.shape, Path::new("."), &())?.lattice));
+    resolved.collect()
+}
+
+/// Draws one value after another.
+struct Draw(Rng);
+
+impl Draw {
+    fn chance(&mut self, share: f64) -> bool {
+        self.0.unit() < share
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0.between(low, high)
+    }
+
+    /// Uniform in the logarithm, from 10 to one power to 10 to the other.
+    fn decades(&mut self, low: f64, high: f64) -> f64 {
+        libm::exp10(self.0.between(low, high)).clamp(libm::exp10(low), libm::exp10(high))
+    }
+
+    fn whole(&mut self, low: i32, high: i32) -> i32 {
+        #[expect(clippy::cast_possible_truncation, reason = "it lies between two i32")]
+        let drawn = libm::floor(self.0.between(f64::from(low), f64::from(high) + 1.0)) as i32;
+        drawn.min(high)
+    }
+
+    fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
+        #[expect(clippy::cast_possible_truncation, reason = "smaller than the number of choices")]
+        let place = (self.0.next_u64() % choices.len() as u64) as usize;
+        choices[place]
+    }
+
+    fn vector(&mut self, reach: f64) -> [f64; 3] {
+        [0; 3].map(|_| self.between(-reach, reach))
+    }
+
+    /// A unit vector.
+    fn direction(&mut self) -> [f64; 3] {
+        loop {
+            let drawn = self.vector(1.0);
+            let length = drawn.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if (0.1..=1.0).contains(&length) {
+                return drawn.map(|x| x / length);
+            }
+        }
+    }
+
+    /// A body about `size` (m) large that something happens to.
+    fn body(&mut self, shape: Shape, springs: Springs, size: f64) -> Body {
+        let material = Material::Springs(springs);
+        let rotation_deg = self.vector(180.0);
+        let mut body =
+            Body { shape, material, pose: Pose { position: [0.0, size, 0.0], rotation_deg }, ..Body::default() };
+        match self.whole(0, 3) {
+            0 => body.pose.position = [self.between(-0.5, 0.5) * size, 1000.0, 0.0],
+            1 => {
+                let speed = if self.chance(0.5) { 999.0 } else { self.decades(0.0, 2.9) };
+                body.velocity = self.direction().map(|x| x * speed);
+                if self.chance(0.7) {
+                    body.velocity[1] = -body.velocity[1].abs();
+                }
+            }
+            2 => body.pose.position = self.vector(0.7 * size),
+            _ => body.velocity = [0.0, -self.decades(-1.0, 1.5), 0.0],
+        }
+        body
+    }
+
+    /// A shape, and the size of its cells (m).
+    fn shape(&mut self, size: f64) -> (Shape, f64) {
+        let kind = self.between(0.0, 1.0);
+        if kind < 0.55 {
+            let cells = self.whole(1, 4);
+            return (Shape::Cube(CubeShape { cells: cells.unsigned_abs(), size }), size / f64::from(cells));
+        }
+        if kind < 0.85 {
+            let list = self.cells();
+            let cell_size = (size / 3.0).max(1e-3);
+            return (Shape::Cells(CellsShape { list, size: cell_size }), cell_size);
+        }
+        let divisions = self.whole(2, 6);
+        let names: Vec<&str> = builtin::MODELS.iter().map(|(name, _)| *name).collect();
+        let path = format!("{}{}", builtin::PREFIX, self.one_of(&names));
+        let length = size.max(1e-2);
+        let model = ModelShape { path, divisions: divisions.unsigned_abs(), length, ..ModelShape::default() };
+        (Shape::Model(model), length / f64::from(divisions))
+    }
+
+    /// Some cells of a 3 × 3 × 3 cube, a thin bar or a thin plate.
+    fn cells(&mut self) -> Vec<[i32; 3]> {
+        match self.whole(0, 3) {
+            0 => (0..self.whole(3, 12)).map(|x| [x, 0, 0]).collect(),
+            1 => (0..4).flat_map(|x| (0..4).map(move |z| [x, 0, z])).collect(),
+            _ => {
+                let mut list = vec![[1; 3]];
+                list.extend((0..14).map(|_| [0; 3].map(|_| self.whole(0, 2))));
+                list
+            }
+        }
+    }
+
+    /// Constants over all their decades; nine in ten materials such that the stable step is some tens of microseconds or
+    /// more, as two seconds of the others take for ever.
+    fn springs(&mut self, cell_size: f64) -> Springs {
+        let particle_mass = self.decades(-6.0, 3.0);
+        let (stiffest, most_damping) = if self.chance(0.1) {
+            (1e8, 1e5)
+        } else {
+            let step = self.decades(-4.3, -0.5);
+            (particle_mass * cell_size / (step * step), particle_mass * cell_size / step)
+        };
+        let [structural, shear, bending] = [0; 3].map(|_| Spring {
+            stiffness: if self.chance(0.1) { 0.0 } else { (stiffest * self.decades(-4.0, 0.0)).min(1e8) },
+            damping: if self.chance(0.4) { 0.0 } else { (most_damping * self.decades(-6.0, 0.0)).min(1e5) },
+        });
+        Springs { structural, shear, bending, particle_mass }
+    }
+
+    fn obstacles(&mut self, size: f64) -> Vec<Obstacle> {
+        let ground = Plane { half_extents: [self.decades(0.0, 1.0) * size; 2], ..Plane::default() };
+        let mut obstacles = vec![self.obstacle(ObstacleShape::Plane(ground))];
+        if self.chance(0.7) {
+            let center = self.vector(0.5 * size);
+            let radius = (self.decades(-1.5, 0.7) * size).clamp(1e-3, 1e4);
+            let sphere = ObstacleShape::Sphere(Sphere { center, radius });
+            obstacles.push(self.obstacle(sphere));
+        }
+        if self.chance(0.3) {
+            let rotation_deg = self.vector(180.0);
+            let plane =
+                Plane { center: self.vector(0.5 * size), rotation_deg, half_extents: [size.max(1e-3), 2.0 * size] };
+            obstacles.push(self.obstacle(ObstacleShape::Plane(plane)));
+        }
+        obstacles
+    }
+
+    fn obstacle(&mut self, shape: ObstacleShape) -> Obstacle {
+        let stiffness = match self.whole(0, 4) {
+            0 => ContactStiffness::Given(self.decades(-2.0, 9.0)),
+            _ => ContactStiffness::Auto,
+        };
+        let [friction_static, friction_dynamic] =
+            [0; 2].map(|_| if self.chance(0.3) { 0.0 } else { self.decades(-2.0, 1.0) });
+        Obstacle { shape, stiffness, friction_static, friction_dynamic, ..Obstacle::default() }
+    }
+
+    /// The same body with a thousand times or a thousandth of its mass, beside it.
+    fn heavier_or_lighter(&mut self, body: &Body, springs: Springs) -> Body {
+        let heavier = springs.particle_mass * if springs.particle_mass < 1.0 { MASS_RATIO } else { 1.0 / MASS_RATIO };
+        let material = Material::Springs(Springs { particle_mass: heavier.clamp(1e-6, 1e3), ..springs });
+        let mut other = Body { material, ..body.clone() };
+        other.pose.position[2] += self.between(-0.5, 0.5);
+        other
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::param;
+
+    #[test]
+    fn every_scene_is_within_the_ranges_and_can_be_made_again() {
+        for number in 0..2000 {
+            let scene = extreme_scene(3, number);
+            assert_eq!(param::validate(&scene), [], "scene {number}");
+            assert_eq!(scene, extreme_scene(3, number), "scene {number}");
+        }
+        assert_ne!(extreme_scene(3, 0), extreme_scene(4, 0), "another seed, another scene");
+    }
+
+    #[test]
+    fn there_is_some_of_everything() {
+        let scenes: Vec<Scene> = (0..500).map(|number| extreme_scene(3, number)).collect();
+        let some = |what: &str, is: &dyn Fn(&Scene) -> bool| {
+            let count = scenes.iter().filter(|scene| is(scene)).count();
+            assert!(count > 25, "{what}: {count} of 500");
+        };
+        some("models", &|scene| matches!(scene.bodies[0].shape, Shape::Model(_)));
+        some("cells", &|scene| matches!(scene.bodies[0].shape, Shape::Cells(_)));
+        some("heights of a kilometre", &|scene| scene.bodies[0].pose.position[1] > 999.0);
+        some("a kilometre a second", &|scene| {
+            scene.bodies[0].velocity.iter().map(|v| v * v).sum::<f64>() > 990.0 * 990.0
+        });
+        some("no gravity", &|scene| scene.settings.gravity.iter().all(|g| g.abs() < 1e-9));
+        some("great gravity", &|scene| scene.settings.gravity[1] < -999.0);
+        some("two bodies", &|scene| scene.bodies.len() == 2);
+    }
+}

@@ -1,0 +1,377 @@
+//! Judges the motion of a scene (R2): nothing becomes infinite, no energy comes from nowhere, nothing gets further than
+//! it could be thrown.
+//!
+//! ```text
+//! own energy   motion (centred velocity), links, recovery, and the penalty springs of contact; mean over 1/60 s
+//! work         what gravity did to the body since the start: obstacles that stand still do none, as what they give
+//!              back was stored in their penalty springs, at the start too where a body was put into them
+//! faultless    own energy ≤ own energy at the start + work + 5 % of the largest that sum has been,
+//!              and what rounding shows and a fall within one substep gives, both next to nothing in common scenes
+//! ```
+//!
+//! Each body is judged by itself, so that a heavy one does not hide a light one.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use serde::Serialize;
+
+use crate::geometry::Lattice;
+use crate::math::{Real, Vector};
+use crate::physics::Simulation;
+use crate::physics::diagnostics::Diagnostics;
+use crate::scene::Scene;
+
+/// The energy that may be gained from nowhere, as a share.
+pub const GAIN: f64 = 0.05;
+
+/// The reach that may be exceeded, as a factor.
+pub const REACH: f64 = 1.5;
+
+/// Energies are means over so much simulated time, s.
+const WINDOW_SECS: f64 = 1.0 / 60.0;
+
+/// Units in the last place by which rounding may misplace a particle.
+const MISPLACED: f64 = 8.0;
+
+/// Looks at the energy in that time.
+const LOOKS: u64 = 8;
+
+/// How long a scene is watched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patience {
+    /// Simulated time, s.
+    pub seconds: f64,
+    /// Link forces after which a scene is cut short.
+    pub most_link_forces: u64,
+}
+
+/// What is wrong with a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fault {
+    /// A number became infinite or NaN.
+    NotFinite,
+    /// Energy from nowhere.
+    Energy,
+    /// Further away than it could get.
+    Reach,
+}
+
+impl Fault {
+    /// All faults.
+    pub const ALL: [Self; 3] = [Self::NotFinite, Self::Energy, Self::Reach];
+
+    /// The fault's words in reports.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::NotFinite => "not finite",
+            Self::Energy => "energy from nowhere",
+            Self::Reach => "out of reach",
+        }
+    }
+}
+
+/// What was seen of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verdict {
+    /// What is wrong, if anything.
+    pub fault: Option<Fault>,
+    /// The fault in numbers.
+    pub words: String,
+    /// Simulated time that was watched, s.
+    pub simulated_secs: f64,
+    /// Whether that is less than it should have been, as it took too many substeps.
+    pub cut_short: bool,
+    /// Substeps taken.
+    pub substeps: u64,
+    /// The most energy from nowhere, as a share of what was there.
+    pub largest_gain: f64,
+}
+
+/// Watches a scene, in single precision as the sandbox runs it or in double; `lattices` are those of its bodies.
+pub fn judge<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>], patience: Patience) -> Verdict {
+    watch(&mut Simulation::<R>::new(scene, lattices), patience, |_, _| ())
+}
+
+/// Watches a simulation; `meddle` may do to it before each substep what nothing else would.
+fn watch<R: Real>(
+    simulation: &mut Simulation<R>,
+    patience: Patience,
+    mut meddle: impl FnMut(&mut Simulation<R>, u64),
+) -> Verdict {
+    let dt = simulation.plan().substep_secs();
+    let links: usize = simulation.model().link_counts().iter().sum();
+    let affordable = patience.most_link_forces / links.max(1) as u64;
+    let wanted = count(patience.seconds / dt);
+    let substeps = wanted.min(affordable.max(1));
+    let window = count(WINDOW_SECS / dt).min(substeps);
+    let between_looks = window.div_ceil(LOOKS);
+    let mut bodies: Vec<Account> = (0..simulation.model().bodies.len()).map(|n| Account::open(simulation, n)).collect();
+    let mut verdict = Verdict {
+        fault: None,
+        words: String::new(),
+        simulated_secs: 0.0,
+        cut_short: substeps < wanted,
+        substeps: 0,
+        largest_gain: 0.0,
+    };
+    for substep in 0..substeps {
+        meddle(simulation, substep);
+        let diverged = simulation.substep(&mut ()).diverged;
+        (verdict.substeps, verdict.simulated_secs) = (substep + 1, (substep + 1) as f64 * dt);
+        if diverged {
+            (verdict.fault, verdict.words) = (Some(Fault::NotFinite), format!("after {} s", verdict.simulated_secs));
+            break;
+        }
+        let look = substep % between_looks == 0;
+        let close = (substep + 1) % window == 0;
+        if !look && !close {
+            continue;
+        }
+        for account in &mut bodies {
+            if look {
+                account.look(simulation);
+            }
+            if close {
+                verdict.largest_gain = verdict.largest_gain.max(account.close(verdict.substeps));
+            }
+        }
+        let fault = bodies.iter().find_map(|account| account.fault(verdict.simulated_secs));
+        if let Some((fault, words)) = fault {
+            (verdict.fault, verdict.words) = (Some(fault), words);
+            break;
+        }
+    }
+    verdict
+}
+
+/// At least one.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least one, saturating")]
+fn count(share: f64) -> u64 {
+    libm::round(share).max(1.0) as u64
+}
+
+/// The energy of one body since the start.
+#[derive(Debug)]
+struct Account {
+    body: usize,
+    start: Diagnostics,
+    own_at_start: f64,
+    gravity: DVec3,
+    dt: f64,
+    /// Of all links and contacts together, N/m.
+    stiffness: f64,
+    /// Of the scalar in use.
+    epsilon: f64,
+    now: Diagnostics,
+    substeps: u64,
+    /// Sums over the window: own energy, what it may be.
+    sums: [f64; 2],
+    looks: u32,
+    /// The largest that start and work came to, J.
+    turnover: f64,
+    gain: Option<String>,
+}
+
+impl Account {
+    fn open<R: Real>(simulation: &Simulation<R>, body: usize) -> Self {
+        let start = simulation.diagnostics_of(body);
+        let own_at_start = own(&start);
+        let gravity = simulation.model().gravity.to_dvec3();
+        let now = start.clone();
+        let model = &simulation.model().bodies[body];
+        let links = model.links.iter().map(|family| {
+            let lengths: f64 = family.links.iter().map(|link| link.inverse_rest_length.to_f64()).sum();
+            family.stiffness.to_f64() * lengths
+        });
+        let contacts: f64 = model.contacts.iter().map(|contact| contact.stiffness.to_f64()).sum();
+        let stiffness = links.sum::<f64>() + contacts * model.particles.len() as f64;
+        Self {
+            body,
+            start,
+            own_at_start,
+            gravity,
+            dt: simulation.plan().substep_secs(),
+            stiffness,
+            epsilon: R::EPSILON.to_f64(),
+            now,
+            substeps: 0,
+            sums: [0.0; 2],
+            looks: 0,
+            turnover: own_at_start,
+            gain: None,
+        }
+    }
+
+    fn look<R: Real>(&mut self, simulation: &Simulation<R>) {
+        self.now = simulation.diagnostics_of(self.body);
+        let allowed = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity;
+        self.turnover = self.turnover.max(allowed);
+        self.sums = [self.sums[0] + own(&self.now), self.sums[1] + allowed];
+        self.looks += 1;
+    }
+
+    /// Closes a window and tells of its gain as a share.
+    fn close(&mut self, substeps: u64) -> f64 {
+        self.substeps = substeps;
+        let [own, allowed] = self.sums.map(|sum| sum / f64::from(self.looks.max(1)));
+        (self.sums, self.looks) = ([0.0; 2], 0);
+        let gain = own - allowed;
+        let share = (gain - self.rounding() - self.unresolved()) / self.turnover.max(f64::MIN_POSITIVE);
+        if share > GAIN || share.is_nan() {
+            self.gain = Some(format!("{own:e} J where {allowed:e} J can be, body {}", self.body));
+        }
+        share
+    }
+
+    /// Energy that rounding alone may show, J: as if every particle had been misplaced by some units in the last place
+    /// of the farthest coordinate, at the start and once more in every substep; undamped links keep what that gives
+    /// them. Far from the origin a small stiff body at rest has no other energy.
+    fn rounding(&self) -> f64 {
+        let farthest = self.now.bounds.min.abs().max(self.now.bounds.max.abs()).max_element();
+        let misplaced = self.epsilon * farthest;
+        0.5 * self.stiffness * misplaced * misplaced * (MISPLACED * MISPLACED + self.substeps as f64)
+    }
+
+    /// What gravity gives a body that is let go in the middle of a substep, J: steps cannot tell when. It is nothing but
+    /// where gravity is great and the step long.
+    fn unresolved(&self) -> f64 {
+        let speed = 0.5 * self.gravity.length() * self.dt;
+        0.5 * self.start.mass_kg * speed * speed
+    }
+
+    fn fault(&self, seconds: f64) -> Option<(Fault, String)> {
+        if !self.now.finite {
+            return Some((Fault::NotFinite, format!("after {seconds} s")));
+        }
+        if let Some(words) = &self.gain {
+            return Some((Fault::Energy, format!("{words}, after {seconds} s")));
+        }
+        let [reach, furthest] = [self.reach(seconds), self.furthest()];
+        (furthest > REACH * reach).then(|| (Fault::Reach, format!("{furthest} m away of {reach} m, after {seconds} s")))
+    }
+
+    /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with,
+    /// and its own size, m.
+    fn reach(&self, seconds: f64) -> f64 {
+        let stored = self.own_at_start - self.start.energy.kinetic;
+        let speed = self.start.max_speed + (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
+        let size = self.start.bounds.size().length();
+        speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
+    }
+
+    /// Of the start's middle, m.
+    fn furthest(&self) -> f64 {
+        let bounds = self.now.bounds;
+        let middle = self.start.bounds.center();
+        (bounds.min - middle).abs().max((bounds.max - middle).abs()).length()
+    }
+}
+
+/// Energy without that of height, J.
+fn own(diagnostics: &Diagnostics) -> f64 {
+    diagnostics.energy.total() - diagnostics.energy.gravity
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::math::rng::Rng;
+    use crate::report::extremes::{extreme_scene, lattices};
+    use crate::scene::Body;
+    use crate::scene::settings::Stepping;
+
+    const PATIENCE: Patience = Patience { seconds: 0.5, most_link_forces: 30_000_000 };
+
+    fn falling_cube() -> Scene {
+        let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
+        scene.bodies[0].pose.position[1] = 2.0;
+        scene
+    }
+
+    fn seen(scene: &Scene, meddle: impl FnMut(&mut Simulation<f32>, u64)) -> Verdict {
+        watch(&mut Simulation::new(scene, &lattices(scene).expect("sound shapes")), PATIENCE, meddle)
+    }
+
+    #[test]
+    fn a_sound_motion_is_left_alone() {
+        let verdict = seen(&falling_cube(), |_, _| ());
+        assert_eq!((verdict.fault, verdict.cut_short), (None, false), "{verdict:?}");
+        assert!(verdict.largest_gain < 1e-3 && (verdict.simulated_secs - 0.5).abs() < 1e-3, "{verdict:?}");
+    }
+
+    #[test]
+    fn an_explosion_is_seen() {
+        let mut scene = falling_cube();
+        scene.settings.stepping = Stepping::Manual;
+        scene.settings.dt = 0.1;
+        let mut rng = Rng::new(1);
+        let verdict = seen(&scene, |simulation, substep| {
+            if substep == 0 {
+                let mut state = simulation.state().clone();
+                for v in &mut state.velocity {
+                    *v += Vec3::X.lerp(Vec3::NEG_X, if rng.unit() < 0.5 { 0.4 } else { 0.6 });
+                }
+                simulation.set_state(state);
+            }
+        });
+        assert!(verdict.fault.is_some(), "a manual step far above the limit: {verdict:?}");
+    }
+
+    #[test]
+    fn a_tenth_more_energy_is_seen_and_a_fiftieth_is_not() {
+        let gained = |share: f32| {
+            seen(&falling_cube(), |simulation, substep| {
+                if substep == 250 {
+                    let mut state = simulation.state().clone();
+                    state.velocity.iter_mut().for_each(|v| *v *= (1.0 + share).sqrt());
+                    simulation.set_state(state);
+                }
+            })
+        };
+        let (tenth, fiftieth) = (gained(0.1), gained(0.02));
+        assert_eq!(tenth.fault, Some(Fault::Energy), "{tenth:?}");
+        assert!((0.05..0.11).contains(&tenth.largest_gain), "as soon as it is told: {tenth:?}");
+        assert_eq!(fiftieth.fault, None, "{fiftieth:?}");
+    }
+
+    #[test]
+    fn a_body_that_is_suddenly_elsewhere_is_seen() {
+        let mut scene = falling_cube();
+        scene.settings.gravity = [0.0; 3];
+        let verdict = seen(&scene, |simulation, substep| {
+            if substep == 100 {
+                let mut state = simulation.state().clone();
+                state.position.iter_mut().for_each(|x| x.x += 30.0);
+                simulation.set_state(state);
+            }
+        });
+        assert_eq!(verdict.fault, Some(Fault::Reach), "{verdict:?}");
+    }
+
+    #[test]
+    fn a_nan_is_seen() {
+        let verdict = seen(&falling_cube(), |simulation, substep| {
+            if substep == 3 {
+                let mut state = simulation.state().clone();
+                state.velocity[5].y = f32::NAN;
+                simulation.set_state(state);
+            }
+        });
+        assert_eq!(verdict.fault, Some(Fault::NotFinite), "{verdict:?}");
+    }
+
+    #[test]
+    fn what_takes_too_long_is_cut_short_and_says_so() {
+        let hasty = Patience { most_link_forces: 100_000, ..PATIENCE };
+        let scene = extreme_scene(1, 7);
+        let verdict = judge::<f32>(&scene, &lattices(&scene).expect("sound shapes"), hasty);
+        let cut_short = seen(&scene, |_, _| ()).substeps > verdict.substeps;
+        assert_eq!(verdict.cut_short, cut_short, "{verdict:?}");
+        let cube = judge::<f32>(&falling_cube(), &lattices(&falling_cube()).expect("sound shapes"), hasty);
+        assert!(cube.cut_short && cube.simulated_secs < 0.05, "{cube:?}");
+    }
+}

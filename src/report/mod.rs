@@ -1,0 +1,9 @@
+//! Measurements that explain: what a scene costs, stage by stage, and what it does not need (R3). Takes scenes and gives
+//! figures and tables; knows no files, no arguments and no window.
+
+pub mod cost;
+pub mod extremes;
+pub mod judge;
+pub mod matrix;
+pub mod stability;
+pub mod timer;

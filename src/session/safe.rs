@@ -1,0 +1,55 @@
+//! How far the values of the materials may go before a step has to be divided: found once for each material, lattice
+//! and step, not every frame.
+
+use std::sync::Arc;
+
+use super::Session;
+use crate::geometry::Lattice;
+use crate::physics::other_form::other_form;
+use crate::physics::safe_values::{SafeValue, largest_safe};
+use crate::scene::Material;
+use crate::scene::body::Inlay;
+use crate::scene::settings::Integrator;
+
+/// What was found for one body.
+#[derive(Clone, Debug)]
+pub(super) struct Found {
+    material: Material,
+    lattice: Arc<Lattice>,
+    inlays: Vec<Inlay>,
+    dt_secs: f64,
+    integrator: Integrator,
+    among_obstacles: bool,
+    /// How far its values may go.
+    pub(super) safe: Arc<Vec<SafeValue>>,
+    /// Its material in the other form.
+    pub(super) other: Material,
+}
+
+impl Session {
+    /// Finds what has become of every body; what has not changed is kept.
+    pub(super) fn find_safe_values(&mut self) {
+        let (dt_secs, integrator) = (self.scene.settings.dt, self.scene.settings.integrator);
+        let among_obstacles = !self.scene.obstacles.is_empty();
+        let before = std::mem::take(&mut self.safe);
+        for (body, lattice) in self.scene.bodies.iter().zip(self.bodies.lattices()) {
+            let fits = |found: &&Found| {
+                Arc::ptr_eq(&found.lattice, &lattice)
+                    && found.material == body.material
+                    && found.inlays == body.inlays
+                    && found.dt_secs.to_bits() == dt_secs.to_bits()
+                    && (found.integrator, found.among_obstacles) == (integrator, among_obstacles)
+            };
+            self.safe.push(before.iter().find(fits).cloned().unwrap_or_else(|| Found {
+                safe: Arc::new(largest_safe(body, &lattice, dt_secs, integrator, among_obstacles)),
+                other: other_form(&body.material, &lattice),
+                material: body.material.clone(),
+                lattice,
+                inlays: body.inlays.clone(),
+                dt_secs,
+                integrator,
+                among_obstacles,
+            }));
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What the stability report tells, writes and refuses.
+
+use serde_json::Value;
+
+use crate::bad_input::{FAILED, USAGE, refused};
+use crate::figures::missing;
+use crate::program::Folder;
+
+const CASE_KEYS: &str = "case dt_limit_predicted_secs dt_limit_measured_secs ratio automatic_finite passed fault words \
+    simulated_secs cut_short substeps largest_gain";
+const RANDOM_KEYS: &str = "seed scenes passed cut_short not_finite energy reach sound_in_double largest_gain_passed \
+    wall_secs failures";
+
+/// A small cube, for time.
+const SMALL: &str = "--quick --set bodies.0.shape.cube.cells=2";
+
+#[test]
+fn a_scene_is_measured_and_the_tables_are_written() {
+    let folder = Folder::new();
+    let report = folder.json(&format!("report stability cube-on-plane {SMALL} --json -o made"));
+    let case = &report["cases"][0];
+    assert_eq!(missing(case, CASE_KEYS), Vec::<&str>::new());
+    assert_eq!((&case["case"], &case["passed"]), (&"cube-on-plane".into(), &true.into()), "{case}");
+    assert!(case["ratio"].as_f64().is_some_and(|ratio| (0.3..=1.0).contains(&ratio)), "{case}");
+    assert_eq!(report["random"], Value::Null, "none was asked for");
+    let table = std::fs::read_to_string(folder.path("made/stability.csv")).expect("stability.csv");
+    let title = "case,dt_limit_predicted_secs,dt_limit_measured_secs,ratio,automatic_finite,";
+    assert!(table.starts_with(title) && table.lines().count() == 2, "{table}");
+    let text = std::fs::read_to_string(folder.path("made/stability.md")).expect("stability.md");
+    assert!(text.contains("| cube-on-plane |"), "{text}");
+}
+
+#[test]
+fn random_scenes_are_the_same_on_any_number_of_threads() {
+    let folder = Folder::new();
+    let random = |threads: u32| {
+        let mut report =
+            folder.json(&format!("report stability incline {SMALL} --scenes 20 --seed 5 --json --threads {threads}"));
+        assert_eq!(missing(&report["random"], RANDOM_KEYS), Vec::<&str>::new());
+        report["random"]["wall_secs"] = Value::Null;
+        report
+    };
+    let one = random(1);
+    assert_eq!(one, random(3), "one thread, three threads");
+    assert_eq!((&one["random"]["scenes"], &one["random"]["passed"]), (&20.into(), &20.into()), "{one}");
+}
+
+#[test]
+fn what_fails_fails_the_command() {
+    let folder = Folder::new();
+    // No division of a step makes explicit Euler stable.
+    let line = format!("report stability cube-on-plane {SMALL} --integrator explicit --dt 0.1");
+    let ran = folder.run(&line);
+    assert_eq!(ran.code, Some(FAILED), "{ran:?}");
+    assert!(ran.notes.contains("1 cases and 0 random scenes failed"), "{ran:?}");
+}
+
+#[test]
+fn wrong_usage_is_refused_first() {
+    let folder = Folder::new();
+    folder.write("flat", "no folder");
+    refused(&folder, "report stability cube-on-plain", USAGE, &["cube-on-plane"]);
+    refused(&folder, "report stability --scenes -1", USAGE, &["--scenes"]);
+    refused(&folder, "report stability --scenes 9999999", USAGE, &["0..=1000000"]);
+    refused(&folder, "report stability gone.ron --quick", FAILED, &["gone.ron"]);
+    refused(&folder, "report stability incline --quick -o flat", FAILED, &["flat"]);
+}

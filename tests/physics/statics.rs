@@ -1,0 +1,144 @@
+//! Small displacements of a compiled body: its links as a linear operator, solved by conjugate gradients.
+
+use gelatin::physics::model::BodyModel;
+use glam::DVec3;
+
+/// A body's links about its start, in double precision.
+pub(crate) struct Linear {
+    /// Where the particles start, m.
+    pub(crate) start: Vec<DVec3>,
+    /// Their masses, kg.
+    pub(crate) mass: Vec<f64>,
+    /// What is left of every particle's displacements: 1 where an axis is free, 0 where it is held.
+    pub(crate) free: Vec<DVec3>,
+    links: Vec<([usize; 2], DVec3, f64)>,
+}
+
+impl Linear {
+    pub(crate) fn of(body: &BodyModel<f64>) -> Self {
+        let mut links = Vec::new();
+        for family in &body.links {
+            for (number, link) in family.links.iter().enumerate() {
+                let ends = link.ends.map(|end| end as usize);
+                let direction = (body.start[ends[1]] - body.start[ends[0]]) * link.inverse_rest_length;
+                let stiffness = family.constants(number)[0] * link.inverse_rest_length;
+                if stiffness > 0.0 {
+                    links.push((ends, direction, stiffness));
+                }
+            }
+        }
+        let count = body.start.len();
+        Self {
+            start: body.start.clone(),
+            mass: (0..count).map(|particle| body.mass(particle)).collect(),
+            free: vec![DVec3::ONE; count],
+            links,
+        }
+    }
+
+    /// Holds the axes for which `held` is one at the particles chosen.
+    pub(crate) fn hold(&mut self, held: DVec3, chosen: impl Fn(DVec3) -> bool) {
+        for (free, start) in self.free.iter_mut().zip(&self.start) {
+            if chosen(*start) {
+                *free *= DVec3::ONE - held;
+            }
+        }
+    }
+
+    /// The forces that hold the particles at these displacements, N.
+    pub(crate) fn resistance(&self, displacement: &[DVec3]) -> Vec<DVec3> {
+        let mut force = vec![DVec3::ZERO; displacement.len()];
+        for &([i, j], direction, stiffness) in &self.links {
+            let pull = direction * (stiffness * direction.dot(displacement[j] - displacement[i]));
+            force[j] += pull;
+            force[i] -= pull;
+        }
+        for (force, free) in force.iter_mut().zip(&self.free) {
+            *force *= *free;
+        }
+        force
+    }
+
+    /// The displacements under these loads, N, by conjugate gradients with the diagonal before them.
+    pub(crate) fn solve(&self, load: &[DVec3]) -> Vec<DVec3> {
+        let scale = self.inverse_diagonal();
+        let mut x = vec![DVec3::ZERO; load.len()];
+        let mut r: Vec<DVec3> = load.iter().zip(&self.free).map(|(load, free)| *load * *free).collect();
+        let mut z = times(&scale, &r);
+        let mut p = z.clone();
+        let mut rho = dot(&r, &z);
+        let enough = 1e-16 * rho;
+        for _ in 0..20_000 {
+            if rho <= enough {
+                return x;
+            }
+            let q = self.resistance(&p);
+            let alpha = rho / dot(&p, &q);
+            for i in 0..x.len() {
+                x[i] += p[i] * alpha;
+                r[i] -= q[i] * alpha;
+            }
+            z = times(&scale, &r);
+            let next = dot(&r, &z);
+            for (p, z) in p.iter_mut().zip(&z) {
+                *p = *z + *p * (next / rho);
+            }
+            rho = next;
+        }
+        panic!("conjugate gradients did not converge");
+    }
+
+    /// The square of the lowest frequency, 1/s², of the vibrations that share the symmetry of `shape`, by inverse
+    /// iteration.
+    pub(crate) fn lowest(&self, mut shape: Vec<DVec3>) -> f64 {
+        let mut lambda = f64::INFINITY;
+        for _ in 0..20 {
+            let load: Vec<DVec3> = shape.iter().zip(&self.mass).map(|(u, m)| *u * *m).collect();
+            let next = self.solve(&load);
+            let inertia: f64 = next.iter().zip(&self.mass).map(|(u, m)| u.length_squared() * m).sum();
+            let found = dot(&next, &load) / inertia;
+            let is_settled = (found / lambda - 1.0).abs() < 1e-4;
+            (lambda, shape) = (found, next);
+            if is_settled {
+                break;
+            }
+        }
+        lambda
+    }
+
+    fn inverse_diagonal(&self) -> Vec<DVec3> {
+        let mut diagonal = vec![DVec3::ZERO; self.start.len()];
+        for &(ends, direction, stiffness) in &self.links {
+            for end in ends {
+                diagonal[end] += direction * direction * stiffness;
+            }
+        }
+        diagonal.iter().map(|d| d.max(DVec3::splat(f64::MIN_POSITIVE)).recip()).collect()
+    }
+}
+
+/// A load of 1 N in all on the face of a box whose middle is the origin, shared out by area.
+pub(crate) fn face_load(body: &Linear, size: DVec3, cell: f64, face: DVec3, direction: DVec3) -> Vec<DVec3> {
+    let near = 1e-6 * cell;
+    let share = |start: &DVec3| {
+        let edge = |axis: usize| if 0.5 * size[axis] - start[axis].abs() < near { 0.5 } else { 1.0 };
+        let on_face = (*start * face).element_sum() - 0.5 * (size * face.abs()).element_sum() > -near;
+        let across: f64 = (0..3).filter(|&axis| face[axis] == 0.0).map(edge).product();
+        if on_face { across } else { 0.0 }
+    };
+    let cells: f64 = (0..3).filter(|&axis| face[axis] == 0.0).map(|axis| size[axis] / cell).product();
+    body.start.iter().map(|start| direction * (share(start) / cells)).collect()
+}
+
+/// The mean displacement where a load acts, weighted by it, along it.
+pub(crate) fn mean_along(load: &[DVec3], displacement: &[DVec3]) -> f64 {
+    dot(load, displacement)
+}
+
+pub(crate) fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
+}
+
+fn times(a: &[DVec3], b: &[DVec3]) -> Vec<DVec3> {
+    a.iter().zip(b).map(|(a, b)| *a * *b).collect()
+}
