@@ -10,13 +10,14 @@ use crate::math::{Real, Vector};
 
 #[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 /// Writes all forces on the particles of bodies that are awake, at these positions with these velocities but those of contact, N.
-pub fn evaluate<R: Real>(
+pub(super) fn evaluate<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     position: &[R::Vec3],
     velocity: &[R::Vec3],
     memory: &[BodyMemory],
     force: &mut [R::Vec3],
+    scratch: &mut recovery::Scratch<R>,
     report: &mut StepReport,
     timer: &mut impl StageTimer,
 ) {
@@ -29,7 +30,7 @@ pub fn evaluate<R: Real>(
     }
     if plan.recovery && memory.iter().any(BodyMemory::is_watched) {
         timer.enter(Stage::Recovery);
-        recovery::add_forces(model, plan, position, velocity, memory, force, report);
+        recovery::add_forces(model, plan, position, velocity, memory, force, scratch, report);
     }
 }
 

@@ -104,6 +104,21 @@ pub(super) fn of_cells(kinds: &[CellKind], cell_size: f64) -> [f64; 2] {
     [0.5 * CellLoads::of(kinds, cell_size).stiffness * lightest * cell_size * cell_size, lightest]
 }
 
+/// Room that links of crushed cells are softened in; empty where no body's links are.
+#[derive(Clone, Debug)]
+pub(super) struct Scratch<R: Real> {
+    /// For each particle of the body at hand the share of elastic force that its links lose.
+    softness: Vec<R>,
+}
+
+impl<R: Real> Scratch<R> {
+    /// Room for the largest body of a model whose links may be softened.
+    pub(super) fn new(model: &Model<R>) -> Self {
+        let soft = model.bodies.iter().filter(|body| softest(body) > R::ZERO);
+        Self { softness: vec![R::ZERO; soft.map(|body| body.particles.len()).max().unwrap_or(0)] }
+    }
+}
+
 /// Whether all cells are looked at in this substep.
 pub(super) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
     let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, state)));
@@ -141,6 +156,7 @@ pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, report: &mut
     }
 }
 
+#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 /// Adds the push of the cells on the lists in `memory`, N.
 pub(super) fn add_forces<R: Real>(
     model: &Model<R>,
@@ -149,6 +165,7 @@ pub(super) fn add_forces<R: Real>(
     velocity: &[R::Vec3],
     memory: &[BodyMemory],
     force: &mut [R::Vec3],
+    scratch: &mut Scratch<R>,
     report: &mut StepReport,
 ) {
     let dt = R::from_f64(plan.substep_secs());
@@ -157,7 +174,7 @@ pub(super) fn add_forces<R: Real>(
         let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];
         report.recovery_cells += memory.near_inversion.len() as u64;
-        soften(body, &memory.near_inversion, position, velocity, dt, force);
+        soften(body, &memory.near_inversion, position, velocity, dt, scratch, force);
         let stiffness = bearable_stiffness(plan, body) * body.inverse_cell_size;
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
@@ -184,6 +201,7 @@ fn soften<R: Real>(
     position: &[R::Vec3],
     velocity: &[R::Vec3],
     dt: R,
+    scratch: &mut Scratch<R>,
     force: &mut [R::Vec3],
 ) {
     let softest = softest(body);
@@ -200,7 +218,8 @@ fn soften<R: Real>(
     if crushed.peek().is_none() {
         return;
     }
-    let mut softness = vec![R::ZERO; position.len()];
+    let softness = &mut scratch.softness[..position.len()];
+    softness.fill(R::ZERO);
     for (corners, share) in crushed {
         for &corner in corners {
             softness[corner as usize] = softness[corner as usize].max(share);
