@@ -35,7 +35,9 @@
 //! 187 cells) with the push alone, 11 (by one or two cells) with soft links, and none flies apart.
 //!
 //! What does not come back for certain is a body of shear links alone, or of shear and bending links, that was crushed
-//! to a point: in some of the random starts one or two cells stay in a knot.
+//! to a point: in 19 of 36 such cubes (5 to 10 particles an edge, three random starts) one to five cells stay in a
+//! knot, and the volume is blind to more: in each of the two sublattices about a fifth of the tetrahedra of such a cube are
+//! mirrored.
 
 use super::cell_bound::CellLoads;
 use super::forces::link_force;
