@@ -147,7 +147,7 @@ fn families_far_apart_come_back() {
         [[high, low, low], [low, high, low], [low, low, high], [high, high, low], [high, low, high], [low, high, high]];
     for stiffness in far_apart.into_iter().chain([[4.0, 0.0, 0.0], [40.0, 4.0, 0.4], [30.0, 25.0, 12.0]]) {
         // What shear links leave that were crushed to a point has a test of its own.
-        let may_knot = stiffness[1] == high && stiffness[0] == low;
+        let may_knot = stiffness[0] < 1.0 && stiffness[1] > 100.0;
         for way in WAYS.into_iter().filter(|way| !may_knot || *way != Break::Collapsed) {
             assert_eq!(left_broken(broken::<f32>(5, families(5, stiffness), way, |_| ())), 0, "{way:?}, {stiffness:?}");
         }
