@@ -14,7 +14,7 @@ use crate::math::{Real, Vector};
 /// contact, N. Where `residual` holds what rounding has kept back from the positions, links are worked out exactly and
 /// without their damping, as the implicit integrator needs them; otherwise it is empty.
 #[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
-pub fn evaluate<R: Real>(
+pub(super) fn evaluate<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     position: &[R::Vec3],
@@ -22,6 +22,7 @@ pub fn evaluate<R: Real>(
     velocity: &[R::Vec3],
     memory: &[BodyMemory],
     force: &mut [R::Vec3],
+    scratch: &mut recovery::Scratch<R>,
     report: &mut StepReport,
     timer: &mut impl StageTimer,
 ) {
@@ -38,7 +39,7 @@ pub fn evaluate<R: Real>(
     }
     if plan.recovery && memory.iter().any(BodyMemory::is_watched) {
         timer.enter(Stage::Recovery);
-        recovery::add_forces(model, plan, position, velocity, memory, force, report);
+        recovery::add_forces(model, plan, position, velocity, memory, force, scratch, report);
     }
 }
 

@@ -42,6 +42,7 @@ pub struct Scratch<R: Real> {
     /// Contact's working room and what it found.
     pub contact: contact::Scratch<R>,
     scheme: integrate::Scratch<R>,
+    recovery: recovery::Scratch<R>,
 }
 
 impl<R: Real> Scratch<R> {
@@ -55,13 +56,14 @@ impl<R: Real> Scratch<R> {
             velocity: vec![R::Vec3::ZERO; count],
             contact: contact::Scratch::new(model),
             scheme: integrate::Scratch::new(model, plan),
+            recovery: recovery::Scratch::new(model),
         }
     }
 
-    /// Makes room for a model of the same bodies and other obstacles.
+    /// Makes room for a model of the same bodies with other constants or obstacles.
     pub(super) fn fit(&mut self, model: &Model<R>, plan: &Plan) {
-        let Self { contact, thesis_force, scheme, .. } = Self::new(model, plan);
-        (self.contact, self.thesis_force, self.scheme) = (contact, thesis_force, scheme);
+        let Self { contact, thesis_force, scheme, recovery, .. } = Self::new(model, plan);
+        (self.contact, self.thesis_force, self.scheme, self.recovery) = (contact, thesis_force, scheme, recovery);
     }
 }
 
@@ -115,7 +117,7 @@ pub fn substep<R: Real>(
     }
     let implicit_contact = plan.contact && plan.contact_rule == ContactRule::Implicit;
     let thesis_contact = plan.contact && plan.contact_rule == ContactRule::Thesis;
-    let Scratch { force, thesis_force, velocity, contact, scheme } = scratch;
+    let Scratch { force, thesis_force, velocity, contact, scheme, recovery: recovering } = scratch;
 
     if plan.recovery && recovery::is_due(model, plan, state) {
         timer.enter(Stage::Recovery);
@@ -123,14 +125,15 @@ pub fn substep<R: Real>(
     }
     let felt = integrate::damping_velocity(plan, state, scheme);
     let residual = if plan.integrator == Integrator::Implicit { &state.position_residual[..] } else { &[] };
-    forces::evaluate(model, plan, &state.position, residual, felt, &state.bodies, force, &mut report, timer);
+    let (bodies, position) = (&state.bodies, &state.position);
+    forces::evaluate(model, plan, position, residual, felt, bodies, force, recovering, &mut report, timer);
     if thesis_contact {
         timer.enter(Stage::Contact);
         contact::thesis::add_forces(model, dt, state, force, thesis_force, contact, &mut report);
     }
     timer.enter(Stage::Integrate);
     let held_force = &thesis_force[..];
-    let mut free = Free { model, plan, dt, state, force, held_force, scratch: scheme };
+    let mut free = Free { model, plan, dt, state, force, held_force, scratch: scheme, recovery: recovering };
     if plan.integrator == Integrator::Implicit {
         if implicit_contact {
             free.fall(velocity);

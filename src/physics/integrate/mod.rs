@@ -24,6 +24,7 @@ use super::forces;
 use super::interaction::Grab;
 use super::model::Model;
 use super::plan::{Plan, Stage};
+use super::recovery;
 use super::report::{StageTimer, StepReport};
 use super::sleep::awake;
 use super::state::{BodyMemory, State};
@@ -81,6 +82,7 @@ pub(super) struct Free<'a, R: Real> {
     /// Of these the thesis's contact, N: constant over the substep. Empty without that rule.
     pub(super) held_force: &'a [R::Vec3],
     pub(super) scratch: &'a mut Scratch<R>,
+    pub(super) recovery: &'a mut recovery::Scratch<R>,
 }
 
 impl<R: Real> Free<'_, R> {
@@ -157,7 +159,8 @@ impl<R: Real> Free<'_, R> {
         }
         velocity.copy_from_slice(&self.state.velocity);
         kick(self.model, &self.state.bodies, ahead, force, velocity);
-        forces::evaluate(self.model, self.plan, position, &[], velocity, &self.state.bodies, force, report, timer);
+        let bodies = &self.state.bodies;
+        forces::evaluate(self.model, self.plan, position, &[], velocity, bodies, force, self.recovery, report, timer);
         for (force, held) in force.iter_mut().zip(self.held_force) {
             *force += *held;
         }

@@ -23,10 +23,19 @@
 //! that is well costs nothing but those few looks. The list is part of the [`State`]: the motion follows from the
 //! state alone.
 //!
-//! What does not come back: a body whose bending links are 1e4 times stiffer than all others, and one with next to
-//! nothing but shear links after it was crushed to a point or mirrored. Their mirrored minima span more than a cell.
+//!
+//! Where families of links are far apart the push is not enough: see [`soft_links`]. The implicit integrator solves for the
+//! push: see [`resistance`].
 
-use glam::DVec3;
+mod edges;
+mod resistance;
+mod soft_links;
+
+pub(super) use resistance::{Resistance, energy_past_work, resistances};
+pub(super) use soft_links::Scratch;
+
+use edges::{MeanEdges, mean_edges};
+use soft_links::soften;
 
 use super::cell_bound::CellLoads;
 use super::model::{BodyModel, CellKind, Model};
@@ -121,6 +130,7 @@ pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, report: &mut
     }
 }
 
+#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 /// Adds the push of the cells on the lists in `memory`, N.
 pub(super) fn add_forces<R: Real>(
     model: &Model<R>,
@@ -129,13 +139,17 @@ pub(super) fn add_forces<R: Real>(
     velocity: &[R::Vec3],
     memory: &[BodyMemory],
     force: &mut [R::Vec3],
+    scratch: &mut Scratch<R>,
     report: &mut StepReport,
 ) {
+    // What the implicit integrator solves with resists as much.
+    let flow_secs = if plan.integrator == Integrator::Implicit { 0.0 } else { plan.substep_secs() };
     for (body, memory) in model.bodies.iter().zip(memory).filter(|(_, memory)| !memory.asleep) {
         let position = &position[body.particles.clone()];
         let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];
         report.recovery_cells += memory.near_inversion.len() as u64;
+        soften(body, &memory.near_inversion, position, velocity, R::from_f64(flow_secs), scratch, force);
         let stiffness = bearable_stiffness(plan, body) * body.inverse_cell_size;
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
@@ -151,88 +165,6 @@ pub(super) fn add_forces<R: Real>(
             }
         }
     }
-}
-
-/// What a cell that is pushed resists while it moves: its part of the equations of the implicit integrator.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Resistance {
-    corners: [u32; 8],
-    /// What the volume gains when the mean edges do, 1/m.
-    growth: [DVec3; 3],
-    /// The energy's second derivative by the volume, J.
-    stiffness: f64,
-}
-
-impl Resistance {
-    /// Adds the force on the corners that move by these ways (m), times −`scale`, to `to`: `scale κ ∇V (∇V · way)`, which
-    /// leaves out that ∇V changes (Gauss and Newton) and so never pushes.
-    pub(super) fn add_product(&self, scale: f64, ways: &[DVec3], to: &mut [DVec3]) {
-        let rates = mean_edges::<f64>(ways, &self.corners, 1.0);
-        let grown = (0..3).fold(0.0, |sum, axis| sum + rates[axis].dot(self.growth[axis]));
-        for (place, &corner) in self.corners.iter().enumerate() {
-            to[corner as usize] += self.gradient(place) * (scale * self.stiffness * grown);
-        }
-    }
-
-    /// Calls `visit` with every corner and a third of the trace of its block, N/m.
-    pub(super) fn for_each_diagonal(&self, mut visit: impl FnMut(usize, f64)) {
-        for (place, &corner) in self.corners.iter().enumerate() {
-            visit(corner as usize, self.stiffness * self.gradient(place).length_squared() / 3.0);
-        }
-    }
-
-    fn gradient(&self, place: usize) -> DVec3 {
-        (0..3)
-            .fold(DVec3::ZERO, |sum, axis| sum + self.growth[axis] * if place >> axis & 1 == 1 { 0.25 } else { -0.25 })
-    }
-}
-
-/// The resistances of the cells on a body's list that are pushed. `position` is the body's own.
-pub(super) fn resistances<R: Real>(
-    plan: &Plan,
-    body: &BodyModel<R>,
-    memory: &BodyMemory,
-    position: &[R::Vec3],
-) -> impl Iterator<Item = Resistance> {
-    let stiffness = bearable_stiffness(plan, body).to_f64();
-    let inverse_cell_size = body.inverse_cell_size;
-    memory.near_inversion.iter().filter_map(move |&cell| {
-        let corners = body.lattice.cells[cell as usize];
-        let edges = MeanEdges::of(position, &corners, inverse_cell_size);
-        edges.is_pushed().then(|| Resistance {
-            corners,
-            growth: edges.faces.map(|face| face.to_dvec3() * inverse_cell_size.to_f64()),
-            stiffness: stiffness / edges.cap().to_f64(),
-        })
-    })
-}
-
-/// What the pushed cells of a body have of energy past the work of their forces, J, when its particles, that had one
-/// velocity, go on with another (m/s) for `dt` (s): see [`super::balance`].
-pub(super) fn energy_past_work<R: Real>(
-    plan: &Plan,
-    body: &BodyModel<R>,
-    memory: &BodyMemory,
-    [position, velocity, path]: [&[R::Vec3]; 3],
-    dt: R,
-) -> f64 {
-    let stiffness = bearable_stiffness(plan, body);
-    let energy_of = |edges: &MeanEdges<R>| edges.energy() * stiffness.to_f64();
-    let mut sum = 0.0;
-    for &cell in &memory.near_inversion {
-        let corners = &body.lattice.cells[cell as usize];
-        let at = corners.map(|corner| position[corner as usize]);
-        let moved = corners.map(|corner| position[corner as usize] + path[corner as usize] * dt);
-        let own = [0, 1, 2, 3, 4, 5, 6, 7];
-        let before = MeanEdges::of(&at, &own, body.inverse_cell_size);
-        let after = MeanEdges::of(&moved, &own, body.inverse_cell_size);
-        let way = mean_edges(path, corners, dt);
-        let rates = mean_edges(velocity, corners, R::ONE);
-        let push = before.push(&rates, stiffness * body.inverse_cell_size);
-        let work = push.map_or(0.0, |push| (0..3).fold(0.0, |sum, axis| sum + push[axis].dot(way[axis]).to_f64()));
-        sum += energy_of(&after) - energy_of(&before) + work;
-    }
-    sum
 }
 
 /// The stiffness of a body's cells as far as the substep bears it, N·m: all of it where it is solved for.
@@ -256,114 +188,4 @@ pub(super) fn energy<R: Real>(plan: &Plan, body: &BodyModel<R>, state: &State<R>
 /// The signed volume of a cell over that at rest; not above zero where it is inverted.
 pub(super) fn volume<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], corners: &[u32; 8]) -> f64 {
     MeanEdges::of(position, corners, body.inverse_cell_size).volume().to_f64()
-}
-
-/// The differences of some quantity along a cell's three axes, the mean of the four edges each.
-#[inline]
-fn mean_edges<R: Real>(of: &[R::Vec3], corners: &[u32; 8], scale: R) -> [R::Vec3; 3] {
-    let at = corners.map(|corner| of[corner as usize]);
-    // Neighbours first: far from the origin their difference is exact, sums of positions would not be.
-    let mean = |ends: [[usize; 2]; 4]| {
-        let edge = |[low, high]: [usize; 2]| at[high] - at[low];
-        ((edge(ends[0]) + edge(ends[1])) + (edge(ends[2]) + edge(ends[3]))) * (R::from_f64(0.25) * scale)
-    };
-    [
-        mean([[0, 1], [2, 3], [4, 5], [6, 7]]),
-        mean([[0, 2], [1, 3], [4, 6], [5, 7]]),
-        mean([[0, 4], [1, 5], [2, 6], [3, 7]]),
-    ]
-}
-
-/// The first of the mean edges along a cell's axes, and the cross products of the other two, in cell sizes.
-struct MeanEdges<R: Real> {
-    first: R::Vec3,
-    faces: [R::Vec3; 3],
-}
-
-impl<R: Real> MeanEdges<R> {
-    #[inline]
-    fn of(position: &[R::Vec3], corners: &[u32; 8], inverse_cell_size: R) -> Self {
-        let [a, b, c] = mean_edges(position, corners, inverse_cell_size);
-        Self { first: a, faces: [b.cross(c), c.cross(a), a.cross(b)] }
-    }
-
-    #[inline]
-    fn volume(&self) -> R {
-        self.first.dot(self.faces[0])
-    }
-
-    /// The largest face, at least 1: what the push is divided by.
-    fn cap(&self) -> R {
-        self.faces.iter().fold(R::ONE, |largest, face| largest.max(face.length()))
-    }
-
-    #[inline]
-    fn missing(&self) -> R {
-        R::from_f64(THRESHOLD) - self.volume()
-    }
-
-    /// Whether the cell is pushed: below the threshold and not so far stretched that its volume is no number.
-    #[inline]
-    fn is_pushed(&self) -> bool {
-        self.missing().is_finite() && self.missing() > R::ZERO
-    }
-
-    /// The energy for a stiffness of one.
-    fn energy(&self) -> f64 {
-        let missing = self.missing().to_f64();
-        let sprung = missing.min(DEEPEST);
-        if missing > 0.0 { sprung * (missing - 0.5 * sprung) / self.cap().to_f64() } else { 0.0 }
-    }
-
-    /// The forces on the three mean edges for a stiffness over the cell size, N; none above the threshold, or where a
-    /// cell is so far stretched that its volume is no number.
-    #[inline]
-    fn push(&self, rates: &[R::Vec3; 3], stiffness: R) -> Option<[R::Vec3; 3]> {
-        if !self.is_pushed() {
-            return None;
-        }
-        let growth = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(self.faces[axis]));
-        let returned = if growth > R::ZERO { R::from_f64(RETURNED) } else { R::ONE };
-        let strength = stiffness * returned * self.missing().min(R::from_f64(DEEPEST)) / self.cap();
-        Some(self.faces.map(|face| face * strength)).filter(|push| push.iter().all(|force| force.is_finite()))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const CORNERS: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
-
-    fn cell(scale: DVec3) -> Vec<DVec3> {
-        (0..8u32).map(|p| DVec3::new(f64::from(p & 1), f64::from(p >> 1 & 1), f64::from(p >> 2)) * scale).collect()
-    }
-
-    fn edges(scale: DVec3) -> MeanEdges<f64> {
-        MeanEdges::of(&cell(scale), &CORNERS, 1.0)
-    }
-
-    #[test]
-    fn the_volume_is_signed() {
-        assert!((edges(DVec3::ONE).volume() - 1.0).abs() < 1e-15, "one at rest");
-        assert!((edges(DVec3::new(2.0, 1.0, -1.0)).volume() + 2.0).abs() < 1e-15, "negative when mirrored");
-    }
-
-    #[test]
-    fn only_what_is_crushed_is_pushed_and_never_without_bound() {
-        assert!(
-            edges(DVec3::new(1.0, 1.0, 0.31)).push(&[DVec3::ZERO; 3], 1.0).is_none(),
-            "above the threshold there is no force"
-        );
-        let flat = edges(DVec3::new(1.0, 1.0, 0.1)).push(&[DVec3::ZERO; 3], 1.0).expect("a flat cell is pushed");
-        assert!((flat[2] - DVec3::Z * 0.2).length() < 1e-15, "outward along the short edge: {flat:?}");
-        let returning = [DVec3::ZERO, DVec3::ZERO, DVec3::Z];
-        let back = edges(DVec3::new(1.0, 1.0, 0.1)).push(&returning, 1.0).expect("a flat cell is pushed");
-        assert!((back[2] * 2.0 - flat[2]).length() < 1e-15, "half as hard on its way back: {back:?}");
-        for size in [1.0, 10.0, 1e3] {
-            let far =
-                edges(DVec3::new(size, size, -size)).push(&[DVec3::ZERO; 3], 1.0).expect("a mirrored cell is pushed");
-            assert!(far.iter().all(|f| f.length() <= 2.0 + 1e-12), "{size} times the size: {far:?}");
-        }
-    }
 }

@@ -1,0 +1,114 @@
+//! The mean edges of a cell, its signed volume, and the push on them.
+
+use super::{DEEPEST, RETURNED, THRESHOLD};
+use crate::math::{Real, Vector};
+
+/// The differences of some quantity along a cell's three axes, the mean of the four edges each.
+#[inline]
+pub(super) fn mean_edges<R: Real>(of: &[R::Vec3], corners: &[u32; 8], scale: R) -> [R::Vec3; 3] {
+    let at = corners.map(|corner| of[corner as usize]);
+    // Neighbours first: far from the origin their difference is exact, sums of positions would not be.
+    let mean = |ends: [[usize; 2]; 4]| {
+        let edge = |[low, high]: [usize; 2]| at[high] - at[low];
+        ((edge(ends[0]) + edge(ends[1])) + (edge(ends[2]) + edge(ends[3]))) * (R::from_f64(0.25) * scale)
+    };
+    [
+        mean([[0, 1], [2, 3], [4, 5], [6, 7]]),
+        mean([[0, 2], [1, 3], [4, 6], [5, 7]]),
+        mean([[0, 4], [1, 5], [2, 6], [3, 7]]),
+    ]
+}
+
+/// The first of the mean edges along a cell's axes, and the cross products of the other two, in cell sizes.
+pub(super) struct MeanEdges<R: Real> {
+    first: R::Vec3,
+    pub(super) faces: [R::Vec3; 3],
+}
+
+impl<R: Real> MeanEdges<R> {
+    #[inline]
+    pub(super) fn of(position: &[R::Vec3], corners: &[u32; 8], inverse_cell_size: R) -> Self {
+        let [a, b, c] = mean_edges(position, corners, inverse_cell_size);
+        Self { first: a, faces: [b.cross(c), c.cross(a), a.cross(b)] }
+    }
+
+    #[inline]
+    pub(super) fn volume(&self) -> R {
+        self.first.dot(self.faces[0])
+    }
+
+    /// The largest face, at least 1: what the push is divided by.
+    pub(super) fn cap(&self) -> R {
+        self.faces.iter().fold(R::ONE, |largest, face| largest.max(face.length()))
+    }
+
+    #[inline]
+    pub(super) fn missing(&self) -> R {
+        R::from_f64(THRESHOLD) - self.volume()
+    }
+
+    /// Whether the cell is pushed: below the threshold and not so far stretched that its volume is no number.
+    #[inline]
+    pub(super) fn is_pushed(&self) -> bool {
+        self.missing().is_finite() && self.missing() > R::ZERO
+    }
+
+    /// The energy for a stiffness of one.
+    pub(super) fn energy(&self) -> f64 {
+        let missing = self.missing().to_f64();
+        let sprung = missing.min(DEEPEST);
+        if missing > 0.0 { sprung * (missing - 0.5 * sprung) / self.cap().to_f64() } else { 0.0 }
+    }
+
+    /// The forces on the three mean edges for a stiffness over the cell size, N; none above the threshold, or where a
+    /// cell is so far stretched that its volume is no number.
+    #[inline]
+    pub(super) fn push(&self, rates: &[R::Vec3; 3], stiffness: R) -> Option<[R::Vec3; 3]> {
+        if !self.is_pushed() {
+            return None;
+        }
+        let growth = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(self.faces[axis]));
+        let returned = if growth > R::ZERO { R::from_f64(RETURNED) } else { R::ONE };
+        let strength = stiffness * returned * self.missing().min(R::from_f64(DEEPEST)) / self.cap();
+        Some(self.faces.map(|face| face * strength)).filter(|push| push.iter().all(|force| force.is_finite()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
+
+    fn cell(scale: DVec3) -> Vec<DVec3> {
+        (0..8u32).map(|p| DVec3::new(f64::from(p & 1), f64::from(p >> 1 & 1), f64::from(p >> 2)) * scale).collect()
+    }
+
+    fn edges(scale: DVec3) -> MeanEdges<f64> {
+        MeanEdges::of(&cell(scale), &CORNERS, 1.0)
+    }
+
+    #[test]
+    fn the_volume_is_signed() {
+        assert!((edges(DVec3::ONE).volume() - 1.0).abs() < 1e-15, "one at rest");
+        assert!((edges(DVec3::new(2.0, 1.0, -1.0)).volume() + 2.0).abs() < 1e-15, "negative when mirrored");
+    }
+
+    #[test]
+    fn only_what_is_crushed_is_pushed_and_never_without_bound() {
+        assert!(
+            edges(DVec3::new(1.0, 1.0, 0.31)).push(&[DVec3::ZERO; 3], 1.0).is_none(),
+            "above the threshold there is no force"
+        );
+        let flat = edges(DVec3::new(1.0, 1.0, 0.1)).push(&[DVec3::ZERO; 3], 1.0).expect("a flat cell is pushed");
+        assert!((flat[2] - DVec3::Z * 0.2).length() < 1e-15, "outward along the short edge: {flat:?}");
+        let returning = [DVec3::ZERO, DVec3::ZERO, DVec3::Z];
+        let back = edges(DVec3::new(1.0, 1.0, 0.1)).push(&returning, 1.0).expect("a flat cell is pushed");
+        assert!((back[2] * 2.0 - flat[2]).length() < 1e-15, "half as hard on its way back: {back:?}");
+        for size in [1.0, 10.0, 1e3] {
+            let far =
+                edges(DVec3::new(size, size, -size)).push(&[DVec3::ZERO; 3], 1.0).expect("a mirrored cell is pushed");
+            assert!(far.iter().all(|f| f.length() <= 2.0 + 1e-12), "{size} times the size: {far:?}");
+        }
+    }
+}
