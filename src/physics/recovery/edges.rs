@@ -76,6 +76,8 @@ impl<R: Real> MeanEdges<R> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
 
     const CORNERS: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
