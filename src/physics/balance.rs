@@ -73,7 +73,7 @@ fn of_particles<R: Real>(
 ) -> (f64, f64) {
     body.particles.clone().enumerate().fold((0.0, 0.0), |(kinetic, gained), (local, particle)| {
         let mass = body.mass(local).to_f64();
-        let [before, after] = [state.velocity[particle], velocity[particle]].map(|v| v.to_dvec3());
+        let [before, after] = [state.velocity[particle], velocity[particle]].map(Vector::to_dvec3);
         let change = 0.5 * mass * (after - before).dot(after + before);
         let work = dt * force[particle].to_dvec3().dot(after);
         (kinetic + 0.5 * mass * after.length_squared(), gained + change - work)

@@ -164,9 +164,8 @@ pub fn substep<R: Real>(
     let moving = if path.is_empty() { &*velocity } else { &*path };
     let exploded = plan.watched && runs_away(model, dt, moving);
     let sound = !exploded && stays_finite(model, dt, state, moving, velocity);
-    if part.may_be_halved
-        && !(sound && !gains_energy(model, plan, dt, state, force, velocity, &contact.contacts, inputs.grab))
-    {
+    let is_refused = || !sound || gains_energy(model, plan, dt, state, force, velocity, &contact.contacts, inputs.grab);
+    if part.may_be_halved && is_refused() {
         timer.leave();
         return StepReport { substeps: 0, halved: 1, ..report };
     }

@@ -149,13 +149,17 @@ fn watch<R: Real>(
             break;
         }
         let meddling = meddle(simulation, substep);
-        bodies.iter_mut().for_each(|account| account.meddle(meddling));
+        for account in &mut bodies {
+            account.meddle(meddling);
+        }
         let diverged = loop {
             let report = simulation.substep(&mut ());
             forces += report.link_forces + report.iterations * links as u64;
             let contacts = &simulation.scratch().contact.contacts;
             let push = contacts.iter().fold(0.0, |push: f64, c| push.max(c.surface_velocity.length().to_f64()));
-            bodies.iter_mut().for_each(|account| account.push(push, report.obstacle_work_j));
+            for account in &mut bodies {
+                account.push(push, report.obstacle_work_j);
+            }
             if report.diverged || simulation.state().part == 0 || forces > patience.most_link_forces {
                 break report.diverged;
             }
