@@ -41,11 +41,12 @@ impl Default for Settings {
 }
 
 /// The scheme that advances a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Default, Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Integrator {
     /// Semi-implicit Euler (GC §4.1): velocity first, position with the new velocity.
     #[serde(alias = "semi-implicit")]
+    #[default]
     SemiImplicit,
     /// Explicit Euler (GC §4.1): velocity and position from the old ones. Grows without damping, however small the step.
     Explicit,

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crate::physics::plan::Stage;
-use crate::physics::{Plan, StepReport};
+use crate::physics::{Plan, Simulation, StepReport};
 use crate::report::timer::WallTimer;
 
 /// What was measured is shown, and measured anew, this often.
@@ -35,6 +35,8 @@ pub struct StageCost {
 #[derive(Debug)]
 pub(super) struct Costs {
     since: Instant,
+    /// The simulated time then, s.
+    since_secs: f64,
     timer: WallTimer,
     report: StepReport,
     shown: StepCost,
@@ -42,9 +44,10 @@ pub(super) struct Costs {
 
 impl Costs {
     /// Begins to measure.
-    pub(super) fn new(plan: &Plan) -> Self {
-        let shown = StepCost { left_out: plan.left_out(), ..StepCost::default() };
-        Self { since: Instant::now(), timer: WallTimer::default(), report: StepReport::default(), shown }
+    pub(super) fn new(simulation: &Simulation) -> Self {
+        let shown = StepCost { left_out: simulation.plan().left_out(), ..StepCost::default() };
+        let since_secs = simulation.state().time_secs;
+        Self { since: Instant::now(), since_secs, timer: WallTimer::default(), report: StepReport::default(), shown }
     }
 
     /// Takes the time of the stages.
@@ -53,11 +56,12 @@ impl Costs {
     }
 
     /// A substep was taken.
-    pub(super) fn note(&mut self, report: &StepReport, plan: &Plan) {
+    pub(super) fn note(&mut self, report: &StepReport, simulation: &Simulation) {
         self.report.add(report);
         if self.since.elapsed() >= WINDOW {
-            self.shown = step_cost(&self.timer, &self.report, plan);
-            self.since = Instant::now();
+            let (plan, now_secs) = (simulation.plan(), simulation.state().time_secs);
+            self.shown = step_cost(&self.timer, &self.report, (now_secs - self.since_secs) / plan.dt_secs, plan);
+            (self.since, self.since_secs) = (Instant::now(), now_secs);
             self.timer = WallTimer::default();
             self.report = StepReport::default();
         }
@@ -69,8 +73,7 @@ impl Costs {
     }
 }
 
-fn step_cost(timer: &WallTimer, report: &StepReport, plan: &Plan) -> StepCost {
-    let steps = report.substeps as f64 / f64::from(plan.substeps);
+fn step_cost(timer: &WallTimer, report: &StepReport, steps: f64, plan: &Plan) -> StepCost {
     if steps <= 0.0 {
         return StepCost::default();
     }
@@ -92,6 +95,9 @@ fn step_cost(timer: &WallTimer, report: &StepReport, plan: &Plan) -> StepCost {
             count("tests saved by boxes", report.narrow_tests_saved),
             count("cells looked at", report.cells_looked_at),
             count("cells pushed back", report.recovery_cells),
+            count("implicit solves", report.solves),
+            count("iterations of these", report.iterations),
+            count("halvings", report.halved),
         ],
         left_out: plan.left_out(),
     }

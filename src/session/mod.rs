@@ -42,6 +42,7 @@ use crate::scene::Scene;
 use crate::scene::edit::EditError;
 use crate::scene::file::SceneFileError;
 use crate::scene::resolve::ResolveError;
+use crate::scene::settings::Integrator;
 use bodies::Bodies;
 use clock::Clock;
 use costs::Costs;
@@ -195,7 +196,7 @@ impl Session {
             Command::Undo => self.undo()?,
             Command::Redo => self.redo()?,
             Command::Grab(pull) => self.grab(pull)?,
-            Command::WatchCost(watch) => self.costs = watch.then(|| Costs::new(self.simulation.plan())),
+            Command::WatchCost(watch) => self.costs = watch.then(|| Costs::new(&self.simulation)),
         }
         Ok(())
     }
@@ -249,7 +250,7 @@ impl Session {
             None => self.simulation.substep(&mut ()),
             Some(costs) => {
                 let report = self.simulation.substep(costs.timer());
-                costs.note(&report, self.simulation.plan());
+                costs.note(&report, &self.simulation);
                 report
             }
         };
@@ -281,6 +282,7 @@ impl Session {
             limited_by: self.slowness(factor, links),
             dt_secs: plan.substep_secs(),
             dt_safe_secs: plan.limits.dt_safe_secs().unwrap_or(f64::INFINITY),
+            integrator: plan.integrator,
             dt_limited_by: plan.limits.limited_by(plan.dt_secs).words(),
             substeps: plan.substeps,
             particles: model.particle_count(),
@@ -322,7 +324,9 @@ impl Session {
         }
         let times = self.speed / factor;
         let pace = if (self.speed - 1.0).abs() < 1e-9 { "real time" } else { "the speed asked for" };
-        let cause = if plan.substeps > 1 {
+        let cause = if self.simulation.state().halvings > 0 {
+            "the motion is too violent for the implicit integrator's steps, which are halved again and again".to_owned()
+        } else if plan.substeps > 1 && plan.integrator != Integrator::Implicit {
             format!(
                 "{} takes {} substeps in every step of {links} links",
                 plan.limits.limited_by(plan.dt_secs).words(),

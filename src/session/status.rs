@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::{StepCost, Trouble};
 pub use crate::physics::safe_values::SafeValue;
 use crate::scene::Material;
+use crate::scene::settings::Integrator;
 
 /// The state of a session, published with every snapshot.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,8 +31,10 @@ pub struct Status {
     pub limited_by: String,
     /// The step in use, s: a whole step divided by its substeps.
     pub dt_secs: f64,
-    /// The largest step that automatic stepping allows, s.
+    /// The largest step that automatic stepping allows, s; the implicit integrator takes longer ones.
     pub dt_safe_secs: f64,
+    /// The scheme in use: the one chosen, or the implicit one that has taken over.
+    pub integrator: Integrator,
     /// What limits the step, in plain words ("shear stiffness", "the step asked for").
     pub dt_limited_by: String,
     /// Substeps in a whole step.

@@ -8,7 +8,7 @@ use crate::math::Vector;
 use crate::physics::stability::Term;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::material::Spring;
-use crate::scene::settings::Stepping;
+use crate::scene::settings::{Integrator, Stepping};
 use crate::scene::{Body, Family, Material, Solid, Springs};
 use crate::view::legend::three_digits;
 
@@ -80,7 +80,7 @@ impl Session {
         let (Some(limit_secs), Some(safe_secs)) = (limits.dt_limit_secs, limits.dt_safe_secs()) else {
             return self.unexplained();
         };
-        if dt_secs <= safe_secs {
+        if dt_secs <= safe_secs || plan.integrator == Integrator::Implicit {
             return self.unexplained();
         }
         let guilty = limits.limited_by(plan.dt_secs);

@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable;
 use gelatin::scene::obstacle::ContactStiffness;
-use gelatin::scene::settings::{ContactRule, Integrator, Stepping};
+use gelatin::scene::settings::{ContactRule, Integrator, Settings, Stepping};
 use gelatin::scene::{Material, ObstacleShape, Springs};
 use gelatin::session::Command;
 
@@ -135,6 +135,15 @@ fn nothing_chosen_shows_the_scene() {
     window.click("Stepping");
     window.click("manual");
     assert_eq!(window.scene().settings.stepping, Stepping::Manual);
+    for (label, is_on) in [
+        ("Implicit where stiff", (|settings| settings.allow_implicit) as fn(&Settings) -> bool),
+        ("Sleep at rest", |settings| settings.sleeping),
+        ("Turn crushed cells back", |settings| settings.inversion_recovery),
+    ] {
+        assert!(is_on(&window.scene().settings), "{label} is on by default");
+        window.click(label);
+        assert!(!is_on(&window.scene().settings), "{label} is off");
+    }
     window.click("Contact");
     window.click("as in the thesis");
     assert_eq!(window.scene().settings.contact, ContactRule::Thesis);

@@ -119,7 +119,7 @@ fn output_that_cannot_be_written_is_refused_first() {
 #[test]
 fn runs_that_cannot_be_are_refused() {
     let folder = Folder::new();
-    folder.write("other.state", "gelatin-state 3\nnot much").write("kept.state", "kept");
+    folder.write("other.state", "gelatin-state 4\nnot much").write("kept.state", "kept");
     refused(&folder, "run cube-on-plane --seconds -1", USAGE, &["0 to 86400"]);
     refused(&folder, "run cube-on-plane --seconds nan", USAGE, &["0 to 86400"]);
     refused(&folder, "run cube-on-plane --seconds 0 --from-state gone.state", FAILED, &["gone.state"]);

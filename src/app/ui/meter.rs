@@ -3,6 +3,7 @@
 use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
 
 use super::theme;
+use crate::scene::settings::Integrator;
 use crate::session::Status;
 
 /// Size of the bar, points.
@@ -12,7 +13,12 @@ const TOLERANCE: f64 = 1e-9;
 
 /// Whether the step in use is larger than is safe.
 pub(super) fn is_unsafe(status: &Status) -> bool {
-    status.dt_safe_secs > 0.0 && status.dt_secs > status.dt_safe_secs * (1.0 + TOLERANCE)
+    !is_implicit(status) && status.dt_safe_secs > 0.0 && status.dt_secs > status.dt_safe_secs * (1.0 + TOLERANCE)
+}
+
+/// Whether the implicit integrator is at work, whose steps nothing limits.
+pub(super) fn is_implicit(status: &Status) -> bool {
+    status.integrator == Integrator::Implicit
 }
 
 /// The bar, with its share in figures. Written from right to left.
@@ -20,7 +26,8 @@ pub(super) fn meter_ui(ui: &mut Ui, status: &Status) {
     let share = share(status);
     let color = if is_unsafe(status) { theme::of(ui).warning } else { theme::of(ui).good };
     let words = words(status);
-    theme::figures_ui(ui, &share_text(share), "100 %", theme::of(ui).strong).on_hover_text(&words);
+    let text = if is_implicit(status) { "implicit".to_owned() } else { share_text(share) };
+    theme::figures_ui(ui, &text, "100 %", theme::of(ui).strong).on_hover_text(&words);
     let (rect, response) = ui.allocate_exact_size(vec2(BAR.x, ui.spacing().interact_size.y), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::ProgressIndicator, true, format!("Stability: {words}")));
     let bar = Rect::from_center_size(rect.center(), BAR);
@@ -34,6 +41,9 @@ pub(super) fn meter_ui(ui: &mut Ui, status: &Status) {
 /// The step in use over the largest safe one; 0 where nothing limits it.
 fn share(status: &Status) -> f64 {
     let share = status.dt_secs / status.dt_safe_secs;
+    if is_implicit(status) {
+        return 0.0;
+    }
     if share.is_finite() && share > 0.0 { share } else { 0.0 }
 }
 
@@ -44,6 +54,12 @@ fn share_text(share: f64) -> String {
 /// The meter as a sentence.
 fn words(status: &Status) -> String {
     let step = milliseconds(status.dt_secs);
+    if is_implicit(status) && status.dt_safe_secs.is_finite() {
+        let (explicit, whose) = (milliseconds(status.dt_safe_secs), &status.dt_limited_by);
+        return format!(
+            "a step of {step} of the implicit integrator, which has taken over: {whose} would allow others {explicit}"
+        );
+    }
     if share(status) == 0.0 {
         return format!("a step of {step}; nothing limits it");
     }
@@ -82,6 +98,17 @@ mod tests {
         let wild = "a step of 1.00 ms, 200 % of the 0.50 ms that are safe: it may explode; limited by shear stiffness";
         assert_eq!(words(0.001, 0.000_5), wild);
         assert_eq!(words(0.001, f64::INFINITY), "a step of 1.00 ms; nothing limits it");
+    }
+
+    #[test]
+    fn an_implicit_step_is_safe_and_says_what_it_replaces() {
+        let taken_over = Status { integrator: Integrator::Implicit, ..status(0.004, 2e-5) };
+        assert!(!is_unsafe(&taken_over), "nothing limits it");
+        let words = words(&taken_over);
+        assert!(
+            words.contains("implicit") && words.contains("shear stiffness") && words.contains("0.02 ms"),
+            "{words}"
+        );
     }
 
     #[test]

@@ -47,7 +47,8 @@ fn place_ui(
     });
     if let Some(status) = status {
         let [x, y, z] = status.center.map(|at| format!("{at:.2}"));
-        row_ui(ui, "Now at", &format!("{x}, {y}, {z} m"));
+        let asleep = if status.asleep { ", asleep" } else { "" };
+        row_ui(ui, "Now at", &format!("{x}, {y}, {z} m{asleep}"));
     }
 }
 

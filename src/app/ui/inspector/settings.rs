@@ -31,6 +31,14 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
         if let Some(stepping) = choice_ui(ui, "settings.stepping", "Stepping", old.stepping, &stepping) {
             commands.extend(actions::alone(Edit::Settings(Settings { stepping, ..old.clone() })));
         }
+        let mut settings = old.clone();
+        let mut changed = flag_ui(ui, "settings.allow_implicit", "Implicit where stiff", &mut settings.allow_implicit);
+        changed |= flag_ui(ui, "settings.sleeping", "Sleep at rest", &mut settings.sleeping);
+        changed |=
+            flag_ui(ui, "settings.inversion_recovery", "Turn crushed cells back", &mut settings.inversion_recovery);
+        if changed {
+            commands.extend(actions::alone(Edit::Settings(settings)));
+        }
         let contact = [(ContactRule::Implicit, "implicit"), (ContactRule::Thesis, "as in the thesis")];
         if let Some(contact) = choice_ui(ui, "settings.contact", "Contact", old.contact, &contact) {
             commands.extend(actions::alone(Edit::Settings(Settings { contact, ..old.clone() })));
@@ -49,6 +57,16 @@ fn scheme_words(scheme: Integrator) -> &'static str {
         Integrator::Rk4 => "Runge–Kutta 4",
         Integrator::Implicit => "implicit Euler",
     }
+}
+
+/// A parameter that is on or off. Says whether it was changed.
+fn flag_ui(ui: &mut Ui, path: &str, label: &str, on: &mut bool) -> bool {
+    let response = ui.checkbox(on, label);
+    let changed = response.changed();
+    if let Some(param) = param::find(path) {
+        response.on_hover_text(help(param));
+    }
+    changed
 }
 
 /// A choice among a few; what was chosen, if anything was.
