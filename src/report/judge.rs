@@ -145,7 +145,8 @@ fn watch<R: Real>(
     };
     let mut forces = 0;
     for substep in 0..substeps {
-        if verdict.cut_short {
+        if forces > patience.most_link_forces {
+            verdict.cut_short = true;
             break;
         }
         let meddling = meddle(simulation, substep);
@@ -164,7 +165,6 @@ fn watch<R: Real>(
                 break report.diverged;
             }
         };
-        verdict.cut_short |= forces > patience.most_link_forces && substep + 1 < substeps;
         (verdict.substeps, verdict.simulated_secs) = (substep + 1, (substep + 1) as f64 * dt);
         if diverged {
             (verdict.fault, verdict.words) = (Some(Fault::NotFinite), format!("after {} s", verdict.simulated_secs));
@@ -353,8 +353,9 @@ mod tests {
     use super::*;
     use crate::math::rng::Rng;
     use crate::report::extremes::{extreme_scene, lattices};
-    use crate::scene::Body;
+    use crate::scene::obstacle::Sphere;
     use crate::scene::settings::Stepping;
+    use crate::scene::{Body, Obstacle, ObstacleShape};
 
     const PATIENCE: Patience = Patience { seconds: 0.5, most_link_forces: 30_000_000 };
 
@@ -412,6 +413,38 @@ mod tests {
         assert_eq!(tenth.fault, Some(Fault::Energy), "{tenth:?}");
         assert!((0.05..0.11).contains(&tenth.largest_gain), "as soon as it is told: {tenth:?}");
         assert_eq!(fiftieth.fault, None, "{fiftieth:?}");
+    }
+
+    /// A ball sweeps into a cube that floats; later the cube has `share` more kinetic energy.
+    fn kicked(share: f32) -> Verdict {
+        let sphere = Sphere { center: [-1.2, 0.0, 0.0], radius: 0.5 };
+        let ball = Obstacle { shape: ObstacleShape::Sphere(sphere), ..Obstacle::default() };
+        let mut scene = Scene { bodies: vec![Body::default()], obstacles: vec![ball], ..Scene::default() };
+        scene.bodies[0].pose.position = [0.0; 3];
+        scene.settings.gravity = [0.0; 3];
+        scene.settings.dt = 2e-4;
+        let mut after = scene.clone();
+        if let ObstacleShape::Sphere(sphere) = &mut after.obstacles[0].shape {
+            sphere.center[0] = -0.7;
+        }
+        seen(&scene, |simulation, substep| match substep {
+            10 => simulation.set_parameters(&after, &lattices(&after).expect("sound shapes"), &[Some(0)], true),
+            1000 => {
+                let mut state = simulation.state().clone();
+                state.velocity.iter_mut().for_each(|v| *v *= (1.0 + share).sqrt());
+                simulation.set_state(state);
+            }
+            _ => (),
+        })
+    }
+
+    #[test]
+    fn the_work_of_an_obstacle_may_be_had_and_more_may_not() {
+        let sound = kicked(0.0);
+        assert!(sound.fault.is_none() && sound.largest_gain < GAIN && sound.substeps > 1500, "{sound:?}");
+        // The kick keeps a tenth of it, the damping takes the rest.
+        let gained = kicked(12.0);
+        assert_eq!(gained.fault, Some(Fault::Energy), "{gained:?}");
     }
 
     #[test]
