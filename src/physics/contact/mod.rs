@@ -47,11 +47,13 @@ pub struct Scratch<R: Real> {
 impl<R: Real> Scratch<R> {
     /// Room for a model.
     pub fn new(model: &Model<R>) -> Self {
+        // All particles in a corner: what is there beyond that makes room for itself once.
+        let meetings = model.particle_count() * model.obstacles.len().min(3);
         Self {
             near: Vec::with_capacity(model.obstacles.len()),
-            contacts: Vec::with_capacity(model.particle_count()),
+            contacts: Vec::with_capacity(meetings),
             touching: vec![true; model.bodies.len() * model.obstacles.len()],
-            touches: Vec::with_capacity(model.particle_count()),
+            touches: Vec::with_capacity(meetings),
         }
     }
 
