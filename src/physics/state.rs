@@ -71,6 +71,11 @@ impl BodyMemory {
 }
 
 impl<R: Real> State<R> {
+    /// Whether no substep is under way, and the motion is where the count of steps is.
+    pub fn is_between_substeps(&self) -> bool {
+        self.part == 0 && self.held_steps == 0
+    }
+
     /// Whether no step is under way.
     pub fn is_between_steps(&self) -> bool {
         self.substep == 0 && self.part == 0

@@ -161,11 +161,12 @@ fn watch<R: Real>(
             for account in &mut bodies {
                 account.push(push, report.obstacle_work_j);
             }
-            if report.diverged || simulation.state().part == 0 || forces > patience.most_link_forces {
+            let is_whole = simulation.state().is_between_substeps();
+            if report.diverged || is_whole || forces > patience.most_link_forces {
                 break report.diverged;
             }
         };
-        (verdict.substeps, verdict.simulated_secs) = (substep + 1, (substep + 1) as f64 * dt);
+        (verdict.substeps, verdict.simulated_secs) = (substep + 1, simulation.state().time_secs);
         if diverged {
             (verdict.fault, verdict.words) = (Some(Fault::NotFinite), format!("after {} s", verdict.simulated_secs));
             break;
