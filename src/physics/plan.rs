@@ -115,12 +115,9 @@ impl Plan {
         let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
         let substeps = if divided { limits.substeps(settings.dt) } else { 1 };
         let contact = !model.obstacles.is_empty() && !model.bodies.is_empty();
-        let taken_over = settings.allow_implicit
-            && divided
-            && settings.integrator != Integrator::Implicit
-            && substeps > 1
-            && limits.dt_safe_secs().is_some_and(|safe| FRAME_SECS / safe > IMPLICIT_ABOVE)
-            && !(contact && settings.contact == ContactRule::Thesis);
+        let by_thesis = contact && settings.contact == ContactRule::Thesis;
+        let taken_over =
+            divided && settings.integrator != Integrator::Implicit && !by_thesis && needs_implicit(settings, &limits);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of at least one")]
         let [span, implicit_substeps] =
             [LONGEST_IMPLICIT_SECS / settings.dt, libm::ceil(settings.dt / LONGEST_IMPLICIT_SECS)]
@@ -205,6 +202,12 @@ impl Plan {
             Stage::Rest => self.sleeping,
         }
     }
+}
+
+/// Whether steps would have to be divided so finely that the implicit integrator may take over.
+fn needs_implicit(settings: &Settings, limits: &SceneLimits) -> bool {
+    settings.allow_implicit
+        && limits.dt_safe_secs().is_some_and(|safe| safe < settings.dt && FRAME_SECS / safe > IMPLICIT_ABOVE)
 }
 
 /// How often a step is to be halved until the default integrator could take it.

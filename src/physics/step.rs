@@ -115,7 +115,7 @@ pub fn substep<R: Real>(
         state.time_secs += part.secs;
         return report;
     }
-    let implicit_contact = plan.contact && plan.contact_rule == ContactRule::Implicit;
+    let implicit_contact = meets_implicitly(plan);
     let thesis_contact = plan.contact && plan.contact_rule == ContactRule::Thesis;
     let Scratch { force, thesis_force, velocity, contact, scheme, recovery: recovering } = scratch;
 
@@ -135,26 +135,9 @@ pub fn substep<R: Real>(
     let held_force = &thesis_force[..];
     let mut free = Free { model, plan, dt, state, force, held_force, scratch: scheme, recovery: recovering };
     if plan.integrator == Integrator::Implicit {
-        if implicit_contact {
-            free.fall(velocity);
-            contact::find_touches(model, plan, dt, state, velocity, contact, &mut report, timer);
-            timer.enter(Stage::Integrate);
-        }
-        free.solve(inputs.grab, &mut contact.touches, velocity, &mut report);
-        if implicit_contact {
-            contact::settle_touches(model, plan, dt, state, velocity, contact, &mut report, timer);
-            timer.enter(Stage::Integrate);
-        }
+        solved_velocities(&mut free, inputs, contact, velocity, &mut report, timer);
     } else {
-        free.predict(velocity);
-        if let Some(grab) = inputs.grab {
-            interaction::pull(model, dt, grab, &state.position, velocity);
-        }
-        if implicit_contact {
-            contact::respond(model, plan, dt, state, velocity, contact, &mut report, timer);
-            timer.enter(Stage::Integrate);
-        }
-        free.refine(velocity, &mut report, timer);
+        predicted_velocities(&mut free, inputs, contact, velocity, &mut report, timer);
     }
     let path = &mut scheme.path;
     if implicit_contact && !path.is_empty() {
@@ -186,6 +169,54 @@ pub fn substep<R: Real>(
     }
     timer.leave();
     report
+}
+
+/// Writes the velocities at the end of a substep from those that the forces predict.
+fn predicted_velocities<R: Real>(
+    free: &mut Free<'_, R>,
+    inputs: Inputs<'_, R>,
+    contact: &mut contact::Scratch<R>,
+    velocity: &mut [R::Vec3],
+    report: &mut StepReport,
+    timer: &mut impl StageTimer,
+) {
+    let Free { model, plan, dt, state, .. } = *free;
+    free.predict(velocity);
+    if let Some(grab) = inputs.grab {
+        interaction::pull(model, dt, grab, &state.position, velocity);
+    }
+    if meets_implicitly(plan) {
+        contact::respond(model, plan, dt, state, velocity, contact, report, timer);
+        timer.enter(Stage::Integrate);
+    }
+    free.refine(velocity, report, timer);
+}
+
+/// Writes the velocities at the end of a substep as the implicit scheme solves for them.
+fn solved_velocities<R: Real>(
+    free: &mut Free<'_, R>,
+    inputs: Inputs<'_, R>,
+    contact: &mut contact::Scratch<R>,
+    velocity: &mut [R::Vec3],
+    report: &mut StepReport,
+    timer: &mut impl StageTimer,
+) {
+    let Free { model, plan, dt, state, .. } = *free;
+    if meets_implicitly(plan) {
+        free.fall(velocity);
+        contact::find_touches(model, plan, dt, state, velocity, contact, report, timer);
+        timer.enter(Stage::Integrate);
+    }
+    free.solve(inputs.grab, &mut contact.touches, velocity, report);
+    if meets_implicitly(plan) {
+        contact::settle_touches(model, plan, dt, state, velocity, contact, report, timer);
+        timer.enter(Stage::Integrate);
+    }
+}
+
+/// Whether there is contact, by any rule but that of the thesis.
+fn meets_implicitly(plan: &Plan) -> bool {
+    plan.contact && plan.contact_rule == ContactRule::Implicit
 }
 
 fn stays_finite<R: Real>(model: &Model<R>, dt: R, state: &State<R>, path: &[R::Vec3], velocity: &[R::Vec3]) -> bool {
