@@ -9,7 +9,7 @@
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
 //! bodies: each a count u64 and as many cells u32             watched as they may invert
-//!         1 if asleep + 2 if strained, substeps it has been still          two u64
+//!         1 if asleep + 2 if strained + 4 if stuck + 2³² ns in a knot, substeps it has been still  two u64
 //!         where still: its particles × 3 f32                 where they were when they came to be still
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
@@ -80,11 +80,9 @@ impl Session {
         for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
-            bytes.extend(
-                [u64::from(memory.asleep) + 2 * u64::from(memory.strained), memory.still_substeps]
-                    .iter()
-                    .flat_map(|word| word.to_le_bytes()),
-            );
+            let flags = [memory.asleep, memory.strained, memory.stuck].map(u64::from);
+            let flags = flags[0] + 2 * flags[1] + 4 * flags[2] + (u64::from(memory.knotted_nanos) << 32);
+            bytes.extend([flags, memory.still_substeps].iter().flat_map(|word| word.to_le_bytes()));
             if memory.still_substeps > 0 {
                 let anchor = &state.anchor[body.particles.clone()];
                 bytes.extend(anchor.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
@@ -163,9 +161,11 @@ impl Session {
                 return Err(StateFileError::Damaged);
             }
             let [flags, still_substeps] = [reader.u64(), reader.u64()];
-            if flags > 3 {
+            let [flags, knotted_nanos] = [flags & u64::from(u32::MAX), flags >> 32];
+            if flags > 7 {
                 return Err(StateFileError::Damaged);
             }
+            let knotted_nanos = u32::try_from(knotted_nanos).map_err(|_| StateFileError::Damaged)?;
             if still_substeps > 0 {
                 let particles = body.particles.clone();
                 if reader.rest.len() < 12 * particles.len() {
@@ -173,8 +173,8 @@ impl Session {
                 }
                 anchor[particles.clone()].copy_from_slice(&reader.vectors(particles.len()));
             }
-            let (asleep, strained) = (flags & 1 == 1, flags & 2 == 2);
-            memories.push(BodyMemory { near_inversion, strained, still_substeps, asleep });
+            let [asleep, strained, stuck] = [1, 2, 4].map(|flag| flags & flag != 0);
+            memories.push(BodyMemory { near_inversion, strained, knotted_nanos, stuck, still_substeps, asleep });
         }
         if reader.rest.is_empty() { Ok((memories, anchor)) } else { Err(StateFileError::Damaged) }
     }

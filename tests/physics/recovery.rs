@@ -40,6 +40,17 @@ const WAYS: [Break; 9] = [
 
 /// A 1 m, 1 kg cube of `n` particles an edge in the state that breaks it, in automatic stepping.
 fn broken<R: Real>(n: u32, constants: Springs, way: Break, change: impl Fn(&mut Scene)) -> Simulation<R> {
+    broken_from(17, n, constants, way, change)
+}
+
+/// The same from another random start.
+fn broken_from<R: Real>(
+    seed: u64,
+    n: u32,
+    constants: Springs,
+    way: Break,
+    change: impl Fn(&mut Scene),
+) -> Simulation<R> {
     let mut scene = if matches!(way, Break::Dropped | Break::Thrown) {
         let mut scene = falling(cube(n - 1, 1.0, constants, [0.0, 0.5, 0.0]));
         scene.obstacles.push(plane([0.0; 3], [0.0; 3], [0.6, 0.5]));
@@ -60,7 +71,7 @@ fn broken<R: Real>(n: u32, constants: Springs, way: Break, change: impl Fn(&mut 
     change(&mut scene);
     let mut simulation = simulate::<R>(&scene);
     let h = 1.0 / f64::from(n - 1);
-    let mut rng = Rng::new(17);
+    let mut rng = Rng::new(seed);
     let mut state = simulation.state().clone();
     let held: Vec<bool> = (0..state.position.len()).map(|p| simulation.model().bodies[0].is_pinned(p)).collect();
     for (position, _) in state.position.iter_mut().zip(held).filter(|(_, held)| !held) {
@@ -279,4 +290,39 @@ fn a_state_taken_in_the_middle_goes_on_alike() {
     run(&mut simulation, 0.1);
     run(&mut other, 0.1);
     assert_eq!(simulation.hash(), other.hash(), "the list of cells is part of the state");
+}
+
+#[test]
+#[ignore = "sweep"]
+fn sweep() {
+    let env = |name: &str, default: &str| std::env::var(name).unwrap_or(default.to_owned());
+    let list = |name: &str, default: &str| env(name, default).split(',').map(|x| x.parse::<u64>().unwrap()).collect::<Vec<_>>();
+    let secs: f64 = env("SECS", "4").parse().unwrap();
+    let scheme = match env("SCHEME", "s").as_str() { "v" => Integrator::Verlet, "r" => Integrator::Rk4, "i" => Integrator::Implicit, _ => Integrator::SemiImplicit };
+    let (mut total, mut left_over) = (0, 0);
+    for n in list("N", "5,6,7,8,9,10") {
+        for stiffness in [[0.04, 400.0, 0.04], [0.04, 400.0, 400.0]] {
+            for seed in list("SEEDS", "17,18,19") {
+                let n = n as u32;
+                let mut simulation = broken_from::<f32>(seed, n, families(n, stiffness), Break::Collapsed, |scene| {
+                    scene.settings.integrator = scheme;
+                    if scheme == Integrator::Implicit { scene.settings.dt = 1.0 / 240.0; }
+                });
+                let mut line = String::new();
+                let mut energy = [0.0f64; 2];
+                for k in 0..8 {
+                    let before = simulation.diagnostics().energy.total();
+                    run(&mut simulation, secs / 8.0);
+                    let now = simulation.diagnostics();
+                    if k > 0 { energy[0] = energy[0].max(now.energy.total() - before); energy[1] = energy[1].max(now.energy.total()); }
+                    line += &format!(" {}{}{}", now.inverted_cells, if simulation.state().bodies[0].stuck {"S"} else {""}, if simulation.state().bodies[0].asleep {"z"} else {""});
+                }
+                let now = simulation.diagnostics();
+                total += 1;
+                left_over += usize::from(now.inverted_cells > 0);
+                println!("n {n} {stiffness:?} seed {seed}:{line}  E {:.3} gain {:.3} substeps/s {}", now.energy.total(), energy[0], simulation.plan().substeps);
+            }
+        }
+    }
+    println!("{left_over} of {total} broken");
 }
