@@ -310,12 +310,35 @@ fn sweep() {
                 });
                 let mut line = String::new();
                 let mut energy = [0.0f64; 2];
+                let rate = |simulation: &Simulation<f32>| {
+                    let (state, body) = (simulation.state(), &simulation.model().bodies[0]);
+                    let speed = (body.recovery_stiffness / body.recovery_mass).sqrt();
+                    let (mut sum, mut count) = (0.0f32, 0.0f32);
+                    let most = body.links.iter().flat_map(|family| &family.links).map(|link| {
+                        let [i, j] = link.ends.map(|end| end as usize);
+                        let (d, dv) = (state.position[j] - state.position[i], state.velocity[j] - state.velocity[i]);
+                        let x = d.dot(dv).abs() / d.length() / speed;
+                        sum += x * x;
+                        count += 1.0;
+                        x
+                    }).fold(0.0f32, f32::max);
+                    [most, (sum / count).sqrt()]
+                };
                 for k in 0..8 {
                     let before = simulation.diagnostics().energy.total();
+                    if std::env::var("BEFORE").is_ok() {
+                        for _ in 0..10 {
+                            run(&mut simulation, secs / 80.0);
+                            let mut state = simulation.state().clone();
+                            state.bodies[0].knotted_nanos = 0;
+                            simulation.set_state(state);
+                        }
+                    } else {
                     run(&mut simulation, secs / 8.0);
+                    }
                     let now = simulation.diagnostics();
                     if k > 0 { energy[0] = energy[0].max(now.energy.total() - before); energy[1] = energy[1].max(now.energy.total()); }
-                    line += &format!(" {}{}{}", now.inverted_cells, if simulation.state().bodies[0].stuck {"S"} else {""}, if simulation.state().bodies[0].asleep {"z"} else {""});
+                    line += &format!(" {}({:.0e}){}{}", now.inverted_cells, rate(&simulation)[1], if simulation.state().bodies[0].stuck {"S"} else {""}, if simulation.state().bodies[0].asleep {"z"} else {""});
                 }
                 let now = simulation.diagnostics();
                 total += 1;

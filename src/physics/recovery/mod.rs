@@ -159,15 +159,16 @@ pub(super) fn add_forces<R: Real>(
         report.recovery_cells += memory.near_inversion.len() as u64;
         soften(body, &memory.near_inversion, position, velocity, R::from_f64(flow_secs), scratch, force);
         let stiffness = bearable_stiffness(plan, body) * body.inverse_cell_size;
+        let pull = memory.stuck.then(|| pull::bearable_stiffness(plan, body) * body.inverse_cell_size);
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
             let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
             let rates = mean_edges(velocity, corners, R::ONE);
             let Some(push) = edges.push(&rates, stiffness) else { continue };
             spread::<R>(&push, corners, force);
-        }
-        if memory.stuck {
-            pull::add_forces(body, position, pull::bearable_stiffness(plan, body) * body.inverse_cell_size, force);
+            if let Some(pull) = pull.and_then(|pull| pull::cell_force(&edges, &rates, pull)) {
+                spread::<R>(&pull, corners, force);
+            }
         }
     }
 }
@@ -186,13 +187,14 @@ fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
 /// work that the present push would do.
 pub(super) fn energy<R: Real>(plan: &Plan, body: &BodyModel<R>, memory: &BodyMemory, state: &State<R>) -> f64 {
     let position = &state.position[body.particles.clone()];
-    let energy_of = |corners: &[u32; 8]| MeanEdges::of(position, corners, body.inverse_cell_size).energy();
-    let pushed = bearable_stiffness(plan, body).to_f64() * body.lattice.cells.iter().map(energy_of).sum::<f64>();
-    if memory.stuck {
-        pushed + pull::bearable_stiffness(plan, body).to_f64() * pull::energy(body, position)
-    } else {
-        pushed
-    }
+    let stiffness = bearable_stiffness(plan, body).to_f64();
+    let pull = if memory.stuck { pull::bearable_stiffness(plan, body).to_f64() } else { 0.0 };
+    let energy_of = |corners: &[u32; 8]| {
+        let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
+        let pulled = if pull > 0.0 { pull * pull::cell_energy(&edges) } else { 0.0 };
+        stiffness * edges.energy() + pulled
+    };
+    body.lattice.cells.iter().map(energy_of).sum()
 }
 
 /// The signed volume of a cell over that at rest; not above zero where it is inverted.

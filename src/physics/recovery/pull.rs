@@ -1,8 +1,8 @@
 //! Bodies that are stuck: slow, with cells that are inverted.
 
-use super::THRESHOLD;
-use super::edges::{MeanEdges, spread};
+use super::edges::MeanEdges;
 use super::rotation::nearest_rotation;
+use super::{DEEPEST, RETURNED, THRESHOLD};
 use crate::math::{Real, Vector};
 use crate::physics::model::BodyModel;
 use crate::physics::plan::Plan;
@@ -10,13 +10,29 @@ use crate::physics::state::BodyMemory;
 use crate::scene::settings::Integrator;
 
 /// The stiffness of the pull over that of the push, at most.
-const SHARE: f64 = 0.5;
+const SHARE: f64 = 1.0;
 
-/// A body is slow while no link changes its length faster than by this, body sizes a second.
-const SLOW: f64 = 1e-2;
+/// So far below the threshold the whole pull acts: it grows from nothing, so that no cell that comes or goes is given
+/// energy.
+const RANGE: f64 = 2.0 * THRESHOLD;
+
+/// A body is slow while its links change their lengths no faster than this, as the root of the mean square, over the
+/// speed at which the push turns cells over, `√(κ/m)`: its motion is nothing then to what an inverted cell could set
+/// free.
+const SLOW: f64 = 3e-3;
+
+/// The same for each of them: links that were crushed to nothing tremble for ever as their direction changes at every
+/// step.
+const FASTEST: f64 = 0.1;
 
 /// For how long a body with inverted cells must be slow to be stuck, s: less than it takes to fall asleep.
 const SLOW_SECS: f64 = 0.1;
+
+/// The same over `h/√(κ/m)`, which is longer in a very soft body: where motion turns back it is slow for less.
+const SLOW_TIMES: f64 = 1.0;
+
+/// The longest that a body is watched for, s.
+const LONGEST_SECS: f64 = 4.0;
 
 /// Tells whether a body is stuck whose cells' smallest volume is `smallest`, before a substep of `secs`.
 pub(super) fn judge<R: Real>(
@@ -38,7 +54,8 @@ pub(super) fn judge<R: Real>(
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a time of at least one, saturating")]
     let nanos = libm::ceil(secs * 1e9) as u32;
     memory.knotted_nanos = memory.knotted_nanos.saturating_add(nanos);
-    if f64::from(memory.knotted_nanos) >= SLOW_SECS * 1e9 {
+    let long_enough = SLOW_SECS.max(SLOW_TIMES / (turning_speed(body) * body.inverse_cell_size.to_f64()));
+    if f64::from(memory.knotted_nanos) >= long_enough.min(LONGEST_SECS) * 1e9 {
         forget(memory);
         memory.stuck = true;
     }
@@ -49,53 +66,88 @@ pub(super) fn forget(memory: &mut BodyMemory) {
     (memory.stuck, memory.knotted_nanos) = (false, 0);
 }
 
-/// Whether no link changes its length fast, however the body moves and turns as a whole.
+/// About how fast the push turns cells over, m/s.
+fn turning_speed<R: Real>(body: &BodyModel<R>) -> f64 {
+    (body.recovery_stiffness.to_f64() / body.recovery_mass.to_f64()).sqrt()
+}
+
+/// Whether the links change their lengths slowly, however the body moves and turns as a whole.
 fn is_slow<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], velocity: &[R::Vec3]) -> bool {
-    let slow = R::from_f64(SLOW) * body.size;
-    body.links.iter().flat_map(|family| &family.links).all(|link| {
+    let speed = turning_speed(body);
+    let most = R::from_f64(FASTEST * FASTEST * speed * speed);
+    let (mut sum, mut count) = (R::ZERO, R::ZERO);
+    for link in body.links.iter().flat_map(|family| &family.links) {
         let [i, j] = link.ends.map(|end| end as usize);
         let (d, dv) = (position[j] - position[i], velocity[j] - velocity[i]);
-        let along = d.dot(dv);
-        along * along <= slow * slow * d.dot(d)
-    })
+        let squared = d.dot(d);
+        if squared > R::ZERO {
+            let along = d.dot(dv);
+            let rate = along * along / squared;
+            if rate > most {
+                return false;
+            }
+            sum += rate;
+        }
+        count += R::ONE;
+    }
+    sum <= R::from_f64(SLOW * SLOW * speed * speed) * count
 }
 
 /// The stiffness of the pull as far as the substep bears it, N·m.
 ///
-/// With `x = κ dt²/(m h²)` for a stiffness κ of the push, links are at most 8 x of the limit, 4, the push 4 x, and a pull
-/// of stiffness p κ adds 4 p x.
+/// With `x = κ dt²/(m h²)` for a stiffness κ of the push, links are 2 x of the limit, 4, at most, the push on cells whose
+/// neighbours are well less than as much, and a pull of stiffness p κ adds 4 p x.
 pub(super) fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
     if plan.integrator == Integrator::Implicit {
         return body.recovery_stiffness * R::from_f64(SHARE);
     }
     let inverse = body.inverse_cell_size.to_f64() * plan.substep_secs();
     let load = body.recovery_stiffness.to_f64() * inverse * inverse / body.recovery_mass.to_f64();
-    body.recovery_stiffness * R::from_f64((1.0 / load - 3.0).clamp(0.0, SHARE))
+    body.recovery_stiffness * R::from_f64((1.0 / load - 1.0).clamp(0.0, SHARE))
 }
 
-/// Adds the pull of all cells of a body for a stiffness over the cell size, N.
-pub(super) fn add_forces<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], stiffness: R, force: &mut [R::Vec3]) {
-    for corners in &body.lattice.cells {
-        let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
-        spread::<R>(&cell_force(&edges, stiffness), corners, force);
+/// The forces of the pull on the three mean edges of a cell for a stiffness over the cell size, N; none above the
+/// threshold.
+pub(super) fn cell_force<R: Real>(edges: &MeanEdges<R>, rates: &[R::Vec3; 3], stiffness: R) -> Option<[R::Vec3; 3]> {
+    if !edges.is_pushed() {
+        return None;
     }
-}
-
-/// The forces on the three mean edges for a stiffness over the cell size, N.
-pub(super) fn cell_force<R: Real>(edges: &MeanEdges<R>, stiffness: R) -> [R::Vec3; 3] {
     let (rotation, _) = nearest_rotation::<R>(&edges.edges, &edges.faces);
-    std::array::from_fn(|axis| (rotation[axis] - edges.edges[axis]) * stiffness)
+    let missing: [R::Vec3; 3] = std::array::from_fn(|axis| rotation[axis] - edges.edges[axis]);
+    let cap = longest(edges);
+    let misshaped = missing.iter().fold(R::ZERO, |sum, part| sum + part.dot(*part)) / cap;
+    let [share, growth] = share(edges.missing());
+    let pull = share / cap;
+    let push = (misshaped * growth * R::from_f64(0.5)).min(R::from_f64(DEEPEST)) / edges.cap();
+    let force: [R::Vec3; 3] = std::array::from_fn(|axis| missing[axis] * pull + edges.faces[axis] * push);
+    let power = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(force[axis]));
+    let returned = if power > R::ZERO { R::from_f64(RETURNED) } else { R::ONE };
+    Some(force.map(|force| force * (stiffness * returned))).filter(|force| force.iter().all(|force| force.is_finite()))
 }
 
-/// The energy of the pull of all cells of a body for a stiffness of one.
-pub(super) fn energy<R: Real>(body: &BodyModel<R>, position: &[R::Vec3]) -> f64 {
-    let of = |corners: &[u32; 8]| cell_energy(&MeanEdges::of(position, corners, body.inverse_cell_size));
-    body.lattice.cells.iter().map(of).sum()
-}
-
-/// The energy of the pull of a cell for a stiffness of one: half the square of what is missing to a rotation.
+/// The energy of the pull of a cell for a stiffness of one.
 pub(super) fn cell_energy<R: Real>(edges: &MeanEdges<R>) -> f64 {
+    if !edges.is_pushed() {
+        return 0.0;
+    }
     let (_, along) = nearest_rotation::<R>(&edges.edges, &edges.faces);
     let size = edges.edges.iter().fold(0.0, |sum, edge| sum + edge.dot(*edge).to_f64());
-    0.5 * (size + 3.0 - 2.0 * along.to_f64()).max(0.0)
+    let misshaped = (size + 3.0 - 2.0 * along.to_f64()).max(0.0);
+    0.5 * misshaped * share(edges.missing())[0].to_f64() / longest(edges).to_f64()
+}
+
+/// What the resistance to a change of the mean edges is over the pull's stiffness.
+pub(super) fn resistance<R: Real>(edges: &MeanEdges<R>) -> f64 {
+    (share(edges.missing())[0] / longest(edges)).to_f64()
+}
+
+/// The share of the pull that acts where so much of the volume is missing, and its growth with that.
+fn share<R: Real>(missing: R) -> [R; 2] {
+    let part = missing * R::from_f64(1.0 / RANGE);
+    if part < R::ONE { [part * part, part * R::from_f64(2.0 / RANGE)] } else { [R::ONE, R::ZERO] }
+}
+
+/// The longest mean edge, at least 1: what the pull is divided by.
+fn longest<R: Real>(edges: &MeanEdges<R>) -> R {
+    edges.edges.iter().fold(R::ONE, |longest, edge| longest.max(edge.length()))
 }

@@ -52,8 +52,7 @@ fn quarters(edges: &[DVec3; 3], place: usize) -> DVec3 {
     (0..3).fold(DVec3::ZERO, |sum, axis| sum + edges[axis] * if place >> axis & 1 == 1 { 0.25 } else { -0.25 })
 }
 
-/// The resistances of the cells on a body's list that are pushed; of all its cells where it is stuck. `position` is the
-/// body's own.
+/// The resistances of the cells on a body's list that are pushed. `position` is the body's own.
 pub(in crate::physics) fn resistances<R: Real>(
     plan: &Plan,
     body: &BodyModel<R>,
@@ -64,25 +63,16 @@ pub(in crate::physics) fn resistances<R: Real>(
     let inverse_cell_size = body.inverse_cell_size;
     let per_size = inverse_cell_size.to_f64();
     let pull = if memory.stuck { pull::bearable_stiffness(plan, body).to_f64() * per_size * per_size } else { 0.0 };
-    concerned(body, memory).filter_map(move |cell| {
+    memory.near_inversion.iter().filter_map(move |&cell| {
         let corners = body.lattice.cells[cell as usize];
         let edges = MeanEdges::of(position, &corners, inverse_cell_size);
-        let is_pushed = edges.is_pushed();
-        (is_pushed || pull > 0.0).then(|| Resistance {
+        edges.is_pushed().then(|| Resistance {
             corners,
             growth: edges.faces.map(|face| face.to_dvec3() * per_size),
-            stiffness: if is_pushed { stiffness / edges.cap().to_f64() } else { 0.0 },
-            pull,
+            stiffness: stiffness / edges.cap().to_f64(),
+            pull: if pull > 0.0 { pull * pull::resistance(&edges) } else { 0.0 },
         })
     })
-}
-
-/// The cells that get any force: those on the list, all of a body that is stuck.
-fn concerned<R: Real>(body: &BodyModel<R>, memory: &BodyMemory) -> impl Iterator<Item = u32> {
-    let all = if memory.stuck { 0..body.lattice.cells.len() } else { 0..0 };
-    let listed = if memory.stuck { &[][..] } else { &memory.near_inversion[..] };
-    let all = (0u32..).zip(all).map(|(cell, _)| cell);
-    all.chain(listed.iter().copied())
 }
 
 /// What the pushed cells of a body have of energy past the work of their forces, J, when its particles, that had one
@@ -101,7 +91,7 @@ pub(in crate::physics) fn energy_past_work<R: Real>(
         edges.energy() * stiffness.to_f64() + pulled
     };
     let mut sum = 0.0;
-    for cell in concerned(body, memory) {
+    for &cell in &memory.near_inversion {
         let corners = &body.lattice.cells[cell as usize];
         let at = corners.map(|corner| position[corner as usize]);
         let moved = corners.map(|corner| position[corner as usize] + path[corner as usize] * dt);
@@ -112,7 +102,7 @@ pub(in crate::physics) fn energy_past_work<R: Real>(
         let rates = mean_edges(velocity, corners, R::ONE);
         let work_of =
             |force: [R::Vec3; 3]| (0..3).fold(0.0, |sum, axis| sum + force[axis].dot(way[axis]).to_f64());
-        let pulled = pull.map(|pull| pull::cell_force(&before, pull * body.inverse_cell_size));
+        let pulled = pull.and_then(|pull| pull::cell_force(&before, &rates, pull * body.inverse_cell_size));
         let pushed = before.push(&rates, stiffness * body.inverse_cell_size);
         let work = pushed.map_or(0.0, work_of) + pulled.map_or(0.0, work_of);
         sum += energy_of(&after) - energy_of(&before) + work;
