@@ -1,4 +1,18 @@
-//! Bodies that are stuck: slow, with cells that are inverted.
+//! The pull on the crushed cells of a body that is stuck: slow, with cells that are inverted.
+//!
+//! The volume tells no way out of a knot in which push and links are in balance. With the mean edges F of a cell, in cell
+//! sizes, and the rotation R nearest to them, the pull to R has no mirrored minimum:
+//!
+//! ```text
+//! W = κ p s(V) |R − F|²/2 / max(1, longest mean edge)      f = −∂W/∂F, half of it on the way back
+//! s = ((T − V)/2 T)², at most 1                            p ≤ 1: as much as the substep bears
+//! ```
+//!
+//! It keeps momentum, and angular momentum as `R Fᵀ` is symmetric. Without the divisor, which follows no potential where
+//! a cell is stretched, it takes no more than it gives: what it brings into a body is W of its crushed cells when it is
+//! found to be stuck, some 3 κ each at most where none is stretched. That is too much for a body in violent motion, which
+//! is never stuck: it must first be so slow for a while that its motion is nothing to the energy of a single cell. From
+//! then on the pull acts, however the body moves, until none of its cells is crushed; W is nothing then.
 
 use super::edges::MeanEdges;
 use super::rotation::nearest_rotation;
@@ -150,4 +164,57 @@ fn share<R: Real>(missing: R) -> [R; 2] {
 /// The longest mean edge, at least 1: what the pull is divided by.
 fn longest<R: Real>(edges: &MeanEdges<R>) -> R {
     edges.edges.iter().fold(R::ONE, |longest, edge| longest.max(edge.length()))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::math::rng::Rng;
+
+    const CORNERS: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
+
+    /// A cell with these mean edges.
+    fn cell([a, b, c]: [DVec3; 3]) -> MeanEdges<f64> {
+        let corners = CORNERS.map(|p| a * f64::from(p & 1) + b * f64::from(p >> 1 & 1) + c * f64::from(p >> 2));
+        MeanEdges::of(&corners, &CORNERS, 1.0)
+    }
+
+    /// Crushed and mirrored cells that are not stretched: there the pull follows a potential.
+    fn crushed_cells() -> impl Iterator<Item = [DVec3; 3]> {
+        let mut rng = Rng::new(3);
+        let all = std::iter::repeat_with(move || [0; 3].map(|_| DVec3::from([0; 3].map(|_| rng.between(-0.55, 0.55)))));
+        all.filter(|edges| cell(*edges).volume().abs() > 0.02).take(100)
+    }
+
+    #[test]
+    fn the_pull_is_what_its_energy_falls_by() {
+        for edges in crushed_cells() {
+            let force = cell_force(&cell(edges), &[DVec3::ZERO; 3], 1.0).expect("it is crushed");
+            for axis in 0..3 {
+                for component in 0..3 {
+                    let energy = |way: f64| {
+                        let mut moved = edges;
+                        moved[axis][component] += way;
+                        cell_energy(&cell(moved))
+                    };
+                    let slope = (energy(-1e-5) - energy(1e-5)) / 2e-5;
+                    assert!((slope - force[axis][component]).abs() < 2e-3, "{edges:?}: {slope} and {force:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_pull_turns_nothing_and_ends_at_the_threshold() {
+        for edges in crushed_cells() {
+            let force = cell_force(&cell(edges), &[DVec3::ZERO; 3], 1.0).expect("it is crushed");
+            let torque = (0..3).fold(DVec3::ZERO, |sum, axis| sum + edges[axis].cross(force[axis]));
+            assert!(torque.length() < 1e-10, "{edges:?}: {torque}");
+        }
+        let flat = |height: f64| cell([DVec3::X, DVec3::Y, DVec3::Z * height]);
+        assert!(cell_force(&flat(0.31), &[DVec3::ZERO; 3], 1.0).is_none(), "none above it");
+        assert!(cell_energy(&flat(0.299)) < 1e-5, "next to nothing just below it");
+    }
 }

@@ -100,8 +100,7 @@ pub(in crate::physics) fn energy_past_work<R: Real>(
         let after = MeanEdges::of(&moved, &own, body.inverse_cell_size);
         let way = mean_edges(path, corners, dt);
         let rates = mean_edges(velocity, corners, R::ONE);
-        let work_of =
-            |force: [R::Vec3; 3]| (0..3).fold(0.0, |sum, axis| sum + force[axis].dot(way[axis]).to_f64());
+        let work_of = |force: [R::Vec3; 3]| (0..3).fold(0.0, |sum, axis| sum + force[axis].dot(way[axis]).to_f64());
         let pulled = pull.and_then(|pull| pull::cell_force(&before, &rates, pull * body.inverse_cell_size));
         let pushed = before.push(&rates, stiffness * body.inverse_cell_size);
         let work = pushed.map_or(0.0, work_of) + pulled.map_or(0.0, work_of);
