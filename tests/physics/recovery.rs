@@ -108,11 +108,20 @@ fn even(n: u32, stiffness: f64) -> Springs {
     families(n, [stiffness; 3])
 }
 
-/// Inverted cells four seconds later.
+/// Inverted cells four seconds later, or as soon as there were none for half a second.
 fn left_broken<R: Real>(mut simulation: Simulation<R>) -> usize {
-    run(&mut simulation, 4.0);
+    let mut whole_for = 0;
+    for _ in 0..16 {
+        run(&mut simulation, 0.25);
+        let now = simulation.diagnostics();
+        assert!(now.finite, "it is whole: {now:?}");
+        whole_for = if now.inverted_cells == 0 { whole_for + 1 } else { 0 };
+        if whole_for == 3 {
+            break;
+        }
+    }
     let now = simulation.diagnostics();
-    assert!(now.finite && now.bounds.size().max_element() < 3.0, "it is whole: {now:?}");
+    assert!(now.bounds.size().max_element() < 3.0, "it is whole: {now:?}");
     now.inverted_cells
 }
 
@@ -193,10 +202,10 @@ fn left_knotted(n: u32, stiffness: [f64; 3], seed: u64, secs: f64, change: impl 
 
 #[test]
 fn shear_links_crushed_to_a_point_come_back() {
-    for (n, seeds) in [(5, &[17, 18, 19][..]), (6, &[17, 18, 19]), (8, &[17, 18])] {
+    for (n, seeds) in [(5, &[17, 18][..]), (6, &[17, 18]), (7, &[19]), (8, &[17])] {
         for stiffness in KNOTTED {
             for &seed in seeds {
-                let left = left_knotted(n, stiffness, seed, 1.0, |_| ());
+                let left = left_knotted(n, stiffness, seed, 0.75, |_| ());
                 assert_eq!(left, 0, "cells stay inverted at n = {n}, {stiffness:?}, start {seed}");
             }
         }
@@ -213,7 +222,7 @@ fn knots_come_undone_with_other_schemes() {
                     scene.settings.dt = 1.0 / 240.0;
                 }
             };
-            assert_eq!(left_knotted(5, stiffness, 17, 2.0, with), 0, "{integrator:?}, {stiffness:?}");
+            assert_eq!(left_knotted(5, stiffness, 17, 1.0, with), 0, "{integrator:?}, {stiffness:?}");
         }
     }
 }
@@ -221,8 +230,8 @@ fn knots_come_undone_with_other_schemes() {
 /// A cube in a knot, when its cells begin to be pulled.
 fn stuck() -> Simulation<f32> {
     let mut simulation = broken_from::<f32>(17, 8, families(8, KNOTTED[1]), Break::Collapsed, |_| ());
-    let is_stuck = (0..1000).any(|_| {
-        simulation.step();
+    let is_stuck = (0..5000).any(|_| {
+        simulation.substep(&mut ());
         simulation.state().bodies[0].stuck
     });
     assert!(is_stuck, "there is no knot to undo");
@@ -237,7 +246,6 @@ fn only_slow_bodies_are_pulled_and_gain_what_a_few_cells_could_hold() {
     let crushed = simulation.state().bodies[0].near_inversion.len() as f64;
     let mut before = simulation.state().clone();
     let pulled = simulation.diagnostics().energy.total();
-    assert!(simulation.diagnostics().inverted_cells > 0, "cells are inverted");
     before.bodies[0].stuck = false;
     simulation.set_state(before);
     let gained = pulled - simulation.diagnostics().energy.total();

@@ -61,8 +61,12 @@ pub(super) fn judge<R: Real>(
         memory.stuck = smallest < THRESHOLD;
         return;
     }
-    if smallest > 0.0 || !is_slow(body, position, velocity) {
+    if smallest >= THRESHOLD || !is_slow(body, position, velocity) {
         memory.knotted_nanos = 0;
+        return;
+    }
+    // A cell that trembles about no volume is inverted half of the time.
+    if smallest > 0.0 {
         return;
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a time of at least one, saturating")]
@@ -117,7 +121,9 @@ pub(super) fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R
     }
     let inverse = body.inverse_cell_size.to_f64() * plan.substep_secs();
     let load = body.recovery_stiffness.to_f64() * inverse * inverse / body.recovery_mass.to_f64();
-    body.recovery_stiffness * R::from_f64((1.0 / load - 1.0).clamp(0.0, SHARE))
+    // RK4 bears twice as much: its limit is 8.
+    let limit = if plan.integrator == Integrator::Rk4 { 2.0 } else { 1.0 };
+    body.recovery_stiffness * R::from_f64((limit / load - 1.0).clamp(0.0, SHARE))
 }
 
 /// The forces of the pull on the three mean edges of a cell for a stiffness over the cell size, N; none above the
