@@ -9,7 +9,8 @@
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
 //! bodies: each a count u64 and as many cells u32             watched as they may invert
-//!         1 if asleep + 2 if strained + 4 if stuck + 2³² ns in a knot, substeps it has been still  two u64
+//!         1 if asleep + 2 if strained + 4 if stuck, ns slow in a knot      two u32
+//!         substeps it has been still                                       u64
 //!         where still: its particles × 3 f32                 where they were when they came to be still
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
@@ -80,9 +81,10 @@ impl Session {
         for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
-            let flags = [memory.asleep, memory.strained, memory.stuck].map(u64::from);
-            let flags = flags[0] + 2 * flags[1] + 4 * flags[2] + (u64::from(memory.knotted_nanos) << 32);
-            bytes.extend([flags, memory.still_substeps].iter().flat_map(|word| word.to_le_bytes()));
+            let [asleep, strained, stuck] = [memory.asleep, memory.strained, memory.stuck].map(u32::from);
+            let words = [asleep + 2 * strained + 4 * stuck, memory.knotted_nanos];
+            bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+            bytes.extend(memory.still_substeps.to_le_bytes());
             if memory.still_substeps > 0 {
                 let anchor = &state.anchor[body.particles.clone()];
                 bytes.extend(anchor.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
@@ -156,16 +158,15 @@ impl Session {
             if count > cells || reader.rest.len() as u64 / 4 < count {
                 return Err(StateFileError::Damaged);
             }
-            let near_inversion: Vec<u32> = (0..count).map(|_| u32::from_le_bytes(reader.chunk())).collect();
+            let near_inversion: Vec<u32> = (0..count).map(|_| reader.u32()).collect();
             if near_inversion.iter().any(|&cell| u64::from(cell) >= cells) {
                 return Err(StateFileError::Damaged);
             }
-            let [flags, still_substeps] = [reader.u64(), reader.u64()];
-            let [flags, knotted_nanos] = [flags & u64::from(u32::MAX), flags >> 32];
+            let [flags, knotted_nanos] = [reader.u32(), reader.u32()];
+            let still_substeps = reader.u64();
             if flags > 7 {
                 return Err(StateFileError::Damaged);
             }
-            let knotted_nanos = u32::try_from(knotted_nanos).map_err(|_| StateFileError::Damaged)?;
             if still_substeps > 0 {
                 let particles = body.particles.clone();
                 if reader.rest.len() < 12 * particles.len() {
@@ -190,6 +191,10 @@ impl Reader<'_> {
         let Some((chunk, rest)) = self.rest.split_first_chunk::<N>() else { return [0; N] };
         self.rest = rest;
         *chunk
+    }
+
+    fn u32(&mut self) -> u32 {
+        u32::from_le_bytes(self.chunk())
     }
 
     fn u64(&mut self) -> u64 {

@@ -202,10 +202,10 @@ fn left_knotted(n: u32, stiffness: [f64; 3], seed: u64, secs: f64, change: impl 
 
 #[test]
 fn shear_links_crushed_to_a_point_come_back() {
-    for (n, seeds) in [(5, &[17, 18][..]), (6, &[17, 18]), (7, &[19]), (8, &[17])] {
+    for (n, seeds) in [(5, &[17, 18][..]), (6, &[17]), (7, &[19]), (8, &[17])] {
         for stiffness in KNOTTED {
             for &seed in seeds {
-                let left = left_knotted(n, stiffness, seed, 0.75, |_| ());
+                let left = left_knotted(n, stiffness, seed, 0.5, |_| ());
                 assert_eq!(left, 0, "cells stay inverted at n = {n}, {stiffness:?}, start {seed}");
             }
         }
