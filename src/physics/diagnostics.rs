@@ -116,7 +116,7 @@ impl Diagnostics {
                 sum.max_speed = sum.max_speed.max(state.velocity[particle].to_dvec3().length());
             }
             sum.add_links(body, state);
-            sum.energy.recovery += recovery::energy(plan, body, state);
+            sum.energy.recovery += recovery::energy(plan, body, memory, state);
             sum.inverted_cells += inverted_cells(body, state);
         }
         if sum.mass_kg > 0.0 {

@@ -51,6 +51,10 @@ pub struct BodyMemory {
     pub near_inversion: Vec<u32>,
     /// Whether links are far longer than at rest, so that substeps are taken in parts.
     pub strained: bool,
+    /// For how long the body has been slow while cells of it were inverted, ns.
+    pub knotted_nanos: u32,
+    /// Whether it has been so for long enough to be stuck: its cells are pulled to shape until none is crushed.
+    pub stuck: bool,
     /// Substeps for which the body has been still.
     pub still_substeps: u64,
     /// Whether the body sleeps: it stays as it is until something wakes it.

@@ -121,7 +121,7 @@ pub fn substep<R: Real>(
 
     if plan.recovery && recovery::is_due(model, plan, state) {
         timer.enter(Stage::Recovery);
-        recovery::look(model, state, &mut report);
+        recovery::look(model, state, part.secs, &mut report);
     }
     let felt = integrate::damping_velocity(plan, state, scheme);
     let residual = if plan.integrator == Integrator::Implicit { &state.position_residual[..] } else { &[] };

@@ -9,7 +9,8 @@
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
 //! bodies: each a count u64 and as many cells u32             watched as they may invert
-//!         1 if asleep + 2 if strained, substeps it has been still          two u64
+//!         1 if asleep + 2 if strained + 4 if stuck, ns slow in a knot      two u32
+//!         substeps it has been still                                       u64
 //!         where still: its particles × 3 f32                 where they were when they came to be still
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
@@ -80,11 +81,10 @@ impl Session {
         for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
-            bytes.extend(
-                [u64::from(memory.asleep) + 2 * u64::from(memory.strained), memory.still_substeps]
-                    .iter()
-                    .flat_map(|word| word.to_le_bytes()),
-            );
+            let [asleep, strained, stuck] = [memory.asleep, memory.strained, memory.stuck].map(u32::from);
+            let words = [asleep + 2 * strained + 4 * stuck, memory.knotted_nanos];
+            bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+            bytes.extend(memory.still_substeps.to_le_bytes());
             if memory.still_substeps > 0 {
                 let anchor = &state.anchor[body.particles.clone()];
                 bytes.extend(anchor.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
@@ -158,12 +158,13 @@ impl Session {
             if count > cells || reader.rest.len() as u64 / 4 < count {
                 return Err(StateFileError::Damaged);
             }
-            let near_inversion: Vec<u32> = (0..count).map(|_| u32::from_le_bytes(reader.chunk())).collect();
+            let near_inversion: Vec<u32> = (0..count).map(|_| reader.u32()).collect();
             if near_inversion.iter().any(|&cell| u64::from(cell) >= cells) {
                 return Err(StateFileError::Damaged);
             }
-            let [flags, still_substeps] = [reader.u64(), reader.u64()];
-            if flags > 3 {
+            let [flags, knotted_nanos] = [reader.u32(), reader.u32()];
+            let still_substeps = reader.u64();
+            if flags > 7 {
                 return Err(StateFileError::Damaged);
             }
             if still_substeps > 0 {
@@ -173,8 +174,8 @@ impl Session {
                 }
                 anchor[particles.clone()].copy_from_slice(&reader.vectors(particles.len()));
             }
-            let (asleep, strained) = (flags & 1 == 1, flags & 2 == 2);
-            memories.push(BodyMemory { near_inversion, strained, still_substeps, asleep });
+            let [asleep, strained, stuck] = [1, 2, 4].map(|flag| flags & flag != 0);
+            memories.push(BodyMemory { near_inversion, strained, knotted_nanos, stuck, still_substeps, asleep });
         }
         if reader.rest.is_empty() { Ok((memories, anchor)) } else { Err(StateFileError::Damaged) }
     }
@@ -190,6 +191,10 @@ impl Reader<'_> {
         let Some((chunk, rest)) = self.rest.split_first_chunk::<N>() else { return [0; N] };
         self.rest = rest;
         *chunk
+    }
+
+    fn u32(&mut self) -> u32 {
+        u32::from_le_bytes(self.chunk())
     }
 
     fn u64(&mut self) -> u64 {

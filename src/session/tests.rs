@@ -111,6 +111,20 @@ fn a_state_goes_to_bytes_and_back_bit_for_bit() {
 }
 
 #[test]
+fn what_is_remembered_of_a_body_goes_to_bytes_and_back() {
+    let mut session_a = session("cube-on-plane");
+    let mut state = session_a.simulation().state().clone();
+    for (strained, stuck, knotted_nanos) in [(true, false, 0), (false, true, 0), (true, true, 98_765_432)] {
+        let before = &state.bodies[0];
+        state.bodies[0] = BodyMemory { near_inversion: vec![1, 5], strained, stuck, knotted_nanos, ..before.clone() };
+        session_a.replace_state(state.clone());
+        let mut session_b = session("cube-on-plane");
+        session_b.set_state_bytes(&session_a.state_bytes()).expect("a state of the same scene");
+        assert_eq!(session_b.simulation().state().bodies, state.bodies, "the same is remembered");
+    }
+}
+
+#[test]
 fn what_sleeps_is_not_copied_for_a_picture_and_looking_at_it_does_not_wake_it() {
     let mut session = session("tree");
     let steps = (0..20_000).take_while(|_| session.step() && !session.status().bodies[0].asleep).count();

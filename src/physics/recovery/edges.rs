@@ -19,9 +19,21 @@ pub(super) fn mean_edges<R: Real>(of: &[R::Vec3], corners: &[u32; 8], scale: R) 
     ]
 }
 
-/// The first of the mean edges along a cell's axes, and the cross products of the other two, in cell sizes.
+/// Adds forces on the mean edges of a cell to those on its corners: a quarter to each end, the opposite to the other.
+#[inline]
+pub(super) fn spread<R: Real>(edge_forces: &[R::Vec3; 3], corners: &[u32; 8], force: &mut [R::Vec3]) {
+    let quarter = R::from_f64(0.25);
+    for (place, &corner) in corners.iter().enumerate() {
+        for (axis, &edge_force) in edge_forces.iter().enumerate() {
+            let share = if place >> axis & 1 == 1 { quarter } else { -quarter };
+            force[corner as usize] += edge_force * share;
+        }
+    }
+}
+
+/// The mean edges along a cell's axes, and the cross products of the other two each, in cell sizes.
 pub(super) struct MeanEdges<R: Real> {
-    first: R::Vec3,
+    pub(super) edges: [R::Vec3; 3],
     pub(super) faces: [R::Vec3; 3],
 }
 
@@ -29,12 +41,12 @@ impl<R: Real> MeanEdges<R> {
     #[inline]
     pub(super) fn of(position: &[R::Vec3], corners: &[u32; 8], inverse_cell_size: R) -> Self {
         let [a, b, c] = mean_edges(position, corners, inverse_cell_size);
-        Self { first: a, faces: [b.cross(c), c.cross(a), a.cross(b)] }
+        Self { edges: [a, b, c], faces: [b.cross(c), c.cross(a), a.cross(b)] }
     }
 
     #[inline]
     pub(super) fn volume(&self) -> R {
-        self.first.dot(self.faces[0])
+        self.edges[0].dot(self.faces[0])
     }
 
     /// The largest face, at least 1: what the push is divided by.

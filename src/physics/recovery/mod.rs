@@ -23,18 +23,20 @@
 //! that is well costs nothing but those few looks. The list is part of the [`State`]: the motion follows from the
 //! state alone.
 //!
-//!
-//! Where families of links are far apart the push is not enough: see [`soft_links`]. The implicit integrator solves for the
-//! push: see [`resistance`].
+//! Where families of links are far apart the push is not enough: see [`soft_links`]; a body that comes to rest with
+//! cells still inverted gets a pull on top of it: see [`pull`]. The implicit integrator solves for both: see
+//! [`resistance`].
 
 mod edges;
+mod pull;
 mod resistance;
+mod rotation;
 mod soft_links;
 
 pub(super) use resistance::{Resistance, energy_past_work, resistances};
 pub(super) use soft_links::Scratch;
 
-use edges::{MeanEdges, mean_edges};
+use edges::{MeanEdges, mean_edges, spread};
 use soft_links::soften;
 
 use super::cell_bound::CellLoads;
@@ -112,21 +114,27 @@ pub(super) fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64
     if fastest > 0.0 { UNSEEN_SHARE / (body.inverse_cell_size.to_f64() * fastest) } else { LOOK_SECS }
 }
 
-/// Looks at all cells and writes down those that are near inversion.
-pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, report: &mut StepReport) {
+/// Looks at all cells before a substep of `secs`, writes down those that are near inversion, and tells which bodies are
+/// stuck.
+pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, secs: f64, report: &mut StepReport) {
     let watch = R::from_f64(WATCH);
     for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
         memory.near_inversion.clear();
         if body.recovery_stiffness <= R::ZERO {
+            pull::forget(memory);
             continue;
         }
         let position = &state.position[body.particles.clone()];
         report.cells_looked_at += body.lattice.cells.len() as u64;
+        let mut smallest = watch;
         for (number, corners) in (0u32..).zip(&body.lattice.cells) {
-            if MeanEdges::of(position, corners, body.inverse_cell_size).volume() < watch {
+            let volume = MeanEdges::of(position, corners, body.inverse_cell_size).volume();
+            if volume < watch {
                 memory.near_inversion.push(number);
+                smallest = smallest.min(volume);
             }
         }
+        pull::judge(body, memory, smallest.to_f64(), position, &state.velocity[body.particles.clone()], secs);
     }
 }
 
@@ -151,17 +159,15 @@ pub(super) fn add_forces<R: Real>(
         report.recovery_cells += memory.near_inversion.len() as u64;
         soften(body, &memory.near_inversion, position, velocity, R::from_f64(flow_secs), scratch, force);
         let stiffness = bearable_stiffness(plan, body) * body.inverse_cell_size;
+        let pull = memory.stuck.then(|| pull::bearable_stiffness(plan, body) * body.inverse_cell_size);
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
             let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
             let rates = mean_edges(velocity, corners, R::ONE);
             let Some(push) = edges.push(&rates, stiffness) else { continue };
-            for (place, &corner) in corners.iter().enumerate() {
-                let quarter = R::from_f64(0.25);
-                for (axis, push) in push.into_iter().enumerate() {
-                    let share = if place >> axis & 1 == 1 { quarter } else { -quarter };
-                    force[corner as usize] += push * share;
-                }
+            spread::<R>(&push, corners, force);
+            if let Some(pull) = pull.and_then(|pull| pull::cell_force(&edges, &rates, pull)) {
+                spread::<R>(&pull, corners, force);
             }
         }
     }
@@ -177,12 +183,18 @@ fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
     body.recovery_stiffness.min(R::from_f64(STIFFEST) * body.recovery_mass / (inverse * inverse))
 }
 
-/// Energy of the push of a body's cells, J. The cap on far-stretched cells follows no potential: their share is the
+/// Energy of the push of a body's cells, J, and of the pull where it is stuck. The cap on far-stretched cells follows no potential: their share is the
 /// work that the present push would do.
-pub(super) fn energy<R: Real>(plan: &Plan, body: &BodyModel<R>, state: &State<R>) -> f64 {
+pub(super) fn energy<R: Real>(plan: &Plan, body: &BodyModel<R>, memory: &BodyMemory, state: &State<R>) -> f64 {
     let position = &state.position[body.particles.clone()];
-    let energy_of = |corners: &[u32; 8]| MeanEdges::of(position, corners, body.inverse_cell_size).energy();
-    bearable_stiffness(plan, body).to_f64() * body.lattice.cells.iter().map(energy_of).sum::<f64>()
+    let stiffness = bearable_stiffness(plan, body).to_f64();
+    let pull = if memory.stuck { pull::bearable_stiffness(plan, body).to_f64() } else { 0.0 };
+    let energy_of = |corners: &[u32; 8]| {
+        let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
+        let pulled = if pull > 0.0 { pull * pull::cell_energy(&edges) } else { 0.0 };
+        stiffness * edges.energy() + pulled
+    };
+    body.lattice.cells.iter().map(energy_of).sum()
 }
 
 /// The signed volume of a cell over that at rest; not above zero where it is inverted.

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::bearable_stiffness;
 use super::edges::{MeanEdges, mean_edges};
+use super::pull;
 use crate::math::{Real, Vector};
 use crate::physics::model::BodyModel;
 use crate::physics::plan::Plan;
@@ -17,30 +18,38 @@ pub(in crate::physics) struct Resistance {
     growth: [DVec3; 3],
     /// The energy's second derivative by the volume, J.
     stiffness: f64,
+    /// That of the pull by the mean edges, at most, N/m.
+    pull: f64,
 }
 
 impl Resistance {
     /// Adds the force on the corners that move by these ways (m), times −`scale`, to `to`: `scale κ ∇V (∇V · way)`, which
-    /// leaves out that ∇V changes (Gauss and Newton) and so never pushes.
+    /// leaves out that ∇V changes (Gauss and Newton) and so never pushes, and as for the pull, that the rotation does.
     pub(in crate::physics) fn add_product(&self, scale: f64, ways: &[DVec3], to: &mut [DVec3]) {
         let rates = mean_edges::<f64>(ways, &self.corners, 1.0);
         let grown = (0..3).fold(0.0, |sum, axis| sum + rates[axis].dot(self.growth[axis]));
         for (place, &corner) in self.corners.iter().enumerate() {
-            to[corner as usize] += self.gradient(place) * (scale * self.stiffness * grown);
+            let pulled = quarters(&rates, place) * (scale * self.pull);
+            to[corner as usize] += self.gradient(place) * (scale * self.stiffness * grown) + pulled;
         }
     }
 
     /// Calls `visit` with every corner and a third of the trace of its block, N/m.
     pub(in crate::physics) fn for_each_diagonal(&self, mut visit: impl FnMut(usize, f64)) {
         for (place, &corner) in self.corners.iter().enumerate() {
-            visit(corner as usize, self.stiffness * self.gradient(place).length_squared() / 3.0);
+            let pull = self.pull * 3.0 / 16.0;
+            visit(corner as usize, self.stiffness * self.gradient(place).length_squared() / 3.0 + pull);
         }
     }
 
     fn gradient(&self, place: usize) -> DVec3 {
-        (0..3)
-            .fold(DVec3::ZERO, |sum, axis| sum + self.growth[axis] * if place >> axis & 1 == 1 { 0.25 } else { -0.25 })
+        quarters(&self.growth, place)
     }
+}
+
+/// What a corner gets of what its mean edges get.
+fn quarters(edges: &[DVec3; 3], place: usize) -> DVec3 {
+    (0..3).fold(DVec3::ZERO, |sum, axis| sum + edges[axis] * if place >> axis & 1 == 1 { 0.25 } else { -0.25 })
 }
 
 /// The resistances of the cells on a body's list that are pushed. `position` is the body's own.
@@ -52,13 +61,16 @@ pub(in crate::physics) fn resistances<R: Real>(
 ) -> impl Iterator<Item = Resistance> {
     let stiffness = bearable_stiffness(plan, body).to_f64();
     let inverse_cell_size = body.inverse_cell_size;
+    let per_size = inverse_cell_size.to_f64();
+    let pull = if memory.stuck { pull::bearable_stiffness(plan, body).to_f64() * per_size * per_size } else { 0.0 };
     memory.near_inversion.iter().filter_map(move |&cell| {
         let corners = body.lattice.cells[cell as usize];
         let edges = MeanEdges::of(position, &corners, inverse_cell_size);
         edges.is_pushed().then(|| Resistance {
             corners,
-            growth: edges.faces.map(|face| face.to_dvec3() * inverse_cell_size.to_f64()),
+            growth: edges.faces.map(|face| face.to_dvec3() * per_size),
             stiffness: stiffness / edges.cap().to_f64(),
+            pull: if pull > 0.0 { pull * pull::resistance(&edges) } else { 0.0 },
         })
     })
 }
@@ -73,7 +85,11 @@ pub(in crate::physics) fn energy_past_work<R: Real>(
     dt: R,
 ) -> f64 {
     let stiffness = bearable_stiffness(plan, body);
-    let energy_of = |edges: &MeanEdges<R>| edges.energy() * stiffness.to_f64();
+    let pull = memory.stuck.then(|| pull::bearable_stiffness(plan, body));
+    let energy_of = |edges: &MeanEdges<R>| {
+        let pulled = pull.map_or(0.0, |pull| pull::cell_energy(edges) * pull.to_f64());
+        edges.energy() * stiffness.to_f64() + pulled
+    };
     let mut sum = 0.0;
     for &cell in &memory.near_inversion {
         let corners = &body.lattice.cells[cell as usize];
@@ -84,8 +100,10 @@ pub(in crate::physics) fn energy_past_work<R: Real>(
         let after = MeanEdges::of(&moved, &own, body.inverse_cell_size);
         let way = mean_edges(path, corners, dt);
         let rates = mean_edges(velocity, corners, R::ONE);
-        let push = before.push(&rates, stiffness * body.inverse_cell_size);
-        let work = push.map_or(0.0, |push| (0..3).fold(0.0, |sum, axis| sum + push[axis].dot(way[axis]).to_f64()));
+        let work_of = |force: [R::Vec3; 3]| (0..3).fold(0.0, |sum, axis| sum + force[axis].dot(way[axis]).to_f64());
+        let pulled = pull.and_then(|pull| pull::cell_force(&before, &rates, pull * body.inverse_cell_size));
+        let pushed = before.push(&rates, stiffness * body.inverse_cell_size);
+        let work = pushed.map_or(0.0, work_of) + pulled.map_or(0.0, work_of);
         sum += energy_of(&after) - energy_of(&before) + work;
     }
     sum
