@@ -39,7 +39,8 @@ const SLOW: f64 = 3e-3;
 /// step.
 const FASTEST: f64 = 0.1;
 
-/// For how long a body with inverted cells must be slow to be stuck, s: less than it takes to fall asleep.
+/// For how long a body with inverted cells must be slow to be stuck, s: less than it takes to fall asleep, but for very
+/// soft bodies.
 const SLOW_SECS: f64 = 0.1;
 
 /// The same over `h/√(κ/m)`, which is longer in a very soft body: where motion turns back it is slow for less.
