@@ -215,7 +215,7 @@ fn halvings<R: Real>(model: &Model<R>, rule: ContactRule, step_secs: f64) -> u32
     let safe = SceneLimits::of(model, rule, Integrator::SemiImplicit).dt_safe_secs();
     let parts = safe.map_or(1.0, |safe| (step_secs / safe).max(1.0));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero to the bound")]
-    let halvings = libm::ceil(libm::log2(parts)).min(f64::from(MOST_HALVINGS)) as u32;
+    let halvings = (libm::ceil(libm::log2(parts)) + 3.0).min(f64::from(MOST_HALVINGS)) as u32;
     halvings
 }
 
