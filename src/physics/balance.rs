@@ -58,8 +58,10 @@ pub(super) fn gains_energy<R: Real>(
             .map_or(0.0, |grab| work_of(grab, body, dt.to_f64(), state, velocity));
         let own = [&state.position[..], &state.velocity, velocity].map(|of| &of[body.particles.clone()]);
         let unfolded = recovery::energy_past_work(plan, body, &state.bodies[number], own, dt);
-        gained + of_links(body, plan, dt.to_f64(), state, velocity) + unfolded + stored - carried - pulled
-            > ROUNDING * kinetic + UNSOLVED * turned_over.min(there)
+        let from_nowhere =
+            gained + of_links(body, plan, dt.to_f64(), state, velocity) + unfolded + stored - carried - pulled;
+        // What is no number is no balance either.
+        from_nowhere.is_nan() || from_nowhere > ROUNDING * kinetic + UNSOLVED * turned_over.min(there)
     })
 }
 

@@ -21,6 +21,9 @@ const LONGEST_IMPLICIT_SECS: f64 = 0.25 * FRAME_SECS;
 /// The most halvings of a substep of the implicit integrator.
 pub const MOST_HALVINGS: u32 = 24;
 
+/// Halvings beyond the step that is safe at rest: strained bodies are stiffer (see [`strain`]).
+const STRAINED_HALVINGS: f64 = 3.0;
+
 /// The stages of a substep in their order (GC Algorithm 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Stage {
@@ -215,7 +218,7 @@ fn halvings<R: Real>(model: &Model<R>, rule: ContactRule, step_secs: f64) -> u32
     let safe = SceneLimits::of(model, rule, Integrator::SemiImplicit).dt_safe_secs();
     let parts = safe.map_or(1.0, |safe| (step_secs / safe).max(1.0));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero to the bound")]
-    let halvings = (libm::ceil(libm::log2(parts)) + 3.0).min(f64::from(MOST_HALVINGS)) as u32;
+    let halvings = (libm::ceil(libm::log2(parts)) + STRAINED_HALVINGS).min(f64::from(MOST_HALVINGS)) as u32;
     halvings
 }
 

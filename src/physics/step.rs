@@ -9,7 +9,8 @@
 //! move     x += dt v'   (or dt u)
 //! rest     bodies that have been at rest for long enough fall asleep and are left out of all this
 //!
-//! The implicit scheme solves for pull, contact and v' at once: find touches, solve, settle.
+//! The implicit scheme solves for pull, contact and v' at once: find touches, solve, settle. Where that would give energy
+//! it is taken again in halves, and in the smallest of them as the other schemes do.
 //! ```
 //!
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
@@ -136,6 +137,21 @@ pub fn substep<R: Real>(
     let mut free = Free { model, plan, dt, state, force, held_force, scratch: scheme, recovery: recovering };
     if plan.integrator == Integrator::Implicit {
         solved_velocities(&mut free, inputs, contact, velocity, &mut report, timer);
+        let holds = || {
+            stays_finite(model, dt, state, velocity, velocity)
+                && !gains_energy(model, plan, dt, state, force, velocity, &contact.contacts, inputs.grab)
+        };
+        if plan.halvings > 0 && !holds() {
+            if part.may_be_halved {
+                timer.leave();
+                return StepReport { substeps: 0, halved: 1, ..report };
+            }
+            // Steps are now as small as explicit ones may be.
+            let felt = &state.velocity;
+            forces::evaluate(model, plan, position, &[], felt, bodies, force, recovering, &mut report, timer);
+            let mut free = Free { model, plan, dt, state, force, held_force, scratch: scheme, recovery: recovering };
+            predicted_velocities(&mut free, inputs, contact, velocity, &mut report, timer);
+        }
     } else {
         predicted_velocities(&mut free, inputs, contact, velocity, &mut report, timer);
     }
@@ -147,11 +163,6 @@ pub fn substep<R: Real>(
     let moving = if path.is_empty() { &*velocity } else { &*path };
     let exploded = plan.watched && runs_away(model, dt, moving);
     let sound = !exploded && stays_finite(model, dt, state, moving, velocity);
-    let is_refused = || !sound || gains_energy(model, plan, dt, state, force, velocity, &contact.contacts, inputs.grab);
-    if part.may_be_halved && is_refused() {
-        timer.leave();
-        return StepReport { substeps: 0, halved: 1, ..report };
-    }
     if sound {
         if implicit_contact {
             contact::remember_sides(model, dt, state, moving, contact, &mut report);
