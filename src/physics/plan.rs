@@ -10,9 +10,9 @@ use crate::scene::{Family, Settings};
 /// The stretch of simulated time that substeps are counted over, s.
 const FRAME_SECS: f64 = 1.0 / 60.0;
 
-/// Above this many substeps in [`FRAME_SECS`] automatic stepping hands over to the implicit integrator, whose cost
+/// Above this many substeps in 1/60 s automatic stepping hands over to the implicit integrator, whose cost
 /// hardly grows with the stiffness.
-pub const IMPLICIT_ABOVE: f64 = 100.0;
+const IMPLICIT_ABOVE: f64 = 100.0;
 
 /// The longest step of the implicit integrator where it takes over, s: four a frame. Longer ones are cheaper for the same
 /// simulated time, and quiet a vibration of 5 Hz in one period instead of three.

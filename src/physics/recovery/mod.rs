@@ -23,9 +23,9 @@
 //! that is well costs nothing but those few looks. The list is part of the [`State`]: the motion follows from the
 //! state alone.
 //!
-//! Where families of links are far apart the push is not enough: see [`soft_links`]; a body that comes to rest with
-//! cells still inverted gets a pull on top of it: see [`pull`]. The implicit integrator solves for both: see
-//! [`resistance`].
+//! Where families of links are far apart the push is not enough: see `soft_links`; a body that comes to rest with
+//! cells still inverted gets a pull on top of it: see `pull`. The implicit integrator solves for both: see
+//! `resistance`.
 
 mod edges;
 mod pull;
