@@ -30,9 +30,6 @@ pub const STRAINS: [f64; 2] = [0.5, 0.7];
 /// Parts stay below this share of the step that is bounded in any state.
 pub const SHARE: f64 = 0.4;
 
-/// Simulated time between two looks at all links, s, in a body that is calm.
-const LOOK_SECS: f64 = 1.0 / 60.0;
-
 /// Into how many parts a substep of `dt_secs` is divided while a body is strained.
 pub(super) fn parts<R: Real>(model: &Model<R>, integrator: Integrator, dt_secs: f64) -> u32 {
     let loads: Vec<[f64; 2]> = model.bodies.iter().flat_map(|body| loads(body)).collect();
@@ -73,22 +70,11 @@ pub(super) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, state: &mut Stat
     if plan.parts <= 1 {
         return 1;
     }
-    if is_due(model, plan, state) {
+    if state.bodies.iter().any(|memory| memory.strained) || recovery::is_time_to_look(model, plan, state) {
         look(model, state);
     }
     let is_strained = state.bodies.iter().any(|memory| memory.strained && !memory.asleep);
     if is_strained { plan.parts } else { 1 }
-}
-
-fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
-    if state.bodies.iter().any(|memory| memory.strained) {
-        return true;
-    }
-    let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(recovery::unseen_secs(body, state)));
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
-    let every = libm::round(between_looks / plan.substep_secs()).max(1.0) as u64;
-    let number = state.steps.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep));
-    number.is_multiple_of(every)
 }
 
 fn look<R: Real>(model: &Model<R>, state: &mut State<R>) {

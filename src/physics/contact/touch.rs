@@ -260,6 +260,7 @@ pub(in crate::physics) fn settle<R: Real>(
             }
             report.narrow_tests += meeting.tests;
             report.sphere_tests += meeting.sphere_tests;
+            report.frictions += own.iter().filter(|touch| touch.limit() > 0.0).count() as u64;
         }
     }
     scratch.sort(state);

@@ -96,16 +96,21 @@ pub(super) fn of_cells(kinds: &[CellKind], cell_size: f64) -> [f64; 2] {
 
 /// Whether all cells are looked at in this substep.
 pub(super) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
+    !plan.lean || state.bodies.iter().any(BodyMemory::is_watched) || is_time_to_look(model, plan, state)
+}
+
+/// Whether it is time to look at bodies that were well at the last look: in every [`LOOK_SECS`], sooner the faster their
+/// particles move past each other.
+pub(super) fn is_time_to_look<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
     let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, state)));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
     let every = libm::round(between_looks / plan.substep_secs()).max(1.0) as u64;
     let taken = state.steps / u64::from(plan.span);
-    let number = taken.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep));
-    number % every == 0 || !plan.lean || state.bodies.iter().any(BodyMemory::is_watched)
+    taken.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep)).is_multiple_of(every)
 }
 
 /// How long a body's cells may stay unseen as fast as its particles move past each other now, s.
-pub(super) fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
+fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
     let velocity = &state.velocity[body.particles.clone()];
     // Bounds of the components: cheap, and no larger than the differences between particles.
     let Some(&first) = velocity.first() else { return LOOK_SECS };
@@ -138,8 +143,8 @@ pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, secs: f64, r
     }
 }
 
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 /// Adds the push of the cells on the lists in `memory`, N.
+#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 pub(super) fn add_forces<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -183,8 +188,8 @@ fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
     body.recovery_stiffness.min(R::from_f64(STIFFEST) * body.recovery_mass / (inverse * inverse))
 }
 
-/// Energy of the push of a body's cells, J, and of the pull where it is stuck. The cap on far-stretched cells follows no potential: their share is the
-/// work that the present push would do.
+/// Energy of the push of a body's cells, J, and of the pull where it is stuck. The cap on far-stretched cells follows no
+/// potential: their share is the work that the present push would do.
 pub(super) fn energy<R: Real>(plan: &Plan, body: &BodyModel<R>, memory: &BodyMemory, state: &State<R>) -> f64 {
     let position = &state.position[body.particles.clone()];
     let stiffness = bearable_stiffness(plan, body).to_f64();
