@@ -80,6 +80,12 @@ impl Touch {
         self.bias - self.matrix * (velocity - self.surface_velocity)
     }
 
+    /// The impulse on a particle of this velocity by the laws of contact and friction, with Coulomb's limit as it is now, N·s.
+    pub(in crate::physics) fn lawful_impulse(&self, velocity: DVec3) -> DVec3 {
+        let normal = self.normal * self.normal_impulse_at(velocity).max(0.0);
+        if self.pushes { normal - self.coulomb(self.sliding(velocity)) } else { normal }
+    }
+
     /// The part of a velocity that slides along the surface, m/s.
     fn sliding(&self, velocity: DVec3) -> DVec3 {
         let relative = velocity - self.surface_velocity;
@@ -95,11 +101,11 @@ impl Touch {
         self.friction * self.normal_impulse
     }
 
-    /// What it does at first, to a particle that has this velocity and would fall with another.
+    /// What it does at first, to a particle that has this velocity and would fall with another. What is only expected to
+    /// push does not rub yet: nobody knows how hard it will push.
     fn begin(&mut self, velocity: DVec3, falling: DVec3) {
-        let now = self.normal_impulse_at(velocity);
-        self.normal_impulse = if now > 0.0 { now } else { self.normal_impulse_at(falling).max(0.0) };
-        self.pushes = self.normal_impulse > 0.0;
+        self.normal_impulse = self.normal_impulse_at(velocity).max(0.0);
+        self.pushes = self.normal_impulse > 0.0 || self.normal_impulse_at(falling) > 0.0;
         self.drag = self.coulomb(self.sliding(velocity));
         self.linearize(self.sliding(velocity), self.drag);
     }
@@ -141,8 +147,9 @@ impl Touch {
         self.drag = if pushed { self.normal * self.impulse.dot(self.normal) - self.impulse } else { coulomb };
         let strength = self.drag.length();
         let allowed = limit * (1.0 + FRICTION_TOLERANCE);
-        let right = strength <= allowed
-            && (sliding.length() <= self.stopped || (self.drag - coulomb).length() <= FRICTION_TOLERANCE * limit);
+        let right = self.friction == 0.0
+            || strength <= allowed
+                && (sliding.length() <= self.stopped || (self.drag - coulomb).length() <= FRICTION_TOLERANCE * limit);
         let within = if strength > limit { self.drag * (limit / strength) } else { self.drag };
         self.linearize(sliding, if carefully { DVec3::ZERO } else { within });
         self.pushes != pushed || self.pushes && !right

@@ -42,6 +42,12 @@ const TOLERANCE: f64 = 1e-4;
 /// a slope would creep by what is missed.
 const FINEST_TOLERANCE: f64 = 1e-7;
 
+/// Where the potential rises by no more than this share of how it fell at first, it is as good as level.
+const LEVEL: f64 = 0.1;
+
+/// Halvings of the way in which the least of the potential is looked for.
+const HALVINGS: usize = 40;
+
 /// A link in the matrix: `across I + along alongᵀ` between its ends. In the precision of the state: reading these is
 /// what an iteration takes longest for, and the matrix may be a little off as long as it is the same throughout.
 #[derive(Clone, Copy, Debug)]
@@ -74,6 +80,9 @@ pub(super) struct Room<R: Real> {
     scaled: Vec<DVec3>,
     search: Vec<DVec3>,
     product: Vec<DVec3>,
+    /// The velocity before a solve, and the residual there.
+    before: Vec<DVec3>,
+    residual_before: Vec<DVec3>,
 }
 
 impl<R: Real> Room<R> {
@@ -94,6 +103,8 @@ impl<R: Real> Room<R> {
             scaled: vectors(),
             search: vectors(),
             product: vectors(),
+            before: vectors(),
+            residual_before: vectors(),
         }
     }
 }
@@ -126,7 +137,9 @@ pub(super) fn solve<R: Real>(
         for round in 1..=ROUNDS {
             report.solves += 1;
             report.iterations += system.iterate(enough);
-            if !system.reconsider(round + CAREFUL_ROUNDS >= ROUNDS) {
+            let careful = round + CAREFUL_ROUNDS;
+            let all = careful > ROUNDS || system.hold_back();
+            if !system.reconsider(careful >= ROUNDS) && all {
                 break;
             }
         }
@@ -234,6 +247,8 @@ impl<R: Real> System<'_, R> {
         let count = self.body.particles.len();
         self.find_residual(true);
         self.precondition();
+        self.room.before[..count].copy_from_slice(&self.room.velocity[..count]);
+        self.room.residual_before[..count].copy_from_slice(&self.room.residual[..count]);
         let mut missed = self.scale_residual();
         let mut size = dot(&self.room.residual[..count], &self.room.scaled[..count]);
         self.room.search[..count].copy_from_slice(&self.room.scaled[..count]);
@@ -267,6 +282,52 @@ impl<R: Real> System<'_, R> {
             iterations += 1;
         }
         iterations
+    }
+
+    /// Goes back from where the last solve led to the least of the potential on the way there, if that is not near the
+    /// end: the equations of touches are true near where they were set up only. Says whether it is the end.
+    ///
+    /// The potential is convex as long as Coulomb's limits are what they are, and the way leads down. Its slope on the way
+    /// is that of all but the touches, linear in the share of the way, and theirs.
+    fn hold_back(&mut self) -> bool {
+        let Room { before, velocity, residual_before, residual, search, .. } = &mut *self.room;
+        let count = self.body.particles.len();
+        let first = self.body.particles.start;
+        for (way, (after, before)) in search[..count].iter_mut().zip(velocity[..count].iter().zip(before.iter())) {
+            *way = *after - *before;
+        }
+        let ends = [(&*before, residual_before), (&*velocity, residual)].map(|(at, residual)| {
+            let touched = self.touches.iter().map(|touch| {
+                let local = touch.particle - first;
+                touch.impulse(at[local]).dot(search[local])
+            });
+            touched.sum::<f64>() - dot(&residual[..count], &search[..count])
+        });
+        let slope = |share: f64| {
+            let touched = self.touches.iter().map(|touch| {
+                let local = touch.particle - first;
+                touch.lawful_impulse(before[local] + search[local] * share).dot(search[local])
+            });
+            ends[0] + share * (ends[1] - ends[0]) - touched.sum::<f64>()
+        };
+        let least = LEVEL * slope(0.0).abs();
+        if slope(1.0) <= least {
+            return true;
+        }
+        let [mut low, mut high] = [0.0, 1.0];
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if slope(middle) > 0.0 {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        let share = 0.5 * (low + high);
+        for (velocity, (way, before)) in velocity[..count].iter_mut().zip(search.iter().zip(before.iter())) {
+            *velocity = *before + *way * share;
+        }
+        false
     }
 
     /// The inverse blocks of touched particles.
