@@ -76,8 +76,10 @@ pub struct Plan {
     /// its own step has room for. The steps before the last are counted and the motion waits for it.
     pub span: u32,
     /// How often a substep of the implicit integrator may be halved whose linear equations prove wrong: down to a step
-    /// that an explicit integrator could take. Never in manual stepping.
+    /// that an explicit integrator could take, or as often as can be. Never in manual stepping.
     pub halvings: u32,
+    /// Whether an explicit integrator can take what is left after that many; otherwise the linear equations have the last word.
+    pub ends_explicitly: bool,
     /// Parts that a substep is taken in while a body is strained.
     pub parts: u32,
     /// The predicted stability limits the subdivision follows from.
@@ -132,6 +134,7 @@ impl Plan {
             substeps: if taken_over { implicit_substeps } else { substeps },
             span: if taken_over { span } else { 1 },
             halvings: 0,
+            ends_explicitly: false,
             parts: 1,
             limits,
             families: Family::ALL.map(|family| has_force(family as usize)),
@@ -151,8 +154,10 @@ impl Plan {
             return plan;
         }
         let secs = plan.substep_secs();
-        let halvings = if integrator == Integrator::Implicit { halvings(model, settings.contact, secs) } else { 0 };
-        Self { halvings, parts: strain::parts(model, integrator, secs), ..plan }
+        let needed = if integrator == Integrator::Implicit { halvings(model, settings.contact, secs) } else { 0 };
+        let halvings = needed.min(MOST_HALVINGS);
+        let parts = strain::parts(model, integrator, secs);
+        Self { halvings, ends_explicitly: needed == halvings, parts, ..plan }
     }
 
     /// The step in use, s.
@@ -217,8 +222,8 @@ fn needs_implicit(settings: &Settings, limits: &SceneLimits) -> bool {
 fn halvings<R: Real>(model: &Model<R>, rule: ContactRule, step_secs: f64) -> u32 {
     let safe = SceneLimits::of(model, rule, Integrator::SemiImplicit).dt_safe_secs();
     let parts = safe.map_or(1.0, |safe| (step_secs / safe).max(1.0));
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero to the bound")]
-    let halvings = (libm::ceil(libm::log2(parts)) + STRAINED_HALVINGS).min(f64::from(MOST_HALVINGS)) as u32;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero up, saturating")]
+    let halvings = (libm::ceil(libm::log2(parts)) + STRAINED_HALVINGS) as u32;
     halvings
 }
 

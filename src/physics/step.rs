@@ -146,11 +146,13 @@ pub fn substep<R: Real>(
                 timer.leave();
                 return StepReport { substeps: 0, halved: 1, ..report };
             }
-            // Steps are now as small as explicit ones may be.
-            let felt = &state.velocity;
-            forces::evaluate(model, plan, position, &[], felt, bodies, force, recovering, &mut report, timer);
-            let mut free = Free { model, plan, dt, state, force, held_force, scratch: scheme, recovery: recovering };
-            predicted_velocities(&mut free, inputs, contact, velocity, &mut report, timer);
+            if plan.ends_explicitly {
+                let felt = &state.velocity;
+                forces::evaluate(model, plan, position, &[], felt, bodies, force, recovering, &mut report, timer);
+                let mut free =
+                    Free { model, plan, dt, state, force, held_force, scratch: scheme, recovery: recovering };
+                predicted_velocities(&mut free, inputs, contact, velocity, &mut report, timer);
+            }
         }
     } else {
         predicted_velocities(&mut free, inputs, contact, velocity, &mut report, timer);

@@ -337,18 +337,21 @@ fn an_undamped_drop_never_gains_energy_with_the_implicit_scheme() {
 }
 
 #[test]
-fn what_friction_holds_does_not_iterate_without_end() {
-    for_all_stiff(|stiffness, dt| {
-        let (scene, _) = stiff(stiffness, dt, 0.3, [0.5; 2]);
-        let mut simulation = simulate::<f32>(&scene);
-        run(&mut simulation, 4.0);
-        let (mut solves, mut substeps) = (0, 0);
-        for _ in 0..100 {
-            let report = simulation.step();
-            (solves, substeps) = (solves + report.solves, substeps + report.substeps);
-        }
-        assert!(solves <= 8 * substeps, "k {stiffness}, dt {dt}: {solves} solves in {substeps} substeps at rest");
-    });
+fn what_rests_does_not_iterate_without_end_with_friction_and_without() {
+    for (slope, friction) in [(0.3, 0.5), (0.0, 0.0)] {
+        for_all_stiff(|stiffness, dt| {
+            let (scene, _) = stiff(stiffness, dt, slope, [friction; 2]);
+            let mut simulation = simulate::<f32>(&scene);
+            run(&mut simulation, 4.0);
+            let (mut solves, mut substeps) = (0, 0);
+            for _ in 0..100 {
+                let report = simulation.step();
+                (solves, substeps) = (solves + report.solves, substeps + report.substeps);
+            }
+            let case = format!("k {stiffness}, dt {dt}, friction {friction}");
+            assert!(solves <= 8 * substeps, "{case}: {solves} solves in {substeps} substeps at rest");
+        });
+    }
 }
 
 #[test]

@@ -1,0 +1,141 @@
+//! Conjugate gradients: one linear system, with the touches as they are.
+
+use glam::{DMat3, DVec3};
+
+use super::{Room, System};
+use crate::math::Real;
+
+/// Iterations of one solve: some ten times those a stiff body of 20 cells an edge takes.
+const MOST_ITERATIONS: u64 = 400;
+
+/// The share of a body's momentum, or of the right-hand side where that is smaller, that a solution may miss.
+const TOLERANCE: f64 = 1e-4;
+
+/// The least share of the right-hand side that a solution may miss, however slow the body: what is held by friction on
+/// a slope would creep by what is missed.
+const FINEST_TOLERANCE: f64 = 1e-7;
+
+impl<R: Real> System<'_, R> {
+    /// Where the iteration starts: with the velocities now and, where nothing holds the body, its motion as a whole.
+    /// Returns how small a residual has to become.
+    pub(super) fn start(&mut self) -> f64 {
+        let count = self.body.particles.len();
+        self.find_residual(false);
+        self.room.inverse_blocks.clear();
+        let known = self.scale_residual();
+        let moving = (0..count)
+            .fold(0.0, |sum, local| sum + self.body.mass(local).to_f64() * self.room.velocity[local].length_squared());
+        if self.touches.is_empty() && self.body.pinned.is_empty() {
+            let (sum, mass) = (0..count).fold((DVec3::ZERO, 0.0), |(sum, mass), local| {
+                (sum + self.room.residual[local], mass + self.body.mass(local).to_f64())
+            });
+            for velocity in &mut self.room.velocity[..count] {
+                *velocity += sum / mass;
+            }
+        }
+        (moving.min(known) * TOLERANCE * TOLERANCE).max(known * FINEST_TOLERANCE * FINEST_TOLERANCE)
+    }
+
+    /// What the equations miss of being fulfilled.
+    fn find_residual(&mut self, touched: bool) {
+        let mut product = std::mem::take(&mut self.room.product);
+        self.times(&self.room.velocity, &mut product);
+        self.room.product = product;
+        let Room { residual, known, product, velocity, .. } = &mut *self.room;
+        for (local, residual) in residual[..self.body.particles.len()].iter_mut().enumerate() {
+            *residual = known[local] - product[local];
+        }
+        if touched {
+            for touch in &*self.touches {
+                let local = touch.particle - self.body.particles.start;
+                residual[local] += touch.impulse(velocity[local]);
+            }
+        }
+    }
+
+    /// Conjugate gradients with the touches as they are. Returns how many iterations it took.
+    pub(super) fn iterate(&mut self, enough: f64) -> u64 {
+        let count = self.body.particles.len();
+        self.find_residual(true);
+        self.precondition();
+        self.room.before[..count].copy_from_slice(&self.room.velocity[..count]);
+        self.room.residual_before[..count].copy_from_slice(&self.room.residual[..count]);
+        let mut missed = self.scale_residual();
+        let mut size = dot(&self.room.residual[..count], &self.room.scaled[..count]);
+        self.room.search[..count].copy_from_slice(&self.room.scaled[..count]);
+        let mut iterations = 0;
+        while iterations < MOST_ITERATIONS && missed > enough {
+            let mut product = std::mem::take(&mut self.room.product);
+            self.times(&self.room.search, &mut product);
+            for touch in &*self.touches {
+                let local = touch.particle - self.body.particles.start;
+                product[local] += *touch.matrix() * self.room.search[local];
+            }
+            self.room.product = product;
+            let Room { search, product, velocity, residual, .. } = &mut *self.room;
+            let curvature = dot(&search[..count], &product[..count]);
+            if curvature.is_nan() || curvature <= 0.0 {
+                break;
+            }
+            let length = size / curvature;
+            for local in 0..count {
+                velocity[local] += search[local] * length;
+                residual[local] -= product[local] * length;
+            }
+            missed = self.scale_residual();
+            let smaller = dot(&self.room.residual[..count], &self.room.scaled[..count]);
+            let keep = smaller / size;
+            let Room { search, scaled, .. } = &mut *self.room;
+            for (search, scaled) in search[..count].iter_mut().zip(&scaled[..count]) {
+                *search = *scaled + *search * keep;
+            }
+            size = smaller;
+            iterations += 1;
+        }
+        iterations
+    }
+
+    /// The inverse blocks of touched particles.
+    fn precondition(&mut self) {
+        let Room { inverse_blocks, inverse_diagonal, .. } = &mut *self.room;
+        inverse_blocks.clear();
+        for own in self.touches.chunk_by(|a, b| a.particle == b.particle) {
+            let diagonal = 1.0 / inverse_diagonal[own[0].particle - self.body.particles.start];
+            let block =
+                own.iter().fold(DMat3::from_diagonal(DVec3::splat(diagonal)), |sum, touch| sum + *touch.matrix());
+            inverse_blocks.push(block.inverse());
+        }
+    }
+
+    /// The residual over the diagonal. Returns its size in that norm: over the diagonal without touches, or what is held
+    /// would hardly count.
+    fn scale_residual(&mut self) -> f64 {
+        let Room { residual, scaled, inverse_diagonal, inverse_blocks, .. } = &mut *self.room;
+        let mut sum = 0.0;
+        for local in 0..self.body.particles.len() {
+            if self.body.is_pinned(local) {
+                scaled[local] = DVec3::ZERO;
+            } else {
+                scaled[local] = residual[local] * inverse_diagonal[local];
+                sum += residual[local].dot(scaled[local]);
+            }
+        }
+        let touched = self.touches.chunk_by(|a, b| a.particle == b.particle);
+        for (own, block) in touched.zip(inverse_blocks) {
+            let local = own[0].particle - self.body.particles.start;
+            scaled[local] = *block * residual[local];
+        }
+        sum
+    }
+}
+
+/// The inner product: four sums in a fixed order.
+pub(super) fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
+    let mut sums = [0.0; 4];
+    for (a, b) in a.chunks(4).zip(b.chunks(4)) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a.dot(*b);
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
+}
