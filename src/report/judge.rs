@@ -33,9 +33,6 @@ pub const REACH: f64 = 1.5;
 /// Energies are means over so much simulated time, s.
 const WINDOW_SECS: f64 = 1.0 / 60.0;
 
-/// The share of the work that a moving obstacle does in one substep which that substep may misjudge.
-const UNRESOLVED_WORK: f64 = 0.25;
-
 /// Units in the last place by which rounding may misplace a particle.
 const MISPLACED: f64 = 8.0;
 
@@ -211,8 +208,6 @@ struct Account {
     meddling: f64,
     /// The fastest surface of an obstacle that was met, m/s.
     fastest_push: f64,
-    /// The most that moving obstacles did in one substep, J.
-    hastiest_work: f64,
     gravity: DVec3,
     dt: f64,
     /// Of all links and contacts together, N/m.
@@ -249,7 +244,6 @@ impl Account {
             work: 0.0,
             meddling: 0.0,
             fastest_push: 0.0,
-            hastiest_work: 0.0,
             gravity,
             dt: simulation.plan().substep_secs(),
             stiffness,
@@ -273,7 +267,6 @@ impl Account {
     fn push(&mut self, speed: f64, work: f64) {
         self.work += work;
         self.fastest_push = self.fastest_push.max(speed);
-        self.hastiest_work = self.hastiest_work.max(work.abs());
     }
 
     fn look<R: Real>(&mut self, simulation: &Simulation<R>) {
@@ -307,11 +300,10 @@ impl Account {
     }
 
     /// What gravity gives a body that is let go in the middle of a substep, J: steps cannot tell when. It is nothing but
-    /// where gravity is great and the step long. Also a part of the work that a moving obstacle does in one substep,
-    /// in which force and normal are held to be constant; it is nothing where it takes many to get to its place.
+    /// where gravity is great and the step long.
     fn unresolved(&self) -> f64 {
         let speed = 0.5 * self.gravity.length() * self.dt;
-        0.5 * self.start.mass_kg * speed * speed + UNRESOLVED_WORK * self.hastiest_work
+        0.5 * self.start.mass_kg * speed * speed
     }
 
     fn fault(&self, seconds: f64) -> Option<(Fault, String)> {

@@ -337,6 +337,28 @@ fn an_undamped_drop_never_gains_energy_with_the_implicit_scheme() {
 }
 
 #[test]
+fn bodies_that_land_together_move_as_each_would_alone() {
+    let (stiffness, dt) = (1e4, 1e-3);
+    let (mut scene, _) = stiff(stiffness, dt, 0.0, [0.5; 2]);
+    scene.settings.stepping = Stepping::Auto;
+    scene.bodies[0] = cube(4, 1.0, springs(stiffness, 0.0, 0.008), [0.0, 1.0, 0.0]);
+    scene.bodies[0].pose.rotation_deg = [20.0, 0.0, 30.0];
+    let mut alone = simulate::<f32>(&scene);
+    scene.bodies.push(scene.bodies[0].clone());
+    let mut together = simulate::<f32>(&scene);
+    let mut halved = 0;
+    for step in 0..whole_steps(1.5, dt) {
+        halved += alone.step().halved;
+        together.step();
+        // Bodies pass through each other, so two in one place are the same motion twice.
+        let (first, second) = together.state().position.split_at(alone.state().position.len());
+        assert_eq!(first, alone.state().position, "step {step}");
+        assert_eq!(second, alone.state().position, "step {step}");
+    }
+    assert!(halved > 0, "some substeps were halved");
+}
+
+#[test]
 fn what_rests_does_not_iterate_without_end_with_friction_and_without() {
     for (slope, friction) in [(0.3, 0.5), (0.0, 0.0)] {
         for_all_stiff(|stiffness, dt| {

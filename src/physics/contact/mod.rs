@@ -11,6 +11,7 @@
 
 mod broad;
 mod plane;
+mod record;
 mod response;
 mod settle;
 mod sphere;
@@ -18,116 +19,17 @@ pub(super) mod sweep;
 pub mod thesis;
 mod touch;
 
+pub use record::{ContactRecord, Scratch};
 pub(super) use touch::{Touch, find as find_touches, settle as settle_touches};
 
 use super::model::{ContactModel, Model, ObstacleModel, ObstacleShape};
 use super::plan::{Plan, Stage};
 use super::report::{StageTimer, StepReport};
-use super::sleep;
 use super::state::State;
 use crate::math::{Real, Vector};
 
 /// Rounds in which a particle between several obstacles may look for a velocity; then it stops dead.
 const ROUNDS: usize = 4;
-
-/// Contact's working room and what the last substep found.
-#[derive(Clone, Debug)]
-pub struct Scratch<R: Real> {
-    /// Obstacles near the body under work.
-    near: Vec<u32>,
-    /// Particle–obstacle pairs that met in the last substep, by particle.
-    pub contacts: Vec<ContactRecord<R>>,
-    /// For every body and obstacle whether they are near without a look at boxes: planes of which a side is remembered,
-    /// and all before the first substep.
-    touching: Vec<bool>,
-    /// What the implicit integrator solves for, by particle.
-    pub(super) touches: Vec<Touch>,
-}
-
-impl<R: Real> Scratch<R> {
-    /// Room for a model.
-    pub fn new(model: &Model<R>) -> Self {
-        // All particles in a corner: what is there beyond that makes room for itself once.
-        let meetings = model.particle_count() * model.obstacles.len().min(3);
-        Self {
-            near: Vec::with_capacity(model.obstacles.len()),
-            contacts: Vec::with_capacity(meetings),
-            touching: vec![true; model.bodies.len() * model.obstacles.len()],
-            touches: Vec::with_capacity(meetings),
-        }
-    }
-
-    /// How many contacts push.
-    fn pushing(&self) -> usize {
-        self.contacts.iter().filter(|contact| contact.force != R::Vec3::ZERO).count()
-    }
-
-    /// Forgets all contacts but those of bodies that sleep.
-    pub(super) fn keep_of_sleepers(&mut self, model: &Model<R>, state: &State<R>) {
-        if sleep::asleep(state) == 0 {
-            self.contacts.clear();
-        } else {
-            self.contacts.retain(|contact| body_of(model, contact).is_some_and(|body| state.bodies[body].asleep));
-        }
-    }
-
-    /// Puts contacts in the order of particles again where some were kept.
-    fn sort(&mut self, state: &State<R>) {
-        if sleep::asleep(state) > 0 {
-            self.contacts.sort_unstable_by_key(|contact| (contact.particle, contact.obstacle));
-        }
-    }
-
-    /// Forgets the particles of bodies awake that met something which did not push them: the path they now have may need a push.
-    fn forget_unpushed(&mut self, model: &Model<R>, state: &State<R>) {
-        let (mut kept, mut first) = (0, 0);
-        while let Some(contact) = self.contacts.get(first) {
-            let particle = contact.particle;
-            let same = self.contacts[first..].iter().take_while(|contact| contact.particle == particle);
-            let (count, pushed) = same.fold((0, false), |(n, pushed), c| (n + 1, pushed || c.force != R::Vec3::ZERO));
-            if pushed || body_of(model, contact).is_some_and(|body| state.bodies[body].asleep) {
-                self.contacts.copy_within(first..first + count, kept);
-                kept += count;
-            }
-            first += count;
-        }
-        self.contacts.truncate(kept);
-    }
-
-    /// The depth of the deepest contact as it was found, m.
-    fn deepest(&self) -> R {
-        self.contacts.iter().fold(R::ZERO, |deepest, contact| deepest.max(-contact.gap))
-    }
-
-    /// Tells of the contacts that bodies keep in their sleep.
-    pub(super) fn report_kept(&self, report: &mut StepReport) {
-        report.contacts = self.pushing();
-        report.max_penetration_m = self.deepest().to_f64();
-        report.peak_penetration_m = report.max_penetration_m;
-    }
-
-    /// Any particle may touch any obstacle: they have been moved.
-    pub(super) fn touch_all(&mut self) {
-        self.touching.fill(true);
-    }
-}
-
-/// A particle that met an obstacle in the last substep.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactRecord<R: Real> {
-    /// The particle, in the state's arrays.
-    pub particle: usize,
-    /// The obstacle.
-    pub obstacle: usize,
-    /// Unit normal, away from the obstacle.
-    pub normal: R::Vec3,
-    /// Distance from the surface along the normal when the substep began, m; negative inside.
-    pub gap: R,
-    /// Velocity of the surface, m/s.
-    pub surface_velocity: R::Vec3,
-    /// Mean contact force over the substep, normal and friction, N.
-    pub force: R::Vec3,
-}
 
 /// The surface as one particle meets it: a tangent plane, in a frame that rides along with the obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,10 +53,7 @@ pub fn respond<R: Real>(
     timer: &mut impl StageTimer,
 ) {
     scratch.keep_of_sleepers(model, state);
-    let mut meetings = Meetings { model, plan, dt, state, scratch, report, timer };
-    meetings.of_all(velocity, |_, _| ());
-    scratch.sort(state);
-    report.contacts = scratch.pushing();
+    Meetings { model, plan, dt, state, scratch, report, timer }.of_all(velocity, |_, _| ());
 }
 
 /// Changes the velocities that move particles where those at the end of the substep are others. What has met an
@@ -178,7 +77,6 @@ pub fn respond_to_paths<R: Real>(
     scratch.forget_unpushed(model, state);
     let mut meetings = Meetings { model, plan, dt, state, scratch, report, timer };
     meetings.of_all(path, |particle, change| velocity[particle] += change);
-    report.contacts = scratch.pushing();
 }
 
 /// All particles among all obstacles.
@@ -195,6 +93,7 @@ struct Meetings<'a, R: Real, T> {
 impl<R: Real, T: StageTimer> Meetings<'_, R, T> {
     /// Resolves all velocities but of the particles that are known to meet something, and tells of each change.
     fn of_all(&mut self, velocity: &mut [R::Vec3], mut changed: impl FnMut(usize, R::Vec3)) {
+        self.scratch.sort();
         let met = self.scratch.contacts.len();
         let Self { model, plan, dt, state, scratch, report, timer } = self;
         let (model, plan, dt, state) = (*model, *plan, *dt, *state);
@@ -230,6 +129,8 @@ impl<R: Real, T: StageTimer> Meetings<'_, R, T> {
             }
             report.narrow_tests_saved += all_tests.saturating_sub(report.narrow_tests - tests_before);
         }
+        scratch.sort();
+        report.contacts = scratch.pushing();
     }
 }
 

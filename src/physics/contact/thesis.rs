@@ -58,7 +58,7 @@ pub fn add_forces<R: Real>(
             }
         }
     }
-    scratch.sort(state);
+    scratch.sort();
     report.contacts = scratch.contacts.len();
     report.max_penetration_m = deepest.to_f64();
     report.peak_penetration_m = report.max_penetration_m;

@@ -270,9 +270,5 @@ pub(in crate::physics) fn settle<R: Real>(
             report.frictions += own.iter().filter(|touch| touch.limit() > 0.0).count() as u64;
         }
     }
-    scratch.sort(state);
-    let mut meetings = Meetings { model, plan, dt, state, scratch, report, timer };
-    meetings.of_all(velocity, |_, _| ());
-    scratch.sort(state);
-    report.contacts = scratch.pushing();
+    Meetings { model, plan, dt, state, scratch, report, timer }.of_all(velocity, |_, _| ());
 }
