@@ -4,6 +4,7 @@
 pub mod actions;
 mod color;
 mod cost;
+mod figure;
 mod file_menu;
 pub mod files;
 mod icon;

@@ -4,7 +4,8 @@ use egui::{Button, ComboBox, RichText, Ui, vec2};
 
 use super::material::material_ui;
 use super::{section_ui, send};
-use crate::app::ui::value::{field_ui, figure, vector_ui};
+use crate::app::ui::figure::figure;
+use crate::app::ui::value::{field_ui, vector_ui};
 use crate::app::ui::{Running, UiState, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::{Body, Shape, Skin};
@@ -92,7 +93,7 @@ fn skin_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
     let words = |skin| if skin == Skin::Auto { "the model's surface" } else { "its cells" };
     ui.horizontal(|ui| {
         let label = ui.label(RichText::new("Drawn as").color(theme::of(ui).weak));
-        let combo = ComboBox::from_id_salt("skin").selected_text(words(body.skin));
+        let combo = ComboBox::from_id_salt("skin").truncate().selected_text(words(body.skin));
         let response = combo.show_ui(ui, |ui| {
             for skin in [Skin::Auto, Skin::Cells] {
                 if ui.selectable_label(skin == body.skin, words(skin)).clicked() && skin != body.skin {
