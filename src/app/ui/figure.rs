@@ -20,8 +20,9 @@ pub(super) fn short_figure(value: f64, fits: impl Fn(&str) -> bool) -> String {
     (2..=DIGITS).rev().map(written).find(|text| fits(text)).unwrap_or_else(|| written(1))
 }
 
-/// A number in all its digits: reading it again gives the same number.
+/// A number in all the digits that it was given in: a product like 0.08201250000000001 was meant as 0.0820125.
 pub(super) fn whole_figure(value: f64) -> String {
+    let value = rounded_to(value, 12);
     let size = value.abs();
     if size == 0.0 || (1e-3..1e6).contains(&size) { format!("{value}") } else { format!("{value:e}") }
 }
@@ -39,6 +40,9 @@ fn rounded_to(value: f64, digits: i32) -> f64 {
     #[expect(clippy::cast_possible_truncation, reason = "the exponent of a double is small")]
     let exponent = digits - 1 - value.abs().log10().floor() as i32;
     let unit = 10_f64.powi(exponent.abs());
+    if !unit.is_finite() {
+        return value;
+    }
     if exponent >= 0 { (value * unit).round() / unit } else { (value / unit).round() * unit }
 }
 
@@ -85,10 +89,11 @@ mod tests {
     }
 
     #[test]
-    fn a_whole_figure_reads_back_as_the_same_number() {
-        for value in [0.1 + 0.2, 1.0 / 3.0, 0.082_012_5, 1e8, 1e-6, -123_456.789, f64::MIN_POSITIVE] {
+    fn a_whole_figure_reads_back_as_the_number_that_was_meant() {
+        for value in [0.082_012_5, 1e8, 1e-6, -123_456.789, 0.123_456_789_012, f64::MIN_POSITIVE, 1e-310] {
             let back = parse(&format!("{} N·s", whole_figure(value))).expect("a number");
             assert_eq!(back.to_bits(), value.to_bits(), "{value}");
         }
+        assert_eq!(whole_figure(0.1 + 0.2), "0.3");
     }
 }

@@ -1,6 +1,8 @@
 //! One number and how a person changes it: by dragging along a track, by arrow keys, by typing, by a double click that
 //! brings the default back. Label, unit, range, scale and help come from the parameter's one definition.
 
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
 use egui::{
     Color32, CursorIcon, Direction, DragValue, EventFilter, Id, Key, Layout, Rect, Response, RichText, Sense, Stroke,
     StrokeKind, TextStyle, Ui, UiBuilder, Vec2, WidgetInfo, WidgetText, pos2, vec2,
@@ -322,12 +324,17 @@ fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &str, value:
         })
         .custom_parser(parse);
     let response = inside.add(widget);
+    if response.clicked() {
+        select_all(ui, response.id, whole_figure(shown).chars().count());
+    }
     response.widget_info(|| WidgetInfo::drag_value(ui.is_enabled(), *value));
     let response = response.on_hover_text(format!("{}{unit}\n{}", whole_figure(*value), help(param)));
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
     let mut touch = Touch { changed: false, ended: response.drag_stopped() || response.lost_focus() };
     let dragged = response.dragged();
-    if response.changed() && differs(shown, *value) {
+    // What is typed has fewer digits than a double: the same text is no change.
+    let retyped = !dragged && whole_figure(shown) == whole_figure(*value);
+    if response.changed() && differs(shown, *value) && !retyped {
         if dragged {
             shown = rounded(shown).clamp(min, max);
         }
@@ -344,6 +351,13 @@ fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &str, value:
     }
     hold(ui, dragged_id, dragged.then_some(shown));
     touch
+}
+
+/// Selects the whole text, so that typing replaces it: the widget itself would select as much as was shown before.
+fn select_all(ui: &Ui, id: Id, letters: usize) {
+    let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
+    state.cursor.set_char_range(Some(CCursorRange::two(CCursor::new(0), CCursor::new(letters))));
+    state.store(ui.ctx(), id);
 }
 
 /// The least and the greatest number that a parameter may be.
