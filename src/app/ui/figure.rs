@@ -1,7 +1,7 @@
 //! Numbers as text: short where they are read, whole where they are typed, and back. Knows nothing of widgets.
 
 /// Significant digits of a number that is read, where there is room for them.
-const DIGITS: i32 = 4;
+const DIGITS: i32 = 5;
 
 /// A number in few digits: 0.1, 12.5, 1.5e6.
 pub(super) fn figure(value: f64) -> String {
@@ -24,7 +24,20 @@ pub(super) fn short_figure(value: f64, fits: impl Fn(&str) -> bool) -> String {
 pub(super) fn whole_figure(value: f64) -> String {
     let value = rounded_to(value, 12);
     let size = value.abs();
-    if size == 0.0 || (1e-3..1e6).contains(&size) { format!("{value}") } else { format!("{value:e}") }
+    if size == 0.0 {
+        // Also where it is −0.
+        return "0".to_owned();
+    }
+    if (1e-3..1e6).contains(&size) { format!("{value}") } else { format!("{value:e}") }
+}
+
+/// A number with so many digits after the point; what they do not show is no −0.00.
+pub(super) fn fixed_figure(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(zero) if zero.bytes().all(|letter| matches!(letter, b'0' | b'.')) => zero.to_owned(),
+        _ => text,
+    }
 }
 
 /// Rounded to the three significant digits that a hand on a track can mean.
@@ -71,14 +84,14 @@ mod tests {
     fn a_short_figure_keeps_what_is_before_the_point_and_few_digits_after_it() {
         let anything = |_: &str| true;
         for (value, text) in [
-            (0.082_012_5, "0.08201"),
-            (0.002_733_75, "0.002734"),
-            (18.225, "18.23"),
+            (0.082_012_5, "0.082013"),
+            (0.002_733_75, "0.0027338"),
+            (18.225, "18.225"),
             (123_456.789, "123457"),
             (-99_999.9, "-100000"),
-            (12_345_678.0, "1.235e7"),
+            (12_345_678.0, "1.2346e7"),
             (1e8, "1e8"),
-            (1.234_56e-6, "1.235e-6"),
+            (1.234_56e-6, "1.2346e-6"),
             (0.0, "0"),
         ] {
             assert_eq!(short_figure(value, anything), text);
@@ -95,5 +108,13 @@ mod tests {
             assert_eq!(back.to_bits(), value.to_bits(), "{value}");
         }
         assert_eq!(whole_figure(0.1 + 0.2), "0.3");
+        assert_eq!(whole_figure(-0.0), "0");
+    }
+
+    #[test]
+    fn a_fixed_figure_has_no_sign_where_it_shows_nothing() {
+        for (value, text) in [(-0.004, "0.00"), (-0.006, "-0.01"), (0.0, "0.00"), (-1234.567, "-1234.57")] {
+            assert_eq!(fixed_figure(value, 2), text);
+        }
     }
 }

@@ -4,7 +4,7 @@ use egui::{Button, ComboBox, Response, RichText, Ui, vec2};
 
 use super::material::material_ui;
 use super::{section_ui, send};
-use crate::app::ui::figure::figure;
+use crate::app::ui::figure::{figure, fixed_figure};
 use crate::app::ui::value::{LABEL_WIDTH, field_ui, vector_ui};
 use crate::app::ui::{Running, UiState, theme};
 use crate::scene::edit::{BodyId, Edit};
@@ -47,7 +47,7 @@ fn place_ui(
         }
     });
     if let Some(status) = status {
-        let [x, y, z] = status.center.map(|at| format!("{at:.2}"));
+        let [x, y, z] = status.center.map(|at| fixed_figure(at, 2));
         let asleep = if status.asleep { ", asleep" } else { "" };
         row_ui(ui, "Now at", &format!("{x}, {y}, {z} m{asleep}"));
     }
