@@ -39,7 +39,7 @@ fn scene_of(value: f64) -> Scene {
     (scene.view.color, scene.view.color_range) = (ColorBy::Load, Some([0.0, 1.0]));
     for path in numbers() {
         let range = param::find(&path).map(|param| param.kind);
-        let (Some(Kind::Number { min, max }) | Some(Kind::NumberOr { min, max, .. })) = range else {
+        let Some(Kind::Number { min, max } | Kind::NumberOr { min, max, .. }) = range else {
             panic!("{path} is a number")
         };
         path::set(&mut scene, &path, &value.clamp(min, max).to_string()).expect("a value in its range");

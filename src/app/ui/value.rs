@@ -318,9 +318,9 @@ fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &str, value:
         .suffix(unit.clone())
         .clip_text(true)
         .update_while_editing(false)
-        .custom_formatter(|value, _| match painter.ctx().memory(|memory| memory.has_focus(widget_id)) {
-            true => whole_figure(value),
-            false => short_figure(value, fits),
+        .custom_formatter(|value, _| {
+            let typed = painter.ctx().memory(|memory| memory.has_focus(widget_id));
+            if typed { whole_figure(value) } else { short_figure(value, fits) }
         })
         .custom_parser(parse);
     let response = inside.add(widget);
