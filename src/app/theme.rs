@@ -14,6 +14,9 @@ use crate::view::Style;
 /// The body size of text, points.
 pub const TEXT_SIZE: f32 = 13.5;
 
+/// The room for a scroll bar beside what scrolls, so that the bar lies over nothing, points.
+pub const SCROLL_BAR: f32 = 10.0;
+
 /// Which colours the interface and the view have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Theme {
@@ -160,6 +163,11 @@ pub fn float_frame(ui: &Ui) -> egui::Frame {
 /// The frame of a bar along an edge of the window.
 pub fn bar_frame(ui: &Ui) -> egui::Frame {
     egui::Frame::new().fill(of(ui).panel).inner_margin(Margin::symmetric(12, 7))
+}
+
+/// The frame of a panel at a side of the window. What scrolls in it leaves [`SCROLL_BAR`] free on the right.
+pub fn side_frame(ui: &Ui) -> egui::Frame {
+    bar_frame(ui).inner_margin(Margin { left: 12, right: 2, top: 7, bottom: 7 })
 }
 
 /// A number in figures of equal width, so that nothing jitters while it changes. `widest` is a text that is as wide

@@ -103,7 +103,8 @@ fn cases(args: &StabilityArgs) -> Result<Vec<CaseFigures>, Failure> {
         measured.push((opened.title, opened.scene, lattices));
     }
     let tally = Tally::new("cases", measured.len());
-    let figures = measured.par_iter().map(|(name, scene, lattices)| {
+    // One by one, so that no thread has several of the long ones before it while another has none left.
+    let figures = measured.par_iter().with_max_len(1).map(|(name, scene, lattices)| {
         let figures = stability::case(name, scene, lattices, args.quick);
         tally.one_more();
         figures

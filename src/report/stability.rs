@@ -23,11 +23,16 @@ const STEPS: [usize; 2] = [1500, 400];
 /// Link forces that are spent on a body's steps at most: large ones are watched for fewer.
 const MOST_LINK_FORCES: usize = 8_000_000;
 
-/// Halvings of the interval in which the limit lies.
-const HALVINGS: usize = 9;
+/// Steps between two looks at whether a body has blown up already.
+const BETWEEN_LOOKS: usize = 50;
 
-/// The limit is looked for between these shares of the predicted one.
-const SEARCHED: [f64; 2] = [0.5, 4.0];
+/// The limit is looked for from the predicted one on in strides of a third of an octave, so many down and up: between
+/// half of it and four times as much.
+const STRIDES_PER_OCTAVE: f64 = 3.0;
+const STRIDES: [i32; 2] = [3, 6];
+
+/// Halvings of the stride in which the limit lies: to 0.4 %.
+const HALVINGS: usize = 6;
 
 /// The figures of one case; the names are the columns of the table. SI units.
 #[derive(Clone, Debug, Serialize)]
@@ -142,6 +147,17 @@ pub fn summary(seed: u64, found: &[(Verdict, bool)], wall_secs: f64) -> RandomFi
 /// The largest step with which the scene's shaken bodies stay together when nothing else happens to them, s; `None`
 /// where no step of those that are looked at does, or all of them do.
 fn measured_limit(scene: &Scene, lattices: &[Arc<Lattice>], predicted: f64, quick: bool) -> Option<f64> {
+    let mut alone = alone(scene);
+    let steps = STEPS[usize::from(quick)];
+    let stays = |dt: f64| {
+        alone.settings.dt = dt;
+        survives(&mut Simulation::new(&alone, lattices), steps)
+    };
+    edge(predicted, stays)
+}
+
+/// The scene's bodies at rest, with nothing around them.
+fn alone(scene: &Scene) -> Scene {
     let mut alone = scene.clone();
     alone.obstacles.clear();
     alone.settings.gravity = [0.0; 3];
@@ -151,19 +167,21 @@ fn measured_limit(scene: &Scene, lattices: &[Arc<Lattice>], predicted: f64, quic
         body.velocity = [0.0; 3];
         body.pose.position = [0.0; 3];
     }
-    let steps = STEPS[usize::from(quick)];
-    let stays = |dt: f64| {
-        alone.settings.dt = dt;
-        survives(&mut Simulation::new(&alone, lattices), steps)
-    };
-    bisect(SEARCHED.map(|share| share * predicted), stays)
+    alone
 }
 
-/// The end of what is good between a good value and a bad one; `None` if they are not.
-fn bisect([mut good, mut bad]: [f64; 2], mut is_good: impl FnMut(f64) -> bool) -> Option<f64> {
-    if !is_good(good) || is_good(bad) {
-        return None;
-    }
+/// The greatest good value below the first bad one, looked for from `start` on in strides; `None` where all are good or
+/// none is.
+fn edge(start: f64, mut is_good: impl FnMut(f64) -> bool) -> Option<f64> {
+    let at = |stride: i32| start * libm::exp2(f64::from(stride) / STRIDES_PER_OCTAVE);
+    let [down, up] = STRIDES;
+    let (mut good, mut bad) = if is_good(start) {
+        let bad = (1..=up).find(|stride| !is_good(at(*stride)))?;
+        (at(bad - 1), at(bad))
+    } else {
+        let good = (1..=down).find(|stride| is_good(at(-stride)))?;
+        (at(-good), at(1 - good))
+    };
     for _ in 0..HALVINGS {
         let middle = (good * bad).sqrt();
         if is_good(middle) {
@@ -187,7 +205,12 @@ fn survives(simulation: &mut Simulation<f64>, steps: usize) -> bool {
     simulation.set_state(state);
     let links: usize = simulation.model().link_counts().iter().sum();
     let affordable = (MOST_LINK_FORCES / links.max(1)).max(200);
-    (0..steps.min(affordable)).all(|_| !simulation.step().diverged) && all_together(simulation)
+    let steps = steps.min(affordable);
+    // What has blown up need not be watched until its numbers overflow.
+    (1..=steps).all(|step| {
+        let look = step % BETWEEN_LOOKS == 0 || step == steps;
+        !simulation.step().diverged && (!look || all_together(simulation))
+    })
 }
 
 /// Whether no body is half as large again as it was.
@@ -281,11 +304,38 @@ mod tests {
     use crate::scene::settings::Integrator;
 
     #[test]
-    fn the_bisection_finds_an_edge_and_says_where_there_is_none() {
-        let edge = bisect([1.0, 4.0], |x| x < 2.0).expect("there is an edge");
-        assert!((edge - 2.0).abs() < 0.01, "{edge}");
-        assert_eq!(bisect([1.0, 4.0], |_| true), None);
-        assert_eq!(bisect([1.0, 4.0], |_| false), None);
+    fn the_search_finds_an_edge_on_both_sides_and_says_where_there_is_none() {
+        for place in [0.51, 0.7, 0.99, 1.0, 1.01, 1.7, 3.9] {
+            let edge = edge(2.0, |x| x < 2.0 * place).expect("there is an edge");
+            assert!(edge < 2.0 * place && edge > 2.0 * place * 0.996, "{edge} instead of {}", 2.0 * place);
+        }
+        assert_eq!(edge(1.0, |_| true), None);
+        assert_eq!(edge(1.0, |_| false), None);
+        assert_eq!((edge(1.0, |x| x < 0.49), edge(1.0, |x| x < 4.1)), (None, None), "not looked for so far away");
+    }
+
+    #[test]
+    fn the_first_step_that_blows_up_counts_whatever_a_longer_one_does() {
+        let edge = edge(1.0, |x| !(1.1..1.4).contains(&x)).expect("there is an edge");
+        assert!((1.095..1.1).contains(&edge), "{edge}");
+    }
+
+    #[test]
+    fn a_step_above_the_limit_is_seen_before_its_numbers_overflow() {
+        let (_, scene) = &matrix()[0];
+        let lattices = lattices(scene).expect("sound shapes");
+        let limit = Simulation::<f64>::new(scene, &lattices).plan().limits.dt_limit_secs.expect("a limit");
+        let mut alone = alone(scene);
+        let mut survives_at = |dt: f64| {
+            alone.settings.dt = dt;
+            let mut simulation = Simulation::new(&alone, &lattices);
+            let survives = survives(&mut simulation, STEPS[0]);
+            (survives, simulation.state().time_secs / dt, simulation.diagnostics().finite)
+        };
+        let (survives, steps, _) = survives_at(limit);
+        assert!(survives && steps > 1000.0, "watched to the end: {steps} steps");
+        let (survives, steps, finite) = survives_at(1.5 * limit);
+        assert!(!survives && finite && steps < 150.0, "{steps} steps");
     }
 
     #[test]

@@ -52,8 +52,12 @@ impl Window {
 
     /// Opens a preset, paused.
     pub(crate) fn sized(preset: &str, size: [f32; 2], theme: Theme) -> Self {
-        let scene = (presets::preset(preset).expect("a preset").build)();
-        let mut session = Session::new(scene, PathBuf::new(), preset.into()).expect("it resolves");
+        Self::on((presets::preset(preset).expect("a preset").build)(), preset, size, theme)
+    }
+
+    /// Opens a scene, paused.
+    pub(crate) fn on(scene: Scene, title: &str, size: [f32; 2], theme: Theme) -> Self {
+        let mut session = Session::new(scene, PathBuf::new(), title.into()).expect("it resolves");
         session.handle(Command::Pause).expect("it pauses");
         let ui = UiState { theme, ..UiState::new(presets::presets()) };
         let live = Live { session, ui, sent: Vec::new(), dressed: false };

@@ -51,3 +51,18 @@ fn the_cost_panel_leaves_room_for_the_view_at_every_size() {
         assert!(view.height() > 100.0 && view.width() > 0.4 * size[0], "{size:?}: {view}");
     }
 }
+
+#[test]
+fn the_cost_panel_fits_the_smallest_window() {
+    for size in SIZES {
+        let mut window = Window::sized("tree", size, Theme::Dark);
+        window.click("Cost");
+        run(&mut window);
+        let right = window.rect("Cost").right();
+        for label in ["velocity, position", "link forces", "Left out", "there is no sphere"] {
+            let rect = window.rect(label);
+            assert!(rect.right() <= right, "{size:?}: {label} at {rect} ends right of {right}");
+        }
+        assert!(window.rect("link forces").left() > window.rect("all").right(), "{size:?}: columns stand apart");
+    }
+}

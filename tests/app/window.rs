@@ -19,7 +19,7 @@ const JELLY: [i32; 2] = [600, 450];
 /// Well above where the jelly lies.
 const HIGH: ViewRect = ViewRect { origin: Vec2::new(480.0, 60.0), size: Vec2::new(240.0, 220.0) };
 /// Where the stiffness of the structural springs is typed.
-const STIFFNESS: [i32; 2] = [1226, 153];
+const STIFFNESS: [i32; 2] = [1218, 185];
 /// The button that adds a sphere.
 const ADD_SPHERE: [i32; 2] = [52, 735];
 /// The panel of values.

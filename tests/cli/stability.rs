@@ -31,17 +31,21 @@ fn a_scene_is_measured_and_the_tables_are_written() {
 }
 
 #[test]
-fn random_scenes_are_the_same_on_any_number_of_threads() {
+fn cases_and_random_scenes_are_the_same_on_any_number_of_threads() {
     let folder = Folder::new();
-    let random = |threads: u32| {
-        let mut report =
-            folder.json(&format!("report stability incline {SMALL} --scenes 20 --seed 5 --json --threads {threads}"));
+    let given = ["incline", "cube-on-plane", "incline-slide"];
+    let measured = |threads: u32| {
+        let line = format!("report stability {} {SMALL} --scenes 20 --seed 5 --json", given.join(" "));
+        let mut report = folder.json(&format!("{line} --threads {threads}"));
         assert_eq!(missing(&report["random"], RANDOM_KEYS), Vec::<&str>::new());
         report["random"]["wall_secs"] = Value::Null;
         report
     };
-    let one = random(1);
-    assert_eq!(one, random(3), "one thread, three threads");
+    let one = measured(1);
+    assert_eq!(one, measured(3), "one thread, three threads");
+    let cases = one["cases"].as_array().expect("a list of cases");
+    let names: Vec<&Value> = cases.iter().map(|case| &case["case"]).collect();
+    assert_eq!(names, given, "in the order in which they were given");
     assert_eq!((&one["random"]["scenes"], &one["random"]["passed"]), (&20.into(), &20.into()), "{one}");
 }
 

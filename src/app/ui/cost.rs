@@ -1,42 +1,53 @@
 //! The cost panel: where the time of a step goes, what happens in it, and what the scene does not need (R3).
 
-use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, vec2};
+use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, WidgetInfo, vec2};
 
 use super::{capitalised, theme};
 use crate::session::StepCost;
 
 /// Height of the panel, points.
 pub(super) const HEIGHT: f32 = 226.0;
-/// Size of a stage's bar, points.
-const BAR: egui::Vec2 = vec2(120.0, 8.0);
-/// Width of a column, points.
-const COLUMN: f32 = 320.0;
+/// Size of a stage's bar, points, and how much shorter it is in a narrow window.
+const BAR: Vec2 = vec2(120.0, 8.0);
+const SHORTER: f32 = 44.0;
+/// Widths of the columns (points): that of stages, that of counts; reasons have the rest, which is at least this much.
+const COLUMNS: [f32; 3] = [334.0, 222.0, 176.0];
+/// Between columns, points.
+const GAP: f32 = 18.0;
+/// Below this width (points) bars are shorter.
+const LONG_BARS_NEED: f32 = 840.0;
 
 /// The panel; empty columns until the first stretch of time was measured.
 pub(super) fn cost_ui(ui: &mut Ui, cost: Option<&StepCost>, playing: bool) {
     let Some(cost) = cost else { return };
     ui.spacing_mut().interact_size.y = 18.0;
+    let width = ui.available_width() - theme::SCROLL_BAR;
+    let shorter = if width < LONG_BARS_NEED { SHORTER } else { 0.0 };
+    let [stages, counts, reasons] = COLUMNS;
+    let stages = stages - shorter;
+    let reasons = (width - stages - counts - 2.0 * GAP).max(reasons);
     ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
         ui.horizontal_top(|ui| {
-            column_ui(ui, "A step", |ui| stages_ui(ui, cost, playing));
-            column_ui(ui, "In every step", |ui| counts_ui(ui, cost));
-            column_ui(ui, "Left out", |ui| left_out_ui(ui, cost));
+            ui.spacing_mut().item_spacing.x = GAP;
+            let bar = BAR - vec2(shorter, 0.0);
+            column_ui(ui, "A step", stages, |ui| stages_ui(ui, cost, playing, bar));
+            column_ui(ui, "In every step", counts, |ui| counts_ui(ui, cost));
+            column_ui(ui, "Left out", reasons, |ui| left_out_ui(ui, cost));
         });
     });
 }
 
-fn column_ui(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
-    ui.allocate_ui(vec2(COLUMN, ui.available_height()), |ui| {
+fn column_ui(ui: &mut Ui, title: &str, width: f32, contents: impl FnOnce(&mut Ui)) {
+    ui.allocate_ui(vec2(width, ui.available_height()), |ui| {
         ui.vertical(|ui| {
-            ui.set_min_width(COLUMN);
+            ui.set_min_width(width);
             ui.label(RichText::new(title).color(theme::of(ui).strong).strong());
             contents(ui);
         });
     });
-    ui.add_space(18.0);
 }
 
-fn stages_ui(ui: &mut Ui, cost: &StepCost, playing: bool) {
+fn stages_ui(ui: &mut Ui, cost: &StepCost, playing: bool, bar: Vec2) {
     if cost.stages.is_empty() {
         let words = if playing { "Measuring…" } else { "Nothing is measured while time stands still." };
         ui.label(RichText::new(words).color(theme::of(ui).weak));
@@ -45,7 +56,7 @@ fn stages_ui(ui: &mut Ui, cost: &StepCost, playing: bool) {
     Grid::new("stages").num_columns(3).spacing([12.0, 4.0]).show(ui, |ui| {
         for stage in &cost.stages {
             ui.label(RichText::new(stage_words(stage.name)).color(theme::of(ui).weak));
-            bar_ui(ui, stage_words(stage.name), stage.share);
+            bar_ui(ui, stage_words(stage.name), stage.share, bar);
             theme::figures_ui(ui, &microseconds(stage.secs), "00 000.0 µs", theme::of(ui).strong);
             ui.end_row();
         }
@@ -57,8 +68,8 @@ fn stages_ui(ui: &mut Ui, cost: &StepCost, playing: bool) {
     });
 }
 
-fn bar_ui(ui: &mut Ui, name: &str, share: f64) {
-    let (rect, response) = ui.allocate_exact_size(BAR, Sense::hover());
+fn bar_ui(ui: &mut Ui, name: &str, share: f64, size: Vec2) {
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let words = format!("{} takes {:.0} % of a step", capitalised(name), share * 100.0);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &words));
     ui.painter().rect_filled(rect, 3.0, theme::of(ui).rail);

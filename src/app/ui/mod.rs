@@ -4,6 +4,7 @@
 pub mod actions;
 mod color;
 mod cost;
+mod figure;
 mod file_menu;
 pub mod files;
 mod icon;
@@ -210,11 +211,11 @@ fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, comman
     let wide = ui.available_width() >= TWO_SIDES_NEED;
     if tree && (wide || !inspector) {
         let left = egui::Panel::left("tree").resizable(false).exact_size(TREE_WIDTH);
-        left.frame(theme::bar_frame(ui)).show(ui, |ui| tree::tree_ui(ui, running, state, commands));
+        left.frame(theme::side_frame(ui)).show(ui, |ui| tree::tree_ui(ui, running, state, commands));
     }
     if inspector {
         let right = egui::Panel::right("inspector").resizable(false).exact_size(INSPECTOR_WIDTH);
-        right.frame(theme::bar_frame(ui)).show(ui, |ui| {
+        right.frame(theme::side_frame(ui)).show(ui, |ui| {
             if tree && !wide {
                 let height = (TREE_SHARE * ui.available_height()).max(TREE_HEIGHT);
                 let above = egui::Panel::top("tree above").resizable(false).exact_size(height);

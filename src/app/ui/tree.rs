@@ -20,11 +20,13 @@ const ONE_ROW_NEEDS: f32 = 290.0;
 /// The list, with the buttons that add to it.
 pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Running { scene, status, .. } = running;
-    let columns = if ui.available_width() < ONE_ROW_NEEDS { 2 } else { 4 };
+    let width = ui.available_width() - theme::SCROLL_BAR;
+    let columns = if width < ONE_ROW_NEEDS { 2 } else { 4 };
     let (rows, gap) = ((NEW.len() / columns) as f32, ui.spacing().item_spacing.x);
     let buttons = (ui.spacing().interact_size.y + ui.spacing().item_spacing.y) * rows + 16.0;
     let room = (ui.available_height() - buttons).max(60.0);
     ScrollArea::vertical().max_height(room).auto_shrink([false, false]).show(ui, |ui| {
+        ui.set_max_width(width);
         heading_ui(ui, "Bodies");
         for place in 0..scene.bodies.len() {
             row_ui(ui, scene, Target::Body(BodyId(place)), state, commands);
@@ -35,22 +37,25 @@ pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, co
             row_ui(ui, scene, Target::Obstacle(ObstacleId(place)), state, commands);
         }
     });
-    ui.separator();
-    let width = (ui.available_width() + gap) / columns as f32 - gap;
-    let size = vec2(width.floor(), ui.spacing().interact_size.y);
-    for row in NEW.chunks(columns) {
-        ui.horizontal(|ui| {
-            ui.spacing_mut().button_padding.x = 2.0;
-            for (label, new) in row {
-                let clicked = ui.add_sized(size, Button::new(*label)).clicked();
-                match new {
-                    Some(new) if clicked => actions::create(*new, scene, &status.bodies, state, commands),
-                    None if clicked => state.load_model = true,
-                    _ => (),
+    ui.scope(|ui| {
+        ui.set_max_width(width);
+        ui.separator();
+        let width = (width + gap) / columns as f32 - gap;
+        let size = vec2(width.floor(), ui.spacing().interact_size.y);
+        for row in NEW.chunks(columns) {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().button_padding.x = 2.0;
+                for (label, new) in row {
+                    let clicked = ui.add_sized(size, Button::new(*label)).clicked();
+                    match new {
+                        Some(new) if clicked => actions::create(*new, scene, &status.bodies, state, commands),
+                        None if clicked => state.load_model = true,
+                        _ => (),
+                    }
                 }
-            }
-        });
-    }
+            });
+        }
+    });
 }
 
 fn heading_ui(ui: &mut Ui, text: &str) {

@@ -1,10 +1,11 @@
 //! A body: its material live, where it is and where it starts, its shape in figures.
 
-use egui::{Button, ComboBox, RichText, Ui, vec2};
+use egui::{Button, ComboBox, Response, RichText, Ui, vec2};
 
 use super::material::material_ui;
 use super::{section_ui, send};
-use crate::app::ui::value::{field_ui, figure, vector_ui};
+use crate::app::ui::figure::{figure, fixed_figure};
+use crate::app::ui::value::{LABEL_WIDTH, field_ui, vector_ui};
 use crate::app::ui::{Running, UiState, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::{Body, Shape, Skin};
@@ -46,7 +47,7 @@ fn place_ui(
         }
     });
     if let Some(status) = status {
-        let [x, y, z] = status.center.map(|at| format!("{at:.2}"));
+        let [x, y, z] = status.center.map(|at| fixed_figure(at, 2));
         let asleep = if status.asleep { ", asleep" } else { "" };
         row_ui(ui, "Now at", &format!("{x}, {y}, {z} m{asleep}"));
     }
@@ -91,8 +92,8 @@ fn cube_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
 fn skin_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
     let words = |skin| if skin == Skin::Auto { "the model's surface" } else { "its cells" };
     ui.horizontal(|ui| {
-        let label = ui.label(RichText::new("Drawn as").color(theme::of(ui).weak));
-        let combo = ComboBox::from_id_salt("skin").selected_text(words(body.skin));
+        let label = name_ui(ui, "Drawn as");
+        let combo = ComboBox::from_id_salt("skin").truncate().selected_text(words(body.skin));
         let response = combo.show_ui(ui, |ui| {
             for skin in [Skin::Auto, Skin::Cells] {
                 if ui.selectable_label(skin == body.skin, words(skin)).clicked() && skin != body.skin {
@@ -107,12 +108,18 @@ fn skin_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
 
 fn row_ui(ui: &mut Ui, name: &str, value: &str) {
     ui.horizontal(|ui| {
-        ui.allocate_ui(vec2(crate::app::ui::value::LABEL_WIDTH, 18.0), |ui| {
-            ui.set_min_width(crate::app::ui::value::LABEL_WIDTH);
-            ui.label(RichText::new(name).color(theme::of(ui).weak));
-        });
+        name_ui(ui, name);
         ui.add(egui::Label::new(value).truncate());
     });
+}
+
+/// The name of a row that is no parameter.
+fn name_ui(ui: &mut Ui, name: &str) -> Response {
+    let name = |ui: &mut Ui| {
+        ui.set_min_width(LABEL_WIDTH);
+        ui.label(RichText::new(name).color(theme::of(ui).weak))
+    };
+    ui.allocate_ui(vec2(LABEL_WIDTH, 18.0), name).inner
 }
 
 fn file_name(path: &str) -> &str {

@@ -3,7 +3,8 @@
 use egui::{ComboBox, RichText, Ui};
 
 use super::send;
-use crate::app::ui::value::{Bound, LABEL_WIDTH, Touch, figure, slider_ui};
+use crate::app::ui::figure::figure;
+use crate::app::ui::value::{Bound, LABEL_WIDTH, Touch, slider_ui};
 use crate::app::ui::{actions, capitalised, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::material::{MaterialPreset, Spring, presets};
@@ -45,7 +46,7 @@ fn choice_ui(ui: &mut Ui, now: &Material, other_form: &Material) -> Option<Mater
             ui.set_min_width(LABEL_WIDTH);
             ui.label(RichText::new("Made of").color(theme::of(ui).weak))
         });
-        let combo = ComboBox::from_id_salt("material").width(190.0).height(420.0).selected_text(text);
+        let combo = ComboBox::from_id_salt("material").width(190.0).height(420.0).truncate().selected_text(text);
         let response = combo.show_ui(ui, |ui| {
             let is_solid = matches!(now, Material::Solid(_));
             let own = [

@@ -18,6 +18,7 @@ use crate::session::Command;
 /// The panel.
 pub(super) fn inspector_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         let chosen = state.selection.filter(|target| actions::exists(running.scene, *target));
         let title = chosen.map_or_else(|| "The scene".to_owned(), |target| actions::name(running.scene, target));
         ui.label(RichText::new(title).color(theme::of(ui).strong).size(15.0).strong());

@@ -75,7 +75,7 @@ fn choice_ui<T: Copy + PartialEq>(ui: &mut Ui, path: &str, label: &str, now: T, 
     ui.horizontal(|ui| {
         let name = param::find(path).map(|param| (crate::app::ui::value::label_ui(ui, label, param), help(param)));
         let words = all.iter().find(|(value, _)| *value == now).map_or("", |(_, words)| words);
-        let combo = ComboBox::from_id_salt(path).width(150.0).selected_text(words);
+        let combo = ComboBox::from_id_salt(path).width(150.0).truncate().selected_text(words);
         let response = combo.show_ui(ui, |ui| {
             for (value, words) in all {
                 if ui.selectable_label(*value == now, *words).clicked() && *value != now {

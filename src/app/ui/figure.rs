@@ -1,0 +1,120 @@
+//! Numbers as text: short where they are read, whole where they are typed, and back. Knows nothing of widgets.
+
+/// Significant digits of a number that is read, where there is room for them.
+const DIGITS: i32 = 5;
+
+/// A number in few digits: 0.1, 12.5, 1.5e6.
+pub(super) fn figure(value: f64) -> String {
+    whole_figure(rounded_to(value, 6))
+}
+
+/// A number in so few digits that it fits: the digits before the point all the same, of those after it only the first
+/// significant ones.
+pub(super) fn short_figure(value: f64, fits: impl Fn(&str) -> bool) -> String {
+    let written = |digits: i32| {
+        let before_point = (1.0..1e6).contains(&value.abs()).then(|| value.abs().log10().floor() + 1.0);
+        #[expect(clippy::cast_possible_truncation, reason = "at most six digits stand before the point")]
+        let before_point = before_point.unwrap_or(0.0) as i32;
+        whole_figure(rounded_to(value, digits.max(before_point)))
+    };
+    (2..=DIGITS).rev().map(written).find(|text| fits(text)).unwrap_or_else(|| written(1))
+}
+
+/// A number in all the digits that it was given in: a product like 0.08201250000000001 was meant as 0.0820125.
+pub(super) fn whole_figure(value: f64) -> String {
+    let value = rounded_to(value, 12);
+    let size = value.abs();
+    if size == 0.0 {
+        // Also where it is −0.
+        return "0".to_owned();
+    }
+    if (1e-3..1e6).contains(&size) { format!("{value}") } else { format!("{value:e}") }
+}
+
+/// A number with so many digits after the point; what they do not show is no −0.00.
+pub(super) fn fixed_figure(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(zero) if zero.bytes().all(|letter| matches!(letter, b'0' | b'.')) => zero.to_owned(),
+        _ => text,
+    }
+}
+
+/// Rounded to the three significant digits that a hand on a track can mean.
+pub(super) fn rounded(value: f64) -> f64 {
+    rounded_to(value, 3)
+}
+
+/// Rounded to some significant digits.
+fn rounded_to(value: f64, digits: i32) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "the exponent of a double is small")]
+    let exponent = digits - 1 - value.abs().log10().floor() as i32;
+    let unit = 10_f64.powi(exponent.abs());
+    if !unit.is_finite() {
+        return value;
+    }
+    if exponent >= 0 { (value * unit).round() / unit } else { (value / unit).round() * unit }
+}
+
+/// A number as people write it, with or without its unit.
+pub(super) fn parse(text: &str) -> Option<f64> {
+    let number =
+        text.split_whitespace().next()?.trim_end_matches(|letter: char| !letter.is_ascii_digit() && letter != '.');
+    let number = number.replace('−', "-").replace(',', ".");
+    number.parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_short_and_read_as_people_write_them() {
+        for (value, text) in [(0.1, "0.1"), (12.345_678_9, "12.3457"), (1.5e6, "1.5e6"), (0.0, "0"), (2e-5, "2e-5")] {
+            assert_eq!(figure(value), text);
+        }
+        assert_eq!((parse("1e5"), parse(" 2,5 N"), parse("−3°")), (Some(1e5), Some(2.5), Some(-3.0)));
+        assert_eq!((parse("soft"), parse("inf"), parse("")), (None, None, None), "not a number");
+    }
+
+    #[test]
+    fn a_short_figure_keeps_what_is_before_the_point_and_few_digits_after_it() {
+        let anything = |_: &str| true;
+        for (value, text) in [
+            (0.082_012_5, "0.082013"),
+            (0.002_733_75, "0.0027338"),
+            (18.225, "18.225"),
+            (123_456.789, "123457"),
+            (-99_999.9, "-100000"),
+            (12_345_678.0, "1.2346e7"),
+            (1e8, "1e8"),
+            (1.234_56e-6, "1.2346e-6"),
+            (0.0, "0"),
+        ] {
+            assert_eq!(short_figure(value, anything), text);
+        }
+        let narrow = |text: &str| text.len() <= 6;
+        assert_eq!(short_figure(0.082_012_5, narrow), "0.082", "as many digits as fit");
+        assert_eq!(short_figure(1.234_56e-6, narrow), "1.2e-6");
+    }
+
+    #[test]
+    fn a_whole_figure_reads_back_as_the_number_that_was_meant() {
+        for value in [0.082_012_5, 1e8, 1e-6, -123_456.789, 0.123_456_789_012, f64::MIN_POSITIVE, 1e-310] {
+            let back = parse(&format!("{} N·s", whole_figure(value))).expect("a number");
+            assert_eq!(back.to_bits(), value.to_bits(), "{value}");
+        }
+        assert_eq!(whole_figure(0.1 + 0.2), "0.3");
+        assert_eq!(whole_figure(-0.0), "0");
+    }
+
+    #[test]
+    fn a_fixed_figure_has_no_sign_where_it_shows_nothing() {
+        for (value, text) in [(-0.004, "0.00"), (-0.006, "-0.01"), (0.0, "0.00"), (-1234.567, "-1234.57")] {
+            assert_eq!(fixed_figure(value, 2), text);
+        }
+    }
+}
