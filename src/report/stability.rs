@@ -81,7 +81,7 @@ pub struct RandomFailure {
 
 /// How long a scene is watched.
 pub fn patience(quick: bool) -> Patience {
-    let (seconds, most_link_forces) = if quick { (0.5, 1_000_000) } else { (2.0, 20_000_000) };
+    let (seconds, most_link_forces) = if quick { (0.5, 1_000_000) } else { (2.0, 200_000_000) };
     Patience { seconds, most_link_forces }
 }
 
@@ -89,10 +89,7 @@ pub fn patience(quick: bool) -> Patience {
 pub fn case(name: &str, scene: &Scene, lattices: &[Arc<Lattice>], quick: bool) -> CaseFigures {
     let mut automatic = scene.clone();
     automatic.settings.stepping = Stepping::Auto;
-    // A case is one of few: it may take longer than a random scene.
-    let Patience { seconds, most_link_forces } = patience(quick);
-    let patient = Patience { seconds, most_link_forces: 4 * most_link_forces };
-    let verdict = judge::<f32>(&automatic, lattices, patient);
+    let verdict = judge::<f32>(&automatic, lattices, patience(quick));
     let predicted = Simulation::<f64>::new(scene, lattices).plan().limits.dt_limit_secs;
     let measured = predicted.and_then(|predicted| measured_limit(scene, lattices, predicted, quick));
     let ratio = predicted.zip(measured).map(|(predicted, measured)| predicted / measured);

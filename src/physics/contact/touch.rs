@@ -75,12 +75,12 @@ impl Touch {
         &self.matrix
     }
 
-    /// The impulse on a particle of this velocity, N·s.
+    /// The impulse on a particle of this velocity by the equations as they were set up last, N·s.
     pub(in crate::physics) fn impulse(&self, velocity: DVec3) -> DVec3 {
         self.bias - self.matrix * (velocity - self.surface_velocity)
     }
 
-    /// The impulse on a particle of this velocity by the laws of contact and friction, with Coulomb's limit as it is now, N·s.
+    /// The same by the laws of contact and friction, with Coulomb's limit as it is now, N·s.
     pub(in crate::physics) fn lawful_impulse(&self, velocity: DVec3) -> DVec3 {
         let normal = self.normal * self.normal_impulse_at(velocity).max(0.0);
         if self.pushes { normal - self.coulomb(self.sliding(velocity)) } else { normal }
