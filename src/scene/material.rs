@@ -84,7 +84,7 @@ pub fn presets() -> &'static [MaterialPreset] {
     &PRESETS
 }
 
-const PRESETS: [MaterialPreset; 7] = [
+const PRESETS: [MaterialPreset; 8] = [
     preset(
         "pectin jelly",
         [1.2e3, 1000.0, 0.05],
@@ -102,6 +102,12 @@ const PRESETS: [MaterialPreset; 7] = [
         [5.2e4, 1000.0, 0.05],
         "K. A. Ross, M. G. Scanlon, Journal of Texture Studies 30 (1999) 17: 52 kPa in compression; density of water, the \
          damping is chosen.",
+    ),
+    preset(
+        "boiled dough",
+        [7.0e4, 1100.0, 0.1],
+        "Studies on the Rheological Property of Korean Noodles I (1983), koreascience.or.kr JAKO198303041889139: 70 kPa in \
+         short creep of boiled wheat noodles; the density is estimated, the damping chosen. Raw dough flows.",
     ),
     preset(
         "sponge",
