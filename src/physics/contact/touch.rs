@@ -8,7 +8,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{ContactRecord, Meeting, Meetings, Scratch, broad};
+use super::{ContactRecord, Meeting, Meetings, Scratch, broad, response};
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
 use crate::physics::plan::{Plan, Stage};
@@ -28,6 +28,10 @@ const STILL_SHARE: f64 = 1e-3;
 
 /// A friction that misses Coulomb's by no more than this share of it is right.
 const FRICTION_TOLERANCE: f64 = 1e-3;
+
+/// How many times what a particle and its links resist with the limit of its depth does: what it misses of it is that much
+/// less than what it was in the way of, and is taken away after the solve.
+const HOLD: f64 = 1e4;
 
 /// A particle at an obstacle within one implicit substep, in double precision.
 ///
@@ -49,6 +53,10 @@ pub(in crate::physics) struct Touch {
     resistance: f64,
     /// The normal impulse on a particle that stays where it is, N·s.
     push: f64,
+    /// The least velocity along the normal that ends the substep no deeper than the limit, or than where it began, m/s.
+    slowest: f64,
+    /// What resists to less than that, kg; nothing as long as it is not known what the particle itself resists with.
+    hold: f64,
     /// Coulomb's coefficient in this substep.
     friction: f64,
     /// m/s.
@@ -57,6 +65,8 @@ pub(in crate::physics) struct Touch {
     stopped: f64,
     /// Whether it pushes; otherwise the particle leaves.
     pushes: bool,
+    /// Whether the particle is held at the limit of its depth.
+    is_held: bool,
     /// The normal impulse, N·s.
     normal_impulse: f64,
     /// λ, N·s: against the impulse of friction.
@@ -82,7 +92,7 @@ impl Touch {
 
     /// The same by the laws of contact and friction, with Coulomb's limit as it is now, N·s.
     pub(in crate::physics) fn lawful_impulse(&self, velocity: DVec3) -> DVec3 {
-        let normal = self.normal * self.normal_impulse_at(velocity).max(0.0);
+        let normal = self.normal * self.normal_impulse_at(velocity);
         if self.pushes { normal - self.coulomb(self.sliding(velocity)) } else { normal }
     }
 
@@ -92,8 +102,28 @@ impl Touch {
         relative - self.normal * relative.dot(self.normal)
     }
 
+    /// Makes the limit of the depth one that a particle heeds which resists to a change of its velocity with `resistance`,
+    /// kg.
+    pub(in crate::physics) fn hold_against(&mut self, resistance: f64) {
+        self.hold = HOLD * resistance;
+    }
+
+    /// By the laws of contact, N·s.
     fn normal_impulse_at(&self, velocity: DVec3) -> f64 {
-        self.push - self.resistance * (velocity - self.surface_velocity).dot(self.normal)
+        self.spring_impulse_at(velocity).max(0.0) + self.holding_impulse_at(velocity).max(0.0)
+    }
+
+    fn spring_impulse_at(&self, velocity: DVec3) -> f64 {
+        self.push - self.resistance * self.departure(velocity)
+    }
+
+    fn holding_impulse_at(&self, velocity: DVec3) -> f64 {
+        self.hold * (self.slowest - self.departure(velocity))
+    }
+
+    /// The velocity away from the surface, m/s.
+    fn departure(&self, velocity: DVec3) -> f64 {
+        (velocity - self.surface_velocity).dot(self.normal)
     }
 
     /// Coulomb's limit, N·s.
@@ -104,7 +134,7 @@ impl Touch {
     /// What it does at first, to a particle that has this velocity and would fall with another. What is only expected to
     /// push does not rub yet: nobody knows how hard it will push.
     fn begin(&mut self, velocity: DVec3, falling: DVec3) {
-        self.normal_impulse = self.normal_impulse_at(velocity).max(0.0);
+        self.normal_impulse = self.normal_impulse_at(velocity);
         self.pushes = self.normal_impulse > 0.0 || self.normal_impulse_at(falling) > 0.0;
         self.drag = self.coulomb(self.sliding(velocity));
         self.linearize(self.sliding(velocity), self.drag);
@@ -131,18 +161,20 @@ impl Touch {
         let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
         let across = DMat3::from_diagonal(DVec3::ONE) - outer(n, n);
         let braking = (across * self.limit() - (outer(drag, s) + outer(s, drag)) * 0.5) * over;
-        self.matrix = outer(n, n) * self.resistance + braking;
-        self.bias = n * self.push - (drag * s.length_squared() + s * drag.dot(s)) * 0.5;
+        let hold = if self.is_held { self.hold } else { 0.0 };
+        self.matrix = outer(n, n) * (self.resistance + hold) + braking;
+        self.bias = n * (self.push + hold * self.slowest) - (drag * s.length_squared() + s * drag.dot(s)) * 0.5;
     }
 
     /// Takes the velocity that was solved for and linearizes about it: `carefully` so that the next solve cannot but
     /// take out energy. Says whether it has to be solved again.
     pub(in crate::physics) fn reconsider(&mut self, velocity: DVec3, carefully: bool) -> bool {
-        let pushed = self.pushes;
+        let (pushed, was_held) = (self.pushes, self.is_held);
         self.impulse = self.impulse(velocity);
         let sliding = self.sliding(velocity);
-        self.normal_impulse = self.normal_impulse_at(velocity).max(0.0);
+        self.normal_impulse = self.normal_impulse_at(velocity);
         self.pushes = self.normal_impulse > 0.0;
+        self.is_held = self.holding_impulse_at(velocity) > 0.0;
         let (limit, coulomb) = (self.limit(), self.coulomb(sliding));
         self.drag = if pushed { self.normal * self.impulse.dot(self.normal) - self.impulse } else { coulomb };
         let strength = self.drag.length();
@@ -152,7 +184,7 @@ impl Touch {
                 && (sliding.length() <= self.stopped || (self.drag - coulomb).length() <= FRICTION_TOLERANCE * limit);
         let within = if strength > limit { self.drag * (limit / strength) } else { self.drag };
         self.linearize(sliding, if carefully { DVec3::ZERO } else { within });
-        self.pushes != pushed || self.pushes && !right
+        self.pushes != pushed || self.is_held != was_held || self.pushes && !right
     }
 }
 
@@ -199,10 +231,13 @@ pub(in crate::physics) fn find<R: Real>(
                     resistance: (dt * (dt * contact.stiffness + contact.damping)).to_f64(),
                     // A body put deep inside is pushed out as if it were at the limit.
                     push: (dt * contact.stiffness * (-surface.gap).min(contact.depth_limit)).to_f64(),
+                    slowest: response::deepest_velocity(&surface, contact, dt).to_f64(),
+                    hold: 0.0,
                     friction: shape.friction_static.to_f64(),
                     creep: CREEP_SHARE * size,
                     stopped: STOPPED_SHARE * size,
                     pushes: false,
+                    is_held: false,
                     normal_impulse: 0.0,
                     drag: DVec3::ZERO,
                     matrix: DMat3::ZERO,

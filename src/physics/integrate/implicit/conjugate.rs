@@ -33,6 +33,9 @@ impl<R: Real> System<'_, R> {
                 *velocity += sum / mass;
             }
         }
+        for touch in &mut *self.touches {
+            touch.hold_against(1.0 / self.room.inverse_diagonal[touch.particle - self.body.particles.start]);
+        }
         (moving.min(known) * TOLERANCE * TOLERANCE).max(known * FINEST_TOLERANCE * FINEST_TOLERANCE)
     }
 

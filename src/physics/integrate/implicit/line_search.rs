@@ -3,12 +3,13 @@
 //! With Coulomb's limits L as they are, the velocities sought are those where
 //!
 //! ```text
-//! ½ vᵀ A v − b·v + Σ touches [ (normal impulse)² / 2 resistance + L √(s² + creep²) ]
+//! ½ vᵀ A v − b·v + Σ touches [ Σ (normal impulse)² / 2 resistance + L √(s² + creep²) ]
 //! ```
 //!
-//! is least, which is convex; a round goes to where its slope along the way is nought. Without that, a first guess of L
-//! from an obstacle that has just begun to move sends a light particle off at 1e10 m/s, and what it meets there gives
-//! worse guesses still (line search of a globalized Newton's method: Nocedal and Wright, "Numerical Optimization", 2006, 3.5).
+//! is least, over the spring of a touch and what holds it at the limit of its depth. That is convex; a round goes to
+//! where its slope along the way is nought. Without that, a first guess of L from an obstacle that has just begun to move
+//! sends a light particle off at 1e10 m/s, and what it meets there gives worse guesses still (line search of a globalized
+//! Newton's method: Nocedal and Wright, "Numerical Optimization", 2006, 3.5).
 
 use super::conjugate::dot;
 use super::{Room, System};
