@@ -4,6 +4,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect};
 use egui_kittest::kittest::NodeT;
 use gelatin::app::theme::Theme;
+use gelatin::app::ui::files::FoundDraft;
 use gelatin::scene::material::Solid;
 use gelatin::scene::obstacle::ContactStiffness;
 use gelatin::scene::param::{self, Kind};
@@ -174,4 +175,19 @@ fn a_number_is_typed_in_all_its_digits_and_left_as_it_was() {
     window.enter("0.5");
     let Material::Springs(springs) = window.scene().bodies[0].material else { panic!("a body of springs") };
     assert!((springs.structural.damping - 0.5).abs() < 1e-12, "{springs:?}");
+}
+
+#[test]
+fn cards_at_the_top_of_the_view_stand_below_each_other() {
+    for size in [SIZES[1], [1280.0, 800.0]] {
+        let mut window = Window::sized("spot", size, Theme::Dark);
+        window.harness.state_mut().ui.files.found = Some(FoundDraft { title: "spot".into(), when: "14:32".into() });
+        window.harness.run_steps(3);
+        let [message, question] = ["Close message", "Recover"].map(|label| window.rect(label));
+        assert!(question.top() > message.bottom(), "{size:?}: {question} lies over {message}");
+        window.click("Close message");
+        window.harness.run_steps(3);
+        let alone = window.rect("Recover");
+        assert!(alone.top() < message.bottom() + 30.0, "{size:?}: it moves up again, to {alone}");
+    }
 }

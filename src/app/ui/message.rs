@@ -3,7 +3,7 @@
 use egui::{Align2, RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
-use super::{UiState, capitalised, over_view, theme};
+use super::{UiState, capitalised, card_over_view, theme};
 use crate::session::Status;
 
 /// The last thing that went wrong, if it was not put away. A `failure` of the program offers a new start.
@@ -18,7 +18,8 @@ pub(super) fn message_ui(ui: &Ui, status: &Status, failure: &str, state: &mut Ui
         return;
     }
     let view = state.view_rect;
-    over_view(ui, "message", view, Align2::CENTER_TOP, |ui| {
+    let mut free = state.free_rect;
+    card_over_view(ui, "message", &mut free, Align2::CENTER_TOP, |ui| {
         theme::float_frame(ui).show(ui, |ui| {
             ui.set_max_width((view.width() - 80.0).clamp(200.0, 640.0));
             ui.horizontal(|ui| {
@@ -37,4 +38,5 @@ pub(super) fn message_ui(ui: &Ui, status: &Status, failure: &str, state: &mut Ui
             }
         });
     });
+    state.free_rect = free;
 }

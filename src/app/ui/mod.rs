@@ -75,6 +75,8 @@ pub struct UiState {
     pub dismissed: String,
     /// The part of the window that no panel covers, points.
     pub view_rect: Rect,
+    /// The part of it below the cards at its top, points.
+    pub free_rect: Rect,
     /// A person asked for a new start after a failure.
     pub revive: bool,
     /// What a person asked to see whole.
@@ -125,6 +127,7 @@ impl UiState {
             keys_open: false,
             dismissed: String::new(),
             view_rect: Rect::NOTHING,
+            free_rect: Rect::NOTHING,
             revive: false,
             frame: None,
             theme: Theme::default(),
@@ -165,6 +168,7 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
         side_panels_ui(ui, running, state, commands);
     }
     state.view_rect = ui.available_rect_before_wrap();
+    state.free_rect = state.view_rect;
     match shown.running {
         Some(running) => {
             trouble::trouble_ui(ui, status, state, commands);
@@ -256,8 +260,14 @@ fn capitalised(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Something that floats over the view, at one of its corners.
-fn over_view(ui: &Ui, name: &str, view: Rect, corner: Align2, contents: impl FnOnce(&mut Ui)) {
+/// A card at the top of the view, below those that are there.
+fn card_over_view(ui: &Ui, name: &str, free: &mut Rect, corner: Align2, contents: impl FnOnce(&mut Ui)) {
+    let card = over_view(ui, name, *free, corner, contents);
+    free.min.y = card.max.y.clamp(free.min.y, free.max.y);
+}
+
+/// Something that floats over the view, at one of its corners. Tells where.
+fn over_view(ui: &Ui, name: &str, view: Rect, corner: Align2, contents: impl FnOnce(&mut Ui)) -> Rect {
     let inner = view.shrink(14.0);
     Area::new(Id::unique(name))
         .order(Order::Middle)
@@ -267,5 +277,7 @@ fn over_view(ui: &Ui, name: &str, view: Rect, corner: Align2, contents: impl FnO
         .constrain_to(view)
         .fade_in(false)
         .accessible_name(name)
-        .show(ui.ctx(), contents);
+        .show(ui.ctx(), contents)
+        .response
+        .rect
 }

@@ -2,18 +2,19 @@
 
 use egui::{Align2, RichText, Ui};
 
-use super::{UiState, over_view, theme};
+use super::{UiState, card_over_view, theme};
 use crate::session::{Command, Status};
 
 /// Width of the card, points.
 const WIDTH: f32 = 430.0;
 
 /// The card, where there is trouble.
-pub(super) fn trouble_ui(ui: &Ui, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
+pub(super) fn trouble_ui(ui: &Ui, status: &Status, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(trouble) = &status.trouble else { return };
-    over_view(ui, "trouble", state.view_rect, Align2::CENTER_TOP, |ui| {
+    let view = state.view_rect;
+    card_over_view(ui, "trouble", &mut state.free_rect, Align2::CENTER_TOP, |ui| {
         theme::float_frame(ui).stroke(egui::Stroke::new(1.0, theme::of(ui).warning)).show(ui, |ui| {
-            ui.set_max_width(WIDTH.min(state.view_rect.width() - 60.0));
+            ui.set_max_width(WIDTH.min(view.width() - 60.0));
             ui.label(RichText::new(&trouble.title).color(theme::of(ui).warning).size(15.0).strong());
             ui.label(RichText::new(&trouble.words).color(theme::of(ui).strong));
             ui.add_space(4.0);

@@ -8,7 +8,7 @@ use super::{FileAction, UiState, Wish, main_button_ui, theme};
 /// The offer, while there is one.
 pub(super) fn recovery_card_ui(ui: &Ui, state: &mut UiState) {
     let Some(found) = state.files.found.clone() else { return };
-    over_view(ui, "recovery", state.view_rect, Align2::RIGHT_TOP, |ui| {
+    over_view(ui, "recovery", state.free_rect, Align2::RIGHT_TOP, |ui| {
         theme::float_frame(ui).show(ui, |ui| {
             ui.set_max_width(300.0);
             let question = format!("Recover unsaved changes of {} from {}?", found.title, found.when);
