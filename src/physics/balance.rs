@@ -9,9 +9,9 @@
 //! ```
 //!
 //! which is the change of a body's energy less all work done on it. Backward Euler, of which the integrator is the first
-//! iteration, never has more than zero of it where the energy is convex; the work of contact is that of the surfaces, and
-//! what it stores in springs counts as the body's (Hairer, Lubich and Wanner, "Geometric Numerical
-//! Integration", 2006, VIII.6).
+//! iteration, never has more than zero of it where the energy is convex (Hairer, Lubich and Wanner, "Geometric Numerical
+//! Integration", 2006, VIII.6). The work of contact is that of the surfaces, and what it stores in springs counts as the
+//! body's.
 
 use super::contact::ContactRecord;
 use super::forces::for_each_exact_link;
@@ -82,7 +82,8 @@ fn of_particles<R: Real>(
     })
 }
 
-/// The energy that contact stores, the work that moving obstacles do, and all work of contact without regard to its sign, J.
+/// The energy that contact stores, the work that moving obstacles do, and all work of contact without regard to its
+/// sign, J.
 fn of_contacts<R: Real>(
     body: &BodyModel<R>,
     contacts: &[ContactRecord<R>],
@@ -92,17 +93,12 @@ fn of_contacts<R: Real>(
     let dt = dt.to_f64();
     contacts.iter().fold((0.0, 0.0, 0.0), |(stored, carried, turned_over), contact| {
         let [velocity, surface] = [velocity[contact.particle], contact.surface_velocity].map(Vector::to_dvec3);
-        let model = &body.contacts[contact.obstacle];
+        let spring = body.contacts[contact.obstacle].to_f64();
         let gap = contact.gap.to_f64();
-        let energy = |gap: f64| {
-            let depth = (-gap).max(0.0);
-            let sprung = depth.min(model.depth_limit.to_f64());
-            model.stiffness.to_f64() * sprung * (depth - 0.5 * sprung)
-        };
         let later = gap + dt * (velocity - surface).dot(contact.normal.to_dvec3());
         let force = contact.force.to_dvec3();
         (
-            stored + energy(later) - energy(gap),
+            stored + spring.energy(-later) - spring.energy(-gap),
             carried + dt * force.dot(surface),
             turned_over + dt * force.dot(velocity).abs(),
         )

@@ -141,11 +141,7 @@ impl Diagnostics {
             else {
                 continue;
             };
-            let constants = &body.contacts[contact.obstacle];
-            // Beyond the limit the push is constant, so the energy grows linearly.
-            let (depth, limit) = (-contact.gap.to_f64(), constants.depth_limit.to_f64());
-            let sprung = depth.min(limit);
-            sum.energy.contact += constants.stiffness.to_f64() * sprung * (depth - 0.5 * sprung);
+            sum.energy.contact += body.contacts[contact.obstacle].to_f64().energy(-contact.gap.to_f64());
         }
         sum
     }

@@ -208,3 +208,23 @@ pub struct ContactModel<R> {
     /// The distance below which the thesis rule sees a particle, m.
     pub thesis_threshold: R,
 }
+
+impl<R: Real> ContactModel<R> {
+    /// The energy of the spring at a depth (m, negative outside), J. Beyond the limit the push is constant, so it grows
+    /// linearly.
+    pub fn energy(&self, depth: R) -> R {
+        let sprung = depth.max(R::ZERO).min(self.depth_limit);
+        self.stiffness * sprung * (depth - R::from_f64(0.5) * sprung)
+    }
+
+    /// The same in double precision.
+    pub fn to_f64(&self) -> ContactModel<f64> {
+        let Self { stiffness, damping, depth_limit, thesis_threshold } = self;
+        ContactModel {
+            stiffness: stiffness.to_f64(),
+            damping: damping.to_f64(),
+            depth_limit: depth_limit.to_f64(),
+            thesis_threshold: thesis_threshold.to_f64(),
+        }
+    }
+}

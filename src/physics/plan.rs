@@ -78,7 +78,8 @@ pub struct Plan {
     /// How often a substep of the implicit integrator may be halved whose linear equations prove wrong: down to a step
     /// that an explicit integrator could take, or as often as can be. Never in manual stepping.
     pub halvings: u32,
-    /// Whether an explicit integrator can take what is left after that many; otherwise the linear equations have the last word.
+    /// Whether an explicit integrator can take what is left after that many; otherwise the linear equations have the last
+    /// word.
     pub ends_explicitly: bool,
     /// Parts that a substep is taken in while a body is strained.
     pub parts: u32,

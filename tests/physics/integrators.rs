@@ -358,8 +358,8 @@ fn bodies_that_land_together_move_as_each_would_alone() {
         together.step();
         // Bodies pass through each other, so two in one place are the same motion twice.
         let (first, second) = together.state().position.split_at(alone.state().position.len());
-        assert_eq!(first, alone.state().position, "step {step}");
-        assert_eq!(second, alone.state().position, "step {step}");
+        let own = alone.state().position.as_slice();
+        assert!(first == own && second == own, "another motion in step {step}");
     }
     assert!(halved > 0, "some substeps were halved");
 }

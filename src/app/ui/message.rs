@@ -1,6 +1,6 @@
 //! What went wrong, as a sentence over the view, until it is read or no longer true.
 
-use egui::{Align2, RichText, Ui};
+use egui::{RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
 use super::{UiState, capitalised, card_over_view, theme};
@@ -19,7 +19,7 @@ pub(super) fn message_ui(ui: &Ui, status: &Status, failure: &str, state: &mut Ui
     }
     let view = state.view_rect;
     let mut free = state.free_rect;
-    card_over_view(ui, "message", &mut free, Align2::CENTER_TOP, |ui| {
+    card_over_view(ui, "message", &mut free, |ui| {
         theme::float_frame(ui).show(ui, |ui| {
             ui.set_max_width((view.width() - 80.0).clamp(200.0, 640.0));
             ui.horizontal(|ui| {

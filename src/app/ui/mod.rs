@@ -261,8 +261,8 @@ fn capitalised(text: &str) -> String {
 }
 
 /// A card at the top of the view, below those that are there.
-fn card_over_view(ui: &Ui, name: &str, free: &mut Rect, corner: Align2, contents: impl FnOnce(&mut Ui)) {
-    let card = over_view(ui, name, *free, corner, contents);
+fn card_over_view(ui: &Ui, name: &str, free: &mut Rect, contents: impl FnOnce(&mut Ui)) {
+    let card = over_view(ui, name, *free, Align2::CENTER_TOP, contents);
     free.min.y = card.max.y.clamp(free.min.y, free.max.y);
 }
 

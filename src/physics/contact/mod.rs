@@ -220,8 +220,8 @@ impl<R: Real> Meeting<'_, R> {
             if surface_velocity != R::Vec3::ZERO {
                 return false;
             }
-            before += response::stored(contact, -surface.gap);
-            after += response::stored(contact, -(surface.gap + velocity.dot(surface.normal) * self.dt));
+            before += contact.energy(-surface.gap);
+            after += contact.energy(-(surface.gap + velocity.dot(surface.normal) * self.dt));
         }
         // The tolerance is rounding.
         after - before > R::from_f64(1e-4) * before

@@ -54,12 +54,6 @@ pub(super) fn deepest_velocity<R: Real>(surface: &Surface<R>, contact: &ContactM
     -(deepest + surface.gap) / dt
 }
 
-/// The energy of the spring at a depth, J. Beyond the limit the push is constant, so it grows linearly.
-pub(super) fn stored<R: Real>(contact: &ContactModel<R>, depth: R) -> R {
-    let sprung = depth.max(R::ZERO).min(contact.depth_limit);
-    contact.stiffness * sprung * (depth - R::from_f64(0.5) * sprung)
-}
-
 /// Whether an obstacle rubs at all.
 pub(super) fn has_friction<R: Real>(obstacle: &ObstacleModel<R>) -> bool {
     obstacle.friction_static > R::ZERO || obstacle.friction_dynamic > R::ZERO

@@ -19,9 +19,9 @@
 //! follows from the links (`of_springs`, `of_cells`), so that the term costs no smaller step.
 //!
 //! Only the cells of a list are pushed: those below [`WATCH`]. All cells are looked at once in every 1/60 s of simulated
-//! time, sooner where particles move past each other fast enough to crush a cell in that time, and in every substep while the list is not empty, as a cell that inverted unseen would be given energy; a body
-//! that is well costs nothing but those few looks. The list is part of the [`State`]: the motion follows from the
-//! state alone.
+//! time, sooner where particles move past each other fast enough to crush a cell in that time, and in every substep while
+//! the list is not empty, as a cell that inverted unseen would be given energy; a body that is well costs nothing but
+//! those few looks. The list is part of the [`State`]: the motion follows from the state alone.
 //!
 //! Where families of links are far apart the push is not enough: see `soft_links`; a body that comes to rest with
 //! cells still inverted gets a pull on top of it: see `pull`. The implicit integrator solves for both: see

@@ -11,9 +11,9 @@
 //! It keeps momentum, and angular momentum as `R Fᵀ` is symmetric. The divisor for stretched cells, the bound on what
 //! `∂s/∂V` adds, the same as that of the push, and R, which is made shorter where no rotation is the nearest, follow no
 //! potential. But for these it gives no more than it takes: what it brings into a body is W of its crushed cells when it
-//! is found to be stuck, some 3 κ each at most. That is too much for a body in violent motion, which
-//! is never stuck: it must first be so slow for a while that its motion is nothing to the energy of a single cell. From
-//! then on the pull acts, however the body moves, until none of its cells is crushed; W is nothing then.
+//! is found to be stuck, some 3 κ each at most. That is too much for a body in violent motion, which is never stuck: it
+//! must first be so slow for a while that its motion is nothing to the energy of a single cell. From then on the pull
+//! acts, however the body moves, until none of its cells is crushed; W is nothing then.
 
 use super::edges::MeanEdges;
 use super::rotation::nearest_rotation;
