@@ -13,7 +13,7 @@ use thiserror::Error;
 
 use crate::scene::file::{SceneFileError, folder_of};
 use crate::scene::view_settings::CameraSettings;
-use crate::scene::{Scene, Shape, builtin, presets};
+use crate::scene::{Scene, Shape, ViewSettings, builtin, presets};
 
 /// What a scene without a file is called.
 pub const UNTITLED: &str = "untitled";
@@ -97,15 +97,18 @@ impl Document {
         Self { title: title.clone(), base_dir: base_dir.clone(), file: file.clone(), saved }
     }
 
-    /// Whether the scene holds changes that are in no file. Where the camera stands is no change.
+    /// Whether the scene holds changes that are in no file. How the picture is looked at is saved, but is no change:
+    /// the camera, the colours, what is drawn over the jelly.
     pub(super) fn is_unsaved(&self, scene: &Scene) -> bool {
         let Some(saved) = &self.saved else { return true };
-        if saved.view.camera == scene.view.camera {
-            return saved != scene;
-        }
-        let mut same_camera = scene.clone();
-        same_camera.view.camera = saved.view.camera;
-        *saved != same_camera
+        let Scene { version, settings, bodies, obstacles, view } = scene;
+        let ViewSettings { camera: _, light, color: _, color_range: _, overlays: _ } = view;
+        let same = saved.version == *version
+            && saved.settings == *settings
+            && saved.bodies == *bodies
+            && saved.obstacles == *obstacles
+            && saved.view.light == *light;
+        !same
     }
 
     /// Writes the scene, seen by `camera`, to its file or to another one, which is its file from then on.
@@ -208,6 +211,7 @@ mod tests {
     use std::error::Error;
 
     use super::*;
+    use crate::scene::ColorBy;
     use crate::scene::body::{Body, ModelShape};
     use crate::scene::edit::{BodyId, Edit};
     use crate::session::{Command, Session, SessionError};
@@ -257,15 +261,28 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_that_moved_is_no_change() {
+    fn another_look_at_the_same_scene_is_no_change() {
         let opened = Opened::blank();
         let document = Document::new(&opened);
         let mut scene = opened.scene.clone();
         scene.view.camera.distance = 42.0;
-        assert!(!document.is_unsaved(&scene), "only the camera moved");
+        (scene.view.color, scene.view.color_range) = (ColorBy::Load, Some([0.0, 2.0]));
+        scene.view.overlays.particles = true;
+        assert!(!document.is_unsaved(&scene), "only the camera, the colours and the overlays are others");
         scene.view.light.strength = 2.0;
         assert!(document.is_unsaved(&scene), "the light is brighter");
         assert!(Document::new(&Opened { unsaved: true, ..opened }).is_unsaved(&scene), "recovered is unsaved");
+    }
+
+    #[test]
+    fn colours_are_saved_though_they_are_no_change() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut session, file) = opened(folder.path(), "a.ron");
+        let view = ViewSettings { color: ColorBy::Strain, ..session.scene().view.clone() };
+        session.handle(Command::Edit(Edit::View(view))).expect("another colour");
+        assert!(!session.status().unsaved, "nobody is asked about colours");
+        session.handle(Command::Save { camera: CameraSettings::default() }).expect("the folder can be written");
+        assert_eq!(Scene::load(&file).expect("a scene").view.color, ColorBy::Strain);
     }
 
     #[test]

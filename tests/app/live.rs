@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, Pos2, Rect};
+use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, Rect, TouchPhase};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, Node};
 use gelatin::app::theme::{self, Theme};
@@ -131,6 +131,16 @@ impl Window {
         self.harness.event(Event::Text(text.into()));
         self.wait();
         self.key(Modifiers::NONE, Key::Enter);
+    }
+
+    /// Turns the wheel over a place; up is positive.
+    pub(crate) fn scroll(&mut self, at: Pos2, notches: f32) {
+        self.harness.hover_at(at);
+        self.harness.run_steps(1);
+        let (unit, phase, source) = (MouseWheelUnit::Line, TouchPhase::Move, MouseWheelSource::Unknown);
+        let (delta, modifiers) = (egui::vec2(0.0, notches), Modifiers::NONE);
+        self.harness.event(Event::MouseWheel { unit, delta, phase, source, modifiers });
+        self.harness.run_steps(30);
     }
 
     /// Presses, moves in steps, lets go.

@@ -11,6 +11,7 @@ mod panels_material;
 mod panels_pictures;
 mod panels_sizes;
 mod panels_things;
+mod panels_untouched;
 mod panels_values;
 mod window;
 mod window_files;

@@ -13,9 +13,9 @@ const HAND: Duration = Duration::from_millis(300);
 /// Longer than the program may take to do what is waited for, even on a busy machine.
 const PATIENCE: Duration = Duration::from_mins(1);
 /// A pixel of the view, away from the panels and from what lies over the view.
-const IN_VIEW: [i32; 2] = [640, 200];
+pub(super) const IN_VIEW: [i32; 2] = [640, 200];
 /// A pixel of the jelly of the default scene once it has landed, in a window of 1280 × 800.
-const JELLY: [i32; 2] = [600, 450];
+pub(super) const JELLY: [i32; 2] = [600, 450];
 /// Well above where the jelly lies.
 const HIGH: ViewRect = ViewRect { origin: Vec2::new(480.0, 60.0), size: Vec2::new(240.0, 220.0) };
 /// Where the stiffness of the structural springs is typed.
@@ -23,7 +23,7 @@ const STIFFNESS: [i32; 2] = [1218, 185];
 /// The button that adds a sphere.
 const ADD_SPHERE: [i32; 2] = [52, 735];
 /// The panel of values.
-const VALUES: ViewRect = ViewRect { origin: Vec2::new(950.0, 45.0), size: Vec2::new(325.0, 700.0) };
+pub(super) const VALUES: ViewRect = ViewRect { origin: Vec2::new(950.0, 45.0), size: Vec2::new(325.0, 700.0) };
 /// The list of bodies and obstacles.
 const LIST: ViewRect = ViewRect { origin: Vec2::new(4.0, 45.0), size: Vec2::new(180.0, 400.0) };
 /// One window at a time: screenshots of two would time out on a small machine.
@@ -157,7 +157,7 @@ fn an_added_sphere_is_in_the_list_and_goes_with_delete() {
         window.key("space");
         window.wait_until_still();
         let before = window.shot();
-        window.click("1", ADD_SPHERE);
+        window.add_sphere();
         window.wait_until("the list is longer", |shot| shot.differs(&before, LIST));
         window.point_at(IN_VIEW);
         window.key("Delete");
@@ -293,11 +293,16 @@ impl Window {
         self.click("1", sum.map(|axis| axis / count));
     }
 
-    fn point_at(&self, [x, y]: [i32; 2]) {
+    /// Adds a sphere by the button below the list.
+    pub(super) fn add_sphere(&self) {
+        self.click("1", ADD_SPHERE);
+    }
+
+    pub(super) fn point_at(&self, [x, y]: [i32; 2]) {
         self.hand(&["mousemove", &x.to_string(), &y.to_string()]);
     }
 
-    fn click(&self, button: &str, at: [i32; 2]) {
+    pub(super) fn click(&self, button: &str, at: [i32; 2]) {
         self.point_at(at);
         self.hand(&["click", button]);
     }
@@ -315,7 +320,7 @@ impl Window {
         self.size = size;
     }
 
-    fn shot(&mut self) -> Shot {
+    pub(super) fn shot(&mut self) -> Shot {
         if let Some(status) = self.program.try_wait().expect("the program can be asked") {
             panic!("the program ended with {status}: {}", self.log());
         }
@@ -328,7 +333,7 @@ impl Window {
         Shot { size, pixels: image.pixels().map(|pixel| pixel.0).collect() }
     }
 
-    fn wait_until(&mut self, what: &str, holds: impl Fn(&Shot) -> bool) {
+    pub(super) fn wait_until(&mut self, what: &str, holds: impl Fn(&Shot) -> bool) {
         let until = Instant::now() + PATIENCE;
         while Instant::now() < until {
             if holds(&self.shot()) {
@@ -347,7 +352,7 @@ impl Window {
         }
     }
 
-    fn wait_until_still(&mut self) {
+    pub(super) fn wait_until_still(&mut self) {
         let mut last = self.shot();
         let until = Instant::now() + PATIENCE;
         while Instant::now() < until {
@@ -402,18 +407,18 @@ fn start_server(folder: &Path) -> (Child, String) {
 
 /// A screenshot.
 #[derive(Clone)]
-struct Shot {
+pub(super) struct Shot {
     size: [i32; 2],
     pixels: Vec<[u8; 3]>,
 }
 
 impl Shot {
-    fn whole(&self) -> ViewRect {
+    pub(super) fn whole(&self) -> ViewRect {
         ViewRect { origin: Vec2::ZERO, size: Vec2::new(self.size[0] as f32, self.size[1] as f32) }
     }
 
     /// The part between the bars.
-    fn view(&self) -> ViewRect {
+    pub(super) fn view(&self) -> ViewRect {
         let whole = self.whole().size;
         ViewRect { origin: Vec2::new(0.0, 50.0), size: whole - Vec2::new(0.0, 100.0) }
     }
@@ -424,13 +429,13 @@ impl Shot {
         (0..self.pixels.len()).filter(move |&index| part.contains(at(index)))
     }
 
-    fn places_of(&self, color: [u8; 3]) -> Vec<[i32; 2]> {
+    pub(super) fn places_of(&self, color: [u8; 3]) -> Vec<[i32; 2]> {
         let index = |index: usize| i32::try_from(index).expect("a small picture");
         let found = (0..self.pixels.len()).filter(|&at| self.pixels[at] == color).map(index);
         found.map(|at| [at % self.size[0], at / self.size[0]]).collect()
     }
 
-    fn differs(&self, other: &Self, part: ViewRect) -> bool {
+    pub(super) fn differs(&self, other: &Self, part: ViewRect) -> bool {
         self.size != other.size || self.within(part).any(|index| self.pixels[index] != other.pixels[index])
     }
 

@@ -14,7 +14,7 @@ fn a_scene_is_saved_edited_killed_and_recovered() {
         let (state, file) = (folder.path(), folder.path().join("tower.ron"));
         let window = Window::open("cube-on-plane", Some(state));
         save_as(&window, &file);
-        window.key("2");
+        window.add_sphere();
         window.wait_for("the title has a mark", |window| window.title() == "• tower.ron — Gelatin");
         window.wait_for("a draft is kept", |_| drafts(state) == 1);
         // Killed, as by a lack of memory: nothing is tidied up.
@@ -26,7 +26,7 @@ fn a_scene_is_saved_edited_killed_and_recovered() {
         window.key("ctrl+s");
         window.wait_for("it is saved", |window| window.title() == "tower.ron — Gelatin");
         let saved = std::fs::read_to_string(&file).expect("the scene file");
-        assert!(saved.contains("color: load"), "with the change made before the kill: {saved}");
+        assert!(saved.contains("Sphere 2"), "with the sphere added before the kill: {saved}");
         window.wait_for("no draft is left", |_| drafts(state) == 0);
     });
 }
@@ -38,13 +38,15 @@ fn closing_asks_about_changes_and_enter_saves_them() {
         let file = folder.path().join("tower.ron");
         let mut window = Window::open("cube-on-plane", Some(folder.path()));
         save_as(&window, &file);
-        window.key("3");
+        window.add_sphere();
         window.wait_for("the title has a mark", |window| window.title() == "• tower.ron — Gelatin");
         window.key("ctrl+q");
         std::thread::sleep(Duration::from_secs(1));
         assert!(!window.has_ended(), "it asks first");
         window.key("Escape");
+        window.wait_until("the question is gone", |shot| shot.places_of(main_fill()).is_empty());
         window.key("ctrl+q");
+        window.wait_until("the question is back", |shot| !shot.places_of(main_fill()).is_empty());
         window.key("Return");
         let mut patience = 100;
         while !window.has_ended() && patience > 0 {
@@ -53,7 +55,7 @@ fn closing_asks_about_changes_and_enter_saves_them() {
         }
         assert!(window.has_ended(), "saved and closed");
         let saved = std::fs::read_to_string(&file).expect("the scene file");
-        assert!(saved.contains("color: force"), "with the last change: {saved}");
+        assert!(saved.contains("Sphere 2"), "with the sphere: {saved}");
         assert_eq!(drafts(folder.path()), 0, "nothing is left to recover");
     });
 }

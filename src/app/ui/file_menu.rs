@@ -4,19 +4,17 @@ use egui::{Button, Ui, WidgetInfo};
 
 use super::UiState;
 use super::files::{FileAction, Wish};
-use crate::session::Status;
 
 /// The File menu with its button.
-pub(super) fn file_menu_ui(ui: &mut Ui, status: &Status, state: &mut UiState) {
+pub(super) fn file_menu_ui(ui: &mut Ui, state: &mut UiState) {
     ui.menu_button("File", |ui| {
         ui.set_min_width(210.0);
         item_ui(ui, state, "New", "Ctrl+N", FileAction::New);
         item_ui(ui, state, "Open…", "Ctrl+O", FileAction::Open);
         recent_ui(ui, state);
         ui.separator();
-        ui.add_enabled_ui(status.unsaved || status.file.is_none(), |ui| {
-            item_ui(ui, state, "Save", "Ctrl+S", FileAction::Save);
-        });
+        // Always: the camera and the colours are saved too, though they are no unsaved change.
+        item_ui(ui, state, "Save", "Ctrl+S", FileAction::Save);
         item_ui(ui, state, "Save as…", "Ctrl+Shift+S", FileAction::SaveAs);
         ui.separator();
         item_ui(ui, state, "Load model…", "", FileAction::LoadModel);

@@ -22,7 +22,7 @@ pub(super) fn menus_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, comm
         menu_style(ui.style_mut());
         ui.spacing_mut().item_spacing.x = 0.0;
         ui.spacing_mut().button_padding.x = 7.0;
-        file_menu::file_menu_ui(ui, status, state);
+        file_menu::file_menu_ui(ui, state);
         ui.menu_button("Edit", |ui| {
             ui.set_min_width(WIDTH);
             history_ui(ui, status, commands);

@@ -1,6 +1,11 @@
 //! The light and the lens: how the scene is looked at.
 
-use egui::Ui;
+use std::ops::RangeInclusive;
+
+use egui::{
+    Popup, PopupCloseBehavior, Response, Rgba, RichText, Sense, Slider, SliderClamping, Ui, WidgetInfo, color_picker,
+    vec2,
+};
 use glam::DVec3;
 
 use super::send;
@@ -10,6 +15,9 @@ use crate::scene::edit::Edit;
 use crate::scene::view_settings::LightSettings;
 use crate::scene::{Scene, ViewSettings};
 use crate::session::Command;
+
+/// Width of the sliders of a colour, points.
+const COLOR_WIDTH: f32 = 160.0;
 
 /// The values of light and camera.
 pub(super) fn light_ui(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
@@ -28,18 +36,11 @@ fn direction_ui(ui: &mut Ui, light: &mut LightSettings) -> Touch {
     let [x, y, z] = DVec3::from(light.direction).normalize_or(DVec3::Y).to_array();
     let (mut around, mut above) = (x.atan2(z).to_degrees(), y.clamp(-1.0, 1.0).asin().to_degrees());
     let mut touch = Touch::default();
-    for (label, angle, least) in [("Light from", &mut around, -180.0), ("Height", &mut above, -90.0)] {
+    for (label, angle, most) in [("Light from", &mut around, 180.0), ("Height", &mut above, 90.0)] {
         ui.horizontal(|ui| {
-            ui.allocate_ui(egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y), |ui| {
-                ui.set_min_width(LABEL_WIDTH);
-                ui.label(egui::RichText::new(label).color(theme::of(ui).weak));
-            });
+            label_ui(ui, label);
             ui.spacing_mut().slider_width = (ui.available_width() - 72.0).max(40.0);
-            let slider = egui::Slider::new(angle, least..=-least).suffix("°").max_decimals(0).step_by(1.0);
-            let response = ui.add(slider);
-            ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
-            let ended = response.drag_stopped() || (response.changed() && !response.dragged());
-            touch.and(Touch { changed: response.changed(), ended });
+            touch.and(rounded_ui(ui, label, angle, -most..=most, Rounding { decimals: 0, unit: "°" }));
         });
     }
     if touch.changed {
@@ -50,22 +51,64 @@ fn direction_ui(ui: &mut Ui, light: &mut LightSettings) -> Touch {
     touch
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "a colour on the screen")]
 fn color_ui(ui: &mut Ui, light: &mut LightSettings) -> Touch {
     let mut touch = Touch::default();
     ui.horizontal(|ui| {
-        ui.allocate_ui(egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y), |ui| {
-            ui.set_min_width(LABEL_WIDTH);
-            ui.label(egui::RichText::new("Colour").color(theme::of(ui).weak));
+        label_ui(ui, "Colour");
+        let button = color_button_ui(ui, light.color);
+        Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+            for (label, part) in ["Red", "Green", "Blue"].into_iter().zip(&mut light.color) {
+                ui.horizontal(|ui| {
+                    ui.set_min_width(COLOR_WIDTH + 110.0);
+                    ui.allocate_ui(vec2(46.0, ui.spacing().interact_size.y), |ui| {
+                        ui.set_min_width(46.0);
+                        ui.label(label);
+                    });
+                    ui.spacing_mut().slider_width = COLOR_WIDTH;
+                    touch.and(rounded_ui(ui, label, part, 0.0..=1.0, Rounding { decimals: 2, unit: "" }));
+                });
+            }
         });
-        let mut color = light.color.map(|part| part as f32);
-        let response = ui.color_edit_button_rgb(&mut color);
-        ui.ctx().accesskit_node_builder(response.id, |node| node.set_label("Colour of the light"));
-        if response.changed() {
-            light.color = color.map(f64::from);
-            touch.changed = true;
-        }
-        touch.ended = response.changed();
     });
     touch
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a colour on the screen")]
+fn color_button_ui(ui: &mut Ui, color: [f64; 3]) -> Response {
+    let (rect, response) = ui.allocate_exact_size(ui.spacing().interact_size, Sense::click());
+    let [red, green, blue] = color.map(|part| part as f32);
+    color_picker::show_color_at(ui.painter(), Rgba::from_rgb(red, green, blue).into(), rect.shrink(2.0));
+    let name = "Colour of the light";
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::ColorWell, ui.is_enabled(), name));
+    response
+}
+
+fn label_ui(ui: &mut Ui, text: &str) {
+    ui.allocate_ui(vec2(LABEL_WIDTH, ui.spacing().interact_size.y), |ui| {
+        ui.set_min_width(LABEL_WIDTH);
+        ui.label(RichText::new(text).color(theme::of(ui).weak));
+    });
+}
+
+/// How a value is shown.
+#[derive(Clone, Copy)]
+struct Rounding {
+    decimals: usize,
+    unit: &'static str,
+}
+
+/// A slider in round steps. The value itself is rounded only by the hand that moves it: what is shown, or entered as it
+/// stood, is no change.
+fn rounded_ui(ui: &mut Ui, label: &str, value: &mut f64, range: RangeInclusive<f64>, as_shown: Rounding) -> Touch {
+    let Rounding { decimals, unit } = as_shown;
+    let (before, shown) = (*value, |value: f64| format!("{value:.decimals$}"));
+    let step = 0.1_f64.powf(decimals as f64);
+    let slider = Slider::new(value, range).clamping(SliderClamping::Edits).step_by(step);
+    let response = ui.add(slider.max_decimals(decimals).suffix(unit));
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
+    let changed = response.changed() && shown(*value) != shown(before);
+    if !changed {
+        *value = before;
+    }
+    Touch { changed, ended: response.drag_stopped() || (changed && !response.dragged()) }
 }
