@@ -11,14 +11,19 @@
 //! hold    left drag on something that can be held
 //! ```
 
+mod from_winit;
+mod keys;
+
 use glam::Vec2;
-use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
-use winit::keyboard::{Key as WinitKey, NamedKey};
 
 use super::ui::files::FileAction;
 use crate::scene::ColorBy;
 use crate::session::Command;
 use crate::view::Orbit;
+
+pub use from_winit::from_winit;
+pub use keys::Key;
+use keys::Modifiers;
 
 /// Turn of the eye for a pixel of dragging (at scale 1), radians.
 const ORBIT_RAD_PER_POINT: f32 = 0.007;
@@ -78,41 +83,34 @@ pub enum Button {
     Secondary,
 }
 
-/// A key that means something.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Key {
-    /// The space bar.
-    Space,
-    /// The arrow to the right.
-    Right,
-    /// The first function key.
-    F1,
-    /// The escape key.
-    Escape,
-    /// The key that deletes.
-    Delete,
-    /// The second function key.
-    F2,
-    /// The key for the beginning.
-    Home,
-    /// A letter (lower case), digit or sign.
-    Char(char),
-}
-
 /// What the window must know to answer an event.
 #[derive(Clone, Copy, Debug, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "four independent facts, each true or not")]
 pub struct Situation {
     /// The pointer is over the view, not over a panel.
     pub over_view: bool,
-    /// A widget has the keyboard.
-    pub typing: bool,
+    /// A dialog or a menu is open: keys and clicks are for it alone.
+    pub dialog_open: bool,
+    /// What has the keyboard.
+    pub keyboard: Keyboard,
     /// What lies under the pointer can be held. Asked when a button goes down.
     pub holdable: bool,
     /// Time runs.
     pub playing: bool,
     /// Pixels a point of the interface.
     pub scale: f32,
+}
+
+/// What has the keyboard.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Keyboard {
+    /// Nothing of the interface: keys are for the view.
+    #[default]
+    View,
+    /// A button or a slider, which knows space, arrows and Escape.
+    Widget,
+    /// A field with text, which has an undo of its own.
+    Text,
 }
 
 /// What an event asks for.
@@ -126,9 +124,11 @@ pub enum Action {
     ColorBy(ColorBy),
     /// Show or hide the list of keys.
     ToggleKeys,
+    /// Fill the whole screen with the window, or no longer.
+    ToggleFullScreen,
     /// Show or hide a panel beside the view.
     TogglePanel(Panel),
-    /// Close what lies over the view, let go, choose nothing.
+    /// One of these, the first there is: close what lies over the view, let go, choose nothing.
     Close,
     /// Choose what lies under this pixel.
     Choose(Vec2),
@@ -232,9 +232,7 @@ pub fn move_camera(orbit: &mut Orbit, camera_move: CameraMove, view: ViewRect) {
 pub struct Input {
     pointer: Vec2,
     press: Option<Press>,
-    shift: bool,
-    control: bool,
-    other: bool,
+    held: Modifiers,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -273,6 +271,9 @@ impl Input {
 
     /// What an event asks for, if anything.
     pub fn on_event(&mut self, event: Event, situation: Situation) -> Option<Action> {
+        if situation.dialog_open {
+            return self.behind_dialog(event);
+        }
         let scale = situation.scale.max(f32::EPSILON);
         match event {
             Event::PointerMoved(pixel) => {
@@ -301,27 +302,44 @@ impl Input {
                 let factor = ZOOM_PER_NOTCH.powf(notches);
                 self.over(situation, CameraMove::Zoom { factor, at: self.pointer })
             }
-            Event::Scroll(pixels) if self.control => {
+            Event::Scroll(pixels) if self.held.control => {
                 let factor = (-pixels.y / scale * ZOOM_PER_POINT).exp();
                 self.over(situation, CameraMove::Zoom { factor, at: self.pointer })
             }
-            Event::Scroll(pixels) if self.shift => self.over(situation, CameraMove::Pan(pixels)),
+            Event::Scroll(pixels) if self.held.shift => self.over(situation, CameraMove::Pan(pixels)),
             Event::Scroll(pixels) => self.over(situation, dragged(CameraDrag::Orbit, pixels, scale)),
             Event::Pinch(spread) => {
                 let factor = (-spread).exp();
                 self.over(situation, CameraMove::Zoom { factor, at: self.pointer })
             }
             Event::Modifiers { shift, control, other } => {
-                (self.shift, self.control, self.other) = (shift, control, other);
+                self.held = Modifiers { shift, control, other };
                 None
             }
             Event::FocusLost => {
-                (self.shift, self.control, self.other) = (false, false, false);
-                let press = self.press.take()?;
-                (press.drag == Drag::Hold && press.moved).then_some(Action::Release)
+                self.held = Modifiers::default();
+                self.let_go()
             }
-            Event::Key { key, repeat } => self.on_key(key, repeat, situation),
+            Event::Key { key, repeat } => keys::action(key, repeat, self.held, situation),
         }
+    }
+
+    /// An event while a dialog or a menu is open: nothing behind it hears of it, and what was held is let go.
+    fn behind_dialog(&mut self, event: Event) -> Option<Action> {
+        match event {
+            Event::PointerMoved(pixel) => self.pointer = pixel,
+            Event::Modifiers { shift, control, other } => self.held = Modifiers { shift, control, other },
+            Event::FocusLost => self.held = Modifiers::default(),
+            // The dialog fills the screen along with the window.
+            Event::Key { key: Key::F11, repeat: false } => return Some(Action::ToggleFullScreen),
+            _ => (),
+        }
+        self.let_go()
+    }
+
+    fn let_go(&mut self) -> Option<Action> {
+        let press = self.press.take()?;
+        (press.drag == Drag::Hold && press.moved).then_some(Action::Release)
     }
 
     fn dragged_by(&mut self, moved: Vec2, scale: f32) -> Option<Action> {
@@ -337,54 +355,11 @@ impl Input {
         }
     }
 
-    fn on_key(&self, key: Key, repeat: bool, situation: Situation) -> Option<Action> {
-        // Holding a key down steps on and on; everything else happens once.
-        let stepping = matches!(key, Key::Right | Key::Char('.'));
-        if self.control && !self.other {
-            let history = if situation.typing { None } else { self.history_key(key) };
-            let files = || file_action(key, self.shift).filter(|_| !repeat).map(Action::Files);
-            return history.or_else(files);
-        }
-        if self.control || self.other || (repeat && !stepping) {
-            return None;
-        }
-        match key {
-            Key::F1 => Some(Action::ToggleKeys),
-            Key::Escape => Some(Action::Close),
-            _ if situation.typing => None,
-            Key::Space if situation.playing => Some(Action::Send(Command::Pause)),
-            Key::Space => Some(Action::Send(Command::Play)),
-            Key::Right | Key::Char('.') => Some(Action::Send(Command::StepOnce)),
-            Key::Char('r') => Some(Action::Send(Command::Restart)),
-            Key::Home => Some(Action::Camera(CameraMove::FrameAll)),
-            Key::Char('t') => Some(Action::TogglePanel(Panel::Tree)),
-            Key::Char('n') => Some(Action::TogglePanel(Panel::Inspector)),
-            Key::Char('c') => Some(Action::TogglePanel(Panel::Cost)),
-            Key::Char('f') => Some(Action::Camera(CameraMove::Frame)),
-            Key::Char('x') | Key::Delete => Some(Action::Chosen(ChosenAction::Delete)),
-            Key::Char('d') if self.shift => Some(Action::Chosen(ChosenAction::Duplicate)),
-            Key::Char('h') => Some(Action::Chosen(ChosenAction::Hide)),
-            Key::F2 => Some(Action::Chosen(ChosenAction::Rename)),
-            Key::Char(digit) => {
-                let index = usize::try_from(digit.to_digit(10)?).ok()?.checked_sub(1)?;
-                ColorBy::ALL.get(index).copied().map(Action::ColorBy)
-            }
-        }
-    }
-
-    fn history_key(&self, key: Key) -> Option<Action> {
-        match (key, self.shift) {
-            (Key::Char('z'), false) => Some(Action::Send(Command::Undo)),
-            (Key::Char('z'), true) | (Key::Char('y'), false) => Some(Action::Send(Command::Redo)),
-            _ => None,
-        }
-    }
-
     fn drag_of(&self, button: Button, holdable: bool) -> Drag {
         match button {
             Button::Secondary => Drag::Camera(CameraDrag::Pan),
-            Button::Primary | Button::Middle if self.shift => Drag::Camera(CameraDrag::Pan),
-            Button::Middle if self.control => Drag::Camera(CameraDrag::Zoom { at: self.pointer }),
+            Button::Primary | Button::Middle if self.held.shift => Drag::Camera(CameraDrag::Pan),
+            Button::Middle if self.held.control => Drag::Camera(CameraDrag::Zoom { at: self.pointer }),
             Button::Primary if holdable => Drag::Hold,
             Button::Primary | Button::Middle => Drag::Camera(CameraDrag::Orbit),
         }
@@ -392,18 +367,6 @@ impl Input {
 
     fn over(&self, situation: Situation, camera_move: CameraMove) -> Option<Action> {
         (situation.over_view || self.press.is_some()).then_some(Action::Camera(camera_move))
-    }
-}
-
-/// What a key means with control.
-fn file_action(key: Key, shift: bool) -> Option<FileAction> {
-    match (key, shift) {
-        (Key::Char('n'), false) => Some(FileAction::New),
-        (Key::Char('o'), false) => Some(FileAction::Open),
-        (Key::Char('s'), false) => Some(FileAction::Save),
-        (Key::Char('s'), true) => Some(FileAction::SaveAs),
-        (Key::Char('q'), false) => Some(FileAction::Quit),
-        _ => None,
     }
 }
 
@@ -415,59 +378,5 @@ fn dragged(drag: CameraDrag, pixels: Vec2, scale: f32) -> CameraMove {
         }
         CameraDrag::Pan => CameraMove::Pan(pixels),
         CameraDrag::Zoom { at } => CameraMove::Zoom { factor: (points.y * ZOOM_PER_POINT).exp(), at },
-    }
-}
-
-/// The part of a window event that concerns the view.
-#[expect(clippy::cast_possible_truncation, reason = "pixels and gestures need no double precision")]
-pub fn from_winit(event: &WindowEvent) -> Option<Event> {
-    match event {
-        WindowEvent::CursorMoved { position, .. } => {
-            Some(Event::PointerMoved(Vec2::new(position.x as f32, position.y as f32)))
-        }
-        WindowEvent::MouseInput { state, button, .. } => {
-            let button = match button {
-                MouseButton::Left => Button::Primary,
-                MouseButton::Middle => Button::Middle,
-                MouseButton::Right => Button::Secondary,
-                _ => return None,
-            };
-            Some(Event::Button { button, pressed: *state == ElementState::Pressed })
-        }
-        WindowEvent::MouseWheel { delta: MouseScrollDelta::LineDelta(_, lines), .. } => Some(Event::Wheel(*lines)),
-        WindowEvent::MouseWheel { delta: MouseScrollDelta::PixelDelta(pixels), .. } => {
-            Some(Event::Scroll(Vec2::new(pixels.x as f32, pixels.y as f32)))
-        }
-        WindowEvent::PinchGesture { delta, .. } if delta.is_finite() => Some(Event::Pinch(*delta as f32)),
-        WindowEvent::PanGesture { delta, .. } => Some(Event::Scroll(Vec2::new(delta.x, delta.y))),
-        WindowEvent::ModifiersChanged(modifiers) => {
-            let state = modifiers.state();
-            let command = if cfg!(target_os = "macos") { state.super_key() } else { state.control_key() };
-            let other = if cfg!(target_os = "macos") { state.control_key() } else { state.super_key() };
-            Some(Event::Modifiers { shift: state.shift_key(), control: command, other: other || state.alt_key() })
-        }
-        WindowEvent::Focused(false) => Some(Event::FocusLost),
-        WindowEvent::KeyboardInput { event, is_synthetic: false, .. } if event.state == ElementState::Pressed => {
-            Some(Event::Key { key: key_of(&event.logical_key)?, repeat: event.repeat })
-        }
-        _ => None,
-    }
-}
-
-fn key_of(key: &WinitKey) -> Option<Key> {
-    match key {
-        WinitKey::Named(NamedKey::Space) => Some(Key::Space),
-        WinitKey::Named(NamedKey::ArrowRight) => Some(Key::Right),
-        WinitKey::Named(NamedKey::F1) => Some(Key::F1),
-        WinitKey::Named(NamedKey::Escape) => Some(Key::Escape),
-        WinitKey::Named(NamedKey::Delete) => Some(Key::Delete),
-        WinitKey::Named(NamedKey::F2) => Some(Key::F2),
-        WinitKey::Named(NamedKey::Home) => Some(Key::Home),
-        WinitKey::Character(text) => {
-            let mut letters = text.chars().flat_map(char::to_lowercase);
-            let letter = letters.next()?;
-            letters.next().is_none().then_some(if letter == ' ' { Key::Space } else { Key::Char(letter) })
-        }
-        _ => None,
     }
 }

@@ -1,14 +1,21 @@
 //! What a pointer and a keyboard mean, without a window.
 
 use gelatin::app::input::{
-    Action, Button, CameraMove, ChosenAction, Event, Input, Key, Panel, Situation, ViewRect, move_camera,
+    Action, Button, CameraMove, ChosenAction, Event, Input, Key, Keyboard, Panel, Situation, ViewRect, move_camera,
 };
 use gelatin::scene::ColorBy;
 use gelatin::session::Command;
 use gelatin::view::Orbit;
 use glam::Vec2;
 
-const OVER_VIEW: Situation = Situation { over_view: true, typing: false, holdable: false, playing: false, scale: 1.0 };
+const OVER_VIEW: Situation = Situation {
+    over_view: true,
+    dialog_open: false,
+    keyboard: Keyboard::View,
+    holdable: false,
+    playing: false,
+    scale: 1.0,
+};
 const OVER_PANEL: Situation = Situation { over_view: false, ..OVER_VIEW };
 const SHIFT: Event = Event::Modifiers { shift: true, control: false, other: false };
 
@@ -142,7 +149,7 @@ fn every_key_does_what_the_list_of_keys_says() {
 
 #[test]
 fn typing_into_a_field_does_not_drive_the_sandbox() {
-    let typing = Situation { typing: true, ..OVER_VIEW };
+    let typing = Situation { keyboard: Keyboard::Text, ..OVER_VIEW };
     for typed in [Key::Space, Key::Right, Key::Char('r'), Key::Char('3')] {
         assert!(key(typed, typing).is_none(), "{typed:?}");
     }
@@ -215,6 +222,54 @@ fn control_and_z_take_back_but_not_while_typing() {
     assert_eq!(asked(&[control(false), press('z')], OVER_VIEW), ["Send(Undo)"]);
     assert_eq!(asked(&[control(true), press('z')], OVER_VIEW), ["Send(Redo)"]);
     assert_eq!(asked(&[control(false), press('y')], OVER_VIEW), ["Send(Redo)"]);
-    let typing = Situation { typing: true, ..OVER_VIEW };
+    let typing = Situation { keyboard: Keyboard::Text, ..OVER_VIEW };
     assert_eq!(asked(&[control(false), press('z')], typing), [""; 0], "a text field has its own");
+    let slider = Situation { keyboard: Keyboard::Widget, ..OVER_VIEW };
+    assert_eq!(asked(&[control(false), press('z')], slider), ["Send(Undo)"], "a slider has none");
+}
+
+const DIALOG: Situation = Situation { dialog_open: true, ..OVER_VIEW };
+
+#[test]
+fn behind_a_dialog_nothing_hears_keys_or_clicks() {
+    let named = [Key::Space, Key::Right, Key::Home, Key::Delete, Key::F1, Key::F2, Key::Escape].map(|key| (key, false));
+    let letters = ('0'..='9').chain('a'..='z').chain(['.']).map(Key::Char);
+    let keys: Vec<_> = named.into_iter().chain(letters.flat_map(|key| [(key, false), (key, true)])).collect();
+    for (key, control) in keys {
+        let events = [Event::Modifiers { shift: false, control, other: false }, Event::Key { key, repeat: false }];
+        assert_eq!(asked(&events, DIALOG), [""; 0], "{key:?}, control {control}");
+    }
+    for button in [Button::Primary, Button::Middle, Button::Secondary] {
+        assert_eq!(asked(&drag(button), DIALOG), [""; 0], "{button:?}");
+    }
+    for event in [Event::Wheel(1.0), Event::Scroll(Vec2::ONE), Event::Pinch(0.1)] {
+        assert_eq!(asked(&[at(50.0), event], DIALOG), [""; 0], "{event:?}");
+    }
+    assert!(matches!(key(Key::F11, DIALOG), Some(Action::ToggleFullScreen)), "the dialog fills the screen too");
+}
+
+#[test]
+fn a_click_that_closes_a_menu_is_no_click_in_the_view() {
+    let mut input = Input::default();
+    input.on_event(at(50.0), DIALOG);
+    assert!(input.on_event(DOWN, DIALOG).is_none(), "the menu is open when the button goes down");
+    assert!(input.on_event(UP, OVER_JELLY).is_none(), "and closed when it goes up");
+}
+
+#[test]
+fn what_is_held_is_let_go_when_a_dialog_opens() {
+    let mut input = Input::default();
+    for event in [at(50.0), DOWN, at(60.0)] {
+        input.on_event(event, OVER_JELLY);
+    }
+    assert!(matches!(input.on_event(at(70.0), DIALOG), Some(Action::Release)), "let go");
+    assert!(input.on_event(at(80.0), OVER_JELLY).is_none() && !input.dragging(), "and not taken again");
+}
+
+#[test]
+fn escape_ends_typing_before_it_closes_anything_else() {
+    let typing = Situation { keyboard: Keyboard::Text, ..OVER_VIEW };
+    assert!(key(Key::Escape, typing).is_none(), "the field hears it");
+    assert!(matches!(key(Key::Escape, OVER_VIEW), Some(Action::Close)));
+    assert!(matches!(key(Key::F11, typing), Some(Action::ToggleFullScreen)), "no field takes this key");
 }

@@ -14,5 +14,6 @@ mod panels_things;
 mod panels_untouched;
 mod panels_values;
 mod window;
+mod window_dialogs;
 mod window_files;
 mod worker;

@@ -152,6 +152,24 @@ fn a_message_is_shown_until_it_is_put_away_and_a_new_one_comes_back() {
 }
 
 #[test]
+fn escape_closes_one_thing_at_a_time() {
+    let mut stage = stage();
+    stage.status.message = "the model cannot be read".into();
+    stage.ui.keys_open = true;
+    let mut harness = show(stage);
+    for (gone, left) in [("play, pause", Some("The model cannot be read")), ("The model cannot be read", None)] {
+        harness.get_by_label(gone);
+        assert!(harness.state_mut().ui.close_uppermost("the model cannot be read"), "there is something to close");
+        harness.run_steps(3);
+        assert!(harness.query_by_label(gone).is_none(), "{gone} is closed");
+        assert!(left.is_none_or(|left| harness.query_by_label(left).is_some()), "{left:?} is not");
+    }
+    let ui = &mut harness.state_mut().ui;
+    assert!(!ui.close_uppermost("the model cannot be read"), "then Escape is for the view");
+    assert!(!ui.close_uppermost(""), "also where there is no message");
+}
+
+#[test]
 fn a_failure_of_the_program_offers_a_new_start() {
     let mut stage = stage();
     stage.failure = "the simulation stopped because of an error in the program: x".into();

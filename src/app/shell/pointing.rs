@@ -1,11 +1,12 @@
 //! What pointer and keys do in the open window: which thing lies under a pixel, what is held, what an action changes.
 
 use glam::Vec2;
+use winit::window::Fullscreen;
 
 use super::Shell;
 use crate::app::hand;
 use crate::app::handles::{self, Sight};
-use crate::app::input::{self, Action, CameraMove, ChosenAction, Event, Panel, Situation};
+use crate::app::input::{self, Action, CameraMove, ChosenAction, Event, Keyboard, Panel, Situation};
 use crate::app::ui;
 use crate::view::Ray;
 use crate::view::legend::three_digits;
@@ -16,10 +17,21 @@ impl Shell {
         let over_view = self.is_over_view(pointer);
         Situation {
             over_view,
-            typing: self.context.egui_wants_keyboard_input(),
+            dialog_open: self.ui.files.is_open() || egui::Popup::is_any_open(&self.context),
+            keyboard: self.keyboard(),
             holdable: over_view && matches!(event, Event::Button { pressed: true, .. }) && self.is_holdable(pointer),
             playing: self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.playing),
             scale: self.pixels_per_point(),
+        }
+    }
+
+    fn keyboard(&self) -> Keyboard {
+        if self.context.text_edit_focused() {
+            Keyboard::Text
+        } else if self.context.egui_wants_keyboard_input() {
+            Keyboard::Widget
+        } else {
+            Keyboard::View
         }
     }
 
@@ -93,7 +105,8 @@ impl Shell {
             Action::TogglePanel(Panel::Inspector) => self.ui.panels.inspector ^= true,
             Action::TogglePanel(Panel::Cost) => self.ui.panels.cost ^= true,
             Action::ToggleKeys => self.ui.keys_open = !self.ui.keys_open,
-            Action::Close => self.put_away(),
+            Action::ToggleFullScreen => self.toggle_full_screen(),
+            Action::Close => self.close_one(),
             Action::Choose(pixel) => self.choose(pixel),
             Action::Take(pixel) => self.take(pixel),
             Action::Drag(pixel) => self.drag(pixel),
@@ -102,13 +115,23 @@ impl Shell {
         }
     }
 
-    fn put_away(&mut self) {
-        self.release();
-        self.ui.keys_open = false;
-        self.ui.selection = None;
-        let message = self.snapshot.as_ref().map(|snapshot| &snapshot.status.message);
-        let shown = if self.failure.is_empty() { message } else { Some(&self.failure) };
-        self.ui.dismissed = shown.cloned().unwrap_or_default();
+    fn close_one(&mut self) {
+        let message = self.snapshot.as_ref().map_or("", |snapshot| &snapshot.status.message);
+        let message = if self.failure.is_empty() { message } else { &self.failure };
+        if self.ui.close_uppermost(message) {
+            return;
+        }
+        if self.hand.holds() || self.handles.holds() {
+            self.release();
+        } else {
+            self.ui.selection = None;
+            self.changed = true;
+        }
+    }
+
+    fn toggle_full_screen(&self) {
+        let full = self.window.fullscreen().is_some();
+        self.window.set_fullscreen((!full).then_some(Fullscreen::Borderless(None)));
     }
 
     fn choose(&mut self, pixel: Vec2) {

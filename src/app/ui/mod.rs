@@ -141,6 +141,20 @@ impl UiState {
         }
     }
 
+    /// Closes the uppermost thing over the view that Escape closes: the list of keys, then the message there is. Says
+    /// whether there was one.
+    pub fn close_uppermost(&mut self, message: &str) -> bool {
+        if self.keys_open {
+            self.keys_open = false;
+            return true;
+        }
+        let shown = !message.is_empty() && self.dismissed != message;
+        if shown {
+            message.clone_into(&mut self.dismissed);
+        }
+        shown
+    }
+
     /// Chooses what has come, and nothing that is not there.
     fn follow(&mut self, scene: &Scene) {
         let there = |target: &Target| actions::exists(scene, *target);

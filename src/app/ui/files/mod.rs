@@ -101,6 +101,14 @@ impl FilesState {
         self.asked.push(action);
     }
 
+    /// Whether a dialog is open, or will be with the next frame: keys are for it alone.
+    pub fn is_open(&self) -> bool {
+        let opens =
+            |action: &FileAction| matches!(action, FileAction::Open | FileAction::SaveAs | FileAction::LoadModel);
+        let open = self.dialog.is_some() || self.question.is_some() || self.model.is_some();
+        open || self.asked.iter().any(opens)
+    }
+
     /// The system's dialog was answered: a path, or nothing.
     pub fn browsed(&mut self, purpose: PathUse, chosen: Option<&Path>) {
         if let (PathUse::OpenModel, Some(model), Some(path)) = (purpose, &mut self.model, chosen) {

@@ -1,0 +1,97 @@
+//! What keys mean.
+
+use super::{Action, CameraMove, ChosenAction, Keyboard, Panel, Situation};
+use crate::app::ui::files::FileAction;
+use crate::scene::ColorBy;
+use crate::session::Command;
+
+/// A key that means something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Key {
+    /// The space bar.
+    Space,
+    /// The arrow to the right.
+    Right,
+    /// The first function key.
+    F1,
+    /// The second function key.
+    F2,
+    /// The eleventh function key.
+    F11,
+    /// The escape key.
+    Escape,
+    /// The key that deletes.
+    Delete,
+    /// The key for the beginning.
+    Home,
+    /// A letter (lower case), digit or sign.
+    Char(char),
+}
+
+/// The keys held beside others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Modifiers {
+    pub(super) shift: bool,
+    /// Control, or command where that is the habit.
+    pub(super) control: bool,
+    /// Alt or the system key.
+    pub(super) other: bool,
+}
+
+/// What a key asks for when nothing lies over the view; `repeat`: it was down already.
+pub(super) fn action(key: Key, repeat: bool, held: Modifiers, situation: Situation) -> Option<Action> {
+    // Holding a key down steps on and on; everything else happens once.
+    let stepping = matches!(key, Key::Right | Key::Char('.'));
+    if held.control && !held.other {
+        let history = if situation.keyboard == Keyboard::Text { None } else { history_key(key, held.shift) };
+        let files = || file_action(key, held.shift).filter(|_| !repeat).map(Action::Files);
+        return history.or_else(files);
+    }
+    if held.control || held.other || (repeat && !stepping) {
+        return None;
+    }
+    match key {
+        Key::F1 => Some(Action::ToggleKeys),
+        Key::F11 => Some(Action::ToggleFullScreen),
+        // Escape too: it takes the keyboard from a widget, and the next one is for the view.
+        _ if situation.keyboard != Keyboard::View => None,
+        Key::Escape => Some(Action::Close),
+        Key::Space if situation.playing => Some(Action::Send(Command::Pause)),
+        Key::Space => Some(Action::Send(Command::Play)),
+        Key::Right | Key::Char('.') => Some(Action::Send(Command::StepOnce)),
+        Key::Char('r') => Some(Action::Send(Command::Restart)),
+        Key::Home => Some(Action::Camera(CameraMove::FrameAll)),
+        Key::Char('t') => Some(Action::TogglePanel(Panel::Tree)),
+        Key::Char('n') => Some(Action::TogglePanel(Panel::Inspector)),
+        Key::Char('c') => Some(Action::TogglePanel(Panel::Cost)),
+        Key::Char('f') => Some(Action::Camera(CameraMove::Frame)),
+        Key::Char('x') | Key::Delete => Some(Action::Chosen(ChosenAction::Delete)),
+        Key::Char('d') if held.shift => Some(Action::Chosen(ChosenAction::Duplicate)),
+        Key::Char('h') => Some(Action::Chosen(ChosenAction::Hide)),
+        Key::F2 => Some(Action::Chosen(ChosenAction::Rename)),
+        Key::Char(digit) => {
+            let index = usize::try_from(digit.to_digit(10)?).ok()?.checked_sub(1)?;
+            ColorBy::ALL.get(index).copied().map(Action::ColorBy)
+        }
+    }
+}
+
+fn history_key(key: Key, shift: bool) -> Option<Action> {
+    match (key, shift) {
+        (Key::Char('z'), false) => Some(Action::Send(Command::Undo)),
+        (Key::Char('z'), true) | (Key::Char('y'), false) => Some(Action::Send(Command::Redo)),
+        _ => None,
+    }
+}
+
+/// What a key means with control.
+fn file_action(key: Key, shift: bool) -> Option<FileAction> {
+    match (key, shift) {
+        (Key::Char('n'), false) => Some(FileAction::New),
+        (Key::Char('o'), false) => Some(FileAction::Open),
+        (Key::Char('s'), false) => Some(FileAction::Save),
+        (Key::Char('s'), true) => Some(FileAction::SaveAs),
+        (Key::Char('q'), false) => Some(FileAction::Quit),
+        _ => None,
+    }
+}
