@@ -4,11 +4,13 @@
 //! ```text
 //! particles, scalars ─► skin (compute) ─► shadow ─► mesh ─► solid ─► background ─► ground ─► lines, cells, points
 //!                                                                            ─► fills ─► resolve ─► target
+//! target, panels ─► compose ─► the window's surface
 //! ```
 //!
 //! Lifetimes: a [`Gpu`] lives as long as the program, a [`Renderer`] as long as the device and the target's format,
 //! what it uploads as long as the `Arc`s of the draw list are the same, a [`FrameTarget`] for one picture.
 
+pub mod compose;
 pub mod error;
 pub mod gpu;
 pub mod layout;
@@ -26,6 +28,7 @@ mod scene;
 mod shadow_fit;
 mod shared;
 
+pub use compose::Compositor;
 pub use error::{GpuError, RenderError};
 pub use gpu::{Gpu, Preference};
 pub use renderer::{FrameCounters, FrameTarget, Renderer, Viewport};

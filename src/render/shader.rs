@@ -42,9 +42,12 @@ pub const CELLS: Shader = Shader { name: "cells", parts: &[FRAME, STROKE, includ
 pub const POINTS: Shader = Shader { name: "points", parts: &[FRAME, include_str!("../../shaders/points.wgsl")] };
 /// Flat shapes over everything.
 pub const FILLS: Shader = Shader { name: "fills", parts: &[FRAME, include_str!("../../shaders/fills.wgsl")] };
+/// A picture and the panels over it.
+pub const COMPOSE: Shader = Shader { name: "compose", parts: &[include_str!("../../shaders/compose.wgsl")] };
 
 /// Every shader, in the order in which passes run.
-pub const ALL: [Shader; 11] = [SKIN, SHADOW, SOLID, MESH, BACKGROUND, GROUND, LINES, CELLS, POINTS, OUTLINE, FILLS];
+pub const ALL: [Shader; 12] =
+    [SKIN, SHADOW, SOLID, MESH, BACKGROUND, GROUND, LINES, CELLS, POINTS, OUTLINE, FILLS, COMPOSE];
 
 impl Shader {
     /// The whole source.

@@ -2,6 +2,7 @@
 //! comparison of pictures can fail. A machine without an adapter fails these tests and says what to install.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+mod compose;
 mod errors;
 mod harness;
 mod layout;
