@@ -7,6 +7,7 @@ pub mod axes;
 pub mod camera;
 pub mod color;
 pub mod colormap;
+pub mod difference;
 pub mod draw_list;
 pub mod gizmo;
 pub mod image;
@@ -19,6 +20,7 @@ pub mod style;
 
 pub use camera::Camera;
 pub use colormap::Colormap;
+pub use difference::Change;
 pub use draw_list::{DrawList, Light, Selected, SkinInstance, Solid};
 pub use gizmo::Gizmo;
 pub use image::Image;
