@@ -42,12 +42,13 @@
 //!
 //! A frame uploads the positions of particles, and one scalar each when colours are on: skins are evaluated on the
 //! GPU from eight particles and weights a vertex. The window never waits for a step: the session runs on a thread of
-//! its own and publishes its newest picture.
+//! its own and publishes its newest picture. A frame is drawn only where something looks different, and where a
+//! processor draws, at a pace and with as many pixels as leave the simulation its share (`app::pace`).
 //!
 //! # Invariants, and the test that holds each
 //!
 //! 1. The core builds and passes without features; no graphics or window crate is in its tree (`.ci/run`).
-//! 2. Only `app` names egui and winit; only `render` and `app::window` name wgpu (`tests/tidy.rs`).
+//! 2. Only `app` names egui and winit; only `render` and `app::canvas` name wgpu (`tests/tidy.rs`).
 //! 3. A step cannot fail, allocate, read a clock or log; it abandons a step that would make a number infinite and
 //!    keeps the last good state (`tests/physics/determinism.rs`, `stability.rs`).
 //! 4. The same scene gives the same bits; what a plan leaves out changes nothing but time (`tests/physics/determinism.rs`,

@@ -23,7 +23,7 @@ const LAYERS: [(&str, &[&str]); 12] = [
 
 /// Words that may stand only in files below these places, and why not elsewhere.
 const PLACES: [(&str, &[&str]); 5] = [
-    ("wgpu::", &["src/render/", "src/app/window.rs"]),
+    ("wgpu::", &["src/render/", "src/app/canvas/"]),
     ("egui", &["src/app/"]),
     ("winit::", &["src/app/"]),
     ("Instant::now", &["src/app/", "src/session/", "src/report/", "src/cli/"]),

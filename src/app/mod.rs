@@ -4,18 +4,20 @@
 //! ```text
 //! winit event ─ input ──┐                              ┌─ worker thread ─┐
 //! egui panel ── ui ─────┼─ Command ─── channel ──────► │     Session     │
-//! surface ◄─ window ◄─ shell ◄─ newest Snapshot ◄ slot ┴─────────────────┘
+//! surface ◄─ canvas ◄─ shell ◄─ newest Snapshot ◄ slot ┴─────────────────┘
 //! ```
 //!
 //! Everything is event-driven: without a new snapshot, an event or an animation nothing is drawn.
 
+pub mod canvas;
+pub mod frame_meter;
 pub mod hand;
 pub mod handles;
 pub mod input;
+pub mod pace;
 pub mod recovery;
 pub mod theme;
 pub mod ui;
-pub mod window;
 pub mod worker;
 
 mod files;
@@ -28,7 +30,7 @@ use egui_winit::accesskit_winit;
 use thiserror::Error;
 use winit::application::ApplicationHandler;
 use winit::error::EventLoopError;
-use winit::event::{StartCause, WindowEvent};
+use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::WindowId;
 
@@ -125,14 +127,8 @@ impl ApplicationHandler<Wake> for App {
         self.with_shell(event_loop, |shell| shell.on_wake(wake));
     }
 
-    fn new_events(&mut self, _event_loop: &ActiveEventLoop, _cause: StartCause) {
-        if let Some(shell) = &mut self.shell {
-            shell.on_time();
-        }
-    }
-
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
-        let next = self.shell.as_ref().and_then(Shell::next_frame);
+        let next = self.shell.as_mut().and_then(Shell::next_frame);
         event_loop.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 }

@@ -1,10 +1,10 @@
-//! The open window: what it remembers, what it does with an event, how a frame comes about. Holds the pieces together
-//! and decides when to draw; what the pieces do stands in their own modules.
+//! The open window: what it remembers and what it does with an event. Holds the pieces together; what the pieces do
+//! stands in their own modules.
 
+mod drawing;
 mod pointing;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use egui::ViewportId;
 use egui_winit::accesskit_winit;
@@ -16,28 +16,27 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::window::Window;
 
+use self::drawing::Drawing;
+use super::canvas::{Canvas, CanvasError};
 use super::files::Files;
-use super::hand::{self, Hand};
+use super::hand::Hand;
 use super::handles::Handles;
 use super::input::{self, Action, Input, ViewRect};
+use super::pace::Reason;
 use super::ui::files::FileAction;
 use super::ui::{self, Framing, Running, UiState};
-use super::window::{Canvas, CanvasError, Frame, Shown};
 use super::worker::{Ended, Snapshot, Worker, sentence};
 use super::{Wake, theme};
 use crate::extract;
 use crate::scene::{ColorBy, Scene, presets};
 use crate::session::Status;
 use crate::session::document::Opened;
-use crate::view::axes::axes;
-use crate::view::{DrawList, Orbit, Overlay};
+use crate::view::{DrawList, Orbit};
 
 /// The window's size at the start, points.
 const SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
 /// The smallest window in which everything can be reached, points.
 const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(760.0, 420.0);
-/// How long to wait before a frame that the surface refused is tried again.
-const RETRY: Duration = Duration::from_millis(30);
 
 /// Why the window cannot go on.
 #[derive(Debug, Error)]
@@ -72,8 +71,7 @@ pub(super) struct Shell {
     /// The view's picture differs from the one on the screen.
     changed: bool,
     visible: bool,
-    /// When the panels want to be drawn again, if nothing else happens.
-    next_frame: Option<Instant>,
+    drawing: Drawing,
 }
 
 impl Shell {
@@ -93,7 +91,7 @@ impl Shell {
         let canvas = Canvas::new(event_loop, Arc::clone(&window))?;
         let (context, egui) = interface(event_loop, &window, &canvas, proxy.clone());
         window.set_visible(true);
-        window.request_redraw();
+        let drawing = Drawing::new(canvas.is_software());
         let mut ui = UiState::new(presets::presets());
         let files = Files::new(&mut ui.files);
         Ok(Self {
@@ -112,14 +110,9 @@ impl Shell {
             ui,
             failure: String::new(),
             changed: true,
+            drawing,
             visible: true,
-            next_frame: None,
         })
-    }
-
-    /// When the event loop must wake by itself, if at all.
-    pub(super) fn next_frame(&self) -> Option<Instant> {
-        self.next_frame
     }
 
     /// Answers an event of the window.
@@ -149,8 +142,11 @@ impl Shell {
         if matches!(event, WindowEvent::CursorMoved { .. }) {
             self.hover();
         }
-        if response.repaint && self.visible {
-            self.window.request_redraw();
+        if response.repaint {
+            self.drawing.ask_panels();
+        }
+        if self.changed {
+            self.drawing.ask_picture(Reason::Input);
         }
         Ok(())
     }
@@ -159,27 +155,22 @@ impl Shell {
     pub(super) fn on_wake(&mut self, wake: Wake) -> Result<(), ShellError> {
         match wake {
             Wake::Worker => self.receive()?,
-            Wake::Dialog => self.files.answer(&mut self.ui.files),
-            Wake::Accessibility(event) => match event.window_event {
-                accesskit_winit::WindowEvent::InitialTreeRequested => self.context.enable_accesskit(),
-                accesskit_winit::WindowEvent::ActionRequested(request) => {
-                    self.egui.on_accesskit_action_request(request);
+            Wake::Dialog => {
+                self.files.answer(&mut self.ui.files);
+                self.drawing.ask_panels();
+            }
+            Wake::Accessibility(event) => {
+                match event.window_event {
+                    accesskit_winit::WindowEvent::InitialTreeRequested => self.context.enable_accesskit(),
+                    accesskit_winit::WindowEvent::ActionRequested(request) => {
+                        self.egui.on_accesskit_action_request(request);
+                    }
+                    accesskit_winit::WindowEvent::AccessibilityDeactivated => self.context.disable_accesskit(),
                 }
-                accesskit_winit::WindowEvent::AccessibilityDeactivated => self.context.disable_accesskit(),
-            },
-        }
-        if self.visible {
-            self.window.request_redraw();
+                self.drawing.ask_panels();
+            }
         }
         Ok(())
-    }
-
-    /// Draws when the panels asked for it some time ago.
-    pub(super) fn on_time(&mut self) {
-        if self.next_frame.is_some_and(|due| due <= Instant::now()) {
-            self.next_frame = None;
-            self.window.request_redraw();
-        }
     }
 
     fn receive(&mut self) -> Result<(), ShellError> {
@@ -198,13 +189,15 @@ impl Shell {
                 self.window.set_title(&format!("{mark}{} — Gelatin", snapshot.status.title));
             }
             self.files.on_snapshot(&snapshot, extract::view::camera_settings(&self.orbit), &mut self.ui.files);
+            let answered = old.is_none_or(|old| old.answers != snapshot.answers);
             self.snapshot = Some(snapshot);
-            self.changed = true;
+            self.ask_for_snapshot(answered);
         }
         match self.worker.take_ended() {
             Some(ended @ Ended::NotStarted(_)) if self.snapshot.is_none() => Err(ShellError::Start(ended)),
             Some(ended) => {
                 self.failure = sentence(&ended);
+                self.drawing.ask_panels();
                 if let Some(snapshot) = &mut self.snapshot {
                     snapshot.status.playing = false;
                 }
@@ -250,62 +243,13 @@ impl Shell {
         }
     }
 
-    fn draw(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
-        let mut output = self.run_panels();
-        self.grant_wishes(event_loop);
-        self.egui.handle_platform_output_with_event_loop(&self.window, event_loop, output.platform_output);
-        let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |root| root.repaint_delay);
-        self.next_frame = Instant::now().checked_add(delay);
-        let panels = self.context.tessellate(output.shapes, output.pixels_per_point);
-        let view = self.view();
-        let sight = self.sight(self.input.pointer());
-        if let Some(snapshot) = &mut self.snapshot {
-            let (picture, scale) = (&mut snapshot.draw_list, output.pixels_per_point);
-            picture.camera = self.orbit.camera();
-            picture.style = self.ui.theme.style();
-            picture.selected = self.ui.selection.and_then(|target| hand::place(&snapshot.scene, target));
-            picture.overlay.scale = scale;
-            let cross = axes(&picture.camera, &picture.style.overlay);
-            picture.tools = Overlay { lines: vec![cross], scale, ..Overlay::default() };
-            if let Some([grabbed, target]) = self.hand.pulled(picture) {
-                extract::overlay::add_grab(&mut picture.tools, grabbed, target);
-            }
-            let colors = picture.style.overlay;
-            self.handles.add_to(&mut picture.tools, &snapshot.scene, self.ui.selection, &sight, &colors);
-        }
-        let frame = Frame {
-            draw_list: self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list),
-            changed: self.changed,
-            moving: self.input.dragging() || self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.playing),
-            view,
-            panels: &panels,
-            pixels_per_point: output.pixels_per_point,
-        };
-        self.canvas.update_textures(&mut output.textures_delta);
-        let shown = self.canvas.show(&frame);
-        self.canvas.free_textures(&mut output.textures_delta);
-        match shown {
-            Ok(Shown::Presented) => {
-                log::trace!("a frame is on the screen");
-                self.changed = false;
-            }
-            Ok(Shown::Again) => self.next_frame = Some(Instant::now() + RETRY),
-            Ok(Shown::Unseen) => self.next_frame = None,
-            Err(error) => self.recover(event_loop, error)?,
-        }
-        if self.next_frame.is_some_and(|due| due <= Instant::now()) {
-            self.next_frame = None;
-            self.window.request_redraw();
-        }
-        Ok(())
-    }
-
-    fn run_panels(&mut self) -> egui::FullOutput {
+    fn lay_out_panels(&mut self) -> egui::FullOutput {
         let raw_input = self.egui.take_egui_input(&self.window);
         self.ui.files.camera = extract::view::camera_settings(&self.orbit);
         let value = self.value_under_pointer();
+        let drawing = self.drawing.cost();
         let Self { context, snapshot, ui, failure, worker, .. } = self;
-        let shown = ui::Shown { running: snapshot.as_ref().map(running), failure, value: &value };
+        let shown = ui::Shown { running: snapshot.as_ref().map(running), failure, value: &value, drawing };
         let (mut commands, looks) = (Vec::new(), (ui.theme, ui.selection));
         let output = context.run_ui(raw_input, |root| ui::panels_ui(root, &shown, ui, &mut commands));
         for command in commands {
@@ -372,7 +316,7 @@ impl Shell {
         // The panels' textures went with the device: a new context sends them again.
         let (context, egui) = interface(event_loop, &self.window, &self.canvas, self.proxy.clone());
         (self.context, self.egui, self.changed) = (context, egui, true);
-        self.window.request_redraw();
+        self.drawing = Drawing::new(self.canvas.is_software());
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! The sandbox on a thread of its own: commands go in through a channel, the newest snapshot comes out through a slot.
-//! The window never waits for a step, however dear; a paused sandbox that nobody touches costs nothing. Knows nothing
-//! of windows: whoever starts a worker says how it is to be woken.
+//! The window never waits for a step, however expensive; a sandbox that is paused or at rest, and that nobody touches,
+//! publishes nothing. Knows nothing of windows: whoever starts a worker says how it is to be woken.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -9,14 +9,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use thiserror::Error;
-use thread_priority::{ThreadPriority, set_current_thread_priority};
 
 use crate::scene::Scene;
 use crate::session::document::Opened;
 use crate::session::{Command, Session, SessionError, Status};
 use crate::view::DrawList;
 
-/// Wall time between two snapshots of a running sandbox: a frame of a common display.
+/// Wall time between two looks at the clock of a running sandbox, and the shortest between two snapshots of it: a frame
+/// of a common display.
 const FRAME: Duration = Duration::from_nanos(16_666_667);
 
 /// What a worker runs: a [`Session`], or something simpler in a test.
@@ -25,6 +25,12 @@ pub trait Sandbox {
     fn handle(&mut self, command: Command) -> Result<(), SessionError>;
     /// Lets `wall` time pass and returns after about `budget`.
     fn advance(&mut self, wall: Duration, budget: Duration);
+    /// Whether time runs.
+    fn is_playing(&self) -> bool;
+    /// Whether its picture stays as it is until something is asked for.
+    fn is_at_rest(&self) -> bool;
+    /// What share of the time drawing takes, 0 to 1.
+    fn note_drawing(&mut self, share: f64);
     /// What the panels show.
     fn status(&self) -> Status;
     /// The document.
@@ -40,6 +46,18 @@ impl Sandbox for Session {
 
     fn advance(&mut self, wall: Duration, budget: Duration) {
         self.advance(wall, budget);
+    }
+
+    fn is_playing(&self) -> bool {
+        self.is_playing()
+    }
+
+    fn is_at_rest(&self) -> bool {
+        self.is_at_rest()
+    }
+
+    fn note_drawing(&mut self, share: f64) {
+        self.note_drawing(share);
     }
 
     fn status(&self) -> Status {
@@ -66,6 +84,8 @@ pub struct Snapshot {
     pub scene: Arc<Scene>,
     /// Counts the scenes there have been: when it grows, the camera starts anew.
     pub generation: u64,
+    /// Counts what was asked for and done.
+    pub answers: u64,
 }
 
 /// Why a worker stopped by itself.
@@ -90,6 +110,7 @@ pub struct Worker {
 enum Order {
     Do(Command),
     Visible(bool),
+    Drawing { interval: Duration, share: f64 },
 }
 
 impl Order {
@@ -97,7 +118,9 @@ impl Order {
     fn supersedes(&self, before: &Self) -> bool {
         match (self, before) {
             (Self::Do(Command::Edit(edit)), Self::Do(Command::Edit(before))) => edit.replaces_same_node_as(before),
-            (Self::Do(Command::Grab(_)), Self::Do(Command::Grab(_))) => true,
+            (Self::Do(Command::Grab(_)), Self::Do(Command::Grab(_))) | (Self::Drawing { .. }, Self::Drawing { .. }) => {
+                true
+            }
             _ => false,
         }
     }
@@ -124,10 +147,6 @@ impl Worker {
         let slot = Arc::new(Mutex::new(Slot::default()));
         let publisher = Publisher { slot: Arc::clone(&slot), wake };
         std::thread::spawn(move || {
-            // The picture goes before the simulation: what a person does is answered however dear the physics.
-            if let Err(error) = set_current_thread_priority(ThreadPriority::Min) {
-                log::debug!("the simulation keeps the priority it has: {error:?}");
-            }
             let outcome = catch_unwind(AssertUnwindSafe(|| match make() {
                 Ok(sandbox) => Loop::new(sandbox, &received, &publisher).run(),
                 Err(error) => publisher.end(Ended::NotStarted(error)),
@@ -147,6 +166,11 @@ impl Worker {
     /// Says whether anyone can see the picture: an unseen sandbox keeps its time and publishes nothing.
     pub fn set_visible(&self, visible: bool) {
         self.order(Order::Visible(visible));
+    }
+
+    /// Says how often the window draws and what share of the time that takes: nobody needs more snapshots than that.
+    pub fn set_drawing(&self, interval: Duration, share: f64) {
+        self.order(Order::Drawing { interval, share });
     }
 
     /// The newest snapshot, if there is one that was not taken yet.
@@ -196,37 +220,60 @@ struct Loop<'a, S, W> {
     generation: u64,
     failure: Option<String>,
     visible: bool,
+    /// When time was last let pass.
     last: Instant,
+    /// When a snapshot was last published, and the time between two of them.
+    published: Instant,
+    interval: Duration,
+    /// The last snapshot was one of something at rest.
+    rested: bool,
+    answers: u64,
 }
 
 impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
     fn new(sandbox: S, orders: &'a Receiver<Order>, publisher: &'a Publisher<W>) -> Self {
         let scene = Arc::new(sandbox.scene().clone());
-        let last = Instant::now();
-        Self { sandbox, orders, publisher, scene, generation: 0, failure: None, visible: true, last }
+        let now = Instant::now();
+        Self {
+            sandbox,
+            orders,
+            publisher,
+            scene,
+            generation: 0,
+            failure: None,
+            visible: true,
+            last: now,
+            published: now,
+            interval: FRAME,
+            rested: false,
+            answers: 0,
+        }
     }
 
     fn run(&mut self) {
         self.publish();
         loop {
-            let playing = self.sandbox.status().playing;
+            let playing = self.sandbox.is_playing();
             let Ok(touched) = self.obey(playing) else { return };
             let now = Instant::now();
-            if playing && self.sandbox.status().playing {
+            if playing && self.sandbox.is_playing() {
                 self.sandbox.advance(now - self.last, FRAME);
             }
             self.last = now;
-            if self.visible && (playing || touched) {
+            let moves = playing && !(self.rested && self.sandbox.is_at_rest());
+            if self.visible && (touched || moves && self.published.elapsed() >= self.interval) {
                 self.publish();
             }
         }
     }
 
-    /// Waits until it is time for a step or something was asked for, and does all that was. Says whether there was
-    /// anything; an error means that the window is gone.
+    /// Waits until it is time for a step or a snapshot or something was asked for, and does all that was. Says whether
+    /// that may have changed what a snapshot shows; an error means that the window is gone.
     fn obey(&mut self, playing: bool) -> Result<bool, WindowGone> {
         let first = if playing {
-            let due = FRAME.saturating_sub(self.last.elapsed());
+            let step = FRAME.saturating_sub(self.last.elapsed());
+            let snapshot = self.interval.saturating_sub(self.published.elapsed());
+            let due = if self.rested { step } else { step.min(snapshot) };
             match self.orders.recv_timeout(due) {
                 Ok(order) => order,
                 Err(RecvTimeoutError::Timeout) => return Ok(false),
@@ -245,18 +292,25 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         };
         // A slider that is dragged faster than the sandbox follows needs only its last value.
         let mut orders = orders.into_iter().peekable();
+        let mut touched = false;
         while let Some(order) = orders.next() {
             if !orders.peek().is_some_and(|next| next.supersedes(&order)) {
+                touched |= !matches!(order, Order::Drawing { .. });
                 self.follow(order);
             }
         }
-        if gone { Err(WindowGone) } else { Ok(true) }
+        if gone { Err(WindowGone) } else { Ok(touched) }
     }
 
     fn follow(&mut self, order: Order) {
         match order {
             Order::Visible(visible) => self.visible = visible,
+            Order::Drawing { interval, share } => {
+                self.interval = interval.max(FRAME);
+                self.sandbox.note_drawing(share);
+            }
             Order::Do(command) => {
+                self.answers += 1;
                 let replaces = command.replaces_scene();
                 self.failure = self.sandbox.handle(command).err().map(|error| sentence(&error));
                 self.generation += u64::from(replaces && self.failure.is_none());
@@ -272,8 +326,9 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         if let Some(failure) = &self.failure {
             status.message.clone_from(failure);
         }
-        let (scene, generation) = (Arc::clone(&self.scene), self.generation);
-        self.publisher.publish(Snapshot { draw_list: self.sandbox.draw_list(), status, scene, generation });
+        (self.published, self.rested) = (Instant::now(), self.sandbox.is_at_rest());
+        let (scene, generation, answers) = (Arc::clone(&self.scene), self.generation, self.answers);
+        self.publisher.publish(Snapshot { draw_list: self.sandbox.draw_list(), status, scene, generation, answers });
     }
 }
 

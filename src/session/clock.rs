@@ -15,11 +15,25 @@ pub(super) struct Clock {
     history: VecDeque<Stretch>,
 }
 
-/// One call's wall time and the simulated time that came of it.
-#[derive(Clone, Copy, Debug)]
-struct Stretch {
-    wall_secs: f64,
-    simulated_secs: f64,
+/// A stretch of wall time and what became of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(clippy::struct_field_names, reason = "the unit of each")]
+pub(super) struct Stretch {
+    /// Wall time, s.
+    pub(super) wall_secs: f64,
+    /// Simulated time, s.
+    pub(super) simulated_secs: f64,
+    /// Wall time spent in steps, s.
+    pub(super) stepping_secs: f64,
+    /// Of that, the time in which a processor was at work on them, s.
+    pub(super) processor_secs: f64,
+}
+
+impl Stretch {
+    /// Simulated seconds a wall second; `None` of no time.
+    pub(super) fn real_time_factor(&self) -> Option<f64> {
+        (self.wall_secs > 0.0).then(|| self.simulated_secs / self.wall_secs)
+    }
 }
 
 impl Clock {
@@ -47,8 +61,8 @@ impl Clock {
     }
 
     /// Notes what a stretch of wall time brought.
-    pub(super) fn note(&mut self, wall_secs: f64, simulated_secs: f64) {
-        self.history.push_back(Stretch { wall_secs, simulated_secs });
+    pub(super) fn note(&mut self, stretch: Stretch) {
+        self.history.push_back(stretch);
         let mut total: f64 = self.history.iter().map(|stretch| stretch.wall_secs).sum();
         while let Some(oldest) = self.history.front().filter(|oldest| total - oldest.wall_secs >= WINDOW_SECS) {
             total -= oldest.wall_secs;
@@ -56,13 +70,14 @@ impl Clock {
         }
     }
 
-    /// Simulated seconds a wall second, lately; `None` before anything was noted.
-    pub(super) fn real_time_factor(&self) -> Option<f64> {
-        let (wall, simulated) = self
-            .history
-            .iter()
-            .fold((0.0, 0.0), |(wall, simulated), s| (wall + s.wall_secs, simulated + s.simulated_secs));
-        (wall > 0.0).then(|| simulated / wall)
+    /// The last second or so; nothing before anything was noted.
+    pub(super) fn lately(&self) -> Stretch {
+        self.history.iter().fold(Stretch::default(), |sum, stretch| Stretch {
+            wall_secs: sum.wall_secs + stretch.wall_secs,
+            simulated_secs: sum.simulated_secs + stretch.simulated_secs,
+            stepping_secs: sum.stepping_secs + stretch.stepping_secs,
+            processor_secs: sum.processor_secs + stretch.processor_secs,
+        })
     }
 }
 
@@ -101,8 +116,12 @@ mod tests {
     #[test]
     fn the_factor_is_that_of_the_last_second() {
         let mut clock = Clock::default();
-        (0..120).for_each(|frame| clock.note(1.0 / 60.0, if frame < 60 { 0.0 } else { 0.5 / 60.0 }));
-        let factor = clock.real_time_factor().expect("something was noted");
+        assert_eq!(clock.lately().real_time_factor(), None, "nothing was noted");
+        for frame in 0..120 {
+            let simulated_secs = if frame < 60 { 0.0 } else { 0.5 / 60.0 };
+            clock.note(Stretch { wall_secs: 1.0 / 60.0, simulated_secs, ..Stretch::default() });
+        }
+        let factor = clock.lately().real_time_factor().expect("something was noted");
         assert!((factor - 0.5).abs() < 0.02, "half speed lately, got {factor}");
     }
 }

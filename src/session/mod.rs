@@ -16,6 +16,7 @@ mod picture;
 pub mod predict;
 pub mod run;
 mod safe;
+mod slowness;
 pub mod state_file;
 pub mod status;
 pub mod trouble;
@@ -26,6 +27,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use cpu_time::ThreadTime;
 use glam::DVec3;
 use thiserror::Error;
 
@@ -42,14 +44,14 @@ use crate::scene::Scene;
 use crate::scene::edit::EditError;
 use crate::scene::file::SceneFileError;
 use crate::scene::resolve::ResolveError;
-use crate::scene::settings::Integrator;
 use bodies::Bodies;
-use clock::Clock;
+use clock::{Clock, Stretch};
 use costs::Costs;
 use document::{Document, Opened, SaveError};
 use history::History;
 use library::Library;
 use picture::Picture;
+use slowness::Sample;
 
 /// Speeds a person may ask for, simulated seconds a wall second.
 const SPEEDS: [f64; 2] = [0.01, 10.0];
@@ -110,6 +112,10 @@ pub struct Session {
     safe: Vec<safe::Found>,
     /// What the steps cost, while someone looks.
     costs: Option<Costs>,
+    /// Where their time goes, from a few of them.
+    sample: Sample,
+    /// The share of the time that drawing takes.
+    drawing: f64,
 }
 
 impl Session {
@@ -145,6 +151,8 @@ impl Session {
             notice: String::new(),
             picture: Picture::default(),
             costs: None,
+            sample: Sample::default(),
+            drawing: 0.0,
             safe: Vec::new(),
         };
         session.find_notice();
@@ -215,7 +223,7 @@ impl Session {
         if !self.playing {
             return;
         }
-        let begin = Instant::now();
+        let (begin, processor) = (Instant::now(), ThreadTime::now());
         let time_before = self.simulation.state().time_secs;
         let dt_secs = self.scene.settings.dt;
         self.clock.owe(wall.as_secs_f64(), self.speed);
@@ -227,7 +235,12 @@ impl Session {
                 self.clock.pay(dt_secs);
             }
         }
-        self.clock.note(wall.as_secs_f64(), self.simulation.state().time_secs - time_before);
+        self.clock.note(Stretch {
+            wall_secs: wall.as_secs_f64(),
+            simulated_secs: self.simulation.state().time_secs - time_before,
+            stepping_secs: begin.elapsed().as_secs_f64(),
+            processor_secs: processor.elapsed().as_secs_f64(),
+        });
         self.find_inversion();
     }
 
@@ -247,7 +260,10 @@ impl Session {
     fn substep(&mut self) -> bool {
         let asleep = self.simulation.is_asleep();
         self.report = match &mut self.costs {
-            None => self.simulation.substep(&mut ()),
+            None => match self.sample.next() {
+                None => self.simulation.substep(&mut ()),
+                Some(timer) => self.simulation.substep(timer),
+            },
             Some(costs) => {
                 let report = self.simulation.substep(costs.timer());
                 costs.note(&report, &self.simulation);
@@ -269,17 +285,20 @@ impl Session {
         let plan = self.simulation.plan();
         let model = self.simulation.model();
         let links: usize = model.link_counts().iter().sum();
-        let factor = self.clock.real_time_factor().unwrap_or(self.speed);
+        let lately = self.clock.lately();
         Status {
             title: self.document.title.clone(),
             file: self.document.file.clone(),
             unsaved: self.document.is_unsaved(&self.scene),
             base_dir: self.document.base_dir.clone(),
             playing: self.playing,
+            at_rest: self.simulation.is_asleep(),
             time_secs: self.simulation.state().time_secs,
             speed: self.speed,
-            real_time_factor: factor,
-            limited_by: self.slowness(factor, links),
+            real_time_factor: lately.real_time_factor().unwrap_or(self.speed),
+            behind: self.is_behind(),
+            stepping_share: lately.stepping_secs / lately.wall_secs.max(1e-9),
+            limited_by: self.slowness(links),
             dt_secs: plan.substep_secs(),
             dt_safe_secs: plan.limits.dt_safe_secs().unwrap_or(f64::INFINITY),
             integrator: plan.integrator,
@@ -317,25 +336,14 @@ impl Session {
         model.bodies.iter().zip(&state.bodies).zip(&self.safe).map(status).collect()
     }
 
-    fn slowness(&self, factor: f64, links: usize) -> String {
-        let plan = self.simulation.plan();
-        if !self.playing || factor >= 0.95 * self.speed || factor <= 0.0 {
-            return String::new();
-        }
-        let times = self.speed / factor;
-        let pace = if (self.speed - 1.0).abs() < 1e-9 { "real time" } else { "the speed asked for" };
-        let cause = if self.simulation.state().halvings > 0 {
-            "the motion is too violent for the implicit integrator's steps, which are halved again and again".to_owned()
-        } else if plan.substeps > 1 && plan.integrator != Integrator::Implicit {
-            format!(
-                "{} takes {} substeps in every step of {links} links",
-                plan.limits.limited_by(plan.dt_secs).words(),
-                plan.substeps
-            )
-        } else {
-            format!("limited by the number of links, {links}")
-        };
-        format!("{times:.1} times slower than {pace}: {cause}")
+    /// Whether time runs.
+    pub fn is_playing(&self) -> bool {
+        self.playing
+    }
+
+    /// Whether nothing moves and nothing will, until someone touches it.
+    pub fn is_at_rest(&self) -> bool {
+        !self.playing || self.simulation.is_asleep()
     }
 
     /// The document.

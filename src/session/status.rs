@@ -10,6 +10,7 @@ use crate::scene::settings::Integrator;
 
 /// The state of a session, published with every snapshot.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "four independent facts, each true or not")]
 pub struct Status {
     /// A preset's name or a file's.
     pub title: String,
@@ -21,12 +22,18 @@ pub struct Status {
     pub base_dir: PathBuf,
     /// Whether time runs.
     pub playing: bool,
+    /// Whether all bodies have come to rest: time runs, but nothing moves until something is touched.
+    pub at_rest: bool,
     /// Simulated time, s.
     pub time_secs: f64,
     /// Speed asked for: simulated seconds a wall second.
     pub speed: f64,
     /// Speed reached over the last second; 1 is real time.
     pub real_time_factor: f64,
+    /// Whether simulated time is owed that there was no time for.
+    pub behind: bool,
+    /// The share of the last second that was spent in steps.
+    pub stepping_share: f64,
     /// Why the speed asked for is not reached, in plain words; empty when it is.
     pub limited_by: String,
     /// The step in use, s: a whole step divided by its substeps.

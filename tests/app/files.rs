@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use gelatin::app::frame_meter::DrawingCost;
 use gelatin::app::theme;
 use gelatin::app::ui::files::{FileAction, FoundDraft, PathUse, Wish, Work};
 use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
@@ -31,7 +32,12 @@ fn show(file: Option<&Path>, unsaved: bool) -> Harness<'static, Stage> {
             let running = Running { status: &stage.status, scene: &stage.scene, color_key: None };
             // What a frame asks for is sent before the next one.
             let mut commands = Vec::new();
-            panels_ui(ui, &Shown { running: Some(running), failure: "", value: "" }, &mut stage.ui, &mut commands);
+            panels_ui(
+                ui,
+                &Shown { running: Some(running), failure: "", value: "", drawing: DrawingCost::default() },
+                &mut stage.ui,
+                &mut commands,
+            );
             stage.commands.append(&mut commands);
         },
         stage,

@@ -6,6 +6,7 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, Rect, TouchPhase};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, Node};
+use gelatin::app::frame_meter::DrawingCost;
 use gelatin::app::theme::{self, Theme};
 use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
 use gelatin::scene::{Scene, presets};
@@ -183,7 +184,12 @@ fn frame(ui: &mut egui::Ui, live: &mut Live) {
     let mut commands = Vec::new();
     let (status, scene) = (live.session.status(), live.session.scene());
     let running = Running { status: &status, scene, color_key: Some((Colormap::default(), [0.0, 12.4])) };
-    panels_ui(ui, &Shown { running: Some(running), failure: "", value: "" }, &mut live.ui, &mut commands);
+    panels_ui(
+        ui,
+        &Shown { running: Some(running), failure: "", value: "", drawing: DrawingCost::default() },
+        &mut live.ui,
+        &mut commands,
+    );
     for command in &commands {
         if let Err(error) = live.session.handle(command.clone()) {
             panic!("{command:?} was refused: {error}");

@@ -16,4 +16,5 @@ mod panels_values;
 mod window;
 mod window_dialogs;
 mod window_files;
+mod window_speed;
 mod worker;

@@ -2,6 +2,7 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use gelatin::app::frame_meter::DrawingCost;
 use gelatin::app::theme;
 use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
 use gelatin::scene::edit::Edit;
@@ -48,7 +49,8 @@ fn show_at(stage: Stage, size: [f32; 2]) -> Harness<'static, Stage> {
             theme::apply(ui.ctx());
             let color_key = Some((Colormap::default(), [0.0, 12.4]));
             let running = Running { status: &stage.status, scene: &stage.scene, color_key };
-            let shown = Shown { running: Some(running), failure: &stage.failure, value: "" };
+            let shown =
+                Shown { running: Some(running), failure: &stage.failure, value: "", drawing: DrawingCost::default() };
             panels_ui(ui, &shown, &mut stage.ui, &mut stage.commands);
         },
         stage,

@@ -234,6 +234,7 @@ impl Window {
             .env("XDG_STATE_HOME", state.map_or_else(|| folder.join("state"), Path::to_owned))
             .env_remove("WAYLAND_DISPLAY")
             .env("WINIT_X11_SCALE_FACTOR", "1")
+            .env("RUST_LOG", "gelatin::app=debug")
             .stderr(log)
             .spawn()
             .expect("the program starts");
@@ -320,10 +321,15 @@ impl Window {
         self.size = size;
     }
 
-    pub(super) fn shot(&mut self) -> Shot {
+    /// Fails where the program has ended.
+    pub(super) fn still_runs(&mut self) {
         if let Some(status) = self.program.try_wait().expect("the program can be asked") {
             panic!("the program ended with {status}: {}", self.log());
         }
+    }
+
+    pub(super) fn shot(&mut self) -> Shot {
+        self.still_runs();
         let path = self.folder.join("shot.png");
         let [width, height] = self.size;
         let crop = format!("{width}x{height}+0+0");
@@ -367,7 +373,7 @@ impl Window {
     }
 
     /// Processor time the program has used, hundredths of a second.
-    fn cpu_ticks(&self) -> u64 {
+    pub(super) fn cpu_ticks(&self) -> u64 {
         let path = format!("/proc/{}/stat", self.program.id());
         let stat = std::fs::read_to_string(path).expect("the program runs");
         let (_, fields) = stat.rsplit_once(')').expect("a name in brackets");
@@ -375,7 +381,7 @@ impl Window {
         ticks.map(|field| field.parse::<u64>().expect("a number")).sum()
     }
 
-    fn log(&self) -> String {
+    pub(super) fn log(&self) -> String {
         std::fs::read_to_string(self.folder.join("log")).unwrap_or_default()
     }
 }

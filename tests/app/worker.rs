@@ -17,6 +17,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// A sandbox whose `advance` takes long or panics.
 struct Odd {
     playing: bool,
+    rests: bool,
     cost: Duration,
     panics: bool,
     scene: Scene,
@@ -41,6 +42,16 @@ impl Sandbox for Odd {
         self.advances.fetch_add(1, Ordering::Relaxed);
     }
 
+    fn is_playing(&self) -> bool {
+        self.playing
+    }
+
+    fn is_at_rest(&self) -> bool {
+        !self.playing || self.rests
+    }
+
+    fn note_drawing(&mut self, _share: f64) {}
+
     fn status(&self) -> Status {
         Status { playing: self.playing, time_secs: self.advances.load(Ordering::Relaxed) as f64, ..Status::default() }
     }
@@ -61,9 +72,19 @@ struct Bench {
 }
 
 fn start(playing: bool, cost: Duration, panics: bool) -> Bench {
+    start_odd(Odd {
+        playing,
+        rests: false,
+        cost,
+        panics,
+        scene: Scene::default(),
+        advances: Arc::new(AtomicUsize::new(0)),
+    })
+}
+
+fn start_odd(odd: Odd) -> Bench {
     let (wake, wakes) = channel();
-    let advances = Arc::new(AtomicUsize::new(0));
-    let odd = Odd { playing, cost, panics, scene: Scene::default(), advances: Arc::clone(&advances) };
+    let advances = Arc::clone(&odd.advances);
     let worker = Worker::spawn(
         move || Ok(odd),
         move || {
@@ -128,6 +149,35 @@ fn a_paused_sandbox_that_nobody_touches_does_nothing() {
     bench.wait_for(|_| true);
     assert!(bench.wakes.recv_timeout(Duration::from_millis(400)).is_err(), "nothing more is published");
     assert_eq!(bench.advances.load(Ordering::Relaxed), 0, "and nothing is simulated");
+}
+
+#[test]
+fn what_is_at_rest_keeps_its_time_and_publishes_one_picture_of_it() {
+    let advances = Arc::new(AtomicUsize::new(0));
+    let cost = Duration::ZERO;
+    let bench = start_odd(Odd { playing: true, rests: true, cost, panics: false, scene: Scene::default(), advances });
+    bench.wait_for(|_| true);
+    let before = bench.advances.load(Ordering::Relaxed);
+    assert!(bench.wakes.recv_timeout(Duration::from_millis(400)).is_err(), "nothing more is published");
+    assert!(bench.advances.load(Ordering::Relaxed) > before, "time goes on");
+    bench.worker.send(Command::EndEdit);
+    bench.wait_for(|snapshot| snapshot.answers == 1);
+}
+
+#[test]
+fn a_window_that_draws_rarely_gets_fewer_snapshots() {
+    let bench = start(true, Duration::ZERO, false);
+    bench.wait_for(|_| true);
+    bench.worker.set_drawing(Duration::from_millis(200), 0.4);
+    std::thread::sleep(Duration::from_millis(300));
+    let begin = Instant::now();
+    let mut snapshots = 0;
+    while begin.elapsed() < Duration::from_secs(1) {
+        if bench.wakes.recv_timeout(Duration::from_millis(250)).is_ok() && bench.worker.take().is_some() {
+            snapshots += 1;
+        }
+    }
+    assert!((1..=7).contains(&snapshots), "{snapshots} snapshots in a second, five were wanted");
 }
 
 #[test]

@@ -82,7 +82,6 @@ impl Shell {
             && self.handles.hover(&snapshot.scene, self.ui.selection, &sight)
         {
             self.changed = true;
-            self.window.request_redraw();
         }
     }
 
@@ -99,7 +98,7 @@ impl Shell {
             Action::ColorBy(color) => self.color_by(color),
             Action::Files(action) => {
                 self.ui.files.ask(action);
-                self.window.request_redraw();
+                self.drawing.ask_panels();
             }
             Action::TogglePanel(Panel::Tree) => self.ui.panels.tree ^= true,
             Action::TogglePanel(Panel::Inspector) => self.ui.panels.inspector ^= true,

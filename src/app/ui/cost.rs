@@ -3,7 +3,8 @@
 use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, WidgetInfo, vec2};
 
 use super::{capitalised, theme};
-use crate::session::StepCost;
+use crate::app::frame_meter::DrawingCost;
+use crate::session::{Status, StepCost};
 
 /// Height of the panel, points.
 pub(super) const HEIGHT: f32 = 226.0;
@@ -18,8 +19,8 @@ const GAP: f32 = 18.0;
 const LONG_BARS_NEED: f32 = 840.0;
 
 /// The panel; empty columns until the first stretch of time was measured.
-pub(super) fn cost_ui(ui: &mut Ui, cost: Option<&StepCost>, playing: bool) {
-    let Some(cost) = cost else { return };
+pub(super) fn cost_ui(ui: &mut Ui, status: &Status, drawing: DrawingCost) {
+    let (Some(cost), playing) = (&status.cost, status.playing) else { return };
     ui.spacing_mut().interact_size.y = 18.0;
     let width = ui.available_width() - theme::SCROLL_BAR;
     let shorter = if width < LONG_BARS_NEED { SHORTER } else { 0.0 };
@@ -30,7 +31,12 @@ pub(super) fn cost_ui(ui: &mut Ui, cost: Option<&StepCost>, playing: bool) {
         ui.horizontal_top(|ui| {
             ui.spacing_mut().item_spacing.x = GAP;
             let bar = BAR - vec2(shorter, 0.0);
-            column_ui(ui, "A step", stages, |ui| stages_ui(ui, cost, playing, bar));
+            column_ui(ui, "A step", stages, |ui| {
+                stages_ui(ui, cost, playing, bar);
+                ui.add_space(6.0);
+                ui.label(RichText::new("The window").color(theme::of(ui).strong).strong());
+                window_ui(ui, status, drawing, bar);
+            });
             column_ui(ui, "In every step", counts, |ui| counts_ui(ui, cost));
             column_ui(ui, "Left out", reasons, |ui| left_out_ui(ui, cost));
         });
@@ -56,7 +62,13 @@ fn stages_ui(ui: &mut Ui, cost: &StepCost, playing: bool, bar: Vec2) {
     Grid::new("stages").num_columns(3).spacing([12.0, 4.0]).show(ui, |ui| {
         for stage in &cost.stages {
             ui.label(RichText::new(stage_words(stage.name)).color(theme::of(ui).weak));
-            bar_ui(ui, stage_words(stage.name), stage.share, bar);
+            let name = stage_words(stage.name);
+            bar_ui(
+                ui,
+                &format!("{} takes {:.0} % of a step", capitalised(name), stage.share * 100.0),
+                stage.share,
+                bar,
+            );
             theme::figures_ui(ui, &microseconds(stage.secs), "00 000.0 µs", theme::of(ui).strong);
             ui.end_row();
         }
@@ -68,10 +80,39 @@ fn stages_ui(ui: &mut Ui, cost: &StepCost, playing: bool, bar: Vec2) {
     });
 }
 
-fn bar_ui(ui: &mut Ui, name: &str, share: f64, size: Vec2) {
+/// What takes the machine's time while the window is open: steps, and drawing them.
+fn window_ui(ui: &mut Ui, status: &Status, drawing: DrawingCost, bar: Vec2) {
+    Grid::new("window").num_columns(3).spacing([12.0, 4.0]).show(ui, |ui| {
+        let stepping = if status.playing { status.stepping_share } else { 0.0 };
+        for (name, share, text) in
+            [("simulating", stepping, share_text(stepping)), ("drawing", drawing.share, share_text(drawing.share))]
+        {
+            ui.label(RichText::new(name).color(theme::of(ui).weak));
+            bar_ui(ui, &format!("{} takes {} of the time", capitalised(name), text), share, bar);
+            theme::figures_ui(ui, &text, "00 000.0 µs", theme::of(ui).strong);
+            ui.end_row();
+        }
+    });
+    ui.label(RichText::new(frames_text(drawing)).color(theme::of(ui).weak));
+}
+
+/// How often and how finely the window draws.
+fn frames_text(drawing: DrawingCost) -> String {
+    let DrawingCost { frames_per_sec, secs_per_frame, scale, .. } = drawing;
+    if frames_per_sec < 0.5 {
+        return "Nothing changes: nothing is drawn.".to_owned();
+    }
+    let coarse = if scale < 1.0 { format!(", {:.0} % of the pixels", 100.0 * scale * scale) } else { String::new() };
+    format!("{frames_per_sec:.0} frames a second, {:.1} ms each{coarse}", 1e3 * secs_per_frame)
+}
+
+fn share_text(share: f64) -> String {
+    format!("{:.0} %", share * 100.0)
+}
+
+fn bar_ui(ui: &mut Ui, words: &str, share: f64, size: Vec2) {
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-    let words = format!("{} takes {:.0} % of a step", capitalised(name), share * 100.0);
-    response.widget_info(|| WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &words));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::ProgressIndicator, true, words));
     ui.painter().rect_filled(rect, 3.0, theme::of(ui).rail);
     #[expect(clippy::cast_possible_truncation, reason = "a share of a width")]
     let filled = rect.width() * share.clamp(0.0, 1.0) as f32;
@@ -132,5 +173,14 @@ mod tests {
         assert_eq!(microseconds(1.234e-5), "12.3 µs");
         assert_eq!(microseconds(1.234e-3), "1234 µs");
         assert_eq!([0.0, 4.0, 4.25, 2476.3].map(count_text), ["0", "4", "4.2", "2476"]);
+    }
+
+    #[test]
+    fn frames_are_told_with_their_pixels_where_these_are_fewer() {
+        let drawing = DrawingCost { frames_per_sec: 24.0, secs_per_frame: 0.0123, share: 0.3, scale: 1.0 };
+        assert_eq!(frames_text(drawing), "24 frames a second, 12.3 ms each");
+        let coarse = frames_text(DrawingCost { scale: 0.5, ..drawing });
+        assert_eq!(coarse, "24 frames a second, 12.3 ms each, 25 % of the pixels");
+        assert_eq!(frames_text(DrawingCost::default()), "Nothing changes: nothing is drawn.");
     }
 }

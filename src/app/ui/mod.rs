@@ -21,6 +21,7 @@ mod value;
 
 use egui::{Align2, Area, Id, Order, Rect, RichText, Ui};
 
+use super::frame_meter::DrawingCost;
 use super::hand::Target;
 use super::theme::{self, Theme};
 use crate::scene::presets::Preset;
@@ -51,6 +52,8 @@ pub struct Shown<'a> {
     pub failure: &'a str,
     /// The value under the pointer with its unit; empty when there is none.
     pub value: &'a str,
+    /// What drawing costs.
+    pub drawing: DrawingCost,
 }
 
 /// What the panels show of a running sandbox.
@@ -218,7 +221,7 @@ fn cost_panel_ui(ui: &mut Ui, shown: &Shown<'_>, open: bool, commands: &mut Vec<
             .resizable(false)
             .exact_size(cost::HEIGHT.min(COST_SHARE * ui.available_height()));
         panel.frame(theme::bar_frame(ui)).show(ui, |ui| {
-            cost::cost_ui(ui, running.status.cost.as_ref(), running.status.playing);
+            cost::cost_ui(ui, running.status, shown.drawing);
         });
     }
 }

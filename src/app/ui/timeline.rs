@@ -73,6 +73,9 @@ fn status_words(status: &Status) -> String {
     if !status.playing {
         return "Paused. Space plays, a full stop takes one step.".to_owned();
     }
+    if status.at_rest {
+        return "At rest since then: nothing moves until something is touched.".to_owned();
+    }
     if !status.limited_by.is_empty() {
         return capitalised(&status.limited_by);
     }
@@ -115,6 +118,8 @@ mod tests {
         assert_eq!(status_words(&divided), "Running. Steps are divided by 4: limited by shear stiffness.");
         let slow = Status { limited_by: "3 times slower than real time: limited by shear stiffness".into(), ..divided };
         assert_eq!(status_words(&slow), "3 times slower than real time: limited by shear stiffness");
+        let rested = Status { at_rest: true, ..slow.clone() };
+        assert!(status_words(&rested).starts_with("At rest"), "nothing is slow that does not move");
         let paused = Status { playing: false, ..slow };
         assert!(status_words(&paused).starts_with("Paused"), "a paused session is not slow");
     }

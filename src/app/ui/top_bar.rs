@@ -152,13 +152,15 @@ fn speed_text(speed: f64) -> String {
 /// Written from right to left.
 fn real_time_ui(ui: &mut Ui, status: &Status) {
     let keeps_up = status.real_time_factor >= KEEPS_UP * status.speed;
-    let (color, words) = match (status.playing, keeps_up) {
-        (false, _) => (theme::of(ui).weak, "Paused"),
-        (true, true) => (theme::of(ui).good, "As fast as asked"),
-        (true, false) => (theme::of(ui).warning, "Slower than asked"),
+    let moves = status.playing && !status.at_rest;
+    let (color, words) = match (status.playing, status.at_rest, keeps_up) {
+        (false, ..) => (theme::of(ui).weak, "Paused"),
+        (true, true, _) => (theme::of(ui).good, "At rest"),
+        (true, false, true) => (theme::of(ui).good, "As fast as asked"),
+        (true, false, false) => (theme::of(ui).warning, "Slower than asked"),
     };
     theme::dot_ui(ui, color);
-    let text = if status.playing { format!("{:.2}×", status.real_time_factor) } else { "–".to_owned() };
+    let text = if moves { format!("{:.2}×", status.real_time_factor) } else { "–".to_owned() };
     theme::figures_ui(ui, &text, "10.00×", theme::of(ui).strong).on_hover_text(words);
     ui.label(RichText::new("real time").color(theme::of(ui).weak))
         .on_hover_text("Simulated seconds a second, measured");

@@ -1,0 +1,308 @@
+//! What the window is drawn with: the view's picture and the panels, each in a texture of its own so that it is drawn
+//! again only when it changes, laid over each other on the window's surface. Knows neither a session nor what the
+//! panels say.
+//!
+//! ```text
+//! draw list ─► renderer ─► picture (sRGB; fewer pixels while it moves in software) ─┐
+//! panels ────► egui ─────► panels (not sRGB: egui blends in that space) ────────────┴─ compose ─► surface
+//! ```
+
+mod layer;
+mod surface;
+
+use std::fmt;
+use std::sync::Arc;
+
+use egui::TexturesDelta;
+use egui_wgpu::{RendererOptions, ScreenDescriptor};
+use thiserror::Error;
+use winit::event_loop::ActiveEventLoop;
+use winit::window::Window;
+
+use self::layer::{Layer, pixels, scaled};
+use self::surface::{Answer, Surface};
+use super::input::ViewRect;
+use crate::render::compose::Layers;
+use crate::render::{Compositor, FrameTarget, Gpu, GpuError, Preference, RenderError, Renderer, Viewport};
+use crate::view::DrawList;
+
+/// Why nothing can be drawn in the window.
+#[derive(Debug, Error)]
+pub enum CanvasError {
+    /// The window gives no surface.
+    #[error("the window cannot be drawn to: install a Vulkan driver such as `mesa-vulkan-drivers`")]
+    NoSurface(#[source] wgpu::CreateSurfaceError),
+    /// No device, or none any more.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The surface lacks what is needed.
+    #[error(
+        "the graphics driver ({adapter}) cannot show pictures in a window: it needs a surface that can be copied to; \
+         install a Vulkan driver such as `mesa-vulkan-drivers`, or use `gelatin render`"
+    )]
+    Surface {
+        /// The adapter's name, kind and interface.
+        adapter: String,
+    },
+    /// The surface refuses to give a texture, again and again.
+    #[error("the window's surface gives no picture to draw on; restarting the display or the graphics driver may help")]
+    Refused,
+    /// The picture cannot be drawn.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// What became of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// It is on the screen.
+    Presented,
+    /// It is not; the next one may be.
+    Again,
+    /// Nobody could see it: the window is minimised, empty or covered.
+    Unseen,
+}
+
+/// A frame to draw.
+pub struct Frame<'a> {
+    /// The picture of the view; `None` leaves the view empty.
+    pub draw_list: Option<&'a DrawList>,
+    /// Whether the picture differs from the last one.
+    pub changed: bool,
+    /// How finely it is drawn.
+    pub detail: Detail,
+    /// Where the view is in the window.
+    pub view: ViewRect,
+    /// The panels, where they differ from the last ones.
+    pub panels: Option<Panels<'a>>,
+}
+
+/// How finely a picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Detail {
+    /// As it stands: with antialiasing, a pixel for every pixel of the window.
+    Fine,
+    /// Of something that moves, where a processor does the drawing: without antialiasing, and with `scale` times the
+    /// pixels along each side.
+    Quick {
+        /// 0.5 to 1.
+        scale: f32,
+    },
+}
+
+/// Panels to draw.
+#[derive(Clone, Copy)]
+pub struct Panels<'a> {
+    /// Their triangles.
+    pub primitives: &'a [egui::ClippedPrimitive],
+    /// Pixels a point.
+    pub pixels_per_point: f32,
+}
+
+impl fmt::Debug for Frame<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { changed, detail, view, panels, .. } = self;
+        let mut fields = f.debug_struct("Frame");
+        fields.field("changed", changed).field("detail", detail).field("view", view);
+        fields.field("panels", &panels.is_some()).finish_non_exhaustive()
+    }
+}
+
+impl fmt::Debug for Panels<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Panels").field("pixels_per_point", &self.pixels_per_point).finish_non_exhaustive()
+    }
+}
+
+/// A window's surface with all that draws on it.
+pub struct Canvas {
+    window: Arc<Window>,
+    gpu: Gpu,
+    surface: Surface,
+    renderer: Renderer,
+    /// For pictures that move, where a processor does the drawing.
+    quick: Option<Renderer>,
+    panel_renderer: egui_wgpu::Renderer,
+    compositor: Compositor,
+    picture: Option<Layer>,
+    /// How finely the picture was drawn that is kept.
+    drawn: Option<Detail>,
+    panels: Option<Layer>,
+    layers: Option<Layers>,
+}
+
+impl fmt::Debug for Canvas {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Canvas").field("surface", &self.surface).finish_non_exhaustive()
+    }
+}
+
+impl Canvas {
+    /// Opens a device that can draw to the window.
+    pub fn new(event_loop: &ActiveEventLoop, window: Arc<Window>) -> Result<Self, CanvasError> {
+        let display = Box::new(event_loop.owned_display_handle());
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_with_display_handle(display));
+        let surface = instance.create_surface(Arc::clone(&window)).map_err(CanvasError::NoSurface)?;
+        let gpu = Gpu::open(instance, Some(&surface), Preference::from_environment())?;
+        log::info!("drawing with {}", gpu.description());
+        let surface = Surface::new(&gpu, Arc::clone(&window), surface)?;
+        let (device, queue, format) = (&gpu.device, &gpu.queue, surface.format());
+        let renderer = Renderer::new(device, queue, format.add_srgb_suffix());
+        let quick = gpu.is_software().then(|| Renderer::without_antialiasing(device, queue, format.add_srgb_suffix()));
+        let panel_renderer = egui_wgpu::Renderer::new(device, format, RendererOptions::default());
+        let compositor = Compositor::new(device, format);
+        Ok(Self {
+            window,
+            surface,
+            renderer,
+            quick,
+            panel_renderer,
+            compositor,
+            picture: None,
+            drawn: None,
+            panels: None,
+            layers: None,
+            gpu,
+        })
+    }
+
+    /// Whether a processor does the drawing.
+    pub fn is_software(&self) -> bool {
+        self.quick.is_some()
+    }
+
+    /// The longest side of a texture, pixels.
+    pub fn max_texture_side(&self) -> usize {
+        usize::try_from(self.gpu.device.limits().max_texture_dimension_2d).unwrap_or(usize::MAX)
+    }
+
+    /// Follows the window's size.
+    pub fn resize(&mut self) {
+        self.surface.resize(&self.gpu);
+    }
+
+    /// Whether the panels that are kept no longer fit the window.
+    pub fn needs_panels(&self) -> bool {
+        self.panels.as_ref().is_none_or(|panels| panels.size != self.surface.size())
+    }
+
+    /// Whether the picture that is kept is as fine as it can be.
+    pub fn is_fine(&self) -> bool {
+        self.drawn == Some(Detail::Fine)
+    }
+
+    /// Uploads textures of the panels. To be called for every pass of theirs, drawn or not.
+    pub fn update_textures(&mut self, textures: &mut TexturesDelta) {
+        let Self { panel_renderer, gpu, .. } = self;
+        #[expect(clippy::iter_over_hash_type, reason = "textures are independent of each other")]
+        for (id, deltas) in textures.set.drain() {
+            for delta in deltas {
+                panel_renderer.update_texture(&gpu.device, &gpu.queue, id, &delta);
+            }
+        }
+    }
+
+    /// Forgets textures that the panels no longer use. To be called after [`Canvas::show`].
+    pub fn free_textures(&mut self, textures: &mut TexturesDelta) {
+        #[expect(clippy::iter_over_hash_type, reason = "textures are independent of each other")]
+        for id in textures.free.drain() {
+            self.panel_renderer.free_texture(&id);
+        }
+    }
+
+    /// Draws what has changed of a frame and shows it. Where a processor draws, it returns when that is done: how long
+    /// it took is what the frame cost.
+    pub fn show(&mut self, frame: &Frame<'_>) -> Result<Shown, CanvasError> {
+        self.gpu.check()?;
+        let (output, suboptimal) = match self.surface.texture(&self.gpu)? {
+            Answer::Texture { output, suboptimal } => (output, suboptimal),
+            Answer::Nothing(shown) => return Ok(shown),
+        };
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let place = self.draw_picture(&mut encoder, frame)?;
+        let extra = self.draw_panels(&mut encoder, frame);
+        self.compose(&mut encoder, place, &output.texture);
+        self.gpu.queue.submit(extra.into_iter().chain([encoder.finish()]));
+        self.window.pre_present_notify();
+        self.gpu.queue.present(output);
+        if self.is_software() {
+            let reason = |error: wgpu::PollError| GpuError::Lost { reason: error.to_string() };
+            self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(reason)?;
+        }
+        if suboptimal {
+            self.surface.resize(&self.gpu);
+        }
+        Ok(Shown::Presented)
+    }
+
+    /// Draws the picture where it changed. Gives its place in the window, if it has one.
+    fn draw_picture(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame<'_>,
+    ) -> Result<Option<Viewport>, CanvasError> {
+        let Some(draw_list) = frame.draw_list else { return Ok(None) };
+        let Some((origin, place)) = pixels(frame.view, self.surface.size()) else { return Ok(None) };
+        let (renderer, detail) = match &mut self.quick {
+            Some(quick) if frame.detail != Detail::Fine => (quick, frame.detail),
+            _ => (&mut self.renderer, Detail::Fine),
+        };
+        let size = match detail {
+            Detail::Fine => place,
+            Detail::Quick { scale } => scaled(place, scale),
+        };
+        if self.picture.as_ref().is_none_or(|picture| picture.size != size) {
+            (self.picture, self.layers, self.drawn) = (None, None, None);
+        }
+        let format = renderer.format();
+        let picture = self.picture.get_or_insert_with(|| Layer::new(&self.gpu.device, "picture", format, size));
+        if frame.changed || self.drawn != Some(detail) {
+            let target = FrameTarget { view: &picture.target, size, viewport: None };
+            renderer.render(&self.gpu.device, &self.gpu.queue, encoder, &target, draw_list)?;
+            self.drawn = Some(detail);
+        }
+        Ok(Some(Viewport { origin, size: place }))
+    }
+
+    /// Draws the panels where they changed.
+    fn draw_panels(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame<'_>) -> Vec<wgpu::CommandBuffer> {
+        let size = self.surface.size();
+        if self.needs_panels() {
+            (self.panels, self.layers) = (None, None);
+        }
+        let Self { gpu, panel_renderer, .. } = self;
+        let layer = self.panels.get_or_insert_with(|| Layer::new(&gpu.device, "panels", self.surface.format(), size));
+        let Some(Panels { primitives, pixels_per_point }) = frame.panels else { return Vec::new() };
+        let screen = ScreenDescriptor { size_in_pixels: size, pixels_per_point };
+        let extra = panel_renderer.update_buffers(&gpu.device, &gpu.queue, encoder, primitives, &screen);
+        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("panels"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &layer.target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        panel_renderer.render(&mut pass.forget_lifetime(), primitives, &screen);
+        extra
+    }
+
+    /// Copies the panels to the surface, and where the picture is, lays them over it.
+    fn compose(&mut self, encoder: &mut wgpu::CommandEncoder, place: Option<Viewport>, output: &wgpu::Texture) {
+        let Some(panels) = &self.panels else { return };
+        encoder.copy_texture_to_texture(panels.texture.as_image_copy(), output.as_image_copy(), panels.texture.size());
+        if let (Some(place), Some(picture)) = (place, &self.picture) {
+            let layers = self.layers.get_or_insert_with(|| {
+                let enlarged = picture.size != place.size;
+                self.compositor.layers(&self.gpu.device, &picture.source, enlarged, &panels.source)
+            });
+            let view = output.create_view(&wgpu::TextureViewDescriptor::default());
+            self.compositor.draw(encoder, &view, layers, place);
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! When the window draws and what: the panels when something asks for them and they come out different, the picture
+//! when it looks different, both at the pace that leaves the simulation its share. Most of the time of a window in
+//! which nothing moves, nothing is drawn at all.
+
+use std::time::{Duration, Instant};
+
+use egui::epaint::ClippedShape;
+use egui::{ClippedPrimitive, FullOutput, ViewportId};
+use winit::event_loop::ActiveEventLoop;
+
+use super::Shell;
+use crate::app::canvas::{Detail, Frame, Panels, Shown};
+use crate::app::frame_meter::{DrawingCost, FrameMeter};
+use crate::app::pace::{Pace, Reason};
+use crate::app::shell::ShellError;
+use crate::app::{hand, input::ViewRect};
+use crate::extract;
+use crate::view::axes::axes;
+use crate::view::{Change, DrawList, Overlay};
+
+/// Figures that run with the time are written this often: faster nobody reads them.
+const FIGURES: Duration = Duration::from_millis(100);
+/// A view in which nothing has moved for so long is drawn once more, finely.
+const SETTLED: Duration = Duration::from_millis(300);
+/// How long to wait before a frame that the surface refused is tried again.
+const RETRY: Duration = Duration::from_millis(30);
+/// How often the worker hears what drawing costs.
+const TELL: Duration = Duration::from_millis(500);
+
+/// What was drawn last, and when something is to be drawn next.
+pub(super) struct Drawing {
+    pace: Pace,
+    meter: FrameMeter,
+    panels_at: Option<Instant>,
+    picture_at: Option<Instant>,
+    /// The window has been asked for the frame that comes next.
+    requested: bool,
+    panels_ran: Instant,
+    shapes: Vec<ClippedShape>,
+    pixels_per_point: f32,
+    /// The picture on the screen.
+    picture: Option<DrawList>,
+    /// When it last looked plainly different from the one before.
+    moved: Option<Instant>,
+    told: Instant,
+}
+
+impl Drawing {
+    /// Nothing was drawn yet; by `software` or by a graphics card.
+    pub(super) fn new(software: bool) -> Self {
+        let now = Instant::now();
+        Self {
+            pace: Pace::new(software),
+            meter: FrameMeter::default(),
+            panels_at: Some(now),
+            picture_at: Some(now),
+            requested: false,
+            panels_ran: now,
+            shapes: Vec::new(),
+            pixels_per_point: 0.0,
+            picture: None,
+            moved: None,
+            told: now,
+        }
+    }
+
+    /// Asks for the panels to be run, for a person who waits.
+    pub(super) fn ask_panels(&mut self) {
+        let due = self.pace.due(Reason::Input, Instant::now());
+        self.panels_at = Some(self.panels_at.map_or(due, |at| at.min(due)));
+    }
+
+    /// Asks for the panels to be run when figures have run on.
+    pub(super) fn ask_figures(&mut self) {
+        let due = self.panels_ran + FIGURES;
+        self.panels_at = Some(self.panels_at.map_or(due, |at| at.min(due)));
+    }
+
+    /// Asks for a look at the picture.
+    pub(super) fn ask_picture(&mut self, reason: Reason) {
+        let due = self.pace.due(reason, Instant::now());
+        self.picture_at = Some(self.picture_at.map_or(due, |at| at.min(due)));
+    }
+
+    /// What frames cost lately.
+    pub(super) fn cost(&self) -> DrawingCost {
+        self.meter.cost(Instant::now(), self.pace.scale())
+    }
+
+    fn due(&self) -> Option<Instant> {
+        self.panels_at.into_iter().chain(self.picture_at).min()
+    }
+
+    /// Whether the panels came out different from those on the screen.
+    #[expect(clippy::float_cmp, reason = "a scale that is not the very same is another one")]
+    fn are_new(&self, output: &FullOutput) -> bool {
+        !output.textures_delta.set.is_empty()
+            || output.pixels_per_point != self.pixels_per_point
+            || output.shapes != self.shapes
+    }
+}
+
+/// A picture that is ready to be drawn.
+struct Ready {
+    change: Change,
+    detail: Detail,
+    moving: bool,
+}
+
+impl Shell {
+    /// When the event loop must wake by itself, if at all. Asks for the frame that is due.
+    pub(in crate::app) fn next_frame(&mut self) -> Option<Instant> {
+        if !self.visible {
+            return None;
+        }
+        if self.changed {
+            self.drawing.ask_picture(if self.input.dragging() { Reason::Input } else { Reason::Motion });
+        }
+        let due = self.drawing.due()?;
+        if due > Instant::now() {
+            return Some(due);
+        }
+        if !self.drawing.requested {
+            self.drawing.requested = true;
+            self.window.request_redraw();
+        }
+        None
+    }
+
+    /// Draws what is due.
+    pub(super) fn draw(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
+        let begin = Instant::now();
+        // A frame that the system asks for by itself shows everything again.
+        let exposed = !std::mem::take(&mut self.drawing.requested);
+        let run = exposed || self.drawing.panels_at.is_some_and(|at| at <= begin) || self.canvas.needs_panels();
+        let mut output = run.then(|| self.run_panels(event_loop));
+        let panels = output.as_mut().and_then(|output| self.changed_panels(output));
+        let view = self.view();
+        let ready = self.prepare_picture(view, begin);
+        let mut textures = output.map(|output| output.textures_delta).unwrap_or_default();
+        self.canvas.update_textures(&mut textures);
+        let is_new = ready.as_ref().is_some_and(|ready| {
+            ready.change > Change::Nothing || ready.detail == Detail::Fine && !self.canvas.is_fine()
+        });
+        let shown = if exposed || panels.is_some() || is_new {
+            let frame = Frame {
+                draw_list: self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list),
+                changed: ready.as_ref().is_some_and(|ready| ready.change > Change::Nothing),
+                detail: ready.as_ref().map_or(Detail::Fine, |ready| ready.detail),
+                view,
+                panels: panels
+                    .as_deref()
+                    .map(|primitives| Panels { primitives, pixels_per_point: self.drawing.pixels_per_point }),
+            };
+            self.canvas.show(&frame).map(Some)
+        } else {
+            Ok(None)
+        };
+        self.canvas.free_textures(&mut textures);
+        match shown {
+            Ok(Some(Shown::Presented)) => self.on_presented(begin, ready),
+            Ok(None) => (self.changed, self.drawing.picture_at) = (false, self.settling(begin)),
+            Ok(Some(Shown::Again)) => {
+                (self.drawing.shapes, self.drawing.panels_at) = (Vec::new(), Some(begin + RETRY));
+            }
+            Ok(Some(Shown::Unseen)) => {
+                (self.drawing.shapes, self.drawing.panels_at, self.drawing.picture_at) = (Vec::new(), None, None);
+                self.changed = false;
+            }
+            Err(error) => self.recover(event_loop, error)?,
+        }
+        Ok(())
+    }
+
+    fn on_presented(&mut self, begin: Instant, ready: Option<Ready>) {
+        let end = Instant::now();
+        log::trace!("a frame is on the screen after {:?}", end - begin);
+        self.changed = false;
+        self.drawing.meter.note(begin, end);
+        if let Some(ready) = ready {
+            let behind = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.behind);
+            self.drawing.pace.drawn(begin, end, ready.moving && ready.change > Change::Nothing, behind);
+            self.drawing.picture = self.snapshot.as_ref().map(|snapshot| snapshot.draw_list.clone());
+        }
+        self.drawing.picture_at = self.settling(end);
+        if end - self.drawing.told >= TELL {
+            self.drawing.told = end;
+            self.tell();
+        }
+    }
+
+    /// Tells the worker what drawing costs.
+    fn tell(&self) {
+        let cost = self.drawing.cost();
+        self.worker.set_drawing(self.drawing.pace.interval(), cost.share);
+        if let Some(snapshot) = &self.snapshot {
+            let DrawingCost { frames_per_sec, share, scale, .. } = cost;
+            let factor = snapshot.status.real_time_factor;
+            log::debug!(
+                "{factor:.3} x real time, {frames_per_sec} frames a second, {share:.3} of the time, at {scale}"
+            );
+        }
+    }
+
+    /// When the view has settled and is to be drawn finely, if it is not yet.
+    fn settling(&self, now: Instant) -> Option<Instant> {
+        let at = self.drawing.moved? + SETTLED;
+        (!self.canvas.is_fine() && !self.input.dragging()).then(|| at.max(now))
+    }
+
+    /// Runs the panels and does what they ask for.
+    fn run_panels(&mut self, event_loop: &ActiveEventLoop) -> FullOutput {
+        let now = Instant::now();
+        (self.drawing.panels_at, self.drawing.panels_ran) = (None, now);
+        let mut output = self.lay_out_panels();
+        self.grant_wishes(event_loop);
+        let platform_output = std::mem::take(&mut output.platform_output);
+        self.egui.handle_platform_output_with_event_loop(&self.window, event_loop, platform_output);
+        let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |root| root.repaint_delay);
+        if let Some(again) = now.checked_add(delay) {
+            let paced = self.drawing.pace.due(Reason::Motion, now).max(again);
+            self.drawing.panels_at = Some(self.drawing.panels_at.map_or(paced, |at| at.min(paced)));
+        }
+        output
+    }
+
+    /// The panels as triangles where they differ from those on the screen.
+    fn changed_panels(&mut self, output: &mut FullOutput) -> Option<Vec<ClippedPrimitive>> {
+        if !self.drawing.are_new(output) && !self.canvas.needs_panels() {
+            return None;
+        }
+        let shapes = std::mem::take(&mut output.shapes);
+        self.drawing.pixels_per_point = output.pixels_per_point;
+        self.drawing.shapes.clone_from(&shapes);
+        Some(self.context.tessellate(shapes, output.pixels_per_point))
+    }
+
+    /// Makes the picture ready and says how it differs from the one on the screen.
+    fn prepare_picture(&mut self, view: ViewRect, now: Instant) -> Option<Ready> {
+        let sight = self.sight(self.input.pointer());
+        let points = self.pixels_per_point();
+        let snapshot = self.snapshot.as_mut()?;
+        let picture = &mut snapshot.draw_list;
+        picture.camera = self.orbit.camera();
+        picture.style = self.ui.theme.style();
+        picture.selected = self.ui.selection.and_then(|target| hand::place(&snapshot.scene, target));
+        // Strokes are as wide as they were in the last picture, until it is known how finely this one is drawn.
+        let last = self.drawing.picture.as_ref().map_or(points, |picture| picture.overlay.scale);
+        picture.overlay.scale = last;
+        let cross = axes(&picture.camera, &picture.style.overlay);
+        picture.tools = Overlay { lines: vec![cross], scale: last, ..Overlay::default() };
+        if let Some([grabbed, target]) = self.hand.pulled(picture) {
+            extract::overlay::add_grab(&mut picture.tools, grabbed, target);
+        }
+        let colors = picture.style.overlay;
+        self.handles.add_to(&mut picture.tools, &snapshot.scene, self.ui.selection, &sight, &colors);
+
+        let old = self.drawing.picture.as_ref();
+        let change = old.map_or(Change::Plain, |old| picture.change_since(old, view.size.y));
+        let turned = old.is_some_and(|old| old.camera != picture.camera);
+        if change == Change::Plain && (snapshot.status.playing || turned) {
+            self.drawing.moved = Some(now);
+        }
+        let recently = self.drawing.moved.is_some_and(|at| now - at < SETTLED);
+        let moving = self.input.dragging() || recently && (change == Change::Plain || !self.canvas.is_fine());
+        let scale = self.drawing.pace.scale();
+        let detail = if moving && self.canvas.is_software() { Detail::Quick { scale } } else { Detail::Fine };
+        let pixels = if let Detail::Quick { scale } = detail { points * scale } else { points };
+        (picture.overlay.scale, picture.tools.scale) = (pixels, pixels);
+        Some(Ready { change, detail, moving })
+    }
+
+    /// Asks for what a new snapshot changes.
+    pub(super) fn ask_for_snapshot(&mut self, answered: bool) {
+        if answered {
+            self.drawing.ask_panels();
+        } else {
+            self.drawing.ask_figures();
+        }
+        self.changed = true;
+    }
+}

@@ -1,0 +1,165 @@
+//! Why the simulation is slower than asked, in plain words: what was measured over the last second says whether it waits
+//! for a processor, and where its own time goes.
+
+use super::Session;
+use super::clock::Stretch;
+use crate::physics::plan::Stage;
+use crate::report::timer::WallTimer;
+use crate::scene::settings::Integrator;
+
+/// Slower than this share of the speed asked for is slower than asked.
+const KEEPS_UP: f64 = 0.95;
+/// Drawing that takes less than this share of the time is not what steps wait for.
+const DRAWING_MATTERS: f64 = 0.15;
+/// One substep of so many is timed by stages: clocks cost next to nothing then.
+const SAMPLED: u32 = 16;
+/// Timed substeps after which older ones no longer count.
+const RECENT: u32 = 64;
+
+/// Where the time of the steps goes, from a sample of them.
+#[derive(Debug, Default)]
+pub(super) struct Sample {
+    timer: WallTimer,
+    taken: u32,
+    since: u32,
+}
+
+impl Sample {
+    /// The timer of the next substep, if it is one to be timed.
+    pub(super) fn next(&mut self) -> Option<&mut WallTimer> {
+        self.since += 1;
+        if self.since < SAMPLED {
+            return None;
+        }
+        self.since = 0;
+        self.taken += 1;
+        if self.taken > RECENT {
+            (self.timer, self.taken) = (WallTimer::default(), 1);
+        }
+        Some(&mut self.timer)
+    }
+
+    /// Whether contact takes more time than the links.
+    fn is_contact(&self) -> bool {
+        let secs = |stage| self.timer.spent(stage).0;
+        secs(Stage::Contact) + secs(Stage::BroadPhase) > secs(Stage::Links)
+    }
+}
+
+/// What is known of a simulation that is slower than asked.
+#[derive(Clone, Debug)]
+struct Facts<'a> {
+    speed: f64,
+    lately: Stretch,
+    /// The share of the time that drawing takes.
+    drawing: f64,
+    halved: bool,
+    contact: bool,
+    links: usize,
+    /// What limits the step, and the substeps it is divided into.
+    divided: Option<(&'a str, u32)>,
+}
+
+impl Session {
+    /// Tells what share of the time drawing takes, 0 to 1.
+    pub fn note_drawing(&mut self, share: f64) {
+        self.drawing = share;
+    }
+
+    /// Whether simulated time is owed that there was no time for.
+    pub(super) fn is_behind(&self) -> bool {
+        self.playing && self.clock.owes(self.scene.settings.dt)
+    }
+
+    /// Why the speed asked for is not reached; empty when it is.
+    pub(super) fn slowness(&self, links: usize) -> String {
+        let plan = self.simulation.plan();
+        let limit = plan.limits.limited_by(plan.dt_secs).words();
+        let is_divided = plan.substeps > 1 && plan.integrator != Integrator::Implicit;
+        let facts = Facts {
+            speed: self.speed,
+            lately: self.clock.lately(),
+            drawing: self.drawing,
+            halved: self.simulation.state().halvings > 0,
+            contact: self.sample.is_contact(),
+            links,
+            divided: is_divided.then_some((limit.as_str(), plan.substeps)),
+        };
+        if self.playing { words(&facts) } else { String::new() }
+    }
+}
+
+fn words(facts: &Facts<'_>) -> String {
+    let Facts { speed, lately, drawing, halved, contact, links, divided } = facts;
+    let factor = lately.real_time_factor().unwrap_or(*speed);
+    if factor >= KEEPS_UP * speed || factor <= 0.0 {
+        return String::new();
+    }
+    // What it would be if a processor had always been at work on the steps.
+    let alone = lately.simulated_secs / lately.processor_secs.max(1e-9);
+    let cause = if alone >= *speed {
+        if *drawing >= DRAWING_MATTERS {
+            format!("drawing takes {:.0} % of the time", drawing * 100.0)
+        } else {
+            "other programs take the processors".to_owned()
+        }
+    } else if *halved {
+        "the motion is too violent for the implicit integrator's steps, which are halved again and again".to_owned()
+    } else if *contact {
+        "contact takes more time than the links".to_owned()
+    } else if let Some((limit, substeps)) = divided {
+        format!("{limit} takes {substeps} substeps in every step of {links} links")
+    } else {
+        format!("limited by the number of links, {links}")
+    };
+    let pace = if (speed - 1.0).abs() < 1e-9 { "real time" } else { "the speed asked for" };
+    format!("{:.1} times slower than {pace}: {cause}", speed / factor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A second in which `simulated` s came of `processor` s of work.
+    fn facts(simulated_secs: f64, processor_secs: f64) -> Facts<'static> {
+        let lately = Stretch { wall_secs: 1.0, simulated_secs, stepping_secs: 0.9, processor_secs };
+        Facts { speed: 1.0, lately, drawing: 0.4, halved: false, contact: false, links: 12_876, divided: None }
+    }
+
+    #[test]
+    fn steps_that_wait_for_a_processor_blame_who_has_it() {
+        let waiting = facts(0.5, 0.3);
+        assert_eq!(words(&waiting), "2.0 times slower than real time: drawing takes 40 % of the time");
+        let elsewhere = Facts { drawing: 0.02, ..waiting };
+        assert_eq!(words(&elsewhere), "2.0 times slower than real time: other programs take the processors");
+    }
+
+    #[test]
+    fn steps_that_have_a_processor_blame_their_own_work() {
+        let busy = facts(0.5, 0.9);
+        assert_eq!(words(&busy), "2.0 times slower than real time: limited by the number of links, 12876");
+        let divided = Facts { divided: Some(("shear damping", 3)), ..busy.clone() };
+        let divided = words(&divided);
+        assert!(divided.ends_with("shear damping takes 3 substeps in every step of 12876 links"), "{divided}");
+        let contact = words(&Facts { contact: true, ..busy.clone() });
+        assert!(contact.ends_with("contact takes more time than the links"), "{contact}");
+        let halved = words(&Facts { halved: true, ..busy });
+        assert!(halved.contains("too violent"), "{halved}");
+    }
+
+    #[test]
+    fn what_keeps_up_says_nothing() {
+        assert_eq!(words(&facts(0.97, 0.9)), "", "close enough");
+        assert_eq!(words(&Facts { lately: Stretch::default(), ..facts(0.0, 0.0) }), "", "nothing was measured yet");
+        let slow_motion = Facts { speed: 0.1, ..facts(0.1, 0.9) };
+        assert_eq!(words(&slow_motion), "", "as slow as asked");
+    }
+
+    #[test]
+    fn a_sample_times_one_substep_of_many_and_forgets_old_ones() {
+        let mut sample = Sample::default();
+        let timed = (0..SAMPLED * (RECENT + 3)).filter(|_| sample.next().is_some()).count();
+        assert_eq!(timed, (RECENT + 3) as usize, "one of {SAMPLED}");
+        assert_eq!(sample.taken, 3, "the older ones are forgotten");
+    }
+}

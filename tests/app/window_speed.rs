@@ -1,0 +1,72 @@
+//! What the window's drawing leaves to the simulation, on the machine's own processors, and what it costs at rest.
+
+use std::process::Command;
+use std::time::Duration;
+
+use super::window::{Window, alone};
+
+/// The share of what the simulation makes alone that it must make beside its window.
+const SHARE: f64 = 0.5;
+/// The factor of a simulation that keeps up; it makes no more than it is asked for.
+const KEEPS_UP: f64 = 0.95;
+
+/// Simulated seconds a second without a window.
+fn speed_alone() -> f64 {
+    let output = Command::new(env!("CARGO_BIN_EXE_gelatin"))
+        .args(["run", "cube-on-plane", "--seconds", "4", "--json"])
+        .output()
+        .expect("the program starts");
+    let figures: serde_json::Value = serde_json::from_slice(&output.stdout).expect("figures in JSON");
+    figures["real_time_factor"].as_f64().expect("a number")
+}
+
+/// The factors that the window has shown, as its log tells.
+fn factors(log: &str) -> Vec<f64> {
+    let before = log.lines().filter_map(|line| line.split_once(" x real time"));
+    before.filter_map(|(before, _)| before.rsplit(' ').next()?.parse().ok()).collect()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+#[test]
+fn the_window_leaves_the_simulation_half_of_what_it_makes_alone() {
+    alone(|| {
+        let before = speed_alone();
+        let mut window = Window::open("cube-on-plane", None);
+        window.key("r");
+        let said = window.log().len();
+        std::thread::sleep(Duration::from_secs(6));
+        let shown = factors(&window.log()[said..]);
+        window.still_runs();
+        drop(window);
+        let alone = 0.5 * (before + speed_alone());
+        assert!(shown.len() >= 5, "the factor was told again and again: {shown:?}");
+        let shown = median(shown);
+        let least = KEEPS_UP.min(SHARE * alone);
+        assert!(shown >= least, "{shown} x real time in the window, {alone} x without");
+    });
+}
+
+#[test]
+fn a_window_in_which_everything_sleeps_draws_nothing() {
+    alone(|| {
+        let mut window = Window::open("u-on-sphere", None);
+        window.wait_until_still();
+        std::thread::sleep(Duration::from_secs(1));
+        let before = window.cpu_ticks();
+        std::thread::sleep(Duration::from_secs(4));
+        let used = window.cpu_ticks() - before;
+        assert!(used <= 8, "{used} hundredths of a second of processor time in four seconds at rest");
+    });
+}
+
+#[test]
+fn factors_are_read_from_a_log() {
+    let log = "[now DEBUG gelatin::app::shell::drawing] 0.831 x real time, 25 frames a second, 0.4 of the time, at 1\n\
+               [now INFO  gelatin::app::canvas] drawing with llvmpipe\n";
+    assert_eq!(factors(log), [0.831]);
+    assert_eq!(factors("no such line"), [0.0; 0]);
+}
