@@ -132,7 +132,8 @@ fn panels_are_scrolled_without_an_edit() {
             window.click(thing);
         }
         let right = window.harness.state().ui.view_rect.right();
-        for (x, y) in [(right + 60.0, 330.0), (right + 180.0, 330.0), (right + 180.0, 100.0)] {
+        // On a track the wheel steps its value.
+        for (x, y) in [(right + 60.0, 330.0), (right + 290.0, 330.0), (right + 180.0, 100.0)] {
             for notches in [-20.0, 20.0] {
                 window.scroll(egui::pos2(x, y), notches);
             }

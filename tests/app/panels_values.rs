@@ -31,16 +31,16 @@ fn a_drag_along_a_track_is_many_changes_and_one_undo() {
     let edits = sent.iter().filter(|command| matches!(command, Command::Edit(_))).count();
     assert!(edits >= 2, "the sandbox follows the hand: {sent:?}");
     assert!(matches!(sent.last(), Some(Command::EndEdit)), "and hears of the end: {sent:?}");
-    assert!(springs(&window).structural.stiffness > 1e6, "{:?}", springs(&window).structural);
+    assert!(springs(&window).structural.stiffness > 60.0, "{:?}", springs(&window).structural);
     window.click("Undo");
     assert_eq!(*window.scene(), before, "one step back");
 }
 
 #[test]
-fn zero_is_at_the_left_end_of_a_logarithmic_track() {
+fn zero_is_a_push_to_the_left_away() {
     let mut window = jelly();
     let track = window.rect("Bending damping slider");
-    window.drag(track.center(), pos2(track.left() - 30.0, track.center().y));
+    window.drag(track.center(), pos2(track.left() - 120.0, track.center().y));
     assert!(springs(&window).bending.damping.abs() < f64::MIN_POSITIVE, "{:?}", springs(&window).bending);
 }
 

@@ -14,6 +14,7 @@ mod menu;
 mod message;
 mod meter;
 mod timeline;
+mod tip;
 mod top_bar;
 mod tree;
 mod trouble;

@@ -9,7 +9,7 @@ mod settings;
 
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
 
-use super::value::Touch;
+use super::value::{Touch, note_scrolling};
 use super::{Running, UiState, actions, theme};
 use crate::app::hand::Target;
 use crate::scene::edit::Edit;
@@ -30,6 +30,7 @@ pub(super) fn inspector_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiStat
         }
         ui.add_space(6.0);
         section_ui(ui, "Light and camera", false, |ui| light::light_ui(ui, running.scene, commands));
+        note_scrolling(ui);
     });
 }
 

@@ -3,6 +3,7 @@
 use egui::Ui;
 
 use super::{section_ui, send};
+use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{Touch, field_ui, slider_ui, vector_ui};
 use crate::scene::edit::{Edit, ObstacleId};
 use crate::scene::obstacle::ContactStiffness;
@@ -46,7 +47,9 @@ fn contact_ui(ui: &mut Ui, id: ObstacleId, obstacle: &mut Obstacle) -> Touch {
     touch.and(slider_ui(ui, &path("friction_dynamic"), "Sliding", &mut obstacle.friction_dynamic, None));
     let mut automatic = obstacle.stiffness == ContactStiffness::Auto;
     let help = "Chooses the stiffness so that resting bodies sink little";
-    if ui.checkbox(&mut automatic, "Automatic stiffness").on_hover_text(help).changed() {
+    let response = ui.checkbox(&mut automatic, "Automatic stiffness");
+    tip_ui(ui, &response, || help.to_owned());
+    if response.changed() {
         obstacle.stiffness = if automatic { ContactStiffness::Auto } else { ContactStiffness::Given(STIFFNESS) };
         touch.and(Touch { changed: true, ended: true });
     }

@@ -3,6 +3,7 @@
 use egui::{ComboBox, RichText, Ui};
 
 use super::{section_ui, send};
+use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{Touch, help, slider_ui, vector_ui};
 use crate::app::ui::{Running, actions, theme};
 use crate::scene::edit::Edit;
@@ -64,7 +65,7 @@ fn flag_ui(ui: &mut Ui, path: &str, label: &str, on: &mut bool) -> bool {
     let response = ui.checkbox(on, label);
     let changed = response.changed();
     if let Some(param) = param::find(path) {
-        response.on_hover_text(help(param));
+        tip_ui(ui, &response, || help(param));
     }
     changed
 }
@@ -84,7 +85,7 @@ fn choice_ui<T: Copy + PartialEq>(ui: &mut Ui, path: &str, label: &str, now: T, 
             }
         });
         if let Some((name, help)) = name {
-            response.response.labelled_by(name.id).on_hover_text(help);
+            tip_ui(ui, &response.response.labelled_by(name.id), || help.clone());
         }
     });
     chosen

@@ -1,0 +1,88 @@
+//! A number to type, or to drag slowly.
+
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
+use egui::{Color32, Direction, DragValue, Id, Layout, Sense, TextStyle, Ui, UiBuilder, WidgetInfo, vec2};
+
+use super::super::figure::{figure, parse, rounded, short_figure, whole_figure};
+use super::super::tip::tip_ui;
+use super::scale::ends;
+use super::{Touch, differs, held, help, hint, hold};
+use crate::scene::param::{Kind, Param};
+
+/// Width of a typed number, points.
+pub(super) const NUMBER_WIDTH: f32 = 100.0;
+/// Room between a number and the edges of its box, points.
+const NUMBER_PADDING: f32 = 4.0;
+
+/// A number to type or to drag slowly. A value that is not allowed is refused and a hint says what would be.
+pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &str, value: &mut f64) -> Touch {
+    let Some((min, max)) = ends(param) else { return Touch::default() };
+    let whole = matches!(param.kind, Kind::Integer { .. });
+    let dragged_id = id.with("number");
+    let mut shown = held(ui, dragged_id).unwrap_or(*value);
+    let speed = match param.logarithmic {
+        true => (shown.abs() * 0.01).max(1e-9),
+        false if whole => 0.1,
+        false => 0.01,
+    };
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    // A box of this size whatever stands in it: a wider one would push the rest of its row out of the panel.
+    let size = vec2(ui.available_width().min(NUMBER_WIDTH), ui.spacing().interact_size.y);
+    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+    let inside = UiBuilder::new().max_rect(rect).layout(Layout::centered_and_justified(Direction::TopDown));
+    let mut inside = ui.new_child(inside);
+    inside.spacing_mut().button_padding.x = NUMBER_PADDING;
+    inside.shrink_clip_rect(rect);
+    let (widget_id, painter) = (inside.next_auto_id(), inside.painter().clone());
+    let font = TextStyle::Body.resolve(inside.style());
+    let fits = |text: &str| {
+        let text = painter.layout_no_wrap(format!("{text}{unit}"), font.clone(), Color32::PLACEHOLDER);
+        text.size().x <= size.x - 2.0 * NUMBER_PADDING
+    };
+    let widget = DragValue::new(&mut shown)
+        .speed(speed)
+        .suffix(unit.clone())
+        .clip_text(true)
+        .update_while_editing(false)
+        .custom_formatter(|value, _| {
+            let typed = painter.ctx().memory(|memory| memory.has_focus(widget_id));
+            if typed { whole_figure(value) } else { short_figure(value, fits) }
+        })
+        .custom_parser(parse);
+    let response = inside.add(widget);
+    if response.clicked() {
+        select_all(ui, response.id, whole_figure(shown).chars().count());
+    }
+    response.widget_info(|| WidgetInfo::drag_value(ui.is_enabled(), *value));
+    tip_ui(ui, &response, || format!("{}{unit}\n{}", whole_figure(*value), help(param)));
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
+    let mut touch = Touch { changed: false, ended: response.drag_stopped() || response.lost_focus() };
+    let dragged = response.dragged();
+    // What is typed has fewer digits than a double: the same text is no change.
+    let retyped = !dragged && whole_figure(shown) == whole_figure(*value);
+    if response.changed() && differs(shown, *value) && !retyped {
+        if dragged {
+            shown = rounded(shown).clamp(min, max);
+        }
+        if whole {
+            shown = shown.round();
+        }
+        if (min..=max).contains(&shown) {
+            *value = shown;
+            touch.changed = true;
+            hint(ui, id, None);
+        } else {
+            hint(ui, id, Some(format!("{} is outside {}", figure(shown), param.range_text())));
+        }
+    }
+    hold(ui, dragged_id, dragged.then_some(shown));
+    touch
+}
+
+/// Selects the whole text, so that typing replaces it: the widget itself would select as much as was shown before.
+fn select_all(ui: &Ui, id: Id, letters: usize) {
+    let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
+    state.cursor.set_char_range(Some(CCursorRange::two(CCursor::new(0), CCursor::new(letters))));
+    state.store(ui.ctx(), id);
+}
