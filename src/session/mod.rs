@@ -4,6 +4,7 @@
 
 mod bodies;
 mod clock;
+mod color_range;
 pub mod command;
 mod costs;
 pub mod document;

@@ -2,15 +2,12 @@
 
 use std::sync::Arc;
 
-use super::Session;
+use super::{Session, color_range};
 use crate::extract;
 use crate::extract::overlay::OverlaySource;
 use crate::scene::ColorBy;
 use crate::scene::view_settings::Overlays;
 use crate::view::{DrawList, Overlay};
-
-/// The share of particles that the automatic colour range covers: one torn corner must not grey out all others.
-const RANGE_SHARE: f64 = 0.99;
 
 /// What was last drawn.
 #[derive(Debug, Default)]
@@ -41,7 +38,7 @@ impl Session {
             let positions = self.simulation.state().position.iter().map(glam::Vec3::to_array);
             self.picture.particles = Arc::new(positions.collect());
             let scalars = self.simulation.scalars(view.color);
-            self.picture.automatic_range = automatic_range(&scalars);
+            self.picture.automatic_range = color_range::automatic(&self.simulation, view.color, &scalars);
             self.picture.scalars = (view.color != ColorBy::Plain).then(|| Arc::new(scalars));
             let (simulation, bodies) = (&self.simulation, &self.scene.bodies);
             let source = &mut self.picture.overlay_source;
@@ -63,18 +60,6 @@ impl Session {
             ..DrawList::default()
         }
     }
-}
-
-/// From zero to the value that all but the last hundredth stay below.
-fn automatic_range(scalars: &[f32]) -> [f32; 2] {
-    let mut sorted: Vec<f32> = scalars.iter().copied().filter(|x| x.is_finite()).collect();
-    if sorted.is_empty() {
-        return [0.0, 1.0];
-    }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length is an index")]
-    let place = ((sorted.len() - 1) as f64 * RANGE_SHARE) as usize;
-    let (_, high, _) = sorted.select_nth_unstable_by(place, f32::total_cmp);
-    [0.0, if *high > 0.0 { *high } else { 1.0 }]
 }
 
 #[cfg(test)]
