@@ -7,6 +7,7 @@ pub mod edit;
 pub mod file;
 pub mod material;
 pub mod obstacle;
+pub mod own_weight;
 pub mod param;
 pub mod path;
 pub mod presets;

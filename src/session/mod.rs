@@ -329,6 +329,7 @@ impl Session {
                 mass_kg: f64::from(body.particle_mass) * own.len() as f64,
                 center: (sum / own.len().max(1) as f64).to_array(),
                 asleep: memory.asleep,
+                stature: found.stature,
                 safe: Arc::clone(&found.safe),
                 other_form: found.other.clone(),
             }

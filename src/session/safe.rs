@@ -9,6 +9,7 @@ use crate::physics::other_form::other_form;
 use crate::physics::safe_values::{SafeValue, largest_safe};
 use crate::scene::Material;
 use crate::scene::body::Inlay;
+use crate::scene::own_weight::Stature;
 use crate::scene::settings::Integrator;
 
 /// What was found for one body.
@@ -20,6 +21,8 @@ pub(super) struct Found {
     dt_secs: f64,
     integrator: Integrator,
     among_obstacles: bool,
+    /// How it is built.
+    pub(super) stature: Stature,
     /// How far its values may go.
     pub(super) safe: Arc<Vec<SafeValue>>,
     /// Its material in the other form.
@@ -43,6 +46,7 @@ impl Session {
             self.safe.push(before.iter().find(fits).cloned().unwrap_or_else(|| Found {
                 safe: Arc::new(largest_safe(body, &lattice, dt_secs, integrator, among_obstacles)),
                 other: other_form(&body.material, &lattice),
+                stature: Stature::of(&lattice),
                 material: body.material.clone(),
                 lattice,
                 inlays: body.inlays.clone(),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::{StepCost, Trouble};
 pub use crate::physics::safe_values::SafeValue;
 use crate::scene::Material;
+use crate::scene::own_weight::Stature;
 use crate::scene::settings::Integrator;
 
 /// The state of a session, published with every snapshot.
@@ -81,6 +82,8 @@ pub struct BodyStatus {
     pub center: [f64; 3],
     /// Whether it has come to rest and is left alone until something touches it or a value changes.
     pub asleep: bool,
+    /// How it is built, as far as it matters to how it stands.
+    pub stature: Stature,
     /// How far each value of its material may go before the step asked for has to be divided.
     pub safe: Arc<Vec<SafeValue>>,
     /// Its material in the other form: springs of a solid, a solid of springs.

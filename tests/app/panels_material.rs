@@ -2,12 +2,17 @@
 
 use egui::{Key, Modifiers, Rect};
 use gelatin::app::theme::Theme;
+use gelatin::app::ui::Framing;
+use gelatin::scene::edit::Edit;
 use gelatin::scene::material::presets;
-use gelatin::scene::{Material, Solid};
+use gelatin::scene::{Material, Settings, Shape, Solid};
 use gelatin::session::Command;
 use image::RgbaImage;
 
 use crate::live::Window;
+
+/// The button that takes a material though the body is too large for it.
+const KEEP: &str = "Keep 1 m: it will collapse under its own weight";
 
 fn material(window: &Window) -> Material {
     window.scene().bodies[0].material.clone()
@@ -20,6 +25,9 @@ fn a_solid_is_chosen_by_its_name_and_taken_back() {
     let springs = material(&window);
     for preset in presets() {
         window.choose("Made of", preset.name);
+        if window.has(KEEP) {
+            window.click(KEEP);
+        }
         assert_eq!(material(&window), Material::Solid(preset.material), "{} it is", preset.name);
         assert!(window.has("Density") && !window.has("Particle mass"), "with the values of a solid");
     }
@@ -80,9 +88,98 @@ fn the_largest_safe_value_is_marked_on_the_track_that_it_belongs_to() {
     assert!(of("Shear damping") > 8, "the one that divides the steps: {} pixels", of("Shear damping"));
     assert_eq!(of("Structural stiffness"), 0, "no value of another would help");
     window.choose("Made of", "gelatin dessert");
+    window.click(KEEP);
     let picture = window.harness.render().expect("the panels can be drawn");
     let of = |name: &str| marked(&picture, window.rect(&format!("{name} slider")));
     for name in ["Modulus", "Density", "Damping ratio"] {
         assert!(of(name) > 8, "{name} could go so far: {} pixels", of(name));
     }
+}
+
+/// The body's extent upwards, as a share of its edge.
+fn height(window: &Window) -> f64 {
+    let Shape::Cube(cube) = &window.scene().bodies[0].shape else { panic!("a cube") };
+    let bounds = window.harness.state().session.simulation().diagnostics().bounds;
+    (bounds.max.y - bounds.min.y) / cube.size
+}
+
+/// Lets simulated time pass.
+fn pass(window: &mut Window, secs: f64) {
+    let session = &mut window.harness.state_mut().session;
+    let end = session.status().time_secs + secs;
+    while session.status().time_secs < end {
+        assert!(session.step(), "it stays whole");
+    }
+    window.wait();
+}
+
+/// The default cube, come to rest and chosen.
+fn rested() -> Window {
+    let mut window = Window::open("cube-on-plane");
+    window.click("Jelly");
+    pass(&mut window, 1.5);
+    window
+}
+
+#[test]
+fn a_material_too_soft_for_the_body_asks_and_the_size_it_offers_stands() {
+    for (name, small, size) in
+        [("gelatin dessert", "Make the body 10 cm", 0.1), ("pectin jelly", "Make the body 2.5 cm", 0.025)]
+    {
+        let mut window = rested();
+        let (before, motion) = (window.scene().clone(), window.harness.state().session.simulation().hash());
+        window.choose("Made of", name);
+        assert_eq!(*window.scene(), before, "nothing is changed before the answer");
+        assert!(window.has(small) && window.has(KEEP), "both answers are offered");
+        window.click(small);
+        let Shape::Cube(cube) = &window.scene().bodies[0].shape else { panic!("a cube") };
+        assert!((cube.size - size).abs() < 1e-12, "{name}: {cube:?}");
+        assert!(!window.has(KEEP), "the question is answered");
+        assert_eq!(window.harness.state().ui.frame, Some(Framing::Chosen), "the camera comes nearer");
+        pass(&mut window, 2.0);
+        assert!(height(&window) > 0.8, "{name} keeps its height: {}", height(&window));
+        let foot = window.harness.state().session.simulation().diagnostics().bounds.min.y;
+        assert!(foot.abs() < 0.03 * size, "{name} stands where it stood: {foot} m above the ground");
+        window.harness.state_mut().session.handle(Command::Undo).expect("one step back");
+        assert_eq!(*window.scene(), before, "{name}: one step of undo");
+        assert_eq!(window.harness.state().session.simulation().hash(), motion, "with its motion");
+    }
+}
+
+#[test]
+fn who_keeps_the_size_gets_what_was_announced_in_one_step() {
+    let mut window = rested();
+    let before = window.scene().clone();
+    window.choose("Made of", "gelatin dessert");
+    window.click(KEEP);
+    pass(&mut window, 1.0);
+    assert!(height(&window) < 0.6, "it collapses: {}", height(&window));
+    window.harness.state_mut().session.handle(Command::Undo).expect("one step back");
+    assert_eq!(*window.scene(), before, "one step of undo");
+}
+
+#[test]
+fn nothing_is_asked_where_the_body_stands_or_weighs_nothing() {
+    let mut window = rested();
+    window.choose("Made of", "rubber");
+    assert!(!window.has(KEEP) && matches!(material(&window), Material::Solid(_)), "rubber carries a metre");
+    let settings = Settings { gravity: [0.0; 3], ..window.scene().settings.clone() };
+    window.harness.state_mut().session.handle(Command::Edit(Edit::Settings(settings))).expect("no gravity");
+    window.wait();
+    window.choose("Made of", "pectin jelly");
+    assert!(!window.has(KEEP), "nothing weighs anything");
+    let soft = presets().iter().find(|preset| preset.name == "pectin jelly").expect("a material").material;
+    assert_eq!(material(&window), Material::Solid(soft));
+}
+
+#[test]
+fn another_choice_takes_the_question_away() {
+    let mut window = rested();
+    window.choose("Made of", "pectin jelly");
+    window.click("Sphere");
+    window.click("Jelly");
+    assert!(!window.has(KEEP), "another thing was chosen");
+    window.choose("Made of", "pectin jelly");
+    window.click("Keep the material");
+    assert!(!window.has(KEEP) && matches!(material(&window), Material::Springs(_)), "closed, and nothing changed");
 }

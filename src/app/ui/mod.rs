@@ -32,6 +32,7 @@ use crate::view::Colormap;
 
 pub use color::color_command;
 use files::FilesState;
+pub use inspector::own_weight::TooHeavy;
 
 /// Widths of the panels beside the view, points.
 const TREE_WIDTH: f32 = 190.0;
@@ -95,6 +96,8 @@ pub struct UiState {
     pub renaming: Option<(Target, String)>,
     /// Where the next teleport goes, m.
     pub origin: [f64; 3],
+    /// A material that was chosen for a body that is too large for it.
+    pub too_heavy: Option<TooHeavy>,
     /// A person asked to load a model.
     pub load_model: bool,
     /// Which panels are open.
@@ -139,6 +142,7 @@ impl UiState {
             awaited: None,
             renaming: None,
             origin: [0.0, 1.0, 0.0],
+            too_heavy: None,
             load_model: false,
             panels: Panels { tree: true, inspector: true, cost: false },
             files: FilesState::default(),

@@ -5,6 +5,7 @@ use egui::{Button, ComboBox, Response, RichText, Ui, vec2};
 use super::material::material_ui;
 use super::{section_ui, send};
 use crate::app::ui::figure::{figure, fixed_figure};
+use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{LABEL_WIDTH, field_ui, vector_ui};
 use crate::app::ui::{Running, UiState, theme};
 use crate::scene::edit::{BodyId, Edit};
@@ -16,7 +17,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// The panel of a body.
 pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(body) = running.scene.bodies.get(id.0) else { return };
-    section_ui(ui, "Material", true, |ui| material_ui(ui, id, body, running.status, commands));
+    section_ui(ui, "Material", true, |ui| material_ui(ui, id, running, state, commands));
     section_ui(ui, "Place", true, |ui| place_ui(ui, id, body, running.status.bodies.get(id.0), state, commands));
     section_ui(ui, "Shape", true, |ui| shape_ui(ui, id, body, running.status.bodies.get(id.0), commands));
 }
@@ -42,7 +43,8 @@ fn place_ui(
         let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
         let button = ui.add_sized(size, Button::new("Teleport"));
         let help = "Puts the middle of the body there, deformed as it is and at rest";
-        if button.on_hover_text(help).clicked() {
+        tip_ui(ui, &button, || help.to_owned());
+        if button.clicked() {
             commands.push(Command::Teleport(id, state.origin));
         }
     });

@@ -2,14 +2,17 @@
 
 use egui::{ComboBox, RichText, Ui};
 
+use super::own_weight::{self, length};
 use super::send;
 use crate::app::ui::figure::figure;
+use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{Bound, LABEL_WIDTH, Touch, slider_ui};
-use crate::app::ui::{actions, capitalised, theme};
+use crate::app::ui::{Running, UiState, actions, capitalised, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::material::{MaterialPreset, Spring, presets};
+use crate::scene::own_weight::largest_cube;
 use crate::scene::{Body, Family, Material, Solid, Springs, param};
-use crate::session::{Command, SafeValue, Status};
+use crate::session::{Command, SafeValue};
 
 /// What a person reads of springs.
 const SPRINGS: &str = "springs, seven values";
@@ -17,21 +20,41 @@ const SPRINGS: &str = "springs, seven values";
 const SOLID: &str = "a solid of your own";
 
 /// The part of the panel.
-pub(super) fn material_ui(ui: &mut Ui, id: BodyId, body: &Body, status: &Status, commands: &mut Vec<Command>) {
-    let known = status.bodies.get(id.0);
-    let other_form = known.map_or(&body.material, |known| &known.other_form);
-    if let Some(material) = choice_ui(ui, &body.material, other_form) {
-        commands.extend(actions::alone(Edit::Body(id, Box::new(Body { material, ..body.clone() }))));
+pub(super) fn material_ui(
+    ui: &mut Ui,
+    id: BodyId,
+    running: Running<'_>,
+    state: &mut UiState,
+    commands: &mut Vec<Command>,
+) {
+    let (Some(body), Some(known)) = (running.scene.bodies.get(id.0), running.status.bodies.get(id.0)) else { return };
+    match choice_ui(ui, &body.material, running.scene.settings.gravity) {
+        Some(Choice::OtherForm) => {
+            let material = known.other_form.clone();
+            commands.extend(actions::alone(Edit::Body(id, Box::new(Body { material, ..body.clone() }))));
+        }
+        Some(Choice::Named(preset)) => {
+            own_weight::choose(id, preset, running.scene, &known.stature, state, commands);
+        }
+        None => (),
     }
-    let safe = Safe { of: known.map_or(&[], |known| &known.safe) };
+    own_weight::own_weight_ui(ui, id, running.scene, known, state, commands);
+    let safe = Safe { of: &known.safe };
     match body.material {
         Material::Springs(springs) => springs_ui(ui, id, body, springs, safe, commands),
         Material::Solid(solid) => solid_ui(ui, id, body, solid, safe, commands),
     }
 }
 
+/// What was chosen from the list.
+enum Choice {
+    /// Springs for a solid, a solid for springs.
+    OtherForm,
+    Named(&'static MaterialPreset),
+}
+
 /// The list of materials; what was chosen, if anything was.
-fn choice_ui(ui: &mut Ui, now: &Material, other_form: &Material) -> Option<Material> {
+fn choice_ui(ui: &mut Ui, now: &Material, gravity: [f64; 3]) -> Option<Choice> {
     let mut chosen = None;
     let named = name_of(now);
     let text = match (now, named) {
@@ -55,24 +78,31 @@ fn choice_ui(ui: &mut Ui, now: &Material, other_form: &Material) -> Option<Mater
             ];
             for (place, (words, selected, help)) in own.into_iter().enumerate() {
                 let switches = (place == 1) != is_solid;
-                if ui.selectable_label(selected, words).on_hover_text(help).clicked() && switches {
-                    chosen = Some(other_form.clone());
+                let row = ui.selectable_label(selected, words);
+                tip_ui(ui, &row, || help.to_owned());
+                if row.clicked() && switches {
+                    chosen = Some(Choice::OtherForm);
                 }
             }
             ui.separator();
             for preset in presets() {
                 let selected = named == Some(preset);
                 let Solid { young_modulus, density, .. } = preset.material;
-                let values = format!("{} Pa, {} kg/m³", figure(young_modulus), figure(density));
+                let stands = match largest_cube(&preset.material, gravity) {
+                    size if size.is_finite() => format!(". A cube of it stands up to {}", length(size)),
+                    _ => String::new(),
+                };
+                let values = format!("{} Pa, {} kg/m³{stands}.", figure(young_modulus), figure(density));
                 let row = ui.selectable_label(selected, preset.name);
-                if row.on_hover_text(format!("{values}\n{}", preset.source)).clicked() && !selected {
-                    chosen = Some(Material::Solid(preset.material));
+                tip_ui(ui, &row, || format!("{values}\n{}", preset.source));
+                if row.clicked() && !selected {
+                    chosen = Some(Choice::Named(preset));
                 }
             }
         });
         let response = response.response.labelled_by(label.inner.id);
         if !source.is_empty() {
-            response.on_hover_text(source);
+            tip_ui(ui, &response, || source.clone());
         }
     });
     chosen

@@ -5,6 +5,7 @@ mod body;
 mod light;
 mod material;
 mod obstacle;
+pub(super) mod own_weight;
 mod settings;
 
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
@@ -20,6 +21,7 @@ pub(super) fn inspector_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiStat
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         let chosen = state.selection.filter(|target| actions::exists(running.scene, *target));
+        own_weight::forget_unless(chosen, state);
         let title = chosen.map_or_else(|| "The scene".to_owned(), |target| actions::name(running.scene, target));
         ui.label(RichText::new(title).color(theme::of(ui).strong).size(15.0).strong());
         ui.add_space(2.0);

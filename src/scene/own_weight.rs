@@ -1,0 +1,275 @@
+//! Whether a body carries its own weight, and at which size it would.
+//!
+//! At the foot of an even column of height L the weight ρ g L is carried by a solid of modulus E, which is strained by
+//! ρ g L / E there and sags by half of that share. Where this is a quarter a cube set down on the ground keeps 87 % of
+//! its height, where it is 0.3 about 75 %, and from there on it folds (measured, 6 to 9 cells an edge). A smaller body
+//! of the same form has a smaller L: everything softer than stone stands where it is small enough.
+
+use glam::{DMat3, DVec3};
+
+use super::body::{Body, Pose, Shape};
+use super::material::Solid;
+use super::obstacle::{Obstacle, ObstacleShape, Plane};
+use crate::geometry::Lattice;
+use crate::math::Aabb;
+use crate::math::rotation::{from_euler_deg, to_euler_deg};
+
+/// The largest strain at its foot with which a body stands.
+const STANDS: f64 = 0.25;
+/// The strain that a body has at most at the size that is offered.
+const OFFERED: f64 = 0.23;
+/// The sizes that are offered, in a decade.
+const SIZES: [f64; 10] = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
+/// A body is set down this share of its size above what it will stand on, and its place is rounded to half of that.
+const GAP: f64 = 2e-3;
+
+/// How a body is built, as far as it matters to how it stands. Lengths at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stature {
+    /// The extents of its box along its own axes, m.
+    pub size_m: [f64; 3],
+    /// The height of the even column that would sag by the same share, m, for every axis: where the weight is towards
+    /// its end and where it is towards its beginning. Thin legs make it longer than the body.
+    columns_m: [[f64; 2]; 3],
+}
+
+impl Stature {
+    /// Of the cells of a body.
+    pub fn of(lattice: &Lattice) -> Self {
+        let rest = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle));
+        let size_m = Aabb::<f64>::around(rest).size().to_array();
+        let columns_m = [0, 1, 2].map(|axis| {
+            let mut layers = vec![0_u32; lattice.grid.dims[axis] as usize];
+            for cell in &lattice.cells {
+                layers[lattice.corners[cell[0] as usize][axis] as usize] += 1;
+            }
+            let cell = lattice.grid.cell_size;
+            [column(layers.iter(), cell), column(layers.iter().rev(), cell)]
+        });
+        Self { size_m, columns_m }
+    }
+
+    /// The longest extent, m.
+    pub fn longest_m(&self) -> f64 {
+        self.size_m.into_iter().fold(0.0, f64::max)
+    }
+
+    /// The strain at the foot of a body of a solid that starts turned like this.
+    fn strain(&self, solid: &Solid, rotation_deg: [f64; 3], gravity: [f64; 3]) -> f64 {
+        let own = from_euler_deg(rotation_deg).transpose() * DVec3::from(gravity);
+        let axis = (0..3).max_by(|&a, &b| own[a].abs().total_cmp(&own[b].abs())).unwrap_or(1);
+        let column = self.columns_m[axis][usize::from(own[axis] < 0.0)];
+        solid.density * own.length() * column / solid.young_modulus
+    }
+
+    /// The longest extent at which a body of a solid stands, a round number of metres, where the body is too large to;
+    /// a body that is held is not asked to stand.
+    pub fn size_to_stand(&self, body: &Body, solid: &Solid, gravity: [f64; 3]) -> Option<f64> {
+        let strain = self.strain(solid, body.pose.rotation_deg, gravity);
+        let stands = strain <= STANDS || !body.pins.is_empty();
+        (!stands).then(|| round_below(self.longest_m() * OFFERED / strain))
+    }
+
+    /// The body with another longest extent, set down flat on what is below a place.
+    pub fn set_down(
+        &self,
+        body: &Body,
+        longest_m: f64,
+        above: [f64; 3],
+        obstacles: &[Obstacle],
+        gravity: [f64; 3],
+    ) -> Body {
+        let factor = longest_m / self.longest_m();
+        let mut body = scaled(body, factor, longest_m);
+        let down = DVec3::from(gravity).normalize_or(DVec3::NEG_Y);
+        if let Some(ground) = ground_below(obstacles, DVec3::from(above), down) {
+            let turn = flat(from_euler_deg(body.pose.rotation_deg), ground.normal);
+            let half = DVec3::from(self.size_m) * (0.5 * factor);
+            let height = (turn.transpose() * ground.normal).abs().dot(half) + GAP * longest_m;
+            let [position, rotation_deg] = [ground.point + ground.normal * height, DVec3::from(to_euler_deg(&turn))];
+            body.pose = Pose {
+                position: rounded(position, 0.25 * GAP * longest_m).to_array(),
+                rotation_deg: rounded(rotation_deg, 0.001).to_array(),
+            };
+        }
+        body
+    }
+}
+
+/// The largest size at which a cube of a solid stands, m; infinite without gravity.
+pub fn largest_cube(solid: &Solid, gravity: [f64; 3]) -> f64 {
+    let size = OFFERED * solid.young_modulus / (solid.density * DVec3::from(gravity).length());
+    if size.is_finite() { round_below(size) } else { size }
+}
+
+/// The height of the even column that sags by the same share as layers of cells with this edge, from the top one on.
+fn column<'a>(layers: impl Iterator<Item = &'a u32>, cell: f64) -> f64 {
+    let [mut height, mut above, mut sag] = [0.0; 3];
+    for count in layers.map(|&count| f64::from(count)).filter(|count| *count > 0.0) {
+        sag += (above + 0.5 * count) / count;
+        above += count;
+        height += 1.0;
+    }
+    if height > 0.0 { 2.0 * cell * sag / height } else { 0.0 }
+}
+
+/// The body with all lengths so many times as long; its longest extent is then `longest_m`.
+fn scaled(body: &Body, factor: f64, longest_m: f64) -> Body {
+    let mut body = body.clone();
+    match &mut body.shape {
+        Shape::Cube(cube) => cube.size = longest_m,
+        Shape::Cells(cells) => cells.size *= factor,
+        Shape::Model(model) => model.length = if model.length > 0.0 { model.length * factor } else { longest_m },
+    }
+    for corner in body.inlays.iter_mut().flat_map(|inlay| [&mut inlay.min, &mut inlay.max]) {
+        *corner = corner.map(|at| at * factor);
+    }
+    for corner in body.pins.iter_mut().flat_map(|pin| [&mut pin.min, &mut pin.max]) {
+        *corner = corner.map(|at| at * factor);
+    }
+    body
+}
+
+/// Where something stands.
+struct Ground {
+    point: DVec3,
+    /// Unit normal, away from the obstacle.
+    normal: DVec3,
+}
+
+/// The first thing that a body falls on from a place.
+fn ground_below(obstacles: &[Obstacle], from: DVec3, down: DVec3) -> Option<Ground> {
+    let hits = obstacles.iter().filter_map(|obstacle| match &obstacle.shape {
+        ObstacleShape::Plane(plane) => hit_plane(plane, from, down),
+        ObstacleShape::Sphere(sphere) => {
+            let offset = from - DVec3::from(sphere.center);
+            let along = -offset.dot(down);
+            let aside = offset.length_squared() - along * along;
+            let half = (sphere.radius * sphere.radius - aside).max(0.0).sqrt();
+            let way = along - half;
+            (aside < sphere.radius * sphere.radius && way >= 0.0)
+                .then(|| (way, ((offset + down * way) / sphere.radius).normalize_or(-down)))
+        }
+    });
+    let (way, normal) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Ground { point: from + down * way, normal })
+}
+
+/// How far below a place a plane lies, and its normal there.
+fn hit_plane(plane: &Plane, from: DVec3, down: DVec3) -> Option<(f64, DVec3)> {
+    let turn = from_euler_deg(plane.rotation_deg);
+    let slope = turn.y_axis.dot(down);
+    if slope.abs() < 1e-6 {
+        return None;
+    }
+    let center = DVec3::from(plane.center);
+    let way = (center - from).dot(turn.y_axis) / slope;
+    let at = turn.transpose() * (from + down * way - center);
+    let within = at.x.abs() <= plane.half_extents[0] && at.z.abs() <= plane.half_extents[1];
+    (way >= 0.0 && within).then(|| (way, turn.y_axis * -slope.signum()))
+}
+
+/// A rotation, turned on by as little as brings an axis along a normal.
+fn flat(turn: DMat3, normal: DVec3) -> DMat3 {
+    let axes = [turn.x_axis, turn.y_axis, turn.z_axis];
+    let nearest = axes.into_iter().max_by(|a, b| a.dot(normal).abs().total_cmp(&b.dot(normal).abs()));
+    let axis = nearest.map_or(normal, |axis| axis * axis.dot(normal).signum());
+    let about = axis.cross(normal);
+    let (sin, cos) = (about.length(), axis.dot(normal));
+    let Some(about) = about.try_normalize() else { return turn };
+    let across = |v: DVec3| v * cos + about.cross(v) * sin + about * (about.dot(v) * (1.0 - cos));
+    DMat3::from_cols(across(turn.x_axis), across(turn.y_axis), across(turn.z_axis))
+}
+
+fn rounded(values: DVec3, unit: f64) -> DVec3 {
+    // Ten to a whole power, so that what is written down is short.
+    let digits = 10_f64.powf(-unit.log10().floor());
+    (values * digits).round() / digits
+}
+
+/// The largest size of the list that is no larger.
+fn round_below(size: f64) -> f64 {
+    let decade = 10_f64.powf(size.log10().floor());
+    let share = SIZES.into_iter().rev().find(|share| share * decade <= 1.001 * size).unwrap_or(1.0);
+    // Three digits at most: 0.025 and not 0.025000000000000001.
+    let digits = 10_f64.powf(2.0 - size.log10().floor());
+    (share * decade * digits).round() / digits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::voxel::Cells;
+    use crate::scene::body::CubeShape;
+    use crate::scene::material::presets;
+    use crate::scene::obstacle::Sphere;
+
+    const GRAVITY: [f64; 3] = [0.0, -9.81, 0.0];
+
+    fn cube(size: f64) -> (Body, Stature) {
+        let shape = Shape::Cube(CubeShape { cells: 4, size });
+        let lattice = Lattice::new(&Cells::cube(4, size / 4.0).expect("a small cube"));
+        (Body { shape, ..Body::default() }, Stature::of(&lattice))
+    }
+
+    fn named(name: &str) -> Solid {
+        presets().iter().find(|preset| preset.name == name).expect("a material").material
+    }
+
+    #[test]
+    fn a_cube_is_a_column_of_its_height_whichever_way_it_lies() {
+        let (_, stature) = cube(0.8);
+        for column in stature.columns_m.into_iter().flatten() {
+            assert!((column - 0.8).abs() < 1e-9, "{stature:?}");
+        }
+        assert!((stature.longest_m() - 0.8).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_dessert_is_ten_centimetres_and_rubber_stands_as_it_is() {
+        let (body, stature) = cube(1.0);
+        let offered = |name: &str, gravity| stature.size_to_stand(&body, &named(name), gravity);
+        assert_eq!(offered("gelatin dessert", GRAVITY), Some(0.1));
+        assert_eq!(offered("pectin jelly", GRAVITY), Some(0.025));
+        assert_eq!(offered("rubber", GRAVITY), None);
+        assert_eq!(offered("gelatin dessert", [0.0; 3]), None, "nothing weighs anything");
+        let held = Body { pins: vec![crate::scene::body::PinBox::default()], ..body.clone() };
+        assert_eq!(stature.size_to_stand(&held, &named("gelatin dessert"), GRAVITY), None, "it hangs");
+        assert!((largest_cube(&named("gelatin dessert"), GRAVITY) - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn thin_legs_make_a_longer_column() {
+        // A slab of 4 × 4 cells on one leg of 4 cells.
+        let slab = (0..4).flat_map(|x| (0..4).map(move |z| [x, 4, z]));
+        let leg = (0..4).map(|y| [0, y, 0]);
+        let cells = Cells::from_list(&slab.chain(leg).collect::<Vec<_>>(), 0.1).expect("cells");
+        let stature = Stature::of(&Lattice::new(&cells));
+        let [upright, over] = [stature.columns_m[1][1], stature.columns_m[1][0]];
+        assert!(upright > 4.0 * 0.5 && over < 0.5, "on its leg {upright} m, on its slab {over} m");
+    }
+
+    #[test]
+    fn a_body_is_set_down_flat_on_what_is_below_it() {
+        let (mut body, stature) = cube(1.0);
+        body.pose = Pose { position: [0.0, 1.0, 0.0], rotation_deg: [5.0, 30.0, 8.0] };
+        let ground = Obstacle::default();
+        let ball = Sphere { center: [2.0, 0.4, 0.0], radius: 0.4 };
+        let ball = Obstacle { shape: ObstacleShape::Sphere(ball), ..Obstacle::default() };
+        let slope = Plane { center: [-3.0, 0.5, 0.0], rotation_deg: [0.0, 0.0, 20.0], half_extents: [1.0, 1.0] };
+        let slope = Obstacle { shape: ObstacleShape::Plane(slope), ..Obstacle::default() };
+        let all = [ground, ball, slope];
+        for (above, height) in [([0.5, 0.6, 0.2], 0.05), ([2.0, 2.0, 0.0], 0.85), ([-3.0, 2.0, 0.0], 0.55)] {
+            let small = stature.set_down(&body, 0.1, above, &all, GRAVITY);
+            let Shape::Cube(shape) = &small.shape else { panic!("a cube stays a cube") };
+            assert!((shape.size - 0.1).abs() < 1e-12);
+            let [x, y, z] = small.pose.position;
+            assert!((y - height).abs() < 5e-3 && (x - above[0]).abs() < 0.02, "{above:?}: at {x}, {y}, {z}");
+            let normal = if above[0] < -1.0 { from_euler_deg([0.0, 0.0, 20.0]).y_axis } else { DVec3::Y };
+            let along = from_euler_deg(small.pose.rotation_deg).y_axis.dot(normal);
+            assert!(along > 1.0 - 1e-9, "{above:?}: flat, {:?}", small.pose.rotation_deg);
+        }
+        let nowhere = stature.set_down(&body, 0.1, [40.0, 1.0, 0.0], &all, GRAVITY);
+        assert_eq!(nowhere.pose, body.pose, "nothing is below");
+    }
+}
