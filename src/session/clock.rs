@@ -8,11 +8,16 @@ const MAX_DEBT_SECS: f64 = 0.1;
 /// The stretch of wall time over which the real-time factor is measured, s.
 const WINDOW_SECS: f64 = 1.0;
 
+/// Steps that took less of the window say nothing of who has the processors, s.
+const TELLING_SECS: f64 = 0.03;
+
 /// How much simulated time is owed, and how well it is paid.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Clock {
     debt_secs: f64,
     history: VecDeque<Stretch>,
+    /// The share of the time of steps in which a processor was at work on them, when there were last enough of them.
+    processor_share: Option<f64>,
 }
 
 /// A stretch of wall time and what became of it.
@@ -33,6 +38,12 @@ impl Stretch {
     /// Simulated seconds a wall second; `None` of no time.
     pub(super) fn real_time_factor(&self) -> Option<f64> {
         (self.wall_secs > 0.0).then(|| self.simulated_secs / self.wall_secs)
+    }
+
+    /// Simulated seconds in a second of processor time; infinite where there was next to nothing to do.
+    pub(super) fn speed_alone(&self) -> f64 {
+        let worked = self.stepping_secs >= TELLING_SECS && self.processor_secs > 0.0;
+        if worked { self.simulated_secs / self.processor_secs } else { f64::INFINITY }
     }
 }
 
@@ -68,6 +79,15 @@ impl Clock {
             total -= oldest.wall_secs;
             self.history.pop_front();
         }
+        let Stretch { stepping_secs, processor_secs, .. } = self.lately();
+        if stepping_secs >= TELLING_SECS {
+            self.processor_share = Some((processor_secs / stepping_secs).clamp(0.01, 1.0));
+        }
+    }
+
+    /// The share of the time of steps in which a processor was at work on them, as far as is known.
+    pub(super) fn processor_share(&self) -> f64 {
+        self.processor_share.unwrap_or(1.0)
     }
 
     /// The last second or so; nothing before anything was noted.
@@ -111,6 +131,20 @@ mod tests {
         let mut clock = Clock::default();
         clock.owe(30.0, 1.0);
         assert_eq!(steps(&mut clock, 0.001), 100, "a tenth of a second is owed, not half a minute");
+    }
+
+    #[test]
+    fn the_share_of_the_processors_is_remembered_while_nothing_moves() {
+        let mut clock = Clock::default();
+        assert!((clock.processor_share() - 1.0).abs() < 1e-12, "nothing is known");
+        clock.note(Stretch { wall_secs: 0.5, simulated_secs: 0.2, stepping_secs: 0.4, processor_secs: 0.1 });
+        assert!((clock.processor_share() - 0.25).abs() < 1e-12, "drawing had the rest");
+        assert!((clock.lately().speed_alone() - 2.0).abs() < 1e-12, "a processor of its own would have done more");
+        for _ in 0..4 {
+            clock.note(Stretch { wall_secs: 0.5, simulated_secs: 0.5, stepping_secs: 1e-4, processor_secs: 1e-4 });
+        }
+        assert!((clock.processor_share() - 0.25).abs() < 1e-12, "what sleeps says nothing new");
+        assert!(clock.lately().speed_alone().is_infinite(), "and costs nothing");
     }
 
     #[test]

@@ -299,6 +299,8 @@ impl Session {
             real_time_factor: lately.real_time_factor().unwrap_or(self.speed),
             behind: self.is_behind(),
             stepping_share: lately.stepping_secs / lately.wall_secs.max(1e-9),
+            processor_share: self.clock.processor_share(),
+            speed_alone: lately.speed_alone(),
             limited_by: self.slowness(links),
             dt_secs: plan.substep_secs(),
             dt_safe_secs: plan.limits.dt_safe_secs().unwrap_or(f64::INFINITY),

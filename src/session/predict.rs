@@ -1,14 +1,16 @@
 //! What is known of a scene before it runs: size, stable step, what limits it, and what a second will cost.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use cpu_time::ThreadTime;
 use serde::Serialize;
 
 use super::Session;
+use crate::physics::Simulation;
 use crate::physics::stability::Term;
 
-/// Wall time spent on measuring what a substep costs.
-const MEASURE: Duration = Duration::from_millis(50);
+/// Processor time spent on measuring what a substep costs.
+const MEASURE: Duration = Duration::from_millis(120);
 
 /// The prediction; the names are those of the JSON object of `gelatin check`. SI units.
 #[derive(Clone, Debug, Serialize)]
@@ -38,7 +40,8 @@ pub struct LimitFigures {
 }
 
 impl Prediction {
-    /// Of a session at its start. The real-time factor is measured on a copy of the first substeps.
+    /// Of a session at its start. The real-time factor is that of a thread that always has a processor and draws
+    /// nothing, measured on a copy of the first substeps.
     pub fn of(session: &Session) -> Self {
         let simulation = session.simulation();
         let plan = simulation.plan();
@@ -61,22 +64,32 @@ impl Prediction {
             integrator: plan.integrator.name(),
             limits,
             substeps_per_frame,
-            predicted_real_time_factor: real_time_factor(session),
+            predicted_real_time_factor: speed_alone(session.simulation()),
         }
     }
 }
 
-fn real_time_factor(session: &Session) -> f64 {
-    let mut copy = session.simulation().clone();
+/// Simulated seconds in a second of processor time, measured on a copy.
+fn speed_alone(simulation: &Simulation<f32>) -> f64 {
+    let mut copy = simulation.clone();
+    // The first one finds nothing in the caches.
+    copy.substep(&mut ());
     let start_secs = copy.state().time_secs;
-    let begin = Instant::now();
+    let begin = ThreadTime::now();
     loop {
         copy.substep(&mut ());
         if copy.has_diverged() || begin.elapsed() >= MEASURE {
             break;
         }
     }
-    (copy.state().time_secs - start_secs) / begin.elapsed().as_secs_f64()
+    (copy.state().time_secs - start_secs) / begin.elapsed().as_secs_f64().max(1e-9)
+}
+
+/// Simulated seconds a second in a window whose simulation has a processor for this share of the time that it wants
+/// one; drawing takes the rest. `beside` is the speed that the other bodies would have by themselves, infinite where
+/// there are none.
+pub fn speed_in_window(alone: f64, beside: f64, processor_share: f64) -> f64 {
+    processor_share / (1.0 / alone + 1.0 / beside)
 }
 
 #[cfg(test)]
@@ -89,6 +102,13 @@ mod tests {
     fn prediction(material: Material) -> Prediction {
         let scene = Scene { bodies: vec![Body { material, ..Body::default() }], ..Scene::default() };
         Prediction::of(&Session::new(scene, PathBuf::new(), String::new()).expect("a cube resolves"))
+    }
+
+    #[test]
+    fn two_bodies_share_the_time_and_drawing_takes_its_part() {
+        assert!((speed_in_window(0.8, f64::INFINITY, 1.0) - 0.8).abs() < 1e-12, "alone, with nothing drawn");
+        assert!((speed_in_window(0.8, f64::INFINITY, 0.5) - 0.4).abs() < 1e-12, "drawing takes half");
+        assert!((speed_in_window(0.8, 0.8, 0.5) - 0.2).abs() < 1e-12, "and so does a body of the same cost");
     }
 
     #[test]

@@ -35,6 +35,11 @@ pub struct Status {
     pub behind: bool,
     /// The share of the last second that was spent in steps.
     pub stepping_share: f64,
+    /// The share of the time that steps took lately in which a processor was at work on them: drawing and other
+    /// programs have the rest.
+    pub processor_share: f64,
+    /// Simulated seconds in a second of processor time lately; infinite where nothing moves.
+    pub speed_alone: f64,
     /// Why the speed asked for is not reached, in plain words; empty when it is.
     pub limited_by: String,
     /// The step in use, s: a whole step divided by its substeps.

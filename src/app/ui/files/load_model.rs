@@ -10,8 +10,9 @@ use super::path_field::{PathField, PathUse, Verdict};
 use super::{UiState, Wish, dialog_ui, main_button_ui, theme};
 use crate::scene::body::{Keep, MAX_DIVISIONS, ModelShape, OccupancyChoice};
 use crate::scene::{Scene, Settings};
-use crate::session::Command;
 use crate::session::jellify::{Jellified, Preview, Progress, occupancy_word};
+use crate::session::predict::speed_in_window;
+use crate::session::{Command, Status};
 use crate::view::legend::three_digits;
 
 /// How long a value must stand before the work begins, s.
@@ -92,7 +93,13 @@ impl LoadModel {
 }
 
 /// The assistant, when it is open.
-pub(super) fn load_model_ui(ui: &mut Ui, scene: &Scene, state: &mut UiState, commands: &mut Vec<Command>) {
+pub(super) fn load_model_ui(
+    ui: &mut Ui,
+    status: &Status,
+    scene: &Scene,
+    state: &mut UiState,
+    commands: &mut Vec<Command>,
+) {
     let Some(mut model) = state.files.model.take() else { return };
     let mut done = false;
     let escaped = dialog_ui(ui, "Load model", 600.0, |ui| {
@@ -104,7 +111,7 @@ pub(super) fn load_model_ui(ui: &mut Ui, scene: &Scene, state: &mut UiState, com
         values_ui(ui, &mut model.shape);
         ui.separator();
         model.follow(ui, &scene.settings, &mut state.files.wishes);
-        work_ui(ui, &mut model, &mut state.files.wishes);
+        work_ui(ui, &mut model, status, &mut state.files.wishes);
         ui.add_space(6.0);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let ready = matches!(model.work, Work::Ready(_));
@@ -167,7 +174,7 @@ fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
     });
 }
 
-fn work_ui(ui: &mut Ui, model: &mut LoadModel, wishes: &mut Vec<Wish>) {
+fn work_ui(ui: &mut Ui, model: &mut LoadModel, status: &Status, wishes: &mut Vec<Wish>) {
     let area = ScrollArea::vertical().max_height(250.0).auto_shrink([false, true]);
     area.show(ui, |ui| match &model.work {
         Work::Idle => {
@@ -187,13 +194,13 @@ fn work_ui(ui: &mut Ui, model: &mut LoadModel, wishes: &mut Vec<Wish>) {
         Work::Failed(why) => {
             ui.add(egui::Label::new(RichText::new(why).color(theme::of(ui).error)).wrap());
         }
-        Work::Ready(body) => preview_ui(ui, &body.preview),
+        Work::Ready(body) => preview_ui(ui, &body.preview, status),
     });
 }
 
-fn preview_ui(ui: &mut Ui, preview: &Preview) {
+fn preview_ui(ui: &mut Ui, preview: &Preview, status: &Status) {
     Grid::new("preview").num_columns(2).spacing([16.0, 5.0]).min_row_height(18.0).show(ui, |ui| {
-        for (name, value) in rows(preview) {
+        for (name, value) in rows(preview, status) {
             ui.label(RichText::new(name).color(theme::of(ui).weak));
             ui.add(egui::Label::new(RichText::new(value).color(theme::of(ui).strong)).wrap());
             ui.end_row();
@@ -205,7 +212,7 @@ fn preview_ui(ui: &mut Ui, preview: &Preview) {
     }
 }
 
-fn rows(preview: &Preview) -> Vec<(&'static str, String)> {
+fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
     let Preview { triangles, parts, joined_parts, thin_parts, components, dropped_cells, .. } = preview;
     let closed = if preview.closed { "closed" } else { "open" };
     let [occupancy, why] = &preview.occupancy;
@@ -213,12 +220,6 @@ fn rows(preview: &Preview) -> Vec<(&'static str, String)> {
     let safe = match preview.dt_safe_secs {
         secs if secs.is_finite() => format!("{} ms, limited by {}", three_digits(secs * 1e3), preview.dt_limited_by),
         _ => "no limit".to_owned(),
-    };
-    let factor = preview.real_time_factor;
-    let speed = if factor >= 1.0 {
-        format!("{}× real time", three_digits(factor))
-    } else {
-        format!("{} times slower than real time", three_digits(1.0 / factor.max(1e-9)))
     };
     vec![
         ("Mesh", format!("{triangles} triangles, {closed}, {parts} parts ({joined_parts} joined, {thin_parts} thin)")),
@@ -229,6 +230,35 @@ fn rows(preview: &Preview) -> Vec<(&'static str, String)> {
         ("Links", preview.links.to_string()),
         ("Box", format!("{x} × {y} × {z} m")),
         ("Safe step", safe),
-        ("Speed", speed),
+        ("Speed", speed_words(preview.speed_alone, status)),
     ]
+}
+
+/// The speed that the window will show with the body alone, and with it beside what moves now.
+fn speed_words(alone: f64, status: &Status) -> String {
+    let words = |beside| match speed_in_window(alone, beside, status.processor_share) {
+        factor if factor >= 1.0 => format!("real time (up to {factor:.1}×)"),
+        factor => format!("{factor:.2}× real time"),
+    };
+    let by_itself = words(f64::INFINITY);
+    if status.speed_alone.is_finite() {
+        format!("{by_itself} by itself, {} beside what is there", words(status.speed_alone))
+    } else {
+        by_itself
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_speed_is_said_as_the_window_will_show_it() {
+        let said = |alone, status: &Status| speed_words(alone, status);
+        let still = Status { processor_share: 0.5, speed_alone: f64::INFINITY, ..Status::default() };
+        assert_eq!(said(0.8, &still), "0.40× real time");
+        assert_eq!(said(6.4, &still), "real time (up to 3.2×)");
+        let busy = Status { speed_alone: 0.8, ..still };
+        assert_eq!(said(0.8, &busy), "0.40× real time by itself, 0.20× beside what is there");
+    }
 }

@@ -165,7 +165,7 @@ pub(super) fn files_ui(
         begin(action, status, state, commands);
     }
     if let Some(scene) = scene {
-        load_model::load_model_ui(ui, scene, state, commands);
+        load_model::load_model_ui(ui, status, scene, state, commands);
     }
     question::hold_back(status, &mut state.files, commands);
     question::question_ui(ui, status, &mut state.files, commands);
