@@ -67,7 +67,7 @@ pub fn bounds(scene: &Scene, draw_list: &DrawList, target: Target) -> Option<Aab
     match place(scene, target)? {
         Selected::Skin(place) => {
             let skin = &draw_list.skins.get(place)?.skin;
-            Some(Aabb::around(skin.vertices.iter().map(|vertex| vertex.place(&draw_list.particles))))
+            Some(Aabb::around(skin.vertices().iter().map(|vertex| vertex.place(&draw_list.particles))))
         }
         Selected::Solid(place) => draw_list.solids.get(place).map(Solid::bounds),
     }

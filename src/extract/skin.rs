@@ -31,35 +31,35 @@ pub fn cells_skin(lattice: &Lattice, first_particle: u32) -> Skin {
     for cell in &lattice.cells {
         filled[lattice.grid.index(lattice.corners[cell[0] as usize])] = true;
     }
-    let mut skin = Skin::default();
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for direction in Direction::ALL {
         let mut patches = vec![Patch::default(); lattice.corners.len()];
         for cell in &lattice.cells {
             let place = lattice.corners[cell[0] as usize];
             let covered = direction.step(place, lattice.grid.dims).is_some_and(|next| filled[lattice.grid.index(next)]);
             if !covered {
-                add_face(&mut skin, &mut patches, direction.face(cell));
+                add_face(&mut vertices, &mut triangles, &mut patches, direction.face(cell));
             }
         }
         for (particle, patch) in (0..).zip(&patches) {
             if let Some(vertex) = patch.vertex {
-                skin.vertices[vertex as usize] = patch.skin_vertex(particle, first_particle);
+                vertices[vertex as usize] = patch.skin_vertex(particle, first_particle);
             }
         }
     }
-    skin
+    Skin::new(vertices, triangles)
 }
 
 /// Two triangles over the corners of a face, given at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1).
-fn add_face(skin: &mut Skin, patches: &mut [Patch], face: [u32; 4]) {
+fn add_face(vertices: &mut Vec<SkinVertex>, triangles: &mut Vec<[u32; 3]>, patches: &mut [Patch], face: [u32; 4]) {
     let [a, b, c, d] = face.map(|particle| {
         let patch = &mut patches[particle as usize];
         *patch.vertex.get_or_insert_with(|| {
-            skin.vertices.push(SkinVertex::default());
-            last_index(skin.vertices.len())
+            vertices.push(SkinVertex::default());
+            last_index(vertices.len())
         })
     });
-    skin.triangles.extend([[a, b, d], [a, d, c]]);
+    triangles.extend([[a, b, d], [a, d, c]]);
     for (axis, [from, to]) in [(0, [0, 1]), (0, [2, 3]), (1, [0, 2]), (1, [1, 3])] {
         patches[face[from] as usize].neighbours[axis][1] = Some(face[to]);
         patches[face[to] as usize].neighbours[axis][0] = Some(face[from]);
@@ -144,7 +144,7 @@ pub fn model_skin(lattice: &Lattice, mesh: &TriMesh, first_particle: u32) -> Ski
             embedded_vertex(&embedder, embedding, mesh.positions[vertex as usize], normal, first_particle)
         })
         .collect();
-    Skin { vertices, triangles }
+    Skin::new(vertices, triangles)
 }
 
 /// The mesh without the triangles that reach too far from any cell.

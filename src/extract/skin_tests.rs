@@ -25,17 +25,17 @@ fn boxed(half: f64, repeat: bool) -> TriMesh {
     let skin = cells_skin(&lattice(&[[0, 0, 0]]), 0);
     let corners = lattice(&[[0, 0, 0]]);
     let place = |vertex: u32| {
-        let particle = skin.vertices[vertex as usize].particles[0];
+        let particle = skin.vertices()[vertex as usize].particles[0];
         corners.rest_position(particle as usize) * (2.0 * half / SIZE)
     };
     if repeat {
-        let positions = (0..).take(skin.vertices.len()).map(place).collect();
-        return TriMesh { positions, triangles: skin.triangles.clone() };
+        let positions = (0..).take(skin.vertices().len()).map(place).collect();
+        return TriMesh { positions, triangles: skin.triangles().to_vec() };
     }
-    let particle = |vertex: u32| skin.vertices[vertex as usize].particles[0];
+    let particle = |vertex: u32| skin.vertices()[vertex as usize].particles[0];
     TriMesh {
         positions: (0..8).map(|p| corners.rest_position(p) * (2.0 * half / SIZE)).collect(),
-        triangles: skin.triangles.iter().map(|triangle| triangle.map(particle)).collect(),
+        triangles: skin.triangles().iter().map(|triangle| triangle.map(particle)).collect(),
     }
 }
 
@@ -43,9 +43,9 @@ fn boxed(half: f64, repeat: bool) -> TriMesh {
 fn every_outer_face_is_there_exactly_once() {
     for (cells, faces) in [(&U[..1], 6), (&U[..], 30)] {
         let skin = cells_skin(&lattice(cells), 0);
-        assert_eq!(skin.triangles.len(), 2 * faces, "two triangles a face");
+        assert_eq!(skin.triangles().len(), 2 * faces, "two triangles a face");
         let mut corners: Vec<Vec<u32>> = skin
-            .triangles
+            .triangles()
             .chunks(2)
             .map(|pair| {
                 let mut corners: Vec<u32> = pair.iter().flatten().copied().collect();
@@ -64,8 +64,8 @@ fn every_outer_face_is_there_exactly_once() {
 fn the_surface_is_closed() {
     let skin = cells_skin(&lattice(&U), 0);
     let mut edges: BTreeMap<[u32; 2], i32> = BTreeMap::new();
-    for triangle in &skin.triangles {
-        let [a, b, c] = triangle.map(|vertex| skin.vertices[vertex as usize].particles[0]);
+    for triangle in skin.triangles() {
+        let [a, b, c] = triangle.map(|vertex| skin.vertices()[vertex as usize].particles[0]);
         for [from, to] in [[a, b], [b, c], [c, a]] {
             *edges.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
         }
@@ -79,7 +79,7 @@ fn normals_point_outward_at_rest_and_edges_are_crisp() {
         let lattice = lattice(cells);
         let skin = cells_skin(&lattice, 0);
         let surface = skin.evaluate(&moved(&lattice, DMat3::IDENTITY));
-        for triangle in &skin.triangles {
+        for triangle in skin.triangles() {
             let [a, b, c] = triangle.map(|vertex| surface[vertex as usize]);
             let facing = (b.0 - a.0).cross(c.0 - a.0).normalize();
             for (position, normal) in [a, b, c] {
@@ -135,7 +135,7 @@ fn a_model_stays_at_rest_and_follows_affine_motion_exactly() {
     for motion in [DMat3::IDENTITY, squeeze] {
         let cofactors = motion.determinant() * motion.inverse().transpose();
         let surface = skin.evaluate(&moved(&lattice, motion));
-        for triangle in &skin.triangles {
+        for triangle in skin.triangles() {
             let [a, b, c] = triangle.map(|vertex| surface[vertex as usize]);
             let facing = (b.0 - a.0).cross(c.0 - a.0).normalize();
             assert!(a.1.distance(facing) < 1e-4, "a flat face keeps its normal: {} and {facing}", a.1);
@@ -154,7 +154,7 @@ fn creases_split_vertices_and_gentle_bends_do_not() {
     let lattice = lattice(&U);
     for repeat in [false, true] {
         let cube = model_skin(&lattice, &boxed(0.7, repeat), 0);
-        assert_eq!(cube.vertices.len(), 24, "a cube has three normals a corner");
+        assert_eq!(cube.vertices().len(), 24, "a cube has three normals a corner");
     }
     let roof = |height: f64| TriMesh {
         positions: vec![
@@ -166,8 +166,8 @@ fn creases_split_vertices_and_gentle_bends_do_not() {
         triangles: vec![[0, 2, 1], [1, 2, 3]],
     };
     let gentle = model_skin(&lattice, &roof(0.1), 0);
-    assert_eq!(gentle.vertices.len(), 4, "23 degrees are smooth");
-    assert_eq!(model_skin(&lattice, &roof(0.3), 0).vertices.len(), 6, "62 degrees are a crease");
+    assert_eq!(gentle.vertices().len(), 4, "23 degrees are smooth");
+    assert_eq!(model_skin(&lattice, &roof(0.3), 0).vertices().len(), 6, "62 degrees are a crease");
     let ridge = gentle.evaluate(&moved(&lattice, DMat3::IDENTITY));
     assert!(ridge.iter().any(|(_, normal)| normal.distance(Vec3::Y) < 1e-5), "the ridge looks straight up");
 }
@@ -175,17 +175,17 @@ fn creases_split_vertices_and_gentle_bends_do_not() {
 #[test]
 fn triangles_without_area_are_left_out() {
     let mesh = TriMesh { positions: vec![DVec3::ZERO, DVec3::X * 0.1, DVec3::X * 0.2], triangles: vec![[0, 1, 2]] };
-    assert_eq!(model_skin(&lattice(&U), &mesh, 0).triangles, Vec::<[u32; 3]>::new(), "nothing to see");
+    assert_eq!(model_skin(&lattice(&U), &mesh, 0).triangles(), Vec::<[u32; 3]>::new(), "nothing to see");
 }
 
 #[test]
 fn a_part_of_the_mesh_without_cells_is_left_out() {
     let one_cell = lattice(&[[0, 0, 0]]);
     let mut mesh = boxed(0.5 * SIZE, false);
-    let kept = model_skin(&one_cell, &mesh, 0).triangles.len();
+    let kept = model_skin(&one_cell, &mesh, 0).triangles().len();
     let far = boxed(0.5 * SIZE, false);
     mesh.triangles.extend(far.triangles.iter().map(|triangle| triangle.map(|vertex| vertex + 8)));
     mesh.positions.extend(far.positions.iter().map(|position| *position + DVec3::X * 4.0 * SIZE));
     assert_eq!(kept, 12, "the box in the cell is there");
-    assert_eq!(model_skin(&one_cell, &mesh, 0).triangles.len(), kept, "the one four cells away is not");
+    assert_eq!(model_skin(&one_cell, &mesh, 0).triangles().len(), kept, "the one four cells away is not");
 }

@@ -131,7 +131,7 @@ impl SkinBuffers {
             return Ok((buffer.clone(), *count));
         }
         let edges = self.source.edges();
-        let bytes: &[u8] = bytemuck::cast_slice(&edges);
+        let bytes: &[u8] = bytemuck::cast_slice(edges);
         let (size, limit) = (bytes.len() as u64, device.limits().max_buffer_size);
         if size > limit {
             return Err(RenderError::TooMuch { what: "edges of a skin", bytes: size, limit });
@@ -150,9 +150,9 @@ impl SkinBuffers {
         counters: &mut FrameCounters,
     ) -> Result<Self, RenderError> {
         let limit = storage_limit(device);
-        let bytes = (skin.vertices.len() * size_of::<SkinVertex>()) as u64;
+        let bytes = (skin.vertices().len() * size_of::<SkinVertex>()) as u64;
         let most = u64::from(SkinPass::MOST_VERTICES) * size_of::<SkinVertex>() as u64;
-        let index_bytes = (skin.triangles.len() * size_of::<[u32; 3]>()) as u64;
+        let index_bytes = size_of_val(skin.triangles()) as u64;
         if bytes > limit.min(most) {
             return Err(RenderError::TooMuch { what: "vertices of a skin", bytes, limit: limit.min(most) });
         }
@@ -160,7 +160,7 @@ impl SkinBuffers {
             let limit = device.limits().max_buffer_size;
             return Err(RenderError::TooMuch { what: "triangles of a skin", bytes: index_bytes, limit });
         }
-        let vertices: Vec<SkinVertex> = skin.vertices.iter().map(SkinVertex::from).collect();
+        let vertices: Vec<SkinVertex> = skin.vertices().iter().map(SkinVertex::from).collect();
         let uploaded = |label, contents: &[u8], usage| {
             // A skin without triangles is drawn as nothing, but a buffer has to hold something.
             let contents = if contents.is_empty() { &[0; size_of::<SkinVertex>()] } else { contents };
@@ -179,9 +179,9 @@ impl SkinBuffers {
             vertices: uploaded("skin", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::STORAGE),
             deformed,
             edges: None,
-            indices: uploaded("triangles", bytemuck::cast_slice(&skin.triangles), wgpu::BufferUsages::INDEX),
-            index_count: count(skin.triangles.len() * 3),
-            vertex_count: count(skin.vertices.len()),
+            indices: uploaded("triangles", bytemuck::cast_slice(skin.triangles()), wgpu::BufferUsages::INDEX),
+            index_count: count(skin.triangles().len() * 3),
+            vertex_count: count(skin.vertices().len()),
             bind_group: None,
         })
     }

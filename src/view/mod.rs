@@ -5,6 +5,7 @@
 
 pub mod axes;
 pub mod camera;
+mod clusters;
 pub mod color;
 pub mod colormap;
 pub mod difference;

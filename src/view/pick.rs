@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::{DrawList, Skin, Solid};
+use crate::math::Aabb;
 
 /// What a line of sight meets first in a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +33,7 @@ pub enum Thing {
 /// What a line of sight meets first in a picture.
 pub fn nearest(draw_list: &DrawList, ray: &Ray) -> Option<Hit> {
     let skins = draw_list.skins.iter().enumerate().filter_map(|(place, instance)| {
-        let (triangle, distance) = hit_skin(&instance.skin, &draw_list.particles, ray)?;
+        let (triangle, distance) = instance.skin.hit(&draw_list.particles, ray)?;
         let weights = weights_at(&instance.skin, &draw_list.particles, triangle, ray.at(distance));
         Some((Thing::Skin { skin: place, weights }, distance))
     });
@@ -42,26 +43,19 @@ pub fn nearest(draw_list: &DrawList, ray: &Ray) -> Option<Hit> {
     first.map(|(what, distance)| Hit { what, point: ray.at(distance), distance })
 }
 
-fn hit_skin(skin: &Skin, particles: &[[f32; 3]], ray: &Ray) -> Option<(usize, f32)> {
-    let positions: Vec<Vec3> = skin.vertices.iter().map(|vertex| vertex.place(particles)).collect();
-    ray.hit_mesh(&positions, &skin.triangles)
-}
-
 /// The weights of the particles at a point of a triangle.
 fn weights_at(skin: &Skin, particles: &[[f32; 3]], triangle: usize, point: Vec3) -> Vec<(u32, f32)> {
-    let corners = skin.triangles[triangle].map(|vertex| &skin.vertices[vertex as usize]);
+    let corners = skin.triangles()[triangle].map(|vertex| &skin.vertices()[vertex as usize]);
     let [a, b, c] = corners.map(|vertex| vertex.place(particles));
     let normal = (b - a).cross(c - a);
     let share = |from: Vec3, to: Vec3| (to - from).cross(point - from).dot(normal) / normal.length_squared();
     let shares = [share(b, c), share(c, a), share(a, b)];
     let mut weights: Vec<(u32, f32)> = Vec::new();
     for (vertex, share) in corners.into_iter().zip(shares) {
-        for (particle, weight) in vertex.particles.into_iter().zip(vertex.position) {
-            let weight = weight * share;
+        for (particle, weight) in vertex.carriers() {
             match weights.iter_mut().find(|(known, _)| *known == particle) {
-                Some((_, sum)) => *sum += weight,
-                None if weight != 0.0 => weights.push((particle, weight)),
-                None => (),
+                Some((_, sum)) => *sum += weight * share,
+                None => weights.push((particle, weight * share)),
             }
         }
     }
@@ -123,17 +117,22 @@ impl Ray {
         (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance >= 0.0 && distance.is_finite()).then_some(distance)
     }
 
-    /// The nearest of some triangles, as (index in `triangles`, distance).
-    pub fn hit_mesh(&self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<(usize, f32)> {
-        let mut nearest: Option<(usize, f32)> = None;
-        for (index, triangle) in triangles.iter().enumerate() {
-            if let Some(distance) = self.hit_triangle(triangle.map(|vertex| positions[vertex as usize]))
-                && nearest.is_none_or(|(_, best)| distance < best)
-            {
-                nearest = Some((index, distance));
+    /// Whether it meets a box, from outside or from within.
+    pub fn meets_box(&self, bounds: &Aabb<f32>) -> bool {
+        let (mut enter, mut leave) = (0.0_f32, f32::INFINITY);
+        for axis in 0..3 {
+            let [low, high] = [bounds.min[axis], bounds.max[axis]].map(|end| end - self.origin[axis]);
+            if self.direction[axis] == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return false;
+                }
+                continue;
             }
+            let [low, high] = [low, high].map(|end| end / self.direction[axis]);
+            enter = enter.max(low.min(high));
+            leave = leave.min(low.max(high));
         }
-        nearest
+        enter <= leave
     }
 }
 
@@ -162,22 +161,37 @@ mod tests {
     }
 
     #[test]
+    fn a_box_is_met_from_outside_and_from_within_and_along_its_sides() {
+        let unit = Aabb::around([Vec3::ZERO, Vec3::ONE]);
+        assert!(DOWN.meets_box(&unit), "from above");
+        assert!(Ray { origin: Vec3::splat(0.5), ..DOWN }.meets_box(&unit), "from within");
+        assert!(Ray { origin: Vec3::new(0.0, 3.0, 1.0), ..DOWN }.meets_box(&unit), "along an edge");
+        assert!(!Ray { origin: Vec3::new(1.1, 3.0, 0.5), ..DOWN }.meets_box(&unit), "beside it");
+        assert!(!Ray { origin: Vec3::new(0.5, -0.1, 0.5), ..DOWN }.meets_box(&unit), "it lies behind");
+    }
+
+    #[test]
     fn the_nearest_triangle_wins_whatever_its_winding() {
-        let positions = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::Y, Vec3::X + Vec3::Y, Vec3::Z + Vec3::Y];
-        let triangles = [[0, 1, 2], [3, 5, 4]];
-        assert_eq!(DOWN.hit_mesh(&positions, &triangles), Some((1, 2.0)), "the upper one is nearer");
+        let particles = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::Y, Vec3::X + Vec3::Y, Vec3::Z + Vec3::Y];
+        let skin = Skin::new((0..6).map(on).collect(), vec![[0, 1, 2], [3, 5, 4]]);
+        let particles = particles.map(|at| at.to_array());
+        assert_eq!(skin.hit(&particles, &DOWN), Some((1, 2.0)), "the upper one is nearer");
         let beside = Ray { origin: Vec3::new(0.9, 3.0, 0.9), ..DOWN };
-        assert_eq!(beside.hit_mesh(&positions, &triangles), None, "outside the edge nothing is met");
+        assert_eq!(skin.hit(&particles, &beside), None, "outside the edge nothing is met");
+    }
+
+    /// A vertex that is where a particle is.
+    fn on(particle: u32) -> SkinVertex {
+        SkinVertex {
+            particles: [particle, 0, 0, 0, 0, 0, 0, 0],
+            position: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            ..SkinVertex::default()
+        }
     }
 
     /// A triangle carried by particles 2, 1 and 0, a metre above a plane of half a metre around the origin.
     fn picture() -> DrawList {
-        let vertex = |particle| SkinVertex {
-            particles: [particle, 0, 0, 0, 0, 0, 0, 0],
-            position: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            ..SkinVertex::default()
-        };
-        let skin = Skin { vertices: vec![vertex(2), vertex(1), vertex(0)], triangles: vec![[0, 1, 2]] };
+        let skin = Skin::new([2, 1, 0].map(on).to_vec(), vec![[0, 1, 2]]);
         DrawList {
             skins: vec![SkinInstance { skin: Arc::new(skin), color: [1.0; 3] }],
             particles: Arc::new(vec![[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 1.0]]),

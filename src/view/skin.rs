@@ -12,6 +12,9 @@
 
 use glam::Vec3;
 
+use super::Ray;
+use super::clusters::Clusters;
+
 /// A vertex of a [`Skin`]. Unused slots name particle 0 with weight 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SkinVertex {
@@ -25,16 +28,67 @@ pub struct SkinVertex {
     pub tangent_v: [f32; 8],
 }
 
-/// A surface carried by particles.
+/// Stands for a corner that is not there.
+pub const NO_CORNER: u32 = u32::MAX;
+
+/// A surface carried by particles. What drawing and picking want to know of its form is worked out when it is made, so
+/// that the window never walks the mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Skin {
-    /// The vertices; a point with several normals is several vertices.
-    pub vertices: Vec<SkinVertex>,
-    /// Triangles by vertex index, counter-clockwise from outside.
-    pub triangles: Vec<[u32; 3]>,
+    vertices: Vec<SkinVertex>,
+    triangles: Vec<[u32; 3]>,
+    edges: Vec<[u32; 2]>,
+    folds: Vec<[u32; 4]>,
+    clusters: Clusters,
 }
 
 impl Skin {
+    /// Of vertices (a point with several normals is several vertices) and triangles by vertex, counter-clockwise from
+    /// outside.
+    ///
+    /// # Panics
+    /// When a triangle names a vertex that is not there.
+    pub fn new(vertices: Vec<SkinVertex>, triangles: Vec<[u32; 3]>) -> Self {
+        let (edges, folds) = (edges(&triangles), folds(&vertices, &triangles));
+        let clusters = Clusters::new(&vertices, &triangles);
+        Self { vertices, triangles, edges, folds, clusters }
+    }
+
+    /// The vertices.
+    pub fn vertices(&self) -> &[SkinVertex] {
+        &self.vertices
+    }
+
+    /// The triangles by vertex, counter-clockwise from outside.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Every edge of its triangles once, as (lower, higher) vertex, ascending.
+    pub fn edges(&self) -> &[[u32; 2]] {
+        &self.edges
+    }
+
+    /// Every edge of the surface once, where vertices at one place count as one: its two ends and the far corners of the
+    /// two triangles at it, by vertex. The last corner is [`NO_CORNER`] where there are not two triangles.
+    ///
+    /// A silhouette runs along an edge where the eye sees both far corners on one side of it.
+    pub fn folds(&self) -> &[[u32; 4]] {
+        &self.folds
+    }
+
+    /// The nearest triangle that a line of sight meets, and the distance to it, m.
+    ///
+    /// # Panics
+    /// When the skin names a particle that is not there.
+    pub fn hit(&self, particles: &[[f32; 3]], ray: &Ray) -> Option<(usize, f32)> {
+        let hit = |triangle: u32| {
+            let corners = self.triangles[triangle as usize].map(|vertex| &self.vertices[vertex as usize]);
+            Some((triangle as usize, ray.hit_triangle(corners.map(|vertex| vertex.place(particles)))?))
+        };
+        self.clusters.near(particles, ray).filter_map(hit).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     /// The position and unit normal of every vertex: what the graphics card computes, for export, picking and tests.
     ///
     /// # Panics
@@ -43,25 +97,69 @@ impl Skin {
         self.vertices.iter().map(|vertex| vertex.evaluate(particles)).collect()
     }
 
-    /// Every edge of its triangles once, as (lower, higher) vertex, ascending.
-    pub fn edges(&self) -> Vec<[u32; 2]> {
-        let of_triangle = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
-        let mut edges: Vec<[u32; 2]> = self.triangles.iter().flat_map(of_triangle).collect();
-        for edge in &mut edges {
-            edge.sort_unstable();
-        }
-        edges.sort_unstable();
-        edges.dedup();
-        edges
-    }
-
     /// One more than the highest particle it names: how many particles it needs.
     pub fn particles_needed(&self) -> usize {
         self.vertices.iter().flat_map(|vertex| vertex.particles).max().map_or(0, |highest| highest as usize + 1)
     }
 }
 
+fn edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let of_triangle = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
+    let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(of_triangle).collect();
+    for edge in &mut edges {
+        edge.sort_unstable();
+    }
+    edges.sort_unstable();
+    edges.dedup();
+    edges
+}
+
+fn folds(vertices: &[SkinVertex], triangles: &[[u32; 3]]) -> Vec<[u32; 4]> {
+    let place = welded(vertices);
+    let of_triangle = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]];
+    let mut sides: Vec<([u32; 2], [u32; 3])> = triangles
+        .iter()
+        .flat_map(of_triangle)
+        .map(|[a, b, far]| {
+            let ends = [a, b].map(|vertex| place[vertex as usize]);
+            ([ends[0].min(ends[1]), ends[0].max(ends[1])], [a, b, far])
+        })
+        .collect();
+    sides.sort_unstable();
+    let fold = |group: &[([u32; 2], [u32; 3])]| {
+        let [a, b, far] = group[0].1;
+        let other = if let [_, (_, other)] = group { other[2] } else { NO_CORNER };
+        [a, b, far, other]
+    };
+    sides.chunk_by(|a, b| a.0 == b.0).map(fold).collect()
+}
+
+/// For every vertex the first of those that are carried alike, and so always at one place.
+fn welded(vertices: &[SkinVertex]) -> Vec<u32> {
+    let carriers = |vertex: u32| {
+        let SkinVertex { particles, position, .. } = &vertices[vertex as usize];
+        // Slots without a weight carry nothing.
+        let slot =
+            |slot: usize| if position[slot] == 0.0 { (0, 0) } else { (particles[slot], position[slot].to_bits()) };
+        std::array::from_fn::<(u32, u32), 8, _>(slot)
+    };
+    let mut order: Vec<u32> = (0..).take(vertices.len()).collect();
+    order.sort_by_cached_key(|&vertex| (carriers(vertex), vertex));
+    let mut first = vec![0; order.len()];
+    for group in order.chunk_by(|&a, &b| carriers(a) == carriers(b)) {
+        for &vertex in group {
+            first[vertex as usize] = group[0];
+        }
+    }
+    first
+}
+
 impl SkinVertex {
+    /// The particles that carry it and their weights.
+    pub fn carriers(&self) -> impl Iterator<Item = (u32, f32)> + '_ {
+        self.particles.into_iter().zip(self.position).filter(|&(_, weight)| weight != 0.0)
+    }
+
     /// Where it is, m.
     ///
     /// # Panics
@@ -85,6 +183,31 @@ impl SkinVertex {
 mod tests {
     use super::*;
 
+    fn on(particle: u32) -> SkinVertex {
+        SkinVertex {
+            particles: [particle, 0, 0, 0, 0, 0, 0, 0],
+            position: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            ..SkinVertex::default()
+        }
+    }
+
+    #[test]
+    fn an_edge_knows_its_two_triangles_also_across_a_crease() {
+        // Two triangles over the corners 0, 1, 2 and 2, 1, 3; their edge has vertices of its own on either side.
+        let mut crease = [0, 1, 2, 2, 1, 3].map(on);
+        // What tangents hang on is of no account, nor is a slot without a weight.
+        crease[3].particles[1] = 7;
+        crease[4].tangent_u = [1.0; 8];
+        let skin = Skin::new(crease.to_vec(), vec![[0, 1, 2], [3, 4, 5]]);
+        assert_eq!(skin.edges().len(), 6, "drawn as six edges");
+        assert_eq!(skin.folds().len(), 5, "but the surface has five");
+        let shared: Vec<_> = skin.folds().iter().filter(|fold| fold[3] != NO_CORNER).collect();
+        assert_eq!(shared, [&[1, 2, 0, 5]], "the one between both, with the corner of either");
+        let fan = Skin::new([0, 1, 2, 3, 4].map(on).to_vec(), vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]]);
+        let crowded = fan.folds().iter().find(|fold| fold[..2] == [0, 1]);
+        assert_eq!(crowded, Some(&[0, 1, 2, NO_CORNER]), "where three meet there are not two sides");
+    }
+
     #[test]
     fn a_vertex_follows_its_particles_and_its_normal_turns_with_them() {
         let vertex = SkinVertex {
@@ -93,7 +216,7 @@ mod tests {
             tangent_u: [-1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             tangent_v: [-1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         };
-        let skin = Skin { vertices: vec![vertex], triangles: Vec::new() };
+        let skin = Skin::new(vec![vertex], Vec::new());
         assert_eq!(skin.particles_needed(), 3, "three particles are named");
         let (position, normal) = skin.evaluate(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0]])[0];
         assert_eq!((position, normal), (Vec3::X, Vec3::Z), "half way, facing the viewer");
