@@ -123,7 +123,10 @@ fn table(figures: &RunFigures) -> String {
                 figures.contacts, figures.narrow_tests, figures.narrow_tests_saved
             ),
         ),
-        ("asleep", format!("{} of {} bodies", figures.bodies_asleep, figures.bodies)),
+        (
+            "asleep",
+            format!("{} of {} bodies, {} fallen out", figures.bodies_asleep, figures.bodies, figures.bodies_gone),
+        ),
         ("finite", if figures.finite { "yes" } else { "no" }.to_owned()),
         ("hash", figures.hash.clone()),
     ];

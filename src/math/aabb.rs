@@ -11,6 +11,12 @@ pub struct Aabb<R: Real> {
     pub max: R::Vec3,
 }
 
+impl<R: Real> Default for Aabb<R> {
+    fn default() -> Self {
+        Self::empty()
+    }
+}
+
 impl<R: Real> Aabb<R> {
     /// The box that contains nothing: the identity of [`Aabb::include`].
     pub fn empty() -> Self {
@@ -27,6 +33,11 @@ impl<R: Real> Aabb<R> {
     #[inline]
     pub fn include(self, point: R::Vec3) -> Self {
         Self { min: self.min.min(point), max: self.max.max(point) }
+    }
+
+    /// The smallest box that holds this one and another.
+    pub fn joined(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// The box grown by `margin` (m) on every side.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 
 use super::assembly::{self, Assembled};
+use super::fallen;
 use super::model::{BodyModel, ContactModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use super::plan::Plan;
 use super::recovery;
@@ -27,14 +28,19 @@ pub const DEPTH_SHARE: f64 = 0.02;
 pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>]) -> (Model<R>, Plan) {
     assert_eq!(scene.bodies.len(), lattices.len(), "every body needs its lattice");
     let gravity = DVec3::from(scene.settings.gravity);
-    let mut model =
-        Model { bodies: Vec::new(), obstacles: obstacles(&scene.obstacles), gravity: R::Vec3::from_dvec3(gravity) };
+    let mut model = Model {
+        bodies: Vec::new(),
+        obstacles: obstacles(&scene.obstacles),
+        gravity: R::Vec3::from_dvec3(gravity),
+        fall_limit: None,
+    };
     let mut first = 0;
     for (body, lattice) in scene.bodies.iter().zip(lattices) {
         let compiled = compile_body(body, lattice, first, scene);
         first = compiled.particles.end;
         model.bodies.push(compiled);
     }
+    model.fall_limit = fallen::limit(&model);
     let limits = SceneLimits::of(&model, scene.settings.contact, scene.settings.integrator);
     let plan = Plan::new(&scene.settings, &model, limits);
     (model, plan)

@@ -31,7 +31,7 @@ pub struct Diagnostics {
     pub momentum: DVec3,
     /// Centre of mass, m.
     pub center: DVec3,
-    /// The box around all particles, m.
+    /// The box around all particles of bodies that have not fallen out of the scene, m.
     pub bounds: Aabb<f64>,
     /// Fastest particle, m/s.
     pub max_speed: f64,
@@ -125,7 +125,9 @@ impl Diagnostics {
                 sum.energy.gravity -= mass * gravity.dot(position);
                 sum.momentum += mass * state.velocity[particle].to_dvec3();
                 sum.center += mass * position;
-                sum.bounds = sum.bounds.include(position);
+                if !memory.gone {
+                    sum.bounds = sum.bounds.include(position);
+                }
                 sum.max_speed = sum.max_speed.max(state.velocity[particle].to_dvec3().length());
             }
             sum.add_links(body, state);

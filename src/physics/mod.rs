@@ -11,6 +11,7 @@ mod cell_bound;
 pub mod compile;
 pub mod contact;
 pub mod diagnostics;
+mod fallen;
 pub mod forces;
 pub mod hash;
 mod integrate;

@@ -16,6 +16,17 @@ pub struct Model<R: Real> {
     pub obstacles: Vec<ObstacleModel<R>>,
     /// m/s².
     pub gravity: R::Vec3,
+    /// How far bodies may fall; none where nothing falls.
+    pub fall_limit: Option<FallLimit<R>>,
+}
+
+/// How far a body may fall before it is gone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FallLimit<R: Real> {
+    /// Where gravity points; of unit length.
+    pub down: R::Vec3,
+    /// The distance along it from the world's origin, m.
+    pub depth: R,
 }
 
 impl<R: Real> Model<R> {

@@ -150,8 +150,12 @@ impl<R: Real> Simulation<R> {
         self.set_body_motion(body, &motion);
     }
 
-    /// Gives all of a body the velocity of its start, wherever and however it is.
+    /// Gives all of a body the velocity of its start, wherever and however it is; one that is gone has it when it comes
+    /// back.
     pub fn throw_body(&mut self, body: usize) {
+        if self.state.bodies[body].gone {
+            return;
+        }
         for (local, particle) in self.model.bodies[body].particles.clone().enumerate() {
             self.state.velocity[particle] = self.start_velocity(body, local);
         }
@@ -159,8 +163,13 @@ impl<R: Real> Simulation<R> {
         self.diverged = false;
     }
 
-    /// Puts a body where its start is, turned by what its start was turned by, deformed as it is and at rest.
+    /// Puts a body where its start is, turned by what its start was turned by, deformed as it is and at rest. One that is
+    /// gone comes back as it was at its start.
     pub fn teleport_body(&mut self, body: usize, old_rotation_deg: [f64; 3], new_rotation_deg: [f64; 3]) {
+        if self.state.bodies[body].gone {
+            self.restart_body(body);
+            return;
+        }
         let turn = rotation::from_euler_deg(new_rotation_deg) * rotation::from_euler_deg(old_rotation_deg).transpose();
         let BodyModel { particles, start, .. } = &self.model.bodies[body];
         let (from, to) = (center::<R>(&self.state.position[particles.clone()]), center::<R>(start));
@@ -221,7 +230,7 @@ impl<R: Real> Simulation<R> {
             return self.touching;
         }
         if let Some(grab) = &self.grab {
-            self.state.bodies[grab.body].asleep = false;
+            self.state.bodies[grab.body].asleep = self.state.bodies[grab.body].gone;
         }
         if !self.sweeps.is_empty() {
             self.wake_all();
@@ -255,8 +264,8 @@ impl<R: Real> Simulation<R> {
             let may_be_halved = self.state.halvings < self.plan.halvings;
             let part = Part { secs: secs * share, may_be_halved, is_last: is_last && left == 1 };
             sweep::advance(&mut self.model, &mut self.sweeps, part.secs);
-            let inputs = Inputs { grab: self.grab.as_ref() };
-            let Self { model, plan, state, scratch, .. } = self;
+            let Self { model, plan, state, scratch, grab, .. } = self;
+            let inputs = Inputs { grab: grab.as_ref().filter(|grab| !state.bodies[grab.body].gone) };
             let of_part = step::substep(model, plan, part, inputs, state, scratch, timer);
             report.add(&of_part);
             if of_part.halved > 0 {

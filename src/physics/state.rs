@@ -46,6 +46,7 @@ pub struct State<R: Real> {
 
 /// What is remembered of a body as a whole: choices that hold for longer than a substep.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "four choices that are remembered, each made or not")]
 pub struct BodyMemory {
     /// Cells that are watched as they may invert, ascending.
     pub near_inversion: Vec<u32>,
@@ -59,12 +60,14 @@ pub struct BodyMemory {
     pub still_substeps: u64,
     /// Whether the body sleeps: it stays as it is until something wakes it.
     pub asleep: bool,
+    /// Whether it has fallen out of the scene: it sleeps until it is put elsewhere.
+    pub gone: bool,
 }
 
 impl BodyMemory {
-    /// The body moves as it must, and rest is looked for anew.
+    /// The body moves as it must, and rest is looked for anew; nothing wakes one that is gone.
     pub fn wake(&mut self) {
-        self.asleep = false;
+        self.asleep = self.gone;
         self.still_substeps = 0;
     }
 

@@ -7,7 +7,8 @@
 //! contact  v* → v'   (implicit penalty and friction; the thesis rule adds to F before the prediction)
 //! refine   v' and the mean velocity u, where the scheme has one, with more forces on the way
 //! move     x += dt v'   (or dt u)
-//! rest     bodies that have been at rest for long enough fall asleep and are left out of all this
+//! rest     bodies that have been at rest for long enough, or have fallen out of the scene, fall asleep and are left out
+//!          of all this
 //!
 //! The implicit scheme solves for pull, contact and v' at once: find touches, solve, settle. Where that would give energy
 //! it is taken again in halves, and in the smallest of them as the other schemes do.
@@ -18,6 +19,7 @@
 
 use super::balance::gains_energy;
 use super::contact;
+use super::fallen;
 use super::forces;
 use super::integrate::{self, Free};
 use super::interaction::{self, Grab};
@@ -177,6 +179,7 @@ pub fn substep<R: Real>(
     }
     if plan.sleeping && part.is_last && !report.diverged {
         timer.enter(Stage::Rest);
+        fallen::watch(model, state);
         sleep::watch(model, plan, inputs.grab.map(|grab| grab.body), state);
         report.bodies_asleep = sleep::asleep(state);
     }

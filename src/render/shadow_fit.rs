@@ -39,13 +39,13 @@ pub(super) fn casts(solid: &Solid, others: Aabb<f32>) -> bool {
 /// The box around bodies and spheres: what planes are measured against.
 pub(super) fn core_bounds(draw_list: &DrawList) -> Aabb<f32> {
     let spheres = draw_list.solids.iter().filter(|solid| matches!(solid, Solid::Sphere { .. }));
-    spheres.fold(draw_list.body_bounds(), |bounds, sphere| join(bounds, sphere.bounds()))
+    spheres.fold(draw_list.body_bounds(), |bounds, sphere| bounds.joined(sphere.bounds()))
 }
 
 /// Looks along the light at everything that casts a shadow; at a unit box where nothing does.
 pub(super) fn fit(draw_list: &DrawList, core: Aabb<f32>) -> ShadowFit {
     let casters = draw_list.solids.iter().filter(|solid| casts(solid, core));
-    let mut bounds = casters.fold(core, |bounds, solid| join(bounds, solid.bounds()));
+    let mut bounds = casters.fold(core, |bounds, solid| bounds.joined(solid.bounds()));
     if !(bounds.size().is_finite() && bounds.min.cmple(bounds.max).all()) {
         bounds = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
     }
@@ -77,10 +77,6 @@ pub(super) fn fit(draw_list: &DrawList, core: Aabb<f32>) -> ShadowFit {
 /// The direction made unit; straight from above where it has none.
 pub(super) fn unit_direction(direction: Vec3) -> Vec3 {
     direction.try_normalize().unwrap_or(Vec3::Y)
-}
-
-fn join(a: Aabb<f32>, b: Aabb<f32>) -> Aabb<f32> {
-    Aabb { min: a.min.min(b.min), max: a.max.max(b.max) }
 }
 
 fn corners(bounds: Aabb<f32>) -> [Vec3; 8] {

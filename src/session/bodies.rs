@@ -15,6 +15,8 @@ use crate::view::{Skin, SkinInstance, Style};
 pub(super) struct Bodies {
     jellies: Vec<Jelly>,
     dressed: Vec<Dressed>,
+    /// The skin of a body that is not there.
+    nothing: Arc<Skin>,
 }
 
 /// A visible body's skin and what it was made from.
@@ -34,12 +36,12 @@ impl Bodies {
             library.get(&body.shape, watch).map_err(|source| SessionError::Shape { index, source })
         };
         let jellies = scene.bodies.iter().enumerate().map(resolve_one).collect::<Result<_, _>>()?;
-        Ok(Self { jellies, dressed: Vec::new() })
+        Ok(Self { jellies, ..Self::default() })
     }
 
     /// With the skins of others at hand for the next [`Bodies::dress`].
     pub(super) fn with_skins_of(self, others: &Self) -> Self {
-        Self { dressed: others.dressed.clone(), ..self }
+        Self { dressed: others.dressed.clone(), nothing: Arc::clone(&others.nothing), ..self }
     }
 
     /// Gives every visible body its skin, for a scene of the same bodies; skins that fit are kept.
@@ -72,11 +74,13 @@ impl Bodies {
         self.jellies.iter().map(|jelly| Arc::clone(&jelly.lattice)).collect()
     }
 
-    /// The skins of the visible bodies, in the scene's order.
-    pub(super) fn skins(&self) -> Vec<SkinInstance> {
+    /// The skins of the visible bodies, in the scene's order; an empty one where a body is not there.
+    pub(super) fn skins(&self, is_there: impl Fn(usize) -> bool) -> Vec<SkinInstance> {
         let style = Style::default();
-        let instance =
-            |dressed: &Dressed| SkinInstance { skin: Arc::clone(&dressed.skin), color: style.body(dressed.body) };
+        let instance = |dressed: &Dressed| {
+            let skin = if is_there(dressed.body) { Arc::clone(&dressed.skin) } else { Arc::clone(&self.nothing) };
+            SkinInstance { skin, color: style.body(dressed.body) }
+        };
         self.dressed.iter().map(instance).collect()
     }
 

@@ -25,11 +25,9 @@ mod warnings;
 mod words;
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
-use glam::DVec3;
 use thiserror::Error;
 
 pub use command::{Command, Pull};
@@ -38,8 +36,6 @@ pub use status::{BodyStatus, SafeValue, Status};
 pub use trouble::{Cure, Trouble};
 
 use crate::geometry::Watch;
-use crate::physics::model::BodyModel;
-use crate::physics::state::BodyMemory;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
 use crate::scene::edit::EditError;
@@ -313,31 +309,10 @@ impl Session {
             message: self.notice.clone(),
             undo: self.history.undo_words().to_owned(),
             redo: self.history.redo_words().to_owned(),
-            bodies: self.body_status(),
+            bodies: self.body_statuses(),
             trouble: self.trouble.clone().or_else(|| self.explain_inversion()),
             cost: self.costs.as_ref().map(|costs| costs.shown(plan)),
         }
-    }
-
-    fn body_status(&self) -> Vec<BodyStatus> {
-        let position = &self.simulation.state().position;
-        let status = |((body, memory), found): ((&BodyModel<f32>, &BodyMemory), &safe::Found)| {
-            let own = &position[body.particles.clone()];
-            let sum = own.iter().fold(DVec3::ZERO, |sum, at| sum + at.as_dvec3());
-            BodyStatus {
-                cells: body.lattice.cells.len(),
-                particles: own.len(),
-                links: std::array::from_fn(|family| body.links[family].links.len()),
-                mass_kg: f64::from(body.particle_mass) * own.len() as f64,
-                center: (sum / own.len().max(1) as f64).to_array(),
-                asleep: memory.asleep,
-                stature: found.stature,
-                safe: Arc::clone(&found.safe),
-                other_form: found.other.clone(),
-            }
-        };
-        let (model, state) = (self.simulation.model(), self.simulation.state());
-        model.bodies.iter().zip(&state.bodies).zip(&self.safe).map(status).collect()
     }
 
     /// Whether time runs.
@@ -371,6 +346,8 @@ impl Session {
     }
 }
 
+#[cfg(test)]
+mod fallen_tests;
 #[cfg(test)]
 mod history_tests;
 #[cfg(test)]

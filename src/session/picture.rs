@@ -1,5 +1,6 @@
 //! What was last drawn, so that nothing is copied or computed for a picture that has not changed.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Session, color_range};
@@ -51,7 +52,8 @@ impl Session {
         DrawList {
             camera: extract::view::orbit(&view.camera).camera(),
             light: extract::view::light(&view.light),
-            skins: self.bodies.skins(),
+            skins: self.bodies.skins(|body| !self.simulation.state().bodies[body].gone),
+            absent: self.absent(),
             particles: Arc::clone(&self.picture.particles),
             scalars: self.picture.scalars.clone(),
             color_range: view.color_range.map_or(self.picture.automatic_range, |range| range.map(|end| end as f32)),
@@ -59,6 +61,16 @@ impl Session {
             overlay: self.picture.overlay.clone(),
             ..DrawList::default()
         }
+    }
+}
+
+impl Session {
+    /// The particles of bodies that are hidden or gone.
+    fn absent(&self) -> Vec<Range<usize>> {
+        let memories = &self.simulation.state().bodies;
+        let bodies = self.simulation.model().bodies.iter().zip(&self.scene.bodies).zip(memories);
+        let absent = bodies.filter(|((_, body), memory)| body.hidden || memory.gone);
+        absent.map(|((model, _), _)| model.particles.clone()).collect()
     }
 }
 

@@ -10,6 +10,7 @@ use crate::physics::StepReport;
 use crate::physics::diagnostics::{Diagnostics, Energy};
 use crate::physics::plan::Stage;
 use crate::report::timer::WallTimer;
+use crate::scene::Body;
 
 /// Extremes are looked for this often, simulated s; penetration in every substep.
 const SAMPLE_SECS: f64 = 1.0 / 60.0;
@@ -46,6 +47,8 @@ pub struct RunFigures {
     pub inverted_cells: usize,
     pub bodies: usize,
     pub bodies_asleep: usize,
+    /// Of those asleep the ones that have fallen out of the scene.
+    pub bodies_gone: usize,
     pub narrow_tests: u64,
     pub narrow_tests_saved: u64,
     pub hash: String,
@@ -209,6 +212,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         inverted_cells: last.inverted_cells,
         bodies: simulation.model().bodies.len(),
         bodies_asleep: report.bodies_asleep,
+        bodies_gone: gone(session).count(),
         narrow_tests: report.narrow_tests,
         narrow_tests_saved: report.narrow_tests_saved,
         hash: format!("{:016x}", simulation.hash()),
@@ -226,10 +230,28 @@ fn stage_figures(stage: Stage, timer: &WallTimer) -> StageFigures {
 
 fn warnings(session: &Session, report: &StepReport) -> Vec<String> {
     let mut warnings = session.warnings();
+    warnings.extend(fallen_out(session));
     if report.diverged {
         warnings.push(session.explain_divergence().words);
     }
     warnings
+}
+
+/// The bodies that have fallen out of the scene.
+fn gone(session: &Session) -> impl Iterator<Item = &Body> {
+    let memories = &session.simulation.state().bodies;
+    session.scene.bodies.iter().zip(memories).filter(|(_, memory)| memory.gone).map(|(body, _)| body)
+}
+
+fn fallen_out(session: &Session) -> Option<String> {
+    let (count, all) = (gone(session).count(), session.scene.bodies.len());
+    (count > 0).then(|| {
+        let names: Vec<&str> = gone(session).map(|body| body.name.as_str()).filter(|name| !name.is_empty()).collect();
+        let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
+        format!(
+            "{count} of {all} bodies{names} fell past everything in the scene by ten times its size: put to sleep there"
+        )
+    })
 }
 
 impl PeakFigures {

@@ -9,7 +9,7 @@
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
 //! bodies: each a count u64 and as many cells u32             watched as they may invert
-//!         1 if asleep + 2 if strained + 4 if stuck, ns slow in a knot      two u32
+//!         1 if asleep + 2 if strained + 4 if stuck + 8 if gone, ns slow in a knot      two u32
 //!         substeps it has been still                                       u64
 //!         where still: its particles × 3 f32                 where they were when they came to be still
 //! FNV-1a of everything before, u64                          all numbers little-endian
@@ -81,8 +81,9 @@ impl Session {
         for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
-            let [asleep, strained, stuck] = [memory.asleep, memory.strained, memory.stuck].map(u32::from);
-            let words = [asleep + 2 * strained + 4 * stuck, memory.knotted_nanos];
+            let flags = [memory.asleep, memory.strained, memory.stuck, memory.gone].map(u32::from);
+            let flags = flags.iter().rev().fold(0, |all, flag| 2 * all + flag);
+            let words = [flags, memory.knotted_nanos];
             bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
             bytes.extend(memory.still_substeps.to_le_bytes());
             if memory.still_substeps > 0 {
@@ -164,7 +165,7 @@ impl Session {
             }
             let [flags, knotted_nanos] = [reader.u32(), reader.u32()];
             let still_substeps = reader.u64();
-            if flags > 7 {
+            if flags > 15 {
                 return Err(StateFileError::Damaged);
             }
             if still_substeps > 0 {
@@ -174,8 +175,8 @@ impl Session {
                 }
                 anchor[particles.clone()].copy_from_slice(&reader.vectors(particles.len()));
             }
-            let [asleep, strained, stuck] = [1, 2, 4].map(|flag| flags & flag != 0);
-            memories.push(BodyMemory { near_inversion, strained, knotted_nanos, stuck, still_substeps, asleep });
+            let [asleep, strained, stuck, gone] = [1, 2, 4, 8].map(|flag| flags & flag != 0);
+            memories.push(BodyMemory { near_inversion, strained, knotted_nanos, stuck, still_substeps, asleep, gone });
         }
         if reader.rest.is_empty() { Ok((memories, anchor)) } else { Err(StateFileError::Damaged) }
     }

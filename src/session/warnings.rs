@@ -3,6 +3,7 @@
 use super::Session;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::{BodyModel, Model, ObstacleModel, ObstacleShape};
+use crate::physics::state::BodyMemory;
 use crate::physics::{Plan, State};
 use crate::scene::settings::{Settings, Stepping};
 use crate::scene::{Scene, param};
@@ -72,7 +73,9 @@ fn smallest_extent<R: Real>(obstacle: &ObstacleModel<R>) -> f64 {
 }
 
 fn overlapping_bodies<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<String> {
-    let boxes: Vec<Aabb<f64>> = model.bodies.iter().map(|body| bounds(body, state)).collect();
+    // One that is gone is in nobody's way.
+    let there = |(body, memory): (_, &BodyMemory)| if memory.gone { Aabb::empty() } else { bounds(body, state) };
+    let boxes: Vec<Aabb<f64>> = model.bodies.iter().zip(&state.bodies).map(there).collect();
     let mut warnings = Vec::new();
     for second in 1..boxes.len() {
         for first in 0..second {

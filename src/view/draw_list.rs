@@ -1,5 +1,6 @@
 //! One frame as plain data: what the session makes and the renderer consumes.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -21,6 +22,8 @@ pub struct DrawList {
     pub skins: Vec<SkinInstance>,
     /// Positions of the particles of all bodies, m; skins refer to them by index.
     pub particles: Arc<Vec<[f32; 3]>>,
+    /// The particles of bodies that are hidden or gone, ascending: nothing of them is drawn, and no bounds hold them.
+    pub absent: Vec<Range<usize>>,
     /// One value per particle, shown through the colour map; `None` shows every body in its own colour.
     pub scalars: Option<Arc<Vec<f32>>>,
     /// The scalars at the two ends of the colour map.
@@ -102,13 +105,6 @@ impl Solid {
     }
 }
 
-impl DrawList {
-    /// The smallest box around all finite particles, m; empty when there is none.
-    pub fn body_bounds(&self) -> Aabb<f32> {
-        Aabb::around(self.particles.iter().map(|&point| Vec3::from(point)).filter(|point| point.is_finite()))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -120,12 +116,5 @@ mod tests {
         let bounds = plane.bounds();
         assert!(bounds.min.distance(Vec3::new(-3.0, -3.0, -2.0)) < 1e-5, "lowest corner {}", bounds.min);
         assert!(bounds.max.distance(Vec3::new(3.0, 5.0, 2.0)) < 1e-5, "highest corner {}", bounds.max);
-    }
-
-    #[test]
-    fn particles_that_flew_to_infinity_do_not_spoil_the_bounds() {
-        let particles = Arc::new(vec![[0.0, 1.0, 2.0], [f32::NAN, 0.0, 0.0], [1.0, f32::INFINITY, 0.0]]);
-        let bounds = DrawList { particles, ..DrawList::default() }.body_bounds();
-        assert_eq!(bounds.min, bounds.max, "one finite particle is left");
     }
 }

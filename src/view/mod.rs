@@ -10,6 +10,7 @@ pub mod color;
 pub mod colormap;
 pub mod difference;
 pub mod draw_list;
+mod extent;
 pub mod gizmo;
 pub mod image;
 pub mod legend;

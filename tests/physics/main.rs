@@ -7,6 +7,7 @@ mod contact;
 mod determinism;
 mod economy;
 mod extremes;
+mod fallen;
 mod friction;
 mod integrators;
 mod presets;

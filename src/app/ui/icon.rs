@@ -25,6 +25,8 @@ pub(super) enum Icon {
     Eye,
     /// It is not drawn.
     EyeClosed,
+    /// It has fallen out of the scene.
+    Gone,
     /// Take back.
     Undo,
     /// Make again.
@@ -114,6 +116,13 @@ fn shapes(icon: Icon, center: Pos2, color: Color32) -> Vec<Shape> {
                 at(7.0 * x, 3.0 * (1.0 - x * x))
             });
             vec![Shape::line(lid.collect(), Stroke::new(1.4, faint))]
+        }
+        Icon::Gone => {
+            // An arrow that falls past an edge.
+            let tip = vec![at(-3.8, 1.2), at(3.8, 1.2), at(0.0, 6.0)];
+            let edge = |side: f32| line(at(7.0 * side, -2.6), at(3.0 * side, -2.6));
+            let shaft = line(at(0.0, -6.0), at(0.0, 2.0));
+            vec![edge(-1.0), edge(1.0), shaft, Shape::convex_polygon(tip, color, Stroke::NONE)]
         }
         Icon::Undo | Icon::Redo => {
             let side = if icon == Icon::Undo { 1.0 } else { -1.0 };

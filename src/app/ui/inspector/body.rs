@@ -51,7 +51,8 @@ fn place_ui(
     if let Some(status) = status {
         let [x, y, z] = status.center.map(|at| fixed_figure(at, 2));
         let asleep = if status.asleep { ", asleep" } else { "" };
-        row_ui(ui, "Now at", &format!("{x}, {y}, {z} m{asleep}"));
+        let place = if status.gone { "fallen out of the scene".to_owned() } else { format!("{x}, {y}, {z} m{asleep}") };
+        row_ui(ui, "Now at", &place);
     }
 }
 
