@@ -10,6 +10,7 @@ pub mod obstacle;
 pub mod own_weight;
 pub mod param;
 pub mod path;
+pub mod placement;
 pub mod presets;
 pub mod resolve;
 mod ron_lines;
