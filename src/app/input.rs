@@ -122,6 +122,8 @@ pub enum Action {
     Send(Command),
     /// Colour the jelly by this.
     ColorBy(ColorBy),
+    /// Move with what is chosen, or no longer.
+    FollowChosen,
     /// Show or hide the list of keys.
     ToggleKeys,
     /// Fill the whole screen with the window, or no longer.

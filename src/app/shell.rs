@@ -1,6 +1,7 @@
 //! The open window: what it remembers and what it does with an event. Holds the pieces together; what the pieces do
 //! stands in their own modules.
 
+mod camera;
 mod drawing;
 mod pointing;
 
@@ -8,7 +9,7 @@ use std::sync::Arc;
 
 use egui::ViewportId;
 use egui_winit::accesskit_winit;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use thiserror::Error;
 use winit::dpi::LogicalSize;
 use winit::error::OsError;
@@ -19,7 +20,7 @@ use winit::window::Window;
 use self::drawing::Drawing;
 use super::canvas::{Canvas, CanvasError};
 use super::files::Files;
-use super::hand::Hand;
+use super::hand::{Hand, Target};
 use super::handles::Handles;
 use super::input::{self, Action, Input, ViewRect};
 use super::pace::Reason;
@@ -63,6 +64,8 @@ pub(super) struct Shell {
     files: Files,
     snapshot: Option<Snapshot>,
     orbit: Orbit,
+    /// What the eye moves with, and where the middle of it was, m.
+    followed: Option<(Target, Vec3)>,
     input: Input,
     hand: Hand,
     handles: Handles,
@@ -104,6 +107,7 @@ impl Shell {
             files,
             snapshot: None,
             orbit: Orbit::default(),
+            followed: None,
             input: Input::default(),
             hand: Hand::default(),
             handles: Handles::default(),
@@ -180,6 +184,7 @@ impl Shell {
                 self.orbit = extract::view::orbit(&snapshot.scene.view.camera);
                 (self.hand, self.handles) = (Hand::default(), Handles::default());
                 self.ui.selection = None;
+                self.ui.frame = Some(Framing::Opened);
             }
             // The lens is a value of the scene; where the eye is, is the window's own.
             self.orbit.fov_rad = extract::view::orbit(&snapshot.scene.view.camera).fov_rad;
@@ -191,6 +196,7 @@ impl Shell {
             self.files.on_snapshot(&snapshot, extract::view::camera_settings(&self.orbit), &mut self.ui.files);
             let answered = old.is_none_or(|old| old.answers != snapshot.answers);
             self.snapshot = Some(snapshot);
+            self.follow();
             self.ask_for_snapshot(answered);
         }
         match self.worker.take_ended() {
@@ -210,13 +216,6 @@ impl Shell {
     fn color_by(&self, color: ColorBy) {
         if let Some(snapshot) = &self.snapshot {
             self.worker.send(ui::color_command(&snapshot.scene.view, color));
-        }
-    }
-
-    fn frame_everything(&mut self) {
-        if let Some(snapshot) = &self.snapshot {
-            self.orbit.frame(snapshot.draw_list.body_bounds(), self.view().aspect());
-            self.changed = true;
         }
     }
 
@@ -246,20 +245,22 @@ impl Shell {
     fn lay_out_panels(&mut self) -> egui::FullOutput {
         let raw_input = self.egui.take_egui_input(&self.window);
         self.ui.files.camera = extract::view::camera_settings(&self.orbit);
+        self.ui.look = self.look();
         let value = self.value_under_pointer();
         let drawing = self.drawing.cost();
         let Self { context, snapshot, ui, failure, worker, .. } = self;
         let shown = ui::Shown { running: snapshot.as_ref().map(running), failure, value: &value, drawing };
-        let (mut commands, looks) = (Vec::new(), (ui.theme, ui.selection));
+        let (mut commands, looks) = (Vec::new(), (ui.theme, ui.selection, ui.follow_chosen));
         let output = context.run_ui(raw_input, |root| ui::panels_ui(root, &shown, ui, &mut commands));
         for command in commands {
             worker.send(command);
         }
-        self.changed |= (self.ui.theme, self.ui.selection) != looks;
-        match self.ui.frame.take() {
-            Some(Framing::Everything) => self.frame_everything(),
-            Some(Framing::Chosen) => self.frame_chosen(),
-            None => (),
+        if (self.ui.theme, self.ui.selection, self.ui.follow_chosen) != looks {
+            self.follow();
+            self.changed = true;
+        }
+        if let Some(framing) = self.ui.frame.take() {
+            self.show(framing);
         }
         if std::mem::take(&mut self.ui.revive) {
             self.revive();

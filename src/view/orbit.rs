@@ -5,7 +5,6 @@ use std::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3};
 
 use super::{Camera, Ray};
-use crate::math::Aabb;
 
 /// How near to straight up or down the eye may go, radians.
 const PITCH_LIMIT_RAD: f32 = 89.0 * PI / 180.0;
@@ -13,8 +12,6 @@ const PITCH_LIMIT_RAD: f32 = 89.0 * PI / 180.0;
 const DISTANCE_LIMITS: [f32; 2] = [1e-3, 1e5];
 /// The narrowest and widest field of view, radians.
 const FOV_LIMITS_RAD: [f32; 2] = [5.0 * PI / 180.0, 120.0 * PI / 180.0];
-/// Air left around what is framed, as a factor on the distance.
-const FRAME_MARGIN: f32 = 1.15;
 
 /// A camera described by the point it circles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,20 +97,6 @@ impl Orbit {
         let point = ray.hit_plane(camera.target, camera.forward()).map_or(camera.target, |t| ray.at(t));
         self.zoom_towards(factor, point);
     }
-
-    /// Moves back or forth until the box fills the picture; `aspect` is width over height. The angles stay. An
-    /// empty or infinite box changes nothing.
-    pub fn frame(&mut self, bounds: Aabb<f32>, aspect: f32) {
-        let radius = 0.5 * bounds.size().length();
-        if !radius.is_finite() || bounds.min.cmpgt(bounds.max).any() {
-            return;
-        }
-        let half_height = (0.5 * self.fov_rad).tan();
-        let half_angle = (half_height * aspect.min(1.0)).atan();
-        self.target = bounds.center();
-        self.distance = FRAME_MARGIN * radius / half_angle.sin();
-        *self = self.clamped();
-    }
 }
 
 #[cfg(test)]
@@ -157,30 +140,8 @@ mod tests {
     }
 
     #[test]
-    fn a_framed_box_fits_in_the_picture_and_nearly_fills_it() {
-        let bounds = Aabb::around([Vec3::new(-1.0, 0.0, -3.0), Vec3::new(2.0, 5.0, 1.0)]);
-        for aspect in [0.5_f32, 1.6] {
-            let size = Vec2::new(800.0 * aspect, 800.0);
-            let mut orbit = Orbit::default();
-            orbit.frame(bounds, aspect);
-            let mut extent = 0.0_f32;
-            for corner in 0..8 {
-                let pick = |bit: usize, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
-                let (a, b) = (bounds.min, bounds.max);
-                let point = Vec3::new(pick(0, a.x, b.x), pick(1, a.y, b.y), pick(2, a.z, b.z));
-                let seen = orbit.camera().pixel_of(point, size).expect("in front of the eye");
-                let offset = ((seen - size * 0.5) / (size * 0.5)).abs();
-                extent = extent.max(offset.max_element());
-            }
-            assert!((0.5..1.0).contains(&extent), "corners reach {extent} of the half picture at aspect {aspect}");
-        }
-    }
-
-    #[test]
-    fn an_empty_box_and_absurd_values_leave_a_usable_camera() {
+    fn absurd_values_leave_a_usable_camera() {
         let mut orbit = Orbit::default();
-        orbit.frame(Aabb::empty(), 1.0);
-        assert_eq!(orbit, Orbit::default(), "an empty box changes nothing");
         orbit.orbit(f32::NAN, 1e9);
         orbit.zoom_towards(0.0, Vec3::ZERO);
         assert!(orbit.camera().clip_from_world(1.0).is_finite(), "the camera stays finite");

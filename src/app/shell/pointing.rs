@@ -6,7 +6,7 @@ use winit::window::Fullscreen;
 use super::Shell;
 use crate::app::hand;
 use crate::app::handles::{self, Sight};
-use crate::app::input::{self, Action, CameraMove, ChosenAction, Event, Keyboard, Panel, Situation};
+use crate::app::input::{Action, ChosenAction, Event, Keyboard, Panel, Situation};
 use crate::app::ui;
 use crate::view::Ray;
 use crate::view::legend::three_digits;
@@ -87,12 +87,11 @@ impl Shell {
 
     pub(super) fn act(&mut self, action: Action) {
         match action {
-            Action::Camera(CameraMove::Frame) => self.frame_chosen(),
-            Action::Camera(CameraMove::FrameAll) => self.frame_everything(),
-            Action::Camera(camera_move) => {
-                let view = self.view();
-                input::move_camera(&mut self.orbit, camera_move, view);
-                self.changed = true;
+            Action::Camera(camera_move) => self.move_camera(camera_move),
+            Action::FollowChosen => {
+                self.ui.follow_chosen ^= true;
+                self.follow();
+                self.drawing.ask_panels();
             }
             Action::Send(command) => self.worker.send(command),
             Action::ColorBy(color) => self.color_by(color),
@@ -137,6 +136,7 @@ impl Shell {
         let Some(snapshot) = &self.snapshot else { return };
         let found = hand::target(&snapshot.scene, &snapshot.draw_list, &self.ray(pixel));
         self.ui.selection = found.map(|(target, _)| target);
+        self.follow();
         self.changed = true;
     }
 
@@ -180,18 +180,6 @@ impl Shell {
         ui::actions::act(action, target, &snapshot.scene, &mut self.ui, &mut commands);
         for command in commands {
             self.worker.send(command);
-        }
-    }
-
-    pub(super) fn frame_chosen(&mut self) {
-        let Some(snapshot) = &self.snapshot else { return };
-        let bounds = self.ui.selection.and_then(|target| hand::bounds(&snapshot.scene, &snapshot.draw_list, target));
-        match bounds {
-            Some(bounds) => {
-                self.orbit.frame(bounds, self.view().aspect());
-                self.changed = true;
-            }
-            None => self.frame_everything(),
         }
     }
 }

@@ -37,6 +37,8 @@ const RIGHT: [Group; 2] = [
             ("Wheel", "zoom, to the pointer"),
             ("Two fingers", "turn; with shift pan, with ctrl zoom"),
             ("F", "show what is chosen, or everything"),
+            ("Shift + F", "follow what is chosen, or no longer"),
+            ("Home", "show everything"),
             ("1 … 7", "colour by plain, load, force, net, strain, speed, contact"),
         ],
     ),

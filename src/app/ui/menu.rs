@@ -84,6 +84,7 @@ fn view_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, comma
         state.frame = Some(Framing::Chosen);
         ui.close();
     }
+    toggle_ui(ui, &mut state.follow_chosen, "Follow what is chosen", "Shift+F");
     ui.separator();
     toggle_ui(ui, &mut state.panels.tree, "List of things", "T");
     toggle_ui(ui, &mut state.panels.inspector, "Values", "N");

@@ -25,10 +25,11 @@ use egui::{Align2, Area, Id, Order, Rect, RichText, Ui};
 use super::frame_meter::DrawingCost;
 use super::hand::Target;
 use super::theme::{self, Theme};
+use crate::scene::placement::Look;
 use crate::scene::presets::Preset;
 use crate::scene::{ColorBy, Scene, ViewSettings};
 use crate::session::{Command, Status};
-use crate::view::Colormap;
+use crate::view::{Colormap, SafeArea};
 
 pub use color::color_command;
 use files::FilesState;
@@ -44,6 +45,9 @@ const TWO_SIDES_NEED: f32 = 1100.0;
 /// The share of that side that the list has, and its least height, points.
 const TREE_SHARE: f32 = 0.36;
 const TREE_HEIGHT: f32 = 140.0;
+
+/// The least share of the view's width and height that counts as free.
+const LEAST_FREE: f32 = 0.25;
 
 /// What the panels show.
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +75,7 @@ pub struct Running<'a> {
 
 /// What the panels remember between frames and the session need not know.
 #[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "independent wishes and choices, each made or not")]
 pub struct UiState {
     /// The scenes to choose from.
     pub presets: &'static [Preset],
@@ -80,8 +85,12 @@ pub struct UiState {
     pub dismissed: String,
     /// The part of the window that no panel covers, points.
     pub view_rect: Rect,
-    /// The part of it below the cards at its top, points.
+    /// The part of it that no card covers, points.
     pub free_rect: Rect,
+    /// Where a person looks: where new things come.
+    pub look: Look,
+    /// The eye moves with what is chosen.
+    pub follow_chosen: bool,
     /// A person asked for a new start after a failure.
     pub revive: bool,
     /// What a person asked to see whole.
@@ -109,10 +118,14 @@ pub struct UiState {
 /// What the camera is to show whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Framing {
-    /// All bodies.
+    /// All bodies and obstacles.
     Everything,
     /// What is chosen; everything where nothing is.
     Chosen,
+    /// Everything in a scene that has just been opened, from its own camera; farther away where it must be.
+    Opened,
+    /// What is chosen and has just been added, where it is out of sight.
+    Arrived,
 }
 
 /// Which panels beside the view are open.
@@ -135,6 +148,8 @@ impl UiState {
             dismissed: String::new(),
             view_rect: Rect::NOTHING,
             free_rect: Rect::NOTHING,
+            look: Look::default(),
+            follow_chosen: false,
             revive: false,
             frame: None,
             theme: Theme::default(),
@@ -163,10 +178,31 @@ impl UiState {
         shown
     }
 
+    /// The part of the view that no card covers; all of it where cards leave hardly anything.
+    pub fn safe_area(&self) -> SafeArea {
+        let (view, free) = (self.view_rect, self.free_rect);
+        if !view.is_positive() {
+            return SafeArea::whole(1.0);
+        }
+        let whole = SafeArea::whole(view.aspect_ratio());
+        if free.width() < LEAST_FREE * view.width() || free.height() < LEAST_FREE * view.height() {
+            return whole;
+        }
+        let place = |at: egui::Pos2| {
+            let half = view.size() * 0.5;
+            glam::Vec2::new((at.x - view.center().x) / half.x, (view.center().y - at.y) / half.y)
+        };
+        SafeArea { min: place(free.left_bottom()), max: place(free.right_top()), ..whole }
+    }
+
     /// Chooses what has come, and nothing that is not there.
     fn follow(&mut self, scene: &Scene) {
         let there = |target: &Target| actions::exists(scene, *target);
-        self.selection = self.awaited.take_if(|awaited| there(awaited)).or(self.selection.filter(there));
+        let arrived = self.awaited.take_if(|awaited| there(awaited));
+        if arrived.is_some() {
+            self.frame = Some(Framing::Arrived);
+        }
+        self.selection = arrived.or(self.selection.filter(there));
         if self.renaming.as_ref().is_some_and(|(target, _)| !there(target)) {
             self.renaming = None;
         }
@@ -194,11 +230,12 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     match shown.running {
         Some(running) => {
             trouble::trouble_ui(ui, status, state, commands);
-            over_view(ui, "color", state.view_rect, Align2::LEFT_BOTTOM, |ui| {
+            let card = over_view(ui, "color", state.view_rect, Align2::LEFT_BOTTOM, |ui| {
                 theme::float_frame(ui).show(ui, |ui| {
                     color::color_ui(ui, &running.scene.view, running.color_key, commands);
                 });
             });
+            state.free_rect = beside_corner_card(state.free_rect, card);
         }
         None if shown.failure.is_empty() => {
             over_view(ui, "preparing", state.view_rect, Align2::CENTER_CENTER, |ui| {
@@ -286,6 +323,15 @@ fn capitalised(text: &str) -> String {
 fn card_over_view(ui: &Ui, name: &str, free: &mut Rect, contents: impl FnOnce(&mut Ui)) {
     let card = over_view(ui, name, *free, Align2::CENTER_TOP, contents);
     free.min.y = card.max.y.clamp(free.min.y, free.max.y);
+}
+
+/// What a card in the lower left corner leaves free: what lies above it or what lies on its right, whichever is larger.
+fn beside_corner_card(free: Rect, card: Rect) -> Rect {
+    let mut above = free;
+    above.max.y = card.min.y.clamp(free.min.y, free.max.y);
+    let mut right = free;
+    right.min.x = card.max.x.clamp(free.min.x, free.max.x);
+    if above.area() >= right.area() { above } else { right }
 }
 
 /// Something that floats over the view, at one of its corners. Tells where.
