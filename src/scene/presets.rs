@@ -86,7 +86,7 @@ fn cube_on_plane() -> Scene {
         pose: Pose { position: [0.0, 1.0, 0.0], rotation_deg: [5.0, 0.0, 8.0] },
         ..Body::default()
     };
-    scene(cube, vec![ball([1.5, 0.4, -0.3], 0.4)])
+    looking_at([0.6, 0.55, 0.0], 5.4, scene(cube, vec![ball([1.5, 0.4, -0.3], 0.4)]))
 }
 
 fn cube_on_sphere() -> Scene {
@@ -132,7 +132,7 @@ fn on_incline(angle_deg: f64, friction: f64) -> Scene {
         friction_dynamic: friction,
         ..Obstacle::default()
     };
-    turned(-35.0, 24.0, looking_at([-0.4, 1.2, 0.0], 7.0, scene(cube, vec![slope])))
+    turned(-35.0, 24.0, looking_at([-0.2, 0.9, 0.1], 7.8, scene(cube, vec![slope])))
 }
 
 fn u_on_sphere() -> Scene {
@@ -217,7 +217,7 @@ fn broken() -> Scene {
         }),
         ..Body::default()
     };
-    let mut scene = looking_at([0.0, 0.3, 0.0], 3.4, scene(cube, Vec::new()));
+    let mut scene = looking_at([0.0, 0.6, 0.0], 4.4, scene(cube, Vec::new()));
     scene.settings.stepping = Stepping::Manual;
     scene.settings.dt = 5e-4;
     scene.settings.inversion_recovery = false;
