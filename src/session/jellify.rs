@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
+use glam::DVec3;
 use thiserror::Error;
 
 use super::document::Opened;
@@ -13,9 +14,10 @@ use crate::geometry::Watch;
 use crate::geometry::voxel::{OccupancyChoice, VoxelReport, VoxelizeError};
 use crate::scene::body::{Body, ModelShape, Pose, Shape};
 use crate::scene::param::{self, Problem};
+use crate::scene::placement::{Look, Surroundings};
 use crate::scene::resolve::{Jelly, ResolveError, resolve};
 use crate::scene::view_settings::CameraSettings;
-use crate::scene::{ObstacleShape, Scene, Settings, presets};
+use crate::scene::{Scene, Settings, presets};
 
 /// The share of the work that filling with cells is.
 const FILLING: f64 = 0.8;
@@ -164,10 +166,11 @@ pub fn jellify(
 }
 
 impl Jellified {
-    /// Adds the body to a scene, beside what is there.
-    pub fn add_to(self, scene: &Scene) -> Command {
+    /// Adds the body where a person looks, apart from what is there.
+    pub fn add_to(self, there: &Surroundings, look: Look) -> Command {
         let Self { mut body, jelly, preview } = self;
-        body.pose.position = free_place(scene, body.pose.position, preview.size_m);
+        let size = DVec3::from(preview.size_m);
+        body.pose.position = there.place(look, size, DROP * size.max_element()).to_array();
         Command::AddBody { body: Box::new(body), jelly: Box::new(jelly) }
     }
 
@@ -224,40 +227,6 @@ fn name_of(path: &str) -> String {
     file.rsplit_once('.').map_or(file, |(stem, _)| stem).to_owned()
 }
 
-/// A place at the height of `start` where a box of `size` overlaps no body's start and no sphere: `start` itself or as
-/// near to it as steps to the right and left lead.
-fn free_place(scene: &Scene, start: [f64; 3], size: [f64; 3]) -> [f64; 3] {
-    let bodies = scene.bodies.iter().map(|body| (body.pose.position, [reach(&body.shape); 3]));
-    let spheres = scene.obstacles.iter().filter_map(|obstacle| match &obstacle.shape {
-        ObstacleShape::Sphere(sphere) => Some((sphere.center, [sphere.radius; 3])),
-        ObstacleShape::Plane(_) => None,
-    });
-    let taken: Vec<_> = bodies.chain(spheres).collect();
-    let is_free = |place: [f64; 3]| {
-        taken.iter().all(|(center, half)| (0..3).any(|k| (place[k] - center[k]).abs() > half[k] + 0.5 * size[k]))
-    };
-    let step = 0.25 * size[0].max(1e-3);
-    let places = (0..400_u32).flat_map(|n| [f64::from(n), -f64::from(n)]);
-    let mut places = places.map(|n| [start[0] + n * step, start[1], start[2]]);
-    places.find(|&place| is_free(place)).unwrap_or(start)
-}
-
-/// About half of a shape's longest extent, m, turned any way.
-fn reach(shape: &Shape) -> f64 {
-    const DIAGONAL: f64 = 0.87;
-    match shape {
-        Shape::Cube(cube) => DIAGONAL * cube.size,
-        Shape::Model(model) => 0.6 * if model.length > 0.0 { model.length } else { 1.0 },
-        Shape::Cells(cells) => {
-            let span = |axis: usize| {
-                let places = || cells.list.iter().map(|cell| cell[axis]);
-                f64::from(places().max().unwrap_or(0)) - f64::from(places().min().unwrap_or(0)) + 1.0
-            };
-            0.5 * cells.size * (0..3).map(span).fold(0.0, f64::max)
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -283,7 +252,7 @@ mod tests {
         assert!(preview.cells > 10 && preview.closed && preview.parts == 1, "{preview:?}");
         assert!(preview.dt_safe_secs > 1e-6 && preview.speed_alone > 0.0, "{preview:?}");
         let mut session = Session::new(presets::ground_only(), PathBuf::new(), String::new()).expect("a session");
-        let command = tent.add_to(session.scene());
+        let command = tent.add_to(&Surroundings::new(session.scene(), []), Look::default());
         session.handle(command).expect("the folder is gone, but nobody reads it");
         let status = session.status();
         assert_eq!((status.particles, status.links), (preview.particles, preview.links));
@@ -327,12 +296,18 @@ mod tests {
     }
 
     #[test]
-    fn a_body_is_put_beside_the_others() {
+    fn a_body_is_put_apart_from_the_others() {
         let scene = (presets::presets()[0].build)();
-        let place = free_place(&scene, [0.0, 1.0, 0.0], [1.0; 3]);
-        let cube = scene.bodies[0].pose.position;
-        assert!((place[0] - cube[0]).abs() > 1.0, "not in the cube: {place:?}");
-        let alone = free_place(&Scene::default(), [0.0, 1.0, 0.0], [1.0; 3]);
-        assert!(alone[0].abs() < 1e-12, "nothing in the way: {alone:?}");
+        let mut session = Session::new(scene, PathBuf::new(), String::new()).expect("a session");
+        for _ in 0..3 {
+            let boxes: Vec<_> = session.status().bodies.iter().map(|body| body.bounds).collect();
+            let there = Surroundings::new(session.scene(), boxes);
+            session.handle(tent(1.0).add_to(&there, Look::default())).expect("there is room");
+        }
+        let boxes: Vec<_> = session.status().bodies.iter().map(|body| body.bounds).collect();
+        for (number, body) in boxes.iter().enumerate() {
+            let clear = boxes[..number].iter().all(|other| !other.overlaps(body));
+            assert!(clear && body.center().length() < 4.0, "near by and in nobody's way: {body:?}");
+        }
     }
 }

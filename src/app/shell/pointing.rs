@@ -3,7 +3,7 @@
 use glam::Vec2;
 use winit::window::Fullscreen;
 
-use super::Shell;
+use super::{Shell, running};
 use crate::app::hand;
 use crate::app::handles::{self, Sight};
 use crate::app::input::{Action, ChosenAction, Event, Keyboard, Panel, Situation};
@@ -177,7 +177,7 @@ impl Shell {
     fn act_on_chosen(&mut self, action: ChosenAction) {
         let (Some(snapshot), Some(target)) = (&self.snapshot, self.ui.selection) else { return };
         let mut commands = Vec::new();
-        ui::actions::act(action, target, &snapshot.scene, &mut self.ui, &mut commands);
+        ui::actions::act(action, target, running(snapshot), &mut self.ui, &mut commands);
         for command in commands {
             self.worker.send(command);
         }

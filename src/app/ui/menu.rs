@@ -58,9 +58,10 @@ fn history_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
 }
 
 fn chosen_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, commands: &mut Vec<Command>) {
-    let chosen = running.and_then(|running| Some((running.scene, state.selection?)));
-    let name = chosen.map_or_else(String::new, |(scene, target)| format!(" {}", actions::name(scene, target)));
-    let hidden = chosen.is_some_and(|(scene, target)| actions::is_hidden(scene, target));
+    let chosen = running.and_then(|running| Some((running, state.selection?)));
+    let name =
+        chosen.map_or_else(String::new, |(running, target)| format!(" {}", actions::name(running.scene, target)));
+    let hidden = chosen.is_some_and(|(running, target)| actions::is_hidden(running.scene, target));
     for (verb, key, action) in [
         ("Rename", "F2", ChosenAction::Rename),
         ("Duplicate", "Shift+D", ChosenAction::Duplicate),
@@ -68,9 +69,9 @@ fn chosen_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, com
         ("Delete", "X", ChosenAction::Delete),
     ] {
         if item_ui(ui, &format!("{verb}{name}"), key, chosen.is_some())
-            && let Some((scene, target)) = chosen
+            && let Some((running, target)) = chosen
         {
-            actions::act(action, target, scene, state, commands);
+            actions::act(action, target, running, state, commands);
         }
     }
 }

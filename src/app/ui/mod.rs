@@ -2,6 +2,7 @@
 //! knows a session, a window or a GPU; every function takes what is shown and returns intent.
 
 pub mod actions;
+mod adding;
 mod color;
 mod cost;
 mod figure;
@@ -249,7 +250,7 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     keys::keys_ui(ui, state);
     // After a failure nothing can be saved any more: what is unsaved is kept as a draft.
     let saved = if shown.failure.is_empty() { status } else { &idle };
-    files::files_ui(ui, saved, shown.running.map(|running| running.scene), state, commands);
+    files::files_ui(ui, saved, shown.running, state, commands);
 }
 
 /// The panel above the time line; what it shows is measured only while it is open.

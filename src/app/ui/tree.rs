@@ -2,7 +2,8 @@
 
 use egui::{Align, Button, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 
-use super::actions::{self, New};
+use super::actions;
+use super::adding::{self, New};
 use super::icon::{Icon, small_button_ui};
 use super::{Running, UiState, theme};
 use crate::app::hand::Target;
@@ -19,7 +20,7 @@ const ONE_ROW_NEEDS: f32 = 290.0;
 
 /// The list, with the buttons that add to it.
 pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
-    let Running { scene, status, .. } = running;
+    let scene = running.scene;
     let width = ui.available_width() - theme::SCROLL_BAR;
     let columns = if width < ONE_ROW_NEEDS { 2 } else { 4 };
     let (rows, gap) = ((NEW.len() / columns) as f32, ui.spacing().item_spacing.x);
@@ -29,12 +30,12 @@ pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, co
         ui.set_max_width(width);
         heading_ui(ui, "Bodies");
         for place in 0..scene.bodies.len() {
-            row_ui(ui, scene, Target::Body(BodyId(place)), state, commands);
+            row_ui(ui, running, Target::Body(BodyId(place)), state, commands);
         }
         ui.add_space(8.0);
         heading_ui(ui, "Obstacles");
         for place in 0..scene.obstacles.len() {
-            row_ui(ui, scene, Target::Obstacle(ObstacleId(place)), state, commands);
+            row_ui(ui, running, Target::Obstacle(ObstacleId(place)), state, commands);
         }
     });
     ui.scope(|ui| {
@@ -48,7 +49,7 @@ pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, co
                 for (label, new) in row {
                     let clicked = ui.add_sized(size, Button::new(*label)).clicked();
                     match new {
-                        Some(new) if clicked => actions::create(*new, scene, &status.bodies, state, commands),
+                        Some(new) if clicked => adding::create(*new, running, state, commands),
                         None if clicked => state.load_model = true,
                         _ => (),
                     }
@@ -62,21 +63,26 @@ fn heading_ui(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).small().color(theme::of(ui).weak));
 }
 
-fn row_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, commands: &mut Vec<Command>) {
+fn row_ui(ui: &mut Ui, running: Running<'_>, target: Target, state: &mut UiState, commands: &mut Vec<Command>) {
+    let scene = running.scene;
     if state.renaming.as_ref().is_some_and(|(renamed, _)| *renamed == target) {
         rename_ui(ui, scene, target, state, commands);
         return;
     }
     let (hidden, name) = (actions::is_hidden(scene, target), actions::name(scene, target));
+    let gone = is_gone(running, target);
     let chosen = state.selection == Some(target);
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let (icon, word) = if hidden { (Icon::EyeClosed, "Show") } else { (Icon::Eye, "Hide") };
             if small_button_ui(ui, icon, &format!("{word} {name}")).clicked() {
-                actions::act(ChosenAction::Hide, target, scene, state, commands);
+                actions::act(ChosenAction::Hide, target, running, state, commands);
+            }
+            if let (true, Target::Body(body)) = (gone, target) {
+                gone_ui(ui, body, scene, &name, commands);
             }
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
-                let color = if hidden { theme::of(ui).weak } else { theme::of(ui).strong };
+                let color = if hidden || gone { theme::of(ui).weak } else { theme::of(ui).strong };
                 let text = RichText::new(&name).color(color);
                 let button = Button::selectable(chosen, text).truncate().sense(Sense::click());
                 let row = ui.add(button);
@@ -85,16 +91,31 @@ fn row_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, comma
                     (state.selection, state.awaited) = (Some(target), None);
                 }
                 if row.double_clicked() {
-                    actions::act(ChosenAction::Rename, target, scene, state, commands);
+                    actions::act(ChosenAction::Rename, target, running, state, commands);
                 }
-                row.context_menu(|ui| menu_ui(ui, scene, target, state, commands));
+                row.context_menu(|ui| menu_ui(ui, running, target, state, commands));
             });
         });
     });
 }
 
+/// Whether it is a body that has fallen out of the scene.
+fn is_gone(running: Running<'_>, target: Target) -> bool {
+    let Target::Body(id) = target else { return false };
+    running.status.bodies.get(id.0).is_some_and(|body| body.gone)
+}
+
+/// The mark of a body that has fallen out of the scene, which brings it back.
+fn gone_ui(ui: &mut Ui, body: BodyId, scene: &Scene, name: &str, commands: &mut Vec<Command>) {
+    let help = "It fell past everything in the scene and is left alone. A click brings it back to its start.";
+    let button = small_button_ui(ui, Icon::Gone, &format!("Bring {name} back"));
+    if button.on_hover_text(help).clicked() {
+        commands.push(Command::Teleport(body, scene.bodies[body.0].pose.position));
+    }
+}
+
 /// What can be done with one row.
-fn menu_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, commands: &mut Vec<Command>) {
+fn menu_ui(ui: &mut Ui, running: Running<'_>, target: Target, state: &mut UiState, commands: &mut Vec<Command>) {
     let entries = [
         ("Rename", ChosenAction::Rename),
         ("Duplicate", ChosenAction::Duplicate),
@@ -103,7 +124,7 @@ fn menu_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, comm
     ];
     for (label, action) in entries {
         if ui.button(label).clicked() {
-            actions::act(action, target, scene, state, commands);
+            actions::act(action, target, running, state, commands);
             ui.close();
         }
     }

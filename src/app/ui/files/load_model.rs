@@ -7,9 +7,10 @@ use std::sync::Arc;
 use egui::{Align, ComboBox, DragValue, Grid, Layout, ProgressBar, RichText, ScrollArea, Ui};
 
 use super::path_field::{PathField, PathUse, Verdict};
-use super::{UiState, Wish, dialog_ui, main_button_ui, theme};
+use super::{Running, UiState, Wish, dialog_ui, main_button_ui, theme};
+use crate::app::ui::adding;
+use crate::scene::Settings;
 use crate::scene::body::{Keep, MAX_DIVISIONS, ModelShape, OccupancyChoice};
-use crate::scene::{Scene, Settings};
 use crate::session::jellify::{Jellified, Preview, Progress, occupancy_word};
 use crate::session::predict::speed_in_window;
 use crate::session::{Command, Status};
@@ -93,13 +94,7 @@ impl LoadModel {
 }
 
 /// The assistant, when it is open.
-pub(super) fn load_model_ui(
-    ui: &mut Ui,
-    status: &Status,
-    scene: &Scene,
-    state: &mut UiState,
-    commands: &mut Vec<Command>,
-) {
+pub(super) fn load_model_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(mut model) = state.files.model.take() else { return };
     let mut done = false;
     let escaped = dialog_ui(ui, "Load model", 600.0, |ui| {
@@ -110,8 +105,8 @@ pub(super) fn load_model_ui(
         ui.separator();
         values_ui(ui, &mut model.shape);
         ui.separator();
-        model.follow(ui, &scene.settings, &mut state.files.wishes);
-        work_ui(ui, &mut model, status, &mut state.files.wishes);
+        model.follow(ui, &running.scene.settings, &mut state.files.wishes);
+        work_ui(ui, &mut model, running.status, &mut state.files.wishes);
         ui.add_space(6.0);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let ready = matches!(model.work, Work::Ready(_));
@@ -123,7 +118,7 @@ pub(super) fn load_model_ui(
             {
                 done = true;
                 if add {
-                    commands.push(body.add_to(scene));
+                    commands.push(body.add_to(&adding::surroundings(running), state.look));
                 } else {
                     commands.extend(body.replace());
                 }

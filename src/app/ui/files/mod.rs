@@ -13,10 +13,10 @@ use std::path::{Path, PathBuf};
 
 use egui::{Color32, Id, Key, Modal, Modifiers, Response, RichText, Ui};
 
-use super::{UiState, theme};
+use super::{Running, UiState, theme};
+use crate::scene::Settings;
 use crate::scene::body::ModelShape;
 use crate::scene::view_settings::CameraSettings;
-use crate::scene::{Scene, Settings};
 use crate::session::{Command, Status};
 
 use load_model::LoadModel;
@@ -149,7 +149,7 @@ impl FilesState {
 pub(super) fn files_ui(
     ui: &mut Ui,
     status: &Status,
-    scene: Option<&Scene>,
+    running: Option<Running<'_>>,
     state: &mut UiState,
     commands: &mut Vec<Command>,
 ) {
@@ -164,8 +164,8 @@ pub(super) fn files_ui(
     for action in std::mem::take(&mut state.files.asked) {
         begin(action, status, state, commands);
     }
-    if let Some(scene) = scene {
-        load_model::load_model_ui(ui, status, scene, state, commands);
+    if let Some(running) = running {
+        load_model::load_model_ui(ui, running, state, commands);
     }
     question::hold_back(status, &mut state.files, commands);
     question::question_ui(ui, status, &mut state.files, commands);

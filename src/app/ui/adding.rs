@@ -1,0 +1,169 @@
+//! How new bodies and obstacles come: as large as what is there, where a person looks, on what is there and apart from
+//! other things.
+
+use glam::DVec3;
+
+use super::actions::{alone, name};
+use super::{Running, UiState};
+use crate::app::hand::Target;
+use crate::math::rotation;
+use crate::scene::body::{CubeShape, Pose};
+use crate::scene::edit::{BodyId, Edit, ObstacleId};
+use crate::scene::obstacle::{Plane, Sphere};
+use crate::scene::placement::{Look, Surroundings};
+use crate::scene::{Body, Obstacle, ObstacleShape, Scene, Shape};
+use crate::session::Command;
+
+/// How far above what carries it a new body starts, in its sizes.
+const DROP: f64 = 0.2;
+/// The slope of a new plane, degrees about z.
+const SLOPE_DEG: f64 = -15.0;
+/// A plane larger than this many times its surroundings is a floor: another one like it goes beside it.
+const FLOOR: f64 = 4.0;
+
+/// Something new in a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum New {
+    Cube,
+    Sphere,
+    Plane,
+}
+
+/// What is there already, as bodies are now.
+pub(super) fn surroundings(running: Running<'_>) -> Surroundings {
+    Surroundings::new(running.scene, running.status.bodies.iter().map(|body| body.bounds))
+}
+
+/// Adds something as large as what is there and chooses it.
+pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    let scene = running.scene;
+    let size = usual_size(scene);
+    let there = surroundings(running);
+    match new {
+        New::Cube => {
+            let material = scene.bodies.iter().find_map(|body| match body.shape {
+                Shape::Cube(_) => Some(body.material.clone()),
+                _ => None,
+            });
+            let position = there.place(state.look, DVec3::splat(size), DROP * size).to_array();
+            let body = Body {
+                name: numbered("Cube", scene),
+                shape: Shape::Cube(CubeShape { size, ..CubeShape::default() }),
+                pose: Pose { position, ..Pose::default() },
+                material: material.unwrap_or_default(),
+                ..Body::default()
+            };
+            add_body(body, scene, state, commands);
+        }
+        New::Sphere => {
+            let radius = 0.4 * size;
+            let center = there.place(state.look, DVec3::splat(2.0 * radius), 0.0).to_array();
+            let shape = ObstacleShape::Sphere(Sphere { center, radius });
+            add_obstacle(
+                Obstacle { name: numbered("Sphere", scene), shape, ..Obstacle::default() },
+                scene,
+                state,
+                commands,
+            );
+        }
+        New::Plane => {
+            let mut plane =
+                Plane { rotation_deg: [0.0, 0.0, SLOPE_DEG], half_extents: [0.6 * size; 2], ..Plane::default() };
+            plane.center = there.place(state.look, box_of(&plane), 0.0).to_array();
+            let shape = ObstacleShape::Plane(plane);
+            add_obstacle(
+                Obstacle { name: numbered("Plane", scene), shape, ..Obstacle::default() },
+                scene,
+                state,
+                commands,
+            );
+        }
+    }
+}
+
+/// Adds another one like something, near it, and chooses it.
+pub(super) fn duplicate(target: Target, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    let scene = running.scene;
+    let name = format!("{} copy", name(scene, target));
+    let there = surroundings(running);
+    match target {
+        Target::Body(id) => {
+            let mut body = Body { name, ..scene.bodies[id.0].clone() };
+            if let Some(original) = running.status.bodies.get(id.0) {
+                let at = if original.gone { state.look.at } else { original.center.into() };
+                let size = DVec3::from(original.start_size);
+                let above = DROP * size.max_element();
+                body.pose.position = there.place(Look { at, ..state.look }, size, above).to_array();
+            }
+            add_body(body, scene, state, commands);
+        }
+        Target::Obstacle(id) => {
+            let mut obstacle = Obstacle { name, ..scene.obstacles[id.0].clone() };
+            let near = |at: [f64; 3]| Look { at: at.into(), ..state.look };
+            match &mut obstacle.shape {
+                ObstacleShape::Plane(plane) if box_of(plane).max_element() > FLOOR * usual_size(scene) => {
+                    plane.center[0] += 2.2 * plane.half_extents[0];
+                }
+                ObstacleShape::Plane(plane) => {
+                    plane.center = there.place(near(plane.center), box_of(plane), 0.0).to_array();
+                }
+                ObstacleShape::Sphere(sphere) => {
+                    sphere.center = there.place(near(sphere.center), DVec3::splat(2.0 * sphere.radius), 0.0).to_array();
+                }
+            }
+            add_obstacle(obstacle, scene, state, commands);
+        }
+    }
+}
+
+fn add_body(body: Body, scene: &Scene, state: &mut UiState, commands: &mut Vec<Command>) {
+    let place = BodyId(scene.bodies.len());
+    state.awaited = Some(Target::Body(place));
+    commands.extend(alone(Edit::InsertBody(place, Box::new(body))));
+}
+
+fn add_obstacle(obstacle: Obstacle, scene: &Scene, state: &mut UiState, commands: &mut Vec<Command>) {
+    let place = ObstacleId(scene.obstacles.len());
+    state.awaited = Some(Target::Obstacle(place));
+    commands.extend(alone(Edit::InsertObstacle(place, Box::new(obstacle))));
+}
+
+/// The size of the box around a plane, m.
+fn box_of(plane: &Plane) -> DVec3 {
+    let turn = rotation::from_euler_deg(plane.rotation_deg);
+    let [a, b] = plane.half_extents;
+    2.0 * (turn.x_axis.abs() * a + turn.z_axis.abs() * b)
+}
+
+/// How large things are in a scene, m.
+fn usual_size(scene: &Scene) -> f64 {
+    scene.bodies.first().map_or(1.0, |body| length(&body.shape))
+}
+
+/// A name that no other thing has.
+fn numbered(kind: &str, scene: &Scene) -> String {
+    let taken = |name: &str| {
+        scene.bodies.iter().any(|body| body.name == name) || scene.obstacles.iter().any(|other| other.name == name)
+    };
+    if !taken(kind) {
+        return kind.to_owned();
+    }
+    let most = scene.bodies.len() + scene.obstacles.len() + 2;
+    (2..=most).map(|number| format!("{kind} {number}")).find(|name| !taken(name)).unwrap_or_default()
+}
+
+/// The longest extent of a body, m, as far as its shape says it.
+fn length(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Cube(cube) => cube.size,
+        Shape::Model(model) if model.length > 0.0 => model.length,
+        Shape::Model(_) => 1.0,
+        Shape::Cells(cells) => {
+            let extent = |axis: usize| {
+                let along = || cells.list.iter().map(move |cell| cell[axis]);
+                f64::from(along().max().unwrap_or(0) - along().min().unwrap_or(0) + 1)
+            };
+            cells.size * (0..3).map(extent).fold(0.0, f64::max)
+        }
+    }
+}
