@@ -6,6 +6,7 @@ pub mod builtin;
 pub mod edit;
 pub mod file;
 pub mod material;
+mod names;
 pub mod obstacle;
 pub mod own_weight;
 pub mod param;

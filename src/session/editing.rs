@@ -11,8 +11,9 @@ use crate::scene::resolve::Jelly;
 use crate::scene::{Body, Scene};
 
 impl Session {
-    /// Changes the scene and remembers how to take it back.
-    pub(super) fn edit(&mut self, edit: Edit) -> Result<(), SessionError> {
+    /// Changes the scene and remembers how to take it back. Names that are given differ from those of others.
+    pub(super) fn edit(&mut self, mut edit: Edit) -> Result<(), SessionError> {
+        self.scene.tell_apart(&mut edit);
         let words = words(&self.scene, &edit);
         if words.is_empty() && edit.replaces_a_node_of(&self.scene) {
             return Ok(());

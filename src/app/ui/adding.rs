@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::actions::{alone, name};
+use super::actions::alone;
 use super::{Running, UiState};
 use crate::app::hand::Target;
 use crate::math::rotation;
@@ -47,7 +47,7 @@ pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, comman
             });
             let position = there.place(state.look, DVec3::splat(size), DROP * size).to_array();
             let body = Body {
-                name: numbered("Cube", scene),
+                name: "Cube".to_owned(),
                 shape: Shape::Cube(CubeShape { size, ..CubeShape::default() }),
                 pose: Pose { position, ..Pose::default() },
                 material: material.unwrap_or_default(),
@@ -59,24 +59,14 @@ pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, comman
             let radius = 0.4 * size;
             let center = there.place(state.look, DVec3::splat(2.0 * radius), 0.0).to_array();
             let shape = ObstacleShape::Sphere(Sphere { center, radius });
-            add_obstacle(
-                Obstacle { name: numbered("Sphere", scene), shape, ..Obstacle::default() },
-                scene,
-                state,
-                commands,
-            );
+            add_obstacle(Obstacle { name: "Sphere".to_owned(), shape, ..Obstacle::default() }, scene, state, commands);
         }
         New::Plane => {
             let mut plane =
                 Plane { rotation_deg: [0.0, 0.0, SLOPE_DEG], half_extents: [0.6 * size; 2], ..Plane::default() };
             plane.center = there.place(state.look, box_of(&plane), 0.0).to_array();
             let shape = ObstacleShape::Plane(plane);
-            add_obstacle(
-                Obstacle { name: numbered("Plane", scene), shape, ..Obstacle::default() },
-                scene,
-                state,
-                commands,
-            );
+            add_obstacle(Obstacle { name: "Plane".to_owned(), shape, ..Obstacle::default() }, scene, state, commands);
         }
     }
 }
@@ -84,11 +74,10 @@ pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, comman
 /// Adds another one like something, near it, and chooses it.
 pub(super) fn duplicate(target: Target, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let scene = running.scene;
-    let name = format!("{} copy", name(scene, target));
     let there = surroundings(running);
     match target {
         Target::Body(id) => {
-            let mut body = Body { name, ..scene.bodies[id.0].clone() };
+            let mut body = scene.bodies[id.0].clone();
             if let Some(original) = running.status.bodies.get(id.0) {
                 let at = if original.gone { state.look.at } else { original.center.into() };
                 let size = DVec3::from(original.start_size);
@@ -98,7 +87,7 @@ pub(super) fn duplicate(target: Target, running: Running<'_>, state: &mut UiStat
             add_body(body, scene, state, commands);
         }
         Target::Obstacle(id) => {
-            let mut obstacle = Obstacle { name, ..scene.obstacles[id.0].clone() };
+            let mut obstacle = scene.obstacles[id.0].clone();
             let near = |at: [f64; 3]| Look { at: at.into(), ..state.look };
             match &mut obstacle.shape {
                 ObstacleShape::Plane(plane) if box_of(plane).max_element() > FLOOR * usual_size(scene) => {
@@ -138,18 +127,6 @@ fn box_of(plane: &Plane) -> DVec3 {
 /// How large things are in a scene, m.
 fn usual_size(scene: &Scene) -> f64 {
     scene.bodies.first().map_or(1.0, |body| length(&body.shape))
-}
-
-/// A name that no other thing has.
-fn numbered(kind: &str, scene: &Scene) -> String {
-    let taken = |name: &str| {
-        scene.bodies.iter().any(|body| body.name == name) || scene.obstacles.iter().any(|other| other.name == name)
-    };
-    if !taken(kind) {
-        return kind.to_owned();
-    }
-    let most = scene.bodies.len() + scene.obstacles.len() + 2;
-    (2..=most).map(|number| format!("{kind} {number}")).find(|name| !taken(name)).unwrap_or_default()
 }
 
 /// The longest extent of a body, m, as far as its shape says it.
