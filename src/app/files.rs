@@ -1,11 +1,9 @@
 //! The window's side of everything about files: the system's dialogs, the list of recent files, drafts against
 //! crashes, and what the panels wish for. Remembers nothing of the scene itself.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
-
-use directories::ProjectDirs;
 
 use super::jellify_job::{JellifyJob, Outcome};
 use super::native_dialog::{Answer, NativeDialog};
@@ -47,15 +45,14 @@ pub(super) struct Granted {
 
 impl Files {
     /// Looks into the state folder and tells the panels what is there.
-    pub(super) fn new(ui: &mut FilesState) -> Self {
-        let folder = state_folder();
-        let drafts = folder.as_ref().map(|folder| folder.join("drafts"));
+    pub(super) fn new(folder: Option<&Path>, ui: &mut FilesState) -> Self {
+        let drafts = folder.map(|folder| folder.join("drafts"));
         let found = drafts.as_deref().map(recovery::find).unwrap_or_default();
         let keeper = drafts.and_then(|drafts| {
             let started = Keeper::start(&drafts, DRAFT_DELAY);
             started.inspect_err(|error| log::error!("{}: no drafts can be kept: {error}", drafts.display())).ok()
         });
-        let recent = Recent::new(folder.as_deref());
+        let recent = Recent::new(folder);
         ui.recent = recent.paths();
         let files = Self {
             recent,
@@ -79,6 +76,7 @@ impl Files {
             self.file.clone_from(&status.file);
             if let Some(file) = &self.file {
                 ui.recent = self.recent.add(file);
+                ui.folders.scene = file.parent().map(Path::to_owned);
             }
         }
         self.generation = snapshot.generation;
@@ -120,6 +118,13 @@ impl Files {
             Answer::NoDialog => ui.has_no_browser(),
         }
         self.native = None;
+    }
+
+    /// The window has lost the keyboard, perhaps to a dialog of the system.
+    pub(super) fn on_keyboard_lost(&mut self) {
+        if let Some(native) = &mut self.native {
+            native.on_keyboard_lost();
+        }
     }
 
     /// Does what the panels wished for. `wake` is called when what takes long is done.
@@ -203,13 +208,4 @@ impl Files {
     fn offer(&self, ui: &mut FilesState) {
         ui.found = self.found.first().map(|found| FoundDraft { title: found.title.clone(), when: found.when() });
     }
-}
-
-/// The folder for what outlives a window but is no document.
-fn state_folder() -> Option<PathBuf> {
-    let folders = ProjectDirs::from("", "", "gelatin");
-    if folders.is_none() {
-        log::warn!("there is no home folder: recent files and drafts are not kept");
-    }
-    folders.map(|folders| folders.state_dir().unwrap_or_else(|| folders.data_local_dir()).to_owned())
 }

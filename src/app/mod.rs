@@ -15,6 +15,7 @@ pub mod hand;
 pub mod handles;
 pub mod input;
 pub mod pace;
+pub mod preferences;
 pub mod recovery;
 pub mod theme;
 pub mod ui;
@@ -22,6 +23,7 @@ pub mod worker;
 
 mod files;
 mod jellify_job;
+mod kept_file;
 mod native_dialog;
 mod recent;
 mod shell;

@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 
 use super::ui::files::PathUse;
 
-/// Nobody puts a dialog away as fast as this: the system has none.
-const TOO_FAST: Duration = Duration::from_millis(400);
+/// Where the window kept the keyboard and nothing was chosen within this time, there was no dialog: one would have taken
+/// the keyboard, and a person takes longer over one that does not.
+const TOO_FAST: Duration = Duration::from_secs(5);
 
 /// A dialog that is open.
 #[derive(Debug)]
@@ -16,6 +17,8 @@ pub(super) struct NativeDialog {
     purpose: PathUse,
     answer: Receiver<Option<PathBuf>>,
     opened: Instant,
+    /// Something has taken the keyboard from the window since.
+    seen: bool,
 }
 
 /// What a dialog was answered.
@@ -50,7 +53,7 @@ impl NativeDialog {
             }
             wake();
         });
-        Self { purpose, answer, opened: Instant::now() }
+        Self { purpose, answer, opened: Instant::now(), seen: false }
     }
 
     /// What the dialog is for.
@@ -58,13 +61,42 @@ impl NativeDialog {
         self.purpose
     }
 
+    /// The window has lost the keyboard: the dialog is there.
+    pub(super) fn on_keyboard_lost(&mut self) {
+        self.seen = true;
+    }
+
     /// The answer, if there is one yet.
     pub(super) fn answer(&self) -> Answer {
         match self.answer.try_recv() {
             Ok(Some(path)) => Answer::Chosen(path),
             Err(TryRecvError::Empty) => Answer::Waiting,
-            Ok(None) | Err(TryRecvError::Disconnected) if self.opened.elapsed() < TOO_FAST => Answer::NoDialog,
+            Ok(None) | Err(TryRecvError::Disconnected) if !self.seen && self.opened.elapsed() < TOO_FAST => {
+                Answer::NoDialog
+            }
             Ok(None) | Err(TryRecvError::Disconnected) => Answer::Nothing,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answered(with: Option<&str>, secs_ago: u64) -> NativeDialog {
+        let (send, answer) = channel();
+        send.send(with.map(PathBuf::from)).expect("the other end is there");
+        let opened = Instant::now().checked_sub(Duration::from_secs(secs_ago)).expect("the clock runs for longer");
+        NativeDialog { purpose: PathUse::OpenScene, answer, opened, seen: false }
+    }
+
+    #[test]
+    fn a_dialog_that_nobody_has_seen_was_not_there() {
+        assert_eq!(answered(None, 1).answer(), Answer::NoDialog, "slow, on a busy machine, but never seen");
+        let mut seen = answered(None, 1);
+        seen.on_keyboard_lost();
+        assert_eq!(seen.answer(), Answer::Nothing, "put away");
+        assert_eq!(answered(None, 9).answer(), Answer::Nothing, "a person took their time");
+        assert_eq!(answered(Some("/a.ron"), 1).answer(), Answer::Chosen("/a.ron".into()));
     }
 }

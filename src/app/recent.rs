@@ -1,11 +1,8 @@
-//! The scene files opened or saved lately, kept in the state folder. A list that cannot be read or written is a line in
-//! the log and nothing more.
+//! The scene files opened or saved lately, kept in the state folder.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::scene::file::write_atomically;
+use super::kept_file::KeptFile;
 
 /// Files remembered.
 const KEPT: usize = 10;
@@ -13,25 +10,18 @@ const KEPT: usize = 10;
 /// The list and where it is kept.
 #[derive(Debug)]
 pub(super) struct Recent {
-    file: Option<PathBuf>,
+    file: KeptFile,
 }
 
 impl Recent {
     /// The list in a state folder; without one nothing is remembered.
     pub(super) fn new(folder: Option<&Path>) -> Self {
-        Self { file: folder.map(|folder| folder.join("recent.json")) }
+        Self { file: KeptFile::new(folder, "recent.json", "the list of recent files") }
     }
 
     /// The files, the last one first.
     pub(super) fn paths(&self) -> Vec<PathBuf> {
-        let Some(file) = &self.file else { return Vec::new() };
-        let read = fs::read(file).and_then(|bytes| serde_json::from_slice(&bytes).map_err(io::Error::from));
-        read.unwrap_or_else(|error| {
-            if error.kind() != io::ErrorKind::NotFound {
-                log::warn!("{}: the list of recent files cannot be read: {error}", file.display());
-            }
-            Vec::new()
-        })
+        self.file.read()
     }
 
     /// Puts a file in front. What other windows have added since is kept.
@@ -40,24 +30,13 @@ impl Recent {
         paths.retain(|known| known != path);
         paths.insert(0, path.to_owned());
         paths.truncate(KEPT);
-        self.write(&paths);
+        self.file.write(&paths);
         paths
     }
 
     /// Empties the list.
     pub(super) fn forget(&self) {
-        self.write(&[]);
-    }
-
-    fn write(&self, paths: &[PathBuf]) {
-        let Some(file) = &self.file else { return };
-        let written = serde_json::to_vec_pretty(paths).map_err(io::Error::from).and_then(|bytes| {
-            fs::create_dir_all(crate::scene::file::folder_of(file))?;
-            write_atomically(file, &bytes)
-        });
-        if let Err(error) = written {
-            log::warn!("{}: the list of recent files cannot be written: {error}", file.display());
-        }
+        self.file.write(&[(); 0]);
     }
 }
 
@@ -83,7 +62,7 @@ mod tests {
     #[test]
     fn a_broken_list_is_ignored_and_written_anew() {
         let folder = tempfile::tempdir().expect("a folder");
-        fs::write(folder.path().join("recent.json"), "[\"/a.ron\", nonsense").expect("a file");
+        std::fs::write(folder.path().join("recent.json"), "[\"/a.ron\", nonsense").expect("a file");
         let recent = Recent::new(Some(folder.path()));
         assert!(recent.paths().is_empty(), "unreadable");
         recent.add(Path::new("/b.ron"));

@@ -24,10 +24,11 @@ use super::hand::{Hand, Target};
 use super::handles::Handles;
 use super::input::{self, Action, Input, ViewRect};
 use super::pace::Reason;
+use super::preferences::PreferencesFile;
 use super::ui::files::FileAction;
 use super::ui::{self, Framing, Running, UiState};
 use super::worker::{Ended, Snapshot, Worker, sentence};
-use super::{Wake, theme};
+use super::{Wake, kept_file, theme};
 use crate::extract;
 use crate::scene::{ColorBy, Scene, presets};
 use crate::session::Status;
@@ -62,6 +63,7 @@ pub(super) struct Shell {
     proxy: EventLoopProxy<Wake>,
     worker: Worker,
     files: Files,
+    preferences: PreferencesFile,
     snapshot: Option<Snapshot>,
     orbit: Orbit,
     /// What the eye moves with, and where the middle of it was, m.
@@ -92,11 +94,15 @@ impl Shell {
             .with_visible(false);
         let window = Arc::new(event_loop.create_window(attributes)?);
         let canvas = Canvas::new(event_loop, Arc::clone(&window))?;
+        let folder = kept_file::state_folder();
+        let preferences = PreferencesFile::open(folder.as_deref());
+        let mut ui = UiState::new(presets::presets());
+        ui.arrange(preferences.preferences());
         let (context, egui) = interface(event_loop, &window, &canvas, proxy.clone());
+        context.set_zoom_factor(preferences.preferences().zoom);
         window.set_visible(true);
         let drawing = Drawing::new(canvas.is_software());
-        let mut ui = UiState::new(presets::presets());
-        let files = Files::new(&mut ui.files);
+        let files = Files::new(folder.as_deref(), &mut ui.files);
         Ok(Self {
             window,
             canvas,
@@ -105,6 +111,7 @@ impl Shell {
             proxy,
             worker,
             files,
+            preferences,
             snapshot: None,
             orbit: Orbit::default(),
             followed: None,
@@ -133,6 +140,7 @@ impl Shell {
                 self.changed = true;
             }
             WindowEvent::Occluded(occluded) => self.set_visible(!occluded),
+            WindowEvent::Focused(false) => self.files.on_keyboard_lost(),
             _ => (),
         }
         let response = self.egui.on_window_event(&self.window, event);
@@ -183,7 +191,7 @@ impl Shell {
             if old.is_none_or(|old| old.generation != snapshot.generation) {
                 self.orbit = extract::view::orbit(&snapshot.scene.view.camera);
                 (self.hand, self.handles) = (Hand::default(), Handles::default());
-                self.ui.selection = None;
+                self.ui.on_new_scene();
                 self.ui.frame = Some(Framing::Opened);
             }
             // The lens is a value of the scene; where the eye is, is the window's own.
@@ -265,6 +273,10 @@ impl Shell {
         if std::mem::take(&mut self.ui.revive) {
             self.revive();
         }
+        // While an edge is dragged its width is not settled.
+        if !self.context.input(|input| input.pointer.any_down()) {
+            self.preferences.keep(self.ui.arrangement(self.context.zoom_factor()));
+        }
         output
     }
 
@@ -316,6 +328,7 @@ impl Shell {
         self.canvas = Canvas::new(event_loop, Arc::clone(&self.window))?;
         // The panels' textures went with the device: a new context sends them again.
         let (context, egui) = interface(event_loop, &self.window, &self.canvas, self.proxy.clone());
+        context.set_zoom_factor(self.context.zoom_factor());
         (self.context, self.egui, self.changed) = (context, egui, true);
         self.drawing = Drawing::new(self.canvas.is_software());
         Ok(())

@@ -8,6 +8,7 @@ use egui::{
     Color32, Context, FontData, FontDefinitions, FontFamily, FontId, Margin, Response, Sense, Stroke, TextStyle, Ui,
     Vec2, Visuals, WidgetInfo, vec2,
 };
+use serde::{Deserialize, Serialize};
 
 use crate::view::Style;
 
@@ -17,8 +18,21 @@ pub const TEXT_SIZE: f32 = 13.5;
 /// The room for a scroll bar beside what scrolls, so that the bar lies over nothing, points.
 pub const SCROLL_BAR: f32 = 10.0;
 
+/// The width of the edge by which a panel is made wider, points.
+pub const GRIP: f32 = 6.0;
+
+/// A side of the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Left of the view.
+    Left,
+    /// Right of it.
+    Right,
+}
+
 /// Which colours the interface and the view have.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Theme {
     /// Light text on dark grey.
     #[default]
@@ -130,6 +144,8 @@ pub fn apply(context: &Context) {
             style.spacing.interact_size = vec2(40.0, 26.0);
             style.spacing.menu_margin = Margin::same(6);
             style.spacing.window_margin = Margin::same(14);
+            // Lists that open are as high as they need and the window allows: the usual 400 points hide their ends.
+            style.spacing.default_area_size = vec2(600.0, 4000.0);
             style.interaction.selectable_labels = false;
             style.interaction.tooltip_delay = 0.4;
         });
@@ -165,9 +181,14 @@ pub fn bar_frame(ui: &Ui) -> egui::Frame {
     egui::Frame::new().fill(of(ui).panel).inner_margin(Margin::symmetric(12, 7))
 }
 
-/// The frame of a panel at a side of the window. What scrolls in it leaves [`SCROLL_BAR`] free on the right.
-pub fn side_frame(ui: &Ui) -> egui::Frame {
-    bar_frame(ui).inner_margin(Margin { left: 12, right: 2, top: 7, bottom: 7 })
+/// The frame of a panel at a side of the window. What scrolls in it leaves [`SCROLL_BAR`] free on the right, and on the
+/// side of the view there is room for the [`GRIP`].
+pub fn side_frame(ui: &Ui, side: Side) -> egui::Frame {
+    let right = match side {
+        Side::Left => 6,
+        Side::Right => 2,
+    };
+    bar_frame(ui).inner_margin(Margin { left: 12, right, top: 7, bottom: 7 })
 }
 
 /// A number in figures of equal width, so that nothing jitters while it changes. `widest` is a text that is as wide

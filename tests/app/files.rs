@@ -307,3 +307,66 @@ fn work_that_is_stopped_or_closed_is_no_longer_wanted() {
         assert!(harness.state().ui.files.wishes.contains(&Wish::StopJellifying), "{label}");
     }
 }
+
+/// Where things are, which must stay there.
+fn places(harness: &Harness<'_, Stage>, labels: &[&str]) -> Vec<egui::Rect> {
+    labels.iter().map(|label| harness.get_all_by_label(label).next().expect("it is there").rect()).collect()
+}
+
+#[test]
+fn a_dialog_stands_still_whatever_is_typed_and_found() {
+    let (folder, file) = folder_with_a_scene();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::create_dir_all(at("empty")).expect("a folder");
+    std::fs::create_dir_all(at("full")).expect("a folder");
+    for number in 0..40 {
+        std::fs::copy(&file, at(&format!("full/{number}.ron"))).expect("a file");
+    }
+    std::fs::write(at("cow.obj"), "v 0 0 0").expect("a file");
+    let long = "a rather long name of a folder that is not there/".repeat(8);
+    let mut harness = show(None, false);
+    harness.state_mut().ui.files.recent = vec!["/home/a/deep/cow.ron".into()];
+    ask(&mut harness, FileAction::Open);
+    let labels = ["Open scene", "Browse…", "Recent", "Cancel"];
+    let still = places(&harness, &labels);
+    for path in [at("empty/"), at("full/"), at("a.ron"), at("cow.obj"), at("none.ron"), at(&long)] {
+        choose(&mut harness, PathUse::OpenScene, &path);
+        assert_eq!(places(&harness, &labels), still, "with {}", path.display());
+    }
+    assert!(harness.query_by_label_contains("xdg-desktop-portal").is_none(), "nobody knows yet");
+    harness.state_mut().ui.files.has_no_browser();
+    harness.run_steps(3);
+    assert_eq!(places(&harness, &labels), still, "once the system is known to have no window of its own");
+    harness.get_by_label_contains("xdg-desktop-portal");
+}
+
+#[test]
+fn the_assistant_stands_still_while_it_works() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = show(None, false);
+    harness.state_mut().ui.files.load_model(folder.path());
+    harness.run_steps(3);
+    let labels = ["Load model", "Divisions", "Close", "Add to scene"];
+    let still = places(&harness, &labels);
+    let words = "a sentence about what is wrong with this model, which is long. ".repeat(9);
+    for work in [Work::Running(std::sync::Arc::default()), Work::Failed(words), Work::Idle] {
+        let what = format!("{work:?}");
+        harness.state_mut().ui.files.set_work(work);
+        harness.run_steps(3);
+        assert_eq!(places(&harness, &labels), still, "{what}");
+    }
+    jellify_in_assistant(&mut harness, &box_model(folder.path()));
+    assert_eq!(places(&harness, &labels), still, "the body is ready");
+}
+
+#[test]
+fn a_click_in_the_list_leaves_the_keyboard_to_the_field() {
+    let (folder, file) = folder_with_a_scene();
+    let mut harness = show(Some(&folder.path().join("none.ron")), false);
+    ask(&mut harness, FileAction::Open);
+    click(&mut harness, "a.ron");
+    harness.key_press(egui::Key::Enter);
+    harness.run_steps(3);
+    let commands = &harness.state().commands;
+    assert!(matches!(&commands[..], [Command::Open { path }] if *path == file), "{commands:?}");
+}

@@ -194,6 +194,9 @@ fn frame(ui: &mut egui::Ui, live: &mut Live) {
         if let Err(error) = live.session.handle(command.clone()) {
             panic!("{command:?} was refused: {error}");
         }
+        if command.replaces_scene() {
+            live.ui.on_new_scene();
+        }
     }
     live.sent.append(&mut commands);
 }

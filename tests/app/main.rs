@@ -10,6 +10,7 @@ mod panels_fit;
 mod panels_material;
 mod panels_pictures;
 mod panels_places;
+mod panels_sides;
 mod panels_sizes;
 mod panels_sliders;
 mod panels_things;

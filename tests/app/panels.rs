@@ -88,6 +88,16 @@ fn a_preset_is_chosen_from_the_list() {
 }
 
 #[test]
+fn the_list_of_scenes_shows_all_of_them() {
+    let mut harness = show(stage());
+    click(&mut harness, "Scene");
+    let last = presets::presets().last().expect("presets").name;
+    // A click at its place reaches only what is seen.
+    let commands = click(&mut harness, last);
+    assert!(matches!(&commands[..], [Command::Replace { title, .. }] if title == last), "{commands:?}");
+}
+
+#[test]
 fn a_speed_is_chosen_from_the_list() {
     let mut harness = show(stage());
     click(&mut harness, "Speed");

@@ -13,8 +13,10 @@ use gelatin::session::Command;
 
 use crate::live::{SIZES, Window};
 
-/// Width of the panel, points.
+/// Width of the panel, points: the usual one, the least and the greatest.
 const WIDTH: f32 = 336.0;
+const LEAST: f32 = 316.0;
+const GREATEST: f32 = 620.0;
 
 /// The room that a panel leaves at its edges, points.
 const MARGIN: f32 = 12.0;
@@ -109,8 +111,13 @@ fn beside_the_view(window: &Window) -> Vec<(String, Rect)> {
 
 /// Whether nothing of the panel passes its edges, and it has the width that it has with short values.
 fn assert_inside(window: &Window, size: [f32; 2], what: &str) {
+    assert_inside_of(WIDTH, window, size, what);
+}
+
+/// The same of a panel of another width.
+fn assert_inside_of(width: f32, window: &Window, size: [f32; 2], what: &str) {
     let view = window.harness.state().ui.view_rect;
-    let [left, right] = [view.right(), view.right() + WIDTH];
+    let [left, right] = [view.right(), view.right() + width];
     // The harness leaves a little at the edges of its window.
     assert!((size[0] - 8.0 - right).abs() < 1.0, "{what}: the panel begins at {left}");
     let seen = beside_the_view(window);
@@ -136,6 +143,23 @@ fn no_value_however_long_passes_the_edge_of_the_panel() {
             for thing in THINGS {
                 window.click(thing);
                 assert_inside(&window, size, &format!("{value} of {thing} in {size:?}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn values_fit_into_panels_of_every_width() {
+    for width in [LEAST, GREATEST] {
+        for value in [1.234_567_8e-5, -9_876.543_21, 98_765_432.1] {
+            let size = [1920.0, 1500.0];
+            let mut window = Window::on(scene_of(value), "long", size, Theme::Dark);
+            window.harness.state_mut().ui.widths.values = width;
+            window.click("Light and camera");
+            assert_inside_of(width, &window, size, &format!("{value} of the scene, {width} wide"));
+            for thing in THINGS {
+                window.click(thing);
+                assert_inside_of(width, &window, size, &format!("{value} of {thing}, {width} wide"));
             }
         }
     }

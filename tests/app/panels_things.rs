@@ -1,12 +1,16 @@
 //! The list of things and the menus: what they ask for is done by a sandbox that really runs.
 
+use std::path::Path;
+
 use egui::{Key, Modifiers};
 use gelatin::app::hand::Target;
 use gelatin::app::theme::Theme;
 use gelatin::app::ui::Framing;
+use gelatin::app::ui::files::{FileAction, Wish, Work};
 use gelatin::scene::ColorBy;
 use gelatin::scene::edit::{BodyId, ObstacleId};
 use gelatin::session::Command;
+use gelatin::session::jellify::{Progress, jellify};
 
 use crate::live::Window;
 
@@ -25,6 +29,65 @@ fn new_things_are_chosen_and_have_names_of_their_own() {
     assert_eq!(window.harness.state().ui.selection, Some(Target::Obstacle(ObstacleId(obstacles + 1))));
     let names: Vec<&str> = window.scene().obstacles.iter().map(|obstacle| obstacle.name.as_str()).collect();
     assert!(names.iter().all(|name| names.iter().filter(|other| *other == name).count() == 1), "{names:?} differ");
+}
+
+#[test]
+fn no_two_things_have_one_name_however_they_come() {
+    let mut window = Window::open("cube-on-plane");
+    for thing in ["Sphere", "Sphere 2", "Jelly"] {
+        window.click(thing);
+        window.choose("Edit", &format!("Duplicate {thing}"));
+    }
+    window.click("+ Cube");
+    window.click("+ Cube");
+    let bodies = window.scene().bodies.iter().map(|body| body.name.clone());
+    let names: Vec<String> =
+        bodies.chain(window.scene().obstacles.iter().map(|obstacle| obstacle.name.clone())).collect();
+    assert_eq!(names, ["Jelly", "Jelly 2", "Cube", "Cube 2", "Ground", "Sphere", "Sphere 2", "Sphere 3"]);
+    window.choose("Edit", "Rename Cube 2");
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.enter("Ground");
+    assert_eq!(window.scene().bodies[3].name, "Ground 2", "a name that is taken gets a number");
+    window.click("Undo");
+    assert_eq!(window.scene().bodies[3].name, "Cube 2");
+}
+
+/// Loads a model in the assistant, as the window would on another thread, and clicks on a button of it.
+fn load_model(window: &mut Window, path: &Path, button: &str) {
+    window.harness.state_mut().ui.files.load_model(path);
+    window.harness.run_steps(60);
+    let wishes = std::mem::take(&mut window.harness.state_mut().ui.files.wishes);
+    let asked = wishes.into_iter().find_map(|wish| match wish {
+        Wish::Jellify(shape, settings) => Some((shape, settings)),
+        _ => None,
+    });
+    let (shape, settings) = asked.expect("the work is asked for");
+    let body = jellify(&shape, Path::new(""), &settings, &Progress::default()).expect("a body");
+    window.harness.state_mut().ui.files.set_work(Work::Ready(Box::new(body)));
+    window.wait();
+    window.click(button);
+}
+
+#[test]
+fn a_model_is_chosen_as_soon_as_it_is_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("ogre.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n").expect("a file");
+    let mut window = Window::open("cube-on-plane");
+    for (place, name) in [(1, "ogre"), (2, "ogre 2")] {
+        load_model(&mut window, &path, "Add to scene");
+        assert_eq!(window.scene().bodies[place].name, name);
+        assert_eq!(window.harness.state().ui.selection, Some(Target::Body(BodyId(place))), "{name} is chosen");
+    }
+    assert_eq!(window.harness.state().ui.files.folders.model.as_deref(), Some(folder.path()), "its folder is known");
+    load_model(&mut window, &path, "Replace scene");
+    window.click("Discard");
+    assert_eq!(window.scene().bodies.len(), 1, "a scene of its own");
+    assert_eq!(window.harness.state().ui.selection, Some(Target::Body(BodyId(0))), "and chosen in it");
+    window.harness.state_mut().ui.files.ask(FileAction::New);
+    window.wait();
+    window.click("Discard");
+    assert_eq!(window.harness.state().ui.selection, None, "nothing comes along with an empty scene");
 }
 
 #[test]
@@ -73,7 +136,7 @@ fn hiding_duplicating_and_deleting_act_on_what_is_chosen() {
     assert!(!window.scene().obstacles[1].hidden, "shown");
     window.choose("Edit", "Duplicate Sphere");
     assert_eq!(window.scene().obstacles.len(), 3);
-    window.choose("Edit", "Delete Sphere copy");
+    window.choose("Edit", "Delete Sphere 2");
     assert_eq!(window.scene().obstacles.len(), 2);
     assert_eq!(window.harness.state().ui.selection, None, "nothing is chosen that is not there");
 }

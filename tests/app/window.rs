@@ -308,7 +308,7 @@ impl Window {
         self.hand(&["click", button]);
     }
 
-    fn drag(&self, button: &str, from: [i32; 2], to: [i32; 2]) {
+    pub(super) fn drag(&self, button: &str, from: [i32; 2], to: [i32; 2]) {
         self.point_at(from);
         self.hand(&["mousedown", button]);
         self.point_at([i32::midpoint(from[0], to[0]), i32::midpoint(from[1], to[1])]);
@@ -433,6 +433,12 @@ impl Shot {
         let width = usize::try_from(self.size[0]).expect("not negative");
         let at = move |index: usize| Vec2::new((index % width) as f32, (index / width) as f32);
         (0..self.pixels.len()).filter(move |&index| part.contains(at(index)))
+    }
+
+    /// The colour of a pixel.
+    pub(super) fn at(&self, [x, y]: [i32; 2]) -> [u8; 3] {
+        let index = usize::try_from(y * self.size[0] + x).expect("inside the picture");
+        self.pixels[index]
     }
 
     pub(super) fn places_of(&self, color: [u8; 3]) -> Vec<[i32; 2]> {

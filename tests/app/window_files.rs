@@ -60,6 +60,30 @@ fn closing_asks_about_changes_and_enter_saves_them() {
     });
 }
 
+#[test]
+fn what_was_arranged_is_found_at_the_next_start() {
+    /// In the list once it is wider, in the view while it is not.
+    const BESIDE: [i32; 2] = [240, 400];
+    alone(|| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut window = Window::open("cube-on-plane", Some(folder.path()));
+        let panel = window.shot().at([100, 400]);
+        assert_ne!(window.shot().at(BESIDE), panel, "the view begins left of it");
+        window.drag("1", [191, 400], [260, 400]);
+        window.wait_until("the list is wider", |shot| shot.at(BESIDE) == panel);
+        let kept = folder.path().join("gelatin/preferences.json");
+        window.wait_for("the width is kept", |_| kept.is_file());
+        // Killed, as by a lack of memory.
+        drop(window);
+        let mut window = Window::open("cube-on-plane", Some(folder.path()));
+        window.wait_until("the list is as wide again", |shot| shot.at(BESIDE) == panel);
+        drop(window);
+        std::fs::write(&kept, "{\"widths\": {\"li").expect("a file");
+        let mut window = Window::open("cube-on-plane", Some(folder.path()));
+        window.wait_until("a damaged file is as none", |shot| shot.at(BESIDE) != panel);
+    });
+}
+
 fn save_as(window: &Window, file: &Path) {
     window.key("ctrl+s");
     window.key("ctrl+a");

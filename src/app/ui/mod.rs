@@ -14,6 +14,7 @@ mod keys;
 mod menu;
 mod message;
 mod meter;
+mod sides;
 mod timeline;
 mod tip;
 mod top_bar;
@@ -22,10 +23,13 @@ mod trouble;
 mod value;
 
 use egui::{Align2, Area, Id, Order, Rect, RichText, Ui};
+use serde::{Deserialize, Serialize};
 
 use super::frame_meter::DrawingCost;
 use super::hand::Target;
+use super::preferences::Preferences;
 use super::theme::{self, Theme};
+use crate::scene::edit::BodyId;
 use crate::scene::placement::Look;
 use crate::scene::presets::Preset;
 use crate::scene::{ColorBy, Scene, ViewSettings};
@@ -35,18 +39,10 @@ use crate::view::{Colormap, SafeArea};
 pub use color::color_command;
 use files::FilesState;
 pub use inspector::own_weight::TooHeavy;
+pub use sides::Widths;
 
-/// Widths of the panels beside the view, points.
-const TREE_WIDTH: f32 = 190.0;
-const INSPECTOR_WIDTH: f32 = 336.0;
 /// The most of the window's height that the cost panel takes: the view keeps the rest.
 const COST_SHARE: f32 = 0.4;
-/// Below this width of the window (points) both panels stand on one side.
-const TWO_SIDES_NEED: f32 = 1100.0;
-/// The share of that side that the list has, and its least height, points.
-const TREE_SHARE: f32 = 0.36;
-const TREE_HEIGHT: f32 = 140.0;
-
 /// The least share of the view's width and height that counts as free.
 const LEAST_FREE: f32 = 0.25;
 
@@ -102,6 +98,8 @@ pub struct UiState {
     pub selection: Option<Target>,
     /// What will be chosen as soon as it is there: the sandbox answers a few frames later.
     pub awaited: Option<Target>,
+    /// What will be chosen in a new scene that was asked for.
+    pub comes_along: Option<Target>,
     /// What is being renamed, and the name so far.
     pub renaming: Option<(Target, String)>,
     /// Where the next teleport goes, m.
@@ -112,6 +110,8 @@ pub struct UiState {
     pub load_model: bool,
     /// Which panels are open.
     pub panels: Panels,
+    /// How wide the panels beside the view are.
+    pub widths: Widths,
     /// The dialogs about files.
     pub files: FilesState,
 }
@@ -130,7 +130,8 @@ pub enum Framing {
 }
 
 /// Which panels beside the view are open.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Panels {
     /// The list of bodies and obstacles, on the left.
     pub tree: bool,
@@ -138,6 +139,12 @@ pub struct Panels {
     pub inspector: bool,
     /// What a step costs, above the time line.
     pub cost: bool,
+}
+
+impl Default for Panels {
+    fn default() -> Self {
+        Self { tree: true, inspector: true, cost: false }
+    }
 }
 
 impl UiState {
@@ -156,13 +163,27 @@ impl UiState {
             theme: Theme::default(),
             selection: None,
             awaited: None,
+            comes_along: None,
             renaming: None,
             origin: [0.0, 1.0, 0.0],
             too_heavy: None,
             load_model: false,
-            panels: Panels { tree: true, inspector: true, cost: false },
+            panels: Panels::default(),
+            widths: Widths::default(),
             files: FilesState::default(),
         }
+    }
+
+    /// Arranges everything as it was at the last start.
+    pub fn arrange(&mut self, preferences: &Preferences) {
+        let Preferences { theme, panels, widths, zoom: _, folders } = preferences.clone();
+        (self.theme, self.panels, self.widths, self.files.folders) = (theme, panels, widths, folders);
+    }
+
+    /// How everything is arranged, with text of this size.
+    pub fn arrangement(&self, zoom: f32) -> Preferences {
+        let Self { theme, panels, widths, .. } = *self;
+        Preferences { theme, panels, widths, zoom, folders: self.files.folders.clone() }
     }
 
     /// Closes the uppermost thing over the view that Escape closes: the list of keys, then the message there is. Says
@@ -196,6 +217,19 @@ impl UiState {
         SafeArea { min: place(free.left_bottom()), max: place(free.right_top()), ..whole }
     }
 
+    /// Another scene has taken the place of the old one: what came along with it is chosen.
+    pub fn on_new_scene(&mut self) {
+        (self.selection, self.awaited) = (None, self.comes_along.take());
+    }
+
+    /// Takes note of what comes along with a new scene.
+    fn foresee(&mut self, commands: &[Command]) {
+        if commands.iter().any(Command::replaces_scene) {
+            let brings_body = commands.iter().any(|command| matches!(command, Command::AddBody { .. }));
+            self.comes_along = brings_body.then_some(Target::Body(BodyId(0)));
+        }
+    }
+
     /// Chooses what has come, and nothing that is not there.
     fn follow(&mut self, scene: &Scene) {
         let there = |target: &Target| actions::exists(scene, *target);
@@ -224,7 +258,7 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     cost_panel_ui(ui, shown, state.panels.cost, commands);
     if let Some(running) = shown.running {
         state.follow(running.scene);
-        side_panels_ui(ui, running, state, commands);
+        sides::side_panels_ui(ui, running, state, commands);
     }
     state.view_rect = ui.available_rect_before_wrap();
     state.free_rect = state.view_rect;
@@ -251,6 +285,7 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     // After a failure nothing can be saved any more: what is unsaved is kept as a draft.
     let saved = if shown.failure.is_empty() { status } else { &idle };
     files::files_ui(ui, saved, shown.running, state, commands);
+    state.foresee(commands);
 }
 
 /// The panel above the time line; what it shows is measured only while it is open.
@@ -265,28 +300,6 @@ fn cost_panel_ui(ui: &mut Ui, shown: &Shown<'_>, open: bool, commands: &mut Vec<
             .exact_size(cost::HEIGHT.min(COST_SHARE * ui.available_height()));
         panel.frame(theme::bar_frame(ui)).show(ui, |ui| {
             cost::cost_ui(ui, running.status, shown.drawing);
-        });
-    }
-}
-
-/// The panels beside the view. In a narrow window the list stands above the values, so that the view keeps its half.
-fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
-    let Panels { tree, inspector, .. } = state.panels;
-    let wide = ui.available_width() >= TWO_SIDES_NEED;
-    if tree && (wide || !inspector) {
-        let left = egui::Panel::left("tree").resizable(false).exact_size(TREE_WIDTH);
-        left.frame(theme::side_frame(ui)).show(ui, |ui| tree::tree_ui(ui, running, state, commands));
-    }
-    if inspector {
-        let right = egui::Panel::right("inspector").resizable(false).exact_size(INSPECTOR_WIDTH);
-        right.frame(theme::side_frame(ui)).show(ui, |ui| {
-            if tree && !wide {
-                let height = (TREE_SHARE * ui.available_height()).max(TREE_HEIGHT);
-                let above = egui::Panel::top("tree above").resizable(false).exact_size(height);
-                let frame = egui::Frame::new().inner_margin(egui::Margin { bottom: 6, ..egui::Margin::ZERO });
-                above.frame(frame).show(ui, |ui| tree::tree_ui(ui, running, state, commands));
-            }
-            inspector::inspector_ui(ui, running, state, commands);
         });
     }
 }

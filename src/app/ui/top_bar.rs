@@ -18,6 +18,9 @@ const KEEPS_UP: f64 = 0.95;
 
 /// The width of the box with the scene's name, points.
 const SCENE_WIDTH: f32 = 168.0;
+/// What is left of the window's height below the list of scenes and above it, and the least height of the list, points.
+const BELOW_LIST: f32 = 100.0;
+const LEAST_LIST: f32 = 200.0;
 /// Where summaries begin in the list of presets, points from the names.
 const SUMMARY_COLUMN: f32 = 124.0;
 /// Below these widths of the bar (points) it has no room for the step in figures, and for words beside the boxes.
@@ -79,9 +82,11 @@ fn history_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
 
 fn preset_ui(ui: &mut Ui, words: bool, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
     let word = word_ui(ui, words, "Scene");
+    // As high as the window allows: what lies below the end of a list is not known to be there.
+    let height = (ui.ctx().content_rect().height() - BELOW_LIST).max(LEAST_LIST);
     let combo = ComboBox::from_id_salt("scene")
         .width(SCENE_WIDTH)
-        .height(420.0)
+        .height(height)
         .truncate()
         .selected_text(RichText::new(&status.title).color(theme::of(ui).strong));
     // A box no wider than this, or a long name would push the rest of the bar away.

@@ -8,9 +8,11 @@ use egui::{Align, ComboBox, DragValue, Grid, Layout, ProgressBar, RichText, Scro
 
 use super::path_field::{PathField, PathUse, Verdict};
 use super::{Running, UiState, Wish, dialog_ui, main_button_ui, theme};
+use crate::app::hand::Target;
 use crate::app::ui::adding;
 use crate::scene::Settings;
 use crate::scene::body::{Keep, MAX_DIVISIONS, ModelShape, OccupancyChoice};
+use crate::scene::edit::BodyId;
 use crate::session::jellify::{Jellified, Preview, Progress, occupancy_word};
 use crate::session::predict::speed_in_window;
 use crate::session::{Command, Status};
@@ -18,6 +20,10 @@ use crate::view::legend::three_digits;
 
 /// How long a value must stand before the work begins, s.
 const PAUSE_SECS: f64 = 0.3;
+/// The heights of the list of files and of what the model becomes, and what the rest of the dialog needs beside them,
+/// points.
+const HEIGHTS: [f32; 2] = [140.0, 236.0];
+const REST: f32 = 350.0;
 /// How often the progress is looked at while the work goes on.
 const LOOK: std::time::Duration = std::time::Duration::from_millis(60);
 
@@ -98,7 +104,9 @@ pub(super) fn load_model_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiSta
     let Some(mut model) = state.files.model.take() else { return };
     let mut done = false;
     let escaped = dialog_ui(ui, "Load model", 600.0, |ui| {
-        let response = model.field.ui(ui, "Model", !state.files.no_browser);
+        let room = (ui.ctx().content_rect().height() - REST).max(0.0);
+        let [list, work] = HEIGHTS.map(|height| height * (room / HEIGHTS.iter().sum::<f32>()).clamp(0.25, 1.0));
+        let response = model.field.ui(ui, "Model", !state.files.no_browser, list);
         if response.browse {
             state.files.wishes.push(Wish::Browse(PathUse::OpenModel, model.field.folder()));
         }
@@ -106,7 +114,7 @@ pub(super) fn load_model_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiSta
         values_ui(ui, &mut model.shape);
         ui.separator();
         model.follow(ui, &running.scene.settings, &mut state.files.wishes);
-        work_ui(ui, &mut model, running.status, &mut state.files.wishes);
+        work_ui(ui, &mut model, work, running.status, &mut state.files.wishes);
         ui.add_space(6.0);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let ready = matches!(model.work, Work::Ready(_));
@@ -117,7 +125,9 @@ pub(super) fn load_model_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiSta
                 && let Work::Ready(body) = std::mem::take(&mut model.work)
             {
                 done = true;
+                state.files.folders.model = std::path::absolute(model.field.folder()).ok();
                 if add {
+                    state.awaited = Some(Target::Body(BodyId(running.scene.bodies.len())));
                     commands.push(body.add_to(&adding::surroundings(running), state.look));
                 } else {
                     commands.extend(body.replace());
@@ -169,8 +179,9 @@ fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
     });
 }
 
-fn work_ui(ui: &mut Ui, model: &mut LoadModel, status: &Status, wishes: &mut Vec<Wish>) {
-    let area = ScrollArea::vertical().max_height(250.0).auto_shrink([false, true]);
+/// How far the work is and what comes of it, always as high, so that the buttons below stay where they are.
+fn work_ui(ui: &mut Ui, model: &mut LoadModel, height: f32, status: &Status, wishes: &mut Vec<Wish>) {
+    let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, false]);
     area.show(ui, |ui| match &model.work {
         Work::Idle => {
             let words = if model.asked.is_some() { "…" } else { "Choose a model: an OBJ file." };

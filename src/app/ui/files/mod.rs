@@ -11,9 +11,10 @@ mod recovery_card;
 
 use std::path::{Path, PathBuf};
 
-use egui::{Color32, Id, Key, Modal, Modifiers, Response, RichText, Ui};
+use egui::{Color32, Id, Key, Modal, Modifiers, Response, RichText, ScrollArea, Ui, Vec2, vec2};
 
 use super::{Running, UiState, theme};
+use crate::app::preferences::Folders;
 use crate::scene::Settings;
 use crate::scene::body::ModelShape;
 use crate::scene::view_settings::CameraSettings;
@@ -27,6 +28,8 @@ use question::Question;
 
 /// The fill of the button that Enter stands for; white is legible on it.
 pub const MAIN_FILL: Color32 = Color32::from_rgb(52, 95, 162);
+/// Its least size, points: the longest of the words it changes between, so that its neighbours stay where they are.
+const MAIN_SIZE: Vec2 = vec2(112.0, 0.0);
 
 /// What a menu item or a key asks for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -84,6 +87,8 @@ pub struct FilesState {
     pub camera: CameraSettings,
     /// Scene files opened or saved lately, the last one first.
     pub recent: Vec<PathBuf>,
+    /// Where scenes and models were last looked for.
+    pub folders: Folders,
     /// What was found after a crash.
     pub found: Option<FoundDraft>,
     /// What the window is to do.
@@ -103,10 +108,11 @@ impl FilesState {
 
     /// Whether a dialog is open, or will be with the next frame: keys are for it alone.
     pub fn is_open(&self) -> bool {
-        let opens =
-            |action: &FileAction| matches!(action, FileAction::Open | FileAction::SaveAs | FileAction::LoadModel);
+        let may_open = |action: &FileAction| {
+            !matches!(action, FileAction::New | FileAction::OpenFile(_) | FileAction::Save | FileAction::Recover)
+        };
         let open = self.dialog.is_some() || self.question.is_some() || self.model.is_some();
-        open || self.asked.iter().any(opens)
+        open || self.asked.iter().any(may_open)
     }
 
     /// The system's dialog was answered: a path, or nothing.
@@ -137,12 +143,22 @@ impl FilesState {
         self.no_browser = true;
     }
 
-    /// The folder that a dialog starts in.
+    /// The folder that a dialog starts in: the one of the scene, or the last one.
     fn start_folder(&self, status: &Status) -> PathBuf {
-        let known = status.file.as_ref().or(self.recent.first());
-        let folder = known.and_then(|file| file.parent()).filter(|folder| folder.is_dir()).map(Path::to_owned);
-        folder.or_else(|| std::env::current_dir().ok()).unwrap_or_default()
+        let own = status.file.as_ref().and_then(|file| file.parent()).map(Path::to_owned);
+        first_folder([own, self.folders.scene.clone()])
     }
+
+    /// The folder that a dialog about models starts in: the last one, or that of scenes.
+    fn model_folder(&self, status: &Status) -> PathBuf {
+        first_folder([self.folders.model.clone(), Some(self.start_folder(status))])
+    }
+}
+
+/// The first folder that is still there; where none is, the one the program was started in.
+fn first_folder(known: [Option<PathBuf>; 2]) -> PathBuf {
+    let there = known.into_iter().flatten().find(|folder| folder.is_dir());
+    there.or_else(|| std::env::current_dir().ok()).unwrap_or_default()
 }
 
 /// The dialogs about files, over everything else. Commands that would lose unsaved changes wait for an answer.
@@ -191,7 +207,7 @@ fn begin(action: FileAction, status: &Status, state: &mut UiState, commands: &mu
             files.dialog = Some(PathDialog::new(PathUse::SaveScene, &name));
         }
         FileAction::LoadModel => {
-            let start = files.start_folder(status);
+            let start = files.model_folder(status);
             files.load_model(&start);
         }
         FileAction::Recover => question::wish(Wish::Recover, status, files),
@@ -207,7 +223,9 @@ fn dialog_ui(ui: &Ui, name: &str, width: f32, contents: impl FnOnce(&mut Ui)) ->
         ui.set_width(width.min(room.x - 60.0));
         ui.label(RichText::new(name).heading().color(theme::of(ui).strong));
         ui.add_space(4.0);
-        contents(ui);
+        // In the smallest windows a dialog is scrolled.
+        let height = (room.y - 110.0).max(120.0);
+        ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, contents);
     });
     let escaped = || ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
     modal.is_top_modal && !modal.any_popup_open && escaped()
@@ -215,6 +233,6 @@ fn dialog_ui(ui: &Ui, name: &str, width: f32, contents: impl FnOnce(&mut Ui)) ->
 
 /// The button that Enter stands for.
 fn main_button_ui(ui: &mut Ui, name: &str, enabled: bool) -> Response {
-    let button = egui::Button::new(RichText::new(name).color(Color32::WHITE)).fill(MAIN_FILL);
+    let button = egui::Button::new(RichText::new(name).color(Color32::WHITE)).fill(MAIN_FILL).min_size(MAIN_SIZE);
     ui.add_enabled(enabled, button)
 }

@@ -10,6 +10,9 @@ use crate::session::Command;
 
 /// Recent files offered in the dialog; the menu has all.
 const RECENT: usize = 4;
+/// The height of the list of files, and what the rest of the dialog needs beside it, points.
+const LIST_HEIGHT: f32 = 168.0;
+const REST: f32 = 340.0;
 
 /// A dialog that asks for a path.
 #[derive(Debug)]
@@ -44,7 +47,8 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, state: &mut UiState, commands: &mut Ve
     };
     let mut done = false;
     let escaped = dialog_ui(ui, name, 560.0, |ui| {
-        let response = dialog.field.ui(ui, "Path", !state.files.no_browser);
+        let height = (ui.ctx().content_rect().height() - REST).clamp(60.0, LIST_HEIGHT);
+        let response = dialog.field.ui(ui, "Path", !state.files.no_browser, height);
         if dialog.purpose == PathUse::OpenScene {
             recent_ui(ui, &state.files.recent, &mut dialog.field);
         }

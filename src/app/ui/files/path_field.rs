@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, Key, RichText, ScrollArea, TextEdit, Ui, WidgetInfo};
+use egui::{Button, Key, Label, RichText, ScrollArea, Sense, TextEdit, Ui, UiBuilder, WidgetInfo, vec2};
 
 use super::super::theme;
 use crate::app::worker::sentence;
@@ -13,8 +13,11 @@ use crate::session::document::is_scene_path;
 
 /// Entries of a folder that are listed; a name narrows them down.
 const LISTED: usize = 200;
-/// The height of the list, points.
-const LIST_HEIGHT: f32 = 168.0;
+/// The height kept for what there is to say about a path, so that nothing below it moves, points.
+const VERDICT_HEIGHT: f32 = 38.0;
+/// Why there may be no window of the system to choose in.
+const NO_BROWSER: &str = "No window of the desktop to choose files in has answered; on Linux a portal shows it, for \
+                          example the package xdg-desktop-portal-gtk. Type the path, or choose below.";
 
 /// What the path is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,8 +94,9 @@ impl PathField {
     }
 
     /// The field with its list. Says whether Enter was pressed in it, and whether the button beside it was.
-    /// `can_browse`: the system has a window to choose in.
-    pub(super) fn ui(&mut self, ui: &mut Ui, label: &str, can_browse: bool) -> PathResponse {
+    /// `can_browse`: the system has a window to choose in. The height below the field is `height`, whatever there is to
+    /// say and to list.
+    pub(super) fn ui(&mut self, ui: &mut Ui, label: &str, can_browse: bool, height: f32) -> PathResponse {
         let mut response = PathResponse::default();
         ui.horizontal(|ui| {
             let name = ui.label(RichText::new(label).color(theme::of(ui).weak));
@@ -102,16 +106,23 @@ impl PathField {
             if std::mem::take(&mut self.focus) {
                 field.request_focus();
             }
-            response.entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+            let entered = ui.input(|input| input.key_pressed(Key::Enter));
+            // Enter counts too when a click beside everything has taken the keyboard from the field.
+            response.entered = entered && (field.lost_focus() || ui.memory(|memory| memory.focused().is_none()));
             let browse = ui.add_enabled(can_browse, Button::new("Browse…"));
-            let browse = browse
-                .on_hover_text("Choose in a window of the system")
-                .on_disabled_hover_text("The system has no such window: type the path or choose below");
+            let browse = browse.on_hover_text("Choose in a window of the system").on_disabled_hover_text(NO_BROWSER);
             response.browse = browse.clicked();
         });
         self.verdict();
-        self.verdict_ui(ui);
-        self.list_ui(ui);
+        let below = vec2(ui.available_width(), VERDICT_HEIGHT + height);
+        ui.allocate_ui(below, |ui| {
+            ui.set_min_size(below);
+            self.verdict_ui(ui);
+            if !can_browse {
+                ui.add(Label::new(RichText::new(NO_BROWSER).small().color(theme::of(ui).weak)).wrap());
+            }
+            self.list_ui(ui);
+        });
         response
     }
 
@@ -125,13 +136,21 @@ impl PathField {
                 ("There is a file of this name; it will be replaced".to_owned(), theme::of(ui).warning)
             }
         };
-        ui.add(egui::Label::new(RichText::new(text).color(color)).wrap());
+        let size = vec2(ui.available_width(), VERDICT_HEIGHT);
+        let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+        let mut inside = ui.new_child(UiBuilder::new().max_rect(rect));
+        inside.shrink_clip_rect(rect);
+        let shown = inside.add(Label::new(RichText::new(&text).color(color)).wrap());
+        if shown.rect.height() > VERDICT_HEIGHT {
+            shown.on_hover_text(text);
+        }
     }
 
     /// Folders and fitting files of the folder typed; a click goes there.
     fn list_ui(&mut self, ui: &mut Ui) {
         let mut chosen = None;
-        let area = ScrollArea::vertical().max_height(LIST_HEIGHT).min_scrolled_height(60.0).auto_shrink([false, true]);
+        let height = ui.available_height().max(40.0);
+        let area = ScrollArea::vertical().max_height(height).min_scrolled_height(40.0).auto_shrink([false, false]);
         area.show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
             let folder = folder_typed(&self.text);
@@ -153,6 +172,8 @@ impl PathField {
             if is_folder && !self.text.ends_with(std::path::MAIN_SEPARATOR) {
                 self.text.push(std::path::MAIN_SEPARATOR);
             }
+            // Typing and Enter go on from here.
+            self.focus = true;
         }
     }
 }

@@ -1,0 +1,59 @@
+//! A small file in the state folder: what outlives a window but is no document. One that cannot be read or written is a
+//! line in the log and nothing more.
+
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use directories::ProjectDirs;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::scene::file::{folder_of, write_atomically};
+
+/// A file and what it holds.
+#[derive(Debug)]
+pub(super) struct KeptFile {
+    path: Option<PathBuf>,
+    /// As a line of the log says it.
+    what: &'static str,
+}
+
+impl KeptFile {
+    /// A file in the state folder; without a folder nothing is kept.
+    pub(super) fn new(folder: Option<&Path>, name: &str, what: &'static str) -> Self {
+        Self { path: folder.map(|folder| folder.join(name)), what }
+    }
+
+    /// What the file says; the default where there is none or it is damaged.
+    pub(super) fn read<T: DeserializeOwned + Default>(&self) -> T {
+        let Some(path) = &self.path else { return T::default() };
+        let read = fs::read(path).and_then(|bytes| serde_json::from_slice(&bytes).map_err(io::Error::from));
+        read.unwrap_or_else(|error| {
+            if error.kind() != io::ErrorKind::NotFound {
+                log::warn!("{}: {} cannot be read: {error}", path.display(), self.what);
+            }
+            T::default()
+        })
+    }
+
+    /// Replaces the file in one step.
+    pub(super) fn write(&self, value: &impl Serialize) {
+        let Some(path) = &self.path else { return };
+        let written = serde_json::to_vec_pretty(value).map_err(io::Error::from).and_then(|bytes| {
+            fs::create_dir_all(folder_of(path))?;
+            write_atomically(path, &bytes)
+        });
+        if let Err(error) = written {
+            log::warn!("{}: {} cannot be written: {error}", path.display(), self.what);
+        }
+    }
+}
+
+/// The folder for what outlives a window but is no document.
+pub(super) fn state_folder() -> Option<PathBuf> {
+    let folders = ProjectDirs::from("", "", "gelatin");
+    if folders.is_none() {
+        log::warn!("there is no home folder: recent files, drafts and preferences are not kept");
+    }
+    folders.map(|folders| folders.state_dir().unwrap_or_else(|| folders.data_local_dir()).to_owned())
+}

@@ -1,0 +1,137 @@
+//! The panels beside the view, and the edges by which a hand makes them wider.
+
+use egui::{CursorIcon, Id, Key, Panel, Rect, Sense, Stroke, Ui, WidgetInfo};
+use serde::{Deserialize, Serialize};
+
+use super::{Panels, Running, UiState, inspector, theme, tree};
+use crate::session::Command;
+
+/// Widths of the list: the least, the usual, the greatest, points.
+const LIST: [f32; 3] = [150.0, 194.0, 400.0];
+/// Widths of the values.
+const VALUES: [f32; 3] = [316.0, 336.0, 620.0];
+/// The share of the window's width that the panels may take: the view keeps the rest.
+const SHARE: f32 = 0.5;
+/// Below this width of the window (points) both panels stand on one side.
+const TWO_SIDES_NEED: f32 = 1100.0;
+/// The share of that side that the list has, and its least height, points.
+const TREE_SHARE: f32 = 0.36;
+const TREE_HEIGHT: f32 = 140.0;
+/// How far from its edge a panel is taken hold of, points: nothing else is there, and the view begins beyond it.
+const GRIP: f32 = theme::GRIP;
+/// What an arrow key does to a width, points.
+const NUDGE: f32 = 10.0;
+
+/// How wide a person wants the panels beside the view, points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Widths {
+    /// The list of bodies and obstacles.
+    pub list: f32,
+    /// The values of what is chosen.
+    pub values: f32,
+}
+
+impl Default for Widths {
+    fn default() -> Self {
+        Self { list: LIST[1], values: VALUES[1] }
+    }
+}
+
+impl Widths {
+    /// The nearest widths that can be asked for.
+    pub fn allowed(self) -> Self {
+        Self { list: self.list.clamp(LIST[0], LIST[2]), values: self.values.clamp(VALUES[0], VALUES[2]) }
+    }
+
+    /// What a window of this width has room for, so that the view keeps its share.
+    fn within(self, window: f32) -> Self {
+        let Self { list, values } = self.allowed();
+        let room = SHARE * window;
+        if window < TWO_SIDES_NEED {
+            return Self { list: list.min(room), values: values.min(room).max(VALUES[0]) };
+        }
+        let values = values.min(room - LIST[1]).max(VALUES[0]);
+        Self { list: list.min(room - values).max(LIST[0]), values }
+    }
+}
+
+/// The panels beside the view. In a narrow window the list stands above the values, so that the view keeps its half.
+pub(super) fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    let Panels { tree, inspector, .. } = state.panels;
+    let window = ui.available_width();
+    let (wide, widths) = (window >= TWO_SIDES_NEED, state.widths.within(window));
+    if tree && (wide || !inspector) {
+        let left = Panel::left("tree").resizable(false).exact_size(widths.list);
+        let frame = theme::side_frame(ui, theme::Side::Left);
+        let panel = left.frame(frame).show(ui, |ui| tree::tree_ui(ui, running, state, commands));
+        let rect = panel.response.rect;
+        let grip = rect.with_min_x(rect.right() - GRIP);
+        let wanted = grip_ui(ui, "Width of the list", grip, |pointer| pointer - rect.left(), widths.list, LIST[1]);
+        state.widths.list = wanted.unwrap_or(state.widths.list).clamp(LIST[0], LIST[2]);
+    }
+    if inspector {
+        let right = Panel::right("inspector").resizable(false).exact_size(widths.values);
+        let panel = right.frame(theme::side_frame(ui, theme::Side::Right)).show(ui, |ui| {
+            if tree && !wide {
+                let height = (TREE_SHARE * ui.available_height()).max(TREE_HEIGHT);
+                let above = Panel::top("tree above").resizable(false).exact_size(height);
+                let frame = egui::Frame::new().inner_margin(egui::Margin { bottom: 6, ..egui::Margin::ZERO });
+                above.frame(frame).show(ui, |ui| tree::tree_ui(ui, running, state, commands));
+            }
+            inspector::inspector_ui(ui, running, state, commands);
+        });
+        let rect = panel.response.rect;
+        let grip = rect.with_max_x(rect.left() + GRIP);
+        let wanted =
+            grip_ui(ui, "Width of the values", grip, |pointer| rect.right() - pointer, widths.values, VALUES[1]);
+        state.widths.values = wanted.unwrap_or(state.widths.values).clamp(VALUES[0], VALUES[2]);
+    }
+}
+
+/// The edge of a panel: dragged, moved by arrow keys, or set back by a double click. Tells the width wanted, if any.
+fn grip_ui(ui: &Ui, name: &str, grip: Rect, width_at: impl Fn(f32) -> f32, now: f32, usual: f32) -> Option<f32> {
+    let response = ui.interact(grip, Id::unique(name), Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Splitter, ui.is_enabled(), name));
+    let response = response.on_hover_cursor(CursorIcon::ResizeHorizontal);
+    let held = response.dragged() || response.has_focus();
+    if held || response.hovered() {
+        let color = if held { theme::of(ui).accent } else { theme::of(ui).line };
+        ui.painter().vline(grip.center().x, grip.y_range(), Stroke::new(2.0, color));
+    }
+    if response.double_clicked() {
+        return Some(usual);
+    }
+    if response.dragged() {
+        return response.interact_pointer_pos().map(|pointer| width_at(pointer.x));
+    }
+    if response.has_focus() {
+        let presses = |key| ui.input(|input| input.num_presses(key)) as f32;
+        let way = presses(Key::ArrowRight) - presses(Key::ArrowLeft);
+        // To the right is wider for a panel on the left.
+        let outward = (width_at(grip.right()) - width_at(grip.left())).signum();
+        return (way != 0.0).then_some(now + outward * way * NUDGE);
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_view_keeps_its_half_of_every_window() {
+        for list in LIST {
+            for values in VALUES {
+                for window in [760.0_f32, 900.0, 1100.0, 1280.0, 1920.0, 3840.0] {
+                    let shown = Widths { list, values }.within(window);
+                    let taken = if window < TWO_SIDES_NEED { shown.values } else { shown.list + shown.values };
+                    assert!(taken <= SHARE * window, "{list} and {values} in {window}: {shown:?}");
+                    assert!(shown.list >= LIST[0] && shown.values >= VALUES[0], "nothing is squeezed: {shown:?}");
+                }
+            }
+        }
+        let usual = Widths::default();
+        assert_eq!(usual.within(1280.0), usual, "there is room for the usual");
+    }
+}
