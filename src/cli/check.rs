@@ -46,7 +46,7 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         |secs: Option<f64>| secs.map_or("no limit".to_owned(), |secs| format!("{} ms", three_digits(secs * 1e3)));
     out::figures(&format!(
         "{}: sound\n{} particles, {} links\nlargest stable step {}, automatic stepping stays below {}\n\
-         {} substeps in 1/60 s, limited by {}\nabout {} × real time on this machine",
+         {} substeps in 1/60 s, limited by {}\nabout {} × real time on this machine with nothing drawn",
         session.title(),
         prediction.particles,
         prediction.links,

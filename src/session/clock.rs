@@ -143,7 +143,7 @@ mod tests {
         for _ in 0..4 {
             clock.note(Stretch { wall_secs: 0.5, simulated_secs: 0.5, stepping_secs: 1e-4, processor_secs: 1e-4 });
         }
-        assert!((clock.processor_share() - 0.25).abs() < 1e-12, "what sleeps says nothing new");
+        assert!((clock.processor_share() - 0.25).abs() < 1e-3, "what sleeps says nothing new");
         assert!(clock.lately().speed_alone().is_infinite(), "and costs nothing");
     }
 

@@ -265,6 +265,6 @@ mod tests {
         assert_eq!(said(0.8, &still), "0.40× real time");
         assert_eq!(said(6.4, &still), "real time (up to 3.2×)");
         let busy = Status { speed_alone: 0.8, ..still };
-        assert_eq!(said(0.8, &busy), "0.40× real time by itself, 0.20× beside what is there");
+        assert_eq!(said(0.8, &busy), "0.40× real time by itself, 0.20× real time beside what is there");
     }
 }
