@@ -132,7 +132,7 @@ impl Renderer {
         let colors = &draw_list.style.overlay;
         self.overlay.prepare(device, queue, overlays, colors, &mut self.scene, &mut counters)?;
         let gpu = Device { device, queue };
-        self.outline.prepare(gpu, draw_list, frame.size, &mut self.scene, &mut counters.overlay_bytes)?;
+        self.outline.prepare(gpu, draw_list, frame.size, &self.scene, &mut counters.overlay_bytes)?;
 
         let core = shadow_fit::core_bounds(draw_list);
         let fit = shadow_fit::fit(draw_list, core);

@@ -120,6 +120,11 @@ impl SceneBuffers {
 }
 
 impl SkinBuffers {
+    /// What it was made from.
+    pub(super) fn source(&self) -> &Arc<Skin> {
+        &self.source
+    }
+
     /// The edges of its triangles as pairs of vertices, and how many there are.
     pub(super) fn edges(
         &mut self,

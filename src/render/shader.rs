@@ -33,6 +33,8 @@ pub const GROUND: Shader =
 /// Overlay lines.
 pub const LINES: Shader =
     Shader { name: "lines", parts: &[FRAME, STROKE, LINE_SET, include_str!("../../shaders/lines.wgsl")] };
+/// Finds the silhouette of what is selected.
+pub const SILHOUETTE: Shader = Shader { name: "silhouette", parts: &[include_str!("../../shaders/silhouette.wgsl")] };
 /// What is selected.
 pub const OUTLINE: Shader =
     Shader { name: "outline", parts: &[FRAME, STROKE, LINE_SET, include_str!("../../shaders/outline.wgsl")] };
@@ -46,8 +48,8 @@ pub const FILLS: Shader = Shader { name: "fills", parts: &[FRAME, include_str!("
 pub const COMPOSE: Shader = Shader { name: "compose", parts: &[include_str!("../../shaders/compose.wgsl")] };
 
 /// Every shader, in the order in which passes run.
-pub const ALL: [Shader; 12] =
-    [SKIN, SHADOW, SOLID, MESH, BACKGROUND, GROUND, LINES, CELLS, POINTS, OUTLINE, FILLS, COMPOSE];
+pub const ALL: [Shader; 13] =
+    [SKIN, SHADOW, SILHOUETTE, SOLID, MESH, BACKGROUND, GROUND, LINES, CELLS, POINTS, OUTLINE, FILLS, COMPOSE];
 
 impl Shader {
     /// The whole source.

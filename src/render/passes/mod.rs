@@ -9,6 +9,7 @@ pub(super) mod mesh;
 pub(super) mod outline;
 pub(super) mod points;
 pub(super) mod shadow;
+mod silhouette;
 pub(super) mod skin;
 pub(super) mod solid;
 

@@ -1,5 +1,5 @@
-//! The outline of what is selected. First a mask of it, then lines along all its edges (or around a sphere) that are
-//! drawn only where the mask is empty: what is left of them runs around the silhouette and covers none of it.
+//! The outline of what is selected. First a mask of it, then lines along the edges of its silhouette (or around a sphere)
+//! that are drawn only where the mask is empty: what is left of them covers none of it.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;
@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::lines::{Device, STRIDE_OF_SKINS};
+use super::silhouette::SilhouettePass;
 use super::solid::Shapes;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::error::RenderError;
@@ -40,6 +41,7 @@ pub(in crate::render) struct OutlinePass {
     looks: Looks,
     mask_layout: wgpu::BindGroupLayout,
     mask: Option<Mask>,
+    silhouette: SilhouettePass,
     segments: Kept<Segment>,
     around: Option<Around>,
     ready: Option<Ready>,
@@ -67,8 +69,8 @@ struct Around {
 #[derive(Debug)]
 struct Ready {
     selected: Selected,
-    instances: wgpu::Buffer,
-    count: u32,
+    /// The lines around an obstacle and how many there are; those of a body are found on the device.
+    placed: Option<(wgpu::Buffer, u32)>,
 }
 
 /// What the mask may be of.
@@ -127,6 +129,7 @@ impl OutlinePass {
             looks,
             mask_layout,
             mask: None,
+            silhouette: SilhouettePass::new(device),
             segments: Kept::new("segments"),
             around: None,
             ready: None,
@@ -139,7 +142,7 @@ impl OutlinePass {
         Device { device, queue }: Device<'_>,
         draw_list: &DrawList,
         size: [u32; 2],
-        scene: &mut SceneBuffers,
+        scene: &SceneBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
         self.ready = None;
@@ -148,10 +151,11 @@ impl OutlinePass {
         let width = 2.0 * WIDTH * draw_list.overlay.scale;
         let mut look = LineSet { color: [r, g, b, 1.0], width, hidden: HIDDEN, ..LineSet::default() };
         let found = match draw_list.selected {
-            Some(Selected::Skin(index)) => scene.skins.get_mut(index).map(|skin| {
+            Some(Selected::Skin(index)) => scene.skins.get(index).map(|skin| {
                 look.stride = STRIDE_OF_SKINS;
-                let (edges, count) = skin.edges(device, queue, bytes_counted)?;
-                Ok((skin.deformed.clone(), edges, count))
+                let eye = draw_list.camera.eye;
+                self.silhouette.prepare(Device { device, queue }, skin, eye, bytes_counted)?;
+                Ok((skin.deformed.clone(), None))
             }),
             Some(Selected::Solid(index)) => draw_list.solids.get(index).zip(scene.particles()).map(|(solid, any)| {
                 let segments = around(&mut self.around, solid, draw_list.camera.eye);
@@ -159,15 +163,18 @@ impl OutlinePass {
                     let instances: Vec<SegmentInstance> = segments.iter().map(SegmentInstance::from).collect();
                     bytemuck::cast_slice(&instances).to_vec()
                 };
-                let count = segments.len();
+                let count = u32::try_from(segments.len()).unwrap_or(u32::MAX);
                 let buffer = self.segments.get(device, queue, &segments, bytes_of, bytes_counted)?;
-                Ok((any.clone(), buffer, count))
+                Ok((any.clone(), Some((buffer, count))))
             }),
             None => None,
         };
         self.segments.end();
         let found: Option<Result<_, RenderError>> = found;
-        let (Some((positions, instances, count)), Some(selected)) = (found.transpose()?, draw_list.selected) else {
+        if !matches!(draw_list.selected, Some(Selected::Skin(_))) {
+            self.silhouette.forget();
+        }
+        let (Some((positions, placed)), Some(selected)) = (found.transpose()?, draw_list.selected) else {
             self.mask = None;
             self.looks.keep(0);
             return Ok(());
@@ -176,11 +183,11 @@ impl OutlinePass {
         if self.mask.as_ref().is_none_or(|mask| mask.size != size) {
             self.mask = Some(Mask::new(device, &self.mask_layout, self.output.samples, size));
         }
-        self.ready = Some(Ready { selected, instances, count: u32::try_from(count).unwrap_or(u32::MAX) });
+        self.ready = Some(Ready { selected, placed });
         Ok(())
     }
 
-    /// Draws the mask of what is selected; false where nothing is.
+    /// Draws the mask of what is selected and finds its silhouette; false where nothing is.
     pub(in crate::render) fn mask(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -189,6 +196,7 @@ impl OutlinePass {
         masked: Masked<'_>,
     ) -> bool {
         let (Some(ready), Some(mask)) = (&self.ready, &self.mask) else { return false };
+        self.silhouette.run(encoder);
         let (view, resolve_target, store) = match &mask.samples {
             Some(samples) => (samples, Some(&mask.view), wgpu::StoreOp::Discard),
             None => (&mask.view, None, wgpu::StoreOp::Store),
@@ -227,16 +235,22 @@ impl OutlinePass {
     /// Draws the lines, into the picture.
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         let (Some(ready), Some(mask)) = (&self.ready, &self.mask) else { return };
-        let pipelines = match ready.selected {
-            Selected::Skin(_) => &self.carried,
-            Selected::Solid(_) => &self.placed,
-        };
         pass.set_bind_group(1, self.looks.get(0), &[]);
         pass.set_bind_group(2, &mask.bind_group, &[]);
-        pass.set_vertex_buffer(0, ready.instances.slice(..));
-        for pipeline in pipelines {
-            pass.set_pipeline(pipeline);
-            pass.draw(0..4, 0..ready.count);
+        match &ready.placed {
+            Some((segments, count)) => {
+                pass.set_vertex_buffer(0, segments.slice(..));
+                for pipeline in &self.placed {
+                    pass.set_pipeline(pipeline);
+                    pass.draw(0..4, 0..*count);
+                }
+            }
+            None => {
+                for pipeline in &self.carried {
+                    pass.set_pipeline(pipeline);
+                    self.silhouette.draw(pass);
+                }
+            }
         }
     }
 }
