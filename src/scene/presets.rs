@@ -174,7 +174,7 @@ fn spot() -> Scene {
     let body = model_body("Spot", carried("spot.obj"), 0.65);
     let turned = Pose { rotation_deg: [0.0, -30.0, 0.0], ..body.pose };
     let material = damped(&body.material, 3.0);
-    looking_at([0.0, 0.35, 0.0], 2.8, scene(Body { pose: turned, material, ..body }, Vec::new()))
+    looking_at([0.0, 0.45, 0.0], 3.2, scene(Body { pose: turned, material, ..body }, Vec::new()))
 }
 
 /// GC Fig 23: structural springs a little too stiff for a step of 1 ms, with nobody to divide it. The cube falls well,
@@ -217,7 +217,7 @@ fn broken() -> Scene {
         }),
         ..Body::default()
     };
-    let mut scene = looking_at([0.0, 0.6, 0.0], 4.4, scene(cube, Vec::new()));
+    let mut scene = looking_at([0.0, 0.75, 0.0], 4.6, scene(cube, Vec::new()));
     scene.settings.stepping = Stepping::Manual;
     scene.settings.dt = 5e-4;
     scene.settings.inversion_recovery = false;
