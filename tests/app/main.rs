@@ -19,5 +19,6 @@ mod panels_values;
 mod window;
 mod window_dialogs;
 mod window_files;
+mod window_places;
 mod window_speed;
 mod worker;

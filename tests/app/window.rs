@@ -14,10 +14,10 @@ const HAND: Duration = Duration::from_millis(300);
 const PATIENCE: Duration = Duration::from_mins(1);
 /// A pixel of the view, away from the panels and from what lies over the view.
 pub(super) const IN_VIEW: [i32; 2] = [640, 200];
-/// A pixel of the jelly of the default scene once it has landed, in a window of 1280 × 800.
-pub(super) const JELLY: [i32; 2] = [600, 450];
+/// A pixel of the jelly of the default scene, at the start and once it has landed, in a window of 1280 × 800.
+pub(super) const JELLY: [i32; 2] = [480, 370];
 /// Well above where the jelly lies.
-const HIGH: ViewRect = ViewRect { origin: Vec2::new(480.0, 60.0), size: Vec2::new(240.0, 220.0) };
+const HIGH: ViewRect = ViewRect { origin: Vec2::new(360.0, 60.0), size: Vec2::new(240.0, 220.0) };
 /// Where the stiffness of the structural springs is typed.
 const STIFFNESS: [i32; 2] = [1218, 185];
 /// The button that adds a sphere.
@@ -458,13 +458,17 @@ impl Shot {
 
     /// The same for a part of the picture.
     fn jelly_share_of(&self, part: ViewRect) -> f32 {
-        let is_jelly = |[red, green, blue]: [u8; 3]| red > 120 && red > green.saturating_mul(2) && red > blue;
-        let (mut jelly, mut all) = (0, 0);
+        self.share_of(part, |[red, green, blue]| red > 120 && red > green.saturating_mul(2) && red > blue)
+    }
+
+    /// The share of a part of the picture that is of some colour.
+    pub(super) fn share_of(&self, part: ViewRect, is_wanted: impl Fn([u8; 3]) -> bool) -> f32 {
+        let (mut wanted, mut all) = (0, 0);
         for index in self.within(part) {
             all += 1;
-            jelly += usize::from(is_jelly(self.pixels[index]));
+            wanted += usize::from(is_wanted(self.pixels[index]));
         }
-        jelly as f32 / all.max(1) as f32
+        wanted as f32 / all.max(1) as f32
     }
 
     /// The last rows are dark and of one colour at the left edge, the rows above the bar are not.
