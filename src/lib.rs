@@ -52,7 +52,8 @@
 //! 3. A step cannot fail, allocate, read a clock or log; it abandons a step that would make a number infinite and
 //!    keeps the last good state (`tests/physics/determinism.rs`, `stability.rs`).
 //! 4. The same scene gives the same bits; what a plan leaves out changes nothing but time (`tests/physics/determinism.rs`,
-//!    `economy.rs`). Sleep does: what rests has stopped, as a function of the state alone (`tests/physics/sleep.rs`).
+//!    `economy.rs`). Sleep does: what rests has stopped, and what fell out of the scene, as a function of
+//!    the state alone (`tests/physics/sleep.rs`, `fallen.rs`).
 //! 5. In automatic stepping no value of a parameter within its range makes a body explode
 //!    (`tests/physics/stability.rs`).
 //! 6. Everything a person changes in a scene is an [`scene::edit::Edit`], whose inverse takes it back byte for byte, with

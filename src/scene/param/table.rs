@@ -18,7 +18,7 @@ pub const PARAMS: &[Param] = &[
     words("settings.contact", &["implicit", "thesis"], "How obstacles push back; the thesis's rule is there to teach with."),
     flag("settings.allow_implicit", "Whether automatic stepping may choose the implicit scheme where it would need very many steps."),
     flag("settings.inversion_recovery", "Whether cells that are crushed or turned inside out are pushed back to shape."),
-    flag("settings.sleeping", "Whether a body at rest is left alone until something touches it or a value changes; it costs nothing then."),
+    flag("settings.sleeping", "Whether a body at rest is left alone until something touches it or a value changes, and one that fell out of the scene until it is brought back; it costs nothing then."),
     number("settings.gravity", "m/s²", -1000.0, 1000.0, "Acceleration of gravity; a single number g means (0, −g, 0).").of(3),
     text("bodies.*.name", "What the body is called in lists."),
     integer("bodies.*.shape.cube.cells", 1, 199, "Cells along an edge of the cube."),
