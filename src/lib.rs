@@ -13,15 +13,17 @@
 //! | module | names | its job |
 //! |---|---|---|
 //! | [`math`] | – | scalars, boxes, rotations, seeded random numbers |
-//! | [`geometry`] | math | model file → mesh → cells of a grid → particles and links; points embedded in cells |
-//! | [`scene`] | math, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
+//! | [`disk`] | – | files read and written whole |
+//! | [`text`] | – | texts of strangers, fit for a message |
+//! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells |
+//! | [`scene`] | math, disk, text, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
 //! | [`physics`] | math, geometry, scene (to compile it) | the core: forces, contact, stability limits, the step; no input, output or clock |
 //! | [`view`] | math | camera, draw list, colours, legend: a picture as plain data |
 //! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; what explains them (links, contacts, boxes) → overlays |
 //! | `render` | math, view | wgpu: draws a draw list to a window's surface or an image; has never heard of a spring |
 //! | [`report`] | math, geometry, scene, physics | measures and explains: what a scene costs and does not need, how far steps may go, whether extreme scenes stay whole |
 //! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no thread, no window |
-//! | [`export`] | math, geometry, view | pictures to files |
+//! | [`export`] | math, disk, geometry, view | pictures to files |
 //! | `cli` | all but physics | the command line; opens the window |
 //! | `app` | all but geometry, physics | winit and egui: the window, its panels, the thread the session runs on |
 //!
@@ -75,10 +77,12 @@
 //! Sources: *Gelatin Cubes: Soft Body Simulation* (G. Solaro, USI 2023), cited as GC with its section, and *Squashing
 //! Cubes: Automating Deformable Model Construction for Graphics* (James, Barbič, Twigg 2004), cited as SC.
 
+pub mod disk;
 pub mod geometry;
 pub mod math;
 pub mod physics;
 pub mod scene;
+pub mod text;
 pub mod view;
 
 pub mod export;

@@ -5,20 +5,28 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Layers and the crate's own modules each may name, lowest first.
-const LAYERS: [(&str, &[&str]); 12] = [
+const LAYERS: [(&str, &[&str]); 14] = [
     ("math", &[]),
-    ("geometry", &["math"]),
-    ("scene", &["math", "geometry"]),
+    ("disk", &[]),
+    ("text", &[]),
+    ("geometry", &["math", "disk", "text"]),
+    ("scene", &["math", "disk", "text", "geometry"]),
     ("physics", &["math", "geometry", "scene"]),
     ("view", &["math"]),
     ("extract", &["math", "geometry", "scene", "physics", "view"]),
     ("render", &["math", "view"]),
     ("report", &["math", "geometry", "scene", "physics"]),
-    ("session", &["math", "geometry", "scene", "physics", "view", "extract", "report"]),
-    ("export", &["math", "geometry", "view"]),
+    ("session", &["math", "disk", "text", "geometry", "scene", "physics", "view", "extract", "report"]),
+    ("export", &["math", "disk", "geometry", "view"]),
     // The command line opens the window, and so is the top of the program.
-    ("cli", &["math", "geometry", "scene", "view", "extract", "session", "report", "export", "render", "app"]),
-    ("app", &["math", "scene", "view", "extract", "session", "export", "render"]),
+    (
+        "cli",
+        &[
+            "math", "disk", "text", "geometry", "scene", "view", "extract", "session", "report", "export", "render",
+            "app",
+        ],
+    ),
+    ("app", &["math", "disk", "text", "scene", "view", "extract", "session", "export", "render"]),
 ];
 
 /// Words that may stand only in files below these places, and why not elsewhere.

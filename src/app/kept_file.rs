@@ -8,7 +8,11 @@ use directories::ProjectDirs;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::scene::file::{folder_of, write_atomically};
+use super::worker::sentence;
+use crate::disk::{self, ReadError};
+
+/// A larger file is none of ours.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// A file and what it holds.
 #[derive(Debug)]
@@ -27,11 +31,16 @@ impl KeptFile {
     /// What the file says; the default where there is none or it is damaged.
     pub(super) fn read<T: DeserializeOwned + Default>(&self) -> T {
         let Some(path) = &self.path else { return T::default() };
-        let read = fs::read(path).and_then(|bytes| serde_json::from_slice(&bytes).map_err(io::Error::from));
-        read.unwrap_or_else(|error| {
-            if error.kind() != io::ErrorKind::NotFound {
-                log::warn!("{}: {} cannot be read: {error}", path.display(), self.what);
+        let bytes = match disk::read(path, MAX_BYTES) {
+            Ok(bytes) => bytes,
+            Err(ReadError::Refused(error)) if error.kind() == io::ErrorKind::NotFound => return T::default(),
+            Err(error) => {
+                log::warn!("{}: {}: {}", path.display(), self.what, sentence(&error));
+                return T::default();
             }
+        };
+        serde_json::from_slice(&bytes).unwrap_or_else(|error| {
+            log::warn!("{}: {} cannot be read: {error}", path.display(), self.what);
             T::default()
         })
     }
@@ -40,8 +49,8 @@ impl KeptFile {
     pub(super) fn write(&self, value: &impl Serialize) {
         let Some(path) = &self.path else { return };
         let written = serde_json::to_vec_pretty(value).map_err(io::Error::from).and_then(|bytes| {
-            fs::create_dir_all(folder_of(path))?;
-            write_atomically(path, &bytes)
+            fs::create_dir_all(disk::folder_of(path))?;
+            disk::write(path, &bytes)
         });
         if let Err(error) = written {
             log::warn!("{}: {} cannot be written: {error}", path.display(), self.what);

@@ -21,13 +21,15 @@ use jiff::{Timestamp, Zoned};
 use serde::{Deserialize, Serialize};
 
 use super::worker::sentence;
+use crate::disk;
 use crate::scene::Scene;
-use crate::scene::file::write_atomically;
 use crate::scene::view_settings::CameraSettings;
 use crate::session::document::anchored;
 
 /// What the line before the scene starts with.
 const MARK: &str = "// draft ";
+/// A larger file is no draft.
+const MAX_BYTES: u64 = 128 << 20;
 /// Names tried before drafts are given up: other programs of this number may live behind other walls.
 const NAMES: u32 = 100;
 
@@ -213,12 +215,18 @@ fn write(draft: &Draft, file: &Path) -> Result<(), Box<dyn std::error::Error>> {
         unix_secs: i64::try_from(now.as_secs())?,
     };
     let text = format!("{MARK}{}\n{}", serde_json::to_string(&header)?, scene.to_ron()?);
-    Ok(write_atomically(file, text.as_bytes())?)
+    Ok(disk::write(file, text.as_bytes())?)
 }
 
 /// Takes a draft whose program is dead.
 fn claim(draft: PathBuf) -> Option<Found> {
-    let lock = OpenOptions::new().create(true).truncate(false).write(true).open(draft.with_extension("lock"));
+    let locked = draft.with_extension("lock");
+    // To open a pipe is to wait for its other end.
+    if !draft.is_file() || (locked.exists() && !locked.is_file()) {
+        log::warn!("{}: is no draft, or its lock is no file", draft.display());
+        return None;
+    }
+    let lock = OpenOptions::new().create(true).truncate(false).write(true).open(locked);
     let lock = lock.inspect_err(|error| log::warn!("{}: cannot be claimed: {error}", draft.display())).ok()?;
     match lock.try_lock() {
         Ok(()) => {}
@@ -240,7 +248,7 @@ fn claim(draft: PathBuf) -> Option<Found> {
 }
 
 fn read(draft: &Path) -> Result<(Header, Scene), Box<dyn std::error::Error>> {
-    let text = fs::read_to_string(draft)?;
+    let text = String::from_utf8(disk::read(draft, MAX_BYTES)?)?;
     let line = text.lines().next().and_then(|line| line.strip_prefix(MARK)).ok_or("its first line is missing")?;
     let header = serde_json::from_str(line)?;
     Ok((header, Scene::from_ron(&text, "draft")?))

@@ -118,3 +118,18 @@ fn the_time_is_told_with_the_day_unless_it_was_today() {
     assert_eq!(when(secs - 24 * 3600, &now), "15:00 on 20 November");
     assert_eq!(when(i64::MAX, &now), "an unknown time");
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_pipe_among_the_drafts_is_passed_over() {
+    let folder = tempfile::tempdir().expect("a folder");
+    leave_behind(folder.path(), 1, "sound");
+    leave_behind(folder.path(), 2, "with a pipe for its lock");
+    fs::remove_file(folder.path().join("2.lock")).expect("it was there");
+    for name in ["2.lock", "3.ron"] {
+        let made = std::process::Command::new("mkfifo").arg(folder.path().join(name)).status().expect("mkfifo runs");
+        assert!(made.success(), "a pipe");
+    }
+    let titles: Vec<String> = find(folder.path()).into_iter().map(|found| found.title).collect();
+    assert_eq!(titles, ["sound"], "without waiting for anyone");
+}

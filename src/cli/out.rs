@@ -1,19 +1,29 @@
 //! Where the command line writes: figures to standard output, notes to standard error, files all or nothing. A pipe
 //! that its reader closed is no error.
 
-use std::fs;
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::Failure;
+use crate::disk;
 use crate::geometry::Watch;
-use crate::scene::file;
+use crate::text::{echo_path, printable_lines};
 
 /// Prints a line of figures.
 pub(super) fn figures(text: &str) -> anyhow::Result<()> {
+    print(&printable_lines(text))
+}
+
+/// Prints one JSON object.
+pub(super) fn json(object: &serde_json::Value) -> anyhow::Result<()> {
+    print(&serde_json::to_string_pretty(object)?)
+}
+
+fn print(text: &str) -> anyhow::Result<()> {
     match writeln!(io::stdout(), "{text}").and_then(|()| io::stdout().flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(error).context("standard output cannot be written")
@@ -22,36 +32,30 @@ pub(super) fn figures(text: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Prints one JSON object.
-pub(super) fn json(object: &serde_json::Value) -> anyhow::Result<()> {
-    figures(&serde_json::to_string_pretty(object)?)
-}
-
 /// Tells the person something; nobody may be listening.
 pub(super) fn note(text: &str) {
-    let _ = writeln!(io::stderr(), "{text}");
+    let _ = writeln!(io::stderr(), "{}", printable_lines(text));
 }
 
 /// Refuses an output file that cannot be written, before any long work.
 pub(super) fn check_writable(path: &Path) -> anyhow::Result<()> {
-    let shown = path.display();
-    if path.is_dir() {
-        bail!("{shown} is a folder; give the name of a file");
+    disk::check_writable(path).with_context(|| format!("{} cannot be written", echo_path(path)))
+}
+
+/// Refuses an output file that is one of the files read.
+pub(super) fn check_spares(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+    match inputs.iter().find(|input| disk::is_same_file(path, input)) {
+        Some(_input) => {
+            let shown = echo_path(path);
+            Err(Failure::usage(anyhow!("{shown} is what is read: it would be replaced; give the output another name")))
+        }
+        None => Ok(()),
     }
-    if path.exists() {
-        fs::OpenOptions::new().append(true).open(path).with_context(|| format!("{shown} cannot be written"))?;
-    }
-    let folder = file::folder_of(path);
-    if !folder.is_dir() {
-        bail!("{shown} cannot be written: the folder {} does not exist", folder.display());
-    }
-    tempfile::tempfile_in(&folder).with_context(|| format!("{shown} cannot be written"))?;
-    Ok(())
 }
 
 /// Writes a whole file or leaves what was there.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    file::write_atomically(path, bytes).with_context(|| format!("{} cannot be written", path.display()))
+    disk::write(path, bytes).with_context(|| format!("{} cannot be written", echo_path(path)))
 }
 
 /// A progress bar on standard error, where a person is watching.

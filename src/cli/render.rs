@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
@@ -84,7 +83,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
             return Err(Failure::usage(anyhow::anyhow!("{}: pictures are PNG; end the name in .png", path.display())));
         }
     }
-    out::check_writable(&outputs[0])?;
+    outputs.iter().try_for_each(|path| out::check_writable(path))?;
     let mut opened = args.scene.open()?;
     if let Some(color) = args.color {
         opened.scene.view.color = color;
@@ -135,7 +134,7 @@ fn draw(session: &mut Session, gpu: &Gpu, renderer: &mut Renderer, size: [u32; 2
     if let Some(legend) = extract::view::legend(session.scene().view.color, picture.color_range) {
         draw_legend(&mut image, &legend, picture.colormap);
     }
-    write_png(&image, path).with_context(|| format!("{} cannot be written", path.display()))
+    Ok(write_png(&image, path)?)
 }
 
 /// OUT.png → `OUT_0001.png`.

@@ -1,18 +1,19 @@
 //! A picture as a PNG file, written whole or not at all.
 
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
+use crate::disk;
 use crate::view::Image;
 
 /// A picture that could not be written. What was at the path before is still there.
 #[derive(Debug, thiserror::Error)]
 pub enum PngError {
     /// The folder or the file cannot be written.
-    #[error("cannot write the picture {path}: {source}", path = path.display())]
+    #[error("cannot write the picture {path}", path = path.display())]
     Write {
         /// The file.
         path: PathBuf,
@@ -30,7 +31,7 @@ pub enum PngError {
         bytes: usize,
     },
     /// The picture cannot be encoded.
-    #[error("cannot encode the picture {path} of {size:?} pixels: {source}", path = path.display())]
+    #[error("cannot encode the picture {path} of {size:?} pixels", path = path.display())]
     Encode {
         /// The file.
         path: PathBuf,
@@ -48,28 +49,11 @@ pub fn write_png(image: &Image, path: &Path) -> Result<(), PngError> {
     if bytes as u64 != 4 * u64::from(width) * u64::from(height) {
         return Err(PngError::Incomplete { path: path.to_owned(), size: image.size, bytes });
     }
-    let failed = |source: io::Error| PngError::Write { path: path.to_owned(), source };
-    if path.is_dir() {
-        return Err(failed(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder; name a file in it")));
-    }
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".gelatin-").suffix(".png");
-    // A finished picture is as readable as any other new file.
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder).map_err(failed)?;
-    let mut writer = BufWriter::new(file.as_file_mut());
-    PngEncoder::new(&mut writer)
+    let mut encoded = Vec::new();
+    PngEncoder::new(&mut encoded)
         .write_image(&image.rgba, width, height, ExtendedColorType::Rgba8)
         .map_err(|source| PngError::Encode { path: path.to_owned(), size: image.size, source })?;
-    writer.flush().map_err(failed)?;
-    drop(writer);
-    file.persist(path).map_err(|error| failed(error.error))?;
-    Ok(())
+    disk::write(path, &encoded).map_err(|source| PngError::Write { path: path.to_owned(), source })
 }
 
 #[cfg(test)]

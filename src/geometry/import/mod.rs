@@ -3,14 +3,15 @@
 mod obj_lines;
 mod polygon;
 
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::Path;
 
 use glam::DVec3;
 use thiserror::Error;
 
 use super::{TriMesh, Watch};
+use crate::disk::{self, ReadError};
+use crate::text::echo_path;
 pub use obj_lines::LineProblem;
 use obj_lines::{LeftOut, ObjLines, Stop};
 use polygon::Cutter;
@@ -40,7 +41,7 @@ pub enum ImportError {
         /// The path as given.
         file: String,
     },
-    /// A directory, a pipe or a device.
+    /// A folder, a pipe or a device.
     #[error("{file} is not a file but a {kind}; give the path of an OBJ file")]
     NotAFile {
         /// The path as given.
@@ -49,7 +50,7 @@ pub enum ImportError {
         kind: &'static str,
     },
     /// The system refuses to read it.
-    #[error("{file} cannot be read ({}); check its permissions", source.kind())]
+    #[error("{file} cannot be read; check its permissions")]
     Unreadable {
         /// The path as given.
         file: String,
@@ -113,26 +114,19 @@ pub fn load(path: &Path) -> Result<Imported, ImportError> {
 
 /// Reads a model file while someone waits.
 pub fn load_watched(path: &Path, watch: &dyn Watch) -> Result<Imported, ImportError> {
-    let file = path.display().to_string();
-    let unreadable = |source: io::Error| match source.kind() {
-        io::ErrorKind::NotFound => ImportError::Missing { file: file.clone() },
-        _ => ImportError::Unreadable { file: file.clone(), source },
-    };
-    let metadata = path.metadata().map_err(unreadable)?;
-    if !metadata.is_file() {
-        let kind = if metadata.is_dir() { "directory" } else { "pipe or device" };
-        return Err(ImportError::NotAFile { file, kind });
-    }
+    let file = echo_path(path);
     let extension = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    if OTHER_FORMATS.contains(&extension.as_str()) {
+    if OTHER_FORMATS.contains(&extension.as_str()) && path.is_file() {
         return Err(ImportError::OtherFormat { file, extension: extension.to_ascii_uppercase() });
     }
-    let mut bytes = Vec::new();
-    let reader = File::open(path).map_err(unreadable)?;
-    reader.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(ImportError::TooLarge { file });
-    }
+    let bytes = disk::read(path, MAX_FILE_BYTES).map_err(|error| match error {
+        ReadError::NotAFile(kind) => ImportError::NotAFile { file: file.clone(), kind },
+        ReadError::TooLarge(_limit) => ImportError::TooLarge { file: file.clone() },
+        ReadError::Refused(source) if source.kind() == io::ErrorKind::NotFound => {
+            ImportError::Missing { file: file.clone() }
+        }
+        ReadError::Refused(source) => ImportError::Unreadable { file: file.clone(), source },
+    })?;
     parse_obj_watched(&bytes, &file, watch)
 }
 
@@ -266,7 +260,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let message = |name: &str| load(&folder.path().join(name)).expect_err("no OBJ").to_string();
         assert!(message("gone.obj").ends_with("gone.obj does not exist; give the path of an OBJ file"), "missing");
-        assert!(message("").ends_with("is not a file but a directory; give the path of an OBJ file"), "directory");
+        assert!(message("").ends_with("is not a file but a folder; give the path of an OBJ file"), "folder");
         std::fs::write(folder.path().join("m.STL"), "solid").expect("written");
         assert!(message("m.STL").ends_with("m.STL: STL files are not read; export the model as OBJ"), "other format");
         std::fs::write(folder.path().join("m.obj"), QUAD).expect("written");

@@ -9,6 +9,7 @@ use std::io::{self, BufRead, Read};
 use thiserror::Error;
 
 use crate::geometry::Watch;
+use crate::text::echo_up_to;
 
 /// What is wrong with a line of an OBJ file.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -280,12 +281,9 @@ fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
-/// A word of the file fit for a message: short, printable.
+/// A word of the file fit for a message.
 fn quote(word: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&word[..word.len().min(200)]);
-    let printable = text.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c });
-    let short: String = printable.clone().take(30).collect();
-    if printable.count() > 30 { short + "…" } else { short }
+    echo_up_to(&String::from_utf8_lossy(&word[..word.len().min(200)]), 30)
 }
 
 #[cfg(test)]

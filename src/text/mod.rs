@@ -1,0 +1,59 @@
+//! Texts of strangers, fit for a message: what files, arguments and other programs say reaches a terminal short and
+//! without control characters, which could move its cursor, change its title or hide what was said.
+
+use std::path::Path;
+
+/// The most characters of somebody else's text in a message.
+const LONGEST: usize = 200;
+
+/// A text from a file or an argument as a message may repeat it: printable, and cut where it is long.
+pub fn echo(text: &str) -> String {
+    echo_up_to(text, LONGEST)
+}
+
+/// The same, cut after some characters.
+pub fn echo_up_to(text: &str, longest: usize) -> String {
+    let mut letters = text.chars();
+    let mut shown: String = letters.by_ref().take(longest).map(printable).collect();
+    if letters.next().is_some() {
+        shown.push('…');
+    }
+    shown
+}
+
+/// A path as a message may repeat it; where it is long its beginning is left out.
+pub fn echo_path(path: &Path) -> String {
+    let shown = path.to_string_lossy();
+    let count = shown.chars().count();
+    let end: String = shown.chars().skip(count.saturating_sub(LONGEST)).map(printable).collect();
+    if count > LONGEST { format!("…{end}") } else { end }
+}
+
+/// A whole message on its way to a terminal: lines stay lines, everything else that steers a terminal is replaced.
+pub fn printable_lines(text: &str) -> String {
+    text.chars().map(|letter| if letter == '\n' { letter } else { printable(letter) }).collect()
+}
+
+fn printable(letter: char) -> char {
+    // Beside the control characters those that turn the direction of writing or are not seen at all.
+    let steers =
+        matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
+    if letter.is_control() || steers { char::REPLACEMENT_CHARACTER } else { letter }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_strangers_text_is_short_and_steers_nothing() {
+        assert_eq!(echo("käse.obj"), "käse.obj", "ordinary text stays");
+        assert_eq!(echo("a\u{1b}[2J\rb\n\u{202e}c\u{9b}"), "a\u{fffd}[2J\u{fffd}b\u{fffd}\u{fffd}c\u{fffd}");
+        assert_eq!(echo(&"é".repeat(200)), "é".repeat(200), "as long as may be");
+        assert_eq!(echo(&"é".repeat(201)), "é".repeat(200) + "…", "cut between letters");
+        let deep = format!("{}/cow.obj", "a".repeat(300));
+        let shown = echo_path(Path::new(&deep));
+        assert!(shown.starts_with("…aaa") && shown.ends_with("/cow.obj") && shown.chars().count() == 201, "{shown}");
+        assert_eq!(printable_lines("two\nlines\t\u{7}"), "two\nlines\u{fffd}\u{fffd}", "lines stay");
+    }
+}
