@@ -15,6 +15,7 @@ pub mod placement;
 pub mod presets;
 pub mod resolve;
 mod ron_lines;
+mod ron_words;
 pub mod settings;
 pub mod view_settings;
 

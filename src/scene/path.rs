@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::Scene;
 use super::param::{self, Kind, PARAMS, Param, Problem};
+use crate::text::echo;
 
 /// Why a path or a value was refused. The scene is then unchanged.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -55,11 +56,14 @@ const FORMS: [(&str, &[&str]); 3] = [
 /// hyphens for underscores. On an error nothing changes.
 pub fn set(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathError> {
     let (path, text) = (path.trim(), text.trim());
-    let refused = |reason: String| PathError::BadText { path: path.to_owned(), text: text.to_owned(), allowed: reason };
+    let refused = |reason: String| PathError::BadText { path: echo(path), text: echo(text), allowed: reason };
     let mut tree = serde_json::to_value(&*scene).map_err(|error| refused(error.to_string()))?;
-    let value = match param::find(path) {
-        Some(param) => parse(param, path, text).ok_or_else(|| refused(allowed(param, path)))?,
-        None => parse_tree(text).unwrap_or(Value::Null),
+    let value = if let Some(param) = param::find(path) {
+        parse(param, path, text).ok_or_else(|| refused(allowed(param, path)))?
+    } else {
+        // Whether there is such a path at all is the first thing to know.
+        navigate(&mut tree, path, path)?;
+        parse_tree(text).ok_or_else(|| refused("what a scene file may have there".to_owned()))?
     };
     match (path.rsplit_once('.'), value) {
         (Some((above, name)), Value::Null) if param::find(path).is_some_and(Param::is_optional) => {
@@ -72,13 +76,13 @@ pub fn set(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathError> {
     if let Some(problem) = param::tree_problem(path, &tree) {
         return Err(PathError::BadValue(problem));
     }
-    *scene = serde_json::from_value(tree).map_err(|error| refused(error.to_string()))?;
+    *scene = serde_json::from_value(tree).map_err(|error| refused(echo(&error.to_string())))?;
     Ok(())
 }
 
 /// The node at a path, made where it belongs to another form.
 fn navigate<'a>(tree: &'a mut Value, path: &str, asked: &str) -> Result<&'a mut Value, PathError> {
-    let unknown = || PathError::Unknown { path: asked.to_owned(), nearest: nearest(asked) };
+    let unknown = || PathError::Unknown { path: echo(asked), nearest: nearest(asked) };
     let mut node = tree;
     let mut above = String::new();
     for name in path.split('.') {
@@ -281,6 +285,9 @@ mod tests {
         assert!(refusal("bodies.0.shape.cube.cells", "2.5").contains("1 … 199"), "a fraction of a cell");
         assert!(refusal("bodies.9.name", "x").contains("the scene has 3 in bodies"), "how many there are");
         assert!(refusal("bodies.0.shape.cube.sells", "3").contains("bodies.0.shape.cube.cells"), "the nearest path");
+        let broken = refusal("bodies", "[[[");
+        assert_eq!(broken, "bodies = [[[ does not fit; allowed: what a scene file may have there");
+        assert!(refusal("bodies", &"[".repeat(5000)).len() < 400, "long texts are cut");
         assert!(refusal("settings.solver", "x").contains("settings."), "the nearest path");
         for path in ["", ".", "bodies", "bodies.", "bodies.0", "settings.dt.x", "version"] {
             refusal(path, "7");

@@ -1,8 +1,12 @@
 //! On which line of a RON text the value of a path stands, so that a value outside its range can be pointed at. Reads
 //! brackets, names and commas only; what it cannot follow has no line.
 
-/// The line, from 1, of the value at `path` ("bodies.0.pose.position.1"), or of the first value below it.
-pub(super) fn line_of(text: &str, path: &str) -> Option<usize> {
+use std::collections::HashMap;
+
+/// The lines, from 1, of the values at some paths ("bodies.0.pose.position.1"), or of the first values below them, in
+/// the order of the paths. The text is read once, however many paths there are.
+pub(super) fn lines_of<'a>(text: &str, paths: impl Iterator<Item = &'a str> + Clone) -> Vec<Option<usize>> {
+    let mut lines: HashMap<&str, Option<usize>> = paths.clone().map(|path| (path, None)).collect();
     let mut place = Place::default();
     let mut tokens = Tokens { rest: text, line: 1 }.peekable();
     while let Some((token, line)) = tokens.next() {
@@ -11,9 +15,13 @@ pub(super) fn line_of(text: &str, path: &str) -> Option<usize> {
             Token::Word(word) if next == Some(Token::Mark(':')) => place.name(word),
             Token::Word(word) if next == Some(Token::Mark('(')) => place.variant = Some(word),
             Token::Word(_) => {
-                let at = place.path();
-                if at == path || at.strip_prefix(path).is_some_and(|below| below.starts_with('.')) {
-                    return Some(line);
+                let path = place.path();
+                let mut above = Some(path.as_str());
+                while let Some(path) = above {
+                    if let Some(first) = lines.get_mut(path) {
+                        first.get_or_insert(line);
+                    }
+                    above = path.rsplit_once('.').map(|(above, _)| above);
                 }
             }
             Token::Mark('(' | '[' | '{') => place.enter(),
@@ -24,7 +32,7 @@ pub(super) fn line_of(text: &str, path: &str) -> Option<usize> {
             Token::Mark(_) => {}
         }
     }
-    None
+    paths.map(|path| lines.get(path).copied().flatten()).collect()
 }
 
 /// Where in the tree the reader is.
@@ -161,6 +169,10 @@ mod tests {
     ],
 )"#;
 
+    fn line_of(text: &str, path: &str) -> Option<usize> {
+        lines_of(text, [path].into_iter())[0]
+    }
+
     #[test]
     fn values_are_found_on_their_lines() {
         let cases = [
@@ -176,6 +188,8 @@ mod tests {
         for (path, line) in cases {
             assert_eq!(line_of(TEXT, path), Some(line), "{path}");
         }
+        let all = lines_of(TEXT, cases.iter().map(|(path, _)| *path));
+        assert_eq!(all, cases.map(|(_, line)| Some(line)), "all at once");
     }
 
     #[test]

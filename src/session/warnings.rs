@@ -17,7 +17,7 @@ impl Session {
         warnings.extend(never_stable(&self.scene().settings));
         warnings.extend(taken_over(&self.scene().settings, self.simulation().plan()));
         warnings.extend(small_obstacles(self.scene(), model));
-        warnings.extend(overlapping_bodies(self.scene(), model, state));
+        warnings.extend(overlaps(self.scene(), model, state));
         warnings
     }
 }
@@ -72,20 +72,27 @@ fn smallest_extent<R: Real>(obstacle: &ObstacleModel<R>) -> f64 {
     }
 }
 
-fn overlapping_bodies<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<String> {
+/// Pairs of bodies that are in each other's way: each by itself where there are few, their number otherwise.
+fn overlaps<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<String> {
+    const NAMED: usize = 3;
     // One that is gone is in nobody's way.
     let there = |(body, memory): (_, &BodyMemory)| if memory.gone { Aabb::empty() } else { bounds(body, state) };
     let boxes: Vec<Aabb<f64>> = model.bodies.iter().zip(&state.bodies).map(there).collect();
-    let mut warnings = Vec::new();
-    for second in 1..boxes.len() {
-        for first in 0..second {
-            if boxes[first].overlaps(&boxes[second]) {
-                let [a, b] = [first, second].map(|index| name(&scene.bodies[index].name, "bodies", index));
-                warnings.push(format!("{a} and {b} are in each other's way: bodies do not collide with each other"));
-            }
+    let pairs = (1..boxes.len()).flat_map(|second| (0..second).map(move |first| [first, second]));
+    let met: Vec<[usize; 2]> = pairs.filter(|&[first, second]| boxes[first].overlaps(&boxes[second])).collect();
+    let named = |pair: &[usize; 2]| pair.map(|index| name(&scene.bodies[index].name, "bodies", index)).join(" and ");
+    match met.as_slice() {
+        few if few.len() <= NAMED => {
+            let words =
+                |pair| format!("{} are in each other's way: bodies do not collide with each other", named(pair));
+            few.iter().map(words).collect()
         }
+        many => vec![format!(
+            "{} pairs of bodies are in each other's way, {} among them: bodies do not collide with each other",
+            many.len(),
+            named(&many[0])
+        )],
     }
-    warnings
 }
 
 fn bounds<R: Real>(body: &BodyModel<R>, state: &State<R>) -> Aabb<f64> {
@@ -155,5 +162,7 @@ mod tests {
     fn bodies_in_one_place_say_that_they_do_not_collide() {
         let said = warnings(|scene| scene.bodies.push(Body { name: "Twin".to_owned(), ..Body::default() }));
         assert!(said.len() == 1 && said[0].contains("bodies.0 and Twin"), "both are named: {said:?}");
+        let said = warnings(|scene| scene.bodies = vec![Body::default(); 20]);
+        assert!(said.len() == 1 && said[0].contains("190 pairs of bodies"), "a crowd is counted: {said:?}");
     }
 }

@@ -11,6 +11,7 @@ use serde_json::Value;
 use super::body::{CellsShape, CubeShape, Inlay, MAX_INLAYS, ModelShape, PinBox};
 use super::obstacle::{Plane, Sphere};
 use super::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid};
+use crate::text::echo;
 use table::MODEL_PATH;
 pub use table::PARAMS;
 
@@ -128,8 +129,7 @@ pub(super) fn tree_problem(path: &str, tree: &Value) -> Option<Problem> {
         let below = at.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
         let above = path.strip_prefix(at).is_some_and(|rest| rest.starts_with('.'));
         if (below || above) && first.is_none() {
-            let message =
-                param.map_or_else(|| Some(format!("{value} is not a setting of a scene")), |param| param.check(value));
+            let message = param.map_or_else(|| Some(not_a_setting(value)), |param| param.check(value));
             first = message.map(|message| Problem { path: at.to_owned(), message });
         }
     });
@@ -146,13 +146,17 @@ pub(super) fn default_at(path: &str) -> Option<Value> {
     pick(&serde_json::to_value(defaults()).ok()?, &names).cloned()
 }
 
+fn not_a_setting(value: &Value) -> String {
+    format!("{} is not a setting of a scene", echo(&value.to_string()))
+}
+
 fn problems(path: &str, node: &impl Serialize) -> Vec<Problem> {
     let mut found = Vec::new();
     match serde_json::to_value(node) {
         Ok(value) => walk(path, &value, &mut |path, value, param| {
             let message = match param {
                 Some(param) => param.check(value),
-                None => Some(format!("{value} is not a setting of a scene")),
+                None => Some(not_a_setting(value)),
             };
             found.extend(message.map(|message| Problem { path: path.to_owned(), message }));
         }),
@@ -228,7 +232,7 @@ impl Param {
                 Some("\"\" names no file; give a path, or builtin:NAME".to_owned())
             }
             (Kind::Flag, Value::Bool(_)) | (Kind::Text, Value::String(_)) => None,
-            _ => Some(format!("{value} does not fit; allowed: {}", self.range_text())),
+            _ => Some(format!("{} does not fit; allowed: {}", echo(&value.to_string()), self.range_text())),
         }
     }
 
