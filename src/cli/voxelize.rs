@@ -5,14 +5,17 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::Failure;
 use super::out::{self, Progress};
+use super::scene_args::up_axis;
+use crate::geometry::UpAxis;
 use crate::geometry::voxel::{Cells, Keep, MAX_DIVISIONS, OccupancyChoice, VoxelReport, VoxelizeOptions, voxelize};
 use crate::scene::resolve;
+use crate::text::echo_path;
 
 /// The model and how it is filled.
 #[derive(Debug, Args)]
@@ -28,6 +31,10 @@ pub(super) struct VoxelizeArgs {
     /// Which connected pieces of the cells are kept.
     #[arg(long, value_enum, default_value_t = KeepWord::Largest)]
     keep: KeepWord,
+    /// The axis of the model that points up: y, z, x, -y, -z, -x, or auto, which is z where it stands only that
+    /// way and y otherwise.
+    #[arg(long, value_name = "AXIS", default_value = "auto", allow_hyphen_values = true, value_parser = up_axis)]
+    up: UpAxis,
     /// Write the outer faces of the cells to an OBJ file, in the model's own coordinates.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -54,8 +61,12 @@ enum KeepWord {
 pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     if let Some(path) = &args.output {
         out::check_writable(path)?;
+        out::check_spares(path, &[PathBuf::from(&args.model)])?;
     }
-    let shown = Path::new(&args.model).display().to_string();
+    if args.model.is_empty() {
+        return Err(Failure::usage(anyhow!("no model is named; give the path of an OBJ file")));
+    }
+    let shown = echo_path(Path::new(&args.model));
     let model = args.model.to_str().with_context(|| format!("{shown}: the name is not UTF-8; rename the file"))?;
     let options = VoxelizeOptions {
         divisions: args.divisions,
@@ -72,22 +83,25 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     };
     let started = Instant::now();
     let progress = Progress::new("filling");
-    let imported = resolve::load_model(model, Path::new(""), &progress)?;
+    let mut imported = resolve::load_model(model, Path::new(""), &progress)?;
+    let up = args.up.found(&imported.mesh);
+    up.turn(&mut imported.mesh);
     let filled = voxelize(&imported.mesh, &options, &progress).with_context(|| shown.clone())?;
     drop(progress);
     let wall_secs = started.elapsed().as_secs_f64();
     if let Some(path) = &args.output {
-        out::write(path, outer_faces(&filled.cells).as_bytes())?;
+        out::write(path, outer_faces(&filled.cells, up).as_bytes())?;
     }
     let mut report = filled.report;
     report.warnings.splice(0..0, imported.warnings);
     if args.json {
         let mut object = serde_json::to_value(&report)?;
         object["model"] = json!(shown);
+        object["up"] = json!(up);
         object["wall_secs"] = json!(wall_secs);
         out::json(&object)?;
     } else {
-        out::figures(&text(&shown, &report, wall_secs))?;
+        out::figures(&text(&shown, &report, up, wall_secs))?;
         for warning in &report.warnings {
             out::note(&format!("warning: {warning}"));
         }
@@ -95,11 +109,11 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn text(model: &str, report: &VoxelReport, wall_secs: f64) -> String {
+fn text(model: &str, report: &VoxelReport, up: UpAxis, wall_secs: f64) -> String {
     let closed = if report.closed { "closed" } else { "open" };
     let occupancy = format!("{:?}", report.occupancy).to_lowercase();
     format!(
-        "{model}: {} vertices, {} triangles, {closed} ({} boundary edges), {} parts\n\
+        "{model}: {} vertices, {} triangles, {closed} ({} boundary edges), {} parts, {} up\n\
          {occupancy} occupancy: {}\n\
          {} divisions, cell size {} → {} cells, {} particles, {} links\n\
          {} components, {} cells dropped, {} parts joined, {} parts thinner than a cell\n\
@@ -108,6 +122,7 @@ fn text(model: &str, report: &VoxelReport, wall_secs: f64) -> String {
         report.triangles,
         report.boundary_edges,
         report.parts,
+        up.name().replace('_', " "),
         report.why,
         report.divisions,
         report.cell_size_m,
@@ -122,8 +137,8 @@ fn text(model: &str, report: &VoxelReport, wall_secs: f64) -> String {
 }
 
 /// The faces between filled cells and empty ones as an OBJ file: quads, counter-clockwise from outside, corners
-/// shared.
-fn outer_faces(cells: &Cells) -> String {
+/// shared, where the model was before `up` was turned upward.
+fn outer_faces(cells: &Cells, up: UpAxis) -> String {
     /// The corners of the face towards −x, and the axes of the other faces by turning them cyclically.
     const LOW: [[u32; 3]; 4] = [[0, 0, 0], [0, 0, 1], [0, 1, 1], [0, 1, 0]];
     let grid = cells.grid;
@@ -145,7 +160,7 @@ fn outer_faces(cells: &Cells) -> String {
                 if *name == 0 {
                     count += 1;
                     *name = count;
-                    let p = grid.corner(corner);
+                    let p = up.turned_back(grid.corner(corner));
                     // Writing to a string cannot fail.
                     let _ = writeln!(vertices, "v {} {} {}", p.x, p.y, p.z);
                 }
@@ -168,7 +183,7 @@ mod tests {
     #[test]
     fn the_outer_faces_close_around_the_volume_of_the_cells() {
         let cells = Cells::from_list(&[[0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1]], 0.5).expect("four cells");
-        let mesh = parse_obj(outer_faces(&cells).as_bytes(), "cells.obj").expect("an OBJ file").mesh;
+        let mesh = parse_obj(outer_faces(&cells, UpAxis::X).as_bytes(), "cells.obj").expect("an OBJ file").mesh;
         assert!(mesh.facts().closed, "no hole");
         let six_volumes: f64 =
             (0..mesh.triangles.len()).map(|at| mesh.corners(at)).map(|[a, b, c]| a.dot(b.cross(c))).sum();

@@ -5,9 +5,11 @@ pub mod embed;
 pub mod import;
 pub mod lattice;
 pub mod trimesh;
+pub mod up_axis;
 pub mod voxel;
 pub mod watch;
 
 pub use lattice::Lattice;
 pub use trimesh::TriMesh;
+pub use up_axis::UpAxis;
 pub use watch::Watch;

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Material, Solid};
+pub use crate::geometry::UpAxis;
 pub use crate::geometry::voxel::{Keep, MAX_DIVISIONS, OccupancyChoice};
 
 /// A soft body.
@@ -94,11 +95,20 @@ pub struct ModelShape {
     pub keep: Keep,
     /// Longest extent after scaling, m; 0 keeps the file's own size.
     pub length: f64,
+    /// The axis of the file's own coordinates that points up.
+    pub up: UpAxis,
 }
 
 impl Default for ModelShape {
     fn default() -> Self {
-        Self { path: String::new(), divisions: 20, occupancy: OccupancyChoice::Auto, keep: Keep::Largest, length: 1.0 }
+        Self {
+            path: String::new(),
+            divisions: 20,
+            occupancy: OccupancyChoice::Auto,
+            keep: Keep::Largest,
+            length: 1.0,
+            up: UpAxis::Y,
+        }
     }
 }
 

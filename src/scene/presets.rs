@@ -1,6 +1,6 @@
 //! The scenes that the program carries. Tests, benches, the window and the command line use the same ones.
 
-use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin};
+use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin, UpAxis};
 use super::material::{Material, Solid, Spring, Springs};
 use super::obstacle::{Obstacle, ObstacleShape, Plane, Sphere};
 use super::param::{self, Kind};
@@ -35,7 +35,7 @@ pub fn preset(name: &str) -> Option<&'static Preset> {
 /// The scene a model file opens in: jellified with default settings, dropped on the default ground. `path` is as in
 /// [`ModelShape::path`].
 pub fn drop_model(path: &str) -> Scene {
-    let shape = ModelShape { path: path.to_owned(), ..ModelShape::default() };
+    let shape = ModelShape { path: path.to_owned(), up: UpAxis::Auto, ..ModelShape::default() };
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
     let name = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
     looking_at([0.0, 0.45, 0.0], 3.6, scene(model_body(name, shape, 1.1), Vec::new()))

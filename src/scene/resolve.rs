@@ -11,7 +11,7 @@ use super::body::{ModelShape, Shape};
 use super::builtin;
 use crate::geometry::import::{self, ImportError, Imported};
 use crate::geometry::voxel::{Cells, CellsError, Grid, VoxelReport, VoxelizeError, VoxelizeOptions, voxelize};
-use crate::geometry::{Lattice, TriMesh, Watch};
+use crate::geometry::{Lattice, TriMesh, UpAxis, Watch};
 
 /// The most particles of a body: its links alone then take more than a gigabyte.
 pub const MAX_PARTICLES: usize = 8_000_000;
@@ -28,6 +28,8 @@ pub struct Jelly {
     pub mesh: Option<Arc<TriMesh>>,
     /// How the model was filled, lengths in metres; none for cubes and lists of cells.
     pub report: Option<VoxelReport>,
+    /// The axis of the model's file that points up, never `Auto`; y for cubes and lists of cells.
+    pub up: UpAxis,
     /// What a person should know, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -42,7 +44,7 @@ pub enum ResolveError {
     #[error(transparent)]
     Import(#[from] ImportError),
     /// The model cannot be filled.
-    #[error("{model}: {source}")]
+    #[error("{model} cannot be filled with cells")]
     Voxelize {
         /// The model's path.
         model: String,
@@ -79,7 +81,8 @@ pub fn resolve(shape: &Shape, base_dir: &Path, watch: &dyn Watch) -> Result<Jell
         Shape::Model(model) => return resolve_model(model, base_dir, watch),
     };
     // Every filled cell has at most eight particles of its own, so that this is no refusal of a body that fits.
-    Ok(Jelly { lattice: Arc::new(Lattice::new(&cells)), mesh: None, report: None, warnings: Vec::new() })
+    let lattice = Arc::new(Lattice::new(&cells));
+    Ok(Jelly { lattice, mesh: None, report: None, up: UpAxis::Y, warnings: Vec::new() })
 }
 
 /// Reads a model: a file, or one that the program carries.
@@ -95,6 +98,12 @@ pub fn load_model(path: &str, base_dir: &Path, watch: &dyn Watch) -> Result<Impo
 
 fn resolve_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<Jelly, ResolveError> {
     let Imported { mut mesh, mut warnings } = load_model(&model.path, base_dir, watch)?;
+    let up = model.up.found(&mesh);
+    up.turn(&mut mesh);
+    if up != model.up && up != UpAxis::Y {
+        warnings
+            .push("z is taken for up: the model stands only that way; choose y to leave it as its file has it".into());
+    }
     let options = VoxelizeOptions { divisions: model.divisions, occupancy: model.occupancy, keep: model.keep };
     let named = |source| ResolveError::Voxelize { model: model.path.clone(), source };
     let filled = voxelize(&mesh, &options, watch).map_err(named)?;
@@ -116,7 +125,8 @@ fn resolve_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Resu
     cells.grid = Grid::centred(dims, cell_size * scale);
     report.cell_size_m = cells.grid.cell_size;
     warnings.extend(report.warnings.iter().cloned());
-    Ok(Jelly { lattice: Arc::new(Lattice::new(&cells)), mesh: Some(Arc::new(mesh)), report: Some(report), warnings })
+    let lattice = Arc::new(Lattice::new(&cells));
+    Ok(Jelly { lattice, mesh: Some(Arc::new(mesh)), report: Some(report), up, warnings })
 }
 
 /// Passes a wish to stop on, but keeps the progress to itself: reading is the short part.
@@ -169,6 +179,28 @@ mod tests {
         let own = ModelShape { length: 0.0, ..shape };
         let body = resolve(&Shape::Model(own), folder.path(), &()).expect("a flat model");
         assert!((body.lattice.grid.cell_size - 5.0).abs() < 1e-12, "0 keeps the file's size");
+    }
+
+    #[test]
+    fn a_model_with_z_up_stands_and_old_files_mean_y() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pyramid = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 2 2 3\nf 1 4 3 2\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+        std::fs::write(folder.path().join("pyramid.obj"), pyramid).expect("a file");
+        let tip = |up: &str| {
+            let text = format!("(version: 1, bodies: [(shape: model(path: \"pyramid.obj\"{up}))])");
+            let scene = crate::scene::Scene::from_ron(&text, "a.ron").expect("a scene");
+            let jelly = resolve(&scene.bodies[0].shape, folder.path(), &()).expect("a pyramid");
+            let tip = jelly.mesh.expect("a mesh").positions[4];
+            (tip.to_array().map(|at| format!("{:.1}", at + 1e-9)), jelly.up, jelly.warnings)
+        };
+        let at = |place: [&str; 3]| place.map(str::to_owned);
+        let (standing, lying) = (at(["0.0", "0.4", "0.0"]), at(["0.0", "0.0", "0.4"]));
+        assert_eq!(tip(""), (lying, UpAxis::Y, Vec::new()), "as it was read before there was a choice");
+        assert_eq!(tip(", up: z"), (standing.clone(), UpAxis::Z, Vec::new()), "as asked for");
+        let (place, up, warnings) = tip(", up: auto");
+        assert_eq!((place, up), (standing, UpAxis::Z), "guessed");
+        assert!(warnings[0].contains("z is taken for up"), "and said: {warnings:?}");
+        assert_eq!(tip(", up: minus_z").0, at(["0.0", "-0.4", "0.0"]), "upside down");
     }
 
     #[test]

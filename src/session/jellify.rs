@@ -12,7 +12,7 @@ use super::predict::Prediction;
 use super::{Command, Document, Library, Session, SessionError};
 use crate::geometry::Watch;
 use crate::geometry::voxel::{OccupancyChoice, VoxelReport, VoxelizeError};
-use crate::scene::body::{Body, ModelShape, Pose, Shape};
+use crate::scene::body::{Body, ModelShape, Pose, Shape, UpAxis};
 use crate::scene::param::{self, Problem};
 use crate::scene::placement::{Look, Surroundings};
 use crate::scene::resolve::{Jelly, ResolveError, resolve};
@@ -100,6 +100,10 @@ pub struct Preview {
     pub joined_parts: usize,
     /// Pieces of the model thinner than a cell.
     pub thin_parts: usize,
+    /// The axis of the model's file that points up.
+    pub up: UpAxis,
+    /// Nobody chose that axis.
+    pub up_guessed: bool,
     /// Which cells are filled, in a word, and why.
     pub occupancy: [String; 2],
     /// Filled cells.
@@ -134,12 +138,13 @@ pub fn jellify(
     progress: &Progress,
 ) -> Result<Jellified, JellifyError> {
     let go_on = || if progress.is_cancelled() { Err(JellifyError::Cancelled) } else { Ok(()) };
-    let shape = Shape::Model(model.clone());
-    let jelly = resolve(&shape, base_dir, progress).map_err(|error| match error {
+    let jelly = resolve(&Shape::Model(model.clone()), base_dir, progress).map_err(|error| match error {
         ResolveError::Voxelize { source: VoxelizeError::Cancelled, .. } => JellifyError::Cancelled,
         error => JellifyError::Resolve(error),
     })?;
     go_on()?;
+    // What was guessed once stays: a scene file says which axis it is.
+    let shape = Shape::Model(ModelShape { up: jelly.up, ..model.clone() });
     let grid = jelly.lattice.grid;
     let size_m = grid.dims.map(|n| f64::from(n) * grid.cell_size);
     let longest = size_m.into_iter().fold(0.0, f64::max);
@@ -161,7 +166,7 @@ pub fn jellify(
     let document = Document::new(&Opened::without_file(scene.clone(), body.name.clone(), base_dir.to_owned()));
     let session = Session::start(scene, document, library, &())?;
     go_on()?;
-    let preview = preview(&jelly, size_m, &session);
+    let preview = Preview { up_guessed: model.up == UpAxis::Auto, ..preview(&jelly, size_m, &session) };
     Ok(Jellified { body, jelly, preview })
 }
 
@@ -197,6 +202,8 @@ fn preview(jelly: &Jelly, size_m: [f64; 3], session: &Session) -> Preview {
         parts: report.parts,
         joined_parts: report.joined_parts,
         thin_parts: report.thin_parts,
+        up: jelly.up,
+        up_guessed: false,
         occupancy: [occupancy_word(report.occupancy).to_owned(), report.why],
         cells: report.cells,
         dropped_cells: report.dropped_cells,
@@ -209,6 +216,19 @@ fn preview(jelly: &Jelly, size_m: [f64; 3], session: &Session) -> Preview {
         dt_limited_by: status.dt_limited_by,
         speed_alone: prediction.predicted_real_time_factor,
         warnings: jelly.warnings.clone(),
+    }
+}
+
+/// What an axis is called.
+pub fn up_axis_word(up: UpAxis) -> &'static str {
+    match up {
+        UpAxis::Auto => "automatic",
+        UpAxis::Y => "y",
+        UpAxis::Z => "z",
+        UpAxis::X => "x",
+        UpAxis::MinusY => "−y",
+        UpAxis::MinusZ => "−z",
+        UpAxis::MinusX => "−x",
     }
 }
 
@@ -270,6 +290,19 @@ mod tests {
             assert!((camera.distance - 3.6 * length).abs() < 0.2 * length, "{length} m: {camera:?}");
             assert!(session.status().unsaved, "a scene that someone has made");
         }
+    }
+
+    #[test]
+    fn the_axis_that_was_guessed_is_the_bodys_from_then_on() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let lying = "v 0 0 0\nv 4 0 0\nv 4 2 0\nv 0 2 0\nv 2 1 3\nf 1 2 3 4\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n";
+        let shape = ModelShape { up: UpAxis::Auto, ..model(folder.path(), lying) };
+        let made = jellify(&shape, Path::new(""), &Settings::default(), &Progress::default()).expect("a tent");
+        assert_eq!((made.preview.up, made.preview.up_guessed), (UpAxis::Z, true), "it stands only that way");
+        let Shape::Model(body) = &made.body.shape else { panic!("a model") };
+        assert_eq!(body.up, UpAxis::Z, "a later guess changes nothing");
+        let upright = tent(1.0).preview.size_m;
+        assert_eq!(made.preview.size_m.map(f64::to_bits), upright.map(f64::to_bits), "as if written with y up");
     }
 
     #[test]

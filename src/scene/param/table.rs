@@ -31,6 +31,7 @@ pub const PARAMS: &[Param] = &[
     words("bodies.*.shape.model.occupancy", &["auto", "centre", "surface", "solid"], "Which cells of the grid are filled."),
     words("bodies.*.shape.model.keep", &["all", "largest"], "Which connected pieces of the cells are kept."),
     number("bodies.*.shape.model.length", "m", 0.0, 1e3, "Longest extent after scaling; 0 keeps the file's own size."),
+    words("bodies.*.shape.model.up", &["auto", "y", "z", "x", "minus_y", "minus_z", "minus_x"], "The axis of the model's file that points up; auto is z where the model stands only that way, y otherwise."),
     number("bodies.*.pose.position", "m", -FAR, FAR, "Where the middle of the body's box starts.").of(3),
     number("bodies.*.pose.rotation_deg", "°", -360.0, 360.0, "Turns about x, then y, then z (fixed axes).").of(3),
     number("bodies.*.velocity", "m/s", -1e3, 1e3, "Velocity at the start.").of(3),

@@ -11,9 +11,9 @@ use super::{Running, UiState, Wish, dialog_ui, main_button_ui, theme};
 use crate::app::hand::Target;
 use crate::app::ui::adding;
 use crate::scene::Settings;
-use crate::scene::body::{Keep, MAX_DIVISIONS, ModelShape, OccupancyChoice};
+use crate::scene::body::{Keep, MAX_DIVISIONS, ModelShape, OccupancyChoice, UpAxis};
 use crate::scene::edit::BodyId;
-use crate::session::jellify::{Jellified, Preview, Progress, occupancy_word};
+use crate::session::jellify::{Jellified, Preview, Progress, occupancy_word, up_axis_word};
 use crate::session::predict::speed_in_window;
 use crate::session::{Command, Status};
 use crate::view::legend::three_digits;
@@ -56,7 +56,8 @@ impl LoadModel {
     /// An assistant that starts from a path.
     pub(super) fn new(start: &Path) -> Self {
         let field = PathField::new(PathUse::OpenModel, start);
-        Self { field, shape: ModelShape::default(), asked: None, changed_secs: f64::NEG_INFINITY, work: Work::Idle }
+        let shape = ModelShape { up: UpAxis::Auto, ..ModelShape::default() };
+        Self { field, shape, asked: None, changed_secs: f64::NEG_INFINITY, work: Work::Idle }
     }
 
     /// Puts another path into the field.
@@ -176,6 +177,18 @@ fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
         });
         response.response.labelled_by(label.id);
         ui.end_row();
+        let label = ui.label(RichText::new("Up axis").color(theme::of(ui).weak));
+        let combo = ComboBox::from_id_salt("up axis").width(140.0).selected_text(up_axis_word(shape.up));
+        let response = combo.show_ui(ui, |ui| {
+            for up in UpAxis::ALL {
+                let choice = ui.selectable_value(&mut shape.up, up, up_axis_word(up));
+                if up == UpAxis::Auto {
+                    choice.on_hover_text("z where the model stands only that way, y otherwise");
+                }
+            }
+        });
+        response.response.labelled_by(label.id);
+        ui.end_row();
     });
 }
 
@@ -227,8 +240,13 @@ fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
         secs if secs.is_finite() => format!("{} ms, limited by {}", three_digits(secs * 1e3), preview.dt_limited_by),
         _ => "no limit".to_owned(),
     };
+    let up = match up_axis_word(preview.up) {
+        word if preview.up_guessed => format!("{word}, guessed"),
+        word => word.to_owned(),
+    };
     vec![
         ("Mesh", format!("{triangles} triangles, {closed}, {parts} parts ({joined_parts} joined, {thin_parts} thin)")),
+        ("Up axis", up),
         ("Filled", format!("{occupancy}: {why}")),
         ("Cells", format!("{} of {} m", preview.cells, three_digits(preview.cell_size_m))),
         ("Components", format!("{components} ({dropped_cells} cells dropped)")),
