@@ -17,7 +17,11 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::text::echo;
 pub use failure::Failure;
+
+/// A longer word of an error is cut.
+const MOST_BYTES: usize = 800;
 
 /// An interactive sandbox for soft bodies.
 #[derive(Debug, Parser)]
@@ -25,6 +29,8 @@ pub use failure::Failure;
 struct Arguments {
     /// A preset's name, a .ron scene or a model file to open in the window.
     scene: Option<OsString>,
+    #[command(flatten)]
+    changes: scene_args::Changes,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -50,9 +56,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
+            if error.use_stderr() {
+                // The words of the command line are repeated in it, however long they are.
+                let short = |word: &str| if word.len() > MOST_BYTES { echo(word) } else { word.to_owned() };
+                let words: Vec<String> = error.render().to_string().trim_end().split(' ').map(short).collect();
+                out::note(&words.join(" "));
+                return ExitCode::from(Failure::USAGE);
+            }
             // Help and version come here too; a closed pipe is nobody's fault.
             let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { Failure::USAGE } else { 0 });
+            return ExitCode::SUCCESS;
         }
     };
     match dispatch(arguments) {
@@ -66,7 +79,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 fn dispatch(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
-        None => window(arguments.scene),
+        None => window(arguments.scene, &arguments.changes),
         Some(Command::Presets(args)) => presets::run(&args),
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Render(args)) => render::run(&args),
@@ -76,7 +89,8 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
     }
 }
 
-fn window(scene: Option<OsString>) -> Result<(), Failure> {
-    let opened = scene_args::open(&scene.unwrap_or_else(|| crate::scene::presets::DEFAULT.into()))?;
+fn window(scene: Option<OsString>, changes: &scene_args::Changes) -> Result<(), Failure> {
+    changes.start_threads()?;
+    let opened = changes.open(&scene.unwrap_or_else(|| crate::scene::presets::DEFAULT.into()))?;
     Ok(crate::app::run(opened)?)
 }

@@ -8,9 +8,12 @@ use clap::Args;
 
 use super::Failure;
 use super::out::Progress;
-use crate::scene::{file, param, path, presets};
+use crate::disk;
+use crate::scene::body::{MAX_DIVISIONS, ModelShape, UpAxis};
+use crate::scene::{Scene, Shape, param, path, presets};
 use crate::session::Session;
-use crate::session::document::{Opened, is_scene_path};
+use crate::session::document::{Opened, differs, is_scene_path};
+use crate::text::{echo, echo_path};
 
 /// The scene and what is set on it.
 #[derive(Debug, Args)]
@@ -36,6 +39,13 @@ pub(super) struct Changes {
     /// Whether steps are divided so that they stay stable.
     #[arg(long, value_parser = ["auto", "manual"])]
     stepping: Option<String>,
+    /// Cells along the longest extent of every model.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DIVISIONS)))]
+    divisions: Option<u32>,
+    /// The axis of every model's file that points up: y, z, x, -y, -z, -x, or auto, which is z where the
+    /// model stands only that way and y otherwise.
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = up_axis)]
+    up: Option<UpAxis>,
     /// Worker threads; 0 takes all cores.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
@@ -53,6 +63,15 @@ impl Changes {
     /// Opens a scene and sets the values.
     pub(super) fn open(&self, scene: &OsStr) -> Result<Opened, Failure> {
         let mut opened = open(scene)?;
+        let before = opened.scene.clone();
+        self.change(&mut opened.scene)?;
+        // What was asked for of a preset or a model can be asked for again; a file differs from what is shown now.
+        opened.unsaved = opened.file.is_some() && differs(&before, &opened.scene);
+        Ok(opened)
+    }
+
+    fn change(&self, scene: &mut Scene) -> Result<(), Failure> {
+        self.change_models(scene)?;
         let options = [
             ("settings.dt", &self.dt),
             ("settings.integrator", &self.integrator),
@@ -60,19 +79,39 @@ impl Changes {
         ];
         for (name, value) in options {
             if let Some(value) = value {
-                path::set(&mut opened.scene, name, value).map_err(Failure::usage)?;
+                path::set(scene, name, value).map_err(Failure::usage)?;
             }
         }
         for assignment in &self.set {
-            let (name, value) = assignment
-                .split_once('=')
-                .ok_or_else(|| Failure::usage(anyhow!("--set {assignment} has no value; write --set PATH=VALUE")))?;
-            path::set(&mut opened.scene, name, value).map_err(Failure::usage)?;
+            let (name, value) = assignment.split_once('=').ok_or_else(|| {
+                Failure::usage(anyhow!("--set {} has no value; write --set PATH=VALUE", echo(assignment)))
+            })?;
+            path::set(scene, name, value).map_err(Failure::usage)?;
         }
-        if let Some(problem) = param::validate(&opened.scene).first() {
-            return Err(Failure::usage(anyhow!("{problem}")));
+        match param::validate(scene).first() {
+            Some(problem) => Err(Failure::usage(anyhow!("{problem}"))),
+            None => Ok(()),
         }
-        Ok(opened)
+    }
+
+    fn change_models(&self, scene: &mut Scene) -> Result<(), Failure> {
+        let Self { divisions, up, .. } = self;
+        let mut found = divisions.is_none() && up.is_none();
+        for body in &mut scene.bodies {
+            if let Shape::Model(model) = &mut body.shape {
+                let changed = ModelShape {
+                    divisions: divisions.unwrap_or(model.divisions),
+                    up: up.unwrap_or(model.up),
+                    ..model.clone()
+                };
+                (*model, found) = (changed, true);
+            }
+        }
+        if found {
+            Ok(())
+        } else {
+            Err(Failure::usage(anyhow!("--divisions and --up are for models; the scene has none")))
+        }
     }
 
     /// Starts the worker threads, once in a process.
@@ -85,6 +124,14 @@ impl Changes {
     }
 }
 
+/// An axis on the command line: as files have it, or with a sign.
+pub(super) fn up_axis(text: &str) -> Result<UpAxis, String> {
+    let word = text.replace('-', "_");
+    let name = word.strip_prefix('_').map(|letter| format!("minus_{letter}")).unwrap_or(word);
+    let found = UpAxis::ALL.into_iter().find(|up| up.name() == name);
+    found.ok_or_else(|| "an axis is needed: auto, y, z, x, -y, -z or -x".to_owned())
+}
+
 /// Fills the models and puts the scene at its start.
 pub(super) fn session(opened: Opened) -> anyhow::Result<Session> {
     Ok(Session::open(opened, &Progress::new("filling"))?)
@@ -93,7 +140,7 @@ pub(super) fn session(opened: Opened) -> anyhow::Result<Session> {
 /// Opens a preset, a scene file or a model.
 pub(super) fn open(given: &OsStr) -> Result<Opened, Failure> {
     let path = Path::new(given);
-    let shown = path.display();
+    let shown = echo_path(path);
     if let Some(preset) = given.to_str().and_then(presets::preset) {
         return Ok(Opened::without_file((preset.build)(), preset.name.to_owned(), PathBuf::from(".")));
     }
@@ -112,5 +159,5 @@ pub(super) fn open(given: &OsStr) -> Result<Opened, Failure> {
     }
     let name = path.file_name().and_then(OsStr::to_str);
     let name = name.with_context(|| format!("{shown}: the file's name is not UTF-8; rename it"))?;
-    Ok(Opened::without_file(presets::drop_model(name), name.to_owned(), file::folder_of(path)))
+    Ok(Opened::without_file(presets::drop_model(name), name.to_owned(), disk::folder_of(path)))
 }

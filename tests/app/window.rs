@@ -221,14 +221,14 @@ impl Drop for Window {
 }
 
 impl Window {
-    /// A window on a scene, with a state folder of its own or one that outlives it.
+    /// A window on a scene and options after it, with a state folder of its own or one that outlives it.
     pub(super) fn open(scene: &str, state: Option<&Path>) -> Self {
         let folder = std::env::temp_dir().join(format!("gelatin-window-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a temporary folder can be made");
         let (server, display) = start_server(&folder);
         let log = std::fs::File::create(folder.join("log")).expect("a file in the temporary folder");
         let program = Command::new(env!("CARGO_BIN_EXE_gelatin"))
-            .arg(scene)
+            .args(scene.split_whitespace())
             .env("DISPLAY", &display)
             .env("XDG_RUNTIME_DIR", &folder)
             .env("XDG_STATE_HOME", state.map_or_else(|| folder.join("state"), Path::to_owned))

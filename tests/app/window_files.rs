@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use gelatin::app::ui::files::MAIN_FILL;
+use gelatin::scene::{Scene, presets};
 
 use super::window::{Window, alone};
 
@@ -81,6 +82,25 @@ fn what_was_arranged_is_found_at_the_next_start() {
         std::fs::write(&kept, "{\"widths\": {\"li").expect("a file");
         let mut window = Window::open("cube-on-plane", Some(folder.path()));
         window.wait_until("a damaged file is as none", |shot| shot.at(BESIDE) != panel);
+    });
+}
+
+#[test]
+fn values_given_at_the_start_are_an_unsaved_change_of_a_file_and_of_nothing_else() {
+    alone(|| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("tower.ron");
+        (presets::presets()[0].build)().save(&file).expect("a scene file");
+        let options = "--dt 0.002 --set bodies.0.name=Tower";
+        let window = Window::open(&format!("{} {options}", file.display()), Some(folder.path()));
+        window.wait_for("the title has a mark", |window| window.title() == "• tower.ron — Gelatin");
+        window.key("ctrl+s");
+        window.wait_for("it is saved", |window| window.title() == "tower.ron — Gelatin");
+        let saved = Scene::load(&file).expect("the scene file");
+        assert_eq!((saved.settings.dt, saved.bodies[0].name.as_str()), (0.002, "Tower"), "with the values given");
+        drop(window);
+        let window = Window::open(&format!("cube-on-plane {options}"), Some(folder.path()));
+        window.wait_for("the title has no mark", |window| window.title() == "cube-on-plane — Gelatin");
     });
 }
 
