@@ -44,6 +44,12 @@ impl NativeDialog {
             let chosen = match purpose {
                 PathUse::OpenScene => dialog.set_title("Open scene").add_filter("Gelatin scene", &["ron"]).pick_file(),
                 PathUse::OpenModel => dialog.set_title("Load model").add_filter("OBJ model", &["obj"]).pick_file(),
+                PathUse::OpenState => {
+                    dialog.set_title("Open state").add_filter("Gelatin state", &["state"]).pick_file()
+                }
+                PathUse::SaveState => {
+                    dialog.set_title("Save state as").add_filter("Gelatin state", &["state"]).save_file()
+                }
                 PathUse::SaveScene => {
                     dialog.set_title("Save scene as").add_filter("Gelatin scene", &["ron"]).save_file()
                 }

@@ -48,6 +48,16 @@ pub enum Command {
         /// Where the camera stands.
         camera: CameraSettings,
     },
+    /// Write where everything is and how it moves to a file; the scene is not in it.
+    SaveState {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Put everything where a file has it and stop time: it goes on from there bit for bit.
+    OpenState {
+        /// The file.
+        path: PathBuf,
+    },
     /// Replace the scene by one that was never saved, found after a crash; model paths in it are absolute.
     Recover {
         /// The scene.
@@ -104,6 +114,8 @@ impl Command {
             | Self::SetSpeed(_)
             | Self::Save { .. }
             | Self::SaveAs { .. }
+            | Self::SaveState { .. }
+            | Self::OpenState { .. }
             | Self::Edit(_)
             | Self::Teleport(..)
             | Self::EndEdit

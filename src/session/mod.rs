@@ -19,6 +19,7 @@ pub mod run;
 mod safe;
 mod slowness;
 pub mod state_file;
+mod state_origin;
 pub mod status;
 pub mod trouble;
 mod warnings;
@@ -49,6 +50,7 @@ use history::History;
 use library::Library;
 use picture::Picture;
 use slowness::Sample;
+use state_file::StateError;
 
 /// Speeds a person may ask for, simulated seconds a wall second.
 const SPEEDS: [f64; 2] = [0.01, 10.0];
@@ -74,6 +76,15 @@ pub enum SessionError {
     /// The scene cannot be saved.
     #[error(transparent)]
     Save(#[from] SaveError),
+    /// A state cannot be read or written.
+    #[error("{}", file.display())]
+    State {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        #[source]
+        source: StateError,
+    },
     /// A speed outside the range.
     #[error("a speed of {speed} is outside {} … {}", SPEEDS[0], SPEEDS[1])]
     Speed {
@@ -194,6 +205,8 @@ impl Session {
             }
             Command::Save { camera } => self.document.save(&self.scene, camera, None)?,
             Command::SaveAs { path, camera } => self.document.save(&self.scene, camera, Some(path))?,
+            Command::SaveState { path } => self.save_state(&path)?,
+            Command::OpenState { path } => self.open_state(&path)?,
             Command::Edit(edit) => self.edit(edit)?,
             Command::Teleport(body, place) => self.teleport(body, place)?,
             Command::EndEdit => self.history.close(),
@@ -287,6 +300,7 @@ impl Session {
             title: self.document.title.clone(),
             file: self.document.file.clone(),
             unsaved: self.document.is_unsaved(&self.scene),
+            refused_saves: self.document.refused_saves,
             base_dir: self.document.base_dir.clone(),
             playing: self.playing,
             at_rest: self.simulation.is_asleep(),

@@ -1,7 +1,8 @@
-//! A simulation's state as bytes, exactly: what `gelatin run --save-state` writes and `--from-state` goes on from.
+//! A simulation's state as bytes, exactly: what the window and `gelatin run --save-state` write and go on from.
 //!
 //! ```text
-//! "gelatin-state 4\n"                                       magic and version
+//! "gelatin-state 5\n"                                       magic and version
+//! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
 //! held steps, part of the substep, its halvings             three u64
@@ -15,24 +16,32 @@
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
 
+use std::io;
+use std::path::Path;
+
 use glam::Vec3;
+use serde_json::json;
 use thiserror::Error;
 
-use super::Session;
+use super::state_origin::Origin;
+use super::{Session, SessionError};
+use crate::disk::{self, ReadError};
 use crate::physics::State;
 use crate::physics::plan::MOST_HALVINGS;
 use crate::physics::state::BodyMemory;
 
-const MAGIC: &[u8] = b"gelatin-state 4\n";
+/// A larger file is no state: more particles than a body may have.
+const MAX_BYTES: u64 = 4 << 30;
+const MAGIC: &[u8] = b"gelatin-state 5\n";
 
 /// Why a state cannot be used.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum StateFileError {
     /// Something else.
-    #[error("this is not a state that `gelatin run --save-state` wrote")]
+    #[error("this is no state that Gelatin has saved")]
     NotAState,
     /// Written by an earlier or a later program.
-    #[error("this state was written by another version of the program (it begins with {begins:?}, version 4 is read)")]
+    #[error("this state was written by another version of the program (it begins with {begins:?}, version 5 is read)")]
     OtherVersion {
         /// The first words.
         begins: String,
@@ -41,26 +50,92 @@ pub enum StateFileError {
     #[error("the state is damaged: its checksum does not match its contents; write it anew")]
     Damaged,
     /// Another scene's.
-    #[error(
-        "the state has {particles} particles and {planes} planes, the scene has {scene_particles} and {scene_planes}; use the scene it was saved from"
-    )]
+    #[error("the state was saved from {scene} and does not fit: {difference}; open the scene that it was saved from")]
     OtherScene {
-        /// In the state.
-        particles: u64,
-        /// In the state.
-        planes: u64,
-        /// In the scene.
-        scene_particles: usize,
-        /// In the scene.
-        scene_planes: usize,
+        /// The title of its scene.
+        scene: String,
+        /// The first thing that is not alike, as half a sentence.
+        difference: String,
     },
 }
 
+/// Why a state is not on the disk, or not from it.
+#[derive(Debug, Error)]
+pub enum StateError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// Its contents cannot be used.
+    #[error(transparent)]
+    Contents(#[from] StateFileError),
+    /// The file cannot be written.
+    #[error("the state cannot be written; what was there is unchanged")]
+    Write(#[source] io::Error),
+}
+
+/// What a state says of itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StateSummary {
+    /// The title of the scene that it was saved from.
+    pub scene: String,
+    /// The time in it, s.
+    pub time_secs: f64,
+}
+
+/// Reads what a state on the disk says of itself; its numbers are not looked at.
+pub fn summary(path: &Path) -> Result<StateSummary, StateError> {
+    let bytes = disk::read(path, MAX_BYTES)?;
+    let (origin, mut reader) = opened(&bytes)?;
+    let [_particles, _planes, _steps, _substep, time] = std::array::from_fn(|_| reader.u64());
+    Ok(StateSummary { scene: origin.scene().to_owned(), time_secs: f64::from_bits(time) })
+}
+
+/// The scene that bytes belong to, and what follows it but for the checksum, which is right.
+fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
+    let Some(contents) = bytes.strip_prefix(MAGIC) else {
+        let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
+        return Err(match line.strip_prefix(b"gelatin-state ") {
+            Some(version) if version.len() < 8 => {
+                StateFileError::OtherVersion { begins: String::from_utf8_lossy(line).into_owned() }
+            }
+            _ => StateFileError::NotAState,
+        });
+    };
+    let (body, checksum) = bytes.split_last_chunk::<8>().ok_or(StateFileError::Damaged)?;
+    let line_end = contents.iter().position(|&byte| byte == b'\n').ok_or(StateFileError::Damaged)?;
+    let (line, numbers) = contents.split_at(line_end + 1);
+    if numbers.len() < 88 || fnv1a(body) != u64::from_le_bytes(*checksum) {
+        return Err(StateFileError::Damaged);
+    }
+    let origin = serde_json::from_slice(line).map_err(|_not_ours| StateFileError::Damaged)?;
+    Ok((origin, Reader { rest: &numbers[..numbers.len() - 8] }))
+}
+
 impl Session {
+    /// Writes the present state to a file.
+    pub(super) fn save_state(&self, path: &Path) -> Result<(), SessionError> {
+        let written = disk::write(path, &self.state_bytes());
+        written.map_err(|error| SessionError::State { file: path.to_owned(), source: StateError::Write(error) })
+    }
+
+    /// Goes on from a state in a file, once time runs again.
+    pub(super) fn open_state(&mut self, path: &Path) -> Result<(), SessionError> {
+        let read = disk::read(path, MAX_BYTES).map_err(StateError::from);
+        let taken = read.and_then(|bytes| Ok(self.set_state_bytes(&bytes)?));
+        taken.map_err(|source| SessionError::State { file: path.to_owned(), source })?;
+        self.playing = false;
+        self.trouble = None;
+        self.clock.forgive();
+        self.find_inversion();
+        Ok(())
+    }
+
     /// The present state as bytes.
     pub fn state_bytes(&self) -> Vec<u8> {
         let state = self.simulation().state();
         let mut bytes = MAGIC.to_vec();
+        let origin = json!(Origin::of(self)).to_string();
+        bytes.extend(origin.bytes().chain([b'\n']));
         let counts = [
             state.position.len() as u64,
             state.side.len() as u64,
@@ -98,26 +173,16 @@ impl Session {
 
     /// Goes on from a state that [`Session::state_bytes`] gave for the same scene.
     pub fn set_state_bytes(&mut self, bytes: &[u8]) -> Result<(), StateFileError> {
-        let Some(contents) = bytes.strip_prefix(MAGIC) else {
-            let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
-            return Err(match line.strip_prefix(b"gelatin-state ") {
-                Some(version) if version.len() < 8 => {
-                    StateFileError::OtherVersion { begins: String::from_utf8_lossy(line).into_owned() }
-                }
-                _ => StateFileError::NotAState,
-            });
-        };
-        let (body, checksum) = bytes.split_last_chunk::<8>().ok_or(StateFileError::Damaged)?;
-        if contents.len() < 88 || fnv1a(body) != u64::from_le_bytes(*checksum) {
-            return Err(StateFileError::Damaged);
+        let (origin, mut reader) = opened(bytes)?;
+        if let Some(difference) = origin.difference(&Origin::of(self)) {
+            return Err(StateFileError::OtherScene { scene: origin.scene().to_owned(), difference });
         }
-        let mut reader = Reader { rest: &contents[..contents.len() - 8] };
         let [particles, planes, steps, substep, time, lag, accelerations] = std::array::from_fn(|_| reader.u64());
         let [held_steps, part, halvings] = std::array::from_fn(|_| reader.u64());
         let present = self.simulation().state();
         let (scene_particles, scene_planes) = (present.position.len(), present.side.len());
         if particles != scene_particles as u64 || planes != scene_planes as u64 {
-            return Err(StateFileError::OtherScene { particles, planes, scene_particles, scene_planes });
+            return Err(StateFileError::Damaged);
         }
         let accelerated = if accelerations == 0 { 0 } else { scene_particles };
         let of_particles = scene_particles * (36 + scene_planes) + 12 * accelerated;
@@ -211,6 +276,7 @@ impl Reader<'_> {
     }
 }
 
-fn fnv1a(bytes: &[u8]) -> u64 {
+/// A checksum.
+pub(super) fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }

@@ -156,8 +156,56 @@ fn damaged_and_foreign_states_are_refused() {
     assert_eq!(refused(b"hello"), StateFileError::NotAState, "something else");
     assert!(matches!(refused(b"gelatin-state 9\n"), StateFileError::OtherVersion { .. }), "a later version");
     let other = session("cube-on-sphere").state_bytes();
-    let mut coupler = session("coupler-7");
-    assert!(matches!(coupler.set_state_bytes(&other), Err(StateFileError::OtherScene { .. })), "another scene's");
+    let words = session("coupler-7").set_state_bytes(&other).expect_err("another scene's").to_string();
+    assert!(
+        words.contains("saved from cube-on-sphere") && words.contains("its body Jelly has 1000 particles"),
+        "{words}"
+    );
+}
+
+#[test]
+fn a_state_saved_in_the_middle_of_a_motion_is_opened_again_and_goes_on_bit_for_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("falling.state");
+    let mut first = session("cube-on-sphere");
+    first.advance(Duration::from_millis(700), PLENTY);
+    let (saved, time) = (first.simulation().hash(), first.status().time_secs);
+    first.handle(Command::SaveState { path: path.clone() }).expect("the folder can be written");
+    first.advance(Duration::from_millis(300), PLENTY);
+    let gone_on = first.simulation().hash();
+    assert_ne!(gone_on, saved, "time went on");
+    for session in [&mut first, &mut session("cube-on-sphere")] {
+        session.handle(Command::OpenState { path: path.clone() }).expect("a state of this scene");
+        let status = session.status();
+        assert_eq!((session.simulation().hash(), status.time_secs, status.playing), (saved, time, false), "as it was");
+        assert!(!status.unsaved && status.undo.is_empty(), "the scene is not touched");
+        session.handle(Command::Play).expect("time can run");
+        session.advance(Duration::from_millis(300), PLENTY);
+        assert_eq!(session.simulation().hash(), gone_on, "the same motion");
+    }
+}
+
+#[test]
+fn a_state_that_does_not_fit_changes_nothing_and_says_which_scene_it_needs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("cube.state");
+    let mut saving = session("cube-on-plane");
+    saving.handle(Command::SaveState { path: path.clone() }).expect("the folder can be written");
+    assert_eq!(state_file::summary(&path).expect("a state").scene, "cube-on-plane");
+    let mut spot = session("coupler-7");
+    (0..50).for_each(|_| assert!(spot.step(), "it falls"));
+    let before = spot.simulation().hash();
+    let refused = |session: &mut Session, path: &std::path::Path| {
+        let error = session.handle(Command::OpenState { path: path.to_owned() }).expect_err("it does not fit");
+        format!("{error}: {}", std::error::Error::source(&error).expect("a cause"))
+    };
+    let words = refused(&mut spot, &path);
+    assert!(words.contains("cube.state") && words.contains("saved from cube-on-plane"), "{words}");
+    assert!(refused(&mut spot, folder.path()).contains("is a folder"), "no file");
+    assert_eq!(spot.simulation().hash(), before, "nothing has moved");
+    assert!(spot.status().playing, "time still runs");
+    let lost = Command::SaveState { path: folder.path().join("none/a.state") };
+    assert!(spot.handle(lost).is_err(), "there is no such folder");
 }
 
 #[test]

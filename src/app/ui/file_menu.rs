@@ -1,6 +1,6 @@
 //! The File menu: scenes and models in, scenes out.
 
-use egui::{Button, Ui, WidgetInfo};
+use egui::{Button, Response, Ui, WidgetInfo};
 
 use super::UiState;
 use super::files::{FileAction, Wish};
@@ -19,17 +19,23 @@ pub(super) fn file_menu_ui(ui: &mut Ui, state: &mut UiState) {
         ui.separator();
         item_ui(ui, state, "Load model…", "", FileAction::LoadModel);
         ui.separator();
+        item_ui(ui, state, "Open state…", "", FileAction::OpenState)
+            .on_hover_text("Goes on from a moment that was saved: everything where it was, as fast as it was");
+        item_ui(ui, state, "Save state…", "", FileAction::SaveState)
+            .on_hover_text("Saves this moment: where everything is and how it moves. The scene is not in it");
+        ui.separator();
         item_ui(ui, state, "Quit", "Ctrl+Q", FileAction::Quit);
     });
 }
 
-fn item_ui(ui: &mut Ui, state: &mut UiState, name: &str, key: &str, action: FileAction) {
+fn item_ui(ui: &mut Ui, state: &mut UiState, name: &str, key: &str, action: FileAction) -> Response {
     let button = ui.add(Button::new(name).shortcut_text(key));
     button.widget_info(|| WidgetInfo::labeled(egui::Role::Button, ui.is_enabled(), name));
     if button.clicked() {
         state.files.ask(action);
         ui.close();
     }
+    button
 }
 
 fn recent_ui(ui: &mut Ui, state: &mut UiState) {

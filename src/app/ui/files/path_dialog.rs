@@ -1,4 +1,4 @@
-//! The dialogs that ask for a path: open a scene, save it elsewhere.
+//! The dialogs that ask for a path: open a scene or a state, save one.
 
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,10 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, state: &mut UiState, commands: &mut Ve
     let name = match dialog.purpose {
         PathUse::SaveScene => "Save scene as",
         PathUse::OpenScene | PathUse::OpenModel => "Open scene",
+        PathUse::SaveState => "Save state as",
+        PathUse::OpenState => "Open state",
     };
+    let saves = matches!(dialog.purpose, PathUse::SaveScene | PathUse::SaveState);
     let mut done = false;
     let escaped = dialog_ui(ui, name, 560.0, |ui| {
         let height = (ui.ctx().content_rect().height() - REST).clamp(60.0, LIST_HEIGHT);
@@ -59,13 +62,11 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, state: &mut UiState, commands: &mut Ve
         ui.add_space(6.0);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let verdict = dialog.field.verdict().clone();
-            let (label, ready) = match (&verdict, dialog.purpose) {
-                (Verdict::Replaces(_), _) => ("Replace", true),
-                (Verdict::Model(_), _) => ("Load model…", true),
-                (Verdict::Usable(..), PathUse::SaveScene) => ("Save", true),
-                (Verdict::Usable(..), _) => ("Open", true),
-                (_, PathUse::SaveScene) => ("Save", false),
-                (_, _) => ("Open", false),
+            let (label, ready) = match &verdict {
+                Verdict::Replaces(_) => ("Replace", true),
+                Verdict::Model(_) => ("Load model…", true),
+                Verdict::Usable(..) => (if saves { "Save" } else { "Open" }, true),
+                _ => (if saves { "Save" } else { "Open" }, false),
             };
             let confirmed = main_button_ui(ui, label, ready).clicked() || (response.entered && ready);
             let cancelled = ui.button("Cancel").clicked();
@@ -85,6 +86,10 @@ fn confirm(verdict: Verdict, purpose: PathUse, state: &mut UiState, commands: &m
         (Verdict::Usable(path, _) | Verdict::Replaces(path), PathUse::SaveScene) => {
             commands.push(Command::SaveAs { path, camera: state.files.camera });
         }
+        (Verdict::Usable(path, _) | Verdict::Replaces(path), PathUse::SaveState) => {
+            commands.push(Command::SaveState { path });
+        }
+        (Verdict::Usable(path, _), PathUse::OpenState) => commands.push(Command::OpenState { path }),
         (Verdict::Model(path), _) => state.files.load_model(&path),
         (Verdict::Usable(path, _), _) => state.files.ask(FileAction::OpenFile(path)),
         (Verdict::Unfinished | Verdict::Unusable(_) | Verdict::Replaces(_), _) => {}

@@ -7,9 +7,10 @@ use egui::{Button, Key, Label, RichText, ScrollArea, Sense, TextEdit, Ui, UiBuil
 
 use super::super::theme;
 use crate::app::worker::sentence;
+use crate::disk::folder_of;
 use crate::scene::Scene;
-use crate::scene::file::folder_of;
 use crate::session::document::is_scene_path;
+use crate::session::state_file;
 
 /// Entries of a folder that are listed; a name narrows them down.
 const LISTED: usize = 200;
@@ -28,6 +29,10 @@ pub enum PathUse {
     SaveScene,
     /// A model is read from it.
     OpenModel,
+    /// A state is read from it.
+    OpenState,
+    /// The state is written to it.
+    SaveState,
 }
 
 /// What the path typed leads to.
@@ -219,7 +224,8 @@ fn judge(purpose: PathUse, text: &str) -> Verdict {
         return Verdict::Unfinished;
     }
     match purpose {
-        PathUse::SaveScene => judge_target(path),
+        PathUse::SaveScene => judge_target(path, "ron"),
+        PathUse::SaveState => judge_target(path, "state"),
         _ if !path.exists() => Verdict::Unusable(format!("{} does not exist", path.display())),
         _ if path.is_dir() => Verdict::Unusable(format!("{} is a folder", path.display())),
         PathUse::OpenModel if is_scene_path(&path) => {
@@ -227,6 +233,10 @@ fn judge(purpose: PathUse, text: &str) -> Verdict {
         }
         PathUse::OpenModel => Verdict::Usable(path, String::new()),
         PathUse::OpenScene if is_model_path(&path) => Verdict::Model(path),
+        PathUse::OpenState => match state_file::summary(&path) {
+            Ok(state) => Verdict::Usable(path, format!("A state of {} at {:.3} s", state.scene, state.time_secs)),
+            Err(error) => Verdict::Unusable(sentence(&error)),
+        },
         PathUse::OpenScene => match Scene::load(&path) {
             Ok(scene) => Verdict::Usable(path, words(&scene)),
             Err(error) => Verdict::Unusable(sentence(&error)),
@@ -234,9 +244,9 @@ fn judge(purpose: PathUse, text: &str) -> Verdict {
     }
 }
 
-fn judge_target(path: PathBuf) -> Verdict {
+fn judge_target(path: PathBuf, ending: &str) -> Verdict {
     let folder = folder_of(&path);
-    let path = if is_scene_path(&path) { path } else { with_ending(path) };
+    let path = if has_ending(&path, ending) { path } else { with_ending(path, ending) };
     if !folder.is_dir() {
         Verdict::Unusable(format!("the folder {} does not exist", folder.display()))
     } else if path.is_dir() {
@@ -249,15 +259,20 @@ fn judge_target(path: PathBuf) -> Verdict {
     }
 }
 
-fn with_ending(path: PathBuf) -> PathBuf {
+fn has_ending(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
+}
+
+fn with_ending(path: PathBuf, ending: &str) -> PathBuf {
     let mut name = path.into_os_string();
-    name.push(".ron");
+    name.push(".");
+    name.push(ending);
     name.into()
 }
 
 /// Whether a file's name is that of a model.
 fn is_model_path(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("obj"))
+    has_ending(path, "obj")
 }
 
 fn words(scene: &Scene) -> String {
@@ -282,6 +297,7 @@ fn entries(purpose: PathUse, text: &str) -> Vec<Entry> {
     let fits = |path: &Path| match purpose {
         PathUse::OpenModel => is_model_path(path),
         PathUse::OpenScene | PathUse::SaveScene => is_scene_path(path),
+        PathUse::OpenState | PathUse::SaveState => has_ending(path, "state"),
     };
     let Ok(all) = std::fs::read_dir(folder) else { return Vec::new() };
     let mut found: Vec<Entry> = all
@@ -338,6 +354,21 @@ mod tests {
         assert!(matches!(judged("new"), Verdict::Usable(path, _) if path.ends_with("new.ron")));
         assert!(matches!(judged("a"), Verdict::Replaces(path) if path.ends_with("a.ron")));
         assert!(matches!(judged("none/a.ron"), Verdict::Unusable(why) if why.contains("folder")));
+    }
+
+    #[test]
+    fn a_state_says_what_it_is_of_and_gets_its_own_ending() {
+        let folder = folder();
+        std::fs::write(folder.path().join("old.state"), "gelatin-state 1\n").expect("a file");
+        let judged = |name| verdict(PathUse::OpenState, &folder, name);
+        assert!(matches!(judged("old.state"), Verdict::Unusable(why) if why.contains("another version")));
+        assert!(matches!(judged("a.ron"), Verdict::Unusable(why) if why.contains("no state")));
+        let saved = |name| verdict(PathUse::SaveState, &folder, name);
+        assert!(matches!(saved("moment"), Verdict::Usable(path, _) if path.ends_with("moment.state")));
+        assert!(matches!(saved("old"), Verdict::Replaces(path) if path.ends_with("old.state")));
+        let text = format!("{}/", folder.path().display());
+        let names = entries(PathUse::OpenState, &text).into_iter().map(|entry| entry.name);
+        assert_eq!(names.collect::<Vec<_>>(), ["sub", "old.state"]);
     }
 
     #[test]

@@ -1,0 +1,87 @@
+//! The scene that a saved state belongs to, in words: what must be alike so that a state fits, and what a person is told
+//! where it does not. One line of JSON at the head of a state.
+
+use serde::{Deserialize, Serialize};
+
+use super::Session;
+
+/// What a state says of the scene that it was saved from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Origin {
+    /// The scene's title.
+    scene: String,
+    bodies: Vec<OriginBody>,
+    planes: usize,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct OriginBody {
+    name: String,
+    particles: usize,
+}
+
+impl Origin {
+    /// Of a session as it is now.
+    pub(super) fn of(session: &Session) -> Self {
+        let simulation = session.simulation();
+        let bodies = session.scene().bodies.iter().zip(&simulation.model().bodies);
+        let body = |(body, model): (&crate::scene::Body, &crate::physics::model::BodyModel<f32>)| OriginBody {
+            name: body.name.clone(),
+            particles: model.particles.len(),
+        };
+        Self {
+            scene: session.title().to_owned(),
+            bodies: bodies.map(body).collect(),
+            planes: simulation.state().side.len(),
+        }
+    }
+
+    /// The scene's title.
+    pub(super) fn scene(&self) -> &str {
+        &self.scene
+    }
+
+    /// The first thing in which a state of this scene does not fit into `here`; none where it fits. Names, places and
+    /// materials may differ: a state is carried on under other values too.
+    pub(super) fn difference(&self, here: &Self) -> Option<String> {
+        let of = |count: usize, one: &str, many: &str| match count {
+            1 => format!("1 {one}"),
+            count => format!("{count} {many}"),
+        };
+        let (saved, present) = (self.bodies.len(), here.bodies.len());
+        if saved != present {
+            return Some(format!("it has {}, this scene has {present}", of(saved, "body", "bodies")));
+        }
+        let pairs = self.bodies.iter().zip(&here.bodies);
+        if let Some((saved, present)) = { pairs }.find(|(saved, present)| saved.particles != present.particles) {
+            return Some(format!(
+                "its body {} has {} particles, {} in this scene has {}",
+                saved.name, saved.particles, present.name, present.particles
+            ));
+        }
+        (self.planes != here.planes)
+            .then(|| format!("it has {}, this scene has {}", of(self.planes, "plane", "planes"), here.planes))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn origin(bodies: &[(&str, usize)], planes: usize) -> Origin {
+        let body = |&(name, particles): &(&str, usize)| OriginBody { name: name.to_owned(), particles };
+        Origin { scene: "tower".to_owned(), bodies: bodies.iter().map(body).collect(), planes }
+    }
+
+    #[test]
+    fn the_first_difference_is_named_by_what_a_person_sees() {
+        let saved = origin(&[("Cube", 1000), ("Spot", 1750)], 1);
+        assert_eq!(saved.difference(&origin(&[("Red", 1000), ("Cow", 1750)], 1)), None, "names are free");
+        let fewer = saved.difference(&origin(&[("Cube", 1000)], 1));
+        assert_eq!(fewer.as_deref(), Some("it has 2 bodies, this scene has 1"));
+        let finer = saved.difference(&origin(&[("Cube", 1000), ("Cow", 9000)], 1));
+        assert_eq!(finer.as_deref(), Some("its body Spot has 1750 particles, Cow in this scene has 9000"));
+        let planes = saved.difference(&origin(&[("Cube", 1000), ("Spot", 1750)], 0));
+        assert_eq!(planes.as_deref(), Some("it has 1 plane, this scene has 0"));
+    }
+}
