@@ -11,7 +11,9 @@ use std::path::{Component, Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::scene::file::{SceneFileError, folder_of};
+use super::state_file::fnv1a;
+use crate::disk::{self, folder_of};
+use crate::scene::file::SceneFileError;
 use crate::scene::view_settings::CameraSettings;
 use crate::scene::{Scene, Shape, ViewSettings, builtin, presets};
 
@@ -27,6 +29,9 @@ pub enum SaveError {
     /// The name would not be recognised as a scene's.
     #[error("{}: the name of a scene file ends in .ron", .0.display())]
     NotAScene(PathBuf),
+    /// Another program has written to it.
+    #[error("{} has changed on the disk since it was opened; use Save as… to replace it or to keep both", .0.display())]
+    ChangedOnDisk(PathBuf),
     /// A model's place cannot be written into the file.
     #[error("bodies.{index}.shape.model.path: {} is not UTF-8, so it cannot be written; rename the folder", path.display())]
     ModelPath {
@@ -74,6 +79,30 @@ impl Opened {
     }
 }
 
+impl Opened {
+    /// The files that the scene is read from: its own and those of its models.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let models = self.scene.bodies.iter().filter_map(|body| match &body.shape {
+            Shape::Model(model) if !model.path.starts_with(builtin::PREFIX) => Some(self.base_dir.join(&model.path)),
+            _ => None,
+        });
+        models.chain(self.file.clone()).collect()
+    }
+}
+
+/// Whether two scenes differ in what a person would miss. How the picture is looked at is saved, but is no change: the
+/// camera, the colours, what is drawn over the jelly.
+pub fn differs(saved: &Scene, scene: &Scene) -> bool {
+    let Scene { version, settings, bodies, obstacles, view } = scene;
+    let ViewSettings { camera: _, light, color: _, color_range: _, overlays: _ } = view;
+    let same = saved.version == *version
+        && saved.settings == *settings
+        && saved.bodies == *bodies
+        && saved.obstacles == *obstacles
+        && saved.view.light == *light;
+    !same
+}
+
 /// Whether a file's name is that of a scene.
 pub fn is_scene_path(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron"))
@@ -87,6 +116,10 @@ pub(super) struct Document {
     pub(super) file: Option<PathBuf>,
     /// The scene as last opened or saved; none when that is lost.
     saved: Option<Scene>,
+    /// The fingerprint of the file as last opened or saved; none where there was none.
+    on_disk: Option<u64>,
+    /// How often saving was refused because another program had changed the file.
+    pub(super) refused_saves: u32,
 }
 
 impl Document {
@@ -94,38 +127,45 @@ impl Document {
     pub(super) fn new(opened: &Opened) -> Self {
         let Opened { scene, title, base_dir, file, unsaved } = opened;
         let saved = (!unsaved).then(|| scene.clone());
-        Self { title: title.clone(), base_dir: base_dir.clone(), file: file.clone(), saved }
+        let on_disk = file.as_deref().and_then(fingerprint);
+        let (title, base_dir, file) = (title.clone(), base_dir.clone(), file.clone());
+        Self { title, base_dir, file, saved, on_disk, refused_saves: 0 }
     }
 
-    /// Whether the scene holds changes that are in no file. How the picture is looked at is saved, but is no change:
-    /// the camera, the colours, what is drawn over the jelly.
+    /// Whether the scene holds changes that are in no file.
     pub(super) fn is_unsaved(&self, scene: &Scene) -> bool {
-        let Some(saved) = &self.saved else { return true };
-        let Scene { version, settings, bodies, obstacles, view } = scene;
-        let ViewSettings { camera: _, light, color: _, color_range: _, overlays: _ } = view;
-        let same = saved.version == *version
-            && saved.settings == *settings
-            && saved.bodies == *bodies
-            && saved.obstacles == *obstacles
-            && saved.view.light == *light;
-        !same
+        self.saved.as_ref().is_none_or(|saved| differs(saved, scene))
     }
 
-    /// Writes the scene, seen by `camera`, to its file or to another one, which is its file from then on.
+    /// Writes the scene, seen by `camera`, to its file or to one that is named, which is its file from then on. What
+    /// another program has written into its file in the meantime is replaced only by name.
     pub(super) fn save(&mut self, scene: &Scene, camera: CameraSettings, to: Option<PathBuf>) -> Result<(), SaveError> {
+        let named = to.is_some();
         let file = to.or_else(|| self.file.clone()).ok_or(SaveError::NoFile)?;
         let file = std::path::absolute(&file).unwrap_or(file);
         if !is_scene_path(&file) {
             return Err(SaveError::NotAScene(file));
         }
+        let present = fingerprint(&file);
+        if !named && present.is_some() && present != self.on_disk {
+            self.refused_saves += 1;
+            return Err(SaveError::ChangedOnDisk(file));
+        }
         let mut written = moved(scene, &self.base_dir, &folder_of(&file))?;
         written.view.camera = camera;
         written.save(&file)?;
         self.title = title_of(&file);
+        self.on_disk = fingerprint(&file);
+        self.refused_saves = 0;
         self.file = Some(file);
         self.saved = Some(scene.clone());
         Ok(())
     }
+}
+
+/// A number that tells a file's contents from others; none where there is no file.
+fn fingerprint(file: &Path) -> Option<u64> {
+    disk::read(file, u64::MAX).ok().map(|bytes| fnv1a(&bytes))
 }
 
 /// The same scene with its model paths as seen from another folder: relative where the two have a folder in common,
@@ -369,6 +409,25 @@ mod tests {
         let status = session.status();
         assert_eq!((status.title.as_str(), status.unsaved, status.file), (UNTITLED, false, None));
         assert!(matches!(session.handle(Command::Save { camera }), Err(SessionError::Save(SaveError::NoFile))));
+    }
+
+    #[test]
+    fn what_another_program_wrote_is_replaced_only_by_name() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut session, file) = opened(folder.path(), "a.ron");
+        let camera = CameraSettings::default();
+        session.handle(Command::Save { camera }).expect("nobody else has touched it");
+        std::fs::write(&file, "(version: 1)").expect("another program's work");
+        let refused = session.handle(Command::Save { camera }).expect_err("it would be lost").to_string();
+        assert!(refused.contains("a.ron has changed on the disk"), "{refused}");
+        assert_eq!(std::fs::read_to_string(&file).expect("a file"), "(version: 1)", "it is still there");
+        assert_eq!(session.status().refused_saves, 1, "the window can ask");
+        session.handle(Command::SaveAs { path: file.clone(), camera }).expect("by name");
+        assert!(Scene::load(&file).expect("a scene") != Scene::default(), "replaced");
+        assert_eq!(session.status().refused_saves, 0, "answered");
+        session.handle(Command::Save { camera }).expect("it is as this session left it");
+        std::fs::remove_file(&file).expect("it was there");
+        session.handle(Command::Save { camera }).expect("there is nothing to lose");
     }
 
     #[test]

@@ -22,6 +22,8 @@ pub struct Status {
     pub file: Option<PathBuf>,
     /// Whether the scene holds changes that are in no file.
     pub unsaved: bool,
+    /// How often saving was refused since the last success because another program had changed the file.
+    pub refused_saves: u32,
     /// Where relative model paths of the scene start.
     pub base_dir: PathBuf,
     /// Whether time runs.

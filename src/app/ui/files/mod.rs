@@ -4,6 +4,7 @@
 
 mod drop;
 mod load_model;
+mod overwrite;
 mod path_dialog;
 mod path_field;
 mod question;
@@ -46,6 +47,10 @@ pub enum FileAction {
     SaveAs,
     /// The assistant that makes a model into jelly.
     LoadModel,
+    /// The dialog to go on from a saved state.
+    OpenState,
+    /// The dialog to save the present state.
+    SaveState,
     /// Open what was found after a crash.
     Recover,
     /// Close the window.
@@ -97,6 +102,9 @@ pub struct FilesState {
     no_browser: bool,
     dialog: Option<PathDialog>,
     question: Option<Question>,
+    asks_to_overwrite: bool,
+    /// Refused saves that a person has answered.
+    answered_refusals: u32,
     model: Option<LoadModel>,
 }
 
@@ -111,7 +119,7 @@ impl FilesState {
         let may_open = |action: &FileAction| {
             !matches!(action, FileAction::New | FileAction::OpenFile(_) | FileAction::Save | FileAction::Recover)
         };
-        let open = self.dialog.is_some() || self.question.is_some() || self.model.is_some();
+        let open = self.dialog.is_some() || self.question.is_some() || self.model.is_some() || self.asks_to_overwrite;
         open || self.asked.iter().any(may_open)
     }
 
@@ -185,6 +193,7 @@ pub(super) fn files_ui(
     }
     question::hold_back(status, &mut state.files, commands);
     question::question_ui(ui, status, &mut state.files, commands);
+    overwrite::overwrite_ui(ui, status, &mut state.files, commands);
     path_dialog::path_dialog_ui(ui, state, commands);
     question::release(status, &mut state.files, commands);
 }
@@ -205,6 +214,17 @@ fn begin(action: FileAction, status: &Status, state: &mut UiState, commands: &mu
                 None => files.start_folder(status).join(Path::new(&status.title).with_extension("ron")),
             };
             files.dialog = Some(PathDialog::new(PathUse::SaveScene, &name));
+        }
+        FileAction::OpenState => {
+            let start = files.start_folder(status);
+            files.dialog = Some(PathDialog::new(PathUse::OpenState, &start));
+        }
+        FileAction::SaveState => {
+            // What is seen now is what is meant, however long the name takes.
+            commands.push(Command::Pause);
+            let name = Path::new(&status.title).with_extension("state");
+            let start = files.start_folder(status).join(name);
+            files.dialog = Some(PathDialog::new(PathUse::SaveState, &start));
         }
         FileAction::LoadModel => {
             let start = files.model_folder(status);
