@@ -1,14 +1,14 @@
 //! `gelatin run`: simulates without a window as fast as possible.
 
-use std::fs;
 use std::path::PathBuf;
 
-use anyhow::Context;
 use clap::Args;
 
 use super::Failure;
 use super::out::{self, Progress};
 use super::scene_args::{self, SceneArgs};
+use crate::session::Command;
+use crate::session::predict::{crawl, speed_alone};
 use crate::session::run::{RunFigures, run as run_session};
 use crate::view::legend::three_digits;
 
@@ -44,15 +44,22 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     if let Some(path) = &args.save_state {
         out::check_writable(path)?;
     }
-    let mut session = scene_args::session(args.scene.open()?)?;
+    let opened = args.scene.open()?;
+    if let Some(path) = &args.save_state {
+        out::check_spares(path, &opened.inputs())?;
+    }
+    let mut session = scene_args::session(opened)?;
     if let Some(path) = &args.from_state {
-        let shown = path.display();
-        let bytes = fs::read(path).with_context(|| format!("{shown} cannot be read"))?;
-        session.set_state_bytes(&bytes).with_context(|| shown.to_string())?;
+        session.handle(Command::OpenState { path: path.clone() })?;
+    }
+    if args.seconds > 0.0
+        && let Some(warning) = crawl(speed_alone(session.simulation()))
+    {
+        out::note(&format!("warning: {warning}"));
     }
     let figures = run_session(&mut session, args.seconds, &Progress::new("simulating"));
     if let Some(path) = &args.save_state {
-        out::write(path, &session.state_bytes())?;
+        session.handle(Command::SaveState { path: path.clone() })?;
     }
     if args.json {
         return Ok(out::json(&serde_json::to_value(&figures)?)?);

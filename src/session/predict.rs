@@ -15,6 +15,9 @@ const MEASURE_SECS: f64 = 0.5;
 /// The most processor time spent on that.
 const MEASURE: Duration = Duration::from_secs(1);
 
+/// Below this share of real time a person is told before anything runs.
+const SLOWEST: f64 = 1e-3;
+
 /// The prediction; the names are those of the JSON object of `gelatin check`. SI units.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
@@ -54,10 +57,11 @@ impl Prediction {
         limits.push(figure(Term::Combined, plan.limits.dt_limit_secs));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
         let substeps_per_frame = libm::ceil(1.0 / 60.0 / plan.substep_secs()) as u64;
+        let factor = speed_alone(session.simulation());
         Self {
             ok: true,
             errors: [],
-            warnings: session.warnings(),
+            warnings: crawl(factor).into_iter().chain(session.warnings()).collect(),
             scene: session.title().to_owned(),
             particles: simulation.model().particle_count(),
             links: simulation.model().link_counts().iter().sum(),
@@ -67,13 +71,29 @@ impl Prediction {
             integrator: plan.integrator.name(),
             limits,
             substeps_per_frame,
-            predicted_real_time_factor: speed_alone(session.simulation()),
+            predicted_real_time_factor: factor,
         }
     }
 }
 
+/// What a person should know before a run that nobody wants to wait for.
+pub fn crawl(real_time_factor: f64) -> Option<String> {
+    (real_time_factor < SLOWEST).then(|| {
+        let wait = 1.0 / real_time_factor.max(f64::MIN_POSITIVE);
+        let takes = match wait {
+            secs if secs < 7200.0 => format!("{:.0} minutes", secs / 60.0),
+            secs if secs < 172_800.0 => format!("{:.0} hours", secs / 3600.0),
+            secs if secs < 3e8 => format!("{:.0} days", secs / 86_400.0),
+            _ => "many years".to_owned(),
+        };
+        format!(
+            "a simulated second will take about {takes} on this machine: this is slower than a thousandth of real time"
+        )
+    })
+}
+
 /// Simulated seconds in a second of processor time, measured on a copy.
-fn speed_alone(simulation: &Simulation<f32>) -> f64 {
+pub fn speed_alone(simulation: &Simulation<f32>) -> f64 {
     let mut copy = simulation.clone();
     // The first one finds nothing in the caches.
     copy.substep(&mut ());
@@ -113,6 +133,16 @@ mod tests {
         assert!((speed_in_window(0.8, f64::INFINITY, 1.0) - 0.8).abs() < 1e-12, "alone, with nothing drawn");
         assert!((speed_in_window(0.8, f64::INFINITY, 0.5) - 0.4).abs() < 1e-12, "drawing takes half");
         assert!((speed_in_window(0.8, 0.8, 0.5) - 0.2).abs() < 1e-12, "and so does a body of the same cost");
+    }
+
+    #[test]
+    fn a_run_that_nobody_wants_to_wait_for_is_announced() {
+        assert_eq!(crawl(0.01), None, "slow, but one can watch it");
+        let words = |factor| crawl(factor).expect("slower than a thousandth");
+        assert!(words(0.000_5).contains("about 33 minutes"), "{}", words(0.000_5));
+        assert!(words(1e-5).contains("about 28 hours"), "{}", words(1e-5));
+        assert!(words(1e-6).contains("about 12 days"), "{}", words(1e-6));
+        assert!(words(0.0).contains("many years"), "it stands still");
     }
 
     #[test]

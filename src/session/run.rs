@@ -136,7 +136,15 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
     let steps = whole_steps(seconds, dt_secs);
     let mut next_sample = SAMPLE_SECS;
     for step in 0..steps {
-        report.add(&session.simulation.step_timed(&mut timer));
+        loop {
+            report.add(&session.simulation.substep(&mut timer));
+            let state = session.simulation.state();
+            if report.diverged || watch.cancelled() || state.is_between_steps() {
+                break;
+            }
+            // A step of thousands of substeps takes long: whoever waits sees it move and may stop it.
+            watch.progress((state.time_secs - time_at_start) / seconds);
+        }
         if report.diverged || watch.cancelled() {
             break;
         }

@@ -8,10 +8,11 @@ use gelatin::app::frame_meter::DrawingCost;
 use gelatin::app::theme;
 use gelatin::app::ui::files::{FileAction, FoundDraft, PathUse, Wish, Work};
 use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
+use gelatin::scene::body::UpAxis;
 use gelatin::scene::view_settings::CameraSettings;
-use gelatin::scene::{Scene, presets};
+use gelatin::scene::{Scene, Shape, presets};
 use gelatin::session::jellify::{Progress, jellify};
-use gelatin::session::{Command, Status};
+use gelatin::session::{Command, Session, Status};
 
 /// What the panels show, and what came of it.
 struct Stage {
@@ -90,6 +91,51 @@ fn the_menu_saves_and_opens() {
     harness.get_by_label("Browse…").click();
     harness.run_steps(2);
     assert!(matches!(harness.state().ui.files.wishes[..], [Wish::Browse(PathUse::OpenScene, _)]));
+}
+
+#[test]
+fn a_state_is_saved_and_opened_from_the_menu() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = folder.path().join("a.ron");
+    let mut harness = show(Some(&scene), false);
+    click(&mut harness, "File");
+    let commands = click(&mut harness, "Save state…");
+    assert!(matches!(commands[..], [Command::Pause]), "the moment waits for its name: {commands:?}");
+    harness.get_by_label("Save state as");
+    let commands = click(&mut harness, "Save");
+    let [Command::SaveState { path }] = &commands[..] else { panic!("a state to save, not {commands:?}") };
+    assert_eq!(*path, folder.path().join("a.state"), "beside the scene, under its name");
+    let mut session =
+        Session::new((presets::presets()[0].build)(), PathBuf::new(), "tower".to_owned()).expect("a session");
+    (0..250).for_each(|_| assert!(session.step(), "it falls"));
+    session.handle(commands[0].clone()).expect("the folder can be written");
+    click(&mut harness, "File");
+    click(&mut harness, "Open state…");
+    choose(&mut harness, PathUse::OpenState, &folder.path().join("a.state"));
+    harness.get_by_label("A state of tower at 0.250 s");
+    let opened = click(&mut harness, "Open");
+    assert!(matches!(&opened[..], [Command::OpenState { path }] if path.ends_with("a.state")), "{opened:?}");
+}
+
+#[test]
+fn what_another_program_wrote_is_replaced_only_after_a_question() {
+    let file = Path::new("/scenes/a.ron");
+    let mut harness = show(Some(file), true);
+    let refuse = |harness: &mut Harness<'_, Stage>| {
+        harness.state_mut().status.refused_saves += 1;
+        harness.run_steps(3);
+        harness.get_by_label("Changed on the disk");
+    };
+    refuse(&mut harness);
+    assert!(click(&mut harness, "Cancel").is_empty() && !is_open(&harness, "Changed on the disk"), "left alone");
+    refuse(&mut harness);
+    let commands = click(&mut harness, "Replace");
+    assert!(matches!(&commands[..], [Command::SaveAs { path, .. }] if path == file), "{commands:?}");
+    harness.state_mut().status.refused_saves = 0;
+    harness.run_steps(3);
+    refuse(&mut harness);
+    click(&mut harness, "Save as…");
+    assert!(is_open(&harness, "Save scene as") && !is_open(&harness, "Changed on the disk"), "another name");
 }
 
 #[test]
@@ -229,6 +275,11 @@ fn what_was_found_after_a_crash_is_offered() {
 /// Opens the assistant on a model and makes the body, as the window would on another thread.
 fn jellify_in_assistant(harness: &mut Harness<'_, Stage>, path: &Path) {
     harness.state_mut().ui.files.load_model(path);
+    jellify_wished(harness);
+}
+
+/// Makes the body that the assistant's values stand for.
+fn jellify_wished(harness: &mut Harness<'_, Stage>) {
     // The values have to stand for a while before the work begins.
     harness.run_steps(60);
     let wishes = std::mem::take(&mut harness.state_mut().ui.files.wishes);
@@ -242,7 +293,8 @@ fn jellify_in_assistant(harness: &mut Harness<'_, Stage>, path: &Path) {
         Err(error) => Work::Failed(error.to_string()),
     };
     harness.state_mut().ui.files.set_work(work);
-    harness.run_steps(3);
+    // The dialog grows around what will come of the model before it stands still.
+    harness.run_steps(10);
 }
 
 fn box_model(folder: &Path) -> PathBuf {
@@ -260,16 +312,49 @@ fn a_model_is_looked_at_before_it_is_added() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = show(None, false);
     jellify_in_assistant(&mut harness, &box_model(folder.path()));
-    for label in
-        ["Cells", "Particles", "Links", "Components", "Safe step", "Speed", "Divisions", "Length", "Fill", "Keep"]
-    {
+    for label in [
+        "Cells",
+        "Particles",
+        "Links",
+        "Components",
+        "Safe step",
+        "Speed",
+        "Divisions",
+        "Length",
+        "Fill",
+        "Keep",
+        "Up axis",
+    ] {
         assert!(harness.query_all_by_label(label).next().is_some(), "{label} is shown");
     }
+    assert!(is_open(&harness, "y, guessed"), "it stands as it is");
     let commands = click(&mut harness, "Add to scene");
     let [Command::AddBody { body, jelly }] = &commands[..] else { panic!("one body, not {commands:?}") };
     assert_eq!(body.name, "slab");
     assert!(jelly.report.as_ref().is_some_and(|report| report.cells > 10), "filled already");
     assert!(!is_open(&harness, "Load model"), "the assistant is closed");
+}
+
+#[test]
+fn a_model_that_lies_on_its_side_is_stood_up_by_a_guess_or_by_choice() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = box_model(folder.path());
+    let lying = "v 0 0 0\nv 3 0 0\nv 3 1 0\nv 0 1 0\nv 1 0 2\nf 1 2 3 4\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n";
+    std::fs::write(&path, lying.replace("v 1 0 2", "v 1.5 0.5 2")).expect("a file");
+    let mut harness = show(None, false);
+    jellify_in_assistant(&mut harness, &path);
+    assert!(is_open(&harness, "z, guessed"), "it stands only that way");
+    let choose = |harness: &mut Harness<'_, Stage>, label: &str| {
+        harness.get_by_role_and_label(egui::accesskit::Role::ComboBox, "Up axis").click();
+        harness.run_steps(3);
+        click(harness, label);
+        jellify_wished(harness);
+    };
+    choose(&mut harness, "−x");
+    let commands = click(&mut harness, "Add to scene");
+    let [Command::AddBody { body, .. }] = &commands[..] else { panic!("one body, not {commands:?}") };
+    let Shape::Model(model) = &body.shape else { panic!("a model") };
+    assert_eq!(model.up, UpAxis::MinusX, "as chosen");
 }
 
 #[test]

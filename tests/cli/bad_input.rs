@@ -14,6 +14,12 @@ pub(crate) fn refused(folder: &Folder, line: &str, code: i32, words: &[&str]) {
     assert_eq!(ran.code, Some(code), "gelatin {line}: {ran:?}");
     assert!(!ran.notes.contains("panicked"), "gelatin {line}: {}", ran.notes);
     assert!(ran.notes.starts_with("error: "), "gelatin {line}: {}", ran.notes);
+    let steers = |letter: char| letter.is_control() && letter != '\n';
+    assert!(!ran.notes.contains(steers), "gelatin {line} steers the terminal: {:?}", ran.notes);
+    let first = ran.notes.lines().next().unwrap_or_default();
+    let causes: Vec<&str> = first.split(": ").collect();
+    let repeated = causes.iter().enumerate().find(|(at, cause)| cause.len() > 12 && causes[..*at].contains(cause));
+    assert!(repeated.is_none(), "gelatin {line} says {repeated:?} twice: {first}");
     for word in words {
         assert!(ran.notes.contains(word), "gelatin {line} says nothing of {word}: {}", ran.notes);
     }
@@ -80,9 +86,76 @@ fn unknown_names_and_paths_are_refused_with_the_nearest() {
     refused(&folder, "check cube-on-plane --dt -1", USAGE, &["settings.dt", "1e-6 … 0.1 s"]);
     refused(&folder, "check cube-on-plane --integrator rk5", USAGE, &["semi-implicit", "rk4", "implicit"]);
     refused(&folder, "check cube-on-plane --threads -2", USAGE, &["threads"]);
+    refused(&folder, "check spot --up w", USAGE, &["auto, y, z, x, -y, -z or -x"]);
+    refused(&folder, "check spot --divisions 0", USAGE, &["1..=256"]);
+    refused(&folder, "check cube-on-plane --divisions 5", USAGE, &["--divisions", "the scene has none"]);
+    refused(&folder, "check spot --set bodies.0.shape.model.up=w", USAGE, &["auto, y, z, x, minus_y"]);
     refused(&folder, "check", USAGE, &["SCENE"]);
     refused(&folder, "report error", USAGE, &[]);
     refused(&folder, "--wobble", USAGE, &["--wobble"]);
+}
+
+/// The window is asked for with the same options, which are looked at before there is one.
+#[test]
+fn options_of_the_window_are_refused_as_those_of_a_run() {
+    let folder = Folder::new();
+    folder.write("tower.ron", "(version: 1, bodies: [(shape: cube(cells: 2))])");
+    for given in ["", "cube-on-plane", "tower.ron"] {
+        refused(&folder, &format!("{given} --dt -1"), USAGE, &["settings.dt", "1e-6 … 0.1 s"]);
+        refused(&folder, &format!("{given} --set settings.speed=3"), USAGE, &["settings.speed", "did you mean"]);
+        refused(&folder, &format!("{given} --integrator rk5"), USAGE, &["semi-implicit"]);
+        refused(&folder, &format!("{given} --divisions 30"), USAGE, &["the scene has none"]);
+        refused(&folder, &format!("{given} --dt 0.002 --set settings.gravity=1.6"), FAILED, &["display"]);
+    }
+    refused(&folder, "--dt 0.002 run cube-on-plane", USAGE, &["--dt"]);
+}
+
+#[test]
+fn what_is_repeated_of_files_and_arguments_is_short_and_steers_no_terminal() {
+    let folder = Folder::new();
+    folder
+        .write("field.ron", "(version: 1, \u{1b}[2J: 3)")
+        .write("value.ron", "(version: 1, settings: (integrator: \"\u{9b}2J\"))")
+        .write("word.obj", "v 0 0 0\nv 1 0 0\nv 0 1 \u{1b}]0;x\u{7}\nf 1 2 3\n");
+    for file in ["field.ron", "value.ron", "word.obj"] {
+        refused(&folder, &format!("check {file}"), FAILED, &[file]);
+    }
+    for line in ["check a\u{7}b", "check tree --set a\u{1b}[2Jb=1", "check tree --wobble\u{1b}[2J", "voxelize a\u{7}b"]
+    {
+        let ran = folder.run(line);
+        assert!(!ran.notes.contains(|letter: char| letter.is_control() && letter != '\n'), "{:?}", ran.notes);
+    }
+    let long = "x".repeat(20_000);
+    for line in
+        ["check LONG", "check tree --set LONG=1", "check tree --set bodies=LONG", "check tree --LONG", "voxelize LONG"]
+    {
+        let ran = folder.run(&line.replace("LONG", &long));
+        assert!(ran.code == Some(USAGE) || ran.code == Some(FAILED), "{line}: {:?}", ran.code);
+        assert!(ran.notes.len() < 2000, "{line} answers with {} bytes", ran.notes.len());
+    }
+    folder.write(
+        "named.ron",
+        "(version: 1, bodies: [(name: \"\u{1b}[2J\", shape: cube(cells: 1)), (shape: cube(cells: 1))])",
+    );
+    let ran = folder.run("run named.ron --seconds 0");
+    assert!(ran.notes.contains("in each other's way") && !ran.notes.contains('\u{1b}'), "{:?}", ran.notes);
+    refused(&folder, "check tree --set bodies=[[[", USAGE, &["bodies = [[[ does not fit"]);
+}
+
+#[test]
+fn no_model_and_no_scene_are_said_to_be_missing() {
+    let folder = Folder::new();
+    let said = |arguments: &[&str]| {
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_gelatin")).args(arguments).output();
+        let output = output.expect("the program starts");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, words) = said(&["voxelize", ""]);
+    assert!(code == Some(USAGE) && words.contains("no model is named"), "{words}");
+    let (code, words) = said(&["check", ""]);
+    assert!(code == Some(USAGE) && words.contains("called \"\""), "{words}");
+    folder.write("point.obj", square(0.0, 1.0));
+    refused(&folder, "check point.obj", FAILED, &["point.obj cannot be filled with cells: "]);
 }
 
 #[test]
@@ -117,9 +190,46 @@ fn output_that_cannot_be_written_is_refused_first() {
 }
 
 #[test]
+fn no_command_replaces_what_it_reads() {
+    let folder = Folder::new();
+    folder
+        .write("flat.obj", square(1.0, 0.0))
+        .write("flat.ron", "(version: 1, bodies: [(shape: model(path: \"flat.obj\", divisions: 3))])");
+    let words = &["would be replaced", "another name"];
+    refused(&folder, "voxelize flat.obj -o flat.obj", USAGE, words);
+    refused(&folder, "voxelize flat.obj -o ./flat.obj", USAGE, words);
+    refused(&folder, "run flat.ron --seconds 0 --save-state flat.ron", USAGE, words);
+    refused(&folder, "run flat.ron --seconds 0 --save-state flat.obj", USAGE, words);
+    refused(&folder, "run flat.obj --seconds 0 --save-state flat.obj", USAGE, words);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("flat.obj", folder.path("link.obj")).expect("a link");
+        refused(&folder, "voxelize flat.obj -o link.obj", USAGE, words);
+        fs::hard_link(folder.path("flat.ron"), folder.path("second.state")).expect("another name");
+        refused(&folder, "run flat.ron --seconds 0 --save-state second.state", USAGE, words);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn pipes_and_devices_are_refused_and_not_waited_for() {
+    let folder = Folder::new();
+    folder.write("flat.obj", square(1.0, 0.0));
+    let made = std::process::Command::new("mkfifo").arg(folder.path("pipe")).status().expect("mkfifo runs");
+    assert!(made.success(), "a pipe");
+    for (path, kind) in [("pipe", "pipe"), ("/dev/zero", "device")] {
+        refused(&folder, &format!("run tree --seconds 0 --from-state {path}"), FAILED, &[path, kind]);
+        refused(&folder, &format!("run tree --seconds 0 --save-state {path}"), FAILED, &[path, kind]);
+        refused(&folder, &format!("voxelize flat.obj -o {path}"), FAILED, &[path, kind]);
+        refused(&folder, &format!("voxelize {path}"), FAILED, &[path, kind]);
+        refused(&folder, &format!("render tree --at 0 -o {path}"), USAGE, &[path, ".png"]);
+    }
+}
+
+#[test]
 fn runs_that_cannot_be_are_refused() {
     let folder = Folder::new();
-    folder.write("other.state", "gelatin-state 4\nnot much").write("kept.state", "kept");
+    folder.write("other.state", "gelatin-state 5\nnot much").write("kept.state", "kept");
     refused(&folder, "run cube-on-plane --seconds -1", USAGE, &["0 to 86400"]);
     refused(&folder, "run cube-on-plane --seconds nan", USAGE, &["0 to 86400"]);
     refused(&folder, "run cube-on-plane --seconds 0 --from-state gone.state", FAILED, &["gone.state"]);
@@ -142,6 +252,8 @@ fn pictures_that_cannot_be_are_refused_and_nothing_is_overwritten() {
     refused(&folder, "render cube-on-plane -o kept.png --color red", USAGE, &["plain", "strain"]);
     refused(&folder, "render cube-on-plane -o kept.png --frames 0", USAGE, &["1..=100000"]);
     refused(&folder, "render gone.obj -o kept.png", FAILED, &["gone.obj"]);
+    fs::create_dir(folder.path("row_0003.png")).expect("a folder");
+    refused(&folder, "render cube-on-plane --at 0 --frames 4 -o row.png", FAILED, &["row_0003.png", "is a folder"]);
 }
 
 #[test]

@@ -26,11 +26,38 @@ fn voxelize_reports_and_writes_the_cells() {
     for key in ["vertices", "triangles", "boundary_edges", "parts", "cells", "particles", "links", "components"] {
         assert!(report[key].is_u64(), "{key} is in {report}");
     }
-    for key in ["model", "closed", "why", "dropped_cells", "joined_parts", "thin_parts", "wall_secs", "warnings"] {
+    for key in ["model", "up", "closed", "why", "dropped_cells", "joined_parts", "thin_parts", "wall_secs", "warnings"]
+    {
         assert!(!report[key].is_null(), "{key} is in {report}");
     }
     let cells = folder.json("voxelize cells.obj --divisions 4 --json");
     assert_eq!((&cells["closed"], &cells["cells"]), (&true.into(), &report["cells"]), "the cells are their own cells");
+}
+
+/// A tent that lies on its side where y is up.
+const LYING: &str = "v 0 0 0\nv 4 0 0\nv 4 2 0\nv 0 2 0\nv 2 1 3\nf 1 2 3 4\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n";
+
+#[test]
+fn a_model_with_z_up_is_stood_up_and_its_cells_are_written_where_it_lies() {
+    let folder = Folder::new();
+    folder.write("tent.obj", LYING);
+    let height = |options: &str| {
+        let run = folder.json(&format!("run tent.obj --seconds 0 --json {options}"));
+        let [low, high] = ["min", "max"].map(|end| run["bounds"][end][1].as_f64().expect("a height"));
+        (((high - low) * 100.0).round() / 100.0, run["warnings"].to_string().contains("z is taken for up"))
+    };
+    assert_eq!(height("--divisions 8"), (0.75, true), "guessed, and said");
+    assert_eq!(height("--divisions 8 --up y"), (0.5, false), "as the file has it");
+    assert_eq!(height("--divisions 8 --up -x"), (1.0, false), "on end");
+    assert_eq!(height("--set bodies.0.shape.model.up=z --divisions 8"), (0.75, false), "as asked for");
+    let found = folder.json("voxelize tent.obj --divisions 8 -o cells.obj --json");
+    assert_eq!(found["up"], "z", "{found}");
+    let cells = folder.json("voxelize cells.obj --up y --divisions 8 --occupancy centre --json");
+    assert_eq!(cells["cells"], found["cells"], "the cells are their own cells");
+    let depth = |line: &str| line.strip_prefix("v ").and_then(|at| at.split(' ').nth(2)?.parse::<f64>().ok());
+    let text = std::fs::read_to_string(folder.path("cells.obj")).expect("the cells");
+    let highest = text.lines().filter_map(depth).fold(0.0, f64::max);
+    assert!((highest - 3.0).abs() < 1e-9, "3 high along z, as in the model's file: {highest}");
 }
 
 #[test]
@@ -46,6 +73,8 @@ fn check_counts_what_a_preset_holds_and_lists_errors() {
     let folder = Folder::new();
     let cube = folder.json("check cube-on-plane --json");
     assert_eq!((&cube["particles"], &cube["links"]), (&1000.into(), &12_876.into()), "10 particles an edge");
+    let [coarse, fine] = [6, 12].map(|n| folder.json(&format!("check spot --divisions {n} --json")));
+    assert!(coarse["particles"].as_u64() < fine["particles"].as_u64(), "{coarse} and {fine}");
     let small = folder.json("check cube-on-plane --set bodies.0.shape.cube.cells=1 --json");
     assert_eq!(small["links"], 28, "one cell");
     folder.write("range.ron", "(version: 1, settings: (dt: 9.0))");
