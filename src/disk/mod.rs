@@ -33,7 +33,7 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     }
     let mut bytes = Vec::new();
     if about.len() <= limit {
-        File::open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
+        File::open(path)?.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
     }
     if about.len() > limit || bytes.len() as u64 > limit {
         return Err(ReadError::TooLarge(limit));
@@ -152,6 +152,7 @@ mod tests {
         let file = folder.path().join("a");
         write(&file, b"12345").expect("a new file");
         assert_eq!(read(&file, 5).expect("as large as may be"), b"12345");
+        assert_eq!(read(&file, u64::MAX).expect("however large"), b"12345");
         let refusal = |path: &Path, limit| read(path, limit).expect_err("refused").to_string();
         assert_eq!(refusal(&file, 4), "is larger than 0 MiB", "too large");
         assert_eq!(refusal(folder.path(), 9), "is a folder, not a file");
