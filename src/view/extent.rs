@@ -7,8 +7,10 @@ use crate::math::Aabb;
 
 /// A plane this level is a floor.
 const FLOOR_NORMAL_Y: f32 = 0.999;
-/// A plane wider than this many times all the rest is seen only as far as it lies near the rest.
-const WIDE: f32 = 3.0;
+/// A floor wider than this many times all the rest is seen only as far as it lies near the rest.
+const WIDE_FLOOR: f32 = 1.5;
+/// The same of a slope or a wall, which is a thing to look at by itself.
+const WIDE_SLOPE: f32 = 3.0;
 /// How far beside the rest such a plane is still near, and how far above or below, in sizes of the rest.
 const NEAR: [f32; 2] = [0.05, 1.0];
 
@@ -33,7 +35,10 @@ impl DrawList {
         let small = |core: Aabb<f32>| {
             move |solid: &&Solid| match solid {
                 Solid::Sphere { .. } => true,
-                Solid::Plane { .. } => solid.bounds().size().max_element() <= WIDE * core.size().max_element(),
+                Solid::Plane { .. } => {
+                    let wide = if is_level(solid) { WIDE_FLOOR } else { WIDE_SLOPE };
+                    solid.bounds().size().max_element() <= wide * core.size().max_element()
+                }
             }
         };
         let join = |bounds: Aabb<f32>, solid: &Solid| bounds.joined(solid.bounds());
@@ -57,13 +62,17 @@ impl DrawList {
         let bodies = self.body_bounds().size();
         let needed = if bodies.is_finite() { bodies.x.max(bodies.z) } else { 0.0 };
         let heights = self.solids.iter().filter_map(|solid| match *solid {
-            Solid::Plane { center, axes: [u, v], half_extents: [a, b] } => {
-                (u.cross(v).y.abs() > FLOOR_NORMAL_Y && 2.0 * a.min(b) >= needed).then_some(center.y)
+            Solid::Plane { center, half_extents: [a, b], .. } => {
+                (is_level(solid) && 2.0 * a.min(b) >= needed).then_some(center.y)
             }
             Solid::Sphere { .. } => None,
         });
         heights.reduce(f32::min)
     }
+}
+
+fn is_level(solid: &Solid) -> bool {
+    matches!(solid, Solid::Plane { axes: [u, v], .. } if u.cross(*v).y.abs() > FLOOR_NORMAL_Y)
 }
 
 #[cfg(test)]
@@ -111,8 +120,14 @@ mod tests {
         assert!(bounds.max.x > 2.39 && bounds.max.x < 2.7, "the ball and little more: {bounds:?}");
         assert!(bounds.min.y.abs() < 1e-6 && (bounds.max.y - 1.5).abs() < 1e-6, "down to the floor: {bounds:?}");
         assert!(bounds.min.x > -0.8 && bounds.size().z < 1.6, "not all of the floor: {bounds:?}");
-        let shelf = picture(vec![level(-0.5, 0.8)]).bounds();
-        assert!((shelf.size().x - 1.6).abs() < 1e-6, "a plane as small as the rest counts whole: {shelf:?}");
+        let shelf = picture(vec![level(-0.5, 0.7)]).bounds();
+        assert!((shelf.size().x - 1.4).abs() < 1e-6, "a floor as small as the rest counts whole: {shelf:?}");
+        let hall = picture(vec![level(0.0, 1.0)]).bounds();
+        assert!(hall.size().x < 1.2, "a floor twice as wide does not: {hall:?}");
+        let up = Vec3::new(0.6, 0.8, 0.0);
+        let slope = Solid::Plane { center: Vec3::ZERO, axes: [up, Vec3::Z], half_extents: [1.0; 2] };
+        let sloping = picture(vec![slope]).bounds();
+        assert!((sloping.size().z - 2.0).abs() < 1e-6, "a slope of that width does: {sloping:?}");
         let far_below = picture(vec![level(-40.0, 10.0)]).bounds();
         assert!((far_below.min.y - 0.5).abs() < 1e-6, "a floor far below does not: {far_below:?}");
         let empty = DrawList { solids: vec![level(0.0, 10.0)], ..DrawList::default() }.bounds();
