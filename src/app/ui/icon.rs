@@ -39,13 +39,13 @@ pub(super) fn icon_button_ui(ui: &mut Ui, icon: Icon, name: &str, key: &str, ena
     if key.is_empty() { response.on_hover_text(name) } else { response.on_hover_text(format!("{name}  ({key})")) }
 }
 
-/// A button for a row of a list: a sign without a ground of its own.
-pub(super) fn small_button_ui(ui: &mut Ui, icon: Icon, name: &str) -> Response {
+/// A button for a row of a list: a sign without a ground of its own; what it does stands in the tooltip.
+pub(super) fn small_button_ui(ui: &mut Ui, icon: Icon, name: &str, help: &str) -> Response {
     let ground = ui.visuals().widgets.inactive.weak_bg_fill;
     ui.visuals_mut().widgets.inactive.weak_bg_fill = Color32::TRANSPARENT;
     let response = sign_ui(ui, icon, name, Vec2::new(24.0, 22.0), true);
     ui.visuals_mut().widgets.inactive.weak_bg_fill = ground;
-    response.on_hover_text(name)
+    response.on_hover_text(help)
 }
 
 fn sign_ui(ui: &mut Ui, icon: Icon, name: &str, size: Vec2, enabled: bool) -> Response {

@@ -75,7 +75,8 @@ fn row_ui(ui: &mut Ui, running: Running<'_>, target: Target, state: &mut UiState
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let (icon, word) = if hidden { (Icon::EyeClosed, "Show") } else { (Icon::Eye, "Hide") };
-            if small_button_ui(ui, icon, &format!("{word} {name}")).clicked() {
+            let label = format!("{word} {name}");
+            if small_button_ui(ui, icon, &label, &label).clicked() {
                 actions::act(ChosenAction::Hide, target, running, state, commands);
             }
             if let (true, Target::Body(body)) = (gone, target) {
@@ -108,8 +109,7 @@ fn is_gone(running: Running<'_>, target: Target) -> bool {
 /// The mark of a body that has fallen out of the scene, which brings it back.
 fn gone_ui(ui: &mut Ui, body: BodyId, scene: &Scene, name: &str, commands: &mut Vec<Command>) {
     let help = "It fell past everything in the scene and is left alone. A click brings it back to its start.";
-    let button = small_button_ui(ui, Icon::Gone, &format!("Bring {name} back"));
-    if button.on_hover_text(help).clicked() {
+    if small_button_ui(ui, Icon::Gone, &format!("Bring {name} back"), help).clicked() {
         commands.push(Command::Teleport(body, scene.bodies[body.0].pose.position));
     }
 }
