@@ -12,9 +12,10 @@ const BETWEEN: ViewRect = ViewRect { origin: Vec2::new(192.0, 45.0), size: Vec2:
 /// The middle of what lies between the panels, up to the card at the bottom.
 const HORIZON: ViewRect = ViewRect { origin: Vec2::new(192.0, 560.0), size: Vec2::new(750.0, 120.0) };
 
-/// The blue of the second body.
+/// The green of the second body.
 fn is_second([red, green, blue]: [u8; 3]) -> bool {
-    blue > 120 && blue > red.saturating_mul(2) && blue > green
+    let [red, green, blue] = [red, green, blue].map(u32::from);
+    green > 90 && 4 * green > 5 * red && 4 * green > 5 * blue
 }
 
 /// The grey of the floor, lit.
