@@ -265,7 +265,7 @@ fn speed_words(alone: f64, status: &Status) -> String {
         factor => format!("{factor:.2}× real time"),
     };
     let by_itself = words(f64::INFINITY);
-    if status.speed_alone.is_finite() {
+    if status.speed_alone.is_finite() && !status.at_rest {
         format!("{by_itself} by itself, {} beside what is there", words(status.speed_alone))
     } else {
         by_itself
@@ -284,5 +284,6 @@ mod tests {
         assert_eq!(said(6.4, &still), "real time (up to 3.2×)");
         let busy = Status { speed_alone: 0.8, ..still };
         assert_eq!(said(0.8, &busy), "0.40× real time by itself, 0.20× real time beside what is there");
+        assert_eq!(said(0.8, &Status { at_rest: true, ..busy }), "0.40× real time", "what rests costs nothing");
     }
 }
