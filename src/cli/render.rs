@@ -14,7 +14,7 @@ use crate::export::legend::draw_legend;
 use crate::export::png::write_png;
 use crate::extract;
 use crate::geometry::Watch;
-use crate::render::{Gpu, Renderer, offscreen};
+use crate::render::{Gpu, Quality, Renderer, offscreen};
 use crate::scene::ColorBy;
 use crate::session::Session;
 use crate::session::run::whole_steps;
@@ -90,7 +90,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let mut session = scene_args::session(opened)?;
     let gpu = Gpu::headless()?;
-    let mut renderer = offscreen::renderer(&gpu);
+    let mut renderer = offscreen::renderer(&gpu, Quality::Fine);
     let watch = Progress::new("simulating");
     let dt_secs = session.scene().settings.dt;
     let last = whole_steps(args.at + (outputs.len() - 1) as f64 / args.fps, dt_secs);

@@ -3,7 +3,8 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::error::GpuError;
-use super::target::{DEPTH_FORMAT, SAMPLES};
+use super::quality::SAMPLES;
+use super::target::DEPTH_FORMAT;
 
 /// `software` in this environment variable takes a software adapter before any hardware.
 pub const ADAPTER_VARIABLE: &str = "GELATIN_ADAPTER";

@@ -2,6 +2,7 @@
 
 use super::error::RenderError;
 use super::gpu::Gpu;
+use super::quality::Quality;
 use super::readback::read_image;
 use super::renderer::{FrameTarget, Renderer};
 use super::target::{attachment, check_size};
@@ -11,8 +12,8 @@ use crate::view::{DrawList, Image};
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// A renderer for pictures without a window.
-pub fn renderer(gpu: &Gpu) -> Renderer {
-    Renderer::new(&gpu.device, &gpu.queue, FORMAT)
+pub fn renderer(gpu: &Gpu, quality: Quality) -> Renderer {
+    Renderer::new(&gpu.device, &gpu.queue, FORMAT, quality)
 }
 
 /// Draws a picture of `size` pixels; the renderer must be one for [`FORMAT`].

@@ -12,11 +12,12 @@ use super::passes::outline::{Masked, OutlinePass};
 use super::passes::shadow::{Casters, ShadowPass};
 use super::passes::skin::SkinPass;
 use super::passes::solid::SolidPass;
+use super::quality::Quality;
 use super::readback::read_buffer;
 use super::scene::SceneBuffers;
 use super::shadow_fit::{self, ShadowFit};
 use super::shared::Shared;
-use super::target::{self, Output, SAMPLES, Target};
+use super::target::{self, Output, Target};
 use crate::view::DrawList;
 
 /// Draws draw lists into targets of one format.
@@ -77,16 +78,8 @@ pub struct FrameCounters {
 
 impl Renderer {
     /// Compiles the passes for targets of `format`, which should be an sRGB one: light is blended in linear space.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat) -> Self {
-        Self::with_output(device, queue, Output { format, samples: SAMPLES })
-    }
-
-    /// As [`Renderer::new`] without antialiasing: three times as fast where a processor does the drawing.
-    pub fn without_antialiasing(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat) -> Self {
-        Self::with_output(device, queue, Output { format, samples: 1 })
-    }
-
-    fn with_output(device: &wgpu::Device, queue: &wgpu::Queue, output: Output) -> Self {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat, quality: Quality) -> Self {
+        let output = Output { format, quality };
         let frame_layout = Shared::frame_layout(device);
         let lighting_layout = Shared::lighting_layout(device);
         let lit = [Some(&frame_layout), Some(&lighting_layout)];

@@ -1,9 +1,8 @@
 //! What is drawn into before the finished picture: antialiased colour and depth, and the sizes that are possible.
 
 use super::error::RenderError;
+use super::quality::{Quality, SAMPLES};
 
-/// Samples a pixel.
-pub const SAMPLES: u32 = 4;
 /// The format of depth; see [`crate::view::camera`] for why it is floating-point.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -12,8 +11,8 @@ pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 pub struct Output {
     /// The format of colours.
     pub format: wgpu::TextureFormat,
-    /// Samples a pixel: [`SAMPLES`], or 1 without antialiasing.
-    pub samples: u32,
+    /// How finely they are drawn.
+    pub quality: Quality,
 }
 
 /// Colour and depth of one size.
@@ -31,10 +30,10 @@ impl Target {
     /// Textures for pictures of `size` pixels.
     pub fn new(device: &wgpu::Device, output: Output, size: [u32; 2]) -> Result<Self, RenderError> {
         check_size(device, size)?;
-        let texture =
-            |label, format| attachment(device, label, format, size, output.samples, wgpu::TextureUsages::empty());
+        let samples = output.quality.samples();
+        let texture = |label, format| attachment(device, label, format, size, samples, wgpu::TextureUsages::empty());
         let view = |texture: wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let color = (output.samples > 1).then(|| view(texture("color", output.format)));
+        let color = (samples > 1).then(|| view(texture("color", output.format)));
         Ok(Self { size, color, depth: view(texture("depth", DEPTH_FORMAT)) })
     }
 }

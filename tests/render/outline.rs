@@ -1,6 +1,6 @@
 //! The outline of what is selected surrounds its silhouette and covers none of it.
 
-use gelatin::render::{Renderer, offscreen};
+use gelatin::render::Quality;
 use gelatin::view::color::srgb_from_linear;
 use gelatin::view::{Camera, DrawList, Image, Selected, Solid};
 use glam::{Vec2, Vec3};
@@ -11,9 +11,7 @@ use crate::scenes::{camera, cube};
 const SIZE: [u32; 2] = [240, 240];
 
 fn studios() -> [Studio; 2] {
-    let mut quick = Studio::new();
-    quick.renderer = Renderer::without_antialiasing(&quick.gpu.device, &quick.gpu.queue, offscreen::FORMAT);
-    [Studio::new(), quick]
+    [Quality::Fine, Quality::Quick].map(Studio::of)
 }
 
 fn seen(camera: &Camera, point: Vec3) -> Vec2 {

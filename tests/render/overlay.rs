@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use gelatin::render::{Renderer, offscreen};
+use gelatin::render::Quality;
 use gelatin::view::overlay::{CellFrames, Fill, LineEnds, Lines, PointPlaces, Points, Segment};
 use gelatin::view::style::Tint;
 use gelatin::view::{DrawList, Image, Selected, Solid, Style};
@@ -39,14 +39,9 @@ fn whiter(before: &Image, after: &Image, at: Vec2) -> f32 {
 
 #[test]
 fn a_line_runs_from_end_to_end_and_is_as_wide_as_it_says() {
-    let mut studio = Studio::new();
     let empty = DrawList { camera: camera(), ..DrawList::default() };
     let (from, to) = (Vec3::new(-0.7, 0.3, 0.2), Vec3::new(0.8, 1.1, -0.4));
-    for fine in [true, false] {
-        if !fine {
-            let gpu = &studio.gpu;
-            studio.renderer = Renderer::without_antialiasing(&gpu.device, &gpu.queue, offscreen::FORMAT);
-        }
+    for mut studio in [Quality::Fine, Quality::Quick].map(Studio::of) {
         let before = studio.picture(&empty, SIZE);
         for width in [4.0, 9.0] {
             let after = studio.picture(&with_lines(empty.clone(), vec![line(from, to, width, 0.0)]), SIZE);

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use gelatin::render::Quality;
 use gelatin::render::layout::DeformedVertex;
-use gelatin::render::{Renderer, offscreen};
 use gelatin::view::color::{linear_from_srgb, srgb_from_linear};
 use gelatin::view::{Camera, DrawList, Image, Light, Solid};
 use glam::{Vec2, Vec3};
@@ -181,10 +181,7 @@ fn bodies_keep_their_own_colours() {
 
 #[test]
 fn without_antialiasing_only_edges_differ() {
-    let mut studio = Studio::new();
-    let smooth = studio.picture(&cube(), SIZE);
-    studio.renderer = Renderer::without_antialiasing(&studio.gpu.device, &studio.gpu.queue, offscreen::FORMAT);
-    let rough = studio.picture(&cube(), SIZE);
+    let [smooth, rough] = [Quality::Fine, Quality::Quick].map(|quality| Studio::of(quality).picture(&cube(), SIZE));
     let pixels = smooth.rgba.chunks(4).zip(rough.rgba.chunks(4));
     let differing = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 8)).count();
     assert!((1..smooth.rgba.len() / 4 / 20).contains(&differing), "{differing} pixels differ");

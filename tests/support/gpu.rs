@@ -1,6 +1,6 @@
 //! A software adapter first, so that pictures do not depend on the machine; none at all fails with what to install.
 
-use gelatin::render::{Gpu, Preference, Renderer, offscreen};
+use gelatin::render::{Gpu, Preference, Quality, Renderer, offscreen};
 use gelatin::view::{DrawList, Image};
 
 /// A device and a renderer for pictures.
@@ -11,8 +11,12 @@ pub(crate) struct Studio {
 
 impl Studio {
     pub(crate) fn new() -> Self {
+        Self::of(Quality::Fine)
+    }
+
+    pub(crate) fn of(quality: Quality) -> Self {
         let gpu = Gpu::headless_with(Preference::Software).unwrap_or_else(|error| panic!("{error}"));
-        let renderer = offscreen::renderer(&gpu);
+        let renderer = offscreen::renderer(&gpu, quality);
         Self { gpu, renderer }
     }
 

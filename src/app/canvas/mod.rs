@@ -23,7 +23,7 @@ use self::layer::{Layer, pixels, scaled};
 use self::surface::{Answer, Surface};
 use super::input::ViewRect;
 use crate::render::compose::Layers;
-use crate::render::{Compositor, FrameTarget, Gpu, GpuError, Preference, RenderError, Renderer, Viewport};
+use crate::render::{Compositor, FrameTarget, Gpu, GpuError, Preference, Quality, RenderError, Renderer, Viewport};
 use crate::view::DrawList;
 
 /// Why nothing can be drawn in the window.
@@ -147,8 +147,8 @@ impl Canvas {
         log::info!("drawing with {}", gpu.description());
         let surface = Surface::new(&gpu, Arc::clone(&window), surface)?;
         let (device, queue, format) = (&gpu.device, &gpu.queue, surface.format());
-        let renderer = Renderer::new(device, queue, format.add_srgb_suffix());
-        let quick = gpu.is_software().then(|| Renderer::without_antialiasing(device, queue, format.add_srgb_suffix()));
+        let renderer_of = |quality| Renderer::new(device, queue, format.add_srgb_suffix(), quality);
+        let (renderer, quick) = (renderer_of(Quality::Fine), gpu.is_software().then(|| renderer_of(Quality::Quick)));
         let panel_renderer = egui_wgpu::Renderer::new(device, format, RendererOptions::default());
         let compositor = Compositor::new(device, format);
         Ok(Self {

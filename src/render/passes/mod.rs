@@ -105,7 +105,7 @@ fn drawing_pipeline_with(
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }),
-        multisample: wgpu::MultisampleState { count: output.samples, ..Default::default() },
+        multisample: wgpu::MultisampleState { count: output.quality.samples(), ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: Some(entries.fragment),

@@ -181,7 +181,7 @@ impl OutlinePass {
         };
         self.looks.set(device, queue, 0, bytemuck::bytes_of(&look), &positions, bytes_counted);
         if self.mask.as_ref().is_none_or(|mask| mask.size != size) {
-            self.mask = Some(Mask::new(device, &self.mask_layout, self.output.samples, size));
+            self.mask = Some(Mask::new(device, &self.mask_layout, self.output.quality.samples(), size));
         }
         self.ready = Some(Ready { selected, placed });
         Ok(())
@@ -295,7 +295,7 @@ fn mask_pipeline(
         },
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: None,
-        multisample: wgpu::MultisampleState { count: output.samples, ..Default::default() },
+        multisample: wgpu::MultisampleState { count: output.quality.samples(), ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: Some("mask_fragment"),
