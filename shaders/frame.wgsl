@@ -17,21 +17,32 @@ struct Frame {
     background_bottom: vec3f,
     grid_opacity: f32,
     grid: vec3f,
-    // Distance between strong lines of the grid, m.
+    // Distance between the finest lines of the grid, m.
     grid_spacing: f32,
-    obstacle: vec3f,
+    // How strong the lines of each level are, the finest first.
+    grid_strengths: vec3f,
+    // Width of the lines, m.
+    grid_width: f32,
+    plane_line: vec3f,
+    plane_line_opacity: f32,
+    camera_target: vec3f,
     // Distance at which the ground has faded out, m.
     ground_radius: f32,
-    obstacle_edge: vec3f,
-    // A typical thickness of a body, m.
-    body_size: f32,
-    camera_target: vec3f,
+    // The corner of least x, y and z of the map of contact shadows, m.
+    contact_origin: vec3f,
+    // The sides of that map along x and z, m.
+    contact_side: f32,
+    // The height of that map, m.
+    contact_height: f32,
+    // How far a contact shadow reaches, m.
+    contact_reach: f32,
+    contact_opacity: f32,
     color_low: f32,
+    // Width and height of the picture, pixels.
+    viewport: vec2f,
     // One over the range of colours; 0 shows bodies in their own colours.
     color_scale: f32,
     show_scalars: u32,
-    // Width and height of the picture, pixels.
-    viewport: vec2f,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -7,6 +7,8 @@ struct Varying {
     @location(1) normal: vec3f,
     @location(2) scalar: f32,
     @location(3) @interpolate(flat) color: vec3f,
+    // The body's largest side, m.
+    @location(4) @interpolate(flat) size: f32,
 }
 
 @vertex
@@ -15,8 +17,9 @@ fn vertex(
     @location(1) scalar: f32,
     @location(2) normal: vec3f,
     @location(3) color: vec3f,
+    @location(4) size: f32,
 ) -> Varying {
-    return Varying(frame.clip_from_world * vec4f(position, 1.0), position, normal, scalar, color);
+    return Varying(frame.clip_from_world * vec4f(position, 1.0), position, normal, scalar, color, size);
 }
 
 @fragment
@@ -39,8 +42,8 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     let diffuse = max((facing + 0.25) / 1.25, 0.0) * mix(0.15, 1.0, share);
     // Light that has come through the body to a point under the skin, less the longer its way (Beer and Lambert): thin
     // parts and edges towards the light glow, the heart of the body is deeper in colour.
-    let under = shadow_place(in.world - normal * (0.18 * frame.body_size), vec3f(0.0));
-    var through = exp(-4.5 * depth_below_light(under) / frame.body_size);
+    let under = shadow_place(in.world - normal * (0.18 * in.size), vec3f(0.0));
+    var through = exp(-4.5 * depth_below_light(under) / in.size);
     if frame.show_scalars != 0u {
         // Colours that are to be read must not depend on how deep the body is.
         through = mix(0.5, through, 0.2);

@@ -1,54 +1,98 @@
-// Obstacles: matt, two-sided, planes with a visible edge and a faint grid in metres of their own.
+// Obstacles: matt planes, two-sided, with an edge and lines in metres of their own, and matt spheres.
 
-struct Varying {
+struct Plane {
     @builtin(position) position: vec4f,
     @location(0) world: vec3f,
-    @location(1) normal: vec3f,
-    // On a plane: metres from its middle.
-    @location(2) place: vec2f,
-    // Half the sides of a plane, m; 0 on a sphere.
-    @location(3) @interpolate(flat) half_extents: vec2f,
+    // Metres from the middle.
+    @location(1) place: vec2f,
+    // Half the sides, m.
+    @location(2) @interpolate(flat) half_extents: vec2f,
+    // Of the side that is seen.
+    @location(3) @interpolate(flat) normal: vec3f,
+    @location(4) @interpolate(flat) color: vec3f,
+    // The light that falls on it where nothing takes any away: the sky's, and the lamp's.
+    @location(5) @interpolate(flat) sky: f32,
+    @location(6) @interpolate(flat) lamp: vec3f,
+}
+
+// A plane has nine parts. −1 and 1 are its edges, −0.5 and 0.5 those of the middle part.
+fn corner_of_part(position: vec2f, middle: vec4f) -> vec2f {
+    return select(select(middle.xy, middle.zw, position > vec2f(0.0)), position, abs(position) > vec2f(0.75));
 }
 
 @vertex
-fn vertex(
+fn plane(
     @location(0) position: vec3f,
-    @location(1) normal: vec3f,
     @location(2) center: vec3f,
     @location(3) axis_x: vec3f,
     @location(4) axis_y: vec3f,
     @location(5) axis_z: vec3f,
     @location(6) half_extents: vec2f,
-) -> Varying {
-    let world = center + axis_x * position.x + axis_y * position.y + axis_z * position.z;
-    let turned = axis_x * normal.x + axis_y * normal.y + axis_z * normal.z;
-    return Varying(
-        frame.clip_from_world * vec4f(world, 1.0),
-        world,
-        turned,
-        position.xy * half_extents,
-        half_extents,
-    );
+    @location(7) color: vec3f,
+    @location(8) shadowed_part: vec4f,
+) -> Plane {
+    let corner = corner_of_part(position.xy, shadowed_part);
+    let world = center + axis_x * corner.x + axis_y * corner.y;
+    let normal = axis_z * select(-1.0, 1.0, dot(axis_z, frame.eye - center) >= 0.0);
+    let clip = frame.clip_from_world * vec4f(world, 1.0);
+    let place = corner * half_extents;
+    return Plane(clip, world, place, half_extents, normal, color, sky_light(normal), lamp_light(normal));
+}
+
+fn plane_albedo(in: Plane) -> vec3f {
+    let footprint = footprint_of(in.place);
+    let to_edge = (in.half_extents - abs(in.place)) / footprint;
+    let edge = clamp(2.0 - min(to_edge.x, to_edge.y), 0.0, 1.0);
+    let lines = grid_lines(in.place, footprint) * frame.plane_line_opacity;
+    return mix(in.color, frame.plane_line, max(lines, edge));
 }
 
 @fragment
-fn fragment(in: Varying) -> @location(0) vec4f {
-    var normal = normalize(in.normal);
-    normal = select(-normal, normal, dot(normal, frame.eye - in.world) >= 0.0);
+fn shadowed_plane(in: Plane) -> @location(0) vec4f {
+    let share = light_share(shadow_place(in.world, in.normal));
+    let open = open_sky(in.world, in.normal);
+    return vec4f(plane_albedo(in) * (in.sky + in.lamp * share) * open, 1.0);
+}
 
-    var albedo = frame.obstacle;
-    let lines = grid_lines(in.place, frame.grid_spacing, 1.2);
-    let to_edge = in.half_extents - abs(in.place);
-    let edge_distance = min(to_edge.x, to_edge.y);
-    let edge_pixels = edge_distance / max(fwidth(edge_distance), 1e-6);
-    if in.half_extents.x > 0.0 {
-        albedo = mix(albedo, frame.obstacle_edge, lines * 0.22);
-        albedo = mix(albedo, frame.obstacle_edge, clamp(2.5 - edge_pixels, 0.0, 1.0));
-    }
+@fragment
+fn bare_plane(in: Plane) -> @location(0) vec4f {
+    return vec4f(plane_albedo(in) * (in.sky + in.lamp), 1.0);
+}
 
-    let facing = max(dot(normal, frame.light_direction), 0.0);
+struct Sphere {
+    @builtin(position) position: vec4f,
+    @location(0) world: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) @interpolate(flat) color: vec3f,
+}
+
+@vertex
+fn sphere(
+    @location(0) position: vec3f,
+    @location(2) center: vec3f,
+    @location(3) axis_x: vec3f,
+    @location(4) axis_y: vec3f,
+    @location(5) axis_z: vec3f,
+    @location(7) color: vec3f,
+) -> Sphere {
+    let arm = axis_x * position.x + axis_y * position.y + axis_z * position.z;
+    return Sphere(frame.clip_from_world * vec4f(center + arm, 1.0), center + arm, arm, color);
+}
+
+@fragment
+fn sphere_fragment(in: Sphere) -> @location(0) vec4f {
+    let normal = normalize(in.normal);
     let share = light_share(shadow_place(in.world, normal));
-    let sky = mix(0.55, 1.0, 0.5 + 0.5 * normal.y);
-    let light = vec3f(frame.ambient * sky) + frame.light_color * (0.75 * facing * share);
-    return vec4f(albedo * light, 1.0);
+    let light = sky_light(normal) + lamp_light(normal) * share;
+    return vec4f(in.color * light * open_sky(in.world, normal), 1.0);
+}
+
+// What a matt surface gets of the sky.
+fn sky_light(normal: vec3f) -> f32 {
+    return frame.ambient * mix(0.55, 1.0, 0.5 + 0.5 * normal.y);
+}
+
+// What a matt surface gets of the lamp.
+fn lamp_light(normal: vec3f) -> vec3f {
+    return frame.light_color * (0.75 * max(dot(normal, frame.light_direction), 0.0));
 }

@@ -34,26 +34,38 @@ pub struct Frame {
     pub grid_opacity: f32,
     /// Linear red, green, blue.
     pub grid: [f32; 3],
-    /// Distance between strong lines of the grid, m.
+    /// Distance between the finest lines of the grid, m.
     pub grid_spacing: f32,
-    /// Linear red, green, blue.
-    pub obstacle: [f32; 3],
-    /// Distance at which the ground has faded out, m.
-    pub ground_radius: f32,
-    /// Linear red, green, blue.
-    pub obstacle_edge: [f32; 3],
-    /// A typical thickness of a body, m.
-    pub body_size: f32,
+    /// How strong the lines of each level are, the finest first, 0..1.
+    pub grid_strengths: [f32; 3],
+    /// Width of the lines, m.
+    pub grid_width: f32,
+    /// Lines and edges of planes: linear red, green, blue.
+    pub plane_line: [f32; 3],
+    /// How opaque the strongest lines of planes are, 0..1.
+    pub plane_line_opacity: f32,
     /// The point looked at, m.
     pub camera_target: [f32; 3],
+    /// Distance at which the ground has faded out, m.
+    pub ground_radius: f32,
+    /// The corner of least x, y and z of the map of contact shadows, m.
+    pub contact_origin: [f32; 3],
+    /// The sides of that map along x and z, m.
+    pub contact_side: f32,
+    /// The height of that map, m.
+    pub contact_height: f32,
+    /// How far a contact shadow reaches, m.
+    pub contact_reach: f32,
+    /// How much of the sky a body takes from what it touches, 0..1.
+    pub contact_opacity: f32,
     /// The scalar at the low end of the colour map.
     pub color_low: f32,
+    /// Width and height of the picture, pixels.
+    pub viewport: [f32; 2],
     /// One over the range of the colour map.
     pub color_scale: f32,
     /// 1 to show scalars, 0 to show bodies in their own colours.
     pub show_scalars: u32,
-    /// Width and height of the picture, pixels.
-    pub viewport: [f32; 2],
 }
 
 /// `SkinVertex` in `skin.wgsl`: see [`view::SkinVertex`].
@@ -103,11 +115,13 @@ impl DeformedVertex {
 pub struct BodyInstance {
     /// Linear red, green, blue.
     pub color: [f32; 3],
+    /// Its largest side, m: how deep it is, about.
+    pub size: f32,
 }
 
 impl BodyInstance {
     /// The vertex inputs of `mesh.wgsl`.
-    pub const ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![3 => Float32x3];
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![3 => Float32x3, 4 => Float32];
 }
 
 /// A vertex of the unit square (in x and y) or the unit sphere.
@@ -116,13 +130,11 @@ impl BodyInstance {
 pub struct SolidVertex {
     /// Within −1..1.
     pub position: [f32; 3],
-    /// Of unit length.
-    pub normal: [f32; 3],
 }
 
 impl SolidVertex {
-    /// The vertex inputs of `solid.wgsl`; the first alone serves `shadow.wgsl`.
-    pub const ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
+    /// The vertex inputs of `solid.wgsl` and of the passes that draw depth.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
 }
 
 /// Where an obstacle is: the inputs of `solid.wgsl` that are the same for a whole obstacle.
@@ -139,12 +151,16 @@ pub struct SolidInstance {
     pub axis_z: [f32; 3],
     /// Half the sides of a plane, m; 0 for a sphere.
     pub half_extents: [f32; 2],
+    /// Linear red, green, blue.
+    pub color: [f32; 3],
+    /// The part of a plane that shadows may fall on: its lower and upper corner, −1..1 along each side.
+    pub shadowed_part: [[f32; 2]; 2],
 }
 
 impl SolidInstance {
-    /// The vertex inputs of `solid.wgsl`; all but the last serve `shadow.wgsl`.
-    pub const ATTRIBUTES: [wgpu::VertexAttribute; 5] =
-        wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32x3, 4 => Float32x3, 5 => Float32x3, 6 => Float32x2];
+    /// The vertex inputs of `solid.wgsl`; the first four serve the passes that draw depth.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_array![
+        2 => Float32x3, 3 => Float32x3, 4 => Float32x3, 5 => Float32x3, 6 => Float32x2, 7 => Float32x3, 8 => Float32x4];
 }
 
 /// `LineSet` in `lines.wgsl`: what lines of one look share.

@@ -2,8 +2,8 @@
 //! points, solids, a camera and a light; it has never heard of a spring, a scene or a window.
 //!
 //! ```text
-//! particles, scalars ─► skin (compute) ─► shadow ─► mesh ─► solid ─► background ─► ground ─► lines, cells, points
-//!                                                                            ─► fills ─► resolve ─► target
+//! particles, scalars ─► skin (compute) ─► shadow, contact shadow ─► mesh ─► solid ─► background ─► ground
+//!                                         ─► lines, cells, points ─► fills ─► resolve ─► target
 //! target, panels ─► compose ─► the window's surface
 //! ```
 //!
@@ -22,11 +22,17 @@ pub mod shader;
 pub mod target;
 
 mod buffer;
+mod contact_fit;
+mod extents;
+mod frame;
+mod grid;
 mod kept;
 mod overlay;
 mod passes;
+mod plane_parts;
 mod scene;
 mod shadow_fit;
+mod shapes;
 mod shared;
 
 pub use compose::Compositor;

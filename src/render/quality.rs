@@ -3,12 +3,15 @@
 /// Samples a pixel where edges are antialiased.
 pub const SAMPLES: u32 = 4;
 
-/// How finely a renderer draws: chosen when it is made, as its pipelines are compiled for it.
+/// How finely a renderer draws: chosen when it is made, as its pipelines are compiled for it. Both show the same things
+/// in the same colours and with the same shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
-    /// Antialiased edges: for graphics cards, for pictures that are kept, and for what has come to rest.
+    /// Antialiased edges and soft edges of shadows: for graphics cards, for pictures that are kept, and for what has
+    /// come to rest.
     Fine,
-    /// One sample a pixel: for what moves where a processor does the drawing.
+    /// One sample a pixel, and a shadow map of a quarter of the texels that is looked up once a pixel: for what moves
+    /// where a processor does the drawing.
     Quick,
 }
 
@@ -19,5 +22,22 @@ impl Quality {
             Self::Fine => SAMPLES,
             Self::Quick => 1,
         }
+    }
+
+    /// Texels along a side of the shadow map.
+    pub(super) fn shadow_size(self) -> u32 {
+        match self {
+            Self::Fine => 1024,
+            Self::Quick => 512,
+        }
+    }
+
+    /// The constants of the same names in `lighting.wgsl`.
+    pub(super) fn lighting_constants(self) -> [(&'static str, f64); 2] {
+        let taps = match self {
+            Self::Fine => 4.0,
+            Self::Quick => 1.0,
+        };
+        [("shadow_taps", taps), ("shadow_size", f64::from(self.shadow_size()))]
     }
 }

@@ -1,24 +1,28 @@
 //! From a draw list to a finished picture: what is uploaded, and the order of the passes.
 
 use super::error::RenderError;
+use super::extents::Extents;
+use super::frame::Lay;
 use super::gpu::Gpu;
-use super::layout::{self, BodyInstance, DeformedVertex, SolidInstance};
+use super::layout::DeformedVertex;
 use super::overlay::OverlayPasses;
 use super::passes::background::BackgroundPass;
+use super::passes::contact_shadow::ContactShadowPass;
+use super::passes::depth::Casters;
 use super::passes::ground::GroundPass;
 use super::passes::lines::Device;
 use super::passes::mesh::MeshPass;
 use super::passes::outline::{Masked, OutlinePass};
-use super::passes::shadow::{Casters, ShadowPass};
+use super::passes::shadow::ShadowPass;
 use super::passes::skin::SkinPass;
 use super::passes::solid::SolidPass;
 use super::quality::Quality;
 use super::readback::read_buffer;
 use super::scene::SceneBuffers;
-use super::shadow_fit::{self, ShadowFit};
+use super::shapes::Shapes;
 use super::shared::Shared;
 use super::target::{self, Output, Target};
-use crate::view::DrawList;
+use crate::view::{DrawList, Solid};
 
 /// Draws draw lists into targets of one format.
 #[derive(Debug)]
@@ -26,9 +30,13 @@ pub struct Renderer {
     output: Output,
     shared: Shared,
     scene: SceneBuffers,
+    shapes: Shapes,
     target: Option<Target>,
     skin: SkinPass,
     shadow: ShadowPass,
+    contact_shadow: ContactShadowPass,
+    /// What the maps of shadows show.
+    shaded: Option<(Lay, Vec<Solid>)>,
     solid: SolidPass,
     mesh: MeshPass,
     background: BackgroundPass,
@@ -83,18 +91,23 @@ impl Renderer {
         let frame_layout = Shared::frame_layout(device);
         let lighting_layout = Shared::lighting_layout(device);
         let lit = [Some(&frame_layout), Some(&lighting_layout)];
-        let shadow = ShadowPass::new(device, &frame_layout);
+        let shadow = ShadowPass::new(device, &frame_layout, quality.shadow_size());
+        let contact_shadow = ContactShadowPass::new(device, &frame_layout);
+        let maps = [shadow.map(), &contact_shadow.map];
         Self {
             output,
             skin: SkinPass::new(device),
-            solid: SolidPass::new(device, queue, output, &lit),
+            shapes: Shapes::new(device, queue),
+            solid: SolidPass::new(device, output, &lit),
             mesh: MeshPass::new(device, output, &lit),
             background: BackgroundPass::new(device, output, &lit[..1]),
             ground: GroundPass::new(device, output, &lit),
             overlay: OverlayPasses::new(device, output, &frame_layout),
             outline: OutlinePass::new(device, output, &frame_layout),
-            shared: Shared::new(device, queue, &frame_layout, &lighting_layout, &shadow.map),
+            shared: Shared::new(device, queue, &frame_layout, &lighting_layout, maps),
             shadow,
+            contact_shadow,
+            shaded: None,
             scene: SceneBuffers::default(),
             target: None,
         }
@@ -127,38 +140,53 @@ impl Renderer {
         let gpu = Device { device, queue };
         self.outline.prepare(gpu, draw_list, frame.size, &self.scene, &mut counters.overlay_bytes)?;
 
-        let core = shadow_fit::core_bounds(draw_list);
-        let fit = shadow_fit::fit(draw_list, core);
-        let bodies: Vec<BodyInstance> =
-            draw_list.skins.iter().map(|instance| BodyInstance { color: instance.color }).collect();
-        let solids: Vec<SolidInstance> = draw_list.solids.iter().map(SolidInstance::from).collect();
-        let uniform = frame_uniform(draw_list, viewport, &fit);
+        let particles_of_skins = self.scene.skins.iter().map(|skin| skin.particles.clone());
+        let lay = Lay::new(draw_list, Extents::new(particles_of_skins, draw_list), self.output.quality);
+        let (bodies, solids) = (lay.bodies(draw_list), lay.solids(draw_list));
+        let uniform = lay.uniform(draw_list, viewport);
         counters.frame_bytes = self.shared.update(device, queue, &uniform, draw_list.colormap, &bodies, &solids);
 
         if deform {
             counters.passes.push("skin");
             self.skin.run(encoder, &self.scene.skins);
         }
-        counters.passes.push("shadow");
-        let casters = Casters {
-            skins: &self.scene.skins,
-            solids: &draw_list.solids,
-            instances: self.shared.solids(),
-            shapes: &self.solid.shapes,
-            core,
-        };
-        self.shadow.run(encoder, self.shared.frame(), casters);
+        self.shade(encoder, draw_list, lay, deform, &mut counters);
         let masked = Masked {
             skins: &self.scene.skins,
             solids: &draw_list.solids,
             instances: self.shared.solids(),
-            shapes: &self.solid.shapes,
+            shapes: &self.shapes,
         };
         if self.outline.mask(encoder, self.shared.frame(), viewport, masked) {
             counters.passes.push("outline");
         }
         self.draw(encoder, frame, viewport, draw_list, &mut counters);
         Ok(counters)
+    }
+
+    /// Draws the maps of shadows, unless they show the same already.
+    fn shade(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        draw_list: &DrawList,
+        lay: Lay,
+        deformed: bool,
+        counters: &mut FrameCounters,
+    ) {
+        let same = |(old, solids): &(Lay, Vec<Solid>)| *old == lay && *solids == draw_list.solids;
+        if !deformed && self.shaded.as_ref().is_some_and(same) {
+            return;
+        }
+        let casters = Casters {
+            skins: &self.scene.skins,
+            solids: &draw_list.solids,
+            instances: self.shared.solids(),
+            shapes: &self.shapes,
+        };
+        self.shadow.run(encoder, self.shared.frame(), casters, lay.extents.core);
+        self.contact_shadow.run(encoder, self.shared.frame(), casters);
+        counters.passes.extend(["shadow", "contact shadow"]);
+        self.shaded = Some((lay, draw_list.solids.clone()));
     }
 
     /// The deformed vertices of the n-th skin of the last draw list, read back from the device; `None` where there is
@@ -208,11 +236,14 @@ impl Renderer {
             self.mesh.draw(&mut pass, &self.scene.skins, self.shared.bodies());
             counters.passes.push("mesh");
         }
-        self.solid.draw(&mut pass, &draw_list.solids, self.shared.solids());
+        self.solid.draw(&mut pass, &self.shapes, &draw_list.solids, self.shared.solids());
         // After what may cover them, so that hidden pixels cost nothing.
         self.background.draw(&mut pass);
-        self.ground.draw(&mut pass);
-        counters.passes.extend(["solid", "background", "ground"]);
+        counters.passes.extend(["solid", "background"]);
+        if !draw_list.solids.iter().any(Solid::is_floor) {
+            self.ground.draw(&mut pass);
+            counters.passes.push("ground");
+        }
         self.overlay.draw_carried(&mut pass, counters);
         if see_through > 0.0 {
             pass.set_bind_group(1, self.shared.lighting(), &[]);
@@ -234,57 +265,4 @@ fn checked_viewport(device: &wgpu::Device, frame: &FrameTarget<'_>) -> Result<Vi
     });
     let Viewport { origin, size } = viewport;
     if inside { Ok(viewport) } else { Err(RenderError::Viewport { origin, size, picture: frame.size }) }
-}
-
-fn frame_uniform(draw_list: &DrawList, viewport: Viewport, fit: &ShadowFit) -> layout::Frame {
-    let DrawList { camera, light, style, color_range: [low, high], .. } = draw_list;
-    let [width, height] = viewport.size;
-    let distance = camera.distance();
-    let span = high - low;
-    let size = draw_list.body_bounds().size().max_element();
-    layout::Frame {
-        clip_from_world: camera.clip_from_world(width as f32 / height as f32).to_cols_array_2d(),
-        shadow_from_world: fit.place_from_world.to_cols_array_2d(),
-        eye: camera.eye.to_array(),
-        ambient: style.ambient,
-        light_direction: shadow_fit::unit_direction(light.direction).to_array(),
-        shadow_texel: fit.texel,
-        light_color: light.color,
-        shadow_span: fit.span,
-        background_top: style.background_top,
-        shadow_opacity: style.shadow_opacity,
-        background_bottom: style.background_bottom,
-        grid_opacity: style.grid_opacity,
-        grid: style.grid,
-        grid_spacing: grid_spacing(distance),
-        obstacle: style.obstacle,
-        ground_radius: GROUND_DISTANCES * distance,
-        obstacle_edge: style.obstacle_edge,
-        body_size: if size.is_finite() && size > 0.0 { size } else { 1.0 },
-        camera_target: camera.target.to_array(),
-        color_low: *low,
-        color_scale: if span.is_finite() && span > 0.0 { 1.0 / span } else { 0.0 },
-        show_scalars: u32::from(draw_list.scalars.is_some()),
-        viewport: [width as f32, height as f32],
-    }
-}
-
-/// How far the ground reaches, in distances from the eye to the target.
-const GROUND_DISTANCES: f32 = 3.5;
-
-/// A power of ten metres, so that a few strong lines cross the picture: 1 m seen from 3 m to 30 m.
-fn grid_spacing(distance: f32) -> f32 {
-    10_f32.powf((distance / 3.0).log10().floor())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_grid_is_a_metre_seen_from_a_few_metres() {
-        for (distance, spacing) in [(5.0, 1.0), (29.0, 1.0), (31.0, 10.0), (0.5, 0.1)] {
-            assert!((grid_spacing(distance) / spacing - 1.0).abs() < 1e-5, "seen from {distance} m");
-        }
-    }
 }

@@ -1,5 +1,6 @@
 //! What lies on the device between frames: particles, scalars and skins, uploaded only when they are new.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::buffer::filled;
@@ -32,6 +33,8 @@ struct Uploaded<T> {
 pub(super) struct SkinBuffers {
     source: Arc<Skin>,
     particles_needed: usize,
+    /// Where the particles that carry it are among those of all bodies.
+    pub(super) particles: Range<usize>,
     vertices: wgpu::Buffer,
     /// [`DeformedVertex`] by [`DeformedVertex`].
     pub(super) deformed: wgpu::Buffer,
@@ -181,6 +184,7 @@ impl SkinBuffers {
         Ok(Self {
             source: Arc::clone(skin),
             particles_needed: skin.particles_needed(),
+            particles: skin.particle_range(),
             vertices: uploaded("skin", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::STORAGE),
             deformed,
             edges: None,

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 const FRAME: &str = include_str!("../../shaders/frame.wgsl");
+const GRID: &str = include_str!("../../shaders/grid.wgsl");
 const LIGHTING: &str = include_str!("../../shaders/lighting.wgsl");
 const STROKE: &str = include_str!("../../shaders/stroke.wgsl");
 const LINE_SET: &str = include_str!("../../shaders/line_set.wgsl");
@@ -20,8 +21,12 @@ pub struct Shader {
 pub const SKIN: Shader = Shader { name: "skin", parts: &[include_str!("../../shaders/skin.wgsl")] };
 /// Depth as the light sees it.
 pub const SHADOW: Shader = Shader { name: "shadow", parts: &[FRAME, include_str!("../../shaders/shadow.wgsl")] };
+/// How high the lowest surface is over every place.
+pub const CONTACT_SHADOW: Shader =
+    Shader { name: "contact_shadow", parts: &[FRAME, include_str!("../../shaders/contact_shadow.wgsl")] };
 /// Obstacles.
-pub const SOLID: Shader = Shader { name: "solid", parts: &[FRAME, LIGHTING, include_str!("../../shaders/solid.wgsl")] };
+pub const SOLID: Shader =
+    Shader { name: "solid", parts: &[FRAME, GRID, LIGHTING, include_str!("../../shaders/solid.wgsl")] };
 /// Jelly.
 pub const MESH: Shader = Shader { name: "mesh", parts: &[FRAME, LIGHTING, include_str!("../../shaders/mesh.wgsl")] };
 /// The gradient behind everything.
@@ -29,7 +34,7 @@ pub const BACKGROUND: Shader =
     Shader { name: "background", parts: &[FRAME, include_str!("../../shaders/background.wgsl")] };
 /// The grid and the shadows on the ground.
 pub const GROUND: Shader =
-    Shader { name: "ground", parts: &[FRAME, LIGHTING, include_str!("../../shaders/ground.wgsl")] };
+    Shader { name: "ground", parts: &[FRAME, GRID, LIGHTING, include_str!("../../shaders/ground.wgsl")] };
 /// Overlay lines.
 pub const LINES: Shader =
     Shader { name: "lines", parts: &[FRAME, STROKE, LINE_SET, include_str!("../../shaders/lines.wgsl")] };
@@ -48,8 +53,22 @@ pub const FILLS: Shader = Shader { name: "fills", parts: &[FRAME, include_str!("
 pub const COMPOSE: Shader = Shader { name: "compose", parts: &[include_str!("../../shaders/compose.wgsl")] };
 
 /// Every shader, in the order in which passes run.
-pub const ALL: [Shader; 13] =
-    [SKIN, SHADOW, SILHOUETTE, SOLID, MESH, BACKGROUND, GROUND, LINES, CELLS, POINTS, OUTLINE, FILLS, COMPOSE];
+pub const ALL: [Shader; 14] = [
+    SKIN,
+    SHADOW,
+    CONTACT_SHADOW,
+    SILHOUETTE,
+    SOLID,
+    MESH,
+    BACKGROUND,
+    GROUND,
+    LINES,
+    CELLS,
+    POINTS,
+    OUTLINE,
+    FILLS,
+    COMPOSE,
+];
 
 impl Shader {
     /// The whole source.

@@ -2,17 +2,14 @@
 
 use glam::{Mat4, Vec3};
 
+use super::extents::{corners, is_full};
 use crate::math::Aabb;
 use crate::view::{DrawList, Solid};
 
-/// Texels along a side of the shadow map.
-pub(super) const SHADOW_SIZE: u32 = 1024;
 /// Texels left free around the casters, so that blurred shadows end inside the map.
 const BORDER_TEXELS: f32 = 4.0;
 /// Planes that would widen the map beyond this many times the rest cast no shadow: it would be a blur.
 const WIDEST_PLANE: f32 = 12.0;
-/// A plane this level is a floor: it catches shadows and has nothing to shade below.
-const FLOOR_NORMAL_Y: f32 = 0.999;
 
 /// The part of space that the shadow map covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,27 +26,22 @@ pub(super) struct ShadowFit {
 pub(super) fn casts(solid: &Solid, others: Aabb<f32>) -> bool {
     match *solid {
         Solid::Sphere { .. } => true,
-        Solid::Plane { axes: [u, v], .. } => {
-            let is_floor = u.cross(v).y.abs() > FLOOR_NORMAL_Y;
-            !is_floor && solid.bounds().size().length() < WIDEST_PLANE * others.size().length()
+        Solid::Plane { .. } => {
+            !solid.is_floor() && solid.bounds().size().length() < WIDEST_PLANE * others.size().length()
         }
     }
 }
 
-/// The box around bodies and spheres: what planes are measured against.
-pub(super) fn core_bounds(draw_list: &DrawList) -> Aabb<f32> {
-    let spheres = draw_list.solids.iter().filter(|solid| matches!(solid, Solid::Sphere { .. }));
-    spheres.fold(draw_list.body_bounds(), |bounds, sphere| bounds.joined(sphere.bounds()))
+/// The box around everything that casts a shadow, m, where `core` is around bodies and spheres.
+pub(super) fn casters(draw_list: &DrawList, core: Aabb<f32>) -> Aabb<f32> {
+    let casting = draw_list.solids.iter().filter(|solid| casts(solid, core));
+    casting.fold(core, |bounds, solid| bounds.joined(solid.bounds()))
 }
 
-/// Looks along the light at everything that casts a shadow; at a unit box where nothing does.
-pub(super) fn fit(draw_list: &DrawList, core: Aabb<f32>) -> ShadowFit {
-    let casters = draw_list.solids.iter().filter(|solid| casts(solid, core));
-    let mut bounds = casters.fold(core, |bounds, solid| bounds.joined(solid.bounds()));
-    if !(bounds.size().is_finite() && bounds.min.cmple(bounds.max).all()) {
-        bounds = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-    }
-    let light = unit_direction(draw_list.light.direction);
+/// Looks along the light at everything that casts a shadow; at a unit box where nothing does. The map has `size` texels
+/// a side.
+pub(super) fn fit(casters: Aabb<f32>, light: Vec3, size: u32) -> ShadowFit {
+    let bounds = if is_full(&casters) { casters } else { Aabb { min: Vec3::ZERO, max: Vec3::ONE } };
     let right = light.any_orthonormal_vector();
     let up = light.cross(right);
     let mut min = Vec3::INFINITY;
@@ -60,7 +52,7 @@ pub(super) fn fit(draw_list: &DrawList, core: Aabb<f32>) -> ShadowFit {
         max = max.max(seen);
     }
     let side = (max - min).truncate().max_element().max(1e-6);
-    let texel = side / (SHADOW_SIZE as f32 - 2.0 * BORDER_TEXELS);
+    let texel = side / (size as f32 - 2.0 * BORDER_TEXELS);
     let border = BORDER_TEXELS * texel;
     let width = side + 2.0 * border;
     let span = (max.z - min.z + 2.0 * border).max(1e-6);
@@ -79,43 +71,26 @@ pub(super) fn unit_direction(direction: Vec3) -> Vec3 {
     direction.try_normalize().unwrap_or(Vec3::Y)
 }
 
-fn corners(bounds: Aabb<f32>) -> [Vec3; 8] {
-    std::array::from_fn(|index| {
-        let high = |bit: usize| index >> bit & 1 == 1;
-        Vec3::select(glam::BVec3::new(high(0), high(1), high(2)), bounds.max, bounds.min)
-    })
-}
-
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
-    use crate::view::Light;
 
     #[test]
     fn everything_that_casts_a_shadow_lands_inside_the_map_and_fills_it() {
-        let particles = vec![[-0.5, 0.2, -0.5], [0.5, 1.2, 0.5], [0.0, 3.0, 0.1]];
+        let casters = Aabb { min: Vec3::new(-0.5, 0.2, -0.5), max: Vec3::new(1.3, 3.0, 0.5) };
         for direction in [Vec3::Y, Vec3::new(0.4, 1.0, -0.6), Vec3::new(-1.0, 0.01, 0.0), Vec3::ZERO] {
-            let draw_list = DrawList {
-                particles: Arc::new(particles.clone()),
-                light: Light { direction, ..Light::default() },
-                solids: vec![Solid::Sphere { center: Vec3::new(1.0, 0.3, 0.0), radius: 0.3 }],
-                ..DrawList::default()
-            };
-            let fit = fit(&draw_list, core_bounds(&draw_list));
-            for &point in &particles {
-                let place = fit.place_from_world.transform_point3(point.into());
+            let fit = fit(casters, unit_direction(direction), 512);
+            for point in corners(casters) {
+                let place = fit.place_from_world.transform_point3(point);
                 assert!(place.min_element() > 0.0 && place.max_element() < 1.0, "{point:?} lands at {place}");
             }
-            assert!(fit.texel * (SHADOW_SIZE as f32) < 6.0, "no larger than the diagonal needs");
+            assert!(fit.texel * 512.0 < 6.0, "no larger than the diagonal needs");
         }
     }
 
     #[test]
     fn nothing_to_shade_still_gives_a_usable_map() {
-        let draw_list = DrawList::default();
-        let fit = fit(&draw_list, core_bounds(&draw_list));
+        let fit = fit(casters(&DrawList::default(), Aabb::empty()), Vec3::Y, 512);
         assert!(fit.place_from_world.is_finite() && fit.texel > 0.0, "an empty scene has a finite map");
     }
 

@@ -34,7 +34,7 @@ impl Shared {
         })
     }
 
-    /// Group 1: the shadow map with its sampler, and the table of colours.
+    /// Group 1: the shadow map with its sampler, the table of colours, the map of contact shadows with its sampler.
     pub(super) fn lighting_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
             binding,
@@ -53,6 +53,8 @@ impl Shared {
                 entry(0, texture(wgpu::TextureSampleType::Depth)),
                 entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison)),
                 entry(2, texture(wgpu::TextureSampleType::Float { filterable: false })),
+                entry(3, texture(wgpu::TextureSampleType::Float { filterable: true })),
+                entry(4, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
             ],
         })
     }
@@ -62,7 +64,7 @@ impl Shared {
         queue: &wgpu::Queue,
         frame_layout: &wgpu::BindGroupLayout,
         lighting_layout: &wgpu::BindGroupLayout,
-        shadow_map: &wgpu::TextureView,
+        [shadow_map, contact_map]: [&wgpu::TextureView; 2],
     ) -> Self {
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
@@ -81,6 +83,11 @@ impl Shared {
             compare: Some(wgpu::CompareFunction::LessEqual),
             ..Default::default()
         });
+        let smooth = device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
         let table = table_texture(device);
         let lighting = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("lighting"),
@@ -94,6 +101,8 @@ impl Shared {
                         &table.create_view(&wgpu::TextureViewDescriptor::default()),
                     ),
                 },
+                wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::TextureView(contact_map) },
+                wgpu::BindGroupEntry { binding: 4, resource: wgpu::BindingResource::Sampler(&smooth) },
             ],
         });
         let mut shared = Self {

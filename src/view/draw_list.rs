@@ -94,7 +94,18 @@ pub enum Solid {
     },
 }
 
+/// The least share of a floor's normal that points up.
+const FLOOR_NORMAL_Y: f32 = 0.999;
+
 impl Solid {
+    /// Whether it is a plane that lies level: things stand on it, it catches shadows and has nothing to shade below.
+    pub fn is_floor(&self) -> bool {
+        match *self {
+            Self::Plane { axes: [u, v], .. } => u.cross(v).y.abs() > FLOOR_NORMAL_Y,
+            Self::Sphere { .. } => false,
+        }
+    }
+
     /// The smallest box around it, m.
     pub fn bounds(&self) -> Aabb<f32> {
         let (center, reach) = match *self {
@@ -116,5 +127,17 @@ mod tests {
         let bounds = plane.bounds();
         assert!(bounds.min.distance(Vec3::new(-3.0, -3.0, -2.0)) < 1e-5, "lowest corner {}", bounds.min);
         assert!(bounds.max.distance(Vec3::new(3.0, 5.0, 2.0)) < 1e-5, "highest corner {}", bounds.max);
+    }
+
+    #[test]
+    fn only_level_planes_are_floors() {
+        let plane = |tilt: f32| Solid::Plane {
+            center: Vec3::Y,
+            axes: [Vec3::new(tilt.cos(), tilt.sin(), 0.0), Vec3::Z],
+            half_extents: [5.0, 2.0],
+        };
+        assert!(plane(0.0).is_floor() && plane(std::f32::consts::PI).is_floor(), "level, either side up");
+        assert!(!plane(0.1).is_floor(), "a slope");
+        assert!(!Solid::Sphere { center: Vec3::ZERO, radius: 9.0 }.is_floor(), "a sphere");
     }
 }

@@ -5,8 +5,6 @@ use glam::Vec3;
 use super::{DrawList, Solid};
 use crate::math::Aabb;
 
-/// A plane this level is a floor.
-const FLOOR_NORMAL_Y: f32 = 0.999;
 /// A floor wider than this many times all the rest is seen only as far as it lies near the rest.
 const WIDE_FLOOR: f32 = 1.5;
 /// The same of a slope or a wall, which is a thing to look at by itself.
@@ -36,7 +34,7 @@ impl DrawList {
             move |solid: &&Solid| match solid {
                 Solid::Sphere { .. } => true,
                 Solid::Plane { .. } => {
-                    let wide = if is_level(solid) { WIDE_FLOOR } else { WIDE_SLOPE };
+                    let wide = if solid.is_floor() { WIDE_FLOOR } else { WIDE_SLOPE };
                     solid.bounds().size().max_element() <= wide * core.size().max_element()
                 }
             }
@@ -63,16 +61,12 @@ impl DrawList {
         let needed = if bodies.is_finite() { bodies.x.max(bodies.z) } else { 0.0 };
         let heights = self.solids.iter().filter_map(|solid| match *solid {
             Solid::Plane { center, half_extents: [a, b], .. } => {
-                (is_level(solid) && 2.0 * a.min(b) >= needed).then_some(center.y)
+                (solid.is_floor() && 2.0 * a.min(b) >= needed).then_some(center.y)
             }
             Solid::Sphere { .. } => None,
         });
         heights.reduce(f32::min)
     }
-}
-
-fn is_level(solid: &Solid) -> bool {
-    matches!(solid, Solid::Plane { axes: [u, v], .. } if u.cross(*v).y.abs() > FLOOR_NORMAL_Y)
 }
 
 #[cfg(test)]

@@ -10,6 +10,8 @@
 //! and a mesh embedded in a lattice (trilinear weights and their derivatives). It never changes while a body moves,
 //! so that only particles are uploaded a frame.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::Ray;
@@ -95,6 +97,19 @@ impl Skin {
     /// When the skin names a particle that is not there.
     pub fn evaluate(&self, particles: &[[f32; 3]]) -> Vec<(Vec3, Vec3)> {
         self.vertices.iter().map(|vertex| vertex.evaluate(particles)).collect()
+    }
+
+    /// From the lowest to the highest particle that carries it.
+    pub fn particle_range(&self) -> Range<usize> {
+        let slots = self.vertices.iter().flat_map(|vertex| vertex.particles.into_iter().zip(vertex.position));
+        let carrying = slots.filter(|&(_, weight)| weight != 0.0).map(|(particle, _)| particle as usize);
+        carrying.fold(0..0, |range, particle| {
+            if range.is_empty() {
+                particle..particle + 1
+            } else {
+                range.start.min(particle)..range.end.max(particle + 1)
+            }
+        })
     }
 
     /// One more than the highest particle it names: how many particles it needs.

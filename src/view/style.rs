@@ -10,16 +10,22 @@ pub struct Style {
     pub background_top: [f32; 3],
     /// The background at the bottom of the picture.
     pub background_bottom: [f32; 3],
-    /// The lines of the ground grid.
+    /// The lines on the ground of a scene without a floor.
     pub grid: [f32; 3],
-    /// How opaque the strongest grid lines are, 0..1.
+    /// How opaque the strongest of them are, 0..1.
     pub grid_opacity: f32,
-    /// How opaque a full shadow on the ground is, 0..1.
+    /// How opaque a full shadow on that ground is, 0..1.
     pub shadow_opacity: f32,
-    /// The matt surface of obstacles.
+    /// How much of the sky a body takes from what it touches, 0..1.
+    pub contact_opacity: f32,
+    /// The matt surface of planes that lie level.
+    pub floor: [f32; 3],
+    /// The matt surface of other obstacles.
     pub obstacle: [f32; 3],
-    /// The edge of plane obstacles.
-    pub obstacle_edge: [f32; 3],
+    /// The edges of planes and the lines on them.
+    pub plane_line: [f32; 3],
+    /// How opaque the strongest of these lines are, 0..1; edges are opaque.
+    pub plane_line_opacity: f32,
     /// White light from everywhere, 0..1.
     pub ambient: f32,
     /// Colours of bodies, taken in turn.
@@ -144,8 +150,11 @@ impl Style {
             grid: linear_from_srgb([196, 202, 212]),
             grid_opacity: 0.11,
             shadow_opacity: 0.55,
-            obstacle: linear_from_srgb([118, 121, 127]),
-            obstacle_edge: linear_from_srgb([208, 212, 220]),
+            contact_opacity: 0.85,
+            floor: linear_from_srgb([164, 167, 172]),
+            obstacle: linear_from_srgb([112, 126, 146]),
+            plane_line: linear_from_srgb([206, 210, 218]),
+            plane_line_opacity: 0.35,
             ambient: 0.30,
             bodies: Self::bodies(),
             overlay: OverlayColors::dark(),
@@ -160,8 +169,11 @@ impl Style {
             grid: linear_from_srgb([70, 76, 88]),
             grid_opacity: 0.18,
             shadow_opacity: 0.35,
-            obstacle: linear_from_srgb([186, 189, 194]),
-            obstacle_edge: linear_from_srgb([92, 97, 106]),
+            contact_opacity: 0.8,
+            floor: linear_from_srgb([226, 228, 232]),
+            obstacle: linear_from_srgb([148, 160, 178]),
+            plane_line: linear_from_srgb([104, 110, 120]),
+            plane_line_opacity: 0.4,
             ambient: 0.38,
             bodies: Self::bodies(),
             overlay: OverlayColors::light(),
@@ -183,5 +195,21 @@ impl Style {
 impl Default for Style {
     fn default() -> Self {
         Self::dark()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::color::srgb_from_linear;
+
+    #[test]
+    fn obstacles_stand_out_from_the_floor_which_is_the_lighter() {
+        for style in [Style::dark(), Style::light()] {
+            let [floor, obstacle] = [style.floor, style.obstacle].map(srgb_from_linear);
+            assert!(floor[1] > obstacle[1] + 30, "{floor:?} and {obstacle:?} in lightness");
+            let bluish = |[red, _, blue]: [u8; 3]| blue - red;
+            assert!(bluish(obstacle) > bluish(floor) + 15, "{floor:?} and {obstacle:?} in tone");
+        }
     }
 }

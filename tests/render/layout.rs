@@ -32,8 +32,9 @@ fn check(shader: Shader, name: &str, ours: &Members) {
 fn the_frame_agrees() {
     let ours = members!(Frame:
         clip_from_world, shadow_from_world, eye, ambient, light_direction, shadow_texel, light_color, shadow_span,
-        background_top, shadow_opacity, background_bottom, grid_opacity, grid, grid_spacing, obstacle, ground_radius,
-        obstacle_edge, body_size, camera_target, color_low, color_scale, show_scalars, viewport);
+        background_top, shadow_opacity, background_bottom, grid_opacity, grid, grid_spacing, grid_strengths, grid_width,
+        plane_line, plane_line_opacity, camera_target, ground_radius, contact_origin, contact_side, contact_height,
+        contact_reach, contact_opacity, color_low, viewport, color_scale, show_scalars);
     for shader in [shader::SHADOW, shader::SOLID, shader::MESH, shader::BACKGROUND, shader::GROUND, shader::LINES] {
         check(shader, "Frame", &ours);
     }

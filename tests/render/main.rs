@@ -4,6 +4,7 @@
 
 mod compose;
 mod errors;
+mod floor;
 mod harness;
 mod layout;
 mod outline;

@@ -120,7 +120,7 @@ fn the_nearer_thing_hides_the_farther() {
     let hidden = middle(&DrawList { solids: vec![ball(-2.0)], ..cube() }, &mut studio);
     assert!(near(alone, hidden, 12), "a ball behind the cube is not seen: {hidden:?}");
     let [r, g, b] = middle(&DrawList { solids: vec![ball(1.2)], ..cube() }, &mut studio);
-    assert!(r.abs_diff(g) < 20 && r.abs_diff(b) < 24, "a ball before the cube is grey: {:?}", [r, g, b]);
+    assert!(r < g && g < b && b - r < 40, "a ball before the cube has the tone of obstacles: {:?}", [r, g, b]);
 }
 
 #[test]
@@ -135,22 +135,6 @@ fn bodies_cast_shadows_on_planes_and_on_the_bare_ground() {
         // The shadow of the middle falls 1.5 m to the left; its mirror image on the right is lit.
         let at = |x: f32| brightness(pixel(&image, seen(&scene.camera, Vec3::new(x, 0.0, 0.13))));
         assert!(at(-1.53) + 20 < at(1.53), "{} in the shadow, {} in the light", at(-1.53), at(1.53));
-    }
-}
-
-#[test]
-fn a_plane_on_the_ground_never_flickers_with_it() {
-    let plane = Solid::Plane { center: Vec3::ZERO, axes: [Vec3::Z, Vec3::X], half_extents: [50.0, 50.0] };
-    let mut studio = Studio::new();
-    for distance in [1.0, 30.0] {
-        let camera = Camera { target: Vec3::ZERO, eye: Vec3::new(0.1, 0.4, 1.0) * distance, ..camera() };
-        let mut scene = DrawList { camera, solids: vec![plane], ..DrawList::default() };
-        let with_grid = studio.picture(&scene, SIZE);
-        scene.style.grid_opacity = 0.0;
-        scene.style.shadow_opacity = 0.0;
-        let without = studio.picture(&scene, SIZE);
-        let middle = |image: &Image| image.rgba[image.rgba.len() / 2..].to_vec();
-        assert!(middle(&with_grid) == middle(&without), "seen from {distance} m the ground shows through the plane");
     }
 }
 

@@ -21,7 +21,7 @@ fn every_shader_is_valid() {
 
 #[test]
 fn every_file_is_in_the_table_or_shared() {
-    let shared = ["frame", "lighting", "stroke", "line_set"];
+    let shared = ["frame", "grid", "lighting", "stroke", "line_set"];
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

@@ -53,7 +53,14 @@ fn the_first_frame_uploads_everything_and_a_still_one_nothing() {
     assert!(first.static_bytes > 0 && first.passes.contains(&"skin"), "the skin is new");
     let second = film.frame(&scene);
     assert_eq!((second.particle_bytes, second.scalar_bytes, second.static_bytes), (0, 0, 0), "nothing has changed");
-    assert!(!second.passes.contains(&"skin"), "a body at rest is not deformed again");
+    let passes = ["skin", "shadow", "contact shadow"];
+    assert!(passes.iter().all(|pass| first.passes.contains(pass)), "the maps are new: {:?}", first.passes);
+    assert!(!passes.iter().any(|pass| second.passes.contains(pass)), "a body at rest is drawn from the same maps");
+    let mut turned = scene.clone();
+    turned.camera.eye.x += 0.5;
+    assert!(!film.frame(&turned).passes.contains(&"shadow"), "nor does the eye change shadows");
+    turned.light.direction.x += 0.5;
+    assert!(film.frame(&turned).passes.contains(&"shadow"), "the light does");
 }
 
 #[test]

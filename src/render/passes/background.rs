@@ -18,6 +18,7 @@ impl BackgroundPass {
     ) -> Self {
         let drawing = Drawing {
             shader: shader::BACKGROUND,
+            constants: &[],
             layouts,
             buffers: &[],
             topology: wgpu::PrimitiveTopology::TriangleList,

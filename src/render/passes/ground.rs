@@ -16,8 +16,10 @@ impl GroundPass {
         output: Output,
         layouts: &[Option<&wgpu::BindGroupLayout>],
     ) -> Self {
+        let lighting = output.quality.lighting_constants();
         let drawing = Drawing {
             shader: shader::GROUND,
+            constants: &lighting,
             layouts,
             buffers: &[],
             topology: wgpu::PrimitiveTopology::TriangleStrip,

@@ -25,8 +25,10 @@ impl MeshPass {
             Some(vertex_layout::<DeformedVertex>(wgpu::VertexStepMode::Vertex, &DeformedVertex::ATTRIBUTES)),
             Some(vertex_layout::<BodyInstance>(wgpu::VertexStepMode::Instance, &BodyInstance::ATTRIBUTES)),
         ];
+        let lighting = output.quality.lighting_constants();
         let drawing = |cull| Drawing {
             shader: shader::MESH,
+            constants: &lighting,
             layouts,
             buffers: &buffers,
             topology: wgpu::PrimitiveTopology::TriangleList,

@@ -2,6 +2,8 @@
 
 pub(super) mod background;
 pub(super) mod cells;
+pub(super) mod contact_shadow;
+pub(super) mod depth;
 pub(super) mod fills;
 pub(super) mod ground;
 pub(super) mod lines;
@@ -17,8 +19,11 @@ use super::shader::Shader;
 use super::target::{DEPTH_FORMAT, Output};
 
 /// What a pipeline that draws into the picture differs in.
+#[derive(Clone, Copy)]
 struct Drawing<'a> {
     shader: Shader,
+    /// Values of the shader's constants by name.
+    constants: &'a [(&'a str, f64)],
     layouts: &'a [Option<&'a wgpu::BindGroupLayout>],
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     topology: wgpu::PrimitiveTopology,
@@ -62,7 +67,7 @@ fn overlay_drawing<'a>(
     writes_depth: bool,
 ) -> Drawing<'a> {
     let blend = Some(wgpu::BlendState::ALPHA_BLENDING);
-    Drawing { shader, layouts, buffers, topology, writes_depth, blend, cull: None }
+    Drawing { shader, constants: &[], layouts, buffers, topology, writes_depth, blend, cull: None }
 }
 
 /// Every part of an overlay with the overlay's scale.
@@ -83,6 +88,7 @@ fn drawing_pipeline_with(
     entries: Entries,
 ) -> wgpu::RenderPipeline {
     let module = drawing.shader.module(device);
+    let options = wgpu::PipelineCompilationOptions { constants: drawing.constants, ..Default::default() };
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(drawing.shader.name),
         bind_group_layouts: drawing.layouts,
@@ -94,7 +100,7 @@ fn drawing_pipeline_with(
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some(entries.vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: options.clone(),
             buffers: drawing.buffers,
         },
         primitive: wgpu::PrimitiveState { topology: drawing.topology, cull_mode: drawing.cull, ..Default::default() },
@@ -109,7 +115,7 @@ fn drawing_pipeline_with(
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: Some(entries.fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: options.clone(),
             targets: &[Some(wgpu::ColorTargetState {
                 format: output.format,
                 blend: drawing.blend,

@@ -8,7 +8,6 @@ use glam::Vec3;
 
 use super::lines::{Device, STRIDE_OF_SKINS};
 use super::silhouette::SilhouettePass;
-use super::solid::Shapes;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::error::RenderError;
 use crate::render::kept::{Kept, Looks};
@@ -16,6 +15,7 @@ use crate::render::layout::{DeformedVertex, LineSet, SegmentInstance, SolidInsta
 use crate::render::renderer::Viewport;
 use crate::render::scene::{SceneBuffers, SkinBuffers};
 use crate::render::shader;
+use crate::render::shapes::Shapes;
 use crate::render::target::{Output, attachment};
 use crate::view::overlay::Segment;
 use crate::view::{DrawList, Selected, Solid};
@@ -117,7 +117,7 @@ impl OutlinePass {
         let vertex = wgpu::VertexStepMode::Vertex;
         let body = [Some(vertex_layout::<DeformedVertex>(vertex, &DeformedVertex::ATTRIBUTES[..1]))];
         let obstacle = [
-            Some(vertex_layout::<SolidVertex>(vertex, &SolidVertex::ATTRIBUTES[..1])),
+            Some(vertex_layout::<SolidVertex>(vertex, &SolidVertex::ATTRIBUTES)),
             Some(vertex_layout::<SolidInstance>(instance, &SolidInstance::ATTRIBUTES[..4])),
         ];
         Self {

@@ -1,110 +1,34 @@
 //! The shadow map: depth as the light sees it, of bodies and of the obstacles that cast shadows.
 
-use super::solid::Shapes;
-use super::vertex_layout;
+use super::depth::{Casters, DepthPass};
 use crate::math::Aabb;
-use crate::render::layout::{DeformedVertex, SolidInstance, SolidVertex};
-use crate::render::scene::SkinBuffers;
 use crate::render::shader;
-use crate::render::shadow_fit::{SHADOW_SIZE, casts};
-use crate::render::target::{DEPTH_FORMAT, attachment};
-use crate::view::Solid;
+use crate::render::shadow_fit::casts;
 
 /// Draws the shadow map.
 #[derive(Debug)]
 pub(in crate::render) struct ShadowPass {
-    body: wgpu::RenderPipeline,
-    obstacle: wgpu::RenderPipeline,
-    /// Depth 0 nearest to the light, 1 where nothing is.
-    pub(in crate::render) map: wgpu::TextureView,
-}
-
-/// What casts shadows.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::render) struct Casters<'a> {
-    /// Bodies.
-    pub(in crate::render) skins: &'a [SkinBuffers],
-    /// Obstacles.
-    pub(in crate::render) solids: &'a [Solid],
-    /// Where the obstacles are.
-    pub(in crate::render) instances: &'a wgpu::Buffer,
-    /// The shapes of obstacles.
-    pub(in crate::render) shapes: &'a Shapes,
-    /// The box around bodies and spheres, m.
-    pub(in crate::render) core: Aabb<f32>,
+    depth: DepthPass,
 }
 
 impl ShadowPass {
-    pub(in crate::render) fn new(device: &wgpu::Device, frame_layout: &wgpu::BindGroupLayout) -> Self {
-        let module = shader::SHADOW.module(device);
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("shadow"),
-            bind_group_layouts: &[Some(frame_layout)],
-            immediate_size: 0,
-        });
-        let pipeline = |entry_point, buffers: &[Option<wgpu::VertexBufferLayout<'_>>]| {
-            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("shadow"),
-                layout: Some(&layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some(entry_point),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers,
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: DEPTH_FORMAT,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::Less),
-                    stencil: wgpu::StencilState::default(),
-                    bias: wgpu::DepthBiasState::default(),
-                }),
-                multisample: wgpu::MultisampleState::default(),
-                fragment: None,
-                multiview_mask: None,
-                cache: None,
-            })
-        };
-        let per_vertex = wgpu::VertexStepMode::Vertex;
-        let body = [Some(vertex_layout::<DeformedVertex>(per_vertex, &DeformedVertex::ATTRIBUTES[..1]))];
-        let obstacle = [
-            Some(vertex_layout::<SolidVertex>(per_vertex, &SolidVertex::ATTRIBUTES[..1])),
-            Some(vertex_layout::<SolidInstance>(wgpu::VertexStepMode::Instance, &SolidInstance::ATTRIBUTES[..4])),
-        ];
-        let usage = wgpu::TextureUsages::TEXTURE_BINDING;
-        let map = attachment(device, "shadow map", DEPTH_FORMAT, [SHADOW_SIZE; 2], 1, usage);
-        Self {
-            body: pipeline("body", &body),
-            obstacle: pipeline("obstacle", &obstacle),
-            map: map.create_view(&wgpu::TextureViewDescriptor::default()),
-        }
+    pub(in crate::render) fn new(device: &wgpu::Device, frame_layout: &wgpu::BindGroupLayout, size: u32) -> Self {
+        Self { depth: DepthPass::new(device, shader::SHADOW, frame_layout, size) }
     }
 
+    /// Depth 0 nearest to the light, 1 where nothing is.
+    pub(in crate::render) fn map(&self) -> &wgpu::TextureView {
+        &self.depth.map
+    }
+
+    /// Draws the map; `core` is the box around bodies and spheres, m.
     pub(in crate::render) fn run(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         frame: &wgpu::BindGroup,
         casters: Casters<'_>,
+        core: Aabb<f32>,
     ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("shadow"),
-            color_attachments: &[],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.map,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        pass.set_bind_group(0, frame, &[]);
-        pass.set_pipeline(&self.body);
-        for skin in casters.skins {
-            pass.set_vertex_buffer(0, skin.deformed.slice(..));
-            pass.set_index_buffer(skin.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..skin.index_count, 0, 0..1);
-        }
-        pass.set_pipeline(&self.obstacle);
-        casters.shapes.draw(&mut pass, casters.solids, casters.instances, |solid| casts(solid, casters.core));
+        self.depth.run(encoder, frame, casters, |solid| casts(solid, core));
     }
 }

@@ -1,0 +1,76 @@
+//! How large what casts shadows is.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use crate::math::Aabb;
+use crate::view::{DrawList, Solid};
+
+/// How large what casts shadows is.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Extents {
+    /// The box around each skin, in their order, m; empty for absent bodies and where no particle is finite.
+    pub(super) skins: Vec<Aabb<f32>>,
+    /// The box around all skins and spheres, m.
+    pub(super) core: Aabb<f32>,
+    /// The largest side of the smallest of them, m; infinite where there is none.
+    pub(super) smallest: f32,
+}
+
+impl Extents {
+    /// Of the skins carried by the given ranges of particles, and of the spheres.
+    pub(super) fn new(particles_of_skins: impl Iterator<Item = Range<usize>>, draw_list: &DrawList) -> Self {
+        let skins: Vec<Aabb<f32>> = particles_of_skins
+            .map(|range| {
+                let is_absent = draw_list.absent.iter().any(|gap| gap.contains(&range.start));
+                let carrying = draw_list.particles.get(range).filter(|_| !is_absent).unwrap_or_default();
+                Aabb::around(carrying.iter().map(|&point| Vec3::from(point)).filter(|point| point.is_finite()))
+            })
+            .collect();
+        let spheres = draw_list.solids.iter().filter(|solid| matches!(solid, Solid::Sphere { .. }));
+        let all = skins.iter().copied().filter(is_full).chain(spheres.map(Solid::bounds));
+        let (core, smallest) = all.fold((Aabb::empty(), f32::INFINITY), |(core, smallest), one| {
+            (core.joined(one), smallest.min(one.size().max_element()))
+        });
+        Self { skins, core, smallest }
+    }
+}
+
+/// Whether a box holds a point.
+pub(super) fn is_full(one: &Aabb<f32>) -> bool {
+    one.size().is_finite() && one.min.cmple(one.max).all()
+}
+
+/// The corners of a box.
+pub(super) fn corners(bounds: Aabb<f32>) -> [Vec3; 8] {
+    std::array::from_fn(|index| {
+        let high = |bit: usize| index >> bit & 1 == 1;
+        Vec3::select(glam::BVec3::new(high(0), high(1), high(2)), bounds.max, bounds.min)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+
+    #[test]
+    fn what_is_not_drawn_and_what_flew_to_infinity_counts_for_nothing() {
+        let particles = vec![[0.0; 3], [1.0, 2.0, 0.5], [f32::NAN, 0.0, 0.0], [500.0; 3]];
+        let solids = vec![Solid::Sphere { center: Vec3::new(0.0, 1.0, 3.0), radius: 0.25 }];
+        let draw_list = DrawList { particles: Arc::new(particles), solids, ..DrawList::default() };
+        let extents = Extents::new([0..3, 2..3].into_iter(), &draw_list);
+        assert_eq!(extents.skins[0], Aabb { min: Vec3::ZERO, max: Vec3::new(1.0, 2.0, 0.5) }, "the finite particles");
+        assert_eq!(
+            extents.core,
+            Aabb { min: Vec3::new(-0.25, 0.0, 0.0), max: Vec3::new(1.0, 2.0, 3.25) },
+            "with the sphere"
+        );
+        assert!((extents.smallest - 0.5).abs() < 1e-6, "the sphere is the smallest, not {}", extents.smallest);
+        let absent = DrawList { absent: vec![0..3, 3..4], ..draw_list };
+        let extents = Extents::new(std::iter::once(0..3), &absent);
+        assert_eq!(extents.core, absent.solids[0].bounds(), "a body that is absent");
+    }
+}
