@@ -1,6 +1,6 @@
 //! The question before a scene replaces what another program has written into its file.
 
-use egui::{Align, Layout, Ui};
+use egui::{Align, Layout, Ui, vec2};
 
 use super::{FileAction, FilesState, dialog_ui, main_button_ui};
 use crate::session::{Command, Status};
@@ -18,7 +18,8 @@ pub(super) fn overwrite_ui(ui: &Ui, status: &Status, files: &mut FilesState, com
         let title = &status.title;
         ui.label(format!("Another program has written to {title} since it was opened here. Replace what it wrote?"));
         ui.add_space(8.0);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let row = vec2(ui.available_width(), ui.spacing().interact_size.y);
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             if main_button_ui(ui, "Save as…", true).clicked() {
                 answered = true;
                 files.ask(FileAction::SaveAs);
