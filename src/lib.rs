@@ -34,7 +34,8 @@
 //!  egui panel  ─ app::ui ────┼─► Command ─► Session::handle ─► Edit ─► Scene::apply ─► Applied { inverse, impact }
 //!  command line, test ───────┘                                         undo, redo ◄─ history ┘ │
 //!       Impact::Appearance → skins and colours only                                           ▼
-//!       Impact::Parameters → Simulation::set_parameters: the motion goes on, moved obstacles sweep to their place
+//!       Impact::Parameters → Simulation::set_parameters: the motion goes on; a dragged obstacle sweeps to its place, one
+//!                            that a value puts into a body comes gently and moves the body out
 //!       Impact::Motion     → the body is moved, turned or thrown; nothing is rebuilt
 //!       Impact::Topology   → compiled anew; bodies that stay keep their motion
 //!  wall time ─► Session::advance ─► whole steps, each of n substeps ─► StepReport ─► Status ─► panels

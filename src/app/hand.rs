@@ -148,7 +148,7 @@ impl Hand {
                 let ObstacleShape::Sphere(mut sphere) = old.shape else { return None };
                 sphere.center = (to + *center_from_point).as_dvec3().to_array();
                 let moved = Obstacle { shape: ObstacleShape::Sphere(sphere), ..old.clone() };
-                Some(Command::Edit(Edit::Obstacle(*obstacle, Box::new(moved))))
+                Some(Command::Drag(Edit::Obstacle(*obstacle, Box::new(moved))))
             }
         }
     }
@@ -210,7 +210,7 @@ mod tests {
         let mut hand = Hand::default();
         let taken = hand.take(&scene, &draw_list, &from_the_front(1.6, 0.5), Vec3::NEG_Z);
         assert_eq!(taken, Some(Target::Obstacle(ObstacleId(1))));
-        let Some(Command::Edit(Edit::Obstacle(_, moved))) = hand.drag(&scene, &from_the_front(1.6, 0.9)) else {
+        let Some(Command::Drag(Edit::Obstacle(_, moved))) = hand.drag(&scene, &from_the_front(1.6, 0.9)) else {
             panic!("the ball is moved")
         };
         let ObstacleShape::Sphere(ball) = moved.shape else { panic!("a ball stays one") };

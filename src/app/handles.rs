@@ -70,7 +70,7 @@ impl Handles {
         let Held { id, start, gizmo, handle, from } = self.held.as_ref()?;
         let drag = gizmo.drag(&from.camera, from.size, *handle, from.pointer, to)?;
         let obstacle = Obstacle { shape: dragged(start.shape, drag), ..start.clone() };
-        Some(Command::Edit(Edit::Obstacle(*id, Box::new(obstacle))))
+        Some(Command::Drag(Edit::Obstacle(*id, Box::new(obstacle))))
     }
 
     /// Lets go: what has to be told, if a handle was held.
@@ -167,7 +167,7 @@ mod tests {
         let mut handles = Handles::default();
         let sight = find(chosen, wanted);
         assert!(handles.take(&scene(), chosen, &sight), "there is a handle under the pointer");
-        let Some(Command::Edit(Edit::Obstacle(_, moved))) = handles.drag(sight.pointer + way) else {
+        let Some(Command::Drag(Edit::Obstacle(_, moved))) = handles.drag(sight.pointer + way) else {
             panic!("dragging it changes the obstacle")
         };
         assert!(matches!(handles.release(), Some(Command::EndEdit)) && !handles.holds(), "and is one change");

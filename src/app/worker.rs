@@ -117,7 +117,8 @@ impl Order {
     /// Whether it leaves nothing of an order just before it.
     fn supersedes(&self, before: &Self) -> bool {
         match (self, before) {
-            (Self::Do(Command::Edit(edit)), Self::Do(Command::Edit(before))) => edit.replaces_same_node_as(before),
+            (Self::Do(Command::Edit(edit)), Self::Do(Command::Edit(before)))
+            | (Self::Do(Command::Drag(edit)), Self::Do(Command::Drag(before))) => edit.replaces_same_node_as(before),
             (Self::Do(Command::Grab(_)), Self::Do(Command::Grab(_))) | (Self::Drawing { .. }, Self::Drawing { .. }) => {
                 true
             }

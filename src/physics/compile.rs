@@ -93,6 +93,8 @@ fn compile_body<R: Real>(body: &Body, lattice: &Arc<Lattice>, first: usize, scen
             .iter()
             .map(|obstacle| contact(obstacle, heaviest, size, load, lattice.grid.cell_size))
             .collect(),
+        // A step must not allocate.
+        displaced: Vec::with_capacity(scene.obstacles.len()),
     }
 }
 

@@ -1,16 +1,19 @@
 //! A scene in motion: model, plan and state together.
 
+mod motion;
+
+pub use motion::BodyMotion;
+
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3};
-
 use super::compile::compile;
+use super::contact::approach;
 use super::contact::sweep::{self, Sweep};
 use super::diagnostics::Diagnostics;
 use super::hash::state_hash;
 use super::interaction::Grab;
-use super::model::{BodyModel, Model};
+use super::model::Model;
 use super::plan::Plan;
 use super::report::{StageTimer, StepReport};
 use super::sleep;
@@ -18,7 +21,7 @@ use super::state::{BodyMemory, State};
 use super::step::{self, Inputs, Part, Scratch};
 use super::strain;
 use crate::geometry::Lattice;
-use crate::math::{Real, Vector, rotation};
+use crate::math::Real;
 use crate::scene::Scene;
 
 /// A scene in motion.
@@ -57,15 +60,25 @@ impl<R: Real> Simulation<R> {
     }
 
     /// Takes new parameters, obstacles and settings while everything keeps moving: the scene must have the bodies
-    /// and lattices it had. `kept` names, for each obstacle of the scene, the one it was; one that is now elsewhere
-    /// sweeps there and pushes what is in its way where `sweep` is set, else it is there at once.
-    pub fn set_parameters(&mut self, scene: &Scene, lattices: &[Arc<Lattice>], kept: &[Option<usize>], sweep: bool) {
+    /// and lattices it had. `kept` names, for each obstacle of the scene, the one it was.
+    pub fn set_parameters(
+        &mut self,
+        scene: &Scene,
+        lattices: &[Arc<Lattice>],
+        kept: &[Option<usize>],
+        arrival: Arrival,
+    ) {
         let (model, plan) = compile(scene, lattices);
         debug_assert_eq!(model.particle_count(), self.model.particle_count(), "the bodies must be the same");
-        self.sweeps = if sweep { sweep::sweeps(&self.model, &model, kept) } else { Vec::new() };
+        self.sweeps = match arrival {
+            Arrival::Swept => sweep::sweeps(&self.model, &model, kept),
+            Arrival::Placed => Vec::new(),
+        };
         let sides = std::mem::take(&mut self.state.side);
         self.state.fit_sides(&model);
         sweep::keep_sides(&self.model, &model, kept, &self.sweeps, &sides, &mut self.state);
+        let sweeps = |obstacle: usize| self.sweeps.iter().any(|sweep| sweep.is_of(obstacle));
+        approach::begin(&self.model, &model, kept, sweeps, &sides, &mut self.state);
         // The share of the step that was taken stays taken: dear steps come to an end however often they are edited.
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
         self.state.fit_scheme(&plan);
@@ -76,6 +89,7 @@ impl<R: Real> Simulation<R> {
         self.plan = plan;
         self.diverged = false;
         sweep::begin(&mut self.model, &self.sweeps);
+        approach::place(&mut self.model, &self.state.approaches, 0.0);
     }
 
     /// Takes over the motion of bodies that `before` had too, and on which side of the planes they are: `kept` names,
@@ -98,99 +112,9 @@ impl<R: Real> Simulation<R> {
         }
     }
 
-    /// How a body moves now.
-    pub fn body_motion(&self, body: usize) -> BodyMotion<R> {
-        let particles = self.model.bodies[body].particles.clone();
-        BodyMotion {
-            position: self.state.position[particles.clone()].to_vec(),
-            position_residual: self.state.position_residual[particles.clone()].to_vec(),
-            velocity: self.state.velocity[particles.clone()].to_vec(),
-            side: self.state.side.iter().map(|row| row[particles.clone()].to_vec()).collect(),
-            memory: self.state.bodies[body].clone(),
-        }
-    }
-
-    /// Lets a body move as it did once. A motion of another number of particles is left alone.
-    pub fn set_body_motion(&mut self, body: usize, motion: &BodyMotion<R>) {
-        let particles = self.model.bodies[body].particles.clone();
-        if motion.position.len() != particles.len() {
-            return;
-        }
-        self.state.position[particles.clone()].copy_from_slice(&motion.position);
-        self.state.position_residual[particles.clone()].copy_from_slice(&motion.position_residual);
-        self.state.velocity[particles.clone()].copy_from_slice(&motion.velocity);
-        for (place, row) in self.state.side.iter_mut().enumerate() {
-            match motion.side.get(place) {
-                Some(side) => row[particles.clone()].copy_from_slice(side),
-                None => row[particles.clone()].fill(0),
-            }
-        }
-        self.state.bodies[body].clone_from(&motion.memory);
-        self.wake(body);
-        self.state.reserve(&self.model);
-        self.scratch.contact.touch_all();
-        self.diverged = false;
-    }
-
     /// Whether no time has passed.
     pub fn is_at_start(&self) -> bool {
         self.state.steps == 0 && self.state.is_between_steps()
-    }
-
-    /// Puts a body to its start; the others go on.
-    pub fn restart_body(&mut self, body: usize) {
-        let start = &self.model.bodies[body];
-        let motion = BodyMotion {
-            position: start.start.clone(),
-            position_residual: vec![R::Vec3::ZERO; start.particles.len()],
-            velocity: (0..start.particles.len()).map(|local| self.start_velocity(body, local)).collect(),
-            side: Vec::new(),
-            memory: BodyMemory::default(),
-        };
-        self.set_body_motion(body, &motion);
-    }
-
-    /// Gives all of a body the velocity of its start, wherever and however it is; one that is gone has it when it comes
-    /// back.
-    pub fn throw_body(&mut self, body: usize) {
-        if self.state.bodies[body].gone {
-            return;
-        }
-        for (local, particle) in self.model.bodies[body].particles.clone().enumerate() {
-            self.state.velocity[particle] = self.start_velocity(body, local);
-        }
-        self.wake(body);
-        self.diverged = false;
-    }
-
-    /// Puts a body where its start is, turned by what its start was turned by, deformed as it is and at rest. One that is
-    /// gone comes back as it was at its start.
-    pub fn teleport_body(&mut self, body: usize, old_rotation_deg: [f64; 3], new_rotation_deg: [f64; 3]) {
-        if self.state.bodies[body].gone {
-            self.restart_body(body);
-            return;
-        }
-        let turn = rotation::from_euler_deg(new_rotation_deg) * rotation::from_euler_deg(old_rotation_deg).transpose();
-        let BodyModel { particles, start, .. } = &self.model.bodies[body];
-        let (from, to) = (center::<R>(&self.state.position[particles.clone()]), center::<R>(start));
-        let unturned = turn == DMat3::IDENTITY;
-        let moved = |at: &R::Vec3| {
-            let offset = at.to_dvec3() - from;
-            R::Vec3::from_dvec3(to + if unturned { offset } else { turn * offset })
-        };
-        let motion = BodyMotion {
-            position: self.state.position[particles.clone()].iter().map(moved).collect(),
-            position_residual: vec![R::Vec3::ZERO; particles.len()],
-            velocity: vec![R::Vec3::ZERO; particles.len()],
-            side: Vec::new(),
-            memory: self.state.bodies[body].clone(),
-        };
-        self.set_body_motion(body, &motion);
-    }
-
-    fn start_velocity(&self, body: usize, local: usize) -> R::Vec3 {
-        let body = &self.model.bodies[body];
-        if body.is_pinned(local) { R::Vec3::ZERO } else { body.start_velocity }
     }
 
     /// Pulls a body by a point, or lets go.
@@ -235,6 +159,9 @@ impl<R: Real> Simulation<R> {
         if !self.sweeps.is_empty() {
             self.wake_all();
         }
+        for approach in self.state.approaches.iter().filter(|approach| !approach.waits) {
+            self.state.bodies[approach.body].wake();
+        }
         let report = self.advance(timer);
         self.diverged = report.diverged;
         self.touching = StepReport {
@@ -264,6 +191,7 @@ impl<R: Real> Simulation<R> {
             let may_be_halved = self.state.halvings < self.plan.halvings;
             let part = Part { secs: secs * share, may_be_halved, is_last: is_last && left == 1 };
             sweep::advance(&mut self.model, &mut self.sweeps, part.secs);
+            approach::place(&mut self.model, &self.state.approaches, part.secs);
             let Self { model, plan, state, scratch, grab, .. } = self;
             let inputs = Inputs { grab: grab.as_ref().filter(|grab| !state.bodies[grab.body].gone) };
             let of_part = step::substep(model, plan, part, inputs, state, scratch, timer);
@@ -272,6 +200,7 @@ impl<R: Real> Simulation<R> {
                 sweep::take_back(&mut self.sweeps);
                 self.state.halvings += 1;
             } else {
+                approach::pass(&self.model, &self.scratch.contact.contacts, part.secs, &mut self.state);
                 left -= 1;
             }
         }
@@ -315,6 +244,7 @@ impl<R: Real> Simulation<R> {
         self.state.fit_sleep(&self.plan);
         self.scratch = Scratch::new(&self.model, &self.plan);
         self.diverged = false;
+        approach::place(&mut self.model, &self.state.approaches, 0.0);
         self.find_contacts_of_sleepers();
     }
 
@@ -364,11 +294,13 @@ impl<R: Real> Simulation<R> {
 
     /// The model with obstacles where they are now, as if none were on its way: how deep particles are in them now.
     fn still_model(&self) -> Cow<'_, Model<R>> {
-        if self.sweeps.is_empty() {
+        if self.sweeps.is_empty() && self.state.approaches.is_empty() {
             return Cow::Borrowed(&self.model);
         }
         let mut still = self.model.clone();
-        still.obstacles.iter_mut().for_each(|obstacle| obstacle.carry = None);
+        let displaced =
+            still.bodies.iter_mut().flat_map(|body| &mut body.displaced).map(|displaced| &mut displaced.met);
+        still.obstacles.iter_mut().chain(displaced).for_each(|obstacle| obstacle.carry = None);
         Cow::Owned(still)
     }
 
@@ -378,23 +310,17 @@ impl<R: Real> Simulation<R> {
     }
 }
 
-/// How a body moves: a copy of its part of the state.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BodyMotion<R: Real> {
-    position: Vec<R::Vec3>,
-    position_residual: Vec<R::Vec3>,
-    velocity: Vec<R::Vec3>,
-    side: Vec<Vec<i8>>,
-    memory: BodyMemory,
+/// How obstacles get to where a scene has them now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arrival {
+    /// A hand drags them: they sweep there within a frame and push what is in their way.
+    Swept,
+    /// A value was set: they are there at once, and come gently to bodies that they would be inside of.
+    Placed,
 }
 
 /// As many of `new` substeps as make up the same share of a step as `taken` of `old`; never all of them.
 fn rescaled(taken: u32, old: u32, new: u32) -> u32 {
     let share = u64::from(taken) * u64::from(new) / u64::from(old.max(1));
     u32::try_from(share).unwrap_or(u32::MAX).min(new.saturating_sub(1))
-}
-
-/// The mean of some points.
-fn center<R: Real>(points: &[R::Vec3]) -> DVec3 {
-    points.iter().fold(DVec3::ZERO, |sum, point| sum + point.to_dvec3()) / points.len().max(1) as f64
 }

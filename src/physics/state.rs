@@ -1,5 +1,6 @@
 //! The mutable side of a simulation: where every particle is, how fast it goes, and what contact must remember.
 
+use super::contact::approach::Approach;
 use super::model::Model;
 use super::plan::{MOST_HALVINGS, Plan};
 use crate::math::{Real, Vector};
@@ -29,6 +30,8 @@ pub struct State<R: Real> {
     pub anchor: Vec<R::Vec3>,
     /// What is remembered of every body as a whole.
     pub bodies: Vec<BodyMemory>,
+    /// Obstacles that were put into bodies and are on their way there as these bodies meet them, by body and obstacle.
+    pub approaches: Vec<Approach>,
     /// Whole steps taken.
     pub steps: u64,
     /// Substeps taken of the step that is under way.
@@ -122,6 +125,7 @@ impl<R: Real> State<R> {
             side: Vec::new(),
             anchor: Vec::new(),
             bodies: vec![BodyMemory::default(); model.bodies.len()],
+            approaches: Vec::new(),
             steps: 0,
             substep: 0,
             part: 0,

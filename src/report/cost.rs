@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::timer::WallTimer;
 use crate::geometry::Lattice;
 use crate::physics::plan::{Plan, Stage};
+use crate::physics::simulation::Arrival;
 use crate::physics::{Simulation, StepReport};
 use crate::scene::{ColorBy, Family, Material, Scene};
 
@@ -147,7 +148,7 @@ fn ablation(simulation: &Simulation<f32>, scene: &Scene, lattices: &[Arc<Lattice
         change(&mut scene);
         let kept: Vec<_> = (0..scene.obstacles.len()).map(Some).collect();
         let mut changed = awake.clone();
-        changed.set_parameters(&scene, lattices, &kept, false);
+        changed.set_parameters(&scene, lattices, &kept, Arrival::Placed);
         changed
     };
     let without_links: [fn(&mut Plan); 3] =

@@ -7,6 +7,7 @@ use super::extremes::Draw;
 use crate::geometry::Lattice;
 use crate::math::Real;
 use crate::physics::Simulation;
+use crate::physics::simulation::Arrival;
 use crate::scene::{ObstacleShape, Scene};
 
 /// Something that happens at some time.
@@ -25,8 +26,8 @@ pub enum What {
     Obstacles {
         /// The scene as it is then; only obstacles differ.
         scene: Box<Scene>,
-        /// Whether they sweep there and push what is in their way.
-        sweep: bool,
+        /// How they get there.
+        arrival: Arrival,
     },
     /// A body is put to where it started, deformed as it is.
     Teleport(usize),
@@ -59,7 +60,8 @@ pub(super) fn disturbances(draw: &mut Draw, scene: &Scene, size: f64) -> Vec<Dis
                 1 => What::Throw(0),
                 _ => {
                     move_one(draw, &mut now, size);
-                    What::Obstacles { scene: Box::new(now.clone()), sweep: draw.chance(0.6) && sweeps }
+                    let arrival = if draw.chance(0.6) && sweeps { Arrival::Swept } else { Arrival::Placed };
+                    What::Obstacles { scene: Box::new(now.clone()), arrival }
                 }
             };
             Disturbance { at_secs, what }
@@ -87,9 +89,9 @@ impl Disturbance {
     /// Lets it happen; `lattices` are those of the scene's bodies.
     pub(super) fn happen<R: Real>(&self, simulation: &mut Simulation<R>, scene: &Scene, lattices: &[Arc<Lattice>]) {
         match &self.what {
-            What::Obstacles { scene, sweep } => {
+            What::Obstacles { scene, arrival } => {
                 let kept: Vec<Option<usize>> = (0..scene.obstacles.len()).map(Some).collect();
-                simulation.set_parameters(scene, lattices, &kept, *sweep);
+                simulation.set_parameters(scene, lattices, &kept, *arrival);
             }
             What::Teleport(body) => {
                 let rotation = scene.bodies[*body].pose.rotation_deg;

@@ -352,6 +352,7 @@ mod tests {
 
     use super::*;
     use crate::math::rng::Rng;
+    use crate::physics::simulation::Arrival;
     use crate::report::extremes::{extreme, extreme_scene, lattices};
     use crate::scene::obstacle::Sphere;
     use crate::scene::settings::Stepping;
@@ -437,7 +438,9 @@ mod tests {
             sphere.center[0] = -0.7;
         }
         seen(&scene, |simulation, substep| match substep {
-            10 => simulation.set_parameters(&after, &lattices(&after).expect("sound shapes"), &[Some(0)], true),
+            10 => {
+                simulation.set_parameters(&after, &lattices(&after).expect("sound shapes"), &[Some(0)], Arrival::Swept)
+            }
             1000 => {
                 let mut state = simulation.state().clone();
                 state.velocity.iter_mut().for_each(|v| *v *= (1.0 + share).sqrt());

@@ -68,8 +68,12 @@ pub enum Command {
         file: Option<PathBuf>,
     },
     /// Change the scene; the motion goes on as far as the change lets it. Changes of one value that follow each other
-    /// are taken back together, until [`Command::EndEdit`].
+    /// are taken back together, until [`Command::EndEdit`]. An obstacle is at once where a value puts it, and moves what
+    /// it would be inside of out of its way gently.
     Edit(Edit),
+    /// The same by a hand in the view: while time runs, an obstacle sweeps to where it is dragged and pushes what is in
+    /// its way.
+    Drag(Edit),
     /// Put the middle of a body here (m), deformed as it is and at rest; it also starts here from now on.
     Teleport(BodyId, [f64; 3]),
     /// A slider or a thing dragged is let go: what comes next is taken back by itself.
@@ -117,6 +121,7 @@ impl Command {
             | Self::SaveState { .. }
             | Self::OpenState { .. }
             | Self::Edit(_)
+            | Self::Drag(_)
             | Self::Teleport(..)
             | Self::EndEdit
             | Self::AddBody { .. }

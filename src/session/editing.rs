@@ -5,20 +5,20 @@ use super::history::{Change, Undone};
 use super::words::words;
 use super::{Bodies, Session, SessionError};
 use crate::physics::Simulation;
-use crate::physics::simulation::BodyMotion;
+use crate::physics::simulation::{Arrival, BodyMotion};
 use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact};
 use crate::scene::resolve::Jelly;
 use crate::scene::{Body, Scene};
 
 impl Session {
     /// Changes the scene and remembers how to take it back. Names that are given differ from those of others.
-    pub(super) fn edit(&mut self, mut edit: Edit) -> Result<(), SessionError> {
+    pub(super) fn edit(&mut self, mut edit: Edit, arrival: Arrival) -> Result<(), SessionError> {
         self.scene.tell_apart(&mut edit);
         let words = words(&self.scene, &edit);
         if words.is_empty() && edit.replaces_a_node_of(&self.scene) {
             return Ok(());
         }
-        let change = self.make(edit, words, false)?;
+        let change = self.make(edit, words, false, arrival)?;
         self.history.record(change);
         Ok(())
     }
@@ -29,7 +29,7 @@ impl Session {
         let mut body = self.scene.bodies.get(id.0).cloned().ok_or(EditError::NoSuchBody { id, count })?;
         let words = format!("teleport {}", body.name);
         body.pose.position = place;
-        let change = self.make(Edit::Body(id, Box::new(body)), words, true)?;
+        let change = self.make(Edit::Body(id, Box::new(body)), words, true, Arrival::Placed)?;
         self.history.record(change);
         self.history.close();
         Ok(())
@@ -39,7 +39,7 @@ impl Session {
     pub(super) fn add_body(&mut self, body: Box<Body>, jelly: Jelly) -> Result<(), SessionError> {
         self.history.close();
         self.library.put(body.shape.clone(), jelly);
-        self.edit(Edit::InsertBody(BodyId(self.scene.bodies.len()), body))?;
+        self.edit(Edit::InsertBody(BodyId(self.scene.bodies.len()), body), Arrival::Placed)?;
         self.history.close();
         Ok(())
     }
@@ -47,7 +47,7 @@ impl Session {
     /// Takes the last change back, with the motion of the body it moved or removed.
     pub(super) fn undo(&mut self) -> Result<(), SessionError> {
         let Some(change) = self.history.pop_done() else { return Ok(()) };
-        match self.carry_out(change.inverse.clone()) {
+        match self.carry_out(change.inverse.clone(), Arrival::Placed) {
             Ok(applied) => {
                 if let Some((body, motion)) = &change.motion {
                     self.simulation.set_body_motion(*body, motion);
@@ -67,7 +67,7 @@ impl Session {
     /// Makes the change again that was taken back last.
     pub(super) fn redo(&mut self) -> Result<(), SessionError> {
         let Some(Undone { edit, words, teleport }) = self.history.pop_undone() else { return Ok(()) };
-        match self.make(edit.clone(), words.clone(), teleport) {
+        match self.make(edit.clone(), words.clone(), teleport, Arrival::Placed) {
             Ok(change) => {
                 self.history.push(change);
                 Ok(())
@@ -79,9 +79,9 @@ impl Session {
         }
     }
 
-    fn make(&mut self, edit: Edit, words: String, teleport: bool) -> Result<Change, SessionError> {
+    fn make(&mut self, edit: Edit, words: String, teleport: bool, arrival: Arrival) -> Result<Change, SessionError> {
         let motion = self.motion_before(&edit);
-        let Applied { inverse, impact } = self.carry_out(edit)?;
+        let Applied { inverse, impact } = self.carry_out(edit, arrival)?;
         if let Some((body, _)) = motion.as_ref().filter(|_| teleport && impact < Impact::Motion) {
             let rotation_deg = self.scene.bodies[*body].pose.rotation_deg;
             self.simulation.teleport_body(*body, rotation_deg, rotation_deg);
@@ -100,7 +100,7 @@ impl Session {
     }
 
     /// Changes the scene and everything that hangs on it; nothing has changed where it is refused.
-    fn carry_out(&mut self, edit: Edit) -> Result<Applied, SessionError> {
+    fn carry_out(&mut self, edit: Edit, arrival: Arrival) -> Result<Applied, SessionError> {
         let kept_bodies = kept_bodies(&edit, self.scene.bodies.len());
         let kept_obstacles = kept_obstacles(&edit, self.scene.obstacles.len());
         let edited_body = if let Edit::Body(id, _) = &edit { Some(id.0) } else { None };
@@ -109,7 +109,7 @@ impl Session {
         match applied.impact {
             Impact::Topology => self.rebuild(&scene, &kept_bodies)?,
             Impact::Parameters | Impact::Motion => {
-                self.simulation.set_parameters(&scene, &self.bodies.lattices(), &kept_obstacles, self.playing);
+                self.simulation.set_parameters(&scene, &self.bodies.lattices(), &kept_obstacles, arrival);
             }
             Impact::Appearance => (),
         }

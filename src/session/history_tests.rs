@@ -26,10 +26,10 @@ fn change(session: &mut Session, change: impl FnOnce(&mut Body)) {
     session.handle(Command::Edit(Edit::Body(BodyId(0), Box::new(body)))).expect("the change is allowed");
 }
 
-fn change_obstacle(session: &mut Session, place: usize, change: impl FnOnce(&mut Obstacle)) {
+fn drag_obstacle(session: &mut Session, place: usize, change: impl FnOnce(&mut Obstacle)) {
     let mut obstacle = session.scene().obstacles[place].clone();
     change(&mut obstacle);
-    session.handle(Command::Edit(Edit::Obstacle(ObstacleId(place), Box::new(obstacle)))).expect("it is allowed");
+    session.handle(Command::Drag(Edit::Obstacle(ObstacleId(place), Box::new(obstacle)))).expect("it is allowed");
 }
 
 fn set_shear(session: &mut Session, stiffness: f64) {
@@ -206,7 +206,7 @@ fn ground_that_is_moved_while_paused_still_carries() {
     let mut session = session("cube-on-plane");
     run(&mut session, 2500);
     session.handle(Command::Pause).expect("pausing is always possible");
-    change_obstacle(&mut session, 0, |ground| {
+    drag_obstacle(&mut session, 0, |ground| {
         let ObstacleShape::Plane(plane) = &mut ground.shape else { panic!("the ground is a plane") };
         plane.center[0] += 0.3;
         plane.center[1] += 0.002;
@@ -220,7 +220,7 @@ fn ground_that_is_lifted_while_time_runs_takes_the_body_along() {
     let mut session = session("cube-on-plane");
     run(&mut session, 2500);
     for _ in 0..30 {
-        change_obstacle(&mut session, 0, |ground| {
+        drag_obstacle(&mut session, 0, |ground| {
             let ObstacleShape::Plane(plane) = &mut ground.shape else { panic!("the ground is a plane") };
             plane.center[1] += 0.05;
         });
@@ -237,7 +237,7 @@ fn a_ball_that_is_dragged_through_a_body_pushes_it_aside() {
     run(&mut session, 2500);
     let before = center(&session);
     for _ in 0..40 {
-        change_obstacle(&mut session, 1, |ball| {
+        drag_obstacle(&mut session, 1, |ball| {
             let ObstacleShape::Sphere(sphere) = &mut ball.shape else { panic!("it is a ball") };
             sphere.center[0] -= 0.05;
         });
@@ -263,7 +263,7 @@ fn an_upright_plane_dragged_fast_catches_every_particle() {
     let insert = Edit::InsertObstacle(ObstacleId(2), Box::new(Obstacle { shape: wall, ..Obstacle::default() }));
     session.handle(Command::Edit(insert)).expect("a wall");
     // Two metres in one frame: 120 m/s.
-    change_obstacle(&mut session, 2, |wall| {
+    drag_obstacle(&mut session, 2, |wall| {
         let ObstacleShape::Plane(plane) = &mut wall.shape else { panic!("it is a plane") };
         plane.center[0] = 0.0;
     });

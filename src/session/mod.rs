@@ -37,6 +37,7 @@ pub use status::{BodyStatus, SafeValue, Status};
 pub use trouble::{Cure, Trouble};
 
 use crate::geometry::Watch;
+use crate::physics::simulation::Arrival;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
 use crate::scene::edit::EditError;
@@ -207,7 +208,8 @@ impl Session {
             Command::SaveAs { path, camera } => self.document.save(&self.scene, camera, Some(path))?,
             Command::SaveState { path } => self.save_state(&path)?,
             Command::OpenState { path } => self.open_state(&path)?,
-            Command::Edit(edit) => self.edit(edit)?,
+            Command::Edit(edit) => self.edit(edit, Arrival::Placed)?,
+            Command::Drag(edit) => self.edit(edit, if self.playing { Arrival::Swept } else { Arrival::Placed })?,
             Command::Teleport(body, place) => self.teleport(body, place)?,
             Command::EndEdit => self.history.close(),
             Command::AddBody { body, jelly } => self.add_body(body, *jelly)?,

@@ -98,6 +98,7 @@ impl Hand {
                     _ => Command::EndEdit,
                 }
             }
+            10 => Command::Drag(self.edit(scene)),
             _ => Command::Edit(self.edit(scene)),
         }
     }

@@ -13,13 +13,16 @@
 //!         1 if asleep + 2 if strained + 4 if stuck + 8 if gone, ns slow in a knot      two u32
 //!         substeps it has been still                                       u64
 //!         where still: its particles × 3 f32                 where they were when they came to be still
+//! obstacles on their way: a count u64, and of each
+//!         its body, its place, 1 if it waits               three u64
+//!         way, what is left of it, speed                   five f64
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
 
 use std::io;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde_json::json;
 use thiserror::Error;
 
@@ -27,6 +30,7 @@ use super::state_origin::Origin;
 use super::{Session, SessionError};
 use crate::disk::{self, ReadError};
 use crate::physics::State;
+use crate::physics::contact::approach::Approach;
 use crate::physics::plan::MOST_HALVINGS;
 use crate::physics::state::BodyMemory;
 
@@ -166,6 +170,12 @@ impl Session {
                 bytes.extend(anchor.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
             }
         }
+        bytes.extend((state.approaches.len() as u64).to_le_bytes());
+        for approach in &state.approaches {
+            let Approach { body, obstacle, way, left_m, speed, waits } = *approach;
+            bytes.extend([body as u64, obstacle as u64, u64::from(waits)].iter().flat_map(|word| word.to_le_bytes()));
+            bytes.extend([way.x, way.y, way.z, left_m, speed].iter().flat_map(|number| number.to_le_bytes()));
+        }
         let checksum = fnv1a(&bytes);
         bytes.extend(checksum.to_le_bytes());
         bytes
@@ -189,7 +199,12 @@ impl Session {
         if accelerations != accelerated as u64 || reader.rest.len() < of_particles {
             return Err(StateFileError::Damaged);
         }
-        let (bodies, anchor) = self.body_memories(&mut Reader { rest: &reader.rest[of_particles..] })?;
+        let mut end = Reader { rest: &reader.rest[of_particles..] };
+        let (bodies, anchor) = self.body_memories(&mut end)?;
+        let approaches = self.approaches(&mut end)?;
+        if !end.rest.is_empty() {
+            return Err(StateFileError::Damaged);
+        }
         let small = |word: u64| u32::try_from(word).map_err(|_too_many| StateFileError::Damaged);
         if halvings > u64::from(MOST_HALVINGS) || part >= 1 << MOST_HALVINGS {
             return Err(StateFileError::Damaged);
@@ -204,6 +219,7 @@ impl Session {
             side: (0..scene_planes).map(|_| reader.sides(scene_particles)).collect(),
             anchor,
             bodies,
+            approaches,
             steps,
             substep: small(substep)?,
             part,
@@ -243,7 +259,31 @@ impl Session {
             let [asleep, strained, stuck, gone] = [1, 2, 4, 8].map(|flag| flags & flag != 0);
             memories.push(BodyMemory { near_inversion, strained, knotted_nanos, stuck, still_substeps, asleep, gone });
         }
-        if reader.rest.is_empty() { Ok((memories, anchor)) } else { Err(StateFileError::Damaged) }
+        Ok((memories, anchor))
+    }
+
+    /// The obstacles on their way to bodies, at the very end of the bytes.
+    fn approaches(&self, reader: &mut Reader<'_>) -> Result<Vec<Approach>, StateFileError> {
+        let count = reader.u64();
+        if reader.rest.len() as u64 != count.saturating_mul(64) {
+            return Err(StateFileError::Damaged);
+        }
+        let model = self.simulation().model();
+        let place = |word: u64, end: usize| {
+            usize::try_from(word).ok().filter(|&place| place < end).ok_or(StateFileError::Damaged)
+        };
+        let one = |_| {
+            let [body, obstacle, waits] = std::array::from_fn(|_| reader.u64());
+            let [x, y, z, left_m, speed] = std::array::from_fn(|_| f64::from_bits(reader.u64()));
+            let way = DVec3::new(x, y, z);
+            let sound = way.is_normalized() && left_m > 0.0 && left_m.is_finite() && speed >= 0.0 && speed.is_finite();
+            if !sound || waits > 1 {
+                return Err(StateFileError::Damaged);
+            }
+            let (body, obstacle) = (place(body, model.bodies.len())?, place(obstacle, model.obstacles.len())?);
+            Ok(Approach { body, obstacle, way, left_m, speed, waits: waits == 1 })
+        };
+        (0..count).map(one).collect()
     }
 }
 

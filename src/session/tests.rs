@@ -265,3 +265,91 @@ fn the_broken_preset_stays_broken_says_so_and_is_turned_back_while_it_runs() {
     assert_eq!(broken.simulation().diagnostics().inverted_cells, 0, "all cells are whole again");
     assert!(broken.status().trouble.is_none(), "nothing is left to say");
 }
+
+/// The default scene once the cube has come to rest, and its ground.
+fn rested() -> (Session, crate::scene::Obstacle) {
+    let mut session = session("cube-on-plane");
+    (0..1500).for_each(|_| assert!(session.step(), "the preset is stable"));
+    let is_plane = |obstacle: &&crate::scene::Obstacle| matches!(obstacle.shape, crate::scene::ObstacleShape::Plane(_));
+    let ground = session.scene().obstacles.iter().find(is_plane).cloned().expect("there is a ground");
+    (session, ground)
+}
+
+/// The largest strain of the next two seconds, and the cells that are inverted at their end.
+fn strained(session: &mut Session) -> (f64, usize) {
+    let mut strain = 0.0_f64;
+    for _ in 0..2000 {
+        assert!(session.step(), "the preset is stable");
+        strain = strain.max(session.simulation().diagnostics().max_strain);
+    }
+    (strain, session.simulation().diagnostics().inverted_cells)
+}
+
+#[test]
+fn a_plane_typed_through_the_cube_is_no_blow_and_a_plane_dragged_through_it_is() {
+    use crate::scene::edit::ObstacleId;
+    let through = |dragged: bool| {
+        let (mut session, mut wall) = rested();
+        let id = ObstacleId(session.scene().obstacles.len());
+        let crate::scene::ObstacleShape::Plane(plane) = &mut wall.shape else { panic!("a plane") };
+        (plane.center, plane.rotation_deg, plane.half_extents) = ([3.0, 0.5, 0.0], [0.0, 0.0, 90.0], [2.0; 2]);
+        session
+            .handle(Command::Edit(Edit::InsertObstacle(id, Box::new(wall.clone()))))
+            .expect("a wall beside the cube");
+        assert_eq!(strained(&mut session).1, 0, "it stands beside it");
+        let middle = session.status().bodies[0].center[0];
+        let crate::scene::ObstacleShape::Plane(plane) = &mut wall.shape else { panic!("a plane") };
+        plane.center[0] = middle + 0.1;
+        let edit = Edit::Obstacle(id, Box::new(wall));
+        session.handle(if dragged { Command::Drag(edit) } else { Command::Edit(edit) }).expect("in range");
+        let seen = strained(&mut session);
+        session.handle(Command::Undo).expect("back");
+        (seen, strained(&mut session))
+    };
+    let ((strain, inverted), (strain_undone, inverted_undone)) = through(false);
+    assert!(strain < 0.5 && inverted == 0, "typed: {strain}, {inverted} inverted");
+    assert!(strain_undone < 0.5 && inverted_undone == 0, "undone: {strain_undone}, {inverted_undone} inverted");
+    assert!(through(true).0.0 > 0.8, "dragged at 200 m/s it pushes with all its might");
+}
+
+#[test]
+fn undo_of_what_was_dragged_is_no_blow() {
+    use crate::scene::edit::ObstacleId;
+    let (mut session, mut wall) = rested();
+    let id = ObstacleId(session.scene().obstacles.len());
+    let middle = session.status().bodies[0].center[0];
+    let crate::scene::ObstacleShape::Plane(plane) = &mut wall.shape else { panic!("a plane") };
+    (plane.center, plane.rotation_deg, plane.half_extents) = ([middle + 0.6, 0.5, 0.0], [0.0, 0.0, 90.0], [2.0; 2]);
+    session.handle(Command::Edit(Edit::InsertObstacle(id, Box::new(wall.clone())))).expect("a wall beside the cube");
+    session.handle(Command::EndEdit).expect("always possible");
+    // Dragged away, the cube pulled after it to where the wall was.
+    let crate::scene::ObstacleShape::Plane(plane) = &mut wall.shape else { panic!("a plane") };
+    plane.center[0] += 2.0;
+    session.handle(Command::Drag(Edit::Obstacle(id, Box::new(wall)))).expect("in range");
+    session.handle(Command::EndEdit).expect("always possible");
+    let mut state = session.simulation().state().clone();
+    state.position.iter_mut().for_each(|at| at.x += 0.6);
+    session.replace_state(state);
+    session.handle(Command::Undo).expect("back");
+    let (strain, inverted) = strained(&mut session);
+    assert!(strain < 0.5 && inverted == 0, "{strain}, {inverted} inverted");
+}
+
+#[test]
+fn an_obstacle_on_its_way_goes_to_bytes_and_back() {
+    let (mut session_a, mut wall) = rested();
+    let crate::scene::ObstacleShape::Plane(plane) = &mut wall.shape else { panic!("a plane") };
+    let middle = session_a.status().bodies[0].center[0];
+    (plane.center, plane.rotation_deg) = ([middle + 0.1, 0.5, 0.0], [0.0, 0.0, 90.0]);
+    let id = crate::scene::edit::ObstacleId(session_a.scene().obstacles.len());
+    session_a.handle(Command::Edit(Edit::InsertObstacle(id, Box::new(wall)))).expect("in range");
+    (0..50).for_each(|_| assert!(session_a.step(), "the preset is stable"));
+    assert_eq!(session_a.simulation().state().approaches.len(), 1, "it is on its way");
+    let mut session_b = Session::new(session_a.scene().clone(), PathBuf::new(), String::new()).expect("resolves");
+    session_b.set_state_bytes(&session_a.state_bytes()).expect("a state of the same scene");
+    for _ in 0..300 {
+        session_a.step();
+        session_b.step();
+    }
+    assert_eq!(session_a.simulation().hash(), session_b.simulation().hash(), "both go on alike");
+}

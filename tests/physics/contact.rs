@@ -2,6 +2,7 @@
 
 use gelatin::physics::Simulation;
 use gelatin::physics::compile::DEPTH_SHARE;
+use gelatin::physics::simulation::Arrival;
 use gelatin::scene::obstacle::ContactStiffness;
 use gelatin::scene::{Obstacle, ObstacleShape, Scene};
 use glam::Vec3;
@@ -73,7 +74,7 @@ fn dragged(obstacle: Obstacle, to: ObstacleShape) -> Simulation<f32> {
     let mut simulation = simulate::<f32>(&scene);
     run(&mut simulation, 0.01);
     scene.obstacles[0].shape = to;
-    simulation.set_parameters(&scene, &lattices(&scene), &[Some(0)], true);
+    simulation.set_parameters(&scene, &lattices(&scene), &[Some(0)], Arrival::Swept);
     run(&mut simulation, 0.05);
     simulation
 }

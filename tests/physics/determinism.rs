@@ -3,6 +3,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use gelatin::physics::simulation::Arrival;
 use gelatin::scene::{Material, Scene};
 
 use crate::support::{ball, cube, falling, lattices, plane, run, simulate, springs};
@@ -35,7 +36,7 @@ fn a_new_parameter_keeps_positions_and_velocities() {
     let before = simulation.state().clone();
     let Material::Springs(material) = &mut scene.bodies[0].material else { unreachable!("a body of springs") };
     material.bending.stiffness *= 3.0;
-    simulation.set_parameters(&scene, &lattices(&scene), &[Some(0)], true);
+    simulation.set_parameters(&scene, &lattices(&scene), &[Some(0)], Arrival::Swept);
     assert_eq!(simulation.state().position, before.position, "everything stays where it is");
     assert_eq!(simulation.state().velocity, before.velocity, "and goes on as fast");
     assert_eq!(simulation.state().side, before.side, "and touches what it touched");

@@ -10,6 +10,7 @@ mod extremes;
 mod fallen;
 mod friction;
 mod integrators;
+mod placing;
 mod presets;
 mod recovery;
 mod sleep;

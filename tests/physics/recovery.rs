@@ -4,6 +4,7 @@ use gelatin::math::Real;
 use gelatin::math::Vector;
 use gelatin::math::rng::Rng;
 use gelatin::physics::Simulation;
+use gelatin::physics::simulation::Arrival;
 use gelatin::scene::body::PinBox;
 use gelatin::scene::material::Spring;
 use gelatin::scene::settings::Integrator;
@@ -328,7 +329,7 @@ fn a_step_that_recovers_allocates_nothing() {
     let mut scene = falling(cube(4, 1.0, even(5, 4.0), [0.0; 3]));
     let mut simulation = broken::<f32>(5, even(5, 4.0), Break::Crumpled(2.0), |_| ());
     scene.bodies[0].material = Material::Springs(families(5, [0.04, 400.0, 0.04]));
-    simulation.set_parameters(&scene, &lattices(&scene), &[Some(0)], true);
+    simulation.set_parameters(&scene, &lattices(&scene), &[Some(0)], Arrival::Swept);
     assert_eq!(allocated_while_recovering(simulation), 0, "after a change of constants");
 }
 

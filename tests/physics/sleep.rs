@@ -2,6 +2,7 @@
 
 use gelatin::math::Real;
 use gelatin::physics::interaction::Grab;
+use gelatin::physics::simulation::Arrival;
 use gelatin::physics::{Simulation, StepReport};
 use gelatin::scene::body::PinBox;
 use gelatin::scene::settings::{Integrator, Stepping};
@@ -40,7 +41,7 @@ fn asleep(scene: &Scene) -> Simulation<f32> {
 /// Sets new parameters on sleeping bodies, which must wake and move by more than `least` (m) within a second.
 fn moves_after(mut simulation: Simulation<f32>, scene: &Scene, least: f32) {
     let kept: Vec<_> = (0..scene.obstacles.len()).map(Some).collect();
-    simulation.set_parameters(scene, &lattices(scene), &kept, true);
+    simulation.set_parameters(scene, &lattices(scene), &kept, Arrival::Swept);
     moves(&mut simulation, least);
 }
 
@@ -258,7 +259,7 @@ fn a_saved_motion_goes_on_bit_for_bit_into_sleep_and_out_of_it() {
     let mut tilted = resting();
     tilted.settings.gravity = [3.0, -9.81, 0.0];
     for simulation in [&mut whole, &mut in_parts] {
-        simulation.set_parameters(&tilted, &lattices(&tilted), &[Some(0), Some(1)], true);
+        simulation.set_parameters(&tilted, &lattices(&tilted), &[Some(0), Some(1)], Arrival::Swept);
         run(simulation, 0.5);
     }
     assert_eq!(in_parts.hash(), whole.hash(), "awake again");

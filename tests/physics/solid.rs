@@ -2,6 +2,7 @@
 
 use gelatin::physics::Simulation;
 use gelatin::physics::model::BodyModel;
+use gelatin::physics::simulation::Arrival;
 use gelatin::scene::body::{CellsShape, CubeShape, Inlay, PinBox};
 use gelatin::scene::material::Spring;
 use gelatin::scene::{Body, Material, Scene, Shape, Solid, Springs};
@@ -178,7 +179,7 @@ fn the_stiffest_part_of_a_body_limits_its_step_and_a_change_of_it_is_heeded() {
     let mut soft = scene.clone();
     soft.bodies[0].inlays.clear();
     let before = limit(&simulation);
-    simulation.set_parameters(&soft, &lattices(&soft), &[Some(0)], false);
+    simulation.set_parameters(&soft, &lattices(&soft), &[Some(0)], Arrival::Placed);
     assert!(limit(&simulation) > 3.0 * before, "without the stiff half: {before} s, then {} s", limit(&simulation));
     let fresh = limit(&simulate::<f64>(&soft));
     assert!((limit(&simulation) / fresh - 1.0).abs() < 1e-15, "as if it had never been there: {fresh} s");

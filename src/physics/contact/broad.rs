@@ -22,7 +22,7 @@ pub(super) fn near_obstacles<R: Real>(
     near: &mut Vec<u32>,
 ) {
     near.clear();
-    let all = (0u32..).zip(&model.obstacles);
+    let all = (0u32..).zip((0..model.obstacles.len()).map(|number| body.obstacle(model, number)));
     if !plan.broad_phase {
         near.extend(all.map(|(number, _)| number));
         return;

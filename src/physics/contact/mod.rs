@@ -9,6 +9,7 @@
 //! Particles do not meet each other. What several obstacles do to one particle is found together (settle), and it is
 //! brought to a velocity that none of them forbids.
 
+pub mod approach;
 mod broad;
 mod plane;
 mod record;
@@ -18,11 +19,12 @@ mod sphere;
 pub(super) mod sweep;
 pub mod thesis;
 mod touch;
+mod way_out;
 
 pub use record::{ContactRecord, Scratch};
 pub(super) use touch::{Touch, find as find_touches, settle as settle_touches};
 
-use super::model::{ContactModel, Model, ObstacleModel, ObstacleShape};
+use super::model::{BodyModel, ContactModel, Model, ObstacleModel, ObstacleShape};
 use super::plan::{Plan, Stage};
 use super::report::{StageTimer, StepReport};
 use super::state::State;
@@ -117,7 +119,7 @@ impl<R: Real, T: StageTimer> Meetings<'_, R, T> {
                         continue;
                     }
                     let mut meeting =
-                        Meeting { model, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
+                        Meeting { model, body, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
                     let before = velocity[particle];
                     velocity[particle] =
                         meeting.resolve(before, body.mass(local), &body.contacts, &scratch.near, &mut scratch.contacts);
@@ -137,6 +139,7 @@ impl<R: Real, T: StageTimer> Meetings<'_, R, T> {
 /// One particle among the obstacles near its body.
 struct Meeting<'a, R: Real> {
     model: &'a Model<R>,
+    body: &'a BodyModel<R>,
     plan: &'a Plan,
     state: &'a State<R>,
     particle: usize,
@@ -259,7 +262,7 @@ impl<R: Real> Meeting<'_, R> {
     /// Contact with an obstacle that moves is swept in the obstacle's own frame: the particle's start rides along, and
     /// what is left of its path is its motion past the obstacle.
     fn surface(&mut self, obstacle: usize, velocity: R::Vec3) -> Option<(Surface<R>, R::Vec3)> {
-        let ObstacleModel { shape, bounds, carry, .. } = &self.model.obstacles[obstacle];
+        let ObstacleModel { shape, bounds, carry, .. } = self.body.obstacle(self.model, obstacle);
         let from = self.state.position[self.particle];
         let path = velocity * self.dt;
         let side = match shape {
@@ -324,7 +327,7 @@ pub fn remember_sides<R: Real>(
         }
         report.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
-        let ObstacleShape::Plane(plane) = &model.obstacles[contact.obstacle].shape else {
+        let ObstacleShape::Plane(plane) = &model.bodies[number].obstacle(model, contact.obstacle).shape else {
             deepest = deepest.max(depth);
             continue;
         };

@@ -54,6 +54,13 @@ impl Frame {
     }
 }
 
+impl<R: Real> Sweep<R> {
+    /// Whether it is this obstacle that is on its way.
+    pub(crate) fn is_of(&self, obstacle: usize) -> bool {
+        self.obstacle == obstacle
+    }
+}
+
 /// The obstacles of `new` that are elsewhere than in `old`; `kept` names, for each, the one it was.
 pub(crate) fn sweeps<R: Real>(old: &Model<R>, new: &Model<R>, kept: &[Option<usize>]) -> Vec<Sweep<R>> {
     let pairs = new.obstacles.iter().zip(kept).enumerate();

@@ -31,7 +31,8 @@ pub fn add_forces<R: Real>(
     let mut deepest = scratch.deepest();
     for body in awake(model, &state.bodies) {
         for particle in body.particles.clone() {
-            for (number, obstacle) in model.obstacles.iter().enumerate() {
+            for number in 0..model.obstacles.len() {
+                let obstacle = body.obstacle(model, number);
                 report.narrow_tests += 1;
                 let contact = &body.contacts[number];
                 let at = state.position[particle];

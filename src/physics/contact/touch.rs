@@ -216,7 +216,8 @@ pub(in crate::physics) fn find<R: Real>(
             if body.is_pinned(local) {
                 continue;
             }
-            let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
+            let mut meeting =
+                Meeting { model, body, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
             let size = body.size.to_f64();
             for &near in &scratch.near {
                 let obstacle = near as usize;
@@ -275,7 +276,8 @@ pub(in crate::physics) fn settle<R: Real>(
         while let Some(own) = touches.next_if(|own| body.particles.contains(&own[0].particle)) {
             let particle = own[0].particle;
             let over_dt = R::ONE / dt;
-            let mut meeting = Meeting { model, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
+            let mut meeting =
+                Meeting { model, body, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
             for obstacle in 0..model.obstacles.len() {
                 let record = match own.iter().find(|touch| touch.obstacle == obstacle) {
                     Some(touch) => Some(ContactRecord {

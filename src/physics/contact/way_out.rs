@@ -1,0 +1,263 @@
+//! The way on which a body gets out of an obstacle that was put into it: the direction in which the obstacle pushes all
+//! of it, and how far back it has to start so that nothing of the body is inside.
+
+use glam::DVec3;
+
+use super::plane::rounding_margin;
+use crate::math::{Real, Vector};
+use crate::physics::model::{BodyModel, Model, ObstacleShape, PlaneModel};
+
+/// How many times its length a way counts that leads straight down: there may be a floor.
+const DOWNWARDS: f64 = 4.0;
+
+/// A plane carries what is on its side where that faces up by more than this cosine.
+const CARRIES: f64 = 0.3;
+
+/// A way out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct WayOut {
+    /// Its direction, of length 1.
+    pub(super) way: DVec3,
+    /// Its length, m.
+    pub(super) length_m: f64,
+}
+
+/// What is known of an obstacle and a body from before the obstacle was put elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Memory<'a, R: Real> {
+    /// The obstacle as the body met it; none where it is new.
+    pub(super) shape: Option<&'a ObstacleShape<R>>,
+    /// The state's rows of sides.
+    pub(super) sides: &'a [Vec<i8>],
+    /// The way that the obstacle was coming on.
+    pub(super) way: Option<DVec3>,
+}
+
+impl<R: Real> Memory<'_, R> {
+    /// The direction to the side on which a particle touched the plane; none where it did not.
+    pub(super) fn touched(&self, particle: usize) -> Option<DVec3> {
+        let Some(ObstacleShape::Plane(was)) = self.shape else { return None };
+        let side = self.sides.get(was.side_row)?[particle];
+        (side != 0).then(|| was.normal.to_dvec3() * f64::from(side))
+    }
+
+    /// The side on which a body stood on the plane; none where it did not stand.
+    fn carrying(&self, body: &BodyModel<R>, gravity: DVec3) -> Option<DVec3> {
+        let sum: DVec3 = body.particles.clone().filter_map(|particle| self.touched(particle)).sum();
+        sum.try_normalize().filter(|way| -way.dot(gravity.normalize_or_zero()) > CARRIES)
+    }
+}
+
+/// The shortest way on which a body gets out of an obstacle; none where it is not inside, or no deeper than it was in
+/// contact before.
+pub(super) fn way_out<R: Real>(
+    model: &Model<R>,
+    body: &BodyModel<R>,
+    shape: &ObstacleShape<R>,
+    memory: &Memory<'_, R>,
+    position: &[R::Vec3],
+) -> Option<WayOut> {
+    match shape {
+        ObstacleShape::Plane(plane) => Plate { plane, body, memory, position }.way_out(model.gravity.to_dvec3()),
+        ObstacleShape::Sphere { center, radius } => {
+            let ball = Ball { center: center.to_dvec3(), radius: radius.to_f64() };
+            let was = match memory.shape {
+                Some(ObstacleShape::Sphere { center, radius }) => {
+                    Some(Ball { center: center.to_dvec3(), radius: radius.to_f64() })
+                }
+                _ => None,
+            };
+            ball.way_out(model, body, was, position)
+        }
+    }
+}
+
+/// The cheapest of some ways, by their length and whether they lead down.
+fn shortest(gravity: DVec3, ways: impl Iterator<Item = WayOut>) -> Option<WayOut> {
+    let down = gravity.normalize_or_zero();
+    let cost = |out: &WayOut| out.length_m * (1.0 + (DOWNWARDS - 1.0) * out.way.dot(down).max(0.0));
+    ways.min_by(|a, b| cost(a).total_cmp(&cost(b)))
+}
+
+/// The particles of a body that are free to move, in the state's arrays.
+fn free<R: Real>(body: &BodyModel<R>) -> impl Iterator<Item = usize> {
+    body.particles.clone().enumerate().filter(|(local, _)| !body.is_pinned(*local)).map(|(_, particle)| particle)
+}
+
+/// A plane and a body.
+struct Plate<'a, R: Real> {
+    plane: &'a PlaneModel<R>,
+    body: &'a BodyModel<R>,
+    memory: &'a Memory<'a, R>,
+    position: &'a [R::Vec3],
+}
+
+impl<R: Real> Plate<'_, R> {
+    fn way_out(&self, gravity: DVec3) -> Option<WayOut> {
+        let normal = self.plane.normal.to_dvec3();
+        let carrying = self.memory.carrying(self.body, gravity);
+        let chosen = self.memory.way.or(carrying).filter(|way| way.dot(normal) != 0.0);
+        if chosen.is_none() && !self.is_pierced() {
+            return None;
+        }
+        let out = |way: DVec3| WayOut { way, length_m: self.length_m(way) };
+        let found = match chosen {
+            Some(way) => Some(out(normal * way.dot(normal).signum())),
+            None => shortest(gravity, [out(normal), out(-normal)].into_iter()),
+        };
+        found.filter(|out| out.length_m > 0.0)
+    }
+
+    /// Whether a link of the body goes through the rectangle.
+    fn is_pierced(&self) -> bool {
+        let PlaneModel { center, normal, .. } = *self.plane;
+        let first = self.body.particles.start;
+        let links = self.body.links.iter().flat_map(|family| &family.links);
+        links.map(|link| link.ends.map(|end| self.position[first + end as usize])).any(|[a, b]| {
+            let [above, below] = [a, b].map(|end| (end - center).dot(normal));
+            let apart = above - below;
+            let crosses = (above > R::ZERO) != (below > R::ZERO) && apart != R::ZERO;
+            crosses && self.is_over(a + (b - a) * (above / apart))
+        })
+    }
+
+    /// Whether a point is over or under the rectangle.
+    fn is_over(&self, at: R::Vec3) -> bool {
+        let PlaneModel { center, axes, half_extents, .. } = *self.plane;
+        (0..2).all(|axis| (at - center).dot(axes[axis]).abs() <= half_extents[axis])
+    }
+
+    /// How far behind the plane the body reaches, past what it was pressed into the plane on that side before, m.
+    fn length_m(&self, way: DVec3) -> f64 {
+        let along = |plane: &PlaneModel<R>, particle: usize, way: DVec3| {
+            (self.position[particle] - plane.center).to_dvec3().dot(way)
+        };
+        let depth = |particle: usize| {
+            // What ends up in the plane's very surface must not be taken for the other side.
+            let margin = 4.0 * rounding_margin::<R>(self.plane, self.position[particle]).to_f64();
+            let pressed = match self.memory.shape {
+                Some(ObstacleShape::Plane(was)) => {
+                    let side = self.memory.touched(particle).filter(|side| side.dot(way) > 0.0);
+                    side.map(|side| (-along(was, particle, side)).max(0.0))
+                }
+                _ => None,
+            };
+            -along(self.plane, particle, way) - pressed.unwrap_or(-margin)
+        };
+        free(self.body).filter(|&particle| self.is_over(self.position[particle])).map(depth).fold(0.0, f64::max)
+    }
+}
+
+/// A sphere.
+#[derive(Clone, Copy)]
+struct Ball {
+    center: DVec3,
+    radius: f64,
+}
+
+impl Ball {
+    fn way_out<R: Real>(
+        self,
+        model: &Model<R>,
+        body: &BodyModel<R>,
+        was: Option<Self>,
+        position: &[R::Vec3],
+    ) -> Option<WayOut> {
+        let at = |particle: usize| position[particle].to_dvec3();
+        // As deep as it was in contact before, a particle may stay.
+        let allowed = |at: DVec3| was.map_or(0.0, |was| was.depth(at).max(0.0));
+        let margin = 8.0 * R::EPSILON.to_f64() * (self.radius + self.center.abs().max_element());
+        if !free(body).map(at).any(|at| self.depth(at) > allowed(at) + margin) {
+            return None;
+        }
+        let length_m = |way: DVec3| {
+            let leaves = |at: DVec3| {
+                let radius = (self.radius - allowed(at) + margin).max(0.0);
+                let from = at - self.center;
+                let along = from.dot(way);
+                let reach = along * along - from.length_squared() + radius * radius;
+                if reach > 0.0 { reach.sqrt() - along } else { 0.0 }
+            };
+            free(body).map(at).map(leaves).fold(0.0, f64::max)
+        };
+        let gravity = model.gravity.to_dvec3();
+        let up = (-gravity).try_normalize().unwrap_or(DVec3::Y);
+        let count = body.particles.len().max(1) as f64;
+        let middle = body.particles.clone().map(at).sum::<DVec3>() / count;
+        let radial = middle - self.center;
+        let level = radial - up * radial.dot(up);
+        let ways = [radial, level, up].into_iter().filter_map(DVec3::try_normalize);
+        shortest(gravity, ways.map(|way| WayOut { way, length_m: length_m(way) }))
+    }
+
+    /// How deep a point is inside, m.
+    fn depth(self, at: DVec3) -> f64 {
+        self.radius - at.distance(self.center)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::physics::Simulation;
+    use crate::scene::obstacle::{Plane, Sphere};
+    use crate::scene::resolve::resolve;
+    use crate::scene::{Body, Obstacle, ObstacleShape as Shape, Scene};
+
+    /// The way out of an obstacle that is new, for the default cube with its middle at the origin.
+    fn out_of(shape: Shape) -> Option<WayOut> {
+        let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
+        scene.bodies[0].pose.position = [0.0; 3];
+        scene.obstacles = vec![Obstacle { shape, ..Obstacle::default() }];
+        let jelly = resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube");
+        let simulation = Simulation::<f64>::new(&scene, &[jelly.lattice]);
+        let (model, state) = (simulation.model(), simulation.state());
+        let memory = Memory { shape: None, sides: &[], way: None };
+        way_out(model, &model.bodies[0], &model.obstacles[0].shape, &memory, &state.position)
+    }
+
+    fn upright(x: f64) -> Shape {
+        Shape::Plane(Plane { center: [x, 0.0, 0.0], rotation_deg: [0.0, 0.0, 90.0], half_extents: [3.0; 2] })
+    }
+
+    fn level(y: f64) -> Shape {
+        Shape::Plane(Plane { center: [0.0, y, 0.0], rotation_deg: [0.0; 3], half_extents: [3.0; 2] })
+    }
+
+    fn ball(center: [f64; 3], radius: f64) -> Shape {
+        Shape::Sphere(Sphere { center, radius })
+    }
+
+    fn check(shape: Shape, way: DVec3, length_m: f64) {
+        let out = out_of(shape).expect("inside");
+        assert!(out.way.distance(way) < 1e-9, "{shape:?}: {out:?}");
+        assert!((out.length_m - length_m).abs() < 1e-6, "{shape:?}: {out:?}, not {length_m} m");
+    }
+
+    #[test]
+    fn a_plane_moves_a_body_to_the_nearer_side_and_rather_up_than_down() {
+        check(upright(0.2), DVec3::NEG_X, 0.3);
+        check(upright(-0.4), DVec3::X, 0.1);
+        check(level(0.2), DVec3::Y, 0.7);
+        check(level(0.45), DVec3::NEG_Y, 0.05);
+    }
+
+    #[test]
+    fn a_ball_moves_a_body_along_the_line_of_their_middles_or_up() {
+        check(ball([-0.6, 0.0, 0.0], 0.4), DVec3::X, 0.3);
+        check(ball([0.0; 3], 0.1), DVec3::Y, 0.6);
+        let sideways = out_of(ball([0.1, 0.3, 0.0], 0.3)).expect("inside");
+        assert!(sideways.way.distance(DVec3::NEG_X) < 1e-9, "not down through the body: {sideways:?}");
+    }
+
+    #[test]
+    fn what_is_beside_a_body_is_not_inside() {
+        for shape in [upright(0.6), level(-0.51), ball([0.0, 1.0, 0.0], 0.4)] {
+            assert_eq!(out_of(shape), None, "{shape:?}");
+        }
+        let small = Plane { center: [0.0, 0.0, 2.0], rotation_deg: [0.0; 3], half_extents: [1.0; 2] };
+        assert_eq!(out_of(Shape::Plane(small)), None, "the rectangle ends before the body");
+    }
+}

@@ -1,0 +1,134 @@
+//! The motion of one body: taken out of a simulation, put back, begun anew.
+
+use glam::{DMat3, DVec3};
+
+use super::Simulation;
+use crate::math::{Real, Vector, rotation};
+use crate::physics::contact::approach::{self, Approach};
+use crate::physics::model::BodyModel;
+use crate::physics::state::BodyMemory;
+
+/// How a body moves: a copy of its part of the state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyMotion<R: Real> {
+    position: Vec<R::Vec3>,
+    position_residual: Vec<R::Vec3>,
+    velocity: Vec<R::Vec3>,
+    side: Vec<Vec<i8>>,
+    memory: BodyMemory,
+    approaches: Vec<Approach>,
+}
+
+impl<R: Real> Simulation<R> {
+    /// How a body moves now.
+    pub fn body_motion(&self, body: usize) -> BodyMotion<R> {
+        let particles = self.model.bodies[body].particles.clone();
+        BodyMotion {
+            position: self.state.position[particles.clone()].to_vec(),
+            position_residual: self.state.position_residual[particles.clone()].to_vec(),
+            velocity: self.state.velocity[particles.clone()].to_vec(),
+            side: self.state.side.iter().map(|row| row[particles.clone()].to_vec()).collect(),
+            memory: self.state.bodies[body].clone(),
+            approaches: self.state.approaches.iter().filter(|approach| approach.body == body).copied().collect(),
+        }
+    }
+
+    /// Lets a body move as it did once. A motion of another number of particles is left alone.
+    pub fn set_body_motion(&mut self, body: usize, motion: &BodyMotion<R>) {
+        let particles = self.model.bodies[body].particles.clone();
+        if motion.position.len() != particles.len() {
+            return;
+        }
+        self.state.position[particles.clone()].copy_from_slice(&motion.position);
+        self.state.position_residual[particles.clone()].copy_from_slice(&motion.position_residual);
+        self.state.velocity[particles.clone()].copy_from_slice(&motion.velocity);
+        for (place, row) in self.state.side.iter_mut().enumerate() {
+            match motion.side.get(place) {
+                Some(side) => row[particles.clone()].copy_from_slice(side),
+                None => row[particles.clone()].fill(0),
+            }
+        }
+        self.state.bodies[body].clone_from(&motion.memory);
+        self.state.approaches.retain(|approach| approach.body != body);
+        let there = |approach: &&Approach| approach.obstacle < self.model.obstacles.len();
+        let own = motion.approaches.iter().filter(there).map(|approach| Approach { body, ..*approach });
+        self.state.approaches.extend(own);
+        self.state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
+        approach::place(&mut self.model, &self.state.approaches, 0.0);
+        self.wake(body);
+        self.state.reserve(&self.model);
+        self.scratch.contact.touch_all();
+        self.diverged = false;
+    }
+
+    /// Puts a body to its start; the others go on.
+    pub fn restart_body(&mut self, body: usize) {
+        let start = &self.model.bodies[body];
+        let motion = BodyMotion {
+            position: start.start.clone(),
+            position_residual: vec![R::Vec3::ZERO; start.particles.len()],
+            velocity: (0..start.particles.len()).map(|local| self.start_velocity(body, local)).collect(),
+            side: Vec::new(),
+            memory: BodyMemory::default(),
+            approaches: Vec::new(),
+        };
+        self.set_body_motion(body, &motion);
+        self.let_obstacles_approach(body);
+    }
+
+    /// Gives all of a body the velocity of its start, wherever and however it is; one that is gone has it when it comes
+    /// back.
+    pub fn throw_body(&mut self, body: usize) {
+        if self.state.bodies[body].gone {
+            return;
+        }
+        for (local, particle) in self.model.bodies[body].particles.clone().enumerate() {
+            self.state.velocity[particle] = self.start_velocity(body, local);
+        }
+        self.wake(body);
+        self.diverged = false;
+    }
+
+    /// Puts a body where its start is, turned by what its start was turned by, deformed as it is and at rest. One that is
+    /// gone comes back as it was at its start.
+    pub fn teleport_body(&mut self, body: usize, old_rotation_deg: [f64; 3], new_rotation_deg: [f64; 3]) {
+        if self.state.bodies[body].gone {
+            self.restart_body(body);
+            return;
+        }
+        let turn = rotation::from_euler_deg(new_rotation_deg) * rotation::from_euler_deg(old_rotation_deg).transpose();
+        let BodyModel { particles, start, .. } = &self.model.bodies[body];
+        let (from, to) = (center::<R>(&self.state.position[particles.clone()]), center::<R>(start));
+        let unturned = turn == DMat3::IDENTITY;
+        let moved = |at: &R::Vec3| {
+            let offset = at.to_dvec3() - from;
+            R::Vec3::from_dvec3(to + if unturned { offset } else { turn * offset })
+        };
+        let motion = BodyMotion {
+            position: self.state.position[particles.clone()].iter().map(moved).collect(),
+            position_residual: vec![R::Vec3::ZERO; particles.len()],
+            velocity: vec![R::Vec3::ZERO; particles.len()],
+            side: Vec::new(),
+            memory: self.state.bodies[body].clone(),
+            approaches: Vec::new(),
+        };
+        self.set_body_motion(body, &motion);
+        self.let_obstacles_approach(body);
+    }
+
+    /// Obstacles that a body was put into come to it gently.
+    fn let_obstacles_approach(&mut self, body: usize) {
+        approach::begin_for(&self.model, body, &mut self.state);
+        approach::place(&mut self.model, &self.state.approaches, 0.0);
+    }
+
+    fn start_velocity(&self, body: usize, local: usize) -> R::Vec3 {
+        let body = &self.model.bodies[body];
+        if body.is_pinned(local) { R::Vec3::ZERO } else { body.start_velocity }
+    }
+}
+
+/// The mean of some points.
+fn center<R: Real>(points: &[R::Vec3]) -> DVec3 {
+    points.iter().fold(DVec3::ZERO, |sum, point| sum + point.to_dvec3()) / points.len().max(1) as f64
+}
