@@ -12,16 +12,18 @@
 //!
 //! Each body is judged by itself, so that a heavy one does not hide a light one.
 
+mod account;
+
 use std::sync::Arc;
 
-use glam::DVec3;
 use serde::Serialize;
+
+use account::Account;
 
 use super::disturb::Disturbance;
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector};
 use crate::physics::Simulation;
-use crate::physics::diagnostics::Diagnostics;
 use crate::scene::Scene;
 
 /// The energy that may be gained from nowhere, as a share.
@@ -32,9 +34,6 @@ pub const REACH: f64 = 1.5;
 
 /// Energies are means over so much simulated time, s.
 const WINDOW_SECS: f64 = 1.0 / 60.0;
-
-/// Units in the last place by which rounding may misplace a particle.
-const MISPLACED: f64 = 8.0;
 
 /// Looks at the energy in that time.
 const LOOKS: u64 = 8;
@@ -124,226 +123,133 @@ fn watch<R: Real>(
     patience: Patience,
     mut meddle: impl FnMut(&mut Simulation<R>, u64) -> f64,
 ) -> Verdict {
-    let dt = simulation.plan().substep_secs();
-    let links: usize = simulation.model().link_counts().iter().sum();
-    let affordable = patience.most_link_forces / links.max(1) as u64;
-    let wanted = count(patience.seconds / dt);
-    let substeps = wanted.min(affordable.max(1));
-    let window = count(WINDOW_SECS / dt).min(substeps);
-    let between_looks = window.div_ceil(LOOKS);
-    let mut bodies: Vec<Account> = (0..simulation.model().bodies.len()).map(|n| Account::open(simulation, n)).collect();
-    let mut verdict = Verdict {
-        fault: None,
-        words: String::new(),
-        simulated_secs: 0.0,
-        cut_short: substeps < wanted,
-        substeps: 0,
-        largest_gain: 0.0,
-    };
-    let mut forces = 0;
-    for substep in 0..substeps {
-        if forces > patience.most_link_forces {
-            verdict.cut_short = true;
-            break;
+    let mut watch = Watch::open(simulation, patience);
+    while watch.substep(simulation, &mut meddle) {}
+    watch.verdict()
+}
+
+/// A simulation that is watched, substep by substep.
+#[derive(Debug)]
+pub struct Watch {
+    patience: Patience,
+    links: u64,
+    /// Substeps to be taken at most.
+    substeps: u64,
+    /// Substeps in a window.
+    window: u64,
+    between_looks: u64,
+    bodies: Vec<Account>,
+    forces: u64,
+    verdict: Verdict,
+}
+
+impl Watch {
+    /// Begins with a simulation as it is.
+    pub fn open<R: Real>(simulation: &Simulation<R>, patience: Patience) -> Self {
+        let dt = simulation.plan().substep_secs();
+        let links = simulation.model().link_counts().iter().sum::<usize>() as u64;
+        let affordable = patience.most_link_forces / links.max(1);
+        let wanted = count(patience.seconds / dt);
+        let substeps = wanted.min(affordable.max(1));
+        let window = count(WINDOW_SECS / dt).min(substeps);
+        let verdict = Verdict {
+            fault: None,
+            words: String::new(),
+            simulated_secs: 0.0,
+            cut_short: substeps < wanted,
+            substeps: 0,
+            largest_gain: 0.0,
+        };
+        Self {
+            patience,
+            links,
+            substeps,
+            window,
+            between_looks: window.div_ceil(LOOKS),
+            bodies: (0..simulation.model().bodies.len()).map(|number| Account::open(simulation, number)).collect(),
+            forces: 0,
+            verdict,
         }
+    }
+
+    /// Takes one substep and looks at it. Says whether there is more to see. `meddle` may do to the simulation before it
+    /// what nothing else would, and tells of the work (J) that counts as done from outside.
+    pub fn substep<R: Real>(
+        &mut self,
+        simulation: &mut Simulation<R>,
+        mut meddle: impl FnMut(&mut Simulation<R>, u64) -> f64,
+    ) -> bool {
+        if self.forces > self.patience.most_link_forces {
+            self.verdict.cut_short = true;
+            return false;
+        }
+        let substep = self.verdict.substeps;
         let meddling = meddle(simulation, substep);
-        for account in &mut bodies {
+        for account in &mut self.bodies {
             account.meddle(meddling);
         }
-        let diverged = loop {
+        let begin_secs = simulation.state().time_secs;
+        let diverged = self.advance(simulation);
+        self.verdict.substeps = substep + 1;
+        self.verdict.simulated_secs += simulation.state().time_secs - begin_secs;
+        if diverged {
+            self.condemn(Fault::NotFinite, format!("after {} s", self.verdict.simulated_secs));
+            return false;
+        }
+        let look = substep.is_multiple_of(self.between_looks);
+        let close = (substep + 1).is_multiple_of(self.window);
+        if look || close {
+            self.look(simulation, look, close);
+        }
+        self.verdict.fault.is_none() && self.verdict.substeps < self.substeps
+    }
+
+    /// What was seen.
+    pub fn verdict(self) -> Verdict {
+        self.verdict
+    }
+
+    /// Takes a whole substep, in parts where it is halved. Says whether it diverged.
+    fn advance<R: Real>(&mut self, simulation: &mut Simulation<R>) -> bool {
+        loop {
             let report = simulation.substep(&mut ());
-            forces += report.link_forces + report.iterations * links as u64;
+            self.forces += report.link_forces + report.iterations * self.links;
             let contacts = &simulation.scratch().contact.contacts;
             let push = contacts.iter().fold(0.0, |push: f64, c| push.max(c.surface_velocity.length().to_f64()));
-            for account in &mut bodies {
+            for account in &mut self.bodies {
                 account.push(push, report.obstacle_work_j);
             }
             let is_whole = simulation.state().is_between_substeps();
-            if report.diverged || is_whole || forces > patience.most_link_forces {
-                break report.diverged;
+            if report.diverged || is_whole || self.forces > self.patience.most_link_forces {
+                return report.diverged;
             }
-        };
-        (verdict.substeps, verdict.simulated_secs) = (substep + 1, simulation.state().time_secs);
-        if diverged {
-            (verdict.fault, verdict.words) = (Some(Fault::NotFinite), format!("after {} s", verdict.simulated_secs));
-            break;
         }
-        let look = substep % between_looks == 0;
-        let close = (substep + 1) % window == 0;
-        if !look && !close {
-            continue;
-        }
-        for account in &mut bodies {
+    }
+
+    fn look<R: Real>(&mut self, simulation: &Simulation<R>, look: bool, close: bool) {
+        for account in &mut self.bodies {
             if look {
                 account.look(simulation);
             }
             if close {
-                verdict.largest_gain = verdict.largest_gain.max(account.close(verdict.substeps));
+                self.verdict.largest_gain = self.verdict.largest_gain.max(account.close(self.verdict.substeps));
             }
         }
-        let fault = bodies.iter().find_map(|account| account.fault(verdict.simulated_secs));
+        let fault = self.bodies.iter().find_map(|account| account.fault(self.verdict.simulated_secs));
         if let Some((fault, words)) = fault {
-            (verdict.fault, verdict.words) = (Some(fault), words);
-            break;
+            self.condemn(fault, words);
         }
     }
-    verdict
+
+    fn condemn(&mut self, fault: Fault, words: String) {
+        (self.verdict.fault, self.verdict.words) = (Some(fault), words);
+    }
 }
 
 /// At least one.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least one, saturating")]
 fn count(share: f64) -> u64 {
     libm::round(share).max(1.0) as u64
-}
-
-/// The energy of one body since the start.
-#[derive(Debug)]
-struct Account {
-    body: usize,
-    start: Diagnostics,
-    own_at_start: f64,
-    /// Done from outside but by gravity, J.
-    work: f64,
-    /// Of it what was done at once, J.
-    meddling: f64,
-    /// The fastest surface of an obstacle that was met, m/s.
-    fastest_push: f64,
-    /// The most that its springs and those of contact held since then, J.
-    squeezed: f64,
-    gravity: DVec3,
-    dt: f64,
-    /// Of all links and contacts together, N/m.
-    stiffness: f64,
-    /// Of the scalar in use.
-    epsilon: f64,
-    now: Diagnostics,
-    substeps: u64,
-    /// Sums over the window: own energy, what it may be.
-    sums: [f64; 2],
-    looks: u32,
-    /// The largest that start and work came to, J.
-    turnover: f64,
-    gain: Option<String>,
-}
-
-impl Account {
-    fn open<R: Real>(simulation: &Simulation<R>, body: usize) -> Self {
-        let start = simulation.diagnostics_of(body);
-        let own_at_start = own(&start);
-        let gravity = simulation.model().gravity.to_dvec3();
-        let now = start.clone();
-        let model = &simulation.model().bodies[body];
-        let links = model.links.iter().map(|family| {
-            let lengths: f64 = family.links.iter().map(|link| link.inverse_rest_length.to_f64()).sum();
-            family.stiffness.to_f64() * lengths
-        });
-        let contacts: f64 = model.contacts.iter().map(|contact| contact.stiffness.to_f64()).sum();
-        let stiffness = links.sum::<f64>() + contacts * model.particles.len() as f64;
-        Self {
-            body,
-            start,
-            own_at_start,
-            work: 0.0,
-            meddling: 0.0,
-            fastest_push: 0.0,
-            squeezed: 0.0,
-            gravity,
-            dt: simulation.plan().substep_secs(),
-            stiffness,
-            epsilon: R::EPSILON.to_f64(),
-            now,
-            substeps: 0,
-            sums: [0.0; 2],
-            looks: 0,
-            turnover: own_at_start,
-            gain: None,
-        }
-    }
-
-    /// Counts work done at once from outside, J.
-    fn meddle(&mut self, work: f64) {
-        self.work += work;
-        self.meddling += work.max(0.0);
-    }
-
-    /// Counts the work (J) of obstacles of which the fastest surface moves at `speed` (m/s).
-    fn push(&mut self, speed: f64, work: f64) {
-        self.work += work;
-        self.fastest_push = self.fastest_push.max(speed);
-    }
-
-    fn look<R: Real>(&mut self, simulation: &Simulation<R>) {
-        self.now = simulation.diagnostics_of(self.body);
-        if self.fastest_push > 0.0 {
-            self.squeezed = self.squeezed.max(own(&self.now) - self.now.energy.kinetic);
-        }
-        let allowed = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity + self.work;
-        self.turnover = self.turnover.max(allowed);
-        self.sums = [self.sums[0] + own(&self.now), self.sums[1] + allowed];
-        self.looks += 1;
-    }
-
-    /// Closes a window and tells of its gain as a share.
-    fn close(&mut self, substeps: u64) -> f64 {
-        self.substeps = substeps;
-        let [own, allowed] = self.sums.map(|sum| sum / f64::from(self.looks.max(1)));
-        (self.sums, self.looks) = ([0.0; 2], 0);
-        let gain = own - allowed;
-        let share = (gain - self.rounding() - self.unresolved()) / self.turnover.max(f64::MIN_POSITIVE);
-        if share > GAIN || share.is_nan() {
-            self.gain = Some(format!("{own:e} J where {allowed:e} J can be, body {}", self.body));
-        }
-        share
-    }
-
-    /// Energy that rounding alone may show, J: as if every particle had been misplaced by some units in the last place
-    /// of the farthest coordinate, at the start and once more in every substep; undamped links keep what that gives
-    /// them. Far from the origin a small stiff body at rest has no other energy.
-    fn rounding(&self) -> f64 {
-        let farthest = self.now.bounds.min.abs().max(self.now.bounds.max.abs()).max_element();
-        let misplaced = self.epsilon * farthest;
-        0.5 * self.stiffness * misplaced * misplaced * (MISPLACED * MISPLACED + self.substeps as f64)
-    }
-
-    /// What gravity gives a body that is let go in the middle of a substep, J: steps cannot tell when. It is nothing but
-    /// where gravity is great and the step long.
-    fn unresolved(&self) -> f64 {
-        let speed = 0.5 * self.gravity.length() * self.dt;
-        0.5 * self.start.mass_kg * speed * speed
-    }
-
-    fn fault(&self, seconds: f64) -> Option<(Fault, String)> {
-        if !self.now.finite {
-            return Some((Fault::NotFinite, format!("after {seconds} s")));
-        }
-        if let Some(words) = &self.gain {
-            return Some((Fault::Energy, format!("{words}, after {seconds} s")));
-        }
-        let [reach, furthest] = [self.reach(seconds), self.furthest()];
-        (furthest > REACH * reach).then(|| (Fault::Reach, format!("{furthest} m away of {reach} m, after {seconds} s")))
-    }
-
-    /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with, by
-    /// obstacles that push it and its own size, m. A body that is squeezed between obstacles leaves faster than they move,
-    /// like a pip between fingers: by what its springs held.
-    fn reach(&self, seconds: f64) -> f64 {
-        let stored = (self.own_at_start - self.start.energy.kinetic).max(self.squeezed) + self.meddling;
-        let speed = self.start.max_speed + self.fastest_push + (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
-        let size = self.start.bounds.size().length();
-        speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
-    }
-
-    /// Of the start's middle, m.
-    fn furthest(&self) -> f64 {
-        let bounds = self.now.bounds;
-        let middle = self.start.bounds.center();
-        (bounds.min - middle).abs().max((bounds.max - middle).abs()).length()
-    }
-}
-
-/// Energy without that of height, J.
-fn own(diagnostics: &Diagnostics) -> f64 {
-    diagnostics.energy.total() - diagnostics.energy.gravity
 }
 
 #[cfg(test)]
@@ -439,7 +345,7 @@ mod tests {
         }
         seen(&scene, |simulation, substep| match substep {
             10 => {
-                simulation.set_parameters(&after, &lattices(&after).expect("sound shapes"), &[Some(0)], Arrival::Swept)
+                simulation.set_parameters(&after, &lattices(&after).expect("sound shapes"), &[Some(0)], Arrival::Swept);
             }
             1000 => {
                 let mut state = simulation.state().clone();

@@ -1,0 +1,161 @@
+//! The energy of one body since a watch began: what it has, and what it can have.
+
+use glam::DVec3;
+
+use super::{Fault, GAIN, REACH};
+use crate::math::{Real, Vector};
+use crate::physics::Simulation;
+use crate::physics::diagnostics::Diagnostics;
+
+/// Units in the last place by which rounding may misplace a particle.
+const MISPLACED: f64 = 8.0;
+
+/// The energy of one body since the start.
+#[derive(Debug)]
+pub(super) struct Account {
+    body: usize,
+    start: Diagnostics,
+    own_at_start: f64,
+    /// Done from outside but by gravity, J.
+    work: f64,
+    /// Of it what was done at once, J.
+    meddling: f64,
+    /// The fastest surface of an obstacle that was met, m/s.
+    fastest_push: f64,
+    /// The most that its springs and those of contact held since then, J.
+    squeezed: f64,
+    gravity: DVec3,
+    dt: f64,
+    /// Of all links and contacts together, N/m.
+    stiffness: f64,
+    /// Of the scalar in use.
+    epsilon: f64,
+    now: Diagnostics,
+    substeps: u64,
+    /// Sums over the window: own energy, what it may be.
+    sums: [f64; 2],
+    looks: u32,
+    /// The largest that start and work came to, J.
+    turnover: f64,
+    gain: Option<String>,
+}
+
+impl Account {
+    pub(super) fn open<R: Real>(simulation: &Simulation<R>, body: usize) -> Self {
+        let start = simulation.diagnostics_of(body);
+        let own_at_start = own(&start);
+        let gravity = simulation.model().gravity.to_dvec3();
+        let now = start.clone();
+        let model = &simulation.model().bodies[body];
+        let links = model.links.iter().map(|family| {
+            let lengths: f64 = family.links.iter().map(|link| link.inverse_rest_length.to_f64()).sum();
+            family.stiffness.to_f64() * lengths
+        });
+        let contacts: f64 = model.contacts.iter().map(|contact| contact.stiffness.to_f64()).sum();
+        let stiffness = links.sum::<f64>() + contacts * model.particles.len() as f64;
+        Self {
+            body,
+            start,
+            own_at_start,
+            work: 0.0,
+            meddling: 0.0,
+            fastest_push: 0.0,
+            squeezed: 0.0,
+            gravity,
+            dt: simulation.plan().substep_secs(),
+            stiffness,
+            epsilon: R::EPSILON.to_f64(),
+            now,
+            substeps: 0,
+            sums: [0.0; 2],
+            looks: 0,
+            turnover: own_at_start,
+            gain: None,
+        }
+    }
+
+    /// Counts work done at once from outside, J.
+    pub(super) fn meddle(&mut self, work: f64) {
+        self.work += work;
+        self.meddling += work.max(0.0);
+    }
+
+    /// Counts the work (J) of obstacles of which the fastest surface moves at `speed` (m/s).
+    pub(super) fn push(&mut self, speed: f64, work: f64) {
+        self.work += work;
+        self.fastest_push = self.fastest_push.max(speed);
+    }
+
+    pub(super) fn look<R: Real>(&mut self, simulation: &Simulation<R>) {
+        self.now = simulation.diagnostics_of(self.body);
+        if self.fastest_push > 0.0 {
+            self.squeezed = self.squeezed.max(own(&self.now) - self.now.energy.kinetic);
+        }
+        let allowed = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity + self.work;
+        self.turnover = self.turnover.max(allowed);
+        self.sums = [self.sums[0] + own(&self.now), self.sums[1] + allowed];
+        self.looks += 1;
+    }
+
+    /// Closes a window and tells of its gain as a share.
+    pub(super) fn close(&mut self, substeps: u64) -> f64 {
+        self.substeps = substeps;
+        let [own, allowed] = self.sums.map(|sum| sum / f64::from(self.looks.max(1)));
+        (self.sums, self.looks) = ([0.0; 2], 0);
+        let gain = own - allowed;
+        let share = (gain - self.rounding() - self.unresolved()) / self.turnover.max(f64::MIN_POSITIVE);
+        if share > GAIN || share.is_nan() {
+            self.gain = Some(format!("{own:e} J where {allowed:e} J can be, body {}", self.body));
+        }
+        share
+    }
+
+    /// Energy that rounding alone may show, J: as if every particle had been misplaced by some units in the last place
+    /// of the farthest coordinate, at the start and once more in every substep; undamped links keep what that gives
+    /// them. Far from the origin a small stiff body at rest has no other energy.
+    fn rounding(&self) -> f64 {
+        let farthest = self.now.bounds.min.abs().max(self.now.bounds.max.abs()).max_element();
+        let misplaced = self.epsilon * farthest;
+        0.5 * self.stiffness * misplaced * misplaced * (MISPLACED * MISPLACED + self.substeps as f64)
+    }
+
+    /// What gravity gives a body that is let go in the middle of a substep, J: steps cannot tell when. It is nothing but
+    /// where gravity is great and the step long.
+    fn unresolved(&self) -> f64 {
+        let speed = 0.5 * self.gravity.length() * self.dt;
+        0.5 * self.start.mass_kg * speed * speed
+    }
+
+    pub(super) fn fault(&self, seconds: f64) -> Option<(Fault, String)> {
+        if !self.now.finite {
+            return Some((Fault::NotFinite, format!("after {seconds} s")));
+        }
+        if let Some(words) = &self.gain {
+            return Some((Fault::Energy, format!("{words}, after {seconds} s")));
+        }
+        let [reach, furthest] = [self.reach(seconds), self.furthest()];
+        (furthest > REACH * reach).then(|| (Fault::Reach, format!("{furthest} m away of {reach} m, after {seconds} s")))
+    }
+
+    /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with, by
+    /// obstacles that push it and its own size, m. A body that is squeezed between obstacles leaves faster than they move,
+    /// like a pip between fingers: by what its springs held.
+    fn reach(&self, seconds: f64) -> f64 {
+        let stored = (self.own_at_start - self.start.energy.kinetic).max(self.squeezed) + self.meddling;
+        let speed = self.start.max_speed + self.fastest_push + (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
+        let size = self.start.bounds.size().length();
+        speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
+    }
+
+    /// Of the start's middle, m.
+    fn furthest(&self) -> f64 {
+        let bounds = self.now.bounds;
+        let middle = self.start.bounds.center();
+        (bounds.min - middle).abs().max((bounds.max - middle).abs()).length()
+    }
+}
+
+/// Energy without that of height, J.
+fn own(diagnostics: &Diagnostics) -> f64 {
+    diagnostics.energy.total() - diagnostics.energy.gravity
+}
