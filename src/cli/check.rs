@@ -10,6 +10,7 @@ use crate::scene::file::SceneFileError;
 use crate::scene::param::Problem;
 use crate::session::Session;
 use crate::session::predict::Prediction;
+use crate::session::status::limit_text;
 use crate::view::legend::three_digits;
 
 /// The scene to look at.
@@ -42,22 +43,26 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         out::json(&serde_json::to_value(&prediction)?)?;
         return Ok(());
     }
-    let milliseconds =
-        |secs: Option<f64>| secs.map_or("no limit".to_owned(), |secs| format!("{} ms", three_digits(secs * 1e3)));
+    let limit = |secs: Option<f64>| secs.map_or("no limit".to_owned(), limit_text);
+    // Each term's limit with the same margin as the one that counts.
+    let margin = match (prediction.dt_safe_secs, prediction.dt_limit_secs) {
+        (Some(safe), Some(at_rest)) => safe / at_rest,
+        _ => 1.0,
+    };
     out::figures(&format!(
-        "{}: sound\n{} particles, {} links\nlargest stable step {}, automatic stepping stays below {}\n\
+        "{}: sound\n{} particles, {} links\nlargest safe step {}\n\
          {} substeps in 1/60 s, limited by {}\nabout {} × real time on this machine with nothing drawn",
         session.title(),
         prediction.particles,
         prediction.links,
-        milliseconds(prediction.dt_limit_secs),
-        milliseconds(prediction.dt_safe_secs),
+        limit(prediction.dt_safe_secs),
         prediction.substeps_per_frame,
         prediction.limited_by.replace('_', " "),
         three_digits(prediction.predicted_real_time_factor),
     ))?;
-    for limit in &prediction.limits {
-        out::figures(&format!("  {:<22} {}", limit.term.replace('_', " "), milliseconds(limit.dt_limit_secs)))?;
+    for term in prediction.limits.iter().filter(|limit| limit.term != "user") {
+        let safe = term.dt_limit_secs.map(|at_rest| margin * at_rest);
+        out::figures(&format!("  {:<22} {}", term.term.replace('_', " "), limit(safe)))?;
     }
     for warning in &prediction.warnings {
         out::note(&format!("warning: {warning}"));

@@ -10,6 +10,7 @@ use super::scene_args::{self, SceneArgs};
 use crate::session::Command;
 use crate::session::predict::{crawl, speed_alone};
 use crate::session::run::{RunFigures, run as run_session};
+use crate::session::status::limit_text;
 use crate::view::legend::three_digits;
 
 /// The scene and how long it runs.
@@ -71,8 +72,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
 
 fn table(figures: &RunFigures) -> String {
     let links = figures.links;
-    let safe =
-        figures.dt_safe_secs.map_or("no limit".to_owned(), |safe| format!("{} ms safe", three_digits(safe * 1e3)));
+    let safe = figures.dt_safe_secs.map_or("no limit".to_owned(), |safe| format!("{} safe", limit_text(safe)));
     let rows = [
         ("scene", figures.scene.clone()),
         (

@@ -18,6 +18,7 @@ mod ron_lines;
 mod ron_words;
 pub mod settings;
 pub mod view_settings;
+mod warnings;
 
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +27,7 @@ pub use material::{Family, Material, Solid, Springs};
 pub use obstacle::{Obstacle, ObstacleShape};
 pub use settings::Settings;
 pub use view_settings::{ColorBy, ViewSettings};
+pub use warnings::warnings;
 
 /// The version of the scene format this program writes.
 pub const VERSION: u32 = 1;
@@ -48,6 +50,11 @@ pub struct Scene {
     /// How the scene is looked at; never changes the motion.
     #[serde(default)]
     pub view: ViewSettings,
+}
+
+/// What a person calls a body or an obstacle: its name, or "body 1" for the first without one.
+pub fn named(name: &str, kind: &str, place: usize) -> String {
+    if name.is_empty() { format!("{kind} {}", place + 1) } else { name.to_owned() }
 }
 
 impl Default for Scene {

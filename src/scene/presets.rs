@@ -315,7 +315,7 @@ mod tests {
         for preset in presets() {
             let scene = (preset.build)();
             assert_eq!(param::validate(&scene), [], "{}", preset.name);
-            assert_eq!(param::warnings(&scene), [], "{}", preset.name);
+            assert_eq!(crate::scene::warnings(&scene), Vec::<String>::new(), "{}", preset.name);
             assert_eq!(scene.obstacles[0].name, "Ground", "{}", preset.name);
             assert!(preset.summary.ends_with('.'), "the summary of {} is a sentence", preset.name);
         }

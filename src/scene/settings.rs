@@ -76,6 +76,18 @@ impl Integrator {
         }
     }
 
+    /// The scheme's name on screen.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::SemiImplicit => "semi-implicit Euler",
+            Self::Explicit => "explicit Euler",
+            Self::Verlet => "velocity Verlet",
+            Self::Rk2 => "Runge–Kutta 2",
+            Self::Rk4 => "Runge–Kutta 4",
+            Self::Implicit => "implicit Euler",
+        }
+    }
+
     /// Whether an undamped vibration stays bounded at some step: without that no division of a step makes it stable.
     pub fn has_stable_step(self) -> bool {
         !matches!(self, Self::Explicit | Self::Rk2)

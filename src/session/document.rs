@@ -33,7 +33,7 @@ pub enum SaveError {
     #[error("{} has changed on the disk since it was opened; use Save as… to replace it or to keep both", .0.display())]
     ChangedOnDisk(PathBuf),
     /// A model's place cannot be written into the file.
-    #[error("bodies.{index}.shape.model.path: {} is not UTF-8, so it cannot be written; rename the folder", path.display())]
+    #[error("the model of body {}: {} is not UTF-8, so it cannot be written; rename the folder", index + 1, path.display())]
     ModelPath {
         /// The body's place.
         index: usize,

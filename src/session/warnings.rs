@@ -1,18 +1,20 @@
 //! What a person should know before wondering at the motion: a sentence each.
 
 use super::Session;
+use super::status::step_text;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::{BodyModel, Model, ObstacleModel, ObstacleShape};
 use crate::physics::state::BodyMemory;
 use crate::physics::{Plan, State};
 use crate::scene::settings::{Settings, Stepping};
-use crate::scene::{Scene, param};
+use crate::scene::{self, Scene, named};
+use crate::view::legend::three_digits;
 
 impl Session {
     /// What a person should know about the scene, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let (model, state) = (self.simulation().model(), self.simulation().state());
-        let mut warnings: Vec<String> = param::warnings(self.scene()).iter().map(ToString::to_string).collect();
+        let mut warnings = scene::warnings(self.scene());
         warnings.extend(self.bodies.warnings().cloned());
         warnings.extend(never_stable(&self.scene().settings));
         warnings.extend(taken_over(&self.scene().settings, self.simulation().plan()));
@@ -27,9 +29,10 @@ fn never_stable(settings: &Settings) -> Option<String> {
     let Settings { integrator, stepping, dt, .. } = settings;
     (*stepping == Stepping::Auto && !integrator.has_stable_step()).then(|| {
         format!(
-            "the integrator {} makes undamped vibrations grow at any step, so automatic stepping has nothing to divide \
-             by: steps are taken as asked for, {dt} s",
-            integrator.name()
+            "{} makes undamped vibrations grow at any step, so automatic stepping has nothing to divide by: steps of {} \
+             are taken as asked for",
+            integrator.words(),
+            step_text(*dt)
         )
     })
 }
@@ -38,14 +41,14 @@ fn never_stable(settings: &Settings) -> Option<String> {
 fn taken_over(settings: &Settings, plan: &Plan) -> Option<String> {
     (plan.integrator != settings.integrator).then(|| {
         format!(
-            "{} would need {} substeps in every step of {} s with the integrator {}: the implicit integrator has taken \
-             over, with steps of {:.3} ms; it quiets vibrations sooner (settings.allow_implicit = false keeps them, in \
-             slow motion)",
+            "{} would need {} substeps in every step of {} with {}: {} has taken over, with steps of {}; it quiets \
+             vibrations sooner (without “Implicit where stiff” they stay, in slow motion)",
             plan.limits.limited_by(settings.dt).words(),
             plan.limits.substeps(settings.dt),
-            settings.dt,
-            settings.integrator.name(),
-            plan.substep_secs() * 1e3
+            step_text(settings.dt),
+            settings.integrator.words(),
+            plan.integrator.words(),
+            step_text(plan.substep_secs())
         )
     })
 }
@@ -58,8 +61,10 @@ fn small_obstacles<R: Real>(scene: &Scene, model: &Model<R>) -> Vec<String> {
         .filter(|(_, size)| *size < largest_cell)
         .map(|(index, size)| {
             format!(
-                "{} is {size} m small, less than a cell of {largest_cell:.4} m: it can slip between particles",
-                name(&scene.obstacles[index].name, "obstacles", index)
+                "{} is {} m small, less than a cell of {} m: it can slip between particles",
+                named(&scene.obstacles[index].name, "obstacle", index),
+                three_digits(size),
+                three_digits(largest_cell)
             )
         })
         .collect()
@@ -80,27 +85,23 @@ fn overlaps<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<S
     let boxes: Vec<Aabb<f64>> = model.bodies.iter().zip(&state.bodies).map(there).collect();
     let pairs = (1..boxes.len()).flat_map(|second| (0..second).map(move |first| [first, second]));
     let met: Vec<[usize; 2]> = pairs.filter(|&[first, second]| boxes[first].overlaps(&boxes[second])).collect();
-    let named = |pair: &[usize; 2]| pair.map(|index| name(&scene.bodies[index].name, "bodies", index)).join(" and ");
+    let both = |pair: &[usize; 2]| pair.map(|index| named(&scene.bodies[index].name, "body", index)).join(" and ");
     match met.as_slice() {
         few if few.len() <= NAMED => {
             let words =
-                |pair| format!("{} are in each other's way: bodies do not collide with each other", named(pair));
+                |pair| format!("{} are in each other's way: bodies do not collide with each other", both(pair));
             few.iter().map(words).collect()
         }
         many => vec![format!(
             "{} pairs of bodies are in each other's way, {} among them: bodies do not collide with each other",
             many.len(),
-            named(&many[0])
+            both(&many[0])
         )],
     }
 }
 
 fn bounds<R: Real>(body: &BodyModel<R>, state: &State<R>) -> Aabb<f64> {
     Aabb::around(state.position[body.particles.clone()].iter().map(|at| at.to_dvec3()))
-}
-
-fn name(given: &str, list: &str, index: usize) -> String {
-    if given.is_empty() { format!("{list}.{index}") } else { given.to_owned() }
 }
 
 #[cfg(test)]
@@ -141,7 +142,7 @@ mod tests {
     #[test]
     fn a_scheme_that_is_never_stable_says_why_it_is_not_divided() {
         let said = warnings(|scene| scene.settings.integrator = Integrator::Rk2);
-        assert!(said.len() == 1 && said[0].contains("rk2"), "{said:?}");
+        assert!(said.len() == 1 && said[0].contains("Runge–Kutta 2"), "{said:?}");
         let manual = warnings(|scene| {
             scene.settings.integrator = Integrator::Rk2;
             scene.settings.stepping = Stepping::Manual;
@@ -161,7 +162,7 @@ mod tests {
     #[test]
     fn bodies_in_one_place_say_that_they_do_not_collide() {
         let said = warnings(|scene| scene.bodies.push(Body { name: "Twin".to_owned(), ..Body::default() }));
-        assert!(said.len() == 1 && said[0].contains("bodies.0 and Twin"), "both are named: {said:?}");
+        assert!(said.len() == 1 && said[0].contains("body 1 and Twin"), "both are named: {said:?}");
         let said = warnings(|scene| scene.bodies = vec![Body::default(); 20]);
         assert!(said.len() == 1 && said[0].contains("190 pairs of bodies"), "a crowd is counted: {said:?}");
     }

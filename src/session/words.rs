@@ -3,8 +3,8 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::scene::Scene;
 use crate::scene::edit::Edit;
+use crate::scene::{Scene, named};
 
 /// Names on a path that say nothing beside the name after them.
 const SILENT: [&str; 10] =
@@ -32,7 +32,22 @@ pub(super) fn words(scene: &Scene, edit: &Edit) -> String {
 }
 
 fn name_of(name: Option<&str>, kind: &str, place: usize) -> String {
-    name.filter(|name| !name.is_empty()).map_or_else(|| format!("{kind} {}", place + 1), str::to_owned)
+    named(name.unwrap_or_default(), kind, place)
+}
+
+/// What a path of a scene leads to, in words: "position of Jelly" for `bodies.0.pose.position`.
+pub(super) fn value_at(scene: &Scene, path: &str) -> String {
+    let mut names = path.split('.').map(str::to_owned);
+    let list = names.next().unwrap_or_default();
+    let place: Option<usize> = names.clone().next().and_then(|name| name.parse().ok());
+    let owner = match (list.as_str(), place) {
+        ("bodies", Some(place)) => name_of(scene.bodies.get(place).map(|body| body.name.as_str()), "body", place),
+        ("obstacles", Some(place)) => {
+            name_of(scene.obstacles.get(place).map(|obstacle| obstacle.name.as_str()), "obstacle", place)
+        }
+        _ => return spoken(&names.collect::<Vec<_>>()),
+    };
+    of(&spoken(&names.collect::<Vec<_>>()), &owner)
 }
 
 fn of(what: &str, name: &str) -> String {
@@ -49,16 +64,29 @@ fn difference(old: &impl Serialize, new: &impl Serialize) -> String {
         let same = common.iter().zip(path).take_while(|(a, b)| a == b).count();
         common.truncate(same);
     }
-    let mut spoken = common.iter().filter(|name| name.parse::<usize>().is_err());
-    let mut said: Vec<String> = spoken
-        .clone()
-        .filter(|name| !SILENT.contains(&name.as_str()))
-        .map(|name| name.trim_end_matches("_deg").replace('_', " "))
-        .collect();
+    let said = spoken(&common);
+    if said.is_empty() { "several values".to_owned() } else { said }
+}
+
+/// The names on a path that say something, in words.
+fn spoken(path: &[String]) -> String {
+    let mut names = path.iter().filter(|name| name.parse::<usize>().is_err());
+    let mut said: Vec<String> =
+        names.clone().filter(|name| !SILENT.contains(&name.as_str())).map(|name| in_words(name)).collect();
     if said.is_empty() {
-        said.extend(spoken.next_back().map(|name| name.replace('_', " ")));
+        said.extend(names.next_back().map(|name| in_words(name)));
     }
-    if said.is_empty() { "several values".to_owned() } else { said.join(" ") }
+    said.join(" ")
+}
+
+fn in_words(name: &str) -> String {
+    match name {
+        "dt" => "step".to_owned(),
+        "integrator" => "scheme".to_owned(),
+        "friction_static" => "static friction".to_owned(),
+        "friction_dynamic" => "dynamic friction".to_owned(),
+        _ => name.trim_end_matches("_deg").replace('_', " "),
+    }
 }
 
 fn differing(old: &Value, new: &Value, at: &mut Vec<String>, paths: &mut Vec<Vec<String>>) {
@@ -113,6 +141,13 @@ mod tests {
         assert_eq!(springs, "springs of Jelly");
         assert_eq!(said(|body| (body.hidden, body.name) = (true, "x".into())), "several values of Jelly");
         assert_eq!(said(|_| ()), "", "nothing has changed");
+    }
+
+    #[test]
+    fn a_path_is_said_in_words() {
+        assert_eq!(value_at(&scene(), "bodies.0.pose.position.1"), "position of Jelly");
+        assert_eq!(value_at(&scene(), "obstacles.7.friction_static"), "static friction of obstacle 8");
+        assert_eq!(value_at(&scene(), "settings.dt"), "step");
     }
 
     #[test]

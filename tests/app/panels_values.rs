@@ -1,7 +1,7 @@
 //! The values of what is chosen: sliders, typed numbers, words and flags, against a sandbox that really runs.
 
 use egui::{Key, Modifiers, pos2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use gelatin::scene::obstacle::ContactStiffness;
 use gelatin::scene::settings::{ContactRule, Integrator, Settings, Stepping};
 use gelatin::scene::{Material, ObstacleShape, Springs};
@@ -159,9 +159,23 @@ fn trouble_is_explained_and_a_button_cures_it() {
         }
     }
     window.wait();
+    assert!(window.has("Looking for what helps…") && window.has("Start again"), "nothing is offered untried");
+    window.harness.state_mut().session.find_cures();
+    window.wait();
     let trouble = window.harness.state().session.status().trouble.expect("it exploded");
     assert!(window.has(&trouble.words), "the card says why");
     let cure = trouble.cures.first().expect("there is a cure").words.clone();
     window.click(&cure);
     assert!(window.harness.state().session.status().trouble.is_none(), "{cure} cures it");
+}
+
+#[test]
+fn the_scheme_at_work_is_shown_where_another_one_was_chosen() {
+    let mut scene = (gelatin::scene::presets::preset("cube-on-plane").expect("a preset").build)();
+    let gelatin::scene::Material::Springs(springs) = &mut scene.bodies[0].material else { panic!("springs") };
+    springs.shear.stiffness = 1e6;
+    let window = Window::on(scene, "stiff", [1280.0, 800.0], gelatin::app::theme::Theme::Dark);
+    assert!(window.has("chosen automatically instead of semi-implicit Euler"), "and which one was chosen");
+    let shown = window.control("Scheme").accesskit_node().value();
+    assert_eq!(shown.as_deref(), Some("implicit Euler"), "the one that runs");
 }

@@ -1,19 +1,26 @@
 //! The stability meter: how much of the largest safe step is in use, as a bar and in words.
 
-use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
+use egui::{Color32, Rect, Sense, Ui, WidgetInfo, vec2};
 
 use super::theme;
 use crate::scene::settings::Integrator;
 use crate::session::Status;
+use crate::session::status::{limit_text, step_text};
 
 /// Size of the bar, points.
 const BAR: egui::Vec2 = vec2(72.0, 6.0);
 /// Rounding may put a step this much above the bound it was made from.
 const TOLERANCE: f64 = 1e-9;
 
-/// Whether the step in use is larger than is safe.
+/// Whether the step in use is larger than is safe, or no step is.
 pub(super) fn is_unsafe(status: &Status) -> bool {
-    !is_implicit(status) && status.dt_safe_secs > 0.0 && status.dt_secs > status.dt_safe_secs * (1.0 + TOLERANCE)
+    has_no_safe_step(status)
+        || !is_implicit(status) && status.dt_safe_secs > 0.0 && status.dt_secs > status.dt_safe_secs * (1.0 + TOLERANCE)
+}
+
+/// Whether the scheme at work gives vibrations energy at any step.
+pub(super) fn has_no_safe_step(status: &Status) -> bool {
+    !status.integrator.has_stable_step()
 }
 
 /// Whether the implicit integrator is at work, whose steps nothing limits.
@@ -21,12 +28,21 @@ pub(super) fn is_implicit(status: &Status) -> bool {
     status.integrator == Integrator::Implicit
 }
 
+/// The largest safe step, in words.
+pub(super) fn limit_words(status: &Status) -> String {
+    if has_no_safe_step(status) { "none".to_owned() } else { limit_text(status.dt_safe_secs) }
+}
+
 /// The bar, with its share in figures. Written from right to left.
 pub(super) fn meter_ui(ui: &mut Ui, status: &Status) {
     let share = share(status);
-    let color = if is_unsafe(status) { theme::of(ui).warning } else { theme::of(ui).good };
+    let color = color(ui, status);
     let words = words(status);
-    let text = if is_implicit(status) { "implicit".to_owned() } else { share_text(share) };
+    let text = match () {
+        () if has_no_safe_step(status) => "unstable".to_owned(),
+        () if is_implicit(status) => "implicit".to_owned(),
+        () => share_text(share),
+    };
     theme::figures_ui(ui, &text, "100 %", theme::of(ui).strong).on_hover_text(&words);
     let (rect, response) = ui.allocate_exact_size(vec2(BAR.x, ui.spacing().interact_size.y), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::ProgressIndicator, true, format!("Stability: {words}")));
@@ -38,8 +54,21 @@ pub(super) fn meter_ui(ui: &mut Ui, status: &Status) {
     response.on_hover_text(words);
 }
 
-/// The step in use over the largest safe one; 0 where nothing limits it.
+/// Red where no step is safe, a warning where this one is not.
+fn color(ui: &Ui, status: &Status) -> Color32 {
+    let colors = theme::of(ui);
+    match () {
+        () if has_no_safe_step(status) => colors.error,
+        () if is_unsafe(status) => colors.warning,
+        () => colors.good,
+    }
+}
+
+/// The step in use over the largest safe one; 0 where nothing limits it, all of it where no step is safe.
 fn share(status: &Status) -> f64 {
+    if has_no_safe_step(status) {
+        return 1.0;
+    }
     let share = status.dt_secs / status.dt_safe_secs;
     if is_implicit(status) {
         return 0.0;
@@ -53,9 +82,13 @@ fn share_text(share: f64) -> String {
 
 /// The meter as a sentence.
 fn words(status: &Status) -> String {
-    let step = milliseconds(status.dt_secs);
+    let step = step_text(status.dt_secs);
+    if has_no_safe_step(status) {
+        let scheme = status.integrator.words();
+        return format!("a step of {step}, and none is safe: {scheme} makes vibrations grow at any step");
+    }
     if is_implicit(status) && status.dt_safe_secs.is_finite() {
-        let (explicit, whose) = (milliseconds(status.dt_safe_secs), &status.dt_limited_by);
+        let (explicit, whose) = (limit_text(status.dt_safe_secs), &status.dt_limited_by);
         return format!(
             "a step of {step} of the implicit integrator, which has taken over: {whose} would allow others {explicit}"
         );
@@ -64,22 +97,10 @@ fn words(status: &Status) -> String {
         return format!("a step of {step}; nothing limits it");
     }
     let of = share_text(share(status));
-    let bound = milliseconds(status.dt_safe_secs);
+    let bound = limit_text(status.dt_safe_secs);
     let whose = if status.dt_limited_by.is_empty() { "links and contacts" } else { &status.dt_limited_by };
     let advice = if is_unsafe(status) { ": it may explode" } else { "" };
     format!("a step of {step}, {of} of the {bound} that are safe{advice}; limited by {whose}")
-}
-
-/// A duration in milliseconds to three significant digits or so, "∞" without a limit.
-pub(super) fn milliseconds(secs: f64) -> String {
-    let ms = secs * 1e3;
-    match ms {
-        _ if !ms.is_finite() || ms > 1e4 => "∞".to_owned(),
-        _ if ms >= 99.95 => format!("{ms:.0} ms"),
-        _ if ms >= 9.995 => format!("{ms:.1} ms"),
-        _ if ms >= 0.01 || ms == 0.0 => format!("{ms:.2} ms"),
-        _ => format!("{:.1} µs", ms * 1e3),
-    }
 }
 
 #[cfg(test)]
@@ -95,7 +116,7 @@ mod tests {
         let words = |dt, safe| words(&status(dt, safe));
         let calm = "a step of 1.00 ms, 29 % of the 3.40 ms that are safe; limited by shear stiffness";
         assert_eq!(words(0.001, 0.003_4), calm);
-        let wild = "a step of 1.00 ms, 200 % of the 0.50 ms that are safe: it may explode; limited by shear stiffness";
+        let wild = "a step of 1.00 ms, 200 % of the 0.500 ms that are safe: it may explode; limited by shear stiffness";
         assert_eq!(words(0.001, 0.000_5), wild);
         assert_eq!(words(0.001, f64::INFINITY), "a step of 1.00 ms; nothing limits it");
     }
@@ -106,9 +127,17 @@ mod tests {
         assert!(!is_unsafe(&taken_over), "nothing limits it");
         let words = words(&taken_over);
         assert!(
-            words.contains("implicit") && words.contains("shear stiffness") && words.contains("0.02 ms"),
+            words.contains("implicit") && words.contains("shear stiffness") && words.contains("20.0 µs"),
             "{words}"
         );
+    }
+
+    #[test]
+    fn a_scheme_without_a_stable_step_is_unsafe_at_any_step() {
+        let explicit = Status { integrator: Integrator::Explicit, ..status(1e-5, 0.001) };
+        assert!(is_unsafe(&explicit) && share(&explicit) >= 1.0, "a full red bar");
+        let words = words(&explicit);
+        assert!(words.contains("none is safe") && words.contains("explicit Euler"), "{words}");
     }
 
     #[test]
@@ -123,20 +152,5 @@ mod tests {
         assert!(!is_unsafe(&status(0.001, 0.001)), "just safe");
         assert!(is_unsafe(&status(0.001_1, 0.001)), "too large");
         assert!(!is_unsafe(&Status::default()), "no simulation yet");
-    }
-
-    #[test]
-    fn a_step_is_written_short_and_with_its_unit() {
-        let cases = [
-            (0.001, "1.00 ms"),
-            (0.003_4, "3.40 ms"),
-            (0.016, "16.0 ms"),
-            (0.1, "100 ms"),
-            (2e-6, "2.0 µs"),
-            (f64::INFINITY, "∞"),
-        ];
-        for (secs, text) in cases {
-            assert_eq!(milliseconds(secs), text, "{secs} s");
-        }
     }
 }

@@ -6,9 +6,10 @@ use egui::text::{LayoutJob, TextFormat};
 use egui::{Align, ComboBox, FontId, Layout, Response, RichText, Ui, WidgetInfo, vec2};
 
 use super::icon::{Icon, icon_button_ui};
-use super::meter::{self, milliseconds};
+use super::meter;
 use super::{Framing, Shown, UiState, menu, theme};
 use crate::scene::presets::Preset;
+use crate::session::status::step_text;
 use crate::session::{Command, Status};
 
 /// Speeds to choose from, simulated seconds a wall second.
@@ -173,12 +174,12 @@ fn real_time_ui(ui: &mut Ui, status: &Status) {
 
 /// Written from right to left.
 fn step_ui(ui: &mut Ui, status: &Status) {
-    theme::figures_ui(ui, &milliseconds(status.dt_safe_secs), "00.00 ms", theme::of(ui).strong)
+    theme::figures_ui(ui, &meter::limit_words(status), "0.000 ms", theme::of(ui).strong)
         .on_hover_text(format!("The largest step that is safe, limited by {}", limit_words(status)));
     ui.label(RichText::new("safe").color(theme::of(ui).weak));
     ui.label(RichText::new("/").color(theme::of(ui).weak));
     let color = if meter::is_unsafe(status) { theme::of(ui).warning } else { theme::of(ui).strong };
-    theme::figures_ui(ui, &milliseconds(status.dt_secs), "00.00 ms", color).on_hover_text("The step in use");
+    theme::figures_ui(ui, &step_text(status.dt_secs), "0.000 ms", color).on_hover_text("The step in use");
     ui.label(RichText::new("step").color(theme::of(ui).weak));
 }
 

@@ -97,26 +97,6 @@ pub fn validate(scene: &Scene) -> Vec<Problem> {
     problems("", scene)
 }
 
-/// What is allowed but probably not meant.
-pub fn warnings(scene: &Scene) -> Vec<Problem> {
-    let mut found = Vec::new();
-    for (index, body) in scene.bodies.iter().enumerate() {
-        if matches!(body.material, Material::Springs(_)) && !body.inlays.is_empty() {
-            let message = format!("{} boxes that do nothing: only a solid can hold other solids", body.inlays.len());
-            found.push(Problem { path: format!("bodies.{index}.inlays"), message });
-        }
-    }
-    for (index, obstacle) in scene.obstacles.iter().enumerate() {
-        let (low, high) = (obstacle.friction_static, obstacle.friction_dynamic);
-        if low < high {
-            let message =
-                format!("{low} is below friction_dynamic = {high}: static friction is usually the larger one");
-            found.push(Problem { path: format!("obstacles.{index}.friction_static"), message });
-        }
-    }
-    found
-}
-
 /// The first value of one node of a scene that is not allowed.
 pub(super) fn first_problem(path: &str, node: &impl Serialize) -> Option<Problem> {
     problems(path, node).into_iter().next()
@@ -407,23 +387,13 @@ mod tests {
     }
 
     #[test]
-    fn other_solids_within_a_body_of_springs_or_too_many_of_them_are_named() {
+    fn too_many_other_solids_within_a_body_are_named() {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
         scene.bodies[0].inlays = vec![Inlay::default(); MAX_INLAYS];
-        assert_eq!(warnings(&scene).len(), 1, "they do nothing");
         assert_eq!(validate(&scene), [], "as many as there may be");
         scene.bodies[0].material = Material::Solid(Solid::default());
         scene.bodies[0].inlays.push(Inlay::default());
-        assert_eq!(warnings(&scene), [], "a solid has use for them");
         let problems = validate(&scene);
         assert!(problems.len() == 1 && problems[0].message.contains("at most 16"), "one too many: {problems:?}");
-    }
-
-    #[test]
-    fn friction_the_wrong_way_round_is_a_warning_and_no_error() {
-        let mut scene = specimen();
-        scene.obstacles[1].friction_static = 0.1;
-        assert_eq!(validate(&scene), [], "it is allowed");
-        assert_eq!(warnings(&scene)[0].path, "obstacles.1.friction_static");
     }
 }

@@ -15,6 +15,7 @@ use crate::scene::body::{Keep, MAX_DIVISIONS, ModelShape, OccupancyChoice, UpAxi
 use crate::scene::edit::BodyId;
 use crate::session::jellify::{Jellified, Preview, Progress, occupancy_word, up_axis_word};
 use crate::session::predict::speed_in_window;
+use crate::session::step_words::limit_text;
 use crate::session::{Command, Status};
 use crate::view::legend::three_digits;
 
@@ -237,7 +238,7 @@ fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
     let [occupancy, why] = &preview.occupancy;
     let [x, y, z] = preview.size_m.map(three_digits);
     let safe = match preview.dt_safe_secs {
-        secs if secs.is_finite() => format!("{} ms, limited by {}", three_digits(secs * 1e3), preview.dt_limited_by),
+        secs if secs.is_finite() => format!("{}, limited by {}", limit_text(secs), preview.dt_limited_by),
         _ => "no limit".to_owned(),
     };
     let up = match up_axis_word(preview.up) {

@@ -1,6 +1,6 @@
 //! The scene as a whole: gravity, the step, who answers for it, how obstacles push back.
 
-use egui::{ComboBox, RichText, Ui};
+use egui::{ComboBox, Label, RichText, Ui};
 
 use super::{section_ui, send};
 use crate::app::ui::tip::tip_ui;
@@ -9,7 +9,8 @@ use crate::app::ui::{Running, actions, theme};
 use crate::scene::edit::Edit;
 use crate::scene::param;
 use crate::scene::settings::{ContactRule, Integrator, Settings, Stepping};
-use crate::session::Command;
+use crate::session::status::limit_text;
+use crate::session::{Command, Status};
 
 /// The panel of a scene.
 pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<Command>) {
@@ -24,12 +25,19 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
         let mut touch = Touch::default();
         touch.and(slider_ui(ui, "settings.dt", "Step", &mut dt, None));
         send(touch, || Edit::Settings(Settings { dt, ..old.clone() }), commands);
-        let schemes = Integrator::ALL.map(|scheme| (scheme, scheme_words(scheme)));
-        if let Some(integrator) = choice_ui(ui, "settings.integrator", "Scheme", old.integrator, &schemes) {
+        note_ui(ui, &limit_words(running.status));
+        let schemes = Integrator::ALL.map(|scheme| (scheme, scheme.words()));
+        let at_work = running.status.integrator;
+        let words = at_work.words();
+        if let Some(integrator) = choice_ui(ui, "settings.integrator", "Scheme", old.integrator, words, &schemes) {
             commands.extend(actions::alone(Edit::Settings(Settings { integrator, ..old.clone() })));
         }
+        if at_work != old.integrator {
+            note_ui(ui, &format!("chosen automatically instead of {}", old.integrator.words()));
+        }
         let stepping = [(Stepping::Auto, "automatic"), (Stepping::Manual, "manual")];
-        if let Some(stepping) = choice_ui(ui, "settings.stepping", "Stepping", old.stepping, &stepping) {
+        let words = words_of(old.stepping, &stepping);
+        if let Some(stepping) = choice_ui(ui, "settings.stepping", "Stepping", old.stepping, words, &stepping) {
             commands.extend(actions::alone(Edit::Settings(Settings { stepping, ..old.clone() })));
         }
         let mut settings = old.clone();
@@ -41,7 +49,8 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
             commands.extend(actions::alone(Edit::Settings(settings)));
         }
         let contact = [(ContactRule::Implicit, "implicit"), (ContactRule::Thesis, "as in the thesis")];
-        if let Some(contact) = choice_ui(ui, "settings.contact", "Contact", old.contact, &contact) {
+        let words = words_of(old.contact, &contact);
+        if let Some(contact) = choice_ui(ui, "settings.contact", "Contact", old.contact, words, &contact) {
             commands.extend(actions::alone(Edit::Settings(Settings { contact, ..old.clone() })));
         }
     });
@@ -49,15 +58,15 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
     ui.label(RichText::new("Click a body or an obstacle to change it.").color(theme::of(ui).weak));
 }
 
-fn scheme_words(scheme: Integrator) -> &'static str {
-    match scheme {
-        Integrator::SemiImplicit => "semi-implicit Euler",
-        Integrator::Explicit => "explicit Euler",
-        Integrator::Verlet => "velocity Verlet",
-        Integrator::Rk2 => "Runge–Kutta 2",
-        Integrator::Rk4 => "Runge–Kutta 4",
-        Integrator::Implicit => "implicit Euler",
+/// How long a step may be, in words.
+fn limit_words(status: &Status) -> String {
+    if !status.integrator.has_stable_step() {
+        return format!("no step is safe with {}", status.integrator.words());
     }
+    if status.integrator == Integrator::Implicit || !status.dt_safe_secs.is_finite() {
+        return "safe at any length".to_owned();
+    }
+    format!("safe up to {}", limit_text(status.dt_safe_secs))
 }
 
 /// A parameter that is on or off. Says whether it was changed.
@@ -70,13 +79,28 @@ fn flag_ui(ui: &mut Ui, path: &str, label: &str, on: &mut bool) -> bool {
     changed
 }
 
-/// A choice among a few; what was chosen, if anything was.
-fn choice_ui<T: Copy + PartialEq>(ui: &mut Ui, path: &str, label: &str, now: T, all: &[(T, &str)]) -> Option<T> {
+/// What there is to know of the value above.
+fn note_ui(ui: &mut Ui, words: &str) {
+    ui.add(Label::new(RichText::new(words).color(theme::of(ui).weak).small()).wrap());
+}
+
+fn words_of<'a, T: Copy + PartialEq>(value: T, all: &[(T, &'a str)]) -> &'a str {
+    all.iter().find(|(other, _)| *other == value).map_or("", |(_, words)| words)
+}
+
+/// A choice among a few, of which `now` is chosen and `shown` stands for it; what was chosen, if anything was.
+fn choice_ui<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    path: &str,
+    label: &str,
+    now: T,
+    shown: &str,
+    all: &[(T, &str)],
+) -> Option<T> {
     let mut chosen = None;
     ui.horizontal(|ui| {
         let name = param::find(path).map(|param| (crate::app::ui::value::label_ui(ui, label, param), help(param)));
-        let words = all.iter().find(|(value, _)| *value == now).map_or("", |(_, words)| words);
-        let combo = ComboBox::from_id_salt(path).width(150.0).truncate().selected_text(words);
+        let combo = ComboBox::from_id_salt(path).width(150.0).truncate().selected_text(shown);
         let response = combo.show_ui(ui, |ui| {
             for (value, words) in all {
                 if ui.selectable_label(*value == now, *words).clicked() && *value != now {
