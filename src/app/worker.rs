@@ -25,8 +25,8 @@ pub trait Sandbox {
     fn handle(&mut self, command: Command) -> Result<(), SessionError>;
     /// Lets `wall` time pass and returns after about `budget`.
     fn advance(&mut self, wall: Duration, budget: Duration);
-    /// Whether time runs.
-    fn is_playing(&self) -> bool;
+    /// Whether there is something to do though nobody asks: time runs, or what helps is looked for.
+    fn is_at_work(&self) -> bool;
     /// Whether its picture stays as it is until something is asked for.
     fn is_at_rest(&self) -> bool;
     /// What share of the time drawing takes, 0 to 1.
@@ -48,8 +48,8 @@ impl Sandbox for Session {
         self.advance(wall, budget);
     }
 
-    fn is_playing(&self) -> bool {
-        self.is_playing()
+    fn is_at_work(&self) -> bool {
+        self.is_playing() || self.is_looking_for_cures()
     }
 
     fn is_at_rest(&self) -> bool {
@@ -254,15 +254,16 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
     fn run(&mut self) {
         self.publish();
         loop {
-            let playing = self.sandbox.is_playing();
-            let Ok(touched) = self.obey(playing) else { return };
+            let works = self.sandbox.is_at_work();
+            let Ok(touched) = self.obey(works) else { return };
             let now = Instant::now();
-            if playing && self.sandbox.is_playing() {
+            if works && self.sandbox.is_at_work() {
                 self.sandbox.advance(now - self.last, FRAME);
             }
             self.last = now;
-            let moves = playing && !(self.rested && self.sandbox.is_at_rest());
-            if self.visible && (touched || moves && self.published.elapsed() >= self.interval) {
+            let moves = works && !(self.rested && self.sandbox.is_at_rest());
+            let stops = works && !self.sandbox.is_at_work();
+            if self.visible && (touched || stops || moves && self.published.elapsed() >= self.interval) {
                 self.publish();
             }
         }
@@ -270,8 +271,8 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
 
     /// Waits until it is time for a step or a snapshot or something was asked for, and does all that was. Says whether
     /// that may have changed what a snapshot shows; an error means that the window is gone.
-    fn obey(&mut self, playing: bool) -> Result<bool, WindowGone> {
-        let first = if playing {
+    fn obey(&mut self, works: bool) -> Result<bool, WindowGone> {
+        let first = if works {
             let step = FRAME.saturating_sub(self.last.elapsed());
             let snapshot = self.interval.saturating_sub(self.published.elapsed());
             let due = if self.rested { step } else { step.min(snapshot) };

@@ -10,7 +10,7 @@ use crate::scene::file::SceneFileError;
 use crate::scene::param::Problem;
 use crate::session::Session;
 use crate::session::predict::Prediction;
-use crate::session::status::limit_text;
+use crate::session::step_words::limit_text;
 use crate::view::legend::three_digits;
 
 /// The scene to look at.

@@ -10,7 +10,7 @@ use super::scene_args::{self, SceneArgs};
 use crate::session::Command;
 use crate::session::predict::{crawl, speed_alone};
 use crate::session::run::{RunFigures, run as run_session};
-use crate::session::status::limit_text;
+use crate::session::step_words::limit_text;
 use crate::view::legend::three_digits;
 
 /// The scene and how long it runs.

@@ -82,7 +82,7 @@ mod tests {
     fn a_new_name_differs_from_those_of_others_and_an_old_one_stays() {
         assert_eq!(renamed(1, "ogre 2"), "ogre 2", "its own");
         assert_eq!(renamed(1, "ogre"), "ogre 2", "nobody else has that");
-        assert_eq!(renamed(0, "ogre 2"), "ogre", "back to its own");
+        assert_eq!(renamed(0, "ogre 2"), "ogre 3", "another has that: a number counts on");
         let mut twins = scene();
         twins.bodies[1].name = "ogre".into();
         let mut edit = Edit::Body(BodyId(1), Box::new(Body { hidden: true, ..twins.bodies[1].clone() }));

@@ -2,11 +2,12 @@
 //! the picture have to do about it.
 
 use super::history::{Change, Undone};
-use super::words::words;
+use super::words::{value_at, words};
 use super::{Bodies, Session, SessionError};
 use crate::physics::Simulation;
 use crate::physics::simulation::{Arrival, BodyMotion};
 use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact};
+use crate::scene::param::Problem;
 use crate::scene::resolve::Jelly;
 use crate::scene::{Body, Scene};
 
@@ -105,7 +106,7 @@ impl Session {
         let kept_obstacles = kept_obstacles(&edit, self.scene.obstacles.len());
         let edited_body = if let Edit::Body(id, _) = &edit { Some(id.0) } else { None };
         let mut scene = self.scene.clone();
-        let applied = scene.apply(edit)?;
+        let applied = scene.apply(edit).map_err(|error| self.in_words(error))?;
         match applied.impact {
             Impact::Topology => self.rebuild(&scene, &kept_bodies)?,
             Impact::Parameters | Impact::Motion => {
@@ -118,7 +119,7 @@ impl Session {
         }
         self.bodies.dress(&scene);
         if applied.impact > Impact::Appearance {
-            self.trouble = None;
+            self.forget_trouble();
             self.picture.touch();
         }
         self.scene = scene;
@@ -126,6 +127,16 @@ impl Session {
         self.find_notice();
         self.find_safe_values();
         Ok(applied)
+    }
+
+    /// Why an edit is refused, without paths.
+    fn in_words(&self, error: EditError) -> SessionError {
+        match error {
+            EditError::BadValue(Problem { path, message }) => {
+                SessionError::Value { what: value_at(&self.scene, &path), message }
+            }
+            error => error.into(),
+        }
     }
 
     /// Compiles the scene anew; bodies whose shape stays keep their motion.

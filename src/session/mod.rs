@@ -7,6 +7,7 @@ mod clock;
 mod color_range;
 pub mod command;
 mod costs;
+mod cures;
 pub mod document;
 mod editing;
 mod grab;
@@ -21,6 +22,8 @@ mod slowness;
 pub mod state_file;
 mod state_origin;
 pub mod status;
+pub mod step_words;
+mod trials;
 pub mod trouble;
 mod warnings;
 mod words;
@@ -33,8 +36,9 @@ use thiserror::Error;
 
 pub use command::{Command, Pull};
 pub use costs::{StageCost, StepCost};
+pub use cures::Cure;
 pub use status::{BodyStatus, SafeValue, Status};
-pub use trouble::{Cure, Trouble};
+pub use trouble::Trouble;
 
 use crate::geometry::Watch;
 use crate::physics::simulation::Arrival;
@@ -52,15 +56,19 @@ use library::Library;
 use picture::Picture;
 use slowness::Sample;
 use state_file::StateError;
+use trials::Trials;
 
 /// Speeds a person may ask for, simulated seconds a wall second.
 const SPEEDS: [f64; 2] = [0.01, 10.0];
+
+/// While time runs, one part in so many goes to looking for what helps.
+const CURES_SHARE: u32 = 4;
 
 /// Why a session refuses something.
 #[derive(Debug, Error)]
 pub enum SessionError {
     /// A body's shape gives no lattice.
-    #[error("bodies.{index}.shape")]
+    #[error("the shape of body {}", index + 1)]
     Shape {
         /// The body's place.
         index: usize,
@@ -71,6 +79,14 @@ pub enum SessionError {
     /// An edit does not fit the scene.
     #[error(transparent)]
     Edit(#[from] EditError),
+    /// An edit sets a value that is not allowed.
+    #[error("{what}: {message}")]
+    Value {
+        /// The value, in words.
+        what: String,
+        /// The value and what would be right.
+        message: String,
+    },
     /// A scene file cannot be read.
     #[error(transparent)]
     Open(#[from] SceneFileError),
@@ -112,6 +128,8 @@ pub struct Session {
     report: StepReport,
     /// Why the simulation was stopped, if it was.
     trouble: Option<Trouble>,
+    /// Cures of what is wrong, as they are tried.
+    trials: Option<Trials>,
     /// Cells turned inside out where nothing turns them back.
     inverted_cells: usize,
     /// The first warning about the scene; found anew after every edit, not every frame.
@@ -156,6 +174,7 @@ impl Session {
             speed: 1.0,
             report: StepReport::default(),
             trouble: None,
+            trials: None,
             inverted_cells: 0,
             notice: String::new(),
             picture: Picture::default(),
@@ -224,18 +243,25 @@ impl Session {
     fn restart(&mut self) {
         self.simulation = Simulation::new(&self.scene, &self.bodies.lattices());
         self.clock.forgive();
-        self.trouble = None;
+        self.forget_trouble();
         self.find_inversion();
         self.picture.touch();
     }
 
+    /// Nothing is wrong any more, as far as is known.
+    fn forget_trouble(&mut self) {
+        (self.trouble, self.trials) = (None, None);
+    }
+
     /// Lets `wall` time pass: takes the steps that are owed, and returns after about `budget` even if some are not
-    /// taken; a dear step is left half done and goes on at the next call.
+    /// taken; a dear step is left half done and goes on at the next call. Looks for what helps where something is wrong.
     pub fn advance(&mut self, wall: Duration, budget: Duration) {
+        let (begin, processor) = (Instant::now(), ThreadTime::now());
+        let share = if self.playing { budget / CURES_SHARE } else { budget };
+        self.look_for_cures(begin.checked_add(share));
         if !self.playing {
             return;
         }
-        let (begin, processor) = (Instant::now(), ThreadTime::now());
         let time_before = self.simulation.state().time_secs;
         let dt_secs = self.scene.settings.dt;
         self.clock.owe(wall.as_secs_f64(), self.speed);
@@ -254,6 +280,11 @@ impl Session {
             processor_secs: processor.elapsed().as_secs_f64(),
         });
         self.find_inversion();
+    }
+
+    /// Finds out what helps where something is wrong, however long it takes.
+    pub fn find_cures(&mut self) {
+        self.look_for_cures(None);
     }
 
     /// Takes one whole step. Says whether the simulation is still sound.
@@ -287,7 +318,7 @@ impl Session {
         }
         if self.report.diverged {
             self.playing = false;
-            self.trouble = Some(self.explain_divergence());
+            self.find_trouble();
         }
         !self.report.diverged
     }
@@ -326,7 +357,7 @@ impl Session {
             undo: self.history.undo_words().to_owned(),
             redo: self.history.redo_words().to_owned(),
             bodies: self.body_statuses(),
-            trouble: self.trouble.clone().or_else(|| self.explain_inversion()),
+            trouble: self.trouble_now(),
             cost: self.costs.as_ref().map(|costs| costs.shown(plan)),
         }
     }
@@ -336,9 +367,14 @@ impl Session {
         self.playing
     }
 
+    /// Whether it is not yet known what helps where something is wrong.
+    pub fn is_looking_for_cures(&self) -> bool {
+        self.trials.as_ref().is_some_and(|trials| !trials.are_over())
+    }
+
     /// Whether nothing moves and nothing will, until someone touches it.
     pub fn is_at_rest(&self) -> bool {
-        !self.playing || self.simulation.is_asleep()
+        (!self.playing || self.simulation.is_asleep()) && !self.is_looking_for_cures()
     }
 
     /// The document.
@@ -362,6 +398,8 @@ impl Session {
     }
 }
 
+#[cfg(test)]
+mod cure_tests;
 #[cfg(test)]
 mod fallen_tests;
 #[cfg(test)]

@@ -49,7 +49,7 @@ pub struct Status {
     pub limited_by: String,
     /// The step in use, s: a whole step divided by its substeps.
     pub dt_secs: f64,
-    /// The largest safe step, s; the implicit integrator takes longer ones. Read by a person: [`limit_text`].
+    /// The largest safe step, s; the implicit integrator takes longer ones. A person reads it as [`super::step_words`] has it.
     pub dt_safe_secs: f64,
     /// The scheme in use: the one chosen, or the implicit one that has taken over.
     pub integrator: Integrator,

@@ -1,15 +1,17 @@
-//! A simulation that broke: what was too large against what, in plain words, and what would cure it, as commands.
+//! A simulation that broke: what was too large against what, in plain words, and what cures it.
 
 use std::sync::Arc;
+use std::time::Instant;
 
+use super::cures::{Cure, Exploded, turning_back};
+use super::step_words::{limit_text, step_text};
+use super::trials::Trials;
 use super::{Command, Session};
 use crate::extract;
 use crate::math::Vector;
 use crate::physics::stability::Term;
-use crate::scene::edit::{BodyId, Edit};
-use crate::scene::material::Spring;
-use crate::scene::settings::{Integrator, Stepping};
-use crate::scene::{Body, Family, Material, Solid, Springs};
+use crate::scene::settings::Integrator;
+use crate::scene::{Body, Family, Material, Springs};
 use crate::view::legend::three_digits;
 
 /// A simulation that broke, explained.
@@ -19,34 +21,29 @@ pub struct Trouble {
     pub title: String,
     /// What happened and why, a few sentences.
     pub words: String,
-    /// What would help, best first.
+    /// What helps, best first, as far as it is known: each was tried.
     pub cures: Vec<Cure>,
+    /// Whether more is being tried.
+    pub looking: bool,
     /// The links that are at fault, as particles of the draw list: marked in the picture.
     pub guilty_links: Arc<Vec<[u32; 2]>>,
 }
 
-/// Something that would help.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Cure {
-    /// What it does, for a button.
-    pub words: String,
-    /// The change it needs; none where a new start is enough.
-    pub edit: Option<Edit>,
-    /// Whether the scene has to start anew.
-    pub restart: bool,
-}
-
-impl Cure {
-    /// What the button sends: the change, as one step of undo, a new start where it needs one, and time.
-    pub fn commands(&self) -> Vec<Command> {
-        let edit = self.edit.iter().cloned().flat_map(|edit| [Command::EndEdit, Command::Edit(edit), Command::EndEdit]);
-        let restart = self.restart.then_some(Command::Restart);
-        edit.chain(restart).chain([Command::Play]).collect()
-    }
-}
-
 /// What an explosion is called.
 const EXPLODED: &str = "It exploded";
+
+/// What was done about it.
+const STOPPED: &str = "The simulation exploded and was stopped at its last good state";
+
+/// Simulated time after which a cure that did not help a broken body is tried again, s.
+const RETRY_SECS: f64 = 1.0;
+
+impl Trouble {
+    /// What a new start takes, whether or not it helps.
+    pub fn start_again() -> [Command; 2] {
+        [Command::Restart, Command::Play]
+    }
+}
 
 impl Session {
     /// Explains cells that are turned inside out where nothing turns them back (GC §10, Fig 24).
@@ -60,75 +57,101 @@ impl Session {
             "{broken} of {cells} cells are turned inside out. Their springs are as long as they want to be, so nothing \
              turns them back: a spring knows lengths, not left from right."
         );
-        let mut settings = self.scene.settings.clone();
-        settings.inversion_recovery = true;
-        let heal = Cure { words: "Turn them back".to_owned(), edit: Some(Edit::Settings(settings)), restart: false };
-        let again = Cure { words: "Start again".to_owned(), edit: None, restart: true };
-        Some(Trouble { title: "It broke".to_owned(), words, cures: vec![heal, again], guilty_links: Arc::default() })
+        Some(self.told("It broke", words))
+    }
+
+    /// What is told, with the cures that were found so far.
+    fn told(&self, title: &str, words: String) -> Trouble {
+        Trouble {
+            title: title.to_owned(),
+            words,
+            cures: self.trials.as_ref().map(|trials| trials.holds().to_vec()).unwrap_or_default(),
+            looking: self.trials.as_ref().is_some_and(|trials| !trials.are_over()),
+            guilty_links: Arc::default(),
+        }
     }
 
     /// Looks for cells that are turned inside out, where nothing turns them back.
     pub(super) fn find_inversion(&mut self) {
         let left_broken = !self.scene.settings.inversion_recovery;
         self.inverted_cells = if left_broken { extract::overlay::inverted_cells(&self.simulation) } else { 0 };
+        if self.trouble.is_some() {
+            return;
+        }
+        if self.inverted_cells == 0 {
+            self.trials = None;
+        } else if self.trials.as_ref().is_none_or(|trials| self.is_worth_another_trial(trials)) {
+            self.try_cures(vec![turning_back(&self.scene)]);
+        }
+    }
+
+    /// What did not help a second ago may help now: cells that are still being crushed are not turned back.
+    fn is_worth_another_trial(&self, trials: &Trials) -> bool {
+        let since_secs = self.simulation.state().time_secs - trials.began_at_secs();
+        trials.are_over() && trials.holds().is_empty() && since_secs >= RETRY_SECS
+    }
+
+    /// Begins to try cures.
+    fn try_cures(&mut self, cures: Vec<Cure>) {
+        self.trials = Some(Trials::new(&self.scene, self.bodies.lattices(), &self.simulation, cures));
+    }
+
+    /// The simulation has just been stopped: looks for the reason, and for what helps.
+    pub(super) fn find_trouble(&mut self) {
+        self.trouble = Some(self.explain_divergence());
+        let plan = self.simulation.plan();
+        let excess = match plan.limits.dt_safe_secs() {
+            Some(safe_secs) if plan.integrator != Integrator::Implicit => plan.substep_secs() / safe_secs,
+            _ => 0.0,
+        };
+        let body = self.fastest_body();
+        self.try_cures(Exploded { scene: &self.scene, excess, body }.cures());
+    }
+
+    /// Goes on looking for what helps until then, or until it is known.
+    pub(super) fn look_for_cures(&mut self, until: Option<Instant>) {
+        if let Some(trials) = &mut self.trials {
+            trials.go_on(until);
+        }
+    }
+
+    /// What is wrong, if anything is, with what helps.
+    pub(super) fn trouble_now(&self) -> Option<Trouble> {
+        let Some(trouble) = &self.trouble else { return self.explain_inversion() };
+        let Trouble { title, words, guilty_links, .. } = trouble.clone();
+        Some(Trouble { guilty_links, ..self.told(&title, words) })
     }
 
     /// Explains why the simulation has just been stopped.
     pub(super) fn explain_divergence(&self) -> Trouble {
         let plan = self.simulation.plan();
+        if !plan.integrator.has_stable_step() {
+            return self.without_stable_step();
+        }
         let (dt_secs, limits) = (plan.substep_secs(), &plan.limits);
-        let (Some(limit_secs), Some(safe_secs)) = (limits.dt_limit_secs, limits.dt_safe_secs()) else {
-            return self.unexplained();
-        };
+        let safe_secs = limits.dt_safe_secs().unwrap_or(f64::INFINITY);
         if dt_secs <= safe_secs || plan.integrator == Integrator::Implicit {
-            return self.unexplained();
+            return self.told(EXPLODED, format!("{STOPPED}. Nothing in the scene is known to be the reason."));
         }
         let guilty = limits.limited_by(plan.dt_secs);
         let body = self.fastest_body();
         let against = self.scene.bodies.get(body).map_or_else(String::new, |body| accuse(guilty, body));
-        let bound = if dt_secs > limit_secs {
-            format!("the motion stays bounded only below {} ms", three_digits(limit_secs * 1e3))
-        } else {
-            format!("at rest it would just do, squashed springs need less than {} ms", three_digits(safe_secs * 1e3))
-        };
-        let step = three_digits(dt_secs * 1e3);
         let words = format!(
-            "The simulation exploded and was stopped at its last good state. A step of {step} ms is too large for \
-             {against}: {bound}."
+            "{STOPPED}. A step of {} is too large for {against}: the largest safe step is {}.",
+            step_text(dt_secs),
+            limit_text(safe_secs)
         );
         let guilty_links = Arc::new(extract::guilty::guilty_links(&self.simulation, body, families(guilty)));
-        Trouble { title: EXPLODED.to_owned(), words, cures: self.cures(dt_secs / safe_secs), guilty_links }
+        Trouble { guilty_links, ..self.told(EXPLODED, words) }
     }
 
-    fn unexplained(&self) -> Trouble {
-        let words = "The simulation became unstable and was stopped at its last good state.".to_owned();
-        let (title, cures) = (EXPLODED.to_owned(), self.cures(1.0));
-        Trouble { title, words, cures, guilty_links: Arc::default() }
-    }
-
-    /// What helps against a step that is `excess` times too large to be safe.
-    fn cures(&self, excess: f64) -> Vec<Cure> {
-        let settings = &self.scene.settings;
-        let mut cures = Vec::new();
-        let cure = |words: String, edit| Cure { words, edit: Some(edit), restart: true };
-        if settings.stepping == Stepping::Manual {
-            let mut automatic = settings.clone();
-            automatic.stepping = Stepping::Auto;
-            cures.push(cure("Divide steps automatically".to_owned(), Edit::Settings(automatic)));
-        }
-        if excess > 1.0 {
-            let mut finer = settings.clone();
-            finer.dt = rounded_down(settings.dt / excess);
-            let words = format!("Use a step of {} ms", three_digits(finer.dt * 1e3));
-            cures.push(cure(words, Edit::Settings(finer)));
-            let guilty = self.fastest_body();
-            if let Some(body) = self.scene.bodies.get(guilty) {
-                let replaced = |body| Edit::Body(BodyId(guilty), Box::new(body));
-                cures.extend(material_cures(body, excess).map(|(words, body)| cure(words, replaced(body))));
-            }
-        }
-        cures.push(Cure { words: "Start again".to_owned(), edit: None, restart: true });
-        cures
+    fn without_stable_step(&self) -> Trouble {
+        let scheme = self.simulation.plan().integrator.words();
+        let words = format!(
+            "{STOPPED}: {scheme} has no stable step. It gives every vibration energy, less in smaller steps but always \
+             some."
+        );
+        self.told(EXPLODED, words)
     }
 
     /// The body with the fastest particle: the one that broke.
@@ -185,51 +208,5 @@ fn accuse_springs(guilty: Term, springs: &Springs) -> String {
             format!("{} of {damping} N·s with {mass}", guilty.words())
         }
         Term::Contact | Term::User | Term::Combined => format!("{} with {mass}", guilty.words()),
-    }
-}
-
-/// A stable step grows with the root of the mass over the stiffness, and with the mass over the damping: the square of
-/// the excess is enough for both. A solid's damping follows its modulus and density by their root, so that its damping
-/// ratio has to shrink too.
-fn material_cures(body: &Body, excess: f64) -> impl Iterator<Item = (String, Body)> {
-    let factor = excess * excess;
-    let [soft, heavy] = match &body.material {
-        Material::Springs(springs) => {
-            let softer =
-                |spring: Spring| Spring { stiffness: spring.stiffness / factor, damping: spring.damping / factor };
-            let [structural, shear, bending] = Family::ALL.map(|family| softer(springs.family(family)));
-            let heavy = Springs { particle_mass: springs.particle_mass * factor, ..*springs };
-            [Springs { structural, shear, bending, ..*springs }, heavy].map(Material::Springs)
-        }
-        Material::Solid(solid) => {
-            let soft = Solid { young_modulus: solid.young_modulus / factor, ..*solid };
-            let heavy = Solid { density: solid.density * factor, ..*solid };
-            [soft, heavy]
-                .map(|solid| Solid { damping_ratio: solid.damping_ratio / excess, ..solid })
-                .map(Material::Solid)
-        }
-    };
-    let times = three_digits(factor);
-    [(format!("Make the springs {times} times softer"), soft), (format!("Make it {times} times heavier"), heavy)]
-        .into_iter()
-        .map(|(words, material)| (words, Body { material, ..body.clone() }))
-}
-
-/// Two significant digits, never more than given.
-fn rounded_down(value: f64) -> f64 {
-    let unit = libm::pow(10.0, libm::floor(libm::log10(value)) - 1.0);
-    libm::floor(value / unit) * unit
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_step_is_rounded_to_less() {
-        for (value, rounded) in [(0.001_29, 0.0012), (0.5, 0.5), (9.99e-5, 9.9e-5)] {
-            let got = rounded_down(value);
-            assert!(got <= value && (got - rounded).abs() < 1e-9 * rounded + 1e-12, "{value} became {got}");
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! What a person should know before wondering at the motion: a sentence each.
 
 use super::Session;
-use super::status::step_text;
+use super::step_words::step_text;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::{BodyModel, Model, ObstacleModel, ObstacleShape};
 use crate::physics::state::BodyMemory;
@@ -88,8 +88,7 @@ fn overlaps<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<S
     let both = |pair: &[usize; 2]| pair.map(|index| named(&scene.bodies[index].name, "body", index)).join(" and ");
     match met.as_slice() {
         few if few.len() <= NAMED => {
-            let words =
-                |pair| format!("{} are in each other's way: bodies do not collide with each other", both(pair));
+            let words = |pair| format!("{} are in each other's way: bodies do not collide with each other", both(pair));
             few.iter().map(words).collect()
         }
         many => vec![format!(

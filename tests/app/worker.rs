@@ -42,7 +42,7 @@ impl Sandbox for Odd {
         self.advances.fetch_add(1, Ordering::Relaxed);
     }
 
-    fn is_playing(&self) -> bool {
+    fn is_at_work(&self) -> bool {
         self.playing
     }
 

@@ -2,6 +2,7 @@
 
 use gelatin::physics::Simulation;
 use gelatin::physics::interaction::Grab;
+use gelatin::physics::simulation::Arrival;
 use gelatin::scene::obstacle::Plane;
 use gelatin::scene::{Obstacle, ObstacleShape, Scene};
 use glam::Vec3;
@@ -70,7 +71,7 @@ fn nothing_but_another_place_brings_it_back() {
     let mut simulation = fallen(&beside_the_floor());
     let mut heavier = beside_the_floor();
     heavier.settings.gravity = [1.0, -20.0, 0.0];
-    simulation.set_parameters(&heavier, &lattices(&heavier), &[Some(0)], true);
+    simulation.set_parameters(&heavier, &lattices(&heavier), &[Some(0)], Arrival::Swept);
     simulation.throw_body(0);
     simulation.set_grab(Some(Grab { body: 0, weights: vec![(5, 1.0)], target: Vec3::ZERO, stiffness: 300.0 }));
     simulation.wake_all();

@@ -5,7 +5,7 @@ use egui::{Color32, Rect, Sense, Ui, WidgetInfo, vec2};
 use super::theme;
 use crate::scene::settings::Integrator;
 use crate::session::Status;
-use crate::session::status::{limit_text, step_text};
+use crate::session::step_words::{limit_text, step_text};
 
 /// Size of the bar, points.
 const BAR: egui::Vec2 = vec2(72.0, 6.0);

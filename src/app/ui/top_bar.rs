@@ -9,7 +9,7 @@ use super::icon::{Icon, icon_button_ui};
 use super::meter;
 use super::{Framing, Shown, UiState, menu, theme};
 use crate::scene::presets::Preset;
-use crate::session::status::step_text;
+use crate::session::step_words::step_text;
 use crate::session::{Command, Status};
 
 /// Speeds to choose from, simulated seconds a wall second.

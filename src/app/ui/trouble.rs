@@ -1,9 +1,9 @@
-//! A simulation that broke: a card over the view that says why and offers what cures it.
+//! A simulation that broke: a card over the view that says why and offers what cures it, as far as it has been tried.
 
 use egui::{RichText, Ui};
 
 use super::{UiState, card_over_view, theme};
-use crate::session::{Command, Status};
+use crate::session::{Command, Status, Trouble};
 
 /// Width of the card, points.
 const WIDTH: f32 = 430.0;
@@ -24,7 +24,22 @@ pub(super) fn trouble_ui(ui: &Ui, status: &Status, state: &mut UiState, commands
                         commands.extend(cure.commands());
                     }
                 }
+                if ui.button("Start again").clicked() {
+                    commands.extend(Trouble::start_again());
+                }
             });
+            if let Some(words) = looking(trouble) {
+                ui.label(RichText::new(words).color(theme::of(ui).weak));
+            }
         });
     });
+}
+
+/// How far the search for cures has come; nothing to say once some are known.
+fn looking(trouble: &Trouble) -> Option<&'static str> {
+    match (trouble.looking, trouble.cures.is_empty()) {
+        (true, _) => Some("Looking for what helps…"),
+        (false, true) => Some("No single change was found that helps."),
+        (false, false) => None,
+    }
 }

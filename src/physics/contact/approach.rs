@@ -76,8 +76,7 @@ pub(crate) fn begin<R: Real>(
     state: &mut State<R>,
 ) {
     let running = std::mem::take(&mut state.approaches);
-    for (obstacle, was) in kept.iter().enumerate() {
-        let shape = &new.obstacles[obstacle].shape;
+    for (obstacle, (was, ObstacleModel { shape, .. })) in kept.iter().zip(&new.obstacles).enumerate() {
         let stays = was.is_some_and(|was| sweeps(obstacle) || is_same_place(&old.obstacles[was].shape, shape));
         for (number, body) in new.bodies.iter().enumerate() {
             let before = was.and_then(|was| running.iter().find(|a| (a.body, a.obstacle) == (number, was)));

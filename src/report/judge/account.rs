@@ -87,6 +87,10 @@ impl Account {
     }
 
     pub(super) fn look<R: Real>(&mut self, simulation: &Simulation<R>) {
+        // What fell out of the scene stays where it was seen last.
+        if simulation.state().bodies[self.body].gone {
+            return;
+        }
         self.now = simulation.diagnostics_of(self.body);
         if self.fastest_push > 0.0 {
             self.squeezed = self.squeezed.max(own(&self.now) - self.now.energy.kinetic);

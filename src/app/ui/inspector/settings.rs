@@ -9,7 +9,7 @@ use crate::app::ui::{Running, actions, theme};
 use crate::scene::edit::Edit;
 use crate::scene::param;
 use crate::scene::settings::{ContactRule, Integrator, Settings, Stepping};
-use crate::session::status::limit_text;
+use crate::session::step_words::limit_text;
 use crate::session::{Command, Status};
 
 /// The panel of a scene.

@@ -1,0 +1,143 @@
+//! Cures are tried before they are offered, each on a copy for a simulated second: what explodes again, or gains energy
+//! from nowhere, is not offered. Nobody waits for it: it is done in slices between steps, and what comes out follows from
+//! the scene alone, as work is counted in link forces and not in time.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::cures::Cure;
+use crate::extract::overlay::inverted_cells;
+use crate::geometry::Lattice;
+use crate::physics::Simulation;
+use crate::physics::simulation::Arrival;
+use crate::report::judge::{Patience, Watch};
+use crate::scene::Scene;
+
+/// How long a cure is tried, and the link forces after which that is cut short: some seconds of work.
+const PATIENCE: Patience = Patience { seconds: 1.0, most_link_forces: 300_000_000 };
+
+/// A trial that was cut short counts if nothing was wrong for so long, s: explosions take less.
+const LEAST_SECS: f64 = 0.1;
+
+/// Cures that are tried one after another.
+#[derive(Debug)]
+pub(super) struct Trials {
+    scene: Scene,
+    lattices: Vec<Arc<Lattice>>,
+    /// What a cure that needs no new start goes on from.
+    from: Box<Simulation<f32>>,
+    waiting: VecDeque<Cure>,
+    running: Option<Trial>,
+    holds: Vec<Cure>,
+}
+
+/// A cure under trial.
+#[derive(Debug)]
+struct Trial {
+    cure: Cure,
+    simulation: Box<Simulation<f32>>,
+    test: Test,
+}
+
+/// What a cure has to do.
+#[derive(Debug)]
+enum Test {
+    /// A scene that starts anew must stand, with no energy from nowhere.
+    Stand(Watch),
+    /// A body that goes on must be healed; what turns its cells back gives them energy that they did not have before.
+    Heal { link_forces: u64, diverged: bool },
+}
+
+impl Trials {
+    /// Of cures of a scene that moves as `from` does now.
+    pub(super) fn new(scene: &Scene, lattices: Vec<Arc<Lattice>>, from: &Simulation<f32>, cures: Vec<Cure>) -> Self {
+        Self {
+            scene: scene.clone(),
+            lattices,
+            from: Box::new(from.clone()),
+            waiting: cures.into(),
+            running: None,
+            holds: Vec::new(),
+        }
+    }
+
+    /// Those that hold, of the ones tried so far.
+    pub(super) fn holds(&self) -> &[Cure] {
+        &self.holds
+    }
+
+    /// Whether all have been tried.
+    pub(super) fn are_over(&self) -> bool {
+        self.waiting.is_empty() && self.running.is_none()
+    }
+
+    /// The time in the motion that they go on from, s.
+    pub(super) fn began_at_secs(&self) -> f64 {
+        self.from.state().time_secs
+    }
+
+    /// Goes on until then, or until all have been tried.
+    pub(super) fn go_on(&mut self, until: Option<Instant>) {
+        while !self.are_over() && until.is_none_or(|until| Instant::now() < until) {
+            match &mut self.running {
+                None => self.running = self.waiting.pop_front().and_then(|cure| self.begin(cure)),
+                Some(trial) => {
+                    if !trial.substep(self.from.state().time_secs) {
+                        self.end();
+                    }
+                }
+            }
+        }
+    }
+
+    /// None where the change is not allowed.
+    fn begin(&self, cure: Cure) -> Option<Trial> {
+        let mut scene = self.scene.clone();
+        let _applied = scene.apply(cure.edit.clone()).ok()?;
+        let simulation = if cure.restart {
+            Simulation::new(&scene, &self.lattices)
+        } else {
+            let mut simulation = (*self.from).clone();
+            let kept: Vec<_> = (0..scene.obstacles.len()).map(Some).collect();
+            simulation.set_parameters(&scene, &self.lattices, &kept, Arrival::Placed);
+            simulation
+        };
+        let test = if cure.restart {
+            Test::Stand(Watch::open(&simulation, PATIENCE))
+        } else {
+            Test::Heal { link_forces: 0, diverged: false }
+        };
+        Some(Trial { cure, simulation: Box::new(simulation), test })
+    }
+
+    fn end(&mut self) {
+        let Some(Trial { cure, simulation, test }) = self.running.take() else { return };
+        let helps = match test {
+            Test::Stand(watch) => {
+                let verdict = watch.verdict();
+                verdict.fault.is_none() && (!verdict.cut_short || verdict.simulated_secs >= LEAST_SECS)
+            }
+            Test::Heal { diverged, .. } => !diverged && inverted_cells(&simulation) < inverted_cells(&self.from),
+        };
+        if helps {
+            self.holds.push(cure);
+        }
+    }
+}
+
+impl Trial {
+    /// Takes a substep of a motion that began at `begin_secs`, if it goes on. Says whether there is more to see.
+    fn substep(&mut self, begin_secs: f64) -> bool {
+        match &mut self.test {
+            Test::Stand(watch) => watch.substep(&mut self.simulation, |_, _| 0.0),
+            Test::Heal { link_forces, diverged } => {
+                let report = self.simulation.substep(&mut ());
+                *link_forces += report.link_forces;
+                *diverged = report.diverged;
+                let passed = self.simulation.state().time_secs - begin_secs;
+                !report.diverged && passed < PATIENCE.seconds && *link_forces < PATIENCE.most_link_forces
+            }
+        }
+    }
+}
