@@ -455,3 +455,19 @@ fn a_click_in_the_list_leaves_the_keyboard_to_the_field() {
     let commands = &harness.state().commands;
     assert!(matches!(&commands[..], [Command::Open { path }] if *path == file), "{commands:?}");
 }
+
+#[test]
+fn a_dialog_is_as_high_as_what_it_holds() {
+    let heights = |heading: &str, last: &str, harness: &Harness<'_, Stage>| {
+        let rects = places(harness, &[heading, last]);
+        rects[1].bottom() - rects[0].top()
+    };
+    let mut harness = show(None, true);
+    ask(&mut harness, FileAction::New);
+    let question = heights("Unsaved changes", "Cancel", &harness);
+    assert!(question < 140.0, "a sentence and a row of buttons: {question}");
+    click(&mut harness, "Cancel");
+    ask(&mut harness, FileAction::Open);
+    let open = heights("Open scene", "Cancel", &harness);
+    assert!(open < 360.0, "a field, a list and a row of buttons: {open}");
+}

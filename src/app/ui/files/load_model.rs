@@ -4,10 +4,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use egui::{Align, ComboBox, DragValue, Grid, Layout, ProgressBar, RichText, ScrollArea, Ui};
+use egui::{ComboBox, DragValue, Grid, ProgressBar, RichText, ScrollArea, Ui};
 
 use super::path_field::{PathField, PathUse, Verdict};
-use super::{Running, UiState, Wish, dialog_ui, main_button_ui, theme};
+use super::{Running, UiState, Wish, buttons_ui, dialog_ui, main_button_ui, theme};
 use crate::app::hand::Target;
 use crate::app::ui::adding;
 use crate::scene::Settings;
@@ -118,7 +118,7 @@ pub(super) fn load_model_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiSta
         model.follow(ui, &running.scene.settings, &mut state.files.wishes);
         work_ui(ui, &mut model, work, running.status, &mut state.files.wishes);
         ui.add_space(6.0);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        buttons_ui(ui, |ui| {
             let ready = matches!(model.work, Work::Ready(_));
             let add = main_button_ui(ui, "Add to scene", ready).clicked() || (response.entered && ready);
             let replace = ui.add_enabled(ready, egui::Button::new("Replace scene")).clicked();

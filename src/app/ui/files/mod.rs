@@ -12,7 +12,7 @@ mod recovery_card;
 
 use std::path::{Path, PathBuf};
 
-use egui::{Color32, Id, Key, Modal, Modifiers, Response, RichText, ScrollArea, Ui, Vec2, vec2};
+use egui::{Align, Color32, Id, Key, Layout, Modal, Modifiers, Response, RichText, ScrollArea, Ui, Vec2, vec2};
 
 use super::{Running, UiState, theme};
 use crate::app::preferences::Folders;
@@ -249,6 +249,12 @@ fn dialog_ui(ui: &Ui, name: &str, width: f32, contents: impl FnOnce(&mut Ui)) ->
     });
     let escaped = || ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
     modal.is_top_modal && !modal.any_popup_open && escaped()
+}
+
+/// The row of buttons at the end of a dialog, from the right: no higher than its buttons.
+fn buttons_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+    let row = vec2(ui.available_width(), ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), contents);
 }
 
 /// The button that Enter stands for.

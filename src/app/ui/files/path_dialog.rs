@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align, Layout, RichText, Ui};
+use egui::{RichText, Ui};
 
 use super::path_field::{PathField, PathUse, Verdict};
-use super::{FileAction, UiState, Wish, dialog_ui, main_button_ui, theme};
+use super::{FileAction, UiState, Wish, buttons_ui, dialog_ui, main_button_ui, theme};
 use crate::session::Command;
 
 /// Recent files offered in the dialog; the menu has all.
@@ -60,7 +60,7 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, state: &mut UiState, commands: &mut Ve
             state.files.wishes.push(Wish::Browse(dialog.purpose, start));
         }
         ui.add_space(6.0);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        buttons_ui(ui, |ui| {
             let verdict = dialog.field.verdict().clone();
             let (label, ready) = match &verdict {
                 Verdict::Replaces(_) => ("Replace", true),

@@ -1,8 +1,8 @@
 //! The question before unsaved changes are lost: save, discard or stay.
 
-use egui::{Align, Layout, Ui};
+use egui::Ui;
 
-use super::{FileAction, FilesState, Wish, dialog_ui, main_button_ui};
+use super::{FileAction, FilesState, Wish, buttons_ui, dialog_ui, main_button_ui};
 use crate::session::{Command, Status};
 
 /// What waits for the answer.
@@ -50,7 +50,7 @@ pub(super) fn question_ui(ui: &Ui, status: &Status, files: &mut FilesState, comm
         };
         ui.label(format!("Save the changes to {} before {before}? They are lost otherwise.", status.title));
         ui.add_space(8.0);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        buttons_ui(ui, |ui| {
             let label = if status.file.is_some() { "Save" } else { "Save as…" };
             let save = main_button_ui(ui, label, true);
             if ui.memory(|memory| memory.focused().is_none()) {
