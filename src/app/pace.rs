@@ -2,8 +2,8 @@
 //! times in, times out; knows neither a window nor a device.
 //!
 //! Only a software driver needs it: there a frame is work for the same processors that simulate. A frame that took
-//! `cost` is followed by a rest, so that frames take no more than a share of the time: [`LEAST_SHARE`] while the
-//! simulation is behind, more as long as it keeps up. Where that makes pictures rarer than [`SMOOTH`], the view is
+//! `cost` is followed by a rest, so that frames take no more than a share of the time: `LEAST_SHARE` while the
+//! simulation is behind, more as long as it keeps up. Where that makes pictures rarer than `SMOOTH`, the view is
 //! drawn with fewer pixels first.
 
 use std::time::{Duration, Instant};

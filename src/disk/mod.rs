@@ -64,7 +64,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether [`write`] could write here, tried without leaving anything behind.
+/// Whether [`write()`] could write here, tried without leaving anything behind.
 pub fn check_writable(path: &Path) -> io::Result<()> {
     let target = followed(path)?;
     replaceable(&target)?;

@@ -24,7 +24,9 @@ fn the_cost_panel_says_where_the_time_goes_and_what_is_left_out_while_it_is_open
     window.click("Cost");
     assert!(window.has("Nothing is measured while time stands still."), "the window begins paused");
     run(&mut window);
-    for label in ["A step", "links", "velocity, position", "link forces", "Left out", "Sphere contact"] {
+    for label in
+        ["A step", "links", "velocity, position", "link forces", "The window", "drawing", "Left out", "Sphere contact"]
+    {
         assert!(window.has(label), "{label} is told");
     }
     window.click("Cost");
@@ -59,7 +61,7 @@ fn the_cost_panel_fits_the_smallest_window() {
         window.click("Cost");
         run(&mut window);
         let right = window.rect("Cost").right();
-        for label in ["velocity, position", "link forces", "Left out", "there is no sphere"] {
+        for label in ["velocity, position", "link forces", "drawing", "Left out", "there is no sphere"] {
             let rect = window.rect(label);
             assert!(rect.right() <= right, "{size:?}: {label} at {rect} ends right of {right}");
         }

@@ -11,7 +11,10 @@ pub(super) const HEIGHT: f32 = 226.0;
 /// Size of a stage's bar, points, and how much shorter it is in a narrow window.
 const BAR: Vec2 = vec2(120.0, 8.0);
 const SHORTER: f32 = 44.0;
-/// Widths of the columns (points): that of stages, that of counts; reasons have the rest, which is at least this much.
+/// Size of the bars that tell of the window, points.
+const WINDOW_BAR: Vec2 = vec2(60.0, 8.0);
+/// Widths of the columns (points): that of stages, that of counts; the window and reasons have the rest, which is at
+/// least this much.
 const COLUMNS: [f32; 3] = [334.0, 222.0, 176.0];
 /// Between columns, points.
 const GAP: f32 = 18.0;
@@ -31,14 +34,14 @@ pub(super) fn cost_ui(ui: &mut Ui, status: &Status, drawing: DrawingCost) {
         ui.horizontal_top(|ui| {
             ui.spacing_mut().item_spacing.x = GAP;
             let bar = BAR - vec2(shorter, 0.0);
-            column_ui(ui, "A step", stages, |ui| {
-                stages_ui(ui, cost, playing, bar);
-                ui.add_space(6.0);
-                ui.label(RichText::new("The window").color(theme::of(ui).strong).strong());
-                window_ui(ui, status, drawing, bar);
-            });
+            column_ui(ui, "A step", stages, |ui| stages_ui(ui, cost, playing, bar));
             column_ui(ui, "In every step", counts, |ui| counts_ui(ui, cost));
-            column_ui(ui, "Left out", reasons, |ui| left_out_ui(ui, cost));
+            column_ui(ui, "The window", reasons, |ui| {
+                window_ui(ui, status, drawing, WINDOW_BAR);
+                ui.add_space(6.0);
+                ui.label(RichText::new("Left out").color(theme::of(ui).strong).strong());
+                left_out_ui(ui, cost);
+            });
         });
     });
 }
@@ -89,11 +92,11 @@ fn window_ui(ui: &mut Ui, status: &Status, drawing: DrawingCost, bar: Vec2) {
         {
             ui.label(RichText::new(name).color(theme::of(ui).weak));
             bar_ui(ui, &format!("{} takes {} of the time", capitalised(name), text), share, bar);
-            theme::figures_ui(ui, &text, "00 000.0 µs", theme::of(ui).strong);
+            theme::figures_ui(ui, &text, "100 %", theme::of(ui).strong);
             ui.end_row();
         }
     });
-    ui.label(RichText::new(frames_text(drawing)).color(theme::of(ui).weak));
+    ui.add(egui::Label::new(RichText::new(frames_text(drawing)).color(theme::of(ui).weak)).wrap());
 }
 
 /// How often and how finely the window draws.

@@ -12,8 +12,8 @@
 //! ```
 //!
 //! It is the shortest way out, where a way down counts four times as there may be a floor; a plane that carries a body
-//! goes on carrying it. The obstacle speeds up and slows down by no more than [`ACCELERATION`] and waits as long as it
-//! would have to press harder than [`PRESS`]: a body that cannot get out is left alone. All of it follows from the
+//! goes on carrying it. The obstacle speeds up and slows down by no more than `ACCELERATION` and waits as long as it
+//! would have to press harder than `PRESS`: a body that cannot get out is left alone. All of it follows from the
 //! state, so that a saved motion goes on bit for bit.
 
 use glam::DVec3;
@@ -29,7 +29,7 @@ use crate::physics::state::State;
 const ACCELERATION: f64 = 4.0;
 
 /// An obstacle presses a body no harder than with so many times the body's weight, which it has also where gravity is
-/// weaker than [`ACCELERATION`].
+/// weaker than `ACCELERATION`.
 const PRESS: f64 = 3.0;
 
 /// The share of that at which one that waits goes on.
