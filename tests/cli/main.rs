@@ -2,6 +2,8 @@
 
 mod bad_input;
 mod figures;
+#[cfg(target_os = "linux")]
+mod limits;
 mod program;
 mod report;
 mod stability;

@@ -17,6 +17,16 @@ pub(crate) struct Ran {
     pub(crate) notes: String,
 }
 
+/// What a run may take.
+#[cfg(target_os = "linux")]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Address space, MiB.
+    pub(crate) mebibytes: u64,
+    /// Processor time, s.
+    pub(crate) secs: u64,
+}
+
 impl Folder {
     pub(crate) fn new() -> Self {
         Self(tempfile::tempdir().expect("a folder"))
@@ -38,14 +48,24 @@ impl Folder {
 
     /// The same with more in its environment.
     pub(crate) fn run_with(&self, line: &str, environment: &[(&str, &str)]) -> Ran {
-        let output = Command::new(env!("CARGO_BIN_EXE_gelatin"))
+        self.ran(Command::new(env!("CARGO_BIN_EXE_gelatin")).envs(environment.iter().copied()), line)
+    }
+
+    /// The same with no more memory and processor time than this: one that wants more dies, and has no exit code.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn run_within(&self, limits: Limits, line: &str) -> Ran {
+        let limited = format!("ulimit -v {}; ulimit -t {}; exec \"$@\"", limits.mebibytes << 10, limits.secs);
+        self.ran(Command::new("sh").args(["-c", &limited, "sh", env!("CARGO_BIN_EXE_gelatin")]), line)
+    }
+
+    fn ran(&self, command: &mut Command, line: &str) -> Ran {
+        let output = command
             .args(line.split_whitespace())
             .current_dir(self.0.path())
             .env_remove("DISPLAY")
             .env_remove("WAYLAND_DISPLAY")
             // The graphics driver complains on standard error where there is none.
             .env("XDG_RUNTIME_DIR", self.0.path())
-            .envs(environment.iter().copied())
             .stdin(Stdio::null())
             .output()
             .expect("the program starts");

@@ -19,6 +19,9 @@ use polygon::Cutter;
 /// The largest file that is read, bytes: about twenty million triangles.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
+/// A face of more corners takes so long to cut that a watcher is asked first.
+const MANY_CORNERS: u32 = 100;
+
 /// Formats that people drop on the window and that are not read; a name ending like this is refused unread.
 const OTHER_FORMATS: [&str; 12] =
     ["stl", "ply", "gltf", "glb", "fbx", "3ds", "dae", "blend", "off", "usd", "usdz", "abc"];
@@ -159,29 +162,41 @@ fn parse_obj_watched(bytes: &[u8], name: &str, watch: &dyn Watch) -> Result<Impo
         return Err(ImportError::NoFaces { file: file() });
     }
     let mut mesh = TriMesh::default();
+    let mut cutter = Cutter::new();
     for model in &models {
-        append(&mut mesh, &model.mesh);
+        append(&mut mesh, &model.mesh, &mut cutter, watch).ok_or_else(|| ImportError::Cancelled { file: file() })?;
     }
-    Ok(Imported { mesh, warnings: warnings(lines.left_out()) })
+    let mut warnings = warnings(lines.left_out());
+    if cutter.over_budget() > 0 {
+        warnings.push(format!(
+            "faces with very many corners were cut into triangles as if they were convex: {}; cut them in the program \
+             that made the model",
+            cutter.over_budget()
+        ));
+    }
+    Ok(Imported { mesh, warnings })
 }
 
-/// Adds the polygons of one model of the file, as triangles.
-fn append(mesh: &mut TriMesh, model: &tobj::Mesh) {
+/// Adds the polygons of one model of the file, as triangles; none where someone has cancelled.
+fn append(mesh: &mut TriMesh, model: &tobj::Mesh, cutter: &mut Cutter, watch: &dyn Watch) -> Option<()> {
     let base = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
     mesh.positions.extend(model.positions.as_chunks().0.iter().map(|&position| DVec3::from_array(position)));
     if model.face_arities.is_empty() {
         mesh.triangles.extend(model.indices.as_chunks().0.iter().map(|triangle| triangle.map(|vertex| base + vertex)));
-        return;
+        return Some(());
     }
-    let mut cutter = Cutter::new();
     let mut rest = model.indices.as_slice();
     for &arity in &model.face_arities {
         let (face, after) = rest.split_at(arity as usize);
         rest = after;
+        if arity > MANY_CORNERS && watch.cancelled() {
+            return None;
+        }
         let corners: Vec<DVec3> = face.iter().map(|&vertex| mesh.positions[(base + vertex) as usize]).collect();
         let cut = cutter.cut(&corners);
         mesh.triangles.extend(cut.into_iter().map(|triangle| triangle.map(|place| base + face[place as usize])));
     }
+    Some(())
 }
 
 /// Text never holds these control characters; every binary model format does in its first kilobytes.

@@ -1,10 +1,21 @@
-//! Polygons to triangles: concave ones right, bent and broken ones somehow, never leaving a gap.
+//! Polygons to triangles: concave ones right, bent and broken ones somehow, never leaving a gap. Memory is linear in the
+//! number of corners. Ear clipping takes quadratic time at worst, so that a file has a budget of it.
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
-/// Cuts polygons into triangles; kept between calls for its buffers.
+/// Ear clipping that one file may ask for, in squares of corners: about ten seconds at the very worst. One polygon that
+/// crosses itself, or is larger than this, may have 20 000 corners.
+const EAR_BUDGET: u64 = 20_000 * 20_000;
+/// A polygon that does not cross itself and has no more corners costs next to nothing.
+const FREE_CORNERS: u64 = 1000;
+/// A larger one takes this share of the time of one that crosses itself.
+const SIMPLE_SHARE: u64 = 10;
+
+/// Cuts the polygons of a file into triangles; keeps its buffers, and what is left of the budget, between calls.
 pub(super) struct Cutter {
+    budget: u64,
+    over_budget: usize,
     earcut: Earcut<f64>,
     flat: Vec<[f64; 2]>,
     cut: Vec<u32>,
@@ -12,7 +23,12 @@ pub(super) struct Cutter {
 
 impl Cutter {
     pub(super) fn new() -> Self {
-        Self { earcut: Earcut::new(), flat: Vec::new(), cut: Vec::new() }
+        Self { budget: EAR_BUDGET, over_budget: 0, earcut: Earcut::new(), flat: Vec::new(), cut: Vec::new() }
+    }
+
+    /// How many polygons were cut as if they were convex because there was no time to do better.
+    pub(super) fn over_budget(&self) -> usize {
+        self.over_budget
     }
 
     /// The triangles of a polygon of at least three corners, as places in it, turning as the polygon does.
@@ -22,7 +38,12 @@ impl Cutter {
     pub(super) fn cut(&mut self, corners: &[DVec3]) -> Vec<[u32; 3]> {
         let count = u32::try_from(corners.len()).unwrap_or(u32::MAX);
         if count == 3 || !self.flatten(corners) {
-            return fan(&(0..count).collect::<Vec<_>>());
+            return fan(count).collect();
+        }
+        let square = u64::from(count) * u64::from(count);
+        if square > self.budget {
+            self.over_budget += 1;
+            return fan(count).collect();
         }
         self.earcut.earcut_slice::<u32>(&self.flat, &[], &mut self.cut);
         let mut triangles: Vec<[u32; 3]> = self.cut.as_chunks().0.to_vec();
@@ -36,10 +57,13 @@ impl Cutter {
                 triangle.swap(1, 2);
             }
         }
-        if triangles.len() + 2 < corners.len() {
-            restore_skipped_corners(&mut triangles, count);
-        }
-        if triangles.len() + 2 == corners.len() { triangles } else { fan(&(0..count).collect::<Vec<_>>()) }
+        let complete = restore_skipped_corners(&mut triangles, count);
+        self.budget -= match complete {
+            true if u64::from(count) <= FREE_CORNERS => 0,
+            true => square / SIMPLE_SHARE,
+            false => square,
+        };
+        if complete { triangles } else { fan(count).collect() }
     }
 
     /// Projects the polygon onto its best plane, scaled to about one; false where it has none.
@@ -60,27 +84,39 @@ impl Cutter {
     }
 }
 
-/// Triangles that share the first corner.
-fn fan(corners: &[u32]) -> Vec<[u32; 3]> {
-    corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]).collect()
+/// Triangles that share the first of so many corners.
+fn fan(count: u32) -> impl Iterator<Item = [u32; 3]> {
+    (1..count.saturating_sub(1)).map(|second| [0, second, second + 1])
 }
 
 /// Ear clipping leaves out corners on straight edges: there an edge a→b of the triangles stands for a chain
 /// a→a+1→…→b of the polygon. Fills the gap between the two with triangles (of no area, if the chain is straight).
-fn restore_skipped_corners(triangles: &mut Vec<[u32; 3]>, count: u32) {
+/// Says whether the triangles are those of the whole polygon now; where ears failed, the gaps would be more than it has.
+fn restore_skipped_corners(triangles: &mut Vec<[u32; 3]>, count: u32) -> bool {
+    let whole = count as usize - 2;
+    if triangles.len() == whole {
+        return true;
+    }
     let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
     edges.sort_unstable();
     let outer = |&[a, b]: &[u32; 2]| edges.binary_search(&[b, a]).is_err();
     let skipping = edges.iter().filter(|edge| outer(edge) && edge[1] != (edge[0] + 1) % count);
     for &[a, b] in skipping {
         let length = (b + count - a) % count;
-        let chain: Vec<u32> = (0..=length).map(|step| (a + step) % count).collect();
-        triangles.extend(fan(&chain));
+        if triangles.len() + length as usize > whole + 1 {
+            return false;
+        }
+        triangles.extend(fan(length + 1).map(|triangle| triangle.map(|step| (a + step) % count)));
     }
+    triangles.len() == whole
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
+    use glam::DMat3;
+
     use super::*;
 
     /// Cuts a polygon of the plane z = x + y and checks that its edges are the outer edges of the triangles.
@@ -116,7 +152,7 @@ mod tests {
     #[test]
     #[should_panic(expected = "no triangle is turned")]
     fn the_check_sees_a_fan_that_leaves_its_polygon() {
-        check_cut(&[[2.0, -1.0], [1.0, 0.0], [2.0, 1.0], [0.0, 0.0]], &fan(&[0, 1, 2, 3]));
+        check_cut(&[[2.0, -1.0], [1.0, 0.0], [2.0, 1.0], [0.0, 0.0]], &fan(4).collect::<Vec<_>>());
     }
 
     #[test]
@@ -153,5 +189,35 @@ mod tests {
             let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0) * scale);
             assert_eq!(Cutter::new().cut(&square).len(), 2, "a square of {scale}");
         }
+    }
+
+    /// Corners on a coarse grid, in no order: it crosses itself everywhere.
+    fn tangle(count: usize) -> Vec<DVec3> {
+        let mut rng = crate::math::rng::Rng::new(5);
+        (0..count).map(|_| DVec3::new(libm::floor(10.0 * rng.unit()), libm::floor(10.0 * rng.unit()), 0.0)).collect()
+    }
+
+    #[test]
+    fn a_polygon_that_crosses_itself_gives_as_many_triangles_as_any() {
+        let triangles = Cutter::new().cut(&tangle(3000));
+        assert_eq!(triangles.len(), 2998, "a fan where ears fail");
+        assert!(triangles.capacity() < 2 * 2998, "no room beyond them: {}", triangles.capacity());
+    }
+
+    #[test]
+    fn what_a_file_asks_for_has_an_end() {
+        let mut cutter = Cutter::new();
+        let circle = |count: u32| -> Vec<DVec3> {
+            (0..count).map(|at| DMat3::from_rotation_z(f64::from(at) * TAU / f64::from(count)) * DVec3::X).collect()
+        };
+        assert_eq!(cutter.cut(&circle(60_000)).len(), 59_998, "a fan");
+        assert_eq!((cutter.over_budget(), cutter.budget), (1, EAR_BUDGET), "too large to try");
+        assert_eq!(cutter.cut(&circle(20_000)).len(), 19_998, "cut");
+        assert_eq!((cutter.over_budget(), cutter.budget), (1, EAR_BUDGET / 10 * 9), "a large one that is simple");
+        let spent = cutter.budget;
+        cutter.cut(&circle(1000));
+        assert_eq!(cutter.budget, spent, "common ones cost nothing, however many");
+        cutter.cut(&tangle(4000));
+        assert_eq!(cutter.budget, spent - 4000 * 4000, "ears were looked for in vain");
     }
 }
