@@ -1,7 +1,9 @@
-//! What drawing costs the window: frames a second, time a frame, the share of the time. Pure: times in, figures out.
+//! What drawing costs the window: frames a second, time a frame, the share of the processors. Pure: times in, figures out.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
+
+use super::pace::Drawn;
 
 /// What is shown is the mean of this much time.
 const WINDOW: Duration = Duration::from_secs(1);
@@ -13,7 +15,7 @@ pub struct DrawingCost {
     pub frames_per_sec: f64,
     /// Wall time a frame takes, s.
     pub secs_per_frame: f64,
-    /// The share of the time, 0 to 1.
+    /// The share of the processors, 0 to 1.
     pub share: f64,
     /// Pixels along a side of the moving view, over those of the window.
     pub scale: f32,
@@ -22,28 +24,29 @@ pub struct DrawingCost {
 /// Counts frames.
 #[derive(Clone, Debug, Default)]
 pub struct FrameMeter {
-    frames: VecDeque<(Instant, Duration)>,
+    frames: VecDeque<Drawn>,
 }
 
 impl FrameMeter {
-    /// A frame was drawn from `begin` to `end`.
-    pub fn note(&mut self, begin: Instant, end: Instant) {
-        self.frames.push_back((begin, end - begin));
-        while self.frames.front().is_some_and(|(first, _)| end - *first > WINDOW) {
+    /// A frame was drawn.
+    pub fn note(&mut self, frame: Drawn) {
+        self.frames.push_back(frame);
+        while self.frames.front().is_some_and(|first| frame.end - first.begin > WINDOW) {
             self.frames.pop_front();
         }
     }
 
     /// What frames cost in the last second before `now`.
     pub fn cost(&self, now: Instant, scale: f32) -> DrawingCost {
-        let recent = self.frames.iter().filter(|(begin, _)| now.saturating_duration_since(*begin) <= WINDOW);
-        let (count, spent) =
-            recent.fold((0_u32, Duration::ZERO), |(count, spent), (_, cost)| (count + 1, spent + *cost));
-        let share = spent.as_secs_f64() / WINDOW.as_secs_f64();
+        let recent = self.frames.iter().filter(|frame| now.saturating_duration_since(frame.begin) <= WINDOW);
+        let (mut count, mut wall, mut work) = (0_u32, Duration::ZERO, Duration::ZERO);
+        for frame in recent {
+            (count, wall, work) = (count + 1, wall + (frame.end - frame.begin), work + frame.work);
+        }
         DrawingCost {
             frames_per_sec: f64::from(count) / WINDOW.as_secs_f64(),
-            secs_per_frame: spent.as_secs_f64() / f64::from(count.max(1)),
-            share,
+            secs_per_frame: wall.as_secs_f64() / f64::from(count.max(1)),
+            share: work.as_secs_f64() / WINDOW.as_secs_f64(),
             scale,
         }
     }
@@ -59,11 +62,12 @@ mod tests {
         let start = Instant::now();
         let at = |ms| start + Duration::from_millis(ms);
         for frame in 0..100 {
-            meter.note(at(frame * 40), at(frame * 40 + 10));
+            let (begin, end, work) = (at(frame * 40), at(frame * 40 + 10), Duration::from_millis(5));
+            meter.note(Drawn { begin, end, work });
         }
         let cost = meter.cost(at(99 * 40 + 10), 0.7);
         assert!((cost.frames_per_sec - 25.0).abs() <= 1.0, "{cost:?}");
-        assert!((cost.secs_per_frame - 0.01).abs() < 1e-9 && (cost.share - 0.25).abs() < 0.02, "{cost:?}");
+        assert!((cost.secs_per_frame - 0.01).abs() < 1e-9 && (cost.share - 0.125).abs() < 0.01, "{cost:?}");
         assert!(meter.cost(at(9_000), 0.7).frames_per_sec < 0.5, "nothing was drawn lately");
     }
 }

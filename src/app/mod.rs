@@ -21,10 +21,12 @@ pub mod theme;
 pub mod ui;
 pub mod worker;
 
+mod damage;
 mod files;
 mod jellify_job;
 mod kept_file;
 mod native_dialog;
+mod processors;
 mod recent;
 mod shell;
 

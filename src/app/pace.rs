@@ -1,10 +1,10 @@
 //! How often the window draws and how finely, so that drawing leaves the simulation its share of the machine. Pure:
 //! times in, times out; knows neither a window nor a device.
 //!
-//! Only a software driver needs it: there a frame is work for the same processors that simulate. A frame that took
-//! `cost` is followed by a rest, so that frames take no more than a share of the time: `LEAST_SHARE` while the
-//! simulation is behind, more as long as it keeps up. Where that makes pictures rarer than `SMOOTH`, the view is
-//! drawn with fewer pixels first.
+//! Only a software driver needs it: there a frame is work for the same processors that simulate. Its cost is the time
+//! it would take all of them; it is followed by a rest, so that frames take no more than a share of the processors:
+//! `LEAST_SHARE` while the simulation is behind, more as long as it keeps up. Where that makes pictures rarer than
+//! `SMOOTH`, the view is drawn with fewer pixels first.
 
 use std::time::{Duration, Instant};
 
@@ -16,7 +16,7 @@ const SMOOTH: Duration = Duration::from_millis(40);
 const LONGEST: Duration = Duration::from_millis(250);
 /// Input is answered within 50 ms: it waits no longer than this for its frame.
 const ANSWER: Duration = Duration::from_millis(25);
-/// The share of the time that drawing takes while the simulation is behind, and the most it takes otherwise.
+/// The share of the processors that drawing takes while the simulation is behind, and the most it takes otherwise.
 const LEAST_SHARE: f64 = 0.4;
 const MOST_SHARE: f64 = 0.9;
 /// What a frame during which the simulation was behind does to the share, and one during which it kept up.
@@ -40,6 +40,17 @@ pub enum Reason {
     Input,
 }
 
+/// What a frame took.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn {
+    /// When it was begun.
+    pub begin: Instant,
+    /// When it was on the screen.
+    pub end: Instant,
+    /// Its work, as time of all processors: no more than from begin to end.
+    pub work: Duration,
+}
+
 /// How often and how finely the window draws.
 #[derive(Clone, Debug)]
 pub struct Pace {
@@ -47,8 +58,7 @@ pub struct Pace {
     share: f64,
     /// The mean cost of a frame of the moving view, s.
     cost_secs: f64,
-    /// Begin and cost of the last frame.
-    last: Option<(Instant, Duration)>,
+    last: Option<Drawn>,
     scale: usize,
     /// Frames in a row that asked for fewer (negative) or more pixels.
     asked: i32,
@@ -62,9 +72,9 @@ impl Pace {
 
     /// When the next frame may begin.
     pub fn due(&self, reason: Reason, now: Instant) -> Instant {
-        let Some((begin, cost)) = self.last else { return now };
-        let rest = self.rest(cost);
-        begin + if reason == Reason::Input { rest.min(ANSWER).max(cost) } else { rest }
+        let Some(Drawn { begin, end, work }) = self.last else { return now };
+        let rest = self.rest(work);
+        begin + if reason == Reason::Input { rest.min(ANSWER).max(end - begin) } else { rest }
     }
 
     /// The time between two pictures of the moving view: nobody needs them more often.
@@ -77,22 +87,21 @@ impl Pace {
         SCALES[self.scale]
     }
 
-    /// The most of the time that drawing takes.
+    /// The most of the processors that drawing takes.
     pub fn share(&self) -> f64 {
         self.share
     }
 
-    /// A frame was drawn from `begin` to `end`; `behind` says whether the simulation lags behind the speed asked for.
-    /// `moving` is a picture of the moving view, whose cost decides on its pixels.
-    pub fn drawn(&mut self, begin: Instant, end: Instant, moving: bool, behind: bool) {
-        let cost = end - begin;
-        self.last = Some((begin, cost));
+    /// A frame was drawn; `behind` says whether the simulation lags behind the speed asked for. `moving` is a picture of
+    /// the moving view, whose cost decides on its pixels.
+    pub fn drawn(&mut self, frame: Drawn, moving: bool, behind: bool) {
+        self.last = Some(frame);
         if !self.software || !moving {
             return;
         }
         let share = if behind { self.share * BACK_OFF } else { self.share + RECOVER };
         self.share = share.clamp(LEAST_SHARE, MOST_SHARE);
-        let cost = cost.as_secs_f64();
+        let cost = frame.work.as_secs_f64();
         self.cost_secs = if self.cost_secs == 0.0 { cost } else { self.cost_secs + WEIGHT * (cost - self.cost_secs) };
         self.choose_scale();
     }
@@ -142,13 +151,28 @@ mod tests {
             let (start, mut drawn) = (self.now, Duration::ZERO);
             for _ in 0..frames {
                 let cost = Duration::from_secs_f64(cost(self.pace.scale()));
-                self.pace.drawn(self.now, self.now + cost, true, behind);
+                self.pace.drawn(frame(self.now, cost), true, behind);
                 drawn += cost;
                 self.now = (self.now + cost).max(self.pace.due(Reason::Motion, self.now + cost));
             }
             let all = self.now - start;
             (drawn.as_secs_f64() / all.as_secs_f64(), all / frames)
         }
+    }
+
+    /// A frame that had all processors for itself.
+    fn frame(begin: Instant, work: Duration) -> Drawn {
+        Drawn { begin, end: begin + work, work }
+    }
+
+    #[test]
+    fn a_frame_that_waits_for_the_simulation_costs_no_more_than_its_work() {
+        let mut pace = Pace::new(true);
+        let begin = Instant::now();
+        let (end, work) = (begin + Duration::from_millis(40), Duration::from_millis(10));
+        pace.drawn(Drawn { begin, end, work }, true, true);
+        let due = pace.due(Reason::Motion, end) - begin;
+        assert_eq!(due, work.div_f64(LEAST_SHARE), "the simulation had the other 30 ms already");
     }
 
     #[test]
@@ -194,7 +218,7 @@ mod tests {
     fn input_is_answered_within_50_ms_even_in_slow_motion() {
         let mut pace = Pace::new(true);
         let begin = Instant::now();
-        pace.drawn(begin, begin + Duration::from_millis(24), true, true);
+        pace.drawn(frame(begin, Duration::from_millis(24)), true, true);
         let answered = pace.due(Reason::Input, begin) + Duration::from_millis(24) - begin;
         assert!(answered <= Duration::from_millis(50), "input just after a frame began is answered after {answered:?}");
         assert!(pace.due(Reason::Motion, begin) > pace.due(Reason::Input, begin), "motion can wait");

@@ -4,10 +4,12 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use cpu_time::ThreadTime;
 use thiserror::Error;
 
 use crate::scene::Scene;
@@ -29,7 +31,7 @@ pub trait Sandbox {
     fn is_at_work(&self) -> bool;
     /// Whether its picture stays as it is until something is asked for.
     fn is_at_rest(&self) -> bool;
-    /// What share of the time drawing takes, 0 to 1.
+    /// What share of the processors drawing takes, 0 to 1.
     fn note_drawing(&mut self, share: f64);
     /// What the panels show.
     fn status(&self) -> Status;
@@ -104,6 +106,8 @@ pub enum Ended {
 pub struct Worker {
     orders: Sender<Order>,
     slot: Arc<Mutex<Slot>>,
+    /// Processor time the thread has taken, ns.
+    spent: Arc<AtomicU64>,
 }
 
 #[derive(Debug)]
@@ -146,7 +150,8 @@ impl Worker {
     ) -> Self {
         let (orders, received) = channel();
         let slot = Arc::new(Mutex::new(Slot::default()));
-        let publisher = Publisher { slot: Arc::clone(&slot), wake };
+        let spent = Arc::new(AtomicU64::new(0));
+        let publisher = Publisher { slot: Arc::clone(&slot), spent: Arc::clone(&spent), wake };
         std::thread::spawn(move || {
             let outcome = catch_unwind(AssertUnwindSafe(|| match make() {
                 Ok(sandbox) => Loop::new(sandbox, &received, &publisher).run(),
@@ -156,7 +161,7 @@ impl Worker {
                 publisher.end(Ended::Panicked(panic_text(panic.as_ref())));
             }
         });
-        Self { orders, slot }
+        Self { orders, slot, spent }
     }
 
     /// Asks for something. A worker that has ended ignores it.
@@ -169,7 +174,12 @@ impl Worker {
         self.order(Order::Visible(visible));
     }
 
-    /// Says how often the window draws and what share of the time that takes: nobody needs more snapshots than that.
+    /// Processor time that the thread has taken, up to its last few steps.
+    pub fn spent(&self) -> Duration {
+        Duration::from_nanos(self.spent.load(Ordering::Relaxed))
+    }
+
+    /// Says how often the window draws and what share of the processors that takes: nobody needs more snapshots than that.
     pub fn set_drawing(&self, interval: Duration, share: f64) {
         self.order(Order::Drawing { interval, share });
     }
@@ -194,6 +204,7 @@ impl Worker {
 /// The worker's side of the slot.
 struct Publisher<W> {
     slot: Arc<Mutex<Slot>>,
+    spent: Arc<AtomicU64>,
     wake: W,
 }
 
@@ -204,6 +215,12 @@ impl<W: Fn()> Publisher<W> {
         if !untaken {
             (self.wake)();
         }
+    }
+
+    /// Says how much processor time this thread has taken.
+    fn note_spent(&self) {
+        let spent = ThreadTime::now().as_duration().as_nanos();
+        self.spent.store(u64::try_from(spent).unwrap_or(u64::MAX), Ordering::Relaxed);
     }
 
     fn end(&self, ended: Ended) {
@@ -261,6 +278,7 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
                 self.sandbox.advance(now - self.last, FRAME);
             }
             self.last = now;
+            self.publisher.note_spent();
             let moves = works && !(self.rested && self.sandbox.is_at_rest());
             let stops = works && !self.sandbox.is_at_work();
             if self.visible && (touched || stops || moves && self.published.elapsed() >= self.interval) {

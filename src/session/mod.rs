@@ -141,7 +141,7 @@ pub struct Session {
     costs: Option<Costs>,
     /// Where their time goes, from a few of them.
     sample: Sample,
-    /// The share of the time that drawing takes.
+    /// The share of the processors that drawing takes.
     drawing: f64,
 }
 

@@ -9,7 +9,7 @@ use crate::scene::settings::Integrator;
 
 /// Slower than this share of the speed asked for is slower than asked.
 const KEEPS_UP: f64 = 0.95;
-/// Drawing that takes less than this share of the time is not what steps wait for.
+/// Drawing that takes less than this share of the processors is not what steps wait for.
 const DRAWING_MATTERS: f64 = 0.15;
 /// One substep of so many is timed by stages: clocks cost next to nothing then.
 const SAMPLED: u32 = 16;
@@ -51,7 +51,7 @@ impl Sample {
 struct Facts<'a> {
     speed: f64,
     lately: Stretch,
-    /// The share of the time that drawing takes.
+    /// The share of the processors that drawing takes.
     drawing: f64,
     halved: bool,
     contact: bool,
@@ -61,7 +61,7 @@ struct Facts<'a> {
 }
 
 impl Session {
-    /// Tells what share of the time drawing takes, 0 to 1.
+    /// Tells what share of the processors drawing takes, 0 to 1.
     pub fn note_drawing(&mut self, share: f64) {
         self.drawing = share;
     }
@@ -99,7 +99,7 @@ fn words(facts: &Facts<'_>) -> String {
     let alone = lately.simulated_secs / lately.processor_secs.max(1e-9);
     let cause = if alone >= *speed {
         if *drawing >= DRAWING_MATTERS {
-            format!("drawing takes {:.0} % of the time", drawing * 100.0)
+            format!("drawing takes {:.0} % of the processors", drawing * 100.0)
         } else {
             "other programs take the processors".to_owned()
         }
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn steps_that_wait_for_a_processor_blame_who_has_it() {
         let waiting = facts(0.5, 0.3);
-        assert_eq!(words(&waiting), "2.0 times slower than real time: drawing takes 40 % of the time");
+        assert_eq!(words(&waiting), "2.0 times slower than real time: drawing takes 40 % of the processors");
         let elsewhere = Facts { drawing: 0.02, ..waiting };
         assert_eq!(words(&elsewhere), "2.0 times slower than real time: other programs take the processors");
     }

@@ -1,4 +1,4 @@
-//! How much two pictures differ to the eye: what moves by less than a pixel's hundredth is not drawn again.
+//! How two pictures differ to the eye: what moves by less than a pixel's hundredth is not drawn again.
 
 use std::sync::Arc;
 
@@ -8,30 +8,39 @@ use super::DrawList;
 
 /// A particle that moves by less than this many pixels has not moved.
 const UNSEEN_PIXELS: f32 = 0.01;
-/// One that moves by less than this many is hardly seen to move.
-const SLIGHT_PIXELS: f32 = 0.1;
 /// A scalar that changes by less than this share of the range keeps its colour.
 const UNSEEN_SHARE: f32 = 0.5 / 255.0;
 
-/// How much a picture differs from another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// How a picture differs from another.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
     /// It looks the same.
     Nothing,
-    /// Something creeps, or has another shade.
-    Slight,
-    /// Anyone sees it.
-    Plain,
+    /// Something has another shade.
+    Shade,
+    /// Particles have moved.
+    Motion {
+        /// By as many pixels, the furthest of them: not a number where one of them is none.
+        pixels: f32,
+    },
+    /// Other things are seen, or from elsewhere.
+    Things,
 }
 
 impl DrawList {
-    /// How much this picture, `height` pixels high, differs from another one.
+    /// How this picture, `height` pixels high, differs from another one.
     pub fn change_since(&self, other: &Self, height: f32) -> Change {
         if !self.shows_the_same_things(other) {
-            return Change::Plain;
+            return Change::Things;
         }
-        let recolored = if self.is_recolored(other) { Change::Slight } else { Change::Nothing };
-        self.motion_since(other, height).max(recolored)
+        let pixels = self.motion_since(other, height);
+        if pixels > UNSEEN_PIXELS || pixels.is_nan() {
+            Change::Motion { pixels }
+        } else if self.is_recolored(other) {
+            Change::Shade
+        } else {
+            Change::Nothing
+        }
     }
 
     /// Whether everything but particles and their scalars is the same.
@@ -49,26 +58,23 @@ impl DrawList {
             && (self.particles.len(), self.scalars.is_some()) == (other.particles.len(), other.scalars.is_some())
     }
 
-    fn motion_since(&self, other: &Self, height: f32) -> Change {
+    /// The furthest way of a particle, pixels.
+    fn motion_since(&self, other: &Self, height: f32) -> f32 {
         if Arc::ptr_eq(&self.particles, &other.particles) {
-            return Change::Nothing;
+            return 0.0;
         }
         // A way of one metre, seen from one metre away, in pixels.
         let focal = 0.5 * height / (0.5 * self.camera.fov_rad).tan();
-        let mut change = Change::Nothing;
+        let mut furthest = 0.0_f32;
         for (&now, &before) in self.particles.iter().zip(other.particles.iter()) {
             let now = Vec3::from(now);
             let pixels = focal * now.distance(before.into()) / now.distance(self.camera.eye);
-            if pixels <= UNSEEN_PIXELS {
-                continue;
+            if pixels.is_nan() {
+                return pixels;
             }
-            change = Change::Slight;
-            // What is no number has moved.
-            if pixels > SLIGHT_PIXELS || pixels.is_nan() {
-                return Change::Plain;
-            }
+            furthest = furthest.max(pixels);
         }
-        change
+        furthest
     }
 
     fn is_recolored(&self, other: &Self) -> bool {
@@ -95,14 +101,14 @@ mod tests {
     fn a_way_below_a_hundredth_of_a_pixel_is_no_motion() {
         let still = picture(vec![[0.0; 3], [1.0, 0.0, 0.0]], vec![1.0, 2.0]);
         // A pixel of a picture 800 pixels high is 9 mm wide at 10 m.
-        for (way, change) in
-            [(5e-5, Change::Nothing), (2e-4, Change::Slight), (2e-3, Change::Plain), (f32::NAN, Change::Plain)]
-        {
-            let moved = picture(vec![[0.0; 3], [1.0 + way, 0.0, 0.0]], vec![1.0, 2.0]);
-            assert_eq!(moved.change_since(&still, 800.0), change, "{way} m");
-        }
+        let change =
+            |way: f32| picture(vec![[0.0; 3], [1.0 + way, 0.0, 0.0]], vec![1.0, 2.0]).change_since(&still, 800.0);
+        assert_eq!(change(5e-5), Change::Nothing);
+        let Change::Motion { pixels } = change(2e-3) else { panic!("2 mm are seen: {:?}", change(2e-3)) };
+        assert!((pixels - 0.22).abs() < 0.02, "{pixels} pixels");
+        assert!(matches!(change(f32::NAN), Change::Motion { pixels } if pixels.is_nan()), "no number");
         let fewer = picture(vec![[0.0; 3]], vec![1.0]);
-        assert_eq!(fewer.change_since(&still, 800.0), Change::Plain, "a particle has gone");
+        assert_eq!(fewer.change_since(&still, 800.0), Change::Things, "a particle has gone");
     }
 
     #[test]
@@ -110,9 +116,9 @@ mod tests {
         let still = picture(vec![[0.0; 3]], vec![1.0]);
         let change = |picture: DrawList| picture.change_since(&still, 800.0);
         assert_eq!(change(picture(vec![[0.0; 3]], vec![1.01])), Change::Nothing, "the same colour");
-        assert_eq!(change(picture(vec![[0.0; 3]], vec![1.1])), Change::Slight, "another one");
-        assert_eq!(change(DrawList { color_range: [0.0, 11.0], ..still.clone() }), Change::Slight, "another range");
-        assert_eq!(change(DrawList { scalars: None, ..still.clone() }), Change::Plain, "no colours");
+        assert_eq!(change(picture(vec![[0.0; 3]], vec![1.1])), Change::Shade, "another one");
+        assert_eq!(change(DrawList { color_range: [0.0, 11.0], ..still.clone() }), Change::Shade, "another range");
+        assert_eq!(change(DrawList { scalars: None, ..still.clone() }), Change::Things, "no colours");
     }
 
     #[test]
@@ -121,9 +127,9 @@ mod tests {
         assert_eq!(still.clone().change_since(&still, 800.0), Change::Nothing, "the same");
         let mut turned = still.clone();
         turned.camera.eye.x += 0.5;
-        assert_eq!(turned.change_since(&still, 800.0), Change::Plain, "another camera");
+        assert_eq!(turned.change_since(&still, 800.0), Change::Things, "another camera");
         let ball = crate::view::Solid::Sphere { center: Vec3::ZERO, radius: 1.0 };
         let with_ball = DrawList { solids: vec![ball], ..still.clone() };
-        assert_eq!(with_ball.change_since(&still, 800.0), Change::Plain, "an obstacle");
+        assert_eq!(with_ball.change_since(&still, 800.0), Change::Things, "an obstacle");
     }
 }

@@ -321,6 +321,15 @@ impl Window {
         self.size = size;
     }
 
+    /// Takes the window from the screen and puts it back, which draws everything anew.
+    pub(super) fn hide_and_show(&self) {
+        let id = self.id();
+        self.tool("xdotool", &["windowunmap", "--sync", &id]);
+        std::thread::sleep(2 * HAND);
+        self.tool("xdotool", &["windowmap", "--sync", &id]);
+        self.hand(&["windowfocus", "--sync", &id]);
+    }
+
     /// Fails where the program has ended.
     pub(super) fn still_runs(&mut self) {
         if let Some(status) = self.program.try_wait().expect("the program can be asked") {

@@ -64,8 +64,32 @@ fn a_window_in_which_everything_sleeps_draws_nothing() {
 }
 
 #[test]
+fn panels_drawn_in_parts_look_like_panels_drawn_at_once() {
+    alone(|| {
+        let mut window = Window::open("u-on-sphere", None);
+        window.wait_until_still();
+        // Buttons light up and fade, a menu opens and closes, what is chosen changes the inspector.
+        for at in [[60, 20], [300, 20], [60, 720], [1150, 120], [1150, 300], [700, 780]] {
+            window.point_at(at);
+            std::thread::sleep(Duration::from_millis(150));
+        }
+        window.click("1", [30, 20]);
+        window.wait_until_still();
+        window.key("Escape");
+        window.click("1", [60, 80]);
+        window.point_at([560, 100]);
+        window.wait_until_still();
+        let in_parts = window.shot();
+        window.hide_and_show();
+        window.wait_until_still();
+        let at_once = window.shot();
+        assert!(!at_once.differs(&in_parts, at_once.whole()), "something was left of what the panels showed before");
+    });
+}
+
+#[test]
 fn factors_are_read_from_a_log() {
-    let log = "[now DEBUG gelatin::app::shell::drawing] 0.831 x real time, 25 frames a second, 0.4 of the time, at 1\n\
+    let log = "[now DEBUG gelatin::app::shell::drawing] 0.831 x real time, 25 frames a second, 0.4 of the processors, at 1\n\
                [now INFO  gelatin::app::canvas] drawing with llvmpipe\n";
     assert_eq!(factors(log), [0.831]);
     assert_eq!(factors("no such line"), [0.0; 0]);

@@ -33,6 +33,7 @@ impl Layer {
             format,
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT
                 | wgpu::TextureUsages::COPY_SRC
+                | wgpu::TextureUsages::COPY_DST
                 | wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[plain],
         });
@@ -40,6 +41,19 @@ impl Layer {
             |format| texture.create_view(&wgpu::TextureViewDescriptor { format: Some(format), ..Default::default() });
         let (target, source) = (view(format), view(plain));
         Self { texture, target, source, size }
+    }
+
+    /// Copies a part, pixels, to the same place of a layer of the same size.
+    pub(super) fn copy_to(&self, encoder: &mut wgpu::CommandEncoder, other: &Self, part: egui::Rect) {
+        let part = ViewRect {
+            origin: Vec2::from(<[f32; 2]>::from(part.min.to_vec2())),
+            size: Vec2::from(<[f32; 2]>::from(part.size())),
+        };
+        let Some(([x, y], [width, height])) = pixels(part, self.size) else { return };
+        let origin = wgpu::Origin3d { x, y, z: 0 };
+        let [from, to] = [&self.texture, &other.texture]
+            .map(|texture| wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() });
+        encoder.copy_texture_to_texture(from, to, wgpu::Extent3d { width, height, depth_or_array_layers: 1 });
     }
 }
 

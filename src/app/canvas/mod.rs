@@ -97,6 +97,8 @@ pub struct Panels<'a> {
     pub primitives: &'a [egui::ClippedPrimitive],
     /// Pixels a point.
     pub pixels_per_point: f32,
+    /// The only parts that differ from the panels that are kept, points: they do not overlap. `None` where all does.
+    pub parts: Option<&'a [egui::Rect]>,
 }
 
 impl fmt::Debug for Frame<'_> {
@@ -110,7 +112,9 @@ impl fmt::Debug for Frame<'_> {
 
 impl fmt::Debug for Panels<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Panels").field("pixels_per_point", &self.pixels_per_point).finish_non_exhaustive()
+        let Self { pixels_per_point, parts, .. } = self;
+        let mut fields = f.debug_struct("Panels");
+        fields.field("pixels_per_point", pixels_per_point).field("parts", parts).finish_non_exhaustive()
     }
 }
 
@@ -128,6 +132,8 @@ pub struct Canvas {
     /// How finely the picture was drawn that is kept.
     drawn: Option<Detail>,
     panels: Option<Layer>,
+    /// Panels on which there is nothing: parts are cleared with it.
+    blank: Option<Layer>,
     layers: Option<Layers>,
 }
 
@@ -161,6 +167,7 @@ impl Canvas {
             picture: None,
             drawn: None,
             panels: None,
+            blank: None,
             layers: None,
             gpu,
         })
@@ -267,12 +274,24 @@ impl Canvas {
     /// Draws the panels where they changed.
     fn draw_panels(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame<'_>) -> Vec<wgpu::CommandBuffer> {
         let size = self.surface.size();
-        if self.needs_panels() {
-            (self.panels, self.layers) = (None, None);
+        let is_new = self.needs_panels();
+        if is_new {
+            (self.panels, self.blank, self.layers) = (None, None, None);
         }
         let Self { gpu, panel_renderer, .. } = self;
-        let layer = self.panels.get_or_insert_with(|| Layer::new(&gpu.device, "panels", self.surface.format(), size));
-        let Some(Panels { primitives, pixels_per_point }) = frame.panels else { return Vec::new() };
+        let new_layer = |label| Layer::new(&gpu.device, label, self.surface.format(), size);
+        let layer = self.panels.get_or_insert_with(|| new_layer("panels"));
+        let Some(Panels { primitives, pixels_per_point, parts }) = frame.panels else { return Vec::new() };
+        let load = match parts {
+            Some(parts) if !is_new => {
+                let blank = self.blank.get_or_insert_with(|| new_layer("blank panels"));
+                for part in parts {
+                    blank.copy_to(encoder, layer, *part * pixels_per_point);
+                }
+                wgpu::LoadOp::Load
+            }
+            _ => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+        };
         let screen = ScreenDescriptor { size_in_pixels: size, pixels_per_point };
         let extra = panel_renderer.update_buffers(&gpu.device, &gpu.queue, encoder, primitives, &screen);
         let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -281,10 +300,7 @@ impl Canvas {
                 view: &layer.target,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
+                ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
             })],
             ..Default::default()
         });

@@ -5,13 +5,15 @@
 use std::time::{Duration, Instant};
 
 use egui::epaint::ClippedShape;
-use egui::{ClippedPrimitive, FullOutput, ViewportId};
+use egui::{ClippedPrimitive, FullOutput, Rect, ViewportId};
 use winit::event_loop::ActiveEventLoop;
 
 use super::Shell;
 use crate::app::canvas::{Detail, Frame, Panels, Shown};
+use crate::app::damage::{self, damage};
 use crate::app::frame_meter::{DrawingCost, FrameMeter};
-use crate::app::pace::{Pace, Reason};
+use crate::app::pace::{Drawn, Pace, Reason};
+use crate::app::processors::Processors;
 use crate::app::shell::ShellError;
 use crate::app::{hand, input::ViewRect};
 use crate::extract;
@@ -24,6 +26,9 @@ const FIGURES: Duration = Duration::from_millis(100);
 const SETTLED: Duration = Duration::from_millis(300);
 /// How long to wait before a frame that the surface refused is tried again.
 const RETRY: Duration = Duration::from_millis(30);
+/// What moves by less than so many pixels a second creeps: it is drawn finely, and only every `CREEPING`.
+const CREEP: f32 = 2.0;
+const CREEPING: Duration = Duration::from_secs(1);
 /// How often the worker hears what drawing costs.
 const TELL: Duration = Duration::from_millis(500);
 
@@ -31,6 +36,7 @@ const TELL: Duration = Duration::from_millis(500);
 pub(super) struct Drawing {
     pace: Pace,
     meter: FrameMeter,
+    processors: Processors,
     panels_at: Option<Instant>,
     picture_at: Option<Instant>,
     /// The window has been asked for the frame that comes next.
@@ -38,9 +44,10 @@ pub(super) struct Drawing {
     panels_ran: Instant,
     shapes: Vec<ClippedShape>,
     pixels_per_point: f32,
-    /// The picture on the screen.
+    /// The picture on the screen, and since when it is there.
     picture: Option<DrawList>,
-    /// When it last looked plainly different from the one before.
+    picture_since: Instant,
+    /// When something was last seen to move.
     moved: Option<Instant>,
     told: Instant,
 }
@@ -52,6 +59,7 @@ impl Drawing {
         Self {
             pace: Pace::new(software),
             meter: FrameMeter::default(),
+            processors: Processors::new(),
             panels_at: Some(now),
             picture_at: Some(now),
             requested: false,
@@ -59,6 +67,7 @@ impl Drawing {
             shapes: Vec::new(),
             pixels_per_point: 0.0,
             picture: None,
+            picture_since: now,
             moved: None,
             told: now,
         }
@@ -100,11 +109,21 @@ impl Drawing {
     }
 }
 
+/// Panels that differ from those on the screen.
+struct NewPanels {
+    primitives: Vec<ClippedPrimitive>,
+    /// Where they differ; `None` everywhere.
+    parts: Option<Vec<Rect>>,
+}
+
 /// A picture that is ready to be drawn.
 struct Ready {
-    change: Change,
+    /// Whether it is to be drawn: it looks different from the one on the screen, and has not just been drawn.
+    is_new: bool,
     detail: Detail,
     moving: bool,
+    /// When to look at it again, where it was left undrawn because it only creeps.
+    again: Option<Instant>,
 }
 
 impl Shell {
@@ -139,18 +158,19 @@ impl Shell {
         let ready = self.prepare_picture(view, begin);
         let mut textures = output.map(|output| output.textures_delta).unwrap_or_default();
         self.canvas.update_textures(&mut textures);
-        let is_new = ready.as_ref().is_some_and(|ready| {
-            ready.change > Change::Nothing || ready.detail == Detail::Fine && !self.canvas.is_fine()
-        });
+        let is_new = ready.as_ref().is_some_and(|ready| ready.is_new);
+        let again = ready.as_ref().and_then(|ready| ready.again);
         let shown = if exposed || panels.is_some() || is_new {
             let frame = Frame {
                 draw_list: self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list),
-                changed: ready.as_ref().is_some_and(|ready| ready.change > Change::Nothing),
+                changed: is_new,
                 detail: ready.as_ref().map_or(Detail::Fine, |ready| ready.detail),
                 view,
-                panels: panels
-                    .as_deref()
-                    .map(|primitives| Panels { primitives, pixels_per_point: self.drawing.pixels_per_point }),
+                panels: panels.as_ref().map(|NewPanels { primitives, parts }| Panels {
+                    primitives,
+                    pixels_per_point: self.drawing.pixels_per_point,
+                    parts: parts.as_deref(),
+                }),
             };
             self.canvas.show(&frame).map(Some)
         } else {
@@ -159,7 +179,7 @@ impl Shell {
         self.canvas.free_textures(&mut textures);
         match shown {
             Ok(Some(Shown::Presented)) => self.on_presented(begin, ready),
-            Ok(None) => (self.changed, self.drawing.picture_at) = (false, self.settling(begin)),
+            Ok(None) => (self.changed, self.drawing.picture_at) = (false, again.or(self.settling(begin))),
             Ok(Some(Shown::Again)) => {
                 (self.drawing.shapes, self.drawing.panels_at) = (Vec::new(), Some(begin + RETRY));
             }
@@ -176,13 +196,19 @@ impl Shell {
         let end = Instant::now();
         log::trace!("a frame is on the screen after {:?}", end - begin);
         self.changed = false;
-        self.drawing.meter.note(begin, end);
+        let work = self.drawing.processors.taken(self.worker.spent()).min(end - begin);
+        let frame = Drawn { begin, end, work };
+        self.drawing.meter.note(frame);
+        let again = ready.as_ref().and_then(|ready| ready.again);
         if let Some(ready) = ready {
             let behind = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.behind);
-            self.drawing.pace.drawn(begin, end, ready.moving && ready.change > Change::Nothing, behind);
-            self.drawing.picture = self.snapshot.as_ref().map(|snapshot| snapshot.draw_list.clone());
+            self.drawing.pace.drawn(frame, ready.moving && ready.is_new, behind);
+            if ready.is_new {
+                self.drawing.picture = self.snapshot.as_ref().map(|snapshot| snapshot.draw_list.clone());
+                self.drawing.picture_since = end;
+            }
         }
-        self.drawing.picture_at = self.settling(end);
+        self.drawing.picture_at = again.or(self.settling(end));
         if end - self.drawing.told >= TELL {
             self.drawing.told = end;
             self.tell();
@@ -194,10 +220,12 @@ impl Shell {
         let cost = self.drawing.cost();
         self.worker.set_drawing(self.drawing.pace.interval(), cost.share);
         if let Some(snapshot) = &self.snapshot {
-            let DrawingCost { frames_per_sec, share, scale, .. } = cost;
+            let DrawingCost { frames_per_sec, secs_per_frame, share, scale } = cost;
             let factor = snapshot.status.real_time_factor;
             log::debug!(
-                "{factor:.3} x real time, {frames_per_sec} frames a second, {share:.3} of the time, at {scale}"
+                "{factor:.3} x real time, {frames_per_sec} frames a second of {:.1} ms, {share:.3} of the processors, at \
+                 {scale}",
+                1e3 * secs_per_frame
             );
         }
     }
@@ -224,15 +252,22 @@ impl Shell {
         output
     }
 
-    /// The panels as triangles where they differ from those on the screen.
-    fn changed_panels(&mut self, output: &mut FullOutput) -> Option<Vec<ClippedPrimitive>> {
+    /// What to draw of the panels where they differ from those on the screen.
+    fn changed_panels(&mut self, output: &mut FullOutput) -> Option<NewPanels> {
         if !self.drawing.are_new(output) && !self.canvas.needs_panels() {
             return None;
         }
         let shapes = std::mem::take(&mut output.shapes);
+        // Letters and pictures that came with other textures may look different though their shapes are the same.
+        let all = self.canvas.needs_panels()
+            || !output.textures_delta.set.is_empty()
+            || self.drawing.shapes.is_empty()
+            || self.drawing.pixels_per_point.to_bits() != output.pixels_per_point.to_bits();
+        let parts = (!all).then(|| damage(&self.drawing.shapes, &shapes, output.pixels_per_point));
         self.drawing.pixels_per_point = output.pixels_per_point;
-        self.drawing.shapes.clone_from(&shapes);
-        Some(self.context.tessellate(shapes, output.pixels_per_point))
+        let again = parts.as_ref().map_or_else(|| shapes.clone(), |parts| damage::within(&shapes, parts));
+        self.drawing.shapes = shapes;
+        Some(NewPanels { primitives: self.context.tessellate(again, output.pixels_per_point), parts })
     }
 
     /// Makes the picture ready and says how it differs from the one on the screen.
@@ -255,19 +290,28 @@ impl Shell {
         let colors = picture.style.overlay;
         self.handles.add_to(&mut picture.tools, &snapshot.scene, self.ui.selection, &sight, &colors);
 
+        let (software, fine) = (self.canvas.is_software(), self.canvas.is_fine());
         let old = self.drawing.picture.as_ref();
-        let change = old.map_or(Change::Plain, |old| picture.change_since(old, view.size.y));
+        let change = old.map_or(Change::Things, |old| picture.change_since(old, view.size.y));
         let turned = old.is_some_and(|old| old.camera != picture.camera);
-        if change == Change::Plain && (snapshot.status.playing || turned) {
+        let age = now.saturating_duration_since(self.drawing.picture_since).min(CREEPING);
+        let plain = match change {
+            Change::Things => true,
+            Change::Motion { pixels } => pixels.is_nan() || pixels > CREEP * age.as_secs_f32(),
+            Change::Shade | Change::Nothing => false,
+        };
+        if plain && (snapshot.status.playing || turned) {
             self.drawing.moved = Some(now);
         }
         let recently = self.drawing.moved.is_some_and(|at| now - at < SETTLED);
-        let moving = self.input.dragging() || recently && (change == Change::Plain || !self.canvas.is_fine());
-        let scale = self.drawing.pace.scale();
-        let detail = if moving && self.canvas.is_software() { Detail::Quick { scale } } else { Detail::Fine };
+        let moving = self.input.dragging() || recently && (plain || !fine);
+        let detail = if moving && software { Detail::Quick { scale: self.drawing.pace.scale() } } else { Detail::Fine };
+        let differs = change != Change::Nothing;
+        let waits = software && !plain && fine && differs && age < CREEPING;
+        let again = waits.then(|| self.drawing.picture_since + CREEPING);
         let pixels = if let Detail::Quick { scale } = detail { points * scale } else { points };
         (picture.overlay.scale, picture.tools.scale) = (pixels, pixels);
-        Some(Ready { change, detail, moving })
+        Some(Ready { is_new: differs && !waits || detail == Detail::Fine && !fine, detail, moving, again })
     }
 
     /// Asks for what a new snapshot changes.

@@ -87,11 +87,11 @@ fn stages_ui(ui: &mut Ui, cost: &StepCost, playing: bool, bar: Vec2) {
 fn window_ui(ui: &mut Ui, status: &Status, drawing: DrawingCost, bar: Vec2) {
     Grid::new("window").num_columns(3).spacing([12.0, 4.0]).show(ui, |ui| {
         let stepping = if status.playing { status.stepping_share } else { 0.0 };
-        for (name, share, text) in
-            [("simulating", stepping, share_text(stepping)), ("drawing", drawing.share, share_text(drawing.share))]
+        for (name, share, whole) in [("simulating", stepping, "the time"), ("drawing", drawing.share, "the processors")]
         {
+            let text = format!("{:.0} %", share * 100.0);
             ui.label(RichText::new(name).color(theme::of(ui).weak));
-            bar_ui(ui, &format!("{} takes {} of the time", capitalised(name), text), share, bar);
+            bar_ui(ui, &format!("{} takes {text} of {whole}", capitalised(name)), share, bar);
             theme::figures_ui(ui, &text, "100 %", theme::of(ui).strong);
             ui.end_row();
         }
@@ -107,10 +107,6 @@ fn frames_text(drawing: DrawingCost) -> String {
     }
     let coarse = if scale < 1.0 { format!(", {:.0} % of the pixels", 100.0 * scale * scale) } else { String::new() };
     format!("{frames_per_sec:.0} frames a second, {:.1} ms each{coarse}", 1e3 * secs_per_frame)
-}
-
-fn share_text(share: f64) -> String {
-    format!("{:.0} %", share * 100.0)
 }
 
 fn bar_ui(ui: &mut Ui, words: &str, share: f64, size: Vec2) {

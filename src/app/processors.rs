@@ -1,0 +1,55 @@
+//! What the window itself takes of the processors, beside the simulation: processor time is what drawing takes from it,
+//! whatever the clock on the wall says.
+
+use std::time::Duration;
+
+use cpu_time::ProcessTime;
+
+/// Counts the window's processor time from frame to frame.
+#[derive(Debug)]
+pub(super) struct Processors {
+    count: u32,
+    /// What the window had taken at the last look.
+    taken: Duration,
+}
+
+impl Processors {
+    /// Counts from now on.
+    pub(super) fn new() -> Self {
+        let count = std::thread::available_parallelism().map_or(1, |count| u32::try_from(count.get()).unwrap_or(1));
+        Self { count, taken: ProcessTime::now().as_duration() }
+    }
+
+    /// What the window took since the last look, as time of all processors at once; the simulation has taken
+    /// `simulation` of processor time so far.
+    pub(super) fn taken(&mut self, simulation: Duration) -> Duration {
+        let taken = ProcessTime::now().as_duration().saturating_sub(simulation);
+        let since = taken.saturating_sub(self.taken);
+        self.taken = taken;
+        since / self.count
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Keeps a processor busy.
+    fn work(time: Duration) {
+        let begin = cpu_time::ThreadTime::now();
+        while begin.elapsed() < time {
+            std::hint::black_box((0..1000_u32).map(f64::from).sum::<f64>());
+        }
+    }
+
+    #[test]
+    fn what_the_simulation_takes_is_not_the_windows() {
+        let mut processors = Processors::new();
+        processors.taken(Duration::ZERO);
+        work(Duration::from_millis(60));
+        let simulation = Duration::from_millis(40);
+        let mine = processors.taken(simulation) * processors.count;
+        // Other tests of this process work beside this one: there is no upper bound to see.
+        assert!(mine >= Duration::from_millis(19), "{mine:?} of 60 ms, 40 of them the simulation's");
+    }
+}
