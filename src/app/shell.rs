@@ -155,7 +155,7 @@ impl Shell {
             self.hover();
         }
         if response.repaint {
-            self.drawing.ask_panels();
+            self.drawing.note_touch();
         }
         if self.changed {
             self.drawing.ask_picture(Reason::Input);

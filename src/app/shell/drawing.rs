@@ -26,6 +26,8 @@ const FIGURES: Duration = Duration::from_millis(100);
 const SETTLED: Duration = Duration::from_millis(300);
 /// How long to wait before a frame that the surface refused is tried again.
 const RETRY: Duration = Duration::from_millis(30);
+/// So long after the last move of a person's hand nothing is drawn finely: that would keep the next one waiting.
+const IN_USE: Duration = Duration::from_millis(700);
 /// What moves by less than so many pixels a second creeps: it is drawn finely, and only every `CREEPING`.
 const CREEP: f32 = 2.0;
 const CREEPING: Duration = Duration::from_secs(1);
@@ -47,8 +49,9 @@ pub(super) struct Drawing {
     /// The picture on the screen, and since when it is there.
     picture: Option<DrawList>,
     picture_since: Instant,
-    /// When something was last seen to move.
+    /// When something was last seen to move, and when a person last moved the pointer or pressed something.
     moved: Option<Instant>,
+    touched: Option<Instant>,
     told: Instant,
 }
 
@@ -69,8 +72,20 @@ impl Drawing {
             picture: None,
             picture_since: now,
             moved: None,
+            touched: None,
             told: now,
         }
+    }
+
+    /// A person moved the pointer or pressed something.
+    pub(super) fn note_touch(&mut self) {
+        self.touched = Some(Instant::now());
+        self.ask_panels();
+    }
+
+    /// When nothing has moved for long enough that a fine picture keeps nobody waiting; `None` where nothing ever has.
+    fn settles(&self) -> Option<Instant> {
+        self.moved.map(|at| at + SETTLED).max(self.touched.map(|at| at + IN_USE))
     }
 
     /// Asks for the panels to be run, for a person who waits.
@@ -232,7 +247,7 @@ impl Shell {
 
     /// When the view has settled and is to be drawn finely, if it is not yet.
     fn settling(&self, now: Instant) -> Option<Instant> {
-        let at = self.drawing.moved? + SETTLED;
+        let at = self.drawing.settles()?;
         (!self.canvas.is_fine() && !self.input.dragging()).then(|| at.max(now))
     }
 
@@ -303,8 +318,8 @@ impl Shell {
         if plain && (snapshot.status.playing || turned) {
             self.drawing.moved = Some(now);
         }
-        let recently = self.drawing.moved.is_some_and(|at| now - at < SETTLED);
-        let moving = self.input.dragging() || recently && (plain || !fine);
+        let unsettled = self.drawing.settles().is_some_and(|at| now < at);
+        let moving = self.input.dragging() || unsettled && (plain || !fine);
         let detail = if moving && software { Detail::Quick { scale: self.drawing.pace.scale() } } else { Detail::Fine };
         let differs = change != Change::Nothing;
         let waits = software && !plain && fine && differs && age < CREEPING;
