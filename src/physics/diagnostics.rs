@@ -39,7 +39,7 @@ pub struct Diagnostics {
     pub max_strain: f64,
     /// Cells turned inside out: mean-edge signed volume not above zero.
     pub inverted_cells: usize,
-    /// All positions and velocities finite.
+    /// Whether all positions and velocities, the times and the energy are finite.
     pub finite: bool,
 }
 
@@ -111,7 +111,12 @@ impl Diagnostics {
             max_speed: 0.0,
             max_strain: 0.0,
             inverted_cells: 0,
-            finite: state.position.iter().chain(&state.velocity).all(|v| v.is_finite()),
+            finite: [&state.position, &state.position_residual, &state.velocity, &state.acceleration]
+                .into_iter()
+                .flatten()
+                .all(|v| v.is_finite())
+                && state.time_secs.is_finite()
+                && state.velocity_lag_secs.is_finite(),
         };
         let gravity = model.gravity.to_dvec3();
         for (body, memory) in model.bodies[bodies.clone()].iter().zip(&state.bodies[bodies.clone()]) {
@@ -145,6 +150,7 @@ impl Diagnostics {
             };
             sum.energy.contact += body.contacts[contact.obstacle].to_f64().energy(-contact.gap.to_f64());
         }
+        sum.finite &= sum.energy.total().is_finite() && sum.momentum.is_finite() && sum.center.is_finite();
         sum
     }
 

@@ -21,6 +21,7 @@ mod safe;
 mod slowness;
 pub mod state_file;
 mod state_origin;
+mod state_reader;
 pub mod status;
 pub mod step_words;
 mod trials;
@@ -406,5 +407,7 @@ mod fallen_tests;
 mod history_tests;
 #[cfg(test)]
 mod random_tests;
+#[cfg(test)]
+mod state_tests;
 #[cfg(test)]
 mod tests;

@@ -22,17 +22,16 @@
 use std::io;
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use serde_json::json;
 use thiserror::Error;
 
 use super::state_origin::Origin;
+use super::state_reader::Reader;
 use super::{Session, SessionError};
 use crate::disk::{self, ReadError};
-use crate::physics::State;
 use crate::physics::contact::approach::Approach;
-use crate::physics::plan::MOST_HALVINGS;
-use crate::physics::state::BodyMemory;
+use crate::text::echo;
 
 /// A larger file is no state: more particles than a body may have.
 const MAX_BYTES: u64 = 4 << 30;
@@ -53,6 +52,22 @@ pub enum StateFileError {
     /// Cut short or changed.
     #[error("the state is damaged: its checksum does not match its contents; write it anew")]
     Damaged,
+    /// Too short or too long.
+    #[error("the state is damaged: it has not as many bytes as {field} of this scene need; write it anew")]
+    Length {
+        /// Where that is seen.
+        field: String,
+    },
+    /// A number that no simulation has.
+    #[error("the state is damaged: {field} is {value}, and {needed} is needed; write it anew")]
+    Value {
+        /// What it is of.
+        field: String,
+        /// As it was read.
+        value: String,
+        /// What would be right.
+        needed: String,
+    },
     /// Another scene's.
     #[error("the state was saved from {scene} and does not fit: {difference}; open the scene that it was saved from")]
     OtherScene {
@@ -90,8 +105,7 @@ pub struct StateSummary {
 pub fn summary(path: &Path) -> Result<StateSummary, StateError> {
     let bytes = disk::read(path, MAX_BYTES)?;
     let (origin, mut reader) = opened(&bytes)?;
-    let [_particles, _planes, _steps, _substep, time] = std::array::from_fn(|_| reader.u64());
-    Ok(StateSummary { scene: origin.scene().to_owned(), time_secs: f64::from_bits(time) })
+    Ok(StateSummary { scene: echo(origin.scene()), time_secs: reader.counts()?.time_secs })
 }
 
 /// The scene that bytes belong to, and what follows it but for the checksum, which is right.
@@ -108,11 +122,11 @@ fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
     let (body, checksum) = bytes.split_last_chunk::<8>().ok_or(StateFileError::Damaged)?;
     let line_end = contents.iter().position(|&byte| byte == b'\n').ok_or(StateFileError::Damaged)?;
     let (line, numbers) = contents.split_at(line_end + 1);
-    if numbers.len() < 88 || fnv1a(body) != u64::from_le_bytes(*checksum) {
+    if numbers.len() < 8 || fnv1a(body) != u64::from_le_bytes(*checksum) {
         return Err(StateFileError::Damaged);
     }
     let origin = serde_json::from_slice(line).map_err(|_not_ours| StateFileError::Damaged)?;
-    Ok((origin, Reader { rest: &numbers[..numbers.len() - 8] }))
+    Ok((origin, Reader::new(&numbers[..numbers.len() - 8])))
 }
 
 impl Session {
@@ -183,136 +197,12 @@ impl Session {
 
     /// Goes on from a state that [`Session::state_bytes`] gave for the same scene.
     pub fn set_state_bytes(&mut self, bytes: &[u8]) -> Result<(), StateFileError> {
-        let (origin, mut reader) = opened(bytes)?;
+        let (origin, reader) = opened(bytes)?;
         if let Some(difference) = origin.difference(&Origin::of(self)) {
-            return Err(StateFileError::OtherScene { scene: origin.scene().to_owned(), difference });
+            return Err(StateFileError::OtherScene { scene: echo(origin.scene()), difference });
         }
-        let [particles, planes, steps, substep, time, lag, accelerations] = std::array::from_fn(|_| reader.u64());
-        let [held_steps, part, halvings] = std::array::from_fn(|_| reader.u64());
-        let present = self.simulation().state();
-        let (scene_particles, scene_planes) = (present.position.len(), present.side.len());
-        if particles != scene_particles as u64 || planes != scene_planes as u64 {
-            return Err(StateFileError::Damaged);
-        }
-        let accelerated = if accelerations == 0 { 0 } else { scene_particles };
-        let of_particles = scene_particles * (36 + scene_planes) + 12 * accelerated;
-        if accelerations != accelerated as u64 || reader.rest.len() < of_particles {
-            return Err(StateFileError::Damaged);
-        }
-        let mut end = Reader { rest: &reader.rest[of_particles..] };
-        let (bodies, anchor) = self.body_memories(&mut end)?;
-        let approaches = self.approaches(&mut end)?;
-        if !end.rest.is_empty() {
-            return Err(StateFileError::Damaged);
-        }
-        let small = |word: u64| u32::try_from(word).map_err(|_too_many| StateFileError::Damaged);
-        if halvings > u64::from(MOST_HALVINGS) || part >= 1 << MOST_HALVINGS {
-            return Err(StateFileError::Damaged);
-        }
-        let state = State {
-            position: reader.vectors(scene_particles),
-            position_residual: reader.vectors(scene_particles),
-            velocity: reader.vectors(scene_particles),
-            acceleration: reader.vectors(accelerated),
-            velocity_lag_secs: f64::from_bits(lag),
-            held_steps: small(held_steps)?,
-            side: (0..scene_planes).map(|_| reader.sides(scene_particles)).collect(),
-            anchor,
-            bodies,
-            approaches,
-            steps,
-            substep: small(substep)?,
-            part,
-            halvings: small(halvings)?,
-            time_secs: f64::from_bits(time),
-        };
-        self.replace_state(state);
+        self.replace_state(reader.state(self.simulation())?);
         Ok(())
-    }
-
-    /// What is remembered of every body and where the still ones were, at the end of the bytes.
-    fn body_memories(&self, reader: &mut Reader<'_>) -> Result<(Vec<BodyMemory>, Vec<Vec3>), StateFileError> {
-        let mut memories = Vec::new();
-        let mut anchor = vec![Vec3::ZERO; self.simulation().model().particle_count()];
-        for body in &self.simulation().model().bodies {
-            let cells = body.lattice.cells.len() as u64;
-            let count = reader.u64();
-            if count > cells || reader.rest.len() as u64 / 4 < count {
-                return Err(StateFileError::Damaged);
-            }
-            let near_inversion: Vec<u32> = (0..count).map(|_| reader.u32()).collect();
-            if near_inversion.iter().any(|&cell| u64::from(cell) >= cells) {
-                return Err(StateFileError::Damaged);
-            }
-            let [flags, knotted_nanos] = [reader.u32(), reader.u32()];
-            let still_substeps = reader.u64();
-            if flags > 15 {
-                return Err(StateFileError::Damaged);
-            }
-            if still_substeps > 0 {
-                let particles = body.particles.clone();
-                if reader.rest.len() < 12 * particles.len() {
-                    return Err(StateFileError::Damaged);
-                }
-                anchor[particles.clone()].copy_from_slice(&reader.vectors(particles.len()));
-            }
-            let [asleep, strained, stuck, gone] = [1, 2, 4, 8].map(|flag| flags & flag != 0);
-            memories.push(BodyMemory { near_inversion, strained, knotted_nanos, stuck, still_substeps, asleep, gone });
-        }
-        Ok((memories, anchor))
-    }
-
-    /// The obstacles on their way to bodies, at the very end of the bytes.
-    fn approaches(&self, reader: &mut Reader<'_>) -> Result<Vec<Approach>, StateFileError> {
-        let count = reader.u64();
-        if reader.rest.len() as u64 != count.saturating_mul(64) {
-            return Err(StateFileError::Damaged);
-        }
-        let model = self.simulation().model();
-        let place = |word: u64, end: usize| {
-            usize::try_from(word).ok().filter(|&place| place < end).ok_or(StateFileError::Damaged)
-        };
-        let one = |_| {
-            let [body, obstacle, waits] = std::array::from_fn(|_| reader.u64());
-            let [x, y, z, left_m, speed] = std::array::from_fn(|_| f64::from_bits(reader.u64()));
-            let way = DVec3::new(x, y, z);
-            let sound = way.is_normalized() && left_m > 0.0 && left_m.is_finite() && speed >= 0.0 && speed.is_finite();
-            if !sound || waits > 1 {
-                return Err(StateFileError::Damaged);
-            }
-            let (body, obstacle) = (place(body, model.bodies.len())?, place(obstacle, model.obstacles.len())?);
-            Ok(Approach { body, obstacle, way, left_m, speed, waits: waits == 1 })
-        };
-        (0..count).map(one).collect()
-    }
-}
-
-/// Takes numbers off the front of bytes whose length was checked.
-struct Reader<'a> {
-    rest: &'a [u8],
-}
-
-impl Reader<'_> {
-    fn chunk<const N: usize>(&mut self) -> [u8; N] {
-        let Some((chunk, rest)) = self.rest.split_first_chunk::<N>() else { return [0; N] };
-        self.rest = rest;
-        *chunk
-    }
-
-    fn u32(&mut self) -> u32 {
-        u32::from_le_bytes(self.chunk())
-    }
-
-    fn u64(&mut self) -> u64 {
-        u64::from_le_bytes(self.chunk())
-    }
-
-    fn vectors(&mut self, count: usize) -> Vec<Vec3> {
-        (0..count).map(|_| Vec3::from_array(std::array::from_fn(|_| f32::from_le_bytes(self.chunk())))).collect()
-    }
-
-    fn sides(&mut self, count: usize) -> Vec<i8> {
-        (0..count).map(|_| i8::from_le_bytes(self.chunk())).collect()
     }
 }
 

@@ -1,0 +1,253 @@
+//! The numbers of a saved state, each checked as it is read: what a simulation goes on from is what a simulation has had.
+
+use std::fmt::Display;
+
+use glam::{DVec3, Vec3};
+
+use super::state_file::StateFileError;
+use crate::physics::contact::approach::Approach;
+use crate::physics::model::{BodyModel, Model};
+use crate::physics::plan::MOST_HALVINGS;
+use crate::physics::state::BodyMemory;
+use crate::physics::{Simulation, State};
+
+/// More steps than this are not counted one by one.
+const MOST_STEPS: u64 = 1 << 53;
+
+/// Takes numbers off the front of bytes.
+pub(super) struct Reader<'a> {
+    rest: &'a [u8],
+}
+
+/// The numbers that a state begins with.
+pub(super) struct Counts {
+    particles: u64,
+    planes: u64,
+    steps: u64,
+    substep: u32,
+    pub(super) time_secs: f64,
+    velocity_lag_secs: f64,
+    accelerations: u64,
+    held_steps: u32,
+    part: u64,
+    halvings: u32,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Self { rest: bytes }
+    }
+
+    /// The numbers that a state begins with; they come first.
+    pub(super) fn counts(&mut self) -> Result<Counts, StateFileError> {
+        let [particles, planes] = [self.u64("the counts")?, self.u64("the counts")?];
+        let steps = self.u64("the counts")?;
+        let substep = self.u64("the counts")?;
+        let [time_secs, velocity_lag_secs] = [self.f64("the time")?, self.f64("the velocities' lag")?];
+        let accelerations = self.u64("the counts")?;
+        let held_steps = self.u64("the counts")?;
+        let [part, halvings] = [self.u64("the counts")?, self.u64("the counts")?];
+        need(steps < MOST_STEPS, "the count of steps", steps, "a count below 2^53")?;
+        need((0.0..f64::INFINITY).contains(&time_secs), "the time", time_secs, "a time of 0 s or more")?;
+        let lag_fits = (0.0..=0.1).contains(&velocity_lag_secs);
+        need(lag_fits, "the velocities' lag", velocity_lag_secs, "a time from 0 to 0.1 s")?;
+        let halvings = small(halvings, "the count of halvings", u64::from(MOST_HALVINGS))?;
+        let whole = 1_u64 << MOST_HALVINGS;
+        let length = whole >> halvings;
+        let needed = format!("a multiple of {length} below {whole} after {halvings} halvings");
+        need(part < whole && part.is_multiple_of(length), "the part of the substep that is done", part, &needed)?;
+        let most = u64::from(u32::MAX) - 1;
+        Ok(Counts {
+            particles,
+            planes,
+            steps,
+            substep: small(substep, "the count of substeps", most)?,
+            time_secs,
+            velocity_lag_secs,
+            accelerations,
+            held_steps: small(held_steps, "the count of steps held", most)?,
+            part,
+            halvings,
+        })
+    }
+
+    /// All of a state of the scene that a simulation is of.
+    pub(super) fn state(mut self, simulation: &Simulation<f32>) -> Result<State<f32>, StateFileError> {
+        let counts = self.counts()?;
+        let (model, plan, present) = (simulation.model(), simulation.plan(), simulation.state());
+        let (particles, planes) = (present.position.len(), present.side.len());
+        same(counts.particles, particles, "the count of particles")?;
+        same(counts.planes, planes, "the count of planes")?;
+        let accelerated = if counts.accelerations == 0 { 0 } else { particles };
+        same(counts.accelerations, accelerated, "the count of accelerations")?;
+        let position = self.vectors(particles, "the position", "m")?;
+        let position_residual = self.vectors(particles, "the residual of the position", "m")?;
+        let velocity = self.vectors(particles, "the velocity", "m/s")?;
+        let acceleration = self.vectors(accelerated, "the acceleration", "m/s²")?;
+        let side = (0..planes).map(|_| self.sides(particles)).collect::<Result<_, _>>()?;
+        let (bodies, anchor) = self.body_memories(model)?;
+        let approaches = self.approaches(model)?;
+        if !self.rest.is_empty() {
+            return Err(StateFileError::Length { field: "all the numbers".to_owned() });
+        }
+        Ok(State {
+            position,
+            position_residual,
+            velocity,
+            acceleration,
+            velocity_lag_secs: counts.velocity_lag_secs,
+            held_steps: counts.held_steps,
+            side,
+            anchor,
+            bodies,
+            approaches,
+            steps: counts.steps,
+            // Saved under settings that divide a step further, it is at its last substep here.
+            substep: counts.substep.min(plan.substeps - 1),
+            part: counts.part,
+            halvings: counts.halvings,
+            time_secs: counts.time_secs,
+        })
+    }
+
+    /// What is remembered of every body and where the still ones were.
+    fn body_memories(&mut self, model: &Model<f32>) -> Result<(Vec<BodyMemory>, Vec<Vec3>), StateFileError> {
+        let mut anchor = vec![Vec3::ZERO; model.particle_count()];
+        let mut memories = Vec::new();
+        for (number, body) in model.bodies.iter().enumerate() {
+            memories.push(self.body_memory(number, body, &mut anchor[body.particles.clone()])?);
+        }
+        Ok((memories, anchor))
+    }
+
+    fn body_memory(
+        &mut self,
+        number: usize,
+        body: &BodyModel<f32>,
+        anchor: &mut [Vec3],
+    ) -> Result<BodyMemory, StateFileError> {
+        let cells = body.lattice.cells.len();
+        let of_body = |what: &str| format!("{what} of body {number}");
+        let field = of_body("the list of cells that may invert");
+        let count = self.u64(&field)?;
+        need(count <= cells as u64, &field, format!("{count} long"), &format!("at most {cells}"))?;
+        let near_inversion: Vec<u32> = (0..count).map(|_| self.u32(&field)).collect::<Result<_, _>>()?;
+        let ascends = near_inversion.is_sorted_by(|a, b| a < b);
+        need(ascends, &field, "out of order", "every cell once, in their order")?;
+        let last = near_inversion.last().copied().unwrap_or_default();
+        need(last == 0 || (last as usize) < cells, &field, format!("one with cell {last}"), "a cell of the body")?;
+        let field = of_body("the memory");
+        let [flags, knotted_nanos] = [self.u32(&field)?, self.u32(&field)?];
+        need(flags < 16, &field, flags, "a sum of 1, 2, 4 and 8")?;
+        let [asleep, strained, stuck, gone] = [1, 2, 4, 8].map(|flag| flags & flag != 0);
+        need(asleep || !gone, &field, "one of a body that has fallen out and is awake", "one that sleeps")?;
+        let field = of_body("the count of still substeps");
+        let still_substeps = self.u64(&field)?;
+        need(still_substeps < MOST_STEPS, &field, still_substeps, "a count below 2^53")?;
+        if still_substeps > 0 {
+            let was = self.vectors(anchor.len(), &of_body("the place at rest"), "m")?;
+            anchor.copy_from_slice(&was);
+        }
+        Ok(BodyMemory { near_inversion, strained, knotted_nanos, stuck, still_substeps, asleep, gone })
+    }
+
+    /// The obstacles on their way to bodies.
+    fn approaches(&mut self, model: &Model<f32>) -> Result<Vec<Approach>, StateFileError> {
+        let field = "the obstacles on their way";
+        let count = self.u64(field)?;
+        if self.rest.len() as u64 != count.saturating_mul(64) {
+            return Err(StateFileError::Length { field: field.to_owned() });
+        }
+        let mut approaches: Vec<Approach> = Vec::new();
+        for _ in 0..count {
+            let [body, obstacle, waits] = [self.u64(field)?, self.u64(field)?, self.u64(field)?];
+            let way = DVec3::new(self.f64(field)?, self.f64(field)?, self.f64(field)?);
+            let [left_m, speed] = [self.f64(field)?, self.f64(field)?];
+            need(way.is_normalized(), "the way of an obstacle", way, "a direction of length 1")?;
+            need(left_m > 0.0 && left_m.is_finite(), "the way left of an obstacle", left_m, "a length above 0 m")?;
+            let goes = (0.0..f64::INFINITY).contains(&speed);
+            need(goes, "the speed of an obstacle", speed, "a speed of 0 m/s or more")?;
+            need(waits < 2, "the waiting of an obstacle", waits, "0 or 1")?;
+            let [body, obstacle] = [(body, model.bodies.len()), (obstacle, model.obstacles.len())].map(place);
+            let (body, obstacle) = (body?, obstacle?);
+            let ascends = approaches.last().is_none_or(|last| (last.body, last.obstacle) < (body, obstacle));
+            need(ascends, field, "out of order", "every pair of body and obstacle once, in their order")?;
+            approaches.push(Approach { body, obstacle, way, left_m, speed, waits: waits == 1 });
+        }
+        Ok(approaches)
+    }
+
+    fn chunk<const N: usize>(&mut self, field: &str) -> Result<[u8; N], StateFileError> {
+        let Some((chunk, rest)) = self.rest.split_first_chunk::<N>() else {
+            return Err(StateFileError::Length { field: field.to_owned() });
+        };
+        self.rest = rest;
+        Ok(*chunk)
+    }
+
+    fn u32(&mut self, field: &str) -> Result<u32, StateFileError> {
+        self.chunk(field).map(u32::from_le_bytes)
+    }
+
+    fn u64(&mut self, field: &str) -> Result<u64, StateFileError> {
+        self.chunk(field).map(u64::from_le_bytes)
+    }
+
+    fn f64(&mut self, field: &str) -> Result<f64, StateFileError> {
+        self.chunk(field).map(f64::from_le_bytes)
+    }
+
+    /// So many vectors of finite numbers.
+    fn vectors(&mut self, count: usize, field: &str, unit: &str) -> Result<Vec<Vec3>, StateFileError> {
+        if self.rest.len() / 12 < count {
+            return Err(StateFileError::Length { field: format!("{field} of every particle") });
+        }
+        let mut vectors = Vec::with_capacity(count);
+        for number in 0..count {
+            let mut next = || self.chunk(field).map(f32::from_le_bytes);
+            let vector = Vec3::new(next()?, next()?, next()?);
+            if !vector.is_finite() {
+                let field = format!("{field} of particle {number}");
+                return Err(wrong(&field, format!("{vector} {unit}"), "three finite numbers"));
+            }
+            vectors.push(vector);
+        }
+        Ok(vectors)
+    }
+
+    fn sides(&mut self, count: usize) -> Result<Vec<i8>, StateFileError> {
+        let field = "the side of a plane";
+        let (sides, rest) =
+            self.rest.split_at_checked(count).ok_or_else(|| StateFileError::Length { field: field.to_owned() })?;
+        self.rest = rest;
+        let sides: Vec<i8> = sides.iter().map(|side| side.cast_signed()).collect();
+        match sides.iter().find(|side| !(-1..=1).contains(*side)) {
+            Some(side) => Err(wrong(field, side, "-1, 0 or 1")),
+            None => Ok(sides),
+        }
+    }
+}
+
+/// Refuses a number that is not as it must be.
+fn need(fits: bool, field: &str, value: impl Display, needed: &str) -> Result<(), StateFileError> {
+    if fits { Ok(()) } else { Err(wrong(field, value, needed)) }
+}
+
+fn wrong(field: &str, value: impl Display, needed: &str) -> StateFileError {
+    StateFileError::Value { field: field.to_owned(), value: value.to_string(), needed: needed.to_owned() }
+}
+
+fn same(saved: u64, here: usize, field: &str) -> Result<(), StateFileError> {
+    need(saved == here as u64, field, saved, &here.to_string())
+}
+
+fn small(word: u64, field: &str, most: u64) -> Result<u32, StateFileError> {
+    need(word <= most, field, word, &format!("at most {most}"))?;
+    u32::try_from(word).map_err(|_too_many| StateFileError::Length { field: field.to_owned() })
+}
+
+/// The number of a body or an obstacle, of which there are so many.
+fn place((word, count): (u64, usize)) -> Result<usize, StateFileError> {
+    let found = usize::try_from(word).ok().filter(|&place| place < count);
+    found.ok_or_else(|| wrong("the number of a body or an obstacle", word, &format!("a number below {count}")))
+}

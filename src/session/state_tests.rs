@@ -1,0 +1,122 @@
+//! Damaged states: a number that no simulation has is named, with what would be right.
+
+use std::path::PathBuf;
+
+use super::Session;
+use super::state_file::{StateFileError, fnv1a};
+use crate::scene::presets;
+
+/// Where the numbers of a state of the cube on a plane stand, after its lines of text.
+const STEPS: usize = 16;
+const SUBSTEP: usize = 24;
+const TIME: usize = 32;
+const LAG: usize = 40;
+const ACCELERATIONS: usize = 48;
+const HELD: usize = 56;
+const PART: usize = 64;
+const HALVINGS: usize = 72;
+const VECTORS: usize = 80;
+const PARTICLES: usize = 1000;
+const SIDES: usize = VECTORS + 36 * PARTICLES;
+const CELLS: usize = SIDES + PARTICLES;
+
+fn session() -> Session {
+    let scene = (presets::preset("cube-on-plane").expect("a preset").build)();
+    Session::new(scene, PathBuf::new(), "cube-on-plane".to_owned()).expect("it resolves")
+}
+
+/// What is said of a state some bytes of which were replaced and that was sealed with a new checksum.
+fn refused(place: usize, replaced: &[u8]) -> String {
+    let mut bytes = session().state_bytes();
+    let text = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(1).expect("two lines").0 + 1;
+    bytes[text + place..][..replaced.len()].copy_from_slice(replaced);
+    said(bytes)
+}
+
+/// What is said of bytes that were sealed anew.
+fn said(mut bytes: Vec<u8>) -> String {
+    bytes.truncate(bytes.len() - 8);
+    let checksum = fnv1a(&bytes);
+    bytes.extend(checksum.to_le_bytes());
+    session().set_state_bytes(&bytes).err().map_or("nothing".to_owned(), |error| error.to_string())
+}
+
+#[test]
+fn every_number_of_a_state_is_checked() {
+    assert_eq!(refused(STEPS, &5_u64.to_le_bytes()), "nothing", "a sound number is taken");
+    let word = |place: usize, word: u64| refused(place, &word.to_le_bytes());
+    let number = |place: usize, number: f64| refused(place, &number.to_le_bytes());
+    let part = |place: usize, number: f32| refused(place, &number.to_le_bytes());
+    let said = [
+        (word(0, 999), "the count of particles is 999, and 1000 is needed"),
+        (word(8, 2), "the count of planes is 2, and 1 is needed"),
+        (word(STEPS, u64::MAX), "the count of steps is 18446744073709551615"),
+        (word(SUBSTEP, u64::MAX), "the count of substeps is"),
+        (number(TIME, f64::NAN), "the time is NaN, and a time of 0 s or more is needed"),
+        (number(TIME, f64::INFINITY), "the time is inf"),
+        (number(TIME, -1.0), "the time is -1"),
+        (number(LAG, f64::NAN), "the velocities' lag is NaN, and a time from 0 to 0.1 s is needed"),
+        (number(LAG, 7.0), "the velocities' lag is 7"),
+        (word(ACCELERATIONS, 3), "the count of accelerations is 3, and 1000 is needed"),
+        (word(HELD, 1 << 40), "the count of steps held is"),
+        (word(PART, 2), "the part of the substep that is done is 2, and a multiple of 16777216"),
+        (word(HALVINGS, 25), "the count of halvings is 25, and at most 24 is needed"),
+        (part(VECTORS + 24, f32::NAN), "the position of particle 2 is [NaN"),
+        (part(VECTORS + 12 * PARTICLES, f32::INFINITY), "the residual of the position of particle 0 is [inf"),
+        (part(VECTORS + 24 * PARTICLES + 8, f32::NAN), "the velocity of particle 0 is ["),
+        (refused(SIDES, &[7]), "the side of a plane is 7, and -1, 0 or 1 is needed"),
+        (word(CELLS, 1 << 60), "the list of cells that may invert of body 0 is 1152921504606846976 long"),
+        (refused(CELLS + 8, &99_u32.to_le_bytes()), "the memory of body 0 is 99"),
+        (refused(CELLS + 8, &8_u32.to_le_bytes()), "fallen out and is awake"),
+        (word(CELLS + 16, u64::MAX), "the count of still substeps of body 0 is"),
+        (word(CELLS + 24, 3), "not as many bytes as the obstacles on their way"),
+    ];
+    for (said, words) in said {
+        assert!(said.starts_with("the state is damaged: ") && said.contains(words), "{words:?} in {said:?}");
+    }
+}
+
+#[test]
+fn a_state_of_another_length_says_where_that_is_seen() {
+    let bytes = session().state_bytes();
+    let text = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(1).expect("two lines").0 + 1;
+    let cut = |numbers: usize| said(bytes[..text + numbers + 8].to_vec());
+    assert!(cut(VECTORS + 5).contains("not as many bytes as the position of every particle"), "{}", cut(VECTORS + 5));
+    assert!(cut(20).contains("not as many bytes as the counts"), "{}", cut(20));
+    assert!(cut(SIDES + 5).contains("the side of a plane"), "{}", cut(SIDES + 5));
+    let longer = said([&bytes[..bytes.len() - 8], &[0; 16]].concat());
+    assert!(longer.contains("the obstacles on their way"), "{longer}");
+    let foreign = session().set_state_bytes(&bytes[..40]);
+    assert_eq!(foreign, Err(StateFileError::Damaged), "no checksum fits");
+}
+
+#[test]
+fn a_substep_under_way_is_in_parts_that_end_with_it() {
+    let mut bytes = session().state_bytes();
+    let text = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(1).expect("two lines").0 + 1;
+    bytes[text + PART..][..8].copy_from_slice(&(3_u64 << 20).to_le_bytes());
+    bytes[text + HALVINGS..][..8].copy_from_slice(&3_u64.to_le_bytes());
+    assert!(said(bytes.clone()).contains("a multiple of 2097152 below 16777216 after 3 halvings"), "{}", said(bytes));
+    bytes[text + HALVINGS..][..8].copy_from_slice(&4_u64.to_le_bytes());
+    assert_eq!(said(bytes), "nothing", "three of sixteen parts");
+}
+
+#[test]
+fn a_run_is_finite_only_where_all_of_it_is() {
+    use glam::Vec3;
+    let spoils: [fn(&mut crate::physics::State<f32>); 6] = [
+        |_| (),
+        |state| state.position[3].x = f32::INFINITY,
+        |state| state.position_residual[3].x = f32::NAN,
+        |state| state.velocity[3] = Vec3::NAN,
+        |state| state.velocity_lag_secs = f64::NAN,
+        |state| state.time_secs = f64::INFINITY,
+    ];
+    for (number, spoil) in spoils.iter().enumerate() {
+        let mut session = session();
+        let mut state = session.simulation().state().clone();
+        spoil(&mut state);
+        session.replace_state(state);
+        assert_eq!(session.simulation().diagnostics().finite, number == 0, "number {number}");
+    }
+}
