@@ -14,6 +14,7 @@
 //! |---|---|---|
 //! | [`math`] | – | scalars, boxes, rotations, seeded random numbers |
 //! | [`disk`] | – | files read and written whole |
+//! | [`machine`] | – | what memory there is |
 //! | [`text`] | – | texts of strangers, fit for a message |
 //! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells |
 //! | [`scene`] | math, disk, text, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
@@ -80,6 +81,7 @@
 
 pub mod disk;
 pub mod geometry;
+pub mod machine;
 pub mod math;
 pub mod physics;
 pub mod scene;

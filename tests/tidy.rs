@@ -5,9 +5,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Layers and the crate's own modules each may name, lowest first.
-const LAYERS: [(&str, &[&str]); 14] = [
+const LAYERS: [(&str, &[&str]); 15] = [
     ("math", &[]),
     ("disk", &[]),
+    ("machine", &[]),
     ("text", &[]),
     ("geometry", &["math", "disk", "text"]),
     ("scene", &["math", "disk", "text", "geometry"]),
@@ -16,17 +17,17 @@ const LAYERS: [(&str, &[&str]); 14] = [
     ("extract", &["math", "geometry", "scene", "physics", "view"]),
     ("render", &["math", "view"]),
     ("report", &["math", "geometry", "scene", "physics"]),
-    ("session", &["math", "disk", "text", "geometry", "scene", "physics", "view", "extract", "report"]),
+    ("session", &["math", "disk", "machine", "text", "geometry", "scene", "physics", "view", "extract", "report"]),
     ("export", &["math", "disk", "geometry", "view"]),
     // The command line opens the window, and so is the top of the program.
     (
         "cli",
         &[
-            "math", "disk", "text", "geometry", "scene", "view", "extract", "session", "report", "export", "render",
-            "app",
+            "math", "disk", "machine", "text", "geometry", "scene", "view", "extract", "session", "report", "export",
+            "render", "app",
         ],
     ),
-    ("app", &["math", "disk", "text", "scene", "view", "extract", "session", "export", "render"]),
+    ("app", &["math", "disk", "machine", "text", "scene", "view", "extract", "session", "export", "render"]),
 ];
 
 /// Words that may stand only in files below these places, and why not elsewhere.

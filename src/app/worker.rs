@@ -4,7 +4,7 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -31,6 +31,8 @@ pub trait Sandbox {
     fn is_at_work(&self) -> bool;
     /// Whether its picture stays as it is until something is asked for.
     fn is_at_rest(&self) -> bool;
+    /// A new scene is there; `stop` is set when a long step is to be given up.
+    fn begin(&mut self, _stop: &Arc<AtomicBool>) {}
     /// What share of the processors drawing takes, 0 to 1.
     fn note_drawing(&mut self, share: f64);
     /// What the panels show.
@@ -56,6 +58,11 @@ impl Sandbox for Session {
 
     fn is_at_rest(&self) -> bool {
         self.is_at_rest()
+    }
+
+    fn begin(&mut self, stop: &Arc<AtomicBool>) {
+        self.set_stop(Arc::clone(stop));
+        self.hold_if_too_slow();
     }
 
     fn note_drawing(&mut self, share: f64) {
@@ -101,10 +108,11 @@ pub enum Ended {
     Panicked(String),
 }
 
-/// A sandbox on its own thread. Dropping it lets the thread end after the step it is in.
+/// A sandbox on its own thread. Dropping it lets the thread end soon: a long step is given up.
 #[derive(Debug)]
 pub struct Worker {
     orders: Sender<Order>,
+    stop: Arc<AtomicBool>,
     slot: Arc<Mutex<Slot>>,
     /// Processor time the thread has taken, ns.
     spent: Arc<AtomicU64>,
@@ -150,18 +158,19 @@ impl Worker {
     ) -> Self {
         let (orders, received) = channel();
         let slot = Arc::new(Mutex::new(Slot::default()));
-        let spent = Arc::new(AtomicU64::new(0));
+        let (spent, stop) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicBool::new(false)));
+        let stopped = Arc::clone(&stop);
         let publisher = Publisher { slot: Arc::clone(&slot), spent: Arc::clone(&spent), wake };
         std::thread::spawn(move || {
             let outcome = catch_unwind(AssertUnwindSafe(|| match make() {
-                Ok(sandbox) => Loop::new(sandbox, &received, &publisher).run(),
+                Ok(sandbox) => Loop::new(sandbox, &received, &publisher, &stopped).run(),
                 Err(error) => publisher.end(Ended::NotStarted(error)),
             }));
             if let Err(panic) = outcome {
                 publisher.end(Ended::Panicked(panic_text(panic.as_ref())));
             }
         });
-        Self { orders, slot, spent }
+        Self { orders, stop, slot, spent }
     }
 
     /// Asks for something. A worker that has ended ignores it.
@@ -195,9 +204,18 @@ impl Worker {
     }
 
     fn order(&self, order: Order) {
+        let urgent = matches!(&order, Order::Do(command) if command.waits_for_no_substep());
         if self.orders.send(order).is_err() {
             log::debug!("the worker has ended: an order is dropped");
+        } else if urgent {
+            self.stop.store(true, Ordering::Relaxed);
         }
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
     }
 }
 
@@ -234,6 +252,7 @@ struct Loop<'a, S, W> {
     sandbox: S,
     orders: &'a Receiver<Order>,
     publisher: &'a Publisher<W>,
+    stop: &'a Arc<AtomicBool>,
     scene: Arc<Scene>,
     generation: u64,
     failure: Option<String>,
@@ -249,13 +268,20 @@ struct Loop<'a, S, W> {
 }
 
 impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
-    fn new(sandbox: S, orders: &'a Receiver<Order>, publisher: &'a Publisher<W>) -> Self {
+    fn new(
+        mut sandbox: S,
+        orders: &'a Receiver<Order>,
+        publisher: &'a Publisher<W>,
+        stop: &'a Arc<AtomicBool>,
+    ) -> Self {
+        sandbox.begin(stop);
         let scene = Arc::new(sandbox.scene().clone());
         let now = Instant::now();
         Self {
             sandbox,
             orders,
             publisher,
+            stop,
             scene,
             generation: 0,
             failure: None,
@@ -302,6 +328,8 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         } else {
             self.orders.recv().map_err(|_gone| WindowGone)?
         };
+        // Before the orders are taken: one that comes after them stops what is begun after them.
+        self.stop.store(false, Ordering::Relaxed);
         let mut orders = vec![first];
         let gone = loop {
             match self.orders.try_recv() {
@@ -333,7 +361,10 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
                 self.answers += 1;
                 let replaces = command.replaces_scene();
                 self.failure = self.sandbox.handle(command).err().map(|error| sentence(&error));
-                self.generation += u64::from(replaces && self.failure.is_none());
+                if replaces && self.failure.is_none() {
+                    self.generation += 1;
+                    self.sandbox.begin(self.stop);
+                }
                 if *self.sandbox.scene() != *self.scene {
                     self.scene = Arc::new(self.sandbox.scene().clone());
                 }

@@ -6,6 +6,7 @@ use serde_json::json;
 use super::Failure;
 use super::out;
 use super::scene_args::{self, SceneArgs};
+use crate::machine::bytes_text;
 use crate::scene::file::SceneFileError;
 use crate::scene::param::Problem;
 use crate::session::Session;
@@ -50,11 +51,12 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         _ => 1.0,
     };
     out::figures(&format!(
-        "{}: sound\n{} particles, {} links\nlargest safe step {}\n\
+        "{}: sound\n{} particles, {} links, about {} of memory\nlargest safe step {}\n\
          {} substeps in 1/60 s, limited by {}\nabout {} × real time on this machine with nothing drawn",
         session.title(),
         prediction.particles,
         prediction.links,
+        bytes_text(prediction.memory_bytes),
         limit(prediction.dt_safe_secs),
         prediction.substeps_per_frame,
         prediction.limited_by.replace('_', " "),

@@ -9,6 +9,7 @@ use clap::Args;
 use super::Failure;
 use super::out::Progress;
 use crate::disk;
+use crate::machine;
 use crate::scene::body::{MAX_DIVISIONS, ModelShape, UpAxis};
 use crate::scene::{Scene, Shape, param, path, presets};
 use crate::session::Session;
@@ -46,6 +47,9 @@ pub(super) struct Changes {
     /// model stands only that way and y otherwise.
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = up_axis)]
     up: Option<UpAxis>,
+    /// The most memory that the scene may need, GB; without it, what the machine has free.
+    #[arg(long, value_name = "GB", allow_negative_numbers = true, value_parser = gigabytes)]
+    memory: Option<f64>,
     /// Worker threads; 0 takes all cores.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
@@ -114,13 +118,25 @@ impl Changes {
         }
     }
 
-    /// Starts the worker threads, once in a process.
+    /// Sets how much memory may be taken and starts the worker threads, once in a process.
     pub(super) fn start_threads(&self) -> Result<(), Failure> {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the range of the option")]
+        if let Some(gigabytes) = self.memory {
+            machine::allow((gigabytes * 1e9) as u64);
+        }
         rayon::ThreadPoolBuilder::new()
             .num_threads(usize::from(self.threads))
             .build_global()
             .context("the worker threads cannot be started")?;
         Ok(())
+    }
+}
+
+/// An amount of memory on the command line.
+fn gigabytes(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(gigabytes) if (0.001..=1e6).contains(&gigabytes) => Ok(gigabytes),
+        _ => Err("a number of gigabytes from 0.001 to 1e6 is needed".to_owned()),
     }
 }
 

@@ -20,7 +20,7 @@ pub fn guilty_links(simulation: &Simulation<f32>, body: usize, families: &[Famil
     let Some(body) = simulation.model().bodies.get(body) else { return Vec::new() };
     let state = simulation.state();
     let first = u32::try_from(body.particles.start).unwrap_or(u32::MAX);
-    let links = families.iter().flat_map(|&family| &body.links[family as usize].links);
+    let links = families.iter().flat_map(|&family| body.links[family as usize].links.iter());
     let rates: Vec<([u32; 2], f32)> = links
         .map(|link| {
             let ends = link.ends.map(|end| first + end);

@@ -27,6 +27,8 @@ pub struct Lattice {
     /// The particles of every filled cell, cells in the order of [`Grid::index`]; bit 0 of the place is x, bit 1 y,
     /// bit 2 z.
     pub cells: Vec<[u32; 8]>,
+    /// How many of the particles are not inside: fewer than eight cells meet at them.
+    pub surface: usize,
 }
 
 impl Lattice {
@@ -36,7 +38,9 @@ impl Lattice {
         let table = CornerTable::new(cells);
         let counts = table.counts();
         let links = counts.links.map(Vec::with_capacity);
-        let mut lattice = Self { grid, corners: Vec::with_capacity(counts.particles), links, cells: Vec::new() };
+        let corners = Vec::with_capacity(counts.particles);
+        let cells_of = Vec::with_capacity(counts.cells);
+        let mut lattice = Self { grid, corners, links, cells: cells_of, surface: counts.surface };
         for corner in table.corners.iter() {
             if table.particle(corner).is_some() {
                 lattice.corners.push(corner);
@@ -49,6 +53,13 @@ impl Lattice {
             lattice.cells.push(table.particles_of(cell));
         }
         lattice
+    }
+
+    /// How large it is.
+    pub fn counts(&self) -> LatticeCounts {
+        let Self { corners, links, cells, surface, .. } = self;
+        let links = std::array::from_fn(|family| links[family].len());
+        LatticeCounts { particles: corners.len(), links, cells: cells.len(), surface: *surface }
     }
 
     /// The position of a particle at rest, in the grid's coordinates, m.
@@ -64,9 +75,18 @@ pub struct LatticeCounts {
     pub particles: usize,
     /// Links by family (structural, shear, bending).
     pub links: [usize; 3],
+    /// Filled cells.
+    pub cells: usize,
+    /// Particles at which fewer than eight cells meet.
+    pub surface: usize,
 }
 
 impl LatticeCounts {
+    /// Links of all families.
+    pub fn all_links(&self) -> usize {
+        self.links.iter().sum()
+    }
+
     /// Counts what [`Lattice::new`] would build.
     pub fn of(cells: &Cells) -> Self {
         CornerTable::new(cells).counts()
@@ -147,6 +167,10 @@ impl CornerTable {
         let mut counts = LatticeCounts::default();
         for corner in self.corners.iter().filter(|&corner| self.particle(corner).is_some()) {
             counts.particles += 1;
+            let around = self.around[self.corners.index(corner)];
+            counts.surface += usize::from(around != u8::MAX);
+            // Every cell is counted where it is on the upper side of all three axes.
+            counts.cells += usize::from(around >> 7);
             self.link(corner, |family, _| counts.links[family] += 1);
         }
         counts
@@ -228,7 +252,12 @@ mod tests {
 
     fn check_lattice(list: &[[i32; 3]], lattice: &Lattice) {
         let counted = LatticeCounts::of(&Cells::from_list(list, 1.0).expect("a small list"));
-        assert_eq!(counted, LatticeCounts { particles: lattice.corners.len(), links: counts(lattice) }, "counted");
+        let meeting =
+            |particle: usize| lattice.cells.iter().flatten().filter(|&&corner| corner as usize == particle).count();
+        let surface = (0..lattice.corners.len()).filter(|&particle| meeting(particle) < 8).count();
+        let (particles, links, cells) = (lattice.corners.len(), counts(lattice), lattice.cells.len());
+        assert_eq!(counted, LatticeCounts { particles, links, cells, surface }, "counted");
+        assert_eq!(lattice.counts(), counted, "built");
         let low = [0, 1, 2].map(|axis| list.iter().map(|cell| cell[axis]).min().expect("not empty"));
         let place = |particle: u32| {
             let [i, j, k] = lattice.corners[particle as usize].map(|n| i32::try_from(n).expect("small"));

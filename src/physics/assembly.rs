@@ -16,6 +16,7 @@
 //! would break the balance at free surfaces and are left without force.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -147,7 +148,7 @@ pub(super) fn by_cell<R: Real>(
     Assembled { particle_mass, masses, links, cell_kinds: kinds.to_vec() }
 }
 
-fn measured<R: Real>(lattice: &Lattice, family: Family, rest: &[DVec3]) -> Vec<Link<R>> {
+fn measured<R: Real>(lattice: &Lattice, family: Family, rest: &[DVec3]) -> Arc<[Link<R>]> {
     let measure = |&ends: &[u32; 2]| {
         let rest_length = rest[ends[0] as usize].distance(rest[ends[1] as usize]);
         Link { ends, rest_length: R::from_f64(rest_length), inverse_rest_length: R::from_f64(1.0 / rest_length) }

@@ -16,6 +16,7 @@ pub mod forces;
 pub mod hash;
 mod integrate;
 pub mod interaction;
+pub mod memory;
 pub mod model;
 pub mod other_form;
 pub mod plan;

@@ -111,8 +111,8 @@ pub struct LinkFamily<R: Real> {
     pub stiffness: R,
     /// Force at a relative speed of one rest length a second, N·s; the largest where links differ.
     pub damping: R,
-    /// The links.
-    pub links: Vec<Link<R>>,
+    /// The links; copies of a model share them.
+    pub links: Arc<[Link<R>]>,
     /// The class of each link, a place in `constants`; empty where all links are alike.
     pub classes: Vec<u16>,
     /// Stiffness and damping of each class, in the units above.

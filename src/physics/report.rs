@@ -39,6 +39,8 @@ pub struct StepReport {
     pub obstacle_work_j: f64,
     /// Bodies that sleep after the last substep.
     pub bodies_asleep: usize,
+    /// Whether the substep was given up, state untouched, because nobody waits for it any more.
+    pub stopped: bool,
     /// Whether the step was abandoned, state untouched, because a number would have stopped being finite or, in
     /// manual stepping, a body would have been torn apart.
     pub diverged: bool,
@@ -64,16 +66,22 @@ impl StepReport {
         self.recovery_cells += later.recovery_cells;
         self.obstacle_work_j += later.obstacle_work_j;
         self.bodies_asleep = later.bodies_asleep;
+        self.stopped |= later.stopped;
         self.diverged |= later.diverged;
     }
 }
 
-/// Told when a stage begins; the core itself reads no clock.
+/// Told when a stage begins, and asked whether to go on; the core itself reads no clock.
 pub trait StageTimer {
     /// A stage begins and the one before it ends.
     fn enter(&mut self, stage: Stage);
     /// The last stage of a substep ends.
     fn leave(&mut self);
+    /// Whether the substep is to be given up: asked in every iteration of the implicit integrator, whose substeps can
+    /// take seconds. What was given up is taken anew later, to the same bits.
+    fn stops(&self) -> bool {
+        false
+    }
 }
 
 /// Takes no time.

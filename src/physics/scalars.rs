@@ -49,7 +49,7 @@ impl<R: Real> Simulation<R> {
         let mut strains = vec![R::ZERO; self.state().position.len()];
         for body in &self.model().bodies {
             let first = body.particles.start;
-            for link in body.links.iter().flat_map(|family| &family.links) {
+            for link in body.links.iter().flat_map(|family| family.links.iter()) {
                 let [i, j] = link.ends.map(|end| first + end as usize);
                 let length = (self.state().position[j] - self.state().position[i]).length();
                 let strain = (length / link.rest_length - R::ONE).abs() * R::from_f64(100.0);

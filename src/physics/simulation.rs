@@ -137,13 +137,14 @@ impl<R: Real> Simulation<R> {
         let mut report = StepReport::default();
         loop {
             report.add(&self.substep(timer));
-            if self.diverged || self.state.is_between_steps() {
+            if report.stopped || self.diverged || self.state.is_between_steps() {
                 return report;
             }
         }
     }
 
-    /// Advances by one substep, or a part of one where the implicit integrator halves it. A simulation that has diverged stays where it was last good.
+    /// Advances by one substep, or a part of one where the implicit integrator halves it. A simulation that has diverged
+    /// stays where it was last good. Where `timer` stops it, the substep is yet to be taken.
     pub fn substep(&mut self, timer: &mut impl StageTimer) -> StepReport {
         if self.diverged {
             return StepReport { diverged: true, ..StepReport::default() };
@@ -163,6 +164,9 @@ impl<R: Real> Simulation<R> {
             self.state.bodies[approach.body].wake();
         }
         let report = self.advance(timer);
+        if report.stopped {
+            return report;
+        }
         self.diverged = report.diverged;
         self.touching = StepReport {
             contacts: report.contacts,
@@ -184,21 +188,23 @@ impl<R: Real> Simulation<R> {
     /// integrators by all of it, in parts while a body is strained.
     fn advance(&mut self, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport::default();
-        let mut left = strain::parts_now(&self.model, &self.plan, &mut self.state);
+        let parts = strain::parts_now(&self.model, &self.plan, &mut self.state);
+        let mut left = parts;
         let secs = self.plan.substep_secs() / f64::from(left);
-        while left > 0 && !report.diverged {
+        while left > 0 && !report.diverged && !report.stopped {
             let (share, is_last) = self.state.next_part();
             let may_be_halved = self.state.halvings < self.plan.halvings;
-            let part = Part { secs: secs * share, may_be_halved, is_last: is_last && left == 1 };
+            let (is_first, is_last) = (left == parts, is_last && left == 1);
+            let part = Part { secs: secs * share, may_be_halved, is_first, is_last };
             sweep::advance(&mut self.model, &mut self.sweeps, part.secs);
             approach::place(&mut self.model, &self.state.approaches, part.secs);
             let Self { model, plan, state, scratch, grab, .. } = self;
             let inputs = Inputs { grab: grab.as_ref().filter(|grab| !state.bodies[grab.body].gone) };
             let of_part = step::substep(model, plan, part, inputs, state, scratch, timer);
             report.add(&of_part);
-            if of_part.halved > 0 {
+            if of_part.stopped || of_part.halved > 0 {
                 sweep::take_back(&mut self.sweeps);
-                self.state.halvings += 1;
+                self.state.halvings += u32::from(!of_part.stopped);
             } else {
                 approach::pass(&self.model, &self.scratch.contact.contacts, part.secs, &mut self.state);
                 left -= 1;

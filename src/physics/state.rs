@@ -74,6 +74,15 @@ impl BodyMemory {
         self.still_substeps = 0;
     }
 
+    /// Becomes a copy of another, without allocating once there is room.
+    pub(super) fn copy(&mut self, of: &Self) {
+        let mut near_inversion = std::mem::take(&mut self.near_inversion);
+        near_inversion.clear();
+        near_inversion.extend_from_slice(&of.near_inversion);
+        let Self { near_inversion: _, strained, knotted_nanos, stuck, still_substeps, asleep, gone } = *of;
+        *self = Self { near_inversion, strained, knotted_nanos, stuck, still_substeps, asleep, gone };
+    }
+
     /// Whether cells of a body that is awake are watched as they may invert.
     pub(super) fn is_watched(&self) -> bool {
         !self.asleep && !self.near_inversion.is_empty()

@@ -29,7 +29,7 @@ use super::recovery;
 use super::report::{StageTimer, StepReport};
 use super::runaway::runs_away;
 use super::sleep;
-use super::state::State;
+use super::state::{BodyMemory, State};
 use crate::math::{Real, Vector};
 use crate::scene::settings::{ContactRule, Integrator};
 
@@ -46,6 +46,8 @@ pub struct Scratch<R: Real> {
     pub contact: contact::Scratch<R>,
     scheme: integrate::Scratch<R>,
     recovery: recovery::Scratch<R>,
+    /// What was remembered of every body before the substep, where one may be given up.
+    remembered: Vec<BodyMemory>,
 }
 
 impl<R: Real> Scratch<R> {
@@ -57,17 +59,28 @@ impl<R: Real> Scratch<R> {
             force: vec![R::Vec3::ZERO; count],
             thesis_force: vec![R::Vec3::ZERO; if has_thesis_force { count } else { 0 }],
             velocity: vec![R::Vec3::ZERO; count],
-            contact: contact::Scratch::new(model),
+            contact: contact::Scratch::new(model, plan),
             scheme: integrate::Scratch::new(model, plan),
             recovery: recovery::Scratch::new(model),
+            remembered: remembered(model, plan),
         }
     }
 
     /// Makes room for a model of the same bodies with other constants or obstacles.
     pub(super) fn fit(&mut self, model: &Model<R>, plan: &Plan) {
-        let Self { contact, thesis_force, scheme, recovery, .. } = Self::new(model, plan);
+        let Self { contact, thesis_force, scheme, recovery, remembered, .. } = Self::new(model, plan);
         (self.contact, self.thesis_force, self.scheme, self.recovery) = (contact, thesis_force, scheme, recovery);
+        self.remembered = remembered;
     }
+}
+
+/// Room for what is remembered of the bodies before a substep that may be given up.
+fn remembered<R: Real>(model: &Model<R>, plan: &Plan) -> Vec<BodyMemory> {
+    if plan.integrator != Integrator::Implicit {
+        return Vec::new();
+    }
+    let room = |cells: usize| BodyMemory { near_inversion: Vec::with_capacity(cells), ..BodyMemory::default() };
+    model.bodies.iter().map(|body| room(body.lattice.cells.len())).collect()
 }
 
 /// What comes from outside into a substep.
@@ -84,6 +97,8 @@ pub struct Part {
     pub secs: f64,
     /// Whether it is abandoned where it would give energy from nowhere, as it can be halved.
     pub may_be_halved: bool,
+    /// Whether the substep begins with it: what is under way is not given up.
+    pub is_first: bool,
     /// Whether the substep ends with it.
     pub is_last: bool,
 }
@@ -91,7 +106,7 @@ pub struct Part {
 impl Part {
     /// A whole substep, come what may.
     pub fn whole(plan: &Plan) -> Self {
-        Self { secs: plan.substep_secs(), may_be_halved: false, is_last: true }
+        Self { secs: plan.substep_secs(), may_be_halved: false, is_first: true, is_last: true }
     }
 
     /// One of so many equal parts of it.
@@ -120,8 +135,9 @@ pub fn substep<R: Real>(
     }
     let implicit_contact = meets_implicitly(plan);
     let thesis_contact = plan.contact && plan.contact_rule == ContactRule::Thesis;
-    let Scratch { force, thesis_force, velocity, contact, scheme, recovery: recovering } = scratch;
+    let Scratch { force, thesis_force, velocity, contact, scheme, recovery: recovering, remembered } = scratch;
 
+    remembered.iter_mut().zip(&state.bodies).for_each(|(copy, memory)| copy.copy(memory));
     if plan.recovery && recovery::is_due(model, plan, state) {
         timer.enter(Stage::Recovery);
         recovery::look(model, state, part.secs, &mut report);
@@ -138,7 +154,12 @@ pub fn substep<R: Real>(
     let held_force = &thesis_force[..];
     let mut free = Free { model, plan, dt, state, force, held_force, scratch: scheme, recovery: recovering };
     if plan.integrator == Integrator::Implicit {
-        solved_velocities(&mut free, inputs, contact, velocity, &mut report, timer);
+        solved_velocities(&mut free, inputs, contact, velocity, &mut report, timer, part.is_first);
+        if report.stopped {
+            state.bodies.iter_mut().zip(&*remembered).for_each(|(memory, copy)| memory.copy(copy));
+            timer.leave();
+            return StepReport { substeps: 0, ..report };
+        }
         let holds = || {
             stays_finite(model, dt, state, velocity, velocity)
                 && !gains_energy(model, plan, dt, state, force, velocity, &contact.contacts, inputs.grab)
@@ -216,6 +237,7 @@ fn solved_velocities<R: Real>(
     velocity: &mut [R::Vec3],
     report: &mut StepReport,
     timer: &mut impl StageTimer,
+    may_be_given_up: bool,
 ) {
     let Free { model, plan, dt, state, .. } = *free;
     if meets_implicitly(plan) {
@@ -223,7 +245,10 @@ fn solved_velocities<R: Real>(
         contact::find_touches(model, plan, dt, state, velocity, contact, report, timer);
         timer.enter(Stage::Integrate);
     }
-    free.solve(inputs.grab, &mut contact.touches, velocity, report);
+    free.solve(inputs.grab, &mut contact.touches, velocity, report, &|| may_be_given_up && timer.stops());
+    if report.stopped {
+        return;
+    }
     if meets_implicitly(plan) {
         contact::settle_touches(model, plan, dt, state, velocity, contact, report, timer);
         timer.enter(Stage::Integrate);

@@ -83,7 +83,7 @@ fn look<R: Real>(model: &Model<R>, state: &mut State<R>) {
         let [shortest, longest] = [1.0 - strain, 1.0 + strain].map(R::from_f64);
         let position = &state.position[body.particles.clone()];
         // Links without a force, too: their length tells of the angles between others.
-        memory.strained = body.links.iter().flat_map(|family| &family.links).any(|link| {
+        memory.strained = body.links.iter().flat_map(|family| family.links.iter()).any(|link| {
             let [i, j] = link.ends.map(|end| end as usize);
             let d = (position[j] - position[i]) * link.inverse_rest_length;
             let squared = d.dot(d);

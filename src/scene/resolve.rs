@@ -11,7 +11,7 @@ use super::body::{ModelShape, Shape};
 use super::builtin;
 use crate::geometry::import::{self, ImportError, Imported};
 use crate::geometry::voxel::{Cells, CellsError, Grid, VoxelReport, VoxelizeError, VoxelizeOptions, voxelize};
-use crate::geometry::{Lattice, TriMesh, UpAxis, Watch};
+use crate::geometry::{Lattice, LatticeCounts, TriMesh, UpAxis, Watch};
 
 /// The most particles of a body: its links alone then take more than a gigabyte.
 pub const MAX_PARTICLES: usize = 8_000_000;
@@ -73,16 +73,73 @@ pub enum ResolveError {
     },
 }
 
+/// A shape as filled cells: what a body will be, before its particles and links take their memory.
+#[derive(Clone, Debug)]
+pub struct Filled {
+    cells: Cells,
+    mesh: Option<Arc<TriMesh>>,
+    report: Option<VoxelReport>,
+    up: UpAxis,
+    warnings: Vec<String>,
+}
+
+/// How large a body will be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outline {
+    /// Particles, links and cells.
+    pub counts: LatticeCounts,
+    /// The box and the edge of a cell, m.
+    pub grid: Grid,
+    /// Vertices of the model's own surface.
+    pub mesh_vertices: usize,
+}
+
+impl Filled {
+    /// The box around the cells.
+    pub fn grid(&self) -> &Grid {
+        &self.cells.grid
+    }
+
+    /// The axis of the model's file that points up, never `Auto`.
+    pub fn up(&self) -> UpAxis {
+        self.up
+    }
+
+    /// How large the body will be.
+    pub fn outline(&self) -> Outline {
+        let mesh_vertices = self.mesh.as_ref().map_or(0, |mesh| mesh.positions.len());
+        Outline { counts: LatticeCounts::of(&self.cells), grid: self.cells.grid, mesh_vertices }
+    }
+
+    /// Builds the lattice.
+    pub fn build(self) -> Jelly {
+        let Self { cells, mesh, report, up, warnings } = self;
+        Jelly { lattice: Arc::new(Lattice::new(&cells)), mesh, report, up, warnings }
+    }
+}
+
+impl Jelly {
+    /// How large the body is.
+    pub fn outline(&self) -> Outline {
+        let mesh_vertices = self.mesh.as_ref().map_or(0, |mesh| mesh.positions.len());
+        Outline { counts: self.lattice.counts(), grid: self.lattice.grid, mesh_vertices }
+    }
+}
+
 /// Builds the lattice of a shape. Relative model paths start at `base_dir`.
 pub fn resolve(shape: &Shape, base_dir: &Path, watch: &dyn Watch) -> Result<Jelly, ResolveError> {
+    fill(shape, base_dir, watch).map(Filled::build)
+}
+
+/// Fills a shape with cells. Relative model paths start at `base_dir`.
+pub fn fill(shape: &Shape, base_dir: &Path, watch: &dyn Watch) -> Result<Filled, ResolveError> {
+    // Every filled cell has at most eight particles of its own, so that this is no refusal of a body that fits.
     let cells = match shape {
         Shape::Cube(cube) => Cells::cube(cube.cells, cube.size / f64::from(cube.cells.max(1)))?,
         Shape::Cells(cells) => Cells::from_list(&cells.list, cells.size)?,
-        Shape::Model(model) => return resolve_model(model, base_dir, watch),
+        Shape::Model(model) => return fill_model(model, base_dir, watch),
     };
-    // Every filled cell has at most eight particles of its own, so that this is no refusal of a body that fits.
-    let lattice = Arc::new(Lattice::new(&cells));
-    Ok(Jelly { lattice, mesh: None, report: None, up: UpAxis::Y, warnings: Vec::new() })
+    Ok(Filled { cells, mesh: None, report: None, up: UpAxis::Y, warnings: Vec::new() })
 }
 
 /// Reads a model: a file, or one that the program carries.
@@ -96,7 +153,7 @@ pub fn load_model(path: &str, base_dir: &Path, watch: &dyn Watch) -> Result<Impo
     }
 }
 
-fn resolve_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<Jelly, ResolveError> {
+fn fill_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<Filled, ResolveError> {
     let Imported { mut mesh, mut warnings } = load_model(&model.path, base_dir, watch)?;
     let up = model.up.found(&mesh);
     up.turn(&mut mesh);
@@ -125,8 +182,7 @@ fn resolve_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Resu
     cells.grid = Grid::centred(dims, cell_size * scale);
     report.cell_size_m = cells.grid.cell_size;
     warnings.extend(report.warnings.iter().cloned());
-    let lattice = Arc::new(Lattice::new(&cells));
-    Ok(Jelly { lattice, mesh: Some(Arc::new(mesh)), report: Some(report), up, warnings })
+    Ok(Filled { cells, mesh: Some(Arc::new(mesh)), report: Some(report), up, warnings })
 }
 
 /// Passes a wish to stop on, but keeps the progress to itself: reading is the short part.

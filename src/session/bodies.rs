@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::SessionError;
 use super::library::Library;
+use super::{SessionError, needs};
 use crate::extract::skin::{cells_skin, model_skin};
 use crate::geometry::{Lattice, Watch};
-use crate::scene::resolve::Jelly;
-use crate::scene::{Body, Scene, Skin as SkinChoice};
+use crate::scene::resolve::{Jelly, Outline};
+use crate::scene::{Body, Scene, Shape, Skin as SkinChoice};
 use crate::view::{Skin, SkinInstance, Style};
 
 /// The bodies of a scene, made ready.
@@ -30,8 +30,17 @@ struct Dressed {
 }
 
 impl Bodies {
-    /// Makes the shape of every body ready, without skins yet.
+    /// Makes the shape of every body ready, without skins yet; refused before that where all of them together need more
+    /// memory than there is.
     pub(super) fn resolve(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Self, SessionError> {
+        let outlines = outlines(scene, library, watch);
+        let checked = outlines.and_then(|outlines| needs::check(scene, &outlines));
+        let resolved = checked.and_then(|()| Self::resolve_unchecked(scene, library, watch));
+        library.forget_filled();
+        resolved
+    }
+
+    fn resolve_unchecked(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Self, SessionError> {
         let resolve_one = |(index, body): (usize, &Body)| {
             library.get(&body.shape, watch).map_err(|source| SessionError::Shape { index, source })
         };
@@ -69,6 +78,11 @@ impl Bodies {
         }
     }
 
+    /// How large the bodies are, in the scene's order.
+    pub(super) fn outlines(&self) -> Vec<Outline> {
+        self.jellies.iter().map(Jelly::outline).collect()
+    }
+
     /// The lattices, in the scene's order.
     pub(super) fn lattices(&self) -> Vec<Arc<Lattice>> {
         self.jellies.iter().map(|jelly| Arc::clone(&jelly.lattice)).collect()
@@ -88,4 +102,22 @@ impl Bodies {
     pub(super) fn warnings(&self) -> impl Iterator<Item = &String> {
         self.jellies.iter().flat_map(|jelly| &jelly.warnings)
     }
+}
+
+/// How large every body will be; equal shapes are looked at once.
+fn outlines(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Vec<Outline>, SessionError> {
+    let mut known: Vec<(&Shape, Outline)> = Vec::new();
+    let mut outlines = Vec::new();
+    for (index, body) in scene.bodies.iter().enumerate() {
+        let outline = if let Some((_, outline)) = known.iter().find(|(shape, _)| **shape == body.shape) {
+            *outline
+        } else {
+            let found = library.outline(&body.shape, watch);
+            let outline = found.map_err(|source| SessionError::Shape { index, source })?;
+            known.push((&body.shape, outline));
+            outline
+        };
+        outlines.push(outline);
+    }
+    Ok(outlines)
 }

@@ -107,6 +107,21 @@ pub struct Pull {
 }
 
 impl Command {
+    /// Whether a person waits for it, so that a long substep is given up; not what follows itself while a hand moves,
+    /// which would keep time from running.
+    pub fn waits_for_no_substep(&self) -> bool {
+        !matches!(
+            self,
+            Self::Play
+                | Self::SetSpeed(_)
+                | Self::Edit(_)
+                | Self::Drag(_)
+                | Self::EndEdit
+                | Self::Grab(_)
+                | Self::WatchCost(_)
+        )
+    }
+
     /// Whether another scene takes the place of this one, so that unsaved changes would be lost.
     pub fn replaces_scene(&self) -> bool {
         match self {

@@ -9,13 +9,13 @@ use thiserror::Error;
 
 use super::document::Opened;
 use super::predict::Prediction;
-use super::{Command, Document, Library, Session, SessionError};
+use super::{Command, Document, Library, Session, SessionError, needs};
 use crate::geometry::Watch;
 use crate::geometry::voxel::{OccupancyChoice, VoxelReport, VoxelizeError};
 use crate::scene::body::{Body, ModelShape, Pose, Shape, UpAxis};
 use crate::scene::param::{self, Problem};
 use crate::scene::placement::{Look, Surroundings};
-use crate::scene::resolve::{Jelly, ResolveError, resolve};
+use crate::scene::resolve::{Jelly, ResolveError, fill};
 use crate::scene::view_settings::CameraSettings;
 use crate::scene::{Scene, Settings, presets};
 
@@ -116,6 +116,8 @@ pub struct Preview {
     pub particles: usize,
     /// Links.
     pub links: usize,
+    /// The memory that it needs by itself, without a window, bytes.
+    pub memory_bytes: u64,
     /// The edge of a cell, m.
     pub cell_size_m: f64,
     /// The body's box, m.
@@ -138,14 +140,14 @@ pub fn jellify(
     progress: &Progress,
 ) -> Result<Jellified, JellifyError> {
     let go_on = || if progress.is_cancelled() { Err(JellifyError::Cancelled) } else { Ok(()) };
-    let jelly = resolve(&Shape::Model(model.clone()), base_dir, progress).map_err(|error| match error {
+    let filled = fill(&Shape::Model(model.clone()), base_dir, progress).map_err(|error| match error {
         ResolveError::Voxelize { source: VoxelizeError::Cancelled, .. } => JellifyError::Cancelled,
         error => JellifyError::Resolve(error),
     })?;
     go_on()?;
     // What was guessed once stays: a scene file says which axis it is.
-    let shape = Shape::Model(ModelShape { up: jelly.up, ..model.clone() });
-    let grid = jelly.lattice.grid;
+    let shape = Shape::Model(ModelShape { up: filled.up(), ..model.clone() });
+    let grid = *filled.grid();
     let size_m = grid.dims.map(|n| f64::from(n) * grid.cell_size);
     let longest = size_m.into_iter().fold(0.0, f64::max);
     let body = Body {
@@ -159,6 +161,8 @@ pub fn jellify(
     if let Some(problem) = param::validate(&scene).into_iter().next() {
         return Err(JellifyError::Value(problem));
     }
+    needs::check(&scene, &[filled.outline()])?;
+    let jelly = filled.build();
     // Its cost is measured on the ground: most of the time it will touch something.
     scene.bodies[0].pose.position[1] -= DROP * longest;
     let mut library = Library::new(base_dir.to_owned());
@@ -210,6 +214,7 @@ fn preview(jelly: &Jelly, size_m: [f64; 3], session: &Session) -> Preview {
         components: report.components,
         particles: prediction.particles,
         links: prediction.links,
+        memory_bytes: prediction.memory_bytes,
         cell_size_m: report.cell_size_m,
         size_m,
         dt_safe_secs: status.dt_safe_secs,

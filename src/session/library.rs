@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use crate::geometry::Watch;
 use crate::scene::Shape;
-use crate::scene::resolve::{Jelly, ResolveError, resolve};
+use crate::scene::resolve::{Filled, Jelly, Outline, ResolveError, fill, resolve};
 
 /// Shapes kept; the one that was not asked for longest goes first.
 const CAPACITY: usize = 64;
@@ -15,19 +15,42 @@ const CAPACITY: usize = 64;
 pub(super) struct Library {
     base_dir: PathBuf,
     entries: Vec<(Shape, Jelly)>,
+    /// Models that have been filled and wait to be made ready: that takes long.
+    filled: Vec<(Shape, Filled)>,
 }
 
 impl Library {
     /// An empty one; relative model paths start at `base_dir`.
     pub(super) fn new(base_dir: PathBuf) -> Self {
-        Self { base_dir, entries: Vec::new() }
+        Self { base_dir, entries: Vec::new(), filled: Vec::new() }
+    }
+
+    /// How large a shape is, which need not be made ready for that.
+    pub(super) fn outline(&mut self, shape: &Shape, watch: &dyn Watch) -> Result<Outline, ResolveError> {
+        if let Some((_, jelly)) = self.entries.iter().find(|(known, _)| known == shape) {
+            return Ok(jelly.outline());
+        }
+        let filled = fill(shape, &self.base_dir, watch)?;
+        let outline = filled.outline();
+        if matches!(shape, Shape::Model(_)) {
+            self.filled.push((shape.clone(), filled));
+        }
+        Ok(outline)
+    }
+
+    /// Forgets shapes that were filled and are not wanted.
+    pub(super) fn forget_filled(&mut self) {
+        self.filled.clear();
     }
 
     /// The shape made ready, now or earlier.
     pub(super) fn get(&mut self, shape: &Shape, watch: &dyn Watch) -> Result<Jelly, ResolveError> {
         let jelly = match self.entries.iter().position(|(known, _)| known == shape) {
             Some(place) => self.entries.remove(place).1,
-            None => resolve(shape, &self.base_dir, watch)?,
+            None => match self.filled.iter().position(|(known, _)| known == shape) {
+                Some(place) => self.filled.remove(place).1.build(),
+                None => resolve(shape, &self.base_dir, watch)?,
+            },
         };
         self.put(shape.clone(), jelly.clone());
         Ok(jelly)

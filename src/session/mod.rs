@@ -14,6 +14,7 @@ mod grab;
 mod history;
 pub mod jellify;
 mod library;
+mod needs;
 mod picture;
 pub mod predict;
 pub mod run;
@@ -24,12 +25,15 @@ mod state_origin;
 mod state_reader;
 pub mod status;
 pub mod step_words;
+mod stop;
 mod trials;
 pub mod trouble;
 mod warnings;
 mod words;
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
@@ -42,6 +46,7 @@ pub use status::{BodyStatus, SafeValue, Status};
 pub use trouble::Trouble;
 
 use crate::geometry::Watch;
+use crate::machine::bytes_text;
 use crate::physics::simulation::Arrival;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
@@ -57,6 +62,7 @@ use library::Library;
 use picture::Picture;
 use slowness::Sample;
 use state_file::StateError;
+use stop::Stoppable;
 use trials::Trials;
 
 /// Speeds a person may ask for, simulated seconds a wall second.
@@ -76,6 +82,20 @@ pub enum SessionError {
         /// Why.
         #[source]
         source: ResolveError,
+    },
+    /// More memory than there is.
+    #[error(
+        "the scene needs about {} of memory, and {} is free {whose}; use fewer or larger cells, or start with \
+         --memory {:.0} to try all the same",
+        bytes_text(*needed), bytes_text(*free), (*needed as f64 / 1e9).ceil().max(1.0)
+    )]
+    Memory {
+        /// What it needs, bytes.
+        needed: u64,
+        /// What there is, bytes.
+        free: u64,
+        /// Who says so.
+        whose: &'static str,
     },
     /// An edit does not fit the scene.
     #[error(transparent)]
@@ -144,6 +164,10 @@ pub struct Session {
     sample: Sample,
     /// The share of the processors that drawing takes.
     drawing: f64,
+    /// Set by whoever wants a substep given up.
+    stop: Arc<AtomicBool>,
+    /// Why time stands still until a person lets it run; empty where it does not.
+    too_slow: String,
 }
 
 impl Session {
@@ -182,6 +206,8 @@ impl Session {
             costs: None,
             sample: Sample::default(),
             drawing: 0.0,
+            stop: Arc::default(),
+            too_slow: String::new(),
             safe: Vec::new(),
         };
         session.find_notice();
@@ -197,6 +223,7 @@ impl Session {
     pub fn handle(&mut self, command: Command) -> Result<(), SessionError> {
         match command {
             Command::Play => {
+                self.too_slow.clear();
                 self.playing = !self.simulation.has_diverged();
                 self.clock.forgive();
             }
@@ -267,7 +294,7 @@ impl Session {
         let dt_secs = self.scene.settings.dt;
         self.clock.owe(wall.as_secs_f64(), self.speed);
         while self.clock.owes(dt_secs) && begin.elapsed() < budget {
-            if !self.substep() {
+            if !self.substep() || self.report.stopped {
                 break;
             }
             if self.simulation.state().is_between_steps() {
@@ -294,6 +321,9 @@ impl Session {
             if !self.substep() {
                 return false;
             }
+            if self.report.stopped {
+                return true;
+            }
             if self.simulation.state().is_between_steps() {
                 self.find_inversion();
                 return true;
@@ -303,18 +333,15 @@ impl Session {
 
     fn substep(&mut self) -> bool {
         let asleep = self.simulation.is_asleep();
-        self.report = match &mut self.costs {
-            None => match self.sample.next() {
-                None => self.simulation.substep(&mut ()),
-                Some(timer) => self.simulation.substep(timer),
-            },
-            Some(costs) => {
-                let report = self.simulation.substep(costs.timer());
-                costs.note(&report, &self.simulation);
-                report
-            }
+        let timer = match &mut self.costs {
+            None => self.sample.next(),
+            Some(costs) => Some(costs.timer()),
         };
-        if !asleep {
+        self.report = self.simulation.substep(&mut Stoppable { timer, stop: &self.stop });
+        if let Some(costs) = &mut self.costs {
+            costs.note(&self.report, &self.simulation);
+        }
+        if !asleep && !self.report.stopped {
             self.picture.touch();
         }
         if self.report.diverged {
@@ -322,6 +349,16 @@ impl Session {
             self.find_trouble();
         }
         !self.report.diverged
+    }
+
+    /// Substeps are given up while this is set, and taken anew later.
+    pub fn set_stop(&mut self, stop: Arc<AtomicBool>) {
+        self.stop = stop;
+    }
+
+    /// The memory that the scene needs without a window, bytes.
+    pub fn memory_bytes(&self) -> u64 {
+        needs::needed(&self.scene, &self.bodies.outlines())
     }
 
     /// What the panels show.
@@ -354,7 +391,7 @@ impl Session {
             particles: model.particle_count(),
             links,
             contacts: self.report.contacts,
-            message: self.notice.clone(),
+            message: if self.too_slow.is_empty() { &self.notice } else { &self.too_slow }.clone(),
             undo: self.history.undo_words().to_owned(),
             redo: self.history.redo_words().to_owned(),
             bodies: self.body_statuses(),

@@ -16,7 +16,7 @@ const MEASURE_SECS: f64 = 0.5;
 const MEASURE: Duration = Duration::from_secs(1);
 
 /// Below this share of real time a person is told before anything runs.
-const SLOWEST: f64 = 1e-3;
+pub(super) const SLOWEST: f64 = 1e-3;
 
 /// The prediction; the names are those of the JSON object of `gelatin check`. SI units.
 #[derive(Clone, Debug, Serialize)]
@@ -28,6 +28,7 @@ pub struct Prediction {
     pub scene: String,
     pub particles: usize,
     pub links: usize,
+    pub memory_bytes: u64,
     pub dt_limit_secs: Option<f64>,
     pub dt_safe_secs: Option<f64>,
     pub limited_by: String,
@@ -65,6 +66,7 @@ impl Prediction {
             scene: session.title().to_owned(),
             particles: simulation.model().particle_count(),
             links: simulation.model().link_counts().iter().sum(),
+            memory_bytes: session.memory_bytes(),
             dt_limit_secs: plan.limits.dt_limit_secs,
             dt_safe_secs: plan.limits.dt_safe_secs(),
             limited_by: plan.limits.limited_by(plan.dt_secs).name(),

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::Session;
 use crate::geometry::Watch;
+use crate::machine::peak_memory;
 use crate::physics::StepReport;
 use crate::physics::diagnostics::{Diagnostics, Energy};
 use crate::physics::plan::Stage;
@@ -34,6 +35,10 @@ pub struct RunFigures {
     pub threads: usize,
     pub finite: bool,
     pub particles: usize,
+    /// As predicted before the run.
+    pub memory_bytes: u64,
+    /// What the process has taken at most; none where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
     pub links: LinkFigures,
     pub mass_kg: f64,
     pub energy_joule: EnergyFigures,
@@ -207,6 +212,8 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         threads: 1,
         finite: last.finite && !report.diverged,
         particles: simulation.model().particle_count(),
+        memory_bytes: session.memory_bytes(),
+        peak_memory_bytes: peak_memory(),
         links: LinkFigures { structural, shear, bending },
         mass_kg: last.mass_kg,
         energy_joule: last.energy.into(),

@@ -31,3 +31,44 @@ fn a_face_of_very_many_corners_is_read_in_little_memory_and_time() {
     assert_eq!(ran.code, Some(0), "{ran:?}");
     assert!(ran.notes.contains("cut into triangles as if they were convex: 1"), "{ran:?}");
 }
+
+#[test]
+fn a_scene_that_needs_more_memory_than_there_is_is_refused_in_words() {
+    let folder = Folder::new();
+    folder
+        .write("large.ron", "(version: 1, bodies: [(shape: cube(cells: 199))], obstacles: [(plane: ())])")
+        .write("many.ron", format!("(version: 1, bodies: [{}])", "(shape: cube(cells: 24)),".repeat(8)));
+    let limits = Limits { mebibytes: 6000, ..LIMITS };
+    for line in ["check large.ron", "run large.ron", "check large.ron --json", "check many.ron --memory 0.1"] {
+        let ran = folder.run_within(limits, line);
+        assert_eq!(ran.code, Some(1), "gelatin {line}: {ran:?}");
+        let words = if line.contains("--memory") { "as --memory says" } else { "by ulimit -v" };
+        for words in ["error: the scene needs about ", "B of memory", words, "start with --memory "] {
+            assert!(ran.notes.contains(words), "gelatin {line} says nothing of {words:?}: {}", ran.notes);
+        }
+    }
+    let allowed = folder.run_within(limits, "check many.ron --memory 100");
+    assert_eq!(allowed.code, Some(0), "it would have fitted: {allowed:?}");
+    let refused = folder.run("check tree --memory -3");
+    assert!(refused.code == Some(2) && refused.notes.contains("0.001 to 1e6"), "{refused:?}");
+}
+
+#[test]
+fn the_memory_that_a_scene_needs_is_known_before() {
+    let folder = Folder::new();
+    let cube = |cells: u32| format!("(version: 1, bodies: [(shape: cube(cells: {cells}))], obstacles: [(plane: ())])");
+    folder.write("cube-40.ron", cube(40)).write("cube-80.ron", cube(80));
+    let explicitly = "--dt 1e-5 --stepping manual";
+    for line in [
+        "run cube-40.ron --dt 0.01 --seconds 0.01".to_owned(),
+        format!("run cube-40.ron {explicitly} --seconds 1e-5"),
+        format!("run cube-80.ron {explicitly} --seconds 1e-5"),
+        format!("run spot --divisions 80 {explicitly} --seconds 1e-5"),
+    ] {
+        let figures = folder.json(&format!("{line} --json"));
+        let [predicted, peak] =
+            ["memory_bytes", "peak_memory_bytes"].map(|key| figures[key].as_f64().expect("a figure"));
+        eprintln!("{line}: {:.0} MB predicted, {:.0} MB taken", predicted / 1e6, peak / 1e6);
+        assert!((0.7..1.3).contains(&(peak / predicted)), "{line}: {predicted} bytes predicted, {peak} taken");
+    }
+}

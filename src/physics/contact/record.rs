@@ -3,9 +3,14 @@
 use super::{Touch, body_of};
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
+use crate::physics::plan::Plan;
 use crate::physics::report::StepReport;
 use crate::physics::sleep;
 use crate::physics::state::State;
+use crate::scene::settings::Integrator;
+
+/// Obstacles that meet in a corner.
+const CORNER: usize = 3;
 
 /// Contact's working room and what the last substep found.
 #[derive(Clone, Debug)]
@@ -23,14 +28,16 @@ pub struct Scratch<R: Real> {
 
 impl<R: Real> Scratch<R> {
     /// Room for a model.
-    pub fn new(model: &Model<R>) -> Self {
-        // All particles in a corner: what is there beyond that makes room for itself once.
-        let meetings = model.particle_count() * model.obstacles.len().min(3);
+    pub fn new(model: &Model<R>, plan: &Plan) -> Self {
+        // All of every surface in a corner: what is there beyond that makes room for itself once.
+        let surface: usize = model.bodies.iter().map(|body| body.lattice.surface).sum();
+        let meetings = surface * model.obstacles.len().min(CORNER);
+        let solved_for = if plan.integrator == Integrator::Implicit { meetings } else { 0 };
         Self {
             near: Vec::with_capacity(model.obstacles.len()),
             contacts: Vec::with_capacity(meetings),
             touching: vec![true; model.bodies.len() * model.obstacles.len()],
-            touches: Vec::with_capacity(meetings),
+            touches: Vec::with_capacity(solved_for),
         }
     }
 

@@ -115,7 +115,7 @@ impl<R: Real> Plate<'_, R> {
     fn is_pierced(&self) -> bool {
         let PlaneModel { center, normal, .. } = *self.plane;
         let first = self.body.particles.start;
-        let links = self.body.links.iter().flat_map(|family| &family.links);
+        let links = self.body.links.iter().flat_map(|family| family.links.iter());
         links.map(|link| link.ends.map(|end| self.position[first + end as usize])).any(|[a, b]| {
             let [above, below] = [a, b].map(|end| (end - center).dot(normal));
             let apart = above - below;

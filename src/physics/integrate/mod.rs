@@ -19,6 +19,8 @@ mod rk2;
 mod rk4;
 mod verlet;
 
+pub(super) use implicit::bytes as implicit_bytes;
+
 use super::contact::Touch;
 use super::forces;
 use super::interaction::Grab;
@@ -112,15 +114,17 @@ impl<R: Real> Free<'_, R> {
         }
     }
 
-    /// Writes the velocities at the end of the substep as the implicit scheme solves for them, contact and pull included.
+    /// Writes the velocities at the end of the substep as the implicit scheme solves for them, contact and pull included;
+    /// gives up where it is asked to.
     pub(super) fn solve(
         &mut self,
         grab: Option<&Grab<R>>,
         touches: &mut [Touch],
         velocity: &mut [R::Vec3],
         report: &mut StepReport,
+        stops: &dyn Fn() -> bool,
     ) {
-        implicit::solve(self, grab, touches, velocity, report);
+        implicit::solve(self, grab, touches, velocity, report, stops);
     }
 
     /// Goes through the substep once more for the schemes that move particles by another velocity than that at its end:

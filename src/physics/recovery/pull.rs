@@ -96,7 +96,7 @@ fn is_slow<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], velocity: &[R::Ve
     let speed = turning_speed(body);
     let most = R::from_f64(FASTEST * FASTEST * speed * speed);
     let (mut sum, mut count) = (R::ZERO, R::ZERO);
-    for link in body.links.iter().flat_map(|family| &family.links) {
+    for link in body.links.iter().flat_map(|family| family.links.iter()) {
         let [i, j] = link.ends.map(|end| end as usize);
         let (d, dv) = (position[j] - position[i], velocity[j] - velocity[i]);
         let squared = d.dot(d);

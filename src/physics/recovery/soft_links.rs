@@ -96,7 +96,7 @@ pub(super) fn soften<R: Real>(
     }
     for family in &body.links {
         let flow = family.stiffness * flow_secs * R::from_f64(FLOW);
-        for link in &family.links {
+        for link in family.links.iter() {
             let [i, j] = link.ends.map(|end| end as usize);
             let softness = softness[i].min(softness[j]);
             if softness > R::ZERO {

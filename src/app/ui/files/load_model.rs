@@ -10,6 +10,7 @@ use super::path_field::{PathField, PathUse, Verdict};
 use super::{Running, UiState, Wish, buttons_ui, dialog_ui, main_button_ui, theme};
 use crate::app::hand::Target;
 use crate::app::ui::adding;
+use crate::machine::bytes_text;
 use crate::scene::Settings;
 use crate::scene::body::{Keep, MAX_DIVISIONS, ModelShape, OccupancyChoice, UpAxis};
 use crate::scene::edit::BodyId;
@@ -253,6 +254,7 @@ fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
         ("Components", format!("{components} ({dropped_cells} cells dropped)")),
         ("Particles", preview.particles.to_string()),
         ("Links", preview.links.to_string()),
+        ("Memory", format!("about {}", bytes_text(preview.memory_bytes))),
         ("Box", format!("{x} × {y} × {z} m")),
         ("Safe step", safe),
         ("Speed", speed_words(preview.speed_alone, status)),

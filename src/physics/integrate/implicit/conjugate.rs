@@ -56,8 +56,8 @@ impl<R: Real> System<'_, R> {
         }
     }
 
-    /// Conjugate gradients with the touches as they are. Returns how many iterations it took.
-    pub(super) fn iterate(&mut self, enough: f64) -> u64 {
+    /// Conjugate gradients with the touches as they are. Returns how many iterations it took; none where it was stopped.
+    pub(super) fn iterate(&mut self, enough: f64, stops: &dyn Fn() -> bool) -> Option<u64> {
         let count = self.body.particles.len();
         self.find_residual(true);
         self.precondition();
@@ -68,6 +68,9 @@ impl<R: Real> System<'_, R> {
         self.room.search[..count].copy_from_slice(&self.room.scaled[..count]);
         let mut iterations = 0;
         while iterations < MOST_ITERATIONS && missed > enough {
+            if stops() {
+                return None;
+            }
             let mut product = std::mem::take(&mut self.room.product);
             self.times(&self.room.search, &mut product);
             for touch in &*self.touches {
@@ -95,7 +98,7 @@ impl<R: Real> System<'_, R> {
             size = smaller;
             iterations += 1;
         }
-        iterations
+        Some(iterations)
     }
 
     /// The inverse blocks of touched particles.

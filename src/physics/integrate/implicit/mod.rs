@@ -21,6 +21,7 @@ use glam::{DMat3, DVec3};
 
 use self::matrix::Bond;
 use super::Free;
+use crate::geometry::LatticeCounts;
 use crate::math::{Real, Vector};
 use crate::physics::contact::Touch;
 use crate::physics::interaction::Grab;
@@ -54,18 +55,27 @@ pub(super) struct Room<R: Real> {
     residual_before: Vec<DVec3>,
 }
 
+/// What the room takes in single precision where a body is the largest, bytes.
+pub(in crate::physics) fn bytes(body: &LatticeCounts) -> usize {
+    let vectors = 8 * size_of::<DVec3>() + size_of::<f64>();
+    let of_surface = size_of::<DMat3>() + size_of::<Resistance>();
+    body.all_links() * size_of::<Bond<f32>>() + body.particles * vectors + body.surface * of_surface
+}
+
 impl<R: Real> Room<R> {
     /// Room for the bodies of a model.
     pub(super) fn new(model: &Model<R>) -> Self {
         let most = |count: fn(&BodyModel<R>) -> usize| model.bodies.iter().map(count).max().unwrap_or(0);
         let particles = most(|body| body.particles.len());
         let links = most(|body| body.links.iter().map(|family| family.links.len()).sum());
+        // What is crushed or touched beyond a body's surface makes room for itself once.
+        let surface = most(|body| body.lattice.surface);
         let vectors = || vec![DVec3::ZERO; particles];
         Self {
             bonds: Vec::with_capacity(links),
-            resistances: Vec::with_capacity(most(|body| body.lattice.cells.len())),
+            resistances: Vec::with_capacity(surface),
             inverse_diagonal: vec![0.0; particles],
-            inverse_blocks: Vec::with_capacity(particles),
+            inverse_blocks: Vec::with_capacity(surface),
             known: vectors(),
             velocity: vectors(),
             residual: vectors(),
@@ -85,6 +95,7 @@ pub(super) fn solve<R: Real>(
     touches: &mut [Touch],
     velocity: &mut [R::Vec3],
     report: &mut StepReport,
+    stops: &dyn Fn() -> bool,
 ) {
     let Free { model, plan, dt, state, force, .. } = *free;
     let room = &mut free.scratch.room;
@@ -105,7 +116,11 @@ pub(super) fn solve<R: Real>(
         let enough = system.start();
         for round in 1..=ROUNDS {
             report.solves += 1;
-            report.iterations += system.iterate(enough);
+            let Some(iterations) = system.iterate(enough, stops) else {
+                report.stopped = true;
+                return;
+            };
+            report.iterations += iterations;
             let went_all_the_way = round + CAREFUL_ROUNDS > ROUNDS || system.hold_back();
             let again = system.reconsider(round + CAREFUL_ROUNDS >= ROUNDS);
             if went_all_the_way && !again {

@@ -1,0 +1,77 @@
+//! What the machine has to give: memory. Asked before a scene is built, so that it is refused in words instead of the
+//! process being killed.
+
+#[cfg(target_os = "linux")]
+mod linux;
+
+use std::sync::OnceLock;
+
+/// What a person allows instead of what is free, bytes.
+static ALLOWED: OnceLock<u64> = OnceLock::new();
+
+/// Memory that this process may still take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Free {
+    /// How much, bytes.
+    pub bytes: u64,
+    /// Who says so, for a sentence.
+    pub whose: &'static str,
+}
+
+/// Lets this process take so many bytes, whatever is free. Counts once in a process.
+pub fn allow(bytes: u64) {
+    if ALLOWED.set(bytes).is_err() {
+        log::debug!("how much memory may be taken was said before");
+    }
+}
+
+/// The memory that this process may still take; none where the system does not tell.
+pub fn free_memory() -> Option<Free> {
+    match ALLOWED.get() {
+        Some(&bytes) => Some(Free { bytes, whose: "as --memory says" }),
+        None => free_of_system(),
+    }
+}
+
+/// The most memory that this process has taken, bytes; none where the system does not tell.
+pub fn peak_memory() -> Option<u64> {
+    #[cfg(target_os = "linux")]
+    return linux::peak();
+    #[cfg(not(target_os = "linux"))]
+    None
+}
+
+fn free_of_system() -> Option<Free> {
+    #[cfg(target_os = "linux")]
+    return linux::free();
+    #[cfg(not(target_os = "linux"))]
+    None
+}
+
+/// A number of bytes in words.
+pub fn bytes_text(bytes: u64) -> String {
+    match bytes as f64 {
+        few if few < 1e9 => format!("{:.0} MB", (few / 1e6).max(1.0)),
+        many => format!("{:.1} GB", many / 1e9),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_told_as_people_count_them() {
+        assert_eq!(bytes_text(0), "1 MB", "nothing is free");
+        assert_eq!(bytes_text(345_678_901), "346 MB");
+        assert_eq!(bytes_text(12_345_678_901), "12.3 GB");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn this_machine_tells() {
+        let free = free_memory().expect("Linux tells");
+        assert!((1 << 20..1 << 50).contains(&free.bytes), "{free:?}");
+        assert!(peak_memory().is_some_and(|peak| peak > 1 << 20), "some megabytes");
+    }
+}

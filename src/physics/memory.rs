@@ -1,0 +1,52 @@
+//! How much memory a simulation takes, before there is one: by the sizes of what it is made of.
+
+use super::contact::{ContactRecord, Touch};
+use super::integrate::implicit_bytes;
+use super::model::Link;
+use crate::geometry::LatticeCounts;
+
+/// What a simulation is to be made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Size {
+    /// Planes and spheres.
+    pub obstacles: usize,
+    /// Planes among them.
+    pub planes: usize,
+    /// Whether the implicit integrator is at work.
+    pub implicit: bool,
+}
+
+/// Positions, velocities and what else there is of a particle, as [`super::State`] has them, bytes.
+const OF_A_STATE: usize = size_of::<[[f32; 3]; 4]>();
+/// Forces and new velocities, bytes.
+const OF_A_STEP: usize = size_of::<[[f32; 3]; 2]>();
+/// A particle's place in the grid, its place at the start and its mass, bytes.
+const OF_A_MODEL: usize = size_of::<[u32; 3]>() + size_of::<[f32; 3]>() + size_of::<f32>();
+/// What is only there while a body is made: its place and mass in double precision, the cells around it, its neighbours
+/// on the surface, bytes.
+const WHILE_MADE: usize = size_of::<[f64; 3]>() + size_of::<f64>() + size_of::<[u32; 8]>() + 40;
+
+/// The bytes that a simulation in single precision of some bodies takes: the bodies with their lattices, a state and the
+/// room of a step, and the copy of these two that figures are taken from.
+pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
+    let lasting = bodies.iter().map(of_body).sum::<usize>();
+    let moving = bodies.iter().map(|body| of_motion(body, size)).sum::<usize>();
+    let implicit = if size.implicit { bodies.iter().map(implicit_bytes).max().unwrap_or(0) } else { 0 };
+    let made = bodies.iter().map(|body| body.particles * WHILE_MADE).max().unwrap_or(0);
+    (lasting + moving + implicit + made.max(moving)) as u64
+}
+
+/// A lattice, and the model that is made of it.
+fn of_body(body: &LatticeCounts) -> usize {
+    let link = size_of::<[u32; 2]>() + size_of::<Link<f32>>() + size_of::<u16>();
+    let cell = size_of::<[u32; 8]>();
+    body.particles * OF_A_MODEL + body.all_links() * link + body.cells * cell
+}
+
+fn of_motion(body: &LatticeCounts, size: Size) -> usize {
+    let touch = if size.implicit { size_of::<Touch>() } else { 0 };
+    let meetings = body.surface * size.obstacles.min(3);
+    body.particles * (OF_A_STATE + OF_A_STEP + size.planes)
+        + body.cells * size_of::<u32>()
+        + meetings * (size_of::<ContactRecord<f32>>() + touch)
+}

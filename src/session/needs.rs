@@ -1,0 +1,58 @@
+//! The memory that a scene needs, known from the number of its cells before any particle is made, and the refusal of a
+//! scene that needs more than there is.
+
+use super::SessionError;
+use crate::machine::free_memory;
+use crate::physics::Simulation;
+use crate::physics::memory::{Size, bytes};
+use crate::scene::body::CubeShape;
+use crate::scene::resolve::{Outline, resolve};
+use crate::scene::settings::Integrator;
+use crate::scene::{Material, ObstacleShape, Scene, Shape};
+use crate::view::SkinVertex;
+
+/// The program itself and what is small, bytes.
+const PROGRAM: u64 = 10 << 20;
+/// Of a vertex of a skin: itself, its triangles, their edges and folds, its place in double precision, bytes.
+const OF_A_SKIN: u64 = size_of::<SkinVertex>() as u64 + 2 * 12 + 3 * 8 + 3 * 16 + 24;
+/// Cells an edge of the small body that tells which integrator a large one of its material needs.
+const SAMPLE_CELLS: u32 = 3;
+
+/// The bytes that a scene of bodies of these sizes takes without a window.
+pub(super) fn needed(scene: &Scene, outlines: &[Outline]) -> u64 {
+    let planes = scene.obstacles.iter().filter(|obstacle| matches!(obstacle.shape, ObstacleShape::Plane(_))).count();
+    let size = Size { obstacles: scene.obstacles.len(), planes, implicit: is_implicit(scene, outlines) };
+    let counts: Vec<_> = outlines.iter().map(|outline| outline.counts).collect();
+    let vertices = |outline: &Outline| outline.mesh_vertices.max(outline.counts.surface) as u64;
+    PROGRAM + bytes(&counts, size) + outlines.iter().map(vertices).sum::<u64>() * OF_A_SKIN
+}
+
+/// Refuses a scene that needs more than is free.
+pub(super) fn check(scene: &Scene, outlines: &[Outline]) -> Result<(), SessionError> {
+    let needed = needed(scene, outlines);
+    match free_memory() {
+        Some(free) if needed > free.bytes => Err(SessionError::Memory { needed, free: free.bytes, whose: free.whose }),
+        _ => Ok(()),
+    }
+}
+
+/// Whether the implicit integrator will be at work: as it is for small bodies of the same materials and cells.
+fn is_implicit(scene: &Scene, outlines: &[Outline]) -> bool {
+    let mut sample = scene.clone();
+    for (body, outline) in sample.bodies.iter_mut().zip(outlines) {
+        let cell = outline.grid.cell_size;
+        let longest = outline.grid.dims.into_iter().max().unwrap_or(1);
+        let cells = longest.min(SAMPLE_CELLS);
+        body.shape = Shape::Cube(CubeShape { cells, size: f64::from(cells) * cell });
+        body.pins.clear();
+        if let Material::Solid(solid) = &mut body.material {
+            // Its damping follows from the body's size.
+            solid.damping_ratio *= f64::from(longest) / f64::from(cells);
+        }
+    }
+    let lattices = sample.bodies.iter().map(|body| resolve(&body.shape, "".as_ref(), &()).map(|jelly| jelly.lattice));
+    // A cube of a few cells can be made.
+    lattices
+        .collect::<Result<Vec<_>, _>>()
+        .is_ok_and(|lattices| Simulation::<f32>::new(&sample, &lattices).plan().integrator == Integrator::Implicit)
+}

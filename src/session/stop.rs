@@ -1,0 +1,167 @@
+//! Stopping a substep that takes long, and telling before time runs that it would take forever.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use cpu_time::ThreadTime;
+
+use super::Session;
+use super::predict::{SLOWEST, crawl};
+use crate::physics::Simulation;
+use crate::physics::plan::Stage;
+use crate::physics::report::StageTimer;
+use crate::report::timer::WallTimer;
+
+/// Processor time spent at most on finding out whether a scene is too slow to watch.
+const LONGEST_LOOK: Duration = Duration::from_secs(1);
+
+/// Takes the time of a substep, if someone wants to know it, and gives it up when it is asked to.
+pub(super) struct Stoppable<'a> {
+    pub(super) timer: Option<&'a mut WallTimer>,
+    pub(super) stop: &'a AtomicBool,
+}
+
+impl StageTimer for Stoppable<'_> {
+    fn enter(&mut self, stage: Stage) {
+        if let Some(timer) = &mut self.timer {
+            timer.enter(stage);
+        }
+    }
+
+    fn leave(&mut self) {
+        if let Some(timer) = &mut self.timer {
+            timer.leave();
+        }
+    }
+
+    fn stops(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+/// Gives a substep up when it has taken too long.
+struct Patience(ThreadTime);
+
+impl StageTimer for Patience {
+    fn enter(&mut self, _: Stage) {}
+    fn leave(&mut self) {}
+    fn stops(&self) -> bool {
+        self.0.elapsed() >= LONGEST_LOOK
+    }
+}
+
+impl Session {
+    /// Lets time stand still, with the reason, where it would run slower than anyone can watch.
+    pub fn hold_if_too_slow(&mut self) {
+        self.too_slow = too_slow(&self.simulation).unwrap_or_default();
+        self.playing &= self.too_slow.is_empty();
+    }
+}
+
+/// What a person should know before time runs, where it is certain within [`LONGEST_LOOK`]. On a copy.
+fn too_slow(simulation: &Simulation<f32>) -> Option<String> {
+    let mut copy = simulation.clone();
+    let start_secs = copy.state().time_secs;
+    let mut patience = Patience(ThreadTime::now());
+    loop {
+        let report = copy.substep(&mut patience);
+        let elapsed_secs = patience.0.elapsed().as_secs_f64();
+        let simulated_secs = copy.state().time_secs - start_secs;
+        let fast_enough = simulated_secs >= SLOWEST * LONGEST_LOOK.as_secs_f64();
+        if report.stopped || report.diverged || fast_enough {
+            return None;
+        }
+        if patience.stops() {
+            let words = crawl(simulated_secs / elapsed_secs)?;
+            return Some(format!("{words}; time stands still until you press Play"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+    use std::sync::Arc;
+    use std::sync::atomic::AtomicU64;
+
+    use super::*;
+    use crate::physics::StepReport;
+    use crate::scene::{Scene, presets};
+
+    /// A stiff cube that falls on the ground: the implicit integrator has taken over.
+    const STIFF: &str = "(version: 1, bodies: [(shape: cube(cells: 6), pose: (position: (0, 0.6, 0)), \
+                         material: solid(young_modulus: 1e8))], obstacles: [(plane: ())])";
+
+    fn session(text: &str) -> Session {
+        let scene = Scene::from_ron(text, "a.ron").expect("a scene");
+        Session::new(scene, PathBuf::new(), String::new()).expect("it resolves")
+    }
+
+    /// Stops a substep at one of the looks, or never.
+    struct At {
+        looks: AtomicU64,
+        at: u64,
+    }
+
+    impl StageTimer for At {
+        fn enter(&mut self, _: Stage) {}
+        fn leave(&mut self) {}
+        fn stops(&self) -> bool {
+            self.looks.fetch_add(1, Ordering::Relaxed) == self.at
+        }
+    }
+
+    fn substep(session: &mut Session, at: u64) -> (StepReport, u64) {
+        let mut timer = At { looks: AtomicU64::new(0), at };
+        let report = session.simulation.substep(&mut timer);
+        (report, timer.looks.into_inner())
+    }
+
+    #[test]
+    fn a_substep_is_asked_in_every_iteration_and_one_that_is_given_up_leaves_no_trace() {
+        let [mut stopped, mut straight] = [session(STIFF), session(STIFF)];
+        let mut given_up = 0;
+        for count in 0..480 {
+            let before = stopped.simulation.state().clone();
+            let (report, _) = substep(&mut stopped, count % 23);
+            if report.stopped {
+                given_up += 1;
+                assert!(*stopped.simulation.state() == before, "nothing has happened in substep {count}");
+                substep(&mut stopped, u64::MAX);
+            }
+            let (report, looks) = substep(&mut straight, u64::MAX);
+            assert!(looks >= report.iterations, "{looks} looks in {} iterations", report.iterations);
+            assert!(*stopped.simulation.state() == *straight.simulation.state(), "the same bits after substep {count}");
+        }
+        assert!(given_up > 20, "some were given up: {given_up}");
+        assert!(straight.simulation.state().position.iter().any(|at| at.y < 0.2), "it has landed");
+    }
+
+    #[test]
+    fn a_stop_ends_an_advance_and_time_goes_on_once_it_is_taken_back() {
+        let mut session = session(STIFF);
+        let stop = Arc::new(AtomicBool::new(true));
+        session.set_stop(Arc::clone(&stop));
+        session.advance(Duration::from_millis(40), Duration::from_millis(200));
+        assert!(session.simulation.state().time_secs <= 0.0, "no substep has ended");
+        stop.store(false, Ordering::Relaxed);
+        session.advance(Duration::from_millis(40), Duration::from_secs(20));
+        assert!(session.simulation.state().time_secs > 0.0, "it goes on");
+    }
+
+    #[test]
+    fn a_scene_that_nobody_can_watch_waits_for_play() {
+        let mut slow =
+            session("(version: 1, settings: (dt: 1e-6, stepping: manual), bodies: [(shape: cube(cells: 30))])");
+        slow.hold_if_too_slow();
+        let status = slow.status();
+        assert!(!status.playing && status.message.contains("slower than a thousandth"), "{}", status.message);
+        slow.handle(crate::session::Command::Play).expect("always possible");
+        assert!(slow.status().playing && !slow.status().message.contains("thousandth"), "as asked for");
+        for preset in presets::presets() {
+            let mut session = Session::new((preset.build)(), PathBuf::new(), String::new()).expect("it resolves");
+            session.hold_if_too_slow();
+            assert!(session.is_playing(), "{}", preset.name);
+        }
+    }
+}
