@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod figures;
+mod killed;
 #[cfg(target_os = "linux")]
 mod limits;
 mod program;
