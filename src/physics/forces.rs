@@ -115,6 +115,8 @@ pub struct ExactLink {
     pub inverse_rest_length: f64,
     /// Force at 100 % strain, N.
     pub stiffness: f64,
+    /// Force at a relative speed of one rest length a second, N.
+    pub damping: f64,
 }
 
 /// Calls `visit` with the ends (local numbers) of every link of the chosen families and the link between them.
@@ -129,11 +131,11 @@ pub fn for_each_exact_link<R: Real>(
     for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
         for (number, link) in family.links.iter().enumerate() {
             let [i, j] = link.ends.map(|end| end as usize);
-            let [stiffness, _] = family.constants(number);
+            let [stiffness, damping] = family.constants(number).map(Real::to_f64);
             let kept_back = residual[j].to_dvec3() - residual[i].to_dvec3();
             let d = position[j].to_dvec3() - position[i].to_dvec3() + kept_back;
             let inverse_rest_length = 1.0 / link.rest_length.to_f64();
-            visit([i, j], ExactLink { d, inverse_rest_length, stiffness: stiffness.to_f64() });
+            visit([i, j], ExactLink { d, inverse_rest_length, stiffness, damping });
         }
     }
 }

@@ -18,3 +18,4 @@ mod solid;
 mod stability;
 mod statics;
 mod support;
+mod work;

@@ -1,0 +1,89 @@
+//! The work of obstacles is what bodies gain by them; the work of the program is what a scene needs and no more.
+
+use std::sync::Arc;
+
+use gelatin::geometry::Lattice;
+use gelatin::physics::simulation::Arrival;
+use gelatin::report::disturb::{Disturbance, What};
+use gelatin::report::judge::{Patience, judge_disturbed};
+use gelatin::scene::body::PinBox;
+use gelatin::scene::material::Spring;
+use gelatin::scene::obstacle::{ContactStiffness, Plane};
+use gelatin::scene::{ObstacleShape, Scene, Springs};
+
+use crate::support::{ball, cube, falling, lattices, plane, run, simulate, springs};
+
+/// A cube of links so stiff and damped that no explicit step takes them, held at its top.
+fn hanging_stiff_cube() -> Scene {
+    let spring = |stiffness, damping| Spring { stiffness, damping };
+    let constants = Springs {
+        structural: spring(1e4, 0.0),
+        shear: spring(1e7, 250.0),
+        bending: spring(5e3, 60.0),
+        particle_mass: 1e-3,
+    };
+    let mut scene = falling(cube(8, 0.5, constants, [0.0; 3]));
+    scene.bodies[0].pins = vec![PinBox { min: [-9.0, 0.2, -9.0], max: [9.0; 3] }];
+    scene
+}
+
+#[test]
+fn a_body_at_rest_is_not_divided_for_what_is_only_rounding() {
+    let mut simulation = simulate::<f32>(&hanging_stiff_cube());
+    let (mut tried, mut halved) = (0, 0);
+    for _ in 0..200 {
+        // Before it had an end, a substep at rest was halved a million times.
+        while tried < 2000 {
+            let report = simulation.substep(&mut ());
+            tried += u64::from(report.substeps + report.halved > 0);
+            halved += report.halved;
+            if simulation.state().is_between_substeps() {
+                break;
+            }
+        }
+    }
+    assert!(tried < 2000, "{tried} tries in 0.2 s of a body at rest");
+    assert_eq!(halved, 0, "in its own weight it moves by less than a thousandth of a millimetre");
+    assert!(simulation.diagnostics().max_speed < 1e-6, "it hangs");
+}
+
+/// Two seconds of a light cube 2 m large that begins within a ball, and what happens on the way.
+fn within_a_ball(after: &Scene) -> Scene {
+    Scene { obstacles: after.obstacles.clone(), ..falling(cube(2, 2.0, springs(15.0, 0.02, 2e-4), [1.0, -2.0, 4.0])) }
+}
+
+fn sound(scene: &Scene, after: Scene, lattices: &[Arc<Lattice>]) -> String {
+    let what = What::Obstacles { scene: Box::new(after), arrival: Arrival::Swept };
+    let disturbances = [Disturbance { at_secs: 0.01, what }];
+    let patience = Patience { seconds: 0.3, most_link_forces: 100_000_000 };
+    let verdict = judge_disturbed::<f32>(scene, &disturbances, lattices, patience);
+    verdict.fault.map_or_else(String::new, |fault| format!("{}: {}", fault.words(), verdict.words))
+}
+
+#[test]
+fn a_body_between_a_ball_and_a_plane_that_sweeps_has_no_more_than_that_did() {
+    let mut scene = within_a_ball(&Scene::default());
+    let mut stiff = plane([0.0; 3], [0.0; 3], [0.1, 0.03]);
+    stiff.stiffness = ContactStiffness::Given(5e6);
+    scene.obstacles = vec![stiff, ball([2.0, 2.0, -2.0], 15.0)];
+    let mut after = scene.clone();
+    if let ObstacleShape::Plane(Plane { center, rotation_deg, .. }) = &mut after.obstacles[0].shape {
+        (*center, *rotation_deg) = ([3.0, -1.3, 7.0], [-12.6, 25.0, 64.4]);
+    }
+    let lattices = lattices(&scene);
+    assert_eq!(sound(&scene, after, &lattices), "", "the plane presses it into the ball");
+}
+
+#[test]
+fn an_obstacle_that_is_about_to_sweep_still_holds_what_it_held() {
+    let mut scene = within_a_ball(&Scene::default());
+    scene.obstacles = vec![ball([2.0, 2.0, -2.0], 15.0)];
+    let mut simulation = simulate::<f32>(&scene);
+    run(&mut simulation, 0.01);
+    let before = simulation.diagnostics().energy.contact;
+    let mut after = scene.clone();
+    after.obstacles = vec![ball([60.0, 2.0, -2.0], 15.0)];
+    simulation.set_parameters(&after, &lattices(&after), &[Some(0)], Arrival::Swept);
+    let now = simulation.diagnostics().energy.contact;
+    assert!(before > 1.0 && (now / before - 1.0).abs() < 1e-6, "{before} J became {now} J before anything moved");
+}
