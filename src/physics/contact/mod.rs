@@ -10,6 +10,7 @@
 //! brought to a velocity that none of them forbids.
 
 pub mod approach;
+mod between;
 mod broad;
 mod plane;
 mod record;
@@ -29,9 +30,6 @@ use super::plan::{Plan, Stage};
 use super::report::{StageTimer, StepReport};
 use super::state::State;
 use crate::math::{Real, Vector};
-
-/// Rounds in which a particle between several obstacles may look for a velocity; then it stops dead.
-const ROUNDS: usize = 4;
 
 /// The surface as one particle meets it: a tangent plane, in a frame that rides along with the obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -200,61 +198,11 @@ impl<R: Real> Meeting<'_, R> {
                 allowed = R::Vec3::ZERO;
             }
             if allowed != velocity {
-                // The force is that of an obstacle that moves, if one does: it carries the particle along.
-                let found = &mut records[first_record..];
-                let moves = |record: &ContactRecord<R>| record.surface_velocity != R::Vec3::ZERO;
-                let at = found.iter().position(moves).unwrap_or(found.len() - 1);
-                found[at].force += (allowed - velocity) * (mass / self.dt);
+                self.share_out(velocity, allowed, mass, contacts, &mut records[first_record..]);
                 velocity = allowed;
             }
         }
         velocity
-    }
-
-    /// Whether the particle and the springs of obstacles that stand still would have more energy with this velocity than
-    /// with the `predicted` one before them. Where the limit of one obstacle leads into a stiff other one, no velocity is
-    /// a minimum of the springs' energy; standing still gives neither more than it has.
-    fn gains(&mut self, predicted: R::Vec3, velocity: R::Vec3, mass: R, contacts: &[ContactModel<R>]) -> bool {
-        let half_mass = R::from_f64(0.5) * mass;
-        let had = half_mass * predicted.dot(predicted);
-        let (mut before, mut after) = (had, half_mass * velocity.dot(velocity));
-        for (obstacle, contact) in contacts.iter().enumerate() {
-            let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
-            if surface_velocity != R::Vec3::ZERO {
-                return false;
-            }
-            before += contact.energy(-surface.gap);
-            after += contact.energy(-(surface.gap + velocity.dot(surface.normal) * self.dt));
-        }
-        // The tolerance is rounding.
-        after - before > R::from_f64(1e-4) * before
-    }
-
-    /// A push from one obstacle may lead into another: looks for a velocity that no obstacle forbids. Standing still
-    /// is one where all obstacles do; riding along with the one that moves is the way out where one pushes.
-    fn allowed_by_all(&mut self, mut velocity: R::Vec3, contacts: &[ContactModel<R>]) -> R::Vec3 {
-        let mut riding = R::Vec3::ZERO;
-        for _ in 0..ROUNDS {
-            let mut forbidden = false;
-            for (obstacle, contact) in contacts.iter().enumerate() {
-                let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
-                let slowest = response::deepest_velocity(&surface, contact, self.dt);
-                let along = (velocity - surface_velocity).dot(surface.normal);
-                // The tolerance is rounding: a corrected velocity must not count as forbidden again.
-                let speeds = along.abs() + slowest.abs() + surface_velocity.length();
-                if along < slowest - R::from_f64(1e-6) * speeds {
-                    velocity += surface.normal * (slowest - along);
-                    if surface_velocity != R::Vec3::ZERO {
-                        riding = surface_velocity;
-                    }
-                    forbidden = true;
-                }
-            }
-            if !forbidden {
-                return velocity;
-            }
-        }
-        riding
     }
 
     /// The narrow phase, if this particle's motion comes near the obstacle at all, and the velocity of the surface.

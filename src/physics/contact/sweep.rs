@@ -78,8 +78,16 @@ pub(crate) fn sweeps<R: Real>(old: &Model<R>, new: &Model<R>, kept: &[Option<usi
 /// Puts the moving obstacles of a fresh model back to where they still are.
 pub(crate) fn begin<R: Real>(model: &mut Model<R>, sweeps: &[Sweep<R>]) {
     for sweep in sweeps {
-        place(&mut model.obstacles[sweep.obstacle], sweep.now);
+        let obstacle = &mut model.obstacles[sweep.obstacle];
+        place(obstacle, sweep.now);
+        obstacle.bounds = around(sweep.now.center, sweep.arrived.bounds.size().length().to_f64());
     }
+}
+
+/// A box that holds everything so near to a point (m).
+fn around<R: Real>(center: DVec3, reach: f64) -> Aabb<R> {
+    let reach = DVec3::splat(reach);
+    Aabb { min: R::Vec3::from_dvec3(center - reach), max: R::Vec3::from_dvec3(center + reach) }
 }
 
 /// Moves obstacles on by one substep of `dt_secs`; those that have arrived stand still from the next one on.
@@ -98,9 +106,7 @@ pub(crate) fn advance<R: Real>(model: &mut Model<R>, sweeps: &mut Vec<Sweep<R>>,
         let reach = sweep.arrived.bounds.size().length().to_f64() + way.length();
         place(obstacle, next);
         // Roomy rather than exact: a rotating rectangle swings out of the boxes at both its ends.
-        let around = DVec3::splat(reach);
-        obstacle.bounds =
-            Aabb { min: R::Vec3::from_dvec3(next.center - around), max: R::Vec3::from_dvec3(next.center + around) };
+        obstacle.bounds = around(next.center, reach);
         obstacle.carry = Some(Carry {
             from: R::Vec3::from_dvec3(sweep.now.center),
             to: R::Vec3::from_dvec3(next.center),

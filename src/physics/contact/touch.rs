@@ -278,6 +278,7 @@ pub(in crate::physics) fn settle<R: Real>(
             let over_dt = R::ONE / dt;
             let mut meeting =
                 Meeting { model, body, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
+            let first = scratch.contacts.len();
             for obstacle in 0..model.obstacles.len() {
                 let record = match own.iter().find(|touch| touch.obstacle == obstacle) {
                     Some(touch) => Some(ContactRecord {
@@ -296,10 +297,10 @@ pub(in crate::physics) fn settle<R: Real>(
                 scratch.contacts.extend(record);
             }
             let allowed = meeting.allowed_by_all(velocity[particle], &body.contacts);
-            if allowed != velocity[particle]
-                && let Some(last) = scratch.contacts.last_mut()
-            {
-                last.force += (allowed - velocity[particle]) * (body.mass(particle - body.particles.start) * over_dt);
+            if allowed != velocity[particle] {
+                let mass = body.mass(particle - body.particles.start);
+                let found = &mut scratch.contacts[first..];
+                meeting.share_out(velocity[particle], allowed, mass, &body.contacts, found);
                 velocity[particle] = allowed;
             }
             report.narrow_tests += meeting.tests;
