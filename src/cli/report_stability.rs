@@ -1,7 +1,7 @@
 //! `gelatin report stability`: the limits of the step, predicted and measured, and extreme scenes in automatic stepping.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -14,8 +14,9 @@ use super::Failure;
 use super::out::{self, Progress};
 use super::scene_args::Changes;
 use crate::geometry::Watch;
-use crate::report::extremes::{extreme_scene, lattices};
+use crate::report::extremes::lattices;
 use crate::report::matrix::matrix;
+use crate::report::single;
 use crate::report::stability::{self, CaseFigures, RandomFigures};
 use crate::scene::resolve::resolve;
 
@@ -36,6 +37,9 @@ pub(super) struct StabilityArgs {
     /// What the random scenes follow from.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Only random scene N, its energy account look by look.
+    #[arg(long, value_name = "N", conflicts_with_all = ["given", "scenes"])]
+    scene: Option<u64>,
     /// Write stability.md, stability.csv and the random scenes that failed into this folder.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -49,6 +53,9 @@ pub(super) struct StabilityArgs {
 
 /// Measures, prints, and fails if anything measured did.
 pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
+    if let Some(number) = args.scene {
+        return one_scene(args, number);
+    }
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be created", folder.display()))?;
         for name in ["stability.md", "stability.csv"] {
@@ -67,9 +74,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
         out::write(&folder.join("stability.md"), text.as_bytes())?;
         out::write(&folder.join("stability.csv"), stability::csv(&cases).as_bytes())?;
         for failure in random.iter().flat_map(|random| &random.failures) {
-            let scene = extreme_scene(args.seed, failure.number);
-            let path = folder.join(format!("seed{}_scene{:06}.ron", args.seed, failure.number));
-            out::write(&path, scene.to_ron().context("a random scene cannot be written")?.as_bytes())?;
+            write_scene(folder, args.seed, failure.number)?;
         }
     }
     if args.json {
@@ -83,6 +88,29 @@ pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
         return Err(anyhow!("{failed} cases and {failed_scenes} random scenes failed; see the report").into());
     }
     Ok(())
+}
+
+/// Prints the account of one random scene, and fails if the scene does.
+fn one_scene(args: &StabilityArgs, number: u64) -> Result<(), Failure> {
+    if let Some(folder) = &args.output {
+        std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be created", folder.display()))?;
+        write_scene(folder, args.seed, number)?;
+    }
+    let account = single::account(args.seed, number, args.quick).context("a random scene cannot be made")?;
+    if args.json {
+        out::json(&serde_json::to_value(&account)?)?;
+    } else {
+        out::figures(single::markdown(&account).trim_end())?;
+    }
+    match account.verdict.fault {
+        Some(fault) => Err(anyhow!("scene {number} of seed {} failed: {}", args.seed, fault.words()).into()),
+        None => Ok(()),
+    }
+}
+
+fn write_scene(folder: &Path, seed: u64, number: u64) -> Result<(), Failure> {
+    let text = single::ron(seed, number).context("a random scene cannot be written")?;
+    Ok(out::write(&folder.join(format!("seed{seed}_scene{number:06}.ron")), text.as_bytes())?)
 }
 
 fn cases(args: &StabilityArgs) -> Result<Vec<CaseFigures>, Failure> {

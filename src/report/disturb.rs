@@ -86,6 +86,16 @@ fn move_one(draw: &mut Draw, scene: &mut Scene, size: f64) {
 }
 
 impl Disturbance {
+    /// What happens, in words.
+    pub fn words(&self) -> String {
+        match &self.what {
+            What::Obstacles { arrival: Arrival::Swept, .. } => "obstacles sweep to other places".to_owned(),
+            What::Obstacles { arrival: Arrival::Placed, .. } => "obstacles are at once in other places".to_owned(),
+            What::Teleport(body) => format!("body {body} is put back to where it started"),
+            What::Throw(body) => format!("body {body} gets the velocity that it started with"),
+        }
+    }
+
     /// Lets it happen; `lattices` are those of the scene's bodies.
     pub(super) fn happen<R: Real>(&self, simulation: &mut Simulation<R>, scene: &Scene, lattices: &[Arc<Lattice>]) {
         match &self.what {

@@ -6,5 +6,6 @@ pub mod disturb;
 pub mod extremes;
 pub mod judge;
 pub mod matrix;
+pub mod single;
 pub mod stability;
 pub mod timer;

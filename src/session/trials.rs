@@ -44,7 +44,7 @@ struct Trial {
 #[derive(Debug)]
 enum Test {
     /// A scene that starts anew must stand, with no energy from nowhere.
-    Stand(Watch),
+    Stand(Box<Watch>),
     /// A body that goes on must be healed; what turns its cells back gives them energy that they did not have before.
     Heal { link_forces: u64, diverged: bool },
 }
@@ -104,7 +104,7 @@ impl Trials {
             simulation
         };
         let test = if cure.restart {
-            Test::Stand(Watch::open(&simulation, PATIENCE))
+            Test::Stand(Box::new(Watch::open(&simulation, PATIENCE)))
         } else {
             Test::Heal { link_forces: 0, diverged: false }
         };
@@ -130,7 +130,7 @@ impl Trial {
     /// Takes a substep of a motion that began at `begin_secs`, if it goes on. Says whether there is more to see.
     fn substep(&mut self, begin_secs: f64) -> bool {
         match &mut self.test {
-            Test::Stand(watch) => watch.substep(&mut self.simulation, |_, _| 0.0),
+            Test::Stand(watch) => watch.substep(&mut self.simulation),
             Test::Heal { link_forces, diverged } => {
                 let report = self.simulation.substep(&mut ());
                 *link_forces += report.link_forces;

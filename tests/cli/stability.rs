@@ -60,6 +60,23 @@ fn what_fails_fails_the_command() {
 }
 
 #[test]
+fn a_random_scene_is_one_command_away_and_told_look_by_look() {
+    let folder = Folder::new();
+    let report = folder.json("report stability --seed 5 --scene 3 --quick --json -o made");
+    assert_eq!((&report["seed"], &report["number"]), (&5.into(), &3.into()), "{report}");
+    let looks = report["events"].as_array().expect("events").iter().filter(|event| event["look"].is_object()).count();
+    assert!(looks > 10, "{looks} looks at it");
+    let look = &report["events"][0]["look"];
+    let keys = "time_secs body kinetic elastic recovery contact own work allowed substeps halved contacts depth_m";
+    assert_eq!(missing(look, keys), Vec::<&str>::new());
+    let ran = folder.run("report stability --seed 5 --scene 3 --quick");
+    assert!(ran.figures.contains("| s | body | kinetic |") && ran.figures.contains("Passed: "), "{ran:?}");
+    let file = std::fs::read_to_string(folder.path("made/seed5_scene000003.ron")).expect("the scene");
+    assert!(file.contains("gelatin report stability --seed 5 --scene 3"), "how to repeat it: {file}");
+    refused(&folder, "report stability incline --scene 3", USAGE, &["--scene"]);
+}
+
+#[test]
 fn wrong_usage_is_refused_first() {
     let folder = Folder::new();
     folder.write("flat", "no folder");

@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 
+use super::look::Look;
 use super::{Fault, GAIN, REACH};
 use crate::math::{Real, Vector};
-use crate::physics::Simulation;
 use crate::physics::diagnostics::Diagnostics;
+use crate::physics::{Simulation, StepReport};
 
 /// Units in the last place by which rounding may misplace a particle.
 const MISPLACED: f64 = 8.0;
@@ -86,10 +87,10 @@ impl Account {
         self.fastest_push = self.fastest_push.max(speed);
     }
 
-    pub(super) fn look<R: Real>(&mut self, simulation: &Simulation<R>) {
-        // What fell out of the scene stays where it was seen last.
+    /// Looks at the energy; none of a body that fell out of the scene, which stays where it was seen last.
+    pub(super) fn look<R: Real>(&mut self, simulation: &Simulation<R>, taken: &StepReport) -> Option<Look> {
         if simulation.state().bodies[self.body].gone {
-            return;
+            return None;
         }
         self.now = simulation.diagnostics_of(self.body);
         if self.fastest_push > 0.0 {
@@ -99,6 +100,21 @@ impl Account {
         self.turnover = self.turnover.max(allowed);
         self.sums = [self.sums[0] + own(&self.now), self.sums[1] + allowed];
         self.looks += 1;
+        Some(Look {
+            time_secs: simulation.state().time_secs,
+            body: self.body,
+            kinetic: self.now.energy.kinetic,
+            elastic: self.now.energy.elastic,
+            recovery: self.now.energy.recovery,
+            contact: self.now.energy.contact,
+            own: own(&self.now),
+            work: self.work,
+            allowed,
+            substeps: taken.substeps,
+            halved: taken.halved,
+            contacts: taken.contacts,
+            depth_m: taken.max_penetration_m,
+        })
     }
 
     /// Closes a window and tells of its gain as a share.

@@ -13,6 +13,9 @@
 //! Each body is judged by itself, so that a heavy one does not hide a light one.
 
 mod account;
+mod look;
+
+pub use look::{Look, Seen};
 
 use std::sync::Arc;
 
@@ -23,7 +26,7 @@ use account::Account;
 use super::disturb::Disturbance;
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector};
-use crate::physics::Simulation;
+use crate::physics::{Simulation, StepReport};
 use crate::scene::Scene;
 
 /// The energy that may be gained from nowhere, as a share.
@@ -102,30 +105,36 @@ pub fn judge_disturbed<R: Real>(
     lattices: &[Arc<Lattice>],
     patience: Patience,
 ) -> Verdict {
-    let mut coming = disturbances.iter().peekable();
-    watch(&mut Simulation::<R>::new(scene, lattices), patience, |simulation, substep| {
-        let now = substep as f64 * simulation.plan().substep_secs();
-        let total = |simulation: &Simulation<R>| simulation.diagnostics().energy.total();
-        let mut work = 0.0;
-        while let Some(disturbance) = coming.next_if(|coming| coming.at_secs <= now) {
-            let before = total(simulation);
-            disturbance.happen(simulation, scene, lattices);
-            work += total(simulation) - before;
-        }
-        work
-    })
+    judge_followed::<R>(scene, disturbances, lattices, patience, |_| ())
 }
 
-/// Watches a simulation; `meddle` may do to it before each substep what nothing else would, and tells of the work (J) that
-/// counts as done from outside.
-fn watch<R: Real>(
-    simulation: &mut Simulation<R>,
+/// The same, telling of every look and of everything that is done to the scene.
+pub fn judge_followed<R: Real>(
+    scene: &Scene,
+    disturbances: &[Disturbance],
+    lattices: &[Arc<Lattice>],
     patience: Patience,
-    mut meddle: impl FnMut(&mut Simulation<R>, u64) -> f64,
+    mut follow: impl FnMut(Seen<'_>),
 ) -> Verdict {
-    let mut watch = Watch::open(simulation, patience);
-    while watch.substep(simulation, &mut meddle) {}
-    watch.verdict()
+    let mut simulation = Simulation::<R>::new(scene, lattices);
+    let mut coming = disturbances.iter().peekable();
+    let mut watch = Watch::open(&simulation, patience);
+    loop {
+        let now = watch.verdict.substeps as f64 * simulation.plan().substep_secs();
+        while let Some(disturbance) = coming.next_if(|coming| coming.at_secs <= now) {
+            let total = |simulation: &Simulation<R>| simulation.diagnostics().energy.total();
+            let before = total(&simulation);
+            disturbance.happen(&mut simulation, scene, lattices);
+            let work = total(&simulation) - before;
+            watch.meddle(work);
+            follow(Seen::Disturbed(disturbance, work));
+        }
+        let goes_on = watch.substep(&mut simulation);
+        watch.looks.iter().for_each(|look| follow(Seen::Look(look)));
+        if !goes_on {
+            return watch.verdict;
+        }
+    }
 }
 
 /// A simulation that is watched, substep by substep.
@@ -139,7 +148,10 @@ pub struct Watch {
     window: u64,
     between_looks: u64,
     bodies: Vec<Account>,
+    /// What was looked at in the last substep.
+    looks: Vec<Look>,
     forces: u64,
+    taken: StepReport,
     verdict: Verdict,
 }
 
@@ -167,27 +179,26 @@ impl Watch {
             window,
             between_looks: window.div_ceil(LOOKS),
             bodies: (0..simulation.model().bodies.len()).map(|number| Account::open(simulation, number)).collect(),
+            looks: Vec::new(),
             forces: 0,
+            taken: StepReport::default(),
             verdict,
         }
     }
 
-    /// Takes one substep and looks at it. Says whether there is more to see. `meddle` may do to the simulation before it
-    /// what nothing else would, and tells of the work (J) that counts as done from outside.
-    pub fn substep<R: Real>(
-        &mut self,
-        simulation: &mut Simulation<R>,
-        mut meddle: impl FnMut(&mut Simulation<R>, u64) -> f64,
-    ) -> bool {
+    /// Counts work (J) that was done at once from outside.
+    fn meddle(&mut self, work: f64) {
+        self.bodies.iter_mut().for_each(|account| account.meddle(work));
+    }
+
+    /// Takes one substep and looks at it. Says whether there is more to see.
+    pub fn substep<R: Real>(&mut self, simulation: &mut Simulation<R>) -> bool {
         if self.forces > self.patience.most_link_forces {
             self.verdict.cut_short = true;
             return false;
         }
+        self.looks.clear();
         let substep = self.verdict.substeps;
-        let meddling = meddle(simulation, substep);
-        for account in &mut self.bodies {
-            account.meddle(meddling);
-        }
         let begin_secs = simulation.state().time_secs;
         let diverged = self.advance(simulation);
         self.verdict.substeps = substep + 1;
@@ -213,6 +224,7 @@ impl Watch {
     fn advance<R: Real>(&mut self, simulation: &mut Simulation<R>) -> bool {
         loop {
             let report = simulation.substep(&mut ());
+            self.taken.add(&report);
             self.forces += report.link_forces + report.iterations * self.links;
             let contacts = &simulation.scratch().contact.contacts;
             let push = contacts.iter().fold(0.0, |push: f64, c| push.max(c.surface_velocity.length().to_f64()));
@@ -229,7 +241,7 @@ impl Watch {
     fn look<R: Real>(&mut self, simulation: &Simulation<R>, look: bool, close: bool) {
         for account in &mut self.bodies {
             if look {
-                account.look(simulation);
+                self.looks.extend(account.look(simulation, &self.taken));
             }
             if close {
                 self.verdict.largest_gain = self.verdict.largest_gain.max(account.close(self.verdict.substeps));
@@ -274,10 +286,13 @@ mod tests {
 
     fn seen(scene: &Scene, mut meddle: impl FnMut(&mut Simulation<f32>, u64)) -> Verdict {
         let mut simulation = Simulation::new(scene, &lattices(scene).expect("sound shapes"));
-        watch(&mut simulation, PATIENCE, |simulation, substep| {
-            meddle(simulation, substep);
-            0.0
-        })
+        let mut watch = Watch::open(&simulation, PATIENCE);
+        loop {
+            meddle(&mut simulation, watch.verdict.substeps);
+            if !watch.substep(&mut simulation) {
+                return watch.verdict();
+            }
+        }
     }
 
     #[test]
