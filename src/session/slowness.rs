@@ -53,6 +53,8 @@ struct Facts<'a> {
     lately: Stretch,
     /// The share of the processors that drawing takes.
     drawing: f64,
+    /// How many processors there are.
+    processors: f64,
     halved: bool,
     contact: bool,
     links: usize,
@@ -80,6 +82,7 @@ impl Session {
             speed: self.speed,
             lately: self.clock.lately(),
             drawing: self.drawing,
+            processors: std::thread::available_parallelism().map_or(1.0, |count| count.get() as f64),
             halved: self.simulation.state().halvings > 0,
             contact: self.sample.is_contact(),
             links,
@@ -90,15 +93,17 @@ impl Session {
 }
 
 fn words(facts: &Facts<'_>) -> String {
-    let Facts { speed, lately, drawing, halved, contact, links, divided } = facts;
+    let Facts { speed, lately, drawing, processors, halved, contact, links, divided } = facts;
     let factor = lately.real_time_factor().unwrap_or(*speed);
     if factor >= KEEPS_UP * speed || factor <= 0.0 {
         return String::new();
     }
     // What it would be if a processor had always been at work on the steps.
     let alone = lately.simulated_secs / lately.processor_secs.max(1e-9);
+    // While steps wait, no processor is idle: what neither drawing nor the steps have, others have.
+    let others = 1.0 - drawing - lately.processor_secs / lately.wall_secs / processors;
     let cause = if alone >= *speed {
-        if *drawing >= DRAWING_MATTERS {
+        if *drawing >= DRAWING_MATTERS.max(others) {
             format!("drawing takes {:.0} % of the processors", drawing * 100.0)
         } else {
             "other programs take the processors".to_owned()
@@ -123,15 +128,26 @@ mod tests {
     /// A second in which `simulated` s came of `processor` s of work.
     fn facts(simulated_secs: f64, processor_secs: f64) -> Facts<'static> {
         let lately = Stretch { wall_secs: 1.0, simulated_secs, stepping_secs: 0.9, processor_secs };
-        Facts { speed: 1.0, lately, drawing: 0.4, halved: false, contact: false, links: 12_876, divided: None }
+        Facts {
+            speed: 1.0,
+            lately,
+            drawing: 0.5,
+            processors: 2.0,
+            halved: false,
+            contact: false,
+            links: 12_876,
+            divided: None,
+        }
     }
 
     #[test]
     fn steps_that_wait_for_a_processor_blame_who_has_it() {
         let waiting = facts(0.5, 0.3);
-        assert_eq!(words(&waiting), "2.0 times slower than real time: drawing takes 40 % of the processors");
-        let elsewhere = Facts { drawing: 0.02, ..waiting };
-        assert_eq!(words(&elsewhere), "2.0 times slower than real time: other programs take the processors");
+        assert_eq!(words(&waiting), "2.0 times slower than real time: drawing takes 50 % of the processors");
+        for drawing in [0.02, 0.2] {
+            let elsewhere = words(&Facts { drawing, ..waiting.clone() });
+            assert_eq!(elsewhere, "2.0 times slower than real time: other programs take the processors", "{drawing}");
+        }
     }
 
     #[test]

@@ -82,6 +82,14 @@ fn numbers() -> Vec<String> {
 /// Everything that is written or can be touched right of the view, by its name.
 fn beside_the_view(window: &Window) -> Vec<(String, Rect)> {
     let view = window.harness.state().ui.view_rect;
+    everything(window)
+        .into_iter()
+        .filter(|(_, rect)| rect.left() >= view.right() && rect.top() >= view.top() && rect.bottom() <= view.bottom())
+        .collect()
+}
+
+/// Everything that is written or can be touched, by its name.
+fn everything(window: &Window) -> Vec<(String, Rect)> {
     let nodes = window.harness.root().children_recursive();
     let seen = nodes.filter(|node| {
         let inner = node.accesskit_node();
@@ -97,16 +105,13 @@ fn beside_the_view(window: &Window) -> Vec<(String, Rect)> {
                 | Role::TextInput
                 | Role::ColorWell
         );
-        is_seen
-            && inner.bounding_box().is_some()
-            && node.rect().left() >= view.right()
-            && node.rect().top() >= view.top()
+        is_seen && inner.bounding_box().is_some()
     });
     let named = seen.map(|node| {
         let inner = node.accesskit_node();
         (format!("{} {}", inner.label().unwrap_or_default(), inner.value().unwrap_or_default()), node.rect())
     });
-    named.filter(|(_, rect)| rect.bottom() <= view.bottom()).collect()
+    named.collect()
 }
 
 /// Whether nothing of the panel passes its edges, and it has the width that it has with short values.
@@ -199,6 +204,25 @@ fn a_number_is_typed_in_all_its_digits_and_left_as_it_was() {
     window.enter("0.5");
     let Material::Springs(springs) = window.scene().bodies[0].material else { panic!("a body of springs") };
     assert!((springs.structural.damping - 0.5).abs() < 1e-12, "{springs:?}");
+}
+
+#[test]
+fn nothing_in_the_bar_at_the_top_lies_over_something_else_in_a_window_of_any_width() {
+    for width in (760..1500_u16).step_by(20) {
+        let mut window = Window::sized("cube-on-plane", [f32::from(width), 700.0], Theme::Dark);
+        window.harness.run_steps(2);
+        let view = window.harness.state().ui.view_rect;
+        let in_bar = |(_, rect): &(String, Rect)| rect.bottom() <= view.top();
+        let mut seen: Vec<_> = everything(&window).into_iter().filter(in_bar).collect();
+        seen.sort_by(|(_, a), (_, b)| a.left().total_cmp(&b.left()));
+        assert!(seen.len() > 8, "{width}: {seen:?}");
+        for (index, (name, rect)) in seen.iter().enumerate() {
+            for (other, place) in &seen[..index] {
+                let both = rect.intersect(*place);
+                assert!(both.width() < 1.0 || both.height() < 1.0, "{width}: {name} {rect} lies over {other} {place}");
+            }
+        }
+    }
 }
 
 #[test]

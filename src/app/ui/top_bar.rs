@@ -26,7 +26,7 @@ const LEAST_LIST: f32 = 200.0;
 const SUMMARY_COLUMN: f32 = 124.0;
 /// Below these widths of the bar (points) it has no room for the step in figures, and for words beside the boxes.
 const STEP_NEEDS: f32 = 1230.0;
-const WORDS_NEED: f32 = 940.0;
+const WORDS_NEED: f32 = 1000.0;
 
 /// The bar along the top.
 pub(super) fn top_bar_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
