@@ -63,7 +63,8 @@
 //! 6. Everything a person changes in a scene is an [`scene::edit::Edit`], whose inverse takes it back byte for byte, with
 //!    the motion of the body it moved or removed (`scene::edit`, `session`: ten thousand random commands).
 //! 7. Every struct shared with a shader has its layout (`tests/render`).
-//! 8. What a file, a graphics driver or a person can cause is a typed error with a sentence (`tests/cli`).
+//! 8. What a file, a graphics driver or a person can cause is a typed error with a sentence (`tests/cli`), in bounded
+//!    memory and time (`tests/fuzz`, `tests/cli/limits.rs`).
 //!
 //! # Features
 //!

@@ -91,7 +91,7 @@ fn navigate<'a>(tree: &'a mut Value, path: &str, asked: &str) -> Result<&'a mut 
             Value::Array(entries) => {
                 let count = entries.len();
                 let index: usize = name.parse().unwrap_or(usize::MAX);
-                let out = PathError::OutOfRange { list: above, index: name.to_owned(), count };
+                let out = PathError::OutOfRange { list: echo(&above), index: echo(name), count };
                 entries.get_mut(index).ok_or(out)?
             }
             Value::Object(fields) => {
@@ -169,7 +169,8 @@ fn allowed(param: &Param, path: &str) -> String {
 
 /// The three paths nearest to one that does not exist, with the places in lists that it gave.
 fn nearest(path: &str) -> String {
-    let is_place = |name: &&str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
+    // A longer number is no place in a list.
+    let is_place = |name: &&str| (1..=6).contains(&name.len()) && name.bytes().all(|byte| byte.is_ascii_digit());
     let generic: Vec<&str> = path.split('.').map(|name| if is_place(&name) { "*" } else { name }).collect();
     let generic = generic.join(".");
     let mut ranked: Vec<(usize, &str)> =

@@ -201,7 +201,18 @@ impl Session {
         if let Some(difference) = origin.difference(&Origin::of(self)) {
             return Err(StateFileError::OtherScene { scene: echo(origin.scene()), difference });
         }
-        self.replace_state(reader.state(self.simulation())?);
+        let state = reader.state(self.simulation())?;
+        // Numbers that are finite by themselves may be too large to work with.
+        let mut tried = self.simulation().clone();
+        tried.set_state(state.clone());
+        if !tried.diagnostics().finite {
+            return Err(StateFileError::Value {
+                field: "the energy".to_owned(),
+                value: "too large for a number".to_owned(),
+                needed: "a motion that can go on".to_owned(),
+            });
+        }
+        self.replace_state(state);
         Ok(())
     }
 }

@@ -77,6 +77,22 @@ fn every_number_of_a_state_is_checked() {
 }
 
 #[test]
+fn a_state_whose_energy_is_no_number_is_refused() {
+    let huge = refused(VECTORS + 24 * PARTICLES, &f32::MAX.to_le_bytes());
+    assert_eq!(huge, "nothing", "fast, but a number");
+    let mut session = session();
+    let mut state = session.simulation().state().clone();
+    state
+        .position
+        .iter_mut()
+        .enumerate()
+        .for_each(|(at, position)| position.y = if at % 2 == 0 { 3e38 } else { -3e38 });
+    session.replace_state(state);
+    assert!(!session.simulation().diagnostics().finite, "the links between them are too long");
+    assert!(said(session.state_bytes()).contains("the energy is too large for a number"), "and this is said");
+}
+
+#[test]
 fn a_state_of_another_length_says_where_that_is_seen() {
     let bytes = session().state_bytes();
     let text = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(1).expect("two lines").0 + 1;

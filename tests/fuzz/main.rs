@@ -1,0 +1,80 @@
+//! What strangers can give, mutated: model files, scenes, states and `--set` values. Each case runs in a child process
+//! under a limit of memory, and within a limit of processor time of its own; none may panic, want more, or leave
+//! behind what the program itself never makes.
+//!
+//! The seeds are fixed. `GELATIN_FUZZ_SECONDS=600 cargo test --release --test fuzz` goes on for that long with every
+//! target, from a seed drawn then or given as `GELATIN_FUZZ_SEED`. What failed is written to `target/tmp`.
+
+#![cfg(target_os = "linux")]
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+mod mutate;
+mod runner;
+mod targets;
+
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use runner::{Fault, run};
+use targets::Target;
+
+/// The seed of the cases that always run.
+const SEED: u64 = 20_261_122;
+
+/// Runs some cases of the fixed seed, and more of another one where a person asks for that.
+fn check(target: Target, count: u64) {
+    let begin = Instant::now();
+    let mut faults = run(target, SEED, 0..count);
+    eprintln!("{target:?}: {count} cases of seed {SEED} in {:.0} s", begin.elapsed().as_secs_f64());
+    let mut ran = count;
+    let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
+    if let Some(secs) = number("GELATIN_FUZZ_SECONDS") {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+        let seed = number("GELATIN_FUZZ_SEED").unwrap_or(now.as_secs());
+        let begin = Instant::now();
+        let mut next = 0;
+        while begin.elapsed() < Duration::from_secs(secs) {
+            faults.extend(run(target, seed, next..next + 500));
+            next += 500;
+        }
+        ran += next;
+        eprintln!("{target:?}: {next} cases of seed {seed} in {:.0} s", begin.elapsed().as_secs_f64());
+    }
+    eprintln!("{target:?}: {ran} cases, {} faults", faults.len());
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn mutated_models_are_read_or_refused() {
+    check(Target::Model, 1200);
+}
+
+#[test]
+fn mutated_scenes_are_opened_or_refused() {
+    check(Target::Scene, 1200);
+}
+
+#[test]
+fn mutated_states_are_taken_up_or_refused() {
+    check(Target::State, 1200);
+}
+
+#[test]
+fn mutated_values_are_set_or_refused() {
+    check(Target::Set, 4000);
+}
+
+/// Of ten cases one panics, one eats memory, one never ends; the others are fine.
+#[test]
+fn a_case_that_panics_or_eats_memory_or_never_ends_is_found() {
+    let faults = run(Target::Planted, SEED, 0..10);
+    let found: Vec<_> = faults.iter().map(|Fault { case, .. }| *case).collect();
+    assert_eq!(found, [3, 5, 8], "{faults:#?}");
+    assert!(faults[0].how.contains("it is planted"), "{faults:#?}");
+}
+
+/// Not a test by itself: the cases that a test gives to a process of its own.
+#[test]
+#[ignore = "run by the other tests, in processes of their own"]
+fn child() {
+    runner::child();
+}

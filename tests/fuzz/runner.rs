@@ -1,0 +1,130 @@
+//! Cases in child processes under limits; where a child dies, the case it was at is run alone.
+
+use std::fs::{self, File};
+use std::ops::Range;
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use cpu_time::ProcessTime;
+
+use crate::targets::Target;
+
+/// Address space of a child, MiB.
+const MEBIBYTES: u64 = 1500;
+/// How often a child looks whether its case has taken too much processor time.
+const LOOK: Duration = Duration::from_millis(100);
+/// Wall time after which a child is not waited for any more: it waits for something itself.
+const WALL: Duration = Duration::from_mins(5);
+
+/// Where a child finds what it is to do, and where it says which case it is at.
+const TASK: &str = "GELATIN_FUZZ_TASK";
+const PLACE: &str = "GELATIN_FUZZ_PLACE";
+
+/// A case that failed.
+#[derive(Debug)]
+#[expect(dead_code, reason = "read in the message of a failed test")]
+pub(crate) struct Fault {
+    pub(crate) target: Target,
+    pub(crate) seed: u64,
+    pub(crate) case: u64,
+    /// What the child said last, and how it ended.
+    pub(crate) how: String,
+    /// The input, written down.
+    pub(crate) input: PathBuf,
+}
+
+/// Runs cases of a target. The ones that fail.
+pub(crate) fn run(target: Target, seed: u64, cases: Range<u64>) -> Vec<Fault> {
+    let folder = tempfile::tempdir().unwrap();
+    let mut faults = Vec::new();
+    let mut next = cases.start;
+    while next < cases.end {
+        let (place, ended) = spawn(folder.path(), target, seed, next..cases.end);
+        if ended.is_ok() {
+            break;
+        }
+        // A child may have died of the cases before.
+        let (_, alone) = spawn(folder.path(), target, seed, place..place + 1);
+        if let Err(how) = alone {
+            let input = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{target:?}-{seed}-{place}"));
+            fs::write(&input, target.input(seed, place)).unwrap();
+            faults.push(Fault { target, seed, case: place, how, input });
+        }
+        next = place + 1;
+    }
+    faults
+}
+
+/// Runs cases in one child. The last case it was at, and how it ended if not well.
+fn spawn(folder: &Path, target: Target, seed: u64, cases: Range<u64>) -> (u64, Result<(), String>) {
+    let (place, said) = (folder.join("place"), folder.join("said"));
+    fs::write(&place, cases.start.to_le_bytes()).unwrap();
+    let limited = format!("ulimit -v {}; ulimit -c 0; exec \"$@\"", MEBIBYTES << 10);
+    let child = Command::new("sh")
+        .args(["-c", &limited, "sh"])
+        .arg(std::env::current_exe().unwrap())
+        .args(["child", "--exact", "--ignored", "--nocapture", "--test-threads=1"])
+        .env(TASK, format!("{target:?} {seed} {} {}", cases.start, cases.end))
+        .env(PLACE, &place)
+        // Threads that reserve memory which they do not use.
+        .env("MALLOC_ARENA_MAX", "2")
+        .env("RAYON_NUM_THREADS", "1")
+        .env("RUST_BACKTRACE", "0")
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(File::create(&said).unwrap())
+        .spawn()
+        .unwrap();
+    let ended = wait(child);
+    let at = fs::read(&place).unwrap().try_into().map_or(cases.start, u64::from_le_bytes);
+    let said = String::from_utf8_lossy(&fs::read(&said).unwrap()).into_owned();
+    let how = match ended {
+        Some(status) if status.success() => return (at, Ok(())),
+        Some(status) => format!("{status}: {}", said.trim()),
+        None => format!("it did not end in {WALL:?}"),
+    };
+    (at, Err(how))
+}
+
+fn wait(mut child: Child) -> Option<ExitStatus> {
+    let begin = Instant::now();
+    while begin.elapsed() < WALL {
+        if let Some(status) = child.try_wait().unwrap() {
+            return Some(status);
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    None
+}
+
+/// What a child does.
+pub(crate) fn child() {
+    let task = std::env::var(TASK).expect("it is run by the other tests");
+    let words: Vec<&str> = task.split(' ').collect();
+    let target = Target::ALL.into_iter().find(|target| format!("{target:?}") == words[0]).expect("a target");
+    let [seed, start, end] = [1, 2, 3].map(|word| words[word].parse::<u64>().expect("a number"));
+    let place = File::options().write(true).open(std::env::var(PLACE).expect("a place")).expect("it is there");
+    let begin = Arc::new(Mutex::new(ProcessTime::now()));
+    let (watched, most) = (Arc::clone(&begin), target.processor_time());
+    std::thread::spawn(move || {
+        loop {
+            std::thread::sleep(LOOK);
+            let taken = watched.lock().expect("nobody panics with it").elapsed();
+            if taken > most {
+                eprintln!("a case takes more than {most:?} of processor time");
+                std::process::abort();
+            }
+        }
+    });
+    for case in start..end {
+        place.write_all_at(&case.to_le_bytes(), 0).expect("a few bytes");
+        *begin.lock().expect("nobody panics with it") = ProcessTime::now();
+        target.try_input(&target.input(seed, case));
+        target.try_case(case);
+    }
+}
