@@ -19,6 +19,7 @@ mod panels_values;
 mod window;
 mod window_dialogs;
 mod window_files;
+mod window_killed;
 mod window_places;
 mod window_speed;
 mod worker;
