@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
@@ -22,6 +22,8 @@ struct Odd {
     panics: bool,
     scene: Scene,
     advances: Arc<AtomicUsize>,
+    /// A step that never ends by itself: it looks at this after every piece of work.
+    endless: Option<Arc<AtomicBool>>,
 }
 
 impl Sandbox for Odd {
@@ -39,7 +41,14 @@ impl Sandbox for Odd {
     fn advance(&mut self, _wall: Duration, _budget: Duration) {
         assert!(!self.panics, "a number was lost");
         std::thread::sleep(self.cost);
+        while self.endless.as_ref().is_some_and(|stop| !stop.load(Ordering::Relaxed)) {
+            std::thread::yield_now();
+        }
         self.advances.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn begin(&mut self, stop: &Arc<AtomicBool>) {
+        self.endless = self.endless.take().map(|_| Arc::clone(stop));
     }
 
     fn is_at_work(&self) -> bool {
@@ -79,6 +88,7 @@ fn start(playing: bool, cost: Duration, panics: bool) -> Bench {
         panics,
         scene: Scene::default(),
         advances: Arc::new(AtomicUsize::new(0)),
+        endless: None,
     })
 }
 
@@ -155,7 +165,8 @@ fn a_paused_sandbox_that_nobody_touches_does_nothing() {
 fn what_is_at_rest_keeps_its_time_and_publishes_one_picture_of_it() {
     let advances = Arc::new(AtomicUsize::new(0));
     let cost = Duration::ZERO;
-    let bench = start_odd(Odd { playing: true, rests: true, cost, panics: false, scene: Scene::default(), advances });
+    let scene = Scene::default();
+    let bench = start_odd(Odd { playing: true, rests: true, cost, panics: false, scene, advances, endless: None });
     bench.wait_for(|_| true);
     let before = bench.advances.load(Ordering::Relaxed);
     assert!(bench.wakes.recv_timeout(Duration::from_millis(400)).is_err(), "nothing more is published");
@@ -200,6 +211,22 @@ fn a_window_that_looks_away_is_woken_once() {
     let bench = start(true, Duration::ZERO, false);
     std::thread::sleep(Duration::from_millis(400));
     assert_eq!(bench.wakes.try_iter().count(), 1, "wake-ups do not pile up");
+}
+
+#[test]
+fn a_step_that_never_ends_is_given_up_for_who_waits_and_not_for_a_hand_that_moves() {
+    let (advances, endless) = (Arc::new(AtomicUsize::new(0)), Some(Arc::default()));
+    let (cost, scene) = (Duration::ZERO, Scene::default());
+    let bench = start_odd(Odd { playing: true, rests: false, cost, panics: false, scene, advances, endless });
+    bench.wait_for(|_| true);
+    bench.worker.send(Command::EndEdit);
+    assert!(bench.wakes.recv_timeout(Duration::from_millis(300)).is_err(), "the step goes on");
+    bench.worker.send(Command::Pause);
+    let paused = bench.wait_for(|snapshot| !snapshot.status.playing);
+    assert_eq!(paused.answers, 2, "both are done");
+    assert!(bench.advances.load(Ordering::Relaxed) > 0, "the step was given up");
+    bench.worker.send(Command::Play);
+    bench.wait_for(|snapshot| snapshot.status.playing);
 }
 
 #[test]
