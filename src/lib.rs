@@ -40,7 +40,8 @@
 //!       Impact::Motion     → the body is moved, turned or thrown; nothing is rebuilt
 //!       Impact::Topology   → compiled anew; bodies that stay keep their motion
 //!  wall time ─► Session::advance ─► whole steps, each of n substeps ─► StepReport ─► Status ─► panels
-//!       (the implicit integrator covers several steps with one substep; what is dear or would gain energy goes in parts)
+//!       (the implicit integrator covers several steps with one substep; what is dear or would gain energy goes in parts,
+//!        up to a limit of work in 1/60 s, past which it is slowed and the report says so)
 //!  Session::draw_list ─► DrawList ─► Renderer ─► surface or image
 //! ```
 //!

@@ -62,6 +62,11 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         prediction.limited_by.replace('_', " "),
         three_digits(prediction.predicted_real_time_factor),
     ))?;
+    if let Some(most) = prediction.most_iterations_per_frame {
+        out::figures(&format!(
+            "at most {most} iterations of the implicit integrator in 1/60 s, however violent the motion"
+        ))?;
+    }
     for term in prediction.limits.iter().filter(|limit| limit.term != "user") {
         let safe = term.dt_limit_secs.map(|at_rest| margin * at_rest);
         out::figures(&format!("  {:<22} {}", term.term.replace('_', " "), limit(safe)))?;

@@ -47,29 +47,42 @@ pub(super) fn gains_energy<R: Real>(
     contacts: &[ContactRecord<R>],
     grab: Option<&Grab<R>>,
 ) -> bool {
-    let mut contacts = contacts;
-    model.bodies.iter().enumerate().any(|(number, body)| {
-        let own = contacts.partition_point(|contact| contact.particle < body.particles.end);
-        let (own, others) = contacts.split_at(own);
-        contacts = others;
-        if state.bodies[number].asleep {
-            return false;
-        }
-        let (kinetic, gained, work) = of_particles(body, dt.to_f64(), state, force, velocity);
-        let there = (kinetic - gained - work).max(0.0);
-        let (stored, carried, turned_over) = of_contacts(body, own, dt, velocity);
-        let pulled = grab
-            .filter(|grab| grab.body == number)
-            .map_or(0.0, |grab| work_of(grab, body, dt.to_f64(), state, velocity));
-        let own = [&state.position[..], &state.velocity, velocity].map(|of| &of[body.particles.clone()]);
-        let unfolded = recovery::energy_past_work(plan, body, &state.bodies[number], own, dt);
-        let from_nowhere =
-            gained + of_links(body, plan, dt.to_f64(), state, velocity) + unfolded + stored - carried - pulled;
-        let bearable = ROUNDING * kinetic + UNSOLVED * turned_over.min(there);
-        // What is no number is no balance either.
-        from_nowhere.is_nan()
-            || from_nowhere > bearable && from_nowhere > bearable + rounding(body, plan, dt.to_f64(), state, velocity)
+    (0..model.bodies.len()).any(|number| {
+        !state.bodies[number].asleep
+            && body_gains_energy(model, number, plan, dt, state, force, velocity, contacts, grab)
     })
+}
+
+/// The same of one body.
+#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
+pub(super) fn body_gains_energy<R: Real>(
+    model: &Model<R>,
+    number: usize,
+    plan: &Plan,
+    dt: R,
+    state: &State<R>,
+    force: &[R::Vec3],
+    velocity: &[R::Vec3],
+    contacts: &[ContactRecord<R>],
+    grab: Option<&Grab<R>>,
+) -> bool {
+    let body = &model.bodies[number];
+    let [first, end] = [body.particles.start, body.particles.end]
+        .map(|particle| contacts.partition_point(|contact| contact.particle < particle));
+    let own = &contacts[first..end];
+    let (kinetic, gained, work) = of_particles(body, dt.to_f64(), state, force, velocity);
+    let there = (kinetic - gained - work).max(0.0);
+    let (stored, carried, turned_over) = of_contacts(body, own, dt, velocity);
+    let pulled =
+        grab.filter(|grab| grab.body == number).map_or(0.0, |grab| work_of(grab, body, dt.to_f64(), state, velocity));
+    let own = [&state.position[..], &state.velocity, velocity].map(|of| &of[body.particles.clone()]);
+    let unfolded = recovery::energy_past_work(plan, body, &state.bodies[number], own, dt);
+    let from_nowhere =
+        gained + of_links(body, plan, dt.to_f64(), state, velocity) + unfolded + stored - carried - pulled;
+    let bearable = ROUNDING * kinetic + UNSOLVED * turned_over.min(there);
+    // What is no number is no balance either.
+    from_nowhere.is_nan()
+        || from_nowhere > bearable && from_nowhere > bearable + rounding(body, plan, dt.to_f64(), state, velocity)
 }
 
 /// What rounding alone may give or take in this substep, J. A body at rest has no energy but this: no division of the

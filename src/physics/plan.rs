@@ -21,6 +21,16 @@ const LONGEST_IMPLICIT_SECS: f64 = 0.25 * FRAME_SECS;
 /// The most halvings of a substep of the implicit integrator.
 pub const MOST_HALVINGS: u32 = 24;
 
+/// The most work of the implicit integrator in 1/60 s for each body, in iterations of its solver: some hundred times what a
+/// body takes that lands on the ground. It is counted in work, never in time, so that the motion is the same everywhere.
+pub const MOST_WORK_A_FRAME: u64 = 100_000;
+
+/// The work of a solve beside its iterations: forces, matrix, contact and balance.
+pub const SOLVE_WORK: u64 = 10;
+
+/// The least limit of the work of a substep: one try in which every round takes all iterations.
+const LEAST_WORK: u64 = 6_560;
+
 /// Halvings beyond the step that is safe at rest: strained bodies are stiffer (see [`strain`]).
 const STRAINED_HALVINGS: f64 = 3.0;
 
@@ -81,6 +91,8 @@ pub struct Plan {
     /// Whether an explicit integrator can take what is left after that many; otherwise the linear equations have the last
     /// word.
     pub ends_explicitly: bool,
+    /// The work on one substep after which the implicit integrator halves no more, see [`MOST_WORK_A_FRAME`].
+    pub most_work: u64,
     /// Parts that a substep is taken in while a body is strained.
     pub parts: u32,
     /// The predicted stability limits the subdivision follows from.
@@ -136,6 +148,7 @@ impl Plan {
             span: if taken_over { span } else { 1 },
             halvings: 0,
             ends_explicitly: false,
+            most_work: u64::MAX,
             parts: 1,
             limits,
             families: Family::ALL.map(|family| has_force(family as usize)),
@@ -158,7 +171,10 @@ impl Plan {
         let needed = if integrator == Integrator::Implicit { halvings(model, settings.contact, secs) } else { 0 };
         let halvings = needed.min(MOST_HALVINGS);
         let parts = strain::parts(model, integrator, secs);
-        Self { halvings, ends_explicitly: needed == halvings, parts, ..plan }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
+        let share = (MOST_WORK_A_FRAME as f64 * secs / FRAME_SECS) as u64;
+        let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len() as u64);
+        Self { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
     }
 
     /// The step in use, s.

@@ -1,6 +1,6 @@
 //! What a step tells about itself, and who may take its time.
 
-use super::plan::Stage;
+use super::plan::{SOLVE_WORK, Stage};
 
 /// What happened in one or more substeps. Plain numbers; the step never logs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,6 +21,9 @@ pub struct StepReport {
     pub link_forces: u64,
     /// Substeps of the implicit integrator, or parts of one, that would have given energy and were halved.
     pub halved: u64,
+    /// Substeps of the implicit integrator that reached the limit of their work, and were finished in long parts, slowed
+    /// where those would have given energy.
+    pub slowed: u64,
     /// Linear systems that the implicit integrator solved.
     pub solves: u64,
     /// Iterations of the implicit integrator's solver.
@@ -47,6 +50,11 @@ pub struct StepReport {
 }
 
 impl StepReport {
+    /// The work of the implicit integrator, in iterations.
+    pub fn implicit_work(&self) -> u64 {
+        self.iterations + SOLVE_WORK * self.solves
+    }
+
     /// Adds what a later stretch of substeps reports.
     pub fn add(&mut self, later: &Self) {
         self.substeps += later.substeps;
@@ -57,6 +65,7 @@ impl StepReport {
         self.narrow_tests_saved += later.narrow_tests_saved;
         self.link_forces += later.link_forces;
         self.halved += later.halved;
+        self.slowed += later.slowed;
         self.solves += later.solves;
         self.iterations += later.iterations;
         self.damped_link_forces += later.damped_link_forces;

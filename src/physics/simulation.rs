@@ -17,8 +17,8 @@ use super::model::Model;
 use super::plan::Plan;
 use super::report::{StageTimer, StepReport};
 use super::sleep;
-use super::state::{BodyMemory, State};
-use super::step::{self, Inputs, Part, Scratch};
+use super::state::{BodyMemory, SPENT, State};
+use super::step::{self, Gain, Inputs, Part, Scratch};
 use super::strain;
 use crate::geometry::Lattice;
 use crate::math::Real;
@@ -102,7 +102,8 @@ impl<R: Real> Simulation<R> {
         }
         self.state.steps = before.state.steps;
         self.state.substep = rescaled(before.state.substep, before.plan.substeps, self.plan.substeps);
-        (self.state.part, self.state.halvings) = (before.state.part, before.state.halvings);
+        let State { part, halvings, work, .. } = before.state;
+        (self.state.part, self.state.halvings, self.state.work) = (part, halvings, work);
         self.state.fit_scheme(&self.plan);
         self.state.time_secs = before.state.time_secs;
         // Verlet begins anew, as the accelerations it remembers are not taken over.
@@ -192,16 +193,28 @@ impl<R: Real> Simulation<R> {
         let mut left = parts;
         let secs = self.plan.substep_secs() / f64::from(left);
         while left > 0 && !report.diverged && !report.stopped {
+            if self.state.work >= self.plan.most_work {
+                report.slowed += u64::from(self.state.work != SPENT);
+                self.state.work = SPENT;
+                self.state.coarsen();
+            }
             let (share, is_last) = self.state.next_part();
-            let may_be_halved = self.state.halvings < self.plan.halvings;
+            let gain = match () {
+                () if self.state.work == SPENT => Gain::Slow,
+                () if self.state.halvings < self.plan.halvings => Gain::Halve,
+                () => Gain::Take,
+            };
             let (is_first, is_last) = (left == parts, is_last && left == 1);
-            let part = Part { secs: secs * share, may_be_halved, is_first, is_last };
+            let part = Part { secs: secs * share, gain, is_first, is_last };
             sweep::advance(&mut self.model, &mut self.sweeps, part.secs);
             approach::place(&mut self.model, &self.state.approaches, part.secs);
             let Self { model, plan, state, scratch, grab, .. } = self;
             let inputs = Inputs { grab: grab.as_ref().filter(|grab| !state.bodies[grab.body].gone) };
             let of_part = step::substep(model, plan, part, inputs, state, scratch, timer);
             report.add(&of_part);
+            if !of_part.stopped {
+                self.state.work = self.state.work.saturating_add(of_part.implicit_work());
+            }
             if of_part.stopped || of_part.halved > 0 {
                 sweep::take_back(&mut self.sweeps);
                 self.state.halvings += u32::from(!of_part.stopped);

@@ -6,6 +6,9 @@ use super::plan::{MOST_HALVINGS, Plan};
 use crate::math::{Real, Vector};
 use crate::scene::settings::Integrator;
 
+/// The [`State::work`] of a substep whose limit is reached.
+pub const SPENT: u64 = u64::MAX;
+
 /// Where and how fast. Arrays are by particle, the bodies one after another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State<R: Real> {
@@ -41,6 +44,9 @@ pub struct State<R: Real> {
     pub part: u64,
     /// How often the substep under way is halved at present.
     pub halvings: u32,
+    /// The work on the substep under way so far, in iterations of the implicit integrator; [`SPENT`] once the limit of
+    /// `Plan::most_work` was reached.
+    pub work: u64,
     /// Whole steps that are counted and that the motion has yet to catch up with: see `Plan::span`.
     pub held_steps: u32,
     /// Simulated time, s: kept, not recomputed, as the step may be changed on the way.
@@ -117,9 +123,14 @@ impl<R: Real> State<R> {
         }
         let ends = self.part == 1 << MOST_HALVINGS;
         if ends {
-            (self.part, self.halvings) = (0, 0);
+            (self.part, self.halvings, self.work) = (0, 0, 0);
         }
         ends
+    }
+
+    /// Lets the next part be as long as the grid of halves allows.
+    pub(super) fn coarsen(&mut self) {
+        self.halvings = if self.part == 0 { 0 } else { MOST_HALVINGS.saturating_sub(self.part.trailing_zeros()) };
     }
 
     /// Every particle at its start.
@@ -139,6 +150,7 @@ impl<R: Real> State<R> {
             substep: 0,
             part: 0,
             halvings: 0,
+            work: 0,
             held_steps: 0,
             time_secs: 0.0,
         };
@@ -165,7 +177,7 @@ impl<R: Real> State<R> {
     pub(super) fn fit_scheme(&mut self, plan: &Plan) {
         self.held_steps = self.held_steps.min(plan.span - 1);
         if plan.halvings == 0 {
-            (self.part, self.halvings) = (0, 0);
+            (self.part, self.halvings, self.work) = (0, 0, 0);
         }
         if !matches!(plan.integrator, Integrator::Verlet | Integrator::SemiImplicit) {
             self.velocity_lag_secs = 0.0;

@@ -17,8 +17,8 @@
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
 //! anything is written: the state stays the last good one and the report says so.
 
-use super::balance::gains_energy;
-use super::contact;
+use super::balance::{body_gains_energy, gains_energy};
+use super::contact::{self, ContactRecord};
 use super::fallen;
 use super::forces;
 use super::integrate::{self, Free};
@@ -83,6 +83,9 @@ fn remembered<R: Real>(model: &Model<R>, plan: &Plan) -> Vec<BodyMemory> {
     model.bodies.iter().map(|body| room(body.lattice.cells.len())).collect()
 }
 
+/// How often the velocities of a body are halved that would gain energy however short its substeps are.
+const SLOWINGS: u32 = 12;
+
 /// What comes from outside into a substep.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a, R: Real> {
@@ -90,13 +93,24 @@ pub struct Inputs<'a, R: Real> {
     pub grab: Option<&'a Grab<R>>,
 }
 
+/// What becomes of a part of a substep that would give energy from nowhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gain {
+    /// It is abandoned and halved.
+    Halve,
+    /// It is taken as an explicit integrator can take it, or as it is.
+    Take,
+    /// It is taken with as much of the motion as gives none: there was enough work on the substep.
+    Slow,
+}
+
 /// The time that a substep covers, or the part of one that is divided further.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
     /// Its length, s.
     pub secs: f64,
-    /// Whether it is abandoned where it would give energy from nowhere, as it can be halved.
-    pub may_be_halved: bool,
+    /// What becomes of it where the implicit integrator would give energy from nowhere.
+    pub gain: Gain,
     /// Whether the substep begins with it: what is under way is not given up.
     pub is_first: bool,
     /// Whether the substep ends with it.
@@ -106,7 +120,7 @@ pub struct Part {
 impl Part {
     /// A whole substep, come what may.
     pub fn whole(plan: &Plan) -> Self {
-        Self { secs: plan.substep_secs(), may_be_halved: false, is_first: true, is_last: true }
+        Self { secs: plan.substep_secs(), gain: Gain::Take, is_first: true, is_last: true }
     }
 
     /// One of so many equal parts of it.
@@ -165,11 +179,13 @@ pub fn substep<R: Real>(
                 && !gains_energy(model, plan, dt, state, force, velocity, &contact.contacts, inputs.grab)
         };
         if plan.halvings > 0 && !holds() {
-            if part.may_be_halved {
+            if part.gain == Gain::Halve {
                 timer.leave();
                 return StepReport { substeps: 0, halved: 1, ..report };
             }
-            if plan.ends_explicitly {
+            if part.gain == Gain::Slow {
+                slow(model, plan, dt, state, velocity, force, &contact.contacts, inputs.grab);
+            } else if plan.ends_explicitly {
                 let felt = &state.velocity;
                 forces::evaluate(model, plan, position, &[], felt, bodies, force, recovering, &mut report, timer);
                 let mut free =
@@ -206,6 +222,33 @@ pub fn substep<R: Real>(
     }
     timer.leave();
     report
+}
+
+/// Halves the velocities of bodies until they gain no energy from nowhere by them; what does even then stands still.
+#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
+fn slow<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    dt: R,
+    state: &State<R>,
+    velocity: &mut [R::Vec3],
+    force: &[R::Vec3],
+    contacts: &[ContactRecord<R>],
+    grab: Option<&Grab<R>>,
+) {
+    for (number, body) in model.bodies.iter().enumerate() {
+        let own = body.particles.clone();
+        for slowing in (0..SLOWINGS).rev() {
+            let is_finite =
+                own.clone().all(|p| velocity[p].is_finite() && (state.position[p] + velocity[p] * dt).is_finite());
+            if is_finite && !body_gains_energy(model, number, plan, dt, state, force, velocity, contacts, grab) {
+                break;
+            }
+            for velocity in &mut velocity[own.clone()] {
+                *velocity = if slowing == 0 || !is_finite { R::Vec3::ZERO } else { *velocity * R::from_f64(0.5) };
+            }
+        }
+    }
 }
 
 /// Writes the velocities at the end of a substep from those that the forces predict.

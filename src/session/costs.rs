@@ -98,6 +98,7 @@ fn step_cost(timer: &WallTimer, report: &StepReport, steps: f64, plan: &Plan) ->
             count("implicit solves", report.solves),
             count("iterations of these", report.iterations),
             count("halvings", report.halved),
+            count("substeps slowed", report.slowed),
         ],
         left_out: plan.left_out(),
     }

@@ -7,7 +7,9 @@ use serde::Serialize;
 
 use super::Session;
 use crate::physics::Simulation;
+use crate::physics::plan::MOST_WORK_A_FRAME;
 use crate::physics::stability::Term;
+use crate::scene::settings::Integrator;
 
 /// Simulated time that is measured, s: long enough to fall on something, for what falls freely costs the implicit
 /// integrator a third of what is squashed.
@@ -35,6 +37,8 @@ pub struct Prediction {
     pub integrator: &'static str,
     pub limits: Vec<LimitFigures>,
     pub substeps_per_frame: u64,
+    /// The limit of the implicit integrator's work in 1/60 s, in iterations; none with other integrators.
+    pub most_iterations_per_frame: Option<u64>,
     pub predicted_real_time_factor: f64,
 }
 
@@ -58,11 +62,14 @@ impl Prediction {
         limits.push(figure(Term::Combined, plan.limits.dt_limit_secs));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
         let substeps_per_frame = libm::ceil(1.0 / 60.0 / plan.substep_secs()) as u64;
-        let factor = speed_alone(session.simulation());
+        let Speed { factor, slowed } = measured(session.simulation());
+        let of_a_frame = plan.most_work.checked_mul(substeps_per_frame);
+        let most = of_a_frame.filter(|_| plan.integrator == Integrator::Implicit && plan.halvings > 0);
+        let first = (slowed > 0).then(|| slowed_words(slowed, MEASURE_SECS));
         Self {
             ok: true,
             errors: [],
-            warnings: crawl(factor).into_iter().chain(session.warnings()).collect(),
+            warnings: crawl(factor).into_iter().chain(first).chain(session.warnings()).collect(),
             scene: session.title().to_owned(),
             particles: simulation.model().particle_count(),
             links: simulation.model().link_counts().iter().sum(),
@@ -73,6 +80,7 @@ impl Prediction {
             integrator: plan.integrator.name(),
             limits,
             substeps_per_frame,
+            most_iterations_per_frame: most,
             predicted_real_time_factor: factor,
         }
     }
@@ -94,21 +102,44 @@ pub fn crawl(real_time_factor: f64) -> Option<String> {
     })
 }
 
+/// What a person should know of substeps that reached the limit of their work.
+pub fn slowed_words(substeps: u64, seconds: f64) -> String {
+    format!(
+        "in {seconds:.3} s the motion was too violent {substeps} times: the implicit integrator halves a substep for \
+         {MOST_WORK_A_FRAME} iterations in 1/60 s and body, then takes the rest in long parts and slows what would gain \
+         energy"
+    )
+}
+
+/// What was measured on a copy.
+struct Speed {
+    /// Simulated seconds in a second of processor time.
+    factor: f64,
+    /// Substeps that reached the limit of their work.
+    slowed: u64,
+}
+
 /// Simulated seconds in a second of processor time, measured on a copy.
 pub fn speed_alone(simulation: &Simulation<f32>) -> f64 {
+    measured(simulation).factor
+}
+
+fn measured(simulation: &Simulation<f32>) -> Speed {
     let mut copy = simulation.clone();
     // The first one finds nothing in the caches.
     copy.substep(&mut ());
     let start_secs = copy.state().time_secs;
     let begin = ThreadTime::now();
+    let mut slowed = 0;
     loop {
-        copy.substep(&mut ());
+        slowed += copy.substep(&mut ()).slowed;
         let measured_secs = copy.state().time_secs - start_secs;
         if copy.has_diverged() || measured_secs >= MEASURE_SECS || begin.elapsed() >= MEASURE {
             break;
         }
     }
-    (copy.state().time_secs - start_secs) / begin.elapsed().as_secs_f64().max(1e-9)
+    let factor = (copy.state().time_secs - start_secs) / begin.elapsed().as_secs_f64().max(1e-9);
+    Speed { factor, slowed }
 }
 
 /// Simulated seconds a second in a window whose simulation has a processor for this share of the time that it wants

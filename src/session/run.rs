@@ -5,6 +5,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::Session;
+use super::predict::slowed_words;
 use crate::geometry::Watch;
 use crate::machine::peak_memory;
 use crate::physics::StepReport;
@@ -26,6 +27,8 @@ pub struct RunFigures {
     pub real_time_factor: f64,
     pub steps: u64,
     pub substeps: u64,
+    /// Substeps that reached the limit of the implicit integrator's work.
+    pub slowed: u64,
     pub dt_secs: f64,
     pub dt_limit_secs: Option<f64>,
     pub dt_safe_secs: Option<f64>,
@@ -203,6 +206,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         real_time_factor: outcome.simulated_secs / outcome.wall_secs,
         steps: outcome.steps,
         substeps: report.substeps,
+        slowed: report.slowed,
         dt_secs: plan.substep_secs(),
         dt_limit_secs: plan.limits.dt_limit_secs,
         dt_safe_secs: plan.limits.dt_safe_secs(),
@@ -234,7 +238,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         start: StartFigures { energy_joule: first.energy.into() },
         peak: outcome.peak,
         stages: Stage::ALL.map(|stage| stage_figures(stage, timer)).to_vec(),
-        warnings: warnings(session, report),
+        warnings: warnings(session, report, outcome.simulated_secs),
     }
 }
 
@@ -243,9 +247,10 @@ fn stage_figures(stage: Stage, timer: &WallTimer) -> StageFigures {
     StageFigures { name: stage.name(), ran: count > 0, secs: spent.as_secs_f64(), count }
 }
 
-fn warnings(session: &Session, report: &StepReport) -> Vec<String> {
+fn warnings(session: &Session, report: &StepReport, seconds: f64) -> Vec<String> {
     let mut warnings = session.warnings();
     warnings.extend(fallen_out(session));
+    warnings.extend((report.slowed > 0).then(|| slowed_words(report.slowed, seconds)));
     if report.diverged {
         warnings.push(session.explain_divergence().words);
     }

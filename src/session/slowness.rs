@@ -56,6 +56,8 @@ struct Facts<'a> {
     /// How many processors there are.
     processors: f64,
     halved: bool,
+    /// Whether the limit of their work was reached.
+    slowed: bool,
     contact: bool,
     links: usize,
     /// What limits the step, and the substeps it is divided into.
@@ -84,6 +86,7 @@ impl Session {
             drawing: self.drawing,
             processors: std::thread::available_parallelism().map_or(1.0, |count| count.get() as f64),
             halved: self.simulation.state().halvings > 0,
+            slowed: self.report.slowed > 0,
             contact: self.sample.is_contact(),
             links,
             divided: is_divided.then_some((limit.as_str(), plan.substeps)),
@@ -93,7 +96,7 @@ impl Session {
 }
 
 fn words(facts: &Facts<'_>) -> String {
-    let Facts { speed, lately, drawing, processors, halved, contact, links, divided } = facts;
+    let Facts { speed, lately, drawing, processors, halved, slowed, contact, links, divided } = facts;
     let factor = lately.real_time_factor().unwrap_or(*speed);
     if factor >= KEEPS_UP * speed || factor <= 0.0 {
         return String::new();
@@ -108,6 +111,9 @@ fn words(facts: &Facts<'_>) -> String {
         } else {
             "other programs take the processors".to_owned()
         }
+    } else if *slowed {
+        "the motion is too violent for the implicit integrator, whose steps are slowed where enough work went into one"
+            .to_owned()
     } else if *halved {
         "the motion is too violent for the implicit integrator's steps, which are halved again and again".to_owned()
     } else if *contact {
@@ -134,6 +140,7 @@ mod tests {
             drawing: 0.5,
             processors: 2.0,
             halved: false,
+            slowed: false,
             contact: false,
             links: 12_876,
             divided: None,
@@ -159,6 +166,8 @@ mod tests {
         assert!(divided.ends_with("shear damping takes 3 substeps in every step of 12876 links"), "{divided}");
         let contact = words(&Facts { contact: true, ..busy.clone() });
         assert!(contact.ends_with("contact takes more time than the links"), "{contact}");
+        let slowed = words(&Facts { slowed: true, ..busy.clone() });
+        assert!(slowed.contains("slowed where enough work"), "{slowed}");
         let halved = words(&Facts { halved: true, ..busy });
         assert!(halved.contains("too violent"), "{halved}");
     }

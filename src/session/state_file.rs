@@ -1,11 +1,11 @@
 //! A simulation's state as bytes, exactly: what the window and `gelatin run --save-state` write and go on from.
 //!
 //! ```text
-//! "gelatin-state 5\n"                                       magic and version
+//! "gelatin-state 6\n"                                       magic and version
 //! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
-//! held steps, part of the substep, its halvings             three u64
+//! held steps, part of the substep, its halvings, its work   four u64
 //! position, residual, velocity: 3 × particles × 3 f32
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
@@ -35,7 +35,7 @@ use crate::text::echo;
 
 /// A larger file is no state: more particles than a body may have.
 const MAX_BYTES: u64 = 4 << 30;
-const MAGIC: &[u8] = b"gelatin-state 5\n";
+const MAGIC: &[u8] = b"gelatin-state 6\n";
 
 /// Why a state cannot be used.
 #[derive(Debug, Error, PartialEq, Eq)]
@@ -44,7 +44,7 @@ pub enum StateFileError {
     #[error("this is no state that Gelatin has saved")]
     NotAState,
     /// Written by an earlier or a later program.
-    #[error("this state was written by another version of the program (it begins with {begins:?}, version 5 is read)")]
+    #[error("this state was written by another version of the program (it begins with {begins:?}, version 6 is read)")]
     OtherVersion {
         /// The first words.
         begins: String,
@@ -165,6 +165,7 @@ impl Session {
             u64::from(state.held_steps),
             state.part,
             u64::from(state.halvings),
+            state.work,
         ];
         bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
         for vectors in [&state.position, &state.position_residual, &state.velocity, &state.acceleration] {

@@ -31,6 +31,7 @@ pub(super) struct Counts {
     held_steps: u32,
     part: u64,
     halvings: u32,
+    work: u64,
 }
 
 impl<'a> Reader<'a> {
@@ -47,6 +48,7 @@ impl<'a> Reader<'a> {
         let accelerations = self.u64("the counts")?;
         let held_steps = self.u64("the counts")?;
         let [part, halvings] = [self.u64("the counts")?, self.u64("the counts")?];
+        let work = self.u64("the counts")?;
         need(steps < MOST_STEPS, "the count of steps", steps, "a count below 2^53")?;
         need((0.0..f64::INFINITY).contains(&time_secs), "the time", time_secs, "a time of 0 s or more")?;
         let lag_fits = (0.0..=0.1).contains(&velocity_lag_secs);
@@ -68,6 +70,7 @@ impl<'a> Reader<'a> {
             held_steps: small(held_steps, "the count of steps held", most)?,
             part,
             halvings,
+            work,
         })
     }
 
@@ -106,6 +109,7 @@ impl<'a> Reader<'a> {
             substep: counts.substep.min(plan.substeps - 1),
             part: counts.part,
             halvings: counts.halvings,
+            work: counts.work,
             time_secs: counts.time_secs,
         })
     }

@@ -87,3 +87,48 @@ fn an_obstacle_that_is_about_to_sweep_still_holds_what_it_held() {
     let now = simulation.diagnostics().energy.contact;
     assert!(before > 1.0 && (now / before - 1.0).abs() < 1e-6, "{before} J became {now} J before anything moved");
 }
+
+/// A cube without damping that is thrown upon an edge, harder than the implicit integrator can follow in any step.
+fn shattering_cube() -> Scene {
+    let mut scene = falling(cube(3, 0.5, springs(1e7, 0.0, 1e-3), [0.0, 0.6, 0.0]));
+    scene.bodies[0].velocity = [0.0, -300.0, 0.0];
+    scene.bodies[0].pose.rotation_deg = [30.0, 0.0, 45.0];
+    scene.obstacles = vec![plane([0.0; 3], [0.0; 3], [0.5, 0.4])];
+    scene
+}
+
+#[test]
+fn work_has_a_limit_that_is_told_and_gives_no_energy() {
+    let mut simulation = simulate::<f32>(&shattering_cube());
+    assert!(simulation.plan().halvings > 0, "the implicit integrator is at work");
+    let most = 2000;
+    simulation.plan_mut().most_work = most;
+    let start = simulation.diagnostics().energy.total();
+    let (mut slowed, mut gained) = (0, f64::NEG_INFINITY);
+    for _ in 0..60 {
+        let mut work = 0;
+        loop {
+            let report = simulation.substep(&mut ());
+            assert!(!report.diverged, "it goes on");
+            (slowed, work) = (slowed + report.slowed, work + report.implicit_work());
+            if simulation.state().is_between_substeps() {
+                break;
+            }
+        }
+        // The try that reaches the limit, and a part for each halving that it takes to the end.
+        let one_try = 16 * (400 + 10);
+        assert!(work <= most + 26 * one_try, "{work} iterations in a substep");
+        gained = gained.max(simulation.diagnostics().energy.total() / start);
+    }
+    assert!(slowed > 0, "the limit is told");
+    assert!(gained < 1.05, "{gained} of the energy that it had");
+    // What is remembered of the work is part of the state.
+    let mut copy = simulate::<f32>(&shattering_cube());
+    copy.plan_mut().most_work = most;
+    copy.set_state(simulation.state().clone());
+    for _ in 0..20 {
+        simulation.substep(&mut ());
+        copy.substep(&mut ());
+    }
+    assert_eq!(simulation.hash(), copy.hash(), "it goes on bit for bit");
+}
