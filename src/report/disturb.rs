@@ -38,10 +38,6 @@ pub enum What {
 /// How many random scenes are disturbed.
 const SHARE: f64 = 0.25;
 
-/// Obstacles are at once where they are moved to, rather than on their way there, where the whole step is longer than
-/// this, s: the work they do is known from forces that are constant over a step, and the way takes no more than 1/60 s.
-const LONGEST_STEP_SECS: f64 = 1.0 / 240.0;
-
 /// What happens to a random scene: nothing to most. What follows from other draws than the scene itself leaves the scene
 /// what it was. Scenes of two bodies are left alone, as work from outside is judged for all bodies together.
 pub(super) fn disturbances(draw: &mut Draw, scene: &Scene, size: f64) -> Vec<Disturbance> {
@@ -50,7 +46,6 @@ pub(super) fn disturbances(draw: &mut Draw, scene: &Scene, size: f64) -> Vec<Dis
     }
     let mut now = scene.clone();
     let mut at_secs = 0.0;
-    let sweeps = scene.settings.dt <= LONGEST_STEP_SECS;
     let events = 0..draw.whole(1, 3);
     events
         .map(|_| {
@@ -60,7 +55,7 @@ pub(super) fn disturbances(draw: &mut Draw, scene: &Scene, size: f64) -> Vec<Dis
                 1 => What::Throw(0),
                 _ => {
                     move_one(draw, &mut now, size);
-                    let arrival = if draw.chance(0.6) && sweeps { Arrival::Swept } else { Arrival::Placed };
+                    let arrival = if draw.chance(0.6) { Arrival::Swept } else { Arrival::Placed };
                     What::Obstacles { scene: Box::new(now.clone()), arrival }
                 }
             };

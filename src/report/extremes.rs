@@ -1,5 +1,5 @@
 //! Random extreme scenes (R2): every value drawn over its whole range, bodies dropped from a kilometre, thrown at a
-//! kilometre a second, put into obstacles, heavy beside light. Scenes follow from a seed and a number alone, so that
+//! kilometre a second, put into obstacles, heavy beside light, hung up by pins. Scenes follow from a seed and a number alone, so that
 //! each of them can be made again.
 
 use std::path::Path;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::disturb::{self, Disturbance};
 use crate::geometry::Lattice;
 use crate::math::rng::Rng;
-use crate::scene::body::{Body, CellsShape, CubeShape, Inlay, ModelShape, Pose};
+use crate::scene::body::{Body, CellsShape, CubeShape, Inlay, ModelShape, PinBox, Pose};
 use crate::scene::material::{Material, Solid, Spring, Springs};
 use crate::scene::obstacle::{ContactStiffness, Plane, Sphere};
 use crate::scene::resolve::{ResolveError, resolve};
@@ -20,6 +20,9 @@ const SCHEMES: [Integrator; 3] = [Integrator::SemiImplicit, Integrator::Verlet, 
 
 /// The share of scenes with one body whose body is of two solids.
 const INLAID: f64 = 0.15;
+
+/// The share of scenes whose body is pinned, from its top down or from one side.
+const HELD: f64 = 0.2;
 
 /// How much heavier than the first a second body is, or the first than it, and one solid of a body than the other.
 const MASS_RATIO: f64 = 1000.0;
@@ -55,6 +58,8 @@ pub fn extreme(seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
         let step = more.decades(-4.3, -1.5);
         more.inlay(&mut scene.bodies[0], cell_size, size, step);
     }
+    let mut last = Draw(Rng::new(seeds.next_u64()));
+    last.hold(&mut scene, size);
     let disturbances = disturb::disturbances(&mut more, &scene, size);
     (scene, disturbances)
 }
@@ -229,6 +234,24 @@ impl Draw {
         Obstacle { shape, stiffness, friction_static, friction_dynamic, ..Obstacle::default() }
     }
 
+    /// Hangs some scenes' first body, puts more bodies into some, and leaves some to their own integrator.
+    fn hold(&mut self, scene: &mut Scene, size: f64) {
+        if self.chance(HELD) {
+            let mut min = [-10.0 * size; 3];
+            min[usize::from(self.chance(0.5))] = self.between(-0.3, 0.4) * size;
+            scene.bodies[0].pins = vec![PinBox { min, max: [10.0 * size; 3] }];
+        }
+        if scene.bodies.len() == 2 && self.chance(0.5) {
+            for _ in 0..self.whole(1, 3) {
+                let mut other = scene.bodies[usize::from(self.chance(0.5))].clone();
+                let away = self.vector(2.0 * size);
+                other.pose.position.iter_mut().zip(away).for_each(|(at, away)| *at += away);
+                scene.bodies.push(other);
+            }
+        }
+        scene.settings.allow_implicit = !self.chance(0.1);
+    }
+
     /// The same body with a thousand times or a thousandth of its mass, beside it.
     fn heavier_or_lighter(&mut self, body: &Body, springs: Springs) -> Body {
         let heavier = springs.particle_mass * if springs.particle_mass < 1.0 { MASS_RATIO } else { 1.0 / MASS_RATIO };
@@ -276,6 +299,9 @@ mod tests {
         some("no gravity", &|scene| scene.settings.gravity.iter().all(|g| g.abs() < 1e-9));
         some("great gravity", &|scene| scene.settings.gravity[1] < -999.0);
         some("two bodies", &|scene| scene.bodies.len() == 2);
+        some("more bodies", &|scene| scene.bodies.len() > 2);
+        some("pins", &|scene| !scene.bodies[0].pins.is_empty());
+        some("no implicit integrator", &|scene| !scene.settings.allow_implicit);
         some("two solids in a body", &|scene| !scene.bodies[0].inlays.is_empty());
         let disturbed = (0..500).filter(|&number| !extreme(3, number).1.is_empty()).count();
         assert!(disturbed > 50, "{disturbed} of 500 are disturbed");

@@ -61,6 +61,10 @@ pub struct RandomFigures {
     pub not_finite: u64,
     pub energy: u64,
     pub reach: u64,
+    /// Scenes that took far more work than was to be expected, without a word of it.
+    pub work: u64,
+    /// Scenes in which the implicit integrator reached the limit of its work.
+    pub slowed: u64,
     /// Of those that failed, the ones that pass in double precision.
     pub sound_in_double: u64,
     /// The most energy from nowhere among those that passed, as a share.
@@ -134,6 +138,8 @@ pub fn summary(seed: u64, found: &[(Verdict, bool)], wall_secs: f64) -> RandomFi
         not_finite: with(Fault::NotFinite),
         energy: with(Fault::Energy),
         reach: with(Fault::Reach),
+        work: with(Fault::Work),
+        slowed: count(&|(verdict, _)| verdict.slowed > 0),
         sound_in_double: count(&|(_, sound)| *sound),
         largest_gain_passed: gains.fold(0.0, f64::max),
         wall_secs,
@@ -252,12 +258,12 @@ fn write_markdown(text: &mut String, cases: &[CaseFigures], random: Option<&Rand
         )?;
     }
     let Some(figures) = random else { return Ok(()) };
-    let RandomFigures { seed, scenes, passed, cut_short, not_finite, energy, reach, .. } = figures;
+    let RandomFigures { seed, scenes, passed, cut_short, not_finite, energy, reach, work, slowed, .. } = figures;
     writeln!(
         text,
         "\n## Random scenes\n\n{scenes} scenes of seed {seed}: {passed} passed, {} failed; {cut_short} were cut short, as \
-         they take too many substeps. Wall time {:.1} s.\n\n| fault | scenes |\n|---|---|\n| not finite | {not_finite} |\n\
-         | energy from nowhere | {energy} |\n| out of reach | {reach} |",
+         they take too many substeps, {slowed} reached the limit of the implicit integrator's work. Wall time {:.1} s.\n\n| fault | scenes |\n|---|---|\n| not finite | {not_finite} |\n\
+         | energy from nowhere | {energy} |\n| out of reach | {reach} |\n| more work than told | {work} |",
         scenes - passed,
         figures.wall_secs
     )?;
@@ -359,6 +365,8 @@ mod tests {
             simulated_secs: 1.0,
             cut_short,
             substeps: 1,
+            work: 1,
+            slowed: 0,
             largest_gain: 0.01,
         };
         let found = [

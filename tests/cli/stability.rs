@@ -7,8 +7,8 @@ use crate::figures::missing;
 use crate::program::Folder;
 
 const CASE_KEYS: &str = "case dt_limit_predicted_secs dt_limit_measured_secs ratio automatic_finite passed fault words \
-    simulated_secs cut_short substeps largest_gain";
-const RANDOM_KEYS: &str = "seed scenes passed cut_short not_finite energy reach sound_in_double largest_gain_passed \
+    simulated_secs cut_short substeps work slowed largest_gain";
+const RANDOM_KEYS: &str = "seed scenes passed cut_short not_finite energy reach work slowed sound_in_double largest_gain_passed \
     wall_secs failures";
 
 /// A small cube, for time.

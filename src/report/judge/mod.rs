@@ -26,6 +26,7 @@ use account::Account;
 use super::disturb::Disturbance;
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector};
+use crate::physics::plan::SOLVE_WORK;
 use crate::physics::{Simulation, StepReport};
 use crate::scene::Scene;
 
@@ -37,6 +38,12 @@ pub const REACH: f64 = 1.5;
 
 /// Energies are means over so much simulated time, s.
 const WINDOW_SECS: f64 = 1.0 / 60.0;
+
+/// `gelatin check` measures so much simulated time, s.
+const FORETOLD_SECS: f64 = 0.5;
+
+/// So many times the work that was foretold is not taken without a word.
+const MORE_WORK: f64 = 100.0;
 
 /// Looks at the energy in that time.
 const LOOKS: u64 = 8;
@@ -60,11 +67,13 @@ pub enum Fault {
     Energy,
     /// Further away than it could get.
     Reach,
+    /// Far more work than was to be expected, and not a word of it.
+    Work,
 }
 
 impl Fault {
     /// All faults.
-    pub const ALL: [Self; 3] = [Self::NotFinite, Self::Energy, Self::Reach];
+    pub const ALL: [Self; 4] = [Self::NotFinite, Self::Energy, Self::Reach, Self::Work];
 
     /// The fault's words in reports.
     pub fn words(self) -> &'static str {
@@ -72,6 +81,7 @@ impl Fault {
             Self::NotFinite => "not finite",
             Self::Energy => "energy from nowhere",
             Self::Reach => "out of reach",
+            Self::Work => "more work than told",
         }
     }
 }
@@ -89,6 +99,10 @@ pub struct Verdict {
     pub cut_short: bool,
     /// Substeps taken.
     pub substeps: u64,
+    /// Link forces and products of the implicit integrator's solver, over the links.
+    pub work: u64,
+    /// Substeps that reached the limit of the implicit integrator's work.
+    pub slowed: u64,
     /// The most energy from nowhere, as a share of what was there.
     pub largest_gain: f64,
 }
@@ -152,6 +166,8 @@ pub struct Watch {
     looks: Vec<Look>,
     forces: u64,
     taken: StepReport,
+    /// The work that is to be expected, passes over the links in a second.
+    foretold: f64,
     verdict: Verdict,
 }
 
@@ -170,6 +186,8 @@ impl Watch {
             simulated_secs: 0.0,
             cut_short: substeps < wanted,
             substeps: 0,
+            work: 0,
+            slowed: 0,
             largest_gain: 0.0,
         };
         Self {
@@ -182,6 +200,7 @@ impl Watch {
             looks: Vec::new(),
             forces: 0,
             taken: StepReport::default(),
+            foretold: f64::INFINITY,
             verdict,
         }
     }
@@ -212,7 +231,23 @@ impl Watch {
         if look || close {
             self.look(simulation, look, close);
         }
+        self.count_work(simulation);
         self.verdict.fault.is_none() && self.verdict.substeps < self.substeps
+    }
+
+    /// Counts the work, and condemns a scene that takes far more of it than its first half second let expect.
+    fn count_work<R: Real>(&mut self, simulation: &Simulation<R>) {
+        let secs = self.verdict.simulated_secs;
+        self.verdict.work = self.forces / self.links.max(1);
+        self.verdict.slowed = self.taken.slowed;
+        let rate = self.verdict.work as f64 / secs;
+        // What a body takes that does anything at all: one that sleeps takes nothing.
+        let least = (1 + SOLVE_WORK) as f64 / simulation.plan().substep_secs();
+        if secs <= FORETOLD_SECS {
+            self.foretold = rate.max(least);
+        } else if rate > MORE_WORK * self.foretold && self.taken.slowed == 0 {
+            self.condemn(Fault::Work, format!("{rate:.0} passes over the links a second, not {:.0}", self.foretold));
+        }
     }
 
     /// What was seen.
