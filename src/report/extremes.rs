@@ -1,6 +1,6 @@
 //! Random extreme scenes (R2): every value drawn over its whole range, bodies dropped from a kilometre, thrown at a
-//! kilometre a second, put into obstacles, heavy beside light, hung up by pins. Scenes follow from a seed and a number alone, so that
-//! each of them can be made again.
+//! kilometre a second, put into obstacles, heavy beside light, hung up by pins. Scenes follow from a seed and a number
+//! alone, so that each of them can be made again.
 
 use std::path::Path;
 use std::sync::Arc;
