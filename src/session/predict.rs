@@ -63,8 +63,9 @@ impl Prediction {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
         let substeps_per_frame = libm::ceil(1.0 / 60.0 / plan.substep_secs()) as u64;
         let Speed { factor, slowed } = measured(session.simulation());
-        let of_a_frame = plan.most_work.checked_mul(substeps_per_frame);
-        let most = of_a_frame.filter(|_| plan.integrator == Integrator::Implicit && plan.halvings > 0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
+        let of_a_frame = libm::round(plan.most_work as f64 / (60.0 * plan.substep_secs())) as u64;
+        let most = (plan.integrator == Integrator::Implicit && plan.halvings > 0).then_some(of_a_frame);
         let first = (slowed > 0).then(|| slowed_words(slowed, MEASURE_SECS));
         Self {
             ok: true,
