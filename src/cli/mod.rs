@@ -2,11 +2,13 @@
 //! output, messages and progress bars to standard error; exit code 0, 1 when the work failed, 2 for wrong usage.
 
 mod check;
+mod error_plot;
 mod failure;
 mod out;
 mod presets;
 mod render;
 mod report;
+mod report_error;
 mod report_stability;
 mod run;
 mod scene_args;

@@ -1,5 +1,5 @@
-//! `gelatin report`: measurements. `cost`: what scenes cost, stage by stage, and what they do not need. `stability`: next
-//! door.
+//! `gelatin report`: measurements. `cost`: what scenes cost, stage by stage, and what they do not need. `error` and
+//! `stability`: next door.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::Failure;
 use super::out::{self, Progress};
+use super::report_error::{self, ErrorArgs};
 use super::report_stability::{self, StabilityArgs};
 use super::scene_args::Changes;
 use crate::report::cost;
@@ -29,6 +30,8 @@ pub(super) struct ReportArgs {
 enum Report {
     /// What scenes cost: the stages that run, what is left out and why, each feature on and off.
     Cost(CostArgs),
+    /// How far every scheme at every step misses a converged reference, and how long it takes.
+    Error(ErrorArgs),
     /// How large steps may be, predicted and measured, and whether extreme scenes explode in automatic stepping.
     Stability(StabilityArgs),
 }
@@ -56,6 +59,7 @@ struct CostArgs {
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     match &args.report {
         Report::Cost(args) => run_cost(args),
+        Report::Error(args) => report_error::run(args),
         Report::Stability(args) => report_stability::run(args),
     }
 }

@@ -68,13 +68,24 @@ impl Changes {
     pub(super) fn open(&self, scene: &OsStr) -> Result<Opened, Failure> {
         let mut opened = open(scene)?;
         let before = opened.scene.clone();
-        self.change(&mut opened.scene)?;
+        self.apply(&mut opened.scene)?;
         // What was asked for of a preset or a model can be asked for again; a file differs from what is shown now.
         opened.unsaved = opened.file.is_some() && differs(&before, &opened.scene);
         Ok(opened)
     }
 
-    fn change(&self, scene: &mut Scene) -> Result<(), Failure> {
+    /// Refuses a step or a scheme, for a command that measures every one of them.
+    pub(super) fn check_all_schemes(&self) -> Result<(), Failure> {
+        let Self { dt, integrator, stepping, .. } = self;
+        let given = [("--dt", dt), ("--integrator", integrator), ("--stepping", stepping)];
+        match given.iter().find(|(_, value)| value.is_some()) {
+            Some((name, _)) => Err(Failure::usage(anyhow!("every scheme is measured at every step: leave out {name}"))),
+            None => Ok(()),
+        }
+    }
+
+    /// Sets the values on a scene.
+    pub(super) fn apply(&self, scene: &mut Scene) -> Result<(), Failure> {
         self.change_models(scene)?;
         let options = [
             ("settings.dt", &self.dt),

@@ -1,6 +1,7 @@
 //! The built program, run as a person runs it: what it prints, what it refuses, with which exit code.
 
 mod bad_input;
+mod errors;
 mod figures;
 mod killed;
 #[cfg(target_os = "linux")]

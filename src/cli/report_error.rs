@@ -1,0 +1,148 @@
+//! `gelatin report error`: how far every scheme at every step misses a converged reference, and how long it takes.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context, anyhow};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::Failure;
+use super::error_plot;
+use super::out::{self, Progress};
+use super::scene_args::Changes;
+use crate::geometry::Lattice;
+use crate::report::error::{self, ErrorFigures, scenes::scenes, words};
+use crate::scene::Scene;
+use crate::scene::resolve::resolve;
+
+/// Simulated time a scene is run for, s; and with `--quick`.
+const SECONDS: [f64; 2] = [1.0, 0.2];
+/// What was measured before the report was cut short.
+const KEPT: &str = "error.partial.json";
+
+/// What is measured and where the report goes.
+#[derive(Debug, Args)]
+pub(super) struct ErrorArgs {
+    /// Presets' names, .ron scenes or model files; without any, six small scenes of its own.
+    #[arg(value_name = "SCENE")]
+    given: Vec<OsString>,
+    #[command(flatten)]
+    changes: Changes,
+    /// Write error.md, error.csv and error.svg into this folder. A report that was interrupted goes on there.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Measure for a shorter time.
+    #[arg(long)]
+    quick: bool,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A scene to be measured.
+struct Task {
+    name: String,
+    scene: Scene,
+    lattices: Vec<Arc<Lattice>>,
+}
+
+/// A scene that was measured before the report was cut short.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Kept {
+    /// The scene as it was: another one is measured anew.
+    ron: String,
+    seconds: f64,
+    figures: ErrorFigures,
+}
+
+/// Measures, prints, and fails where a scheme does not converge.
+pub(super) fn run(args: &ErrorArgs) -> Result<(), Failure> {
+    args.changes.check_all_schemes()?;
+    if let Some(folder) = &args.output {
+        std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be created", folder.display()))?;
+        for name in ["error.md", "error.csv", "error.svg", KEPT] {
+            out::check_writable(&folder.join(name))?;
+        }
+    }
+    args.changes.start_threads()?;
+    let tasks = tasks(args)?;
+    let figures = measure(&tasks, SECONDS[usize::from(args.quick)], args.output.as_deref())?;
+    let text = words::markdown(&figures);
+    if let Some(folder) = &args.output {
+        out::write(&folder.join("error.md"), text.as_bytes())?;
+        out::write(&folder.join("error.csv"), words::csv(&figures).as_bytes())?;
+        out::write(&folder.join("error.svg"), error_plot::svg(&figures)?.as_bytes())?;
+        std::fs::remove_file(folder.join(KEPT)).with_context(|| format!("{KEPT} cannot be removed"))?;
+    }
+    if args.json {
+        out::json(&json!({ "scenes": figures }))?;
+    } else {
+        out::figures(text.trim_end())?;
+    }
+    let failed: Vec<_> = figures.iter().filter(|figures| !figures.not_converging.is_empty()).collect();
+    match failed.first() {
+        Some(first) => {
+            Err(anyhow!("{} does not converge on {:?}; see the report", first.not_converging.join(", "), first.scene)
+                .into())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Measures one scene after another, but for those that an interrupted report has left in the folder.
+fn measure(tasks: &[Task], seconds: f64, folder: Option<&Path>) -> Result<Vec<ErrorFigures>, Failure> {
+    let mut kept = folder.map(read_kept).unwrap_or_default();
+    let mut figures = Vec::new();
+    for (number, task) in tasks.iter().enumerate() {
+        let ron = task.scene.to_ron().context("the scene cannot be written down")?;
+        let before = kept.iter().find(|kept| kept.ron == ron && kept.seconds.to_bits() == seconds.to_bits());
+        if let Some(before) = before {
+            figures.push(ErrorFigures { scene: task.name.clone(), ..before.figures.clone() });
+            continue;
+        }
+        let progress = Progress::new(&format!("{} ({} of {})", task.name, number + 1, tasks.len()));
+        let measured = error::measure(&task.name, &task.scene, &task.lattices, seconds, &progress);
+        figures.push(measured.clone());
+        kept.push(Kept { ron, seconds, figures: measured });
+        if let Some(folder) = folder {
+            out::write(&folder.join(KEPT), &serde_json::to_vec(&kept).context("figures cannot be written down")?)?;
+        }
+    }
+    Ok(figures)
+}
+
+fn tasks(args: &ErrorArgs) -> Result<Vec<Task>, Failure> {
+    let mut wanted = Vec::new();
+    if args.given.is_empty() {
+        for (name, mut scene) in scenes() {
+            args.changes.apply(&mut scene)?;
+            wanted.push((name, scene, PathBuf::new()));
+        }
+    }
+    for given in &args.given {
+        let opened = args.changes.open(given)?;
+        wanted.push((opened.title, opened.scene, opened.base_dir));
+    }
+    let mut tasks = Vec::new();
+    for (name, scene, base_dir) in wanted {
+        if scene.bodies.is_empty() {
+            return Err(Failure::usage(anyhow!("{name} has no body: there is nothing to measure")));
+        }
+        let mut lattices = Vec::new();
+        for (index, body) in scene.bodies.iter().enumerate() {
+            let jelly = resolve(&body.shape, &base_dir, &Progress::new("filling"));
+            lattices.push(jelly.with_context(|| format!("bodies.{index}.shape"))?.lattice);
+        }
+        tasks.push(Task { name, scene, lattices });
+    }
+    Ok(tasks)
+}
+
+/// What an interrupted report has left in its folder; nothing where it left nothing that can be read.
+fn read_kept(folder: &Path) -> Vec<Kept> {
+    let read = std::fs::read(folder.join(KEPT)).ok();
+    read.and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default()
+}

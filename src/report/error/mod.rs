@@ -1,0 +1,354 @@
+//! Error against run time (R1): how far a scheme at a step misses a converged reference, and what that costs.
+//!
+//! The reference is the same scene in double precision, by [`REFERENCE`] at a step well below the smallest one
+//! measured. It is run a second time at twice that step: what the two differ by is all that the reference is known to.
+//! Every measured run is in single precision, as the window's is. Runs are repeated in turn, first one of each, then
+//! the second of each, so that a machine that grows slower does so for all of them.
+
+pub mod scenes;
+pub mod words;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::{Lattice, Watch};
+use crate::math::{Real, Vector};
+use crate::physics::Simulation;
+use crate::scene::Scene;
+use crate::scene::settings::{Integrator, Stepping};
+
+/// The scheme of the reference: of second order at one evaluation of the forces a step.
+pub const REFERENCE: Integrator = Integrator::Verlet;
+/// Positions are compared this often, s: a multiple of every step that is measured.
+pub const LOOK_SECS: f64 = 0.04;
+/// The largest step measured, s. The others are it halved again and again.
+const LARGEST_SECS: f64 = 0.008;
+/// Steps measured at least and at most.
+const RUNGS: [u32; 2] = [6, 12];
+/// The smallest step measured over the largest stable one, where that makes more rungs.
+const BELOW_LIMIT: f64 = 0.25;
+/// The step of the reference over the smallest one measured.
+const FINER: f64 = 1.0 / 16.0;
+/// Runs of each.
+pub const REPEATS: usize = 5;
+/// An error above this many times the size of the bodies is a motion that has nothing to do with the scene.
+const LOST: f64 = 1.0;
+/// A scheme whose steps are divided by `CONVERGES[0]` and whose error stays above `CONVERGES[1]` of what it was does not
+/// converge to the reference.
+const CONVERGES: [f64; 2] = [4.0, 0.7];
+/// Errors below this share of the bodies' size are rounding.
+const ROUNDING: f64 = 2e-5;
+
+/// How steps are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "&'static str", try_from = "String")]
+pub enum Way {
+    /// One scheme, the step as it is.
+    Manual(Integrator),
+    /// As the program chooses: steps divided, or the implicit scheme.
+    Automatic,
+}
+
+impl Way {
+    /// All ways.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Integrator::ALL.into_iter().map(Self::Manual).chain([Self::Automatic])
+    }
+
+    /// The word in figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Manual(integrator) => integrator.name(),
+            Self::Automatic => "automatic",
+        }
+    }
+
+    /// The words in sentences.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Manual(integrator) => integrator.words(),
+            Self::Automatic => "automatic stepping",
+        }
+    }
+
+    fn applied(self, scene: &Scene, dt: f64) -> Scene {
+        let mut scene = scene.clone();
+        // What sleeps takes no time and what is asleep has no error: neither is that of a scheme.
+        (scene.settings.dt, scene.settings.sleeping) = (dt, false);
+        match self {
+            Self::Manual(integrator) => {
+                (scene.settings.integrator, scene.settings.stepping) = (integrator, Stepping::Manual);
+            }
+            Self::Automatic => scene.settings.stepping = Stepping::Auto,
+        }
+        scene
+    }
+}
+
+impl From<Way> for &'static str {
+    fn from(way: Way) -> Self {
+        way.name()
+    }
+}
+
+impl TryFrom<String> for Way {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        Self::all().find(|way| way.name() == name).ok_or_else(|| format!("{name} is no scheme"))
+    }
+}
+
+/// One way at one step; the names are those of the CSV and the JSON object.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the names are the keys of the JSON object")]
+pub struct Row {
+    pub integrator: Way,
+    pub dt_secs: f64,
+    pub steps: u64,
+    /// Root of the mean square distance of the particles from the reference, over all looks, m; infinite where the run
+    /// diverged.
+    #[serde(with = "number_or_null")]
+    pub error_rms_m: f64,
+    /// Wall time for a simulated second.
+    pub wall_secs_median: f64,
+    pub wall_secs_min: f64,
+    pub wall_secs_max: f64,
+    pub diverged: bool,
+    /// Whether nothing else measured is both as fast and as exact.
+    pub pareto: bool,
+}
+
+/// What was measured of one scene; the names are those of the JSON object. SI units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the names are the keys of the JSON object")]
+pub struct ErrorFigures {
+    pub scene: String,
+    pub particles: usize,
+    pub links: usize,
+    pub simulated_secs: f64,
+    /// The longest side of the box around the particles at the start.
+    pub size_m: f64,
+    pub reference_dt_secs: f64,
+    /// What the reference differs by from itself at twice the step.
+    pub reference_error_m: f64,
+    pub rows: Vec<Row>,
+    /// Ways whose error does not shrink with the step: a defect, of theirs or of the reference.
+    pub not_converging: Vec<String>,
+}
+
+/// Measures a scene for `seconds` (a multiple of [`LOOK_SECS`]); `lattices` are those of its bodies.
+pub fn measure(
+    title: &str,
+    scene: &Scene,
+    lattices: &[Arc<Lattice>],
+    seconds: f64,
+    watch: &impl Watch,
+) -> ErrorFigures {
+    compare(title, scene, scene, lattices, seconds, watch)
+}
+
+/// As [`measure`], against the reference of another scene with the same bodies.
+fn compare(
+    title: &str,
+    scene: &Scene,
+    truth: &Scene,
+    lattices: &[Arc<Lattice>],
+    seconds: f64,
+    watch: &impl Watch,
+) -> ErrorFigures {
+    let looks = whole(seconds / LOOK_SECS).max(1);
+    let probe = Simulation::<f32>::new(&Way::Manual(Integrator::SemiImplicit).applied(scene, 1e-3), lattices);
+    let steps = steps(probe.plan().limits.dt_safe_secs());
+    let finest = steps.last().copied().unwrap_or(LARGEST_SECS) * FINER;
+    let reference = |dt: &f64| follow::<f64>(&Way::Manual(REFERENCE).applied(truth, *dt), lattices, looks, None);
+    let found: Vec<_> = [finest, 2.0 * finest].par_iter().map(reference).collect();
+    let (truth, check) = (&found[0].looks, &found[1].looks);
+    watch.progress(0.2);
+    let size_m = size(truth);
+    let mut rows: Vec<Measured> =
+        Way::all().flat_map(|way| steps.iter().map(move |&dt| Measured::new(way, dt))).collect();
+    let (work, mut done) = (REPEATS * rows.len(), 0_usize);
+    for _ in 0..REPEATS {
+        for row in rows.iter_mut().filter(|row| !row.diverged) {
+            row.run(scene, lattices, truth, LOST * size_m);
+            done += 1;
+            watch.progress(0.2 + 0.8 * done as f64 / work as f64);
+        }
+    }
+    let mut rows: Vec<Row> = rows.into_iter().map(|measured| measured.row(looks)).collect();
+    mark_pareto(&mut rows);
+    let reference_error_m = rms(truth, check);
+    let floor = (2.0 * reference_error_m).max(ROUNDING * size_m);
+    ErrorFigures {
+        scene: title.to_owned(),
+        particles: probe.model().particle_count(),
+        links: probe.model().link_counts().iter().sum(),
+        simulated_secs: looks as f64 * LOOK_SECS,
+        size_m,
+        reference_dt_secs: finest,
+        reference_error_m,
+        not_converging: not_converging(&rows, floor),
+        rows,
+    }
+}
+
+/// The steps that are measured, falling; `safe_secs` is the largest stable one.
+fn steps(safe_secs: Option<f64>) -> Vec<f64> {
+    let [least, most] = RUNGS;
+    let smallest = safe_secs.map_or(LARGEST_SECS, |safe| BELOW_LIMIT * safe);
+    let rung = |index: u32| LARGEST_SECS / f64::from(1_u32 << index);
+    (0..most)
+        .map(rung)
+        .enumerate()
+        .take_while(|(index, dt)| *index < least as usize || 2.0 * dt > smallest)
+        .map(|(_, dt)| dt)
+        .collect()
+}
+
+/// A run that was looked at.
+struct Followed {
+    /// Positions of the particles at every look; fewer looks where the run diverged.
+    looks: Vec<Vec<[f64; 3]>>,
+    spent: Duration,
+    diverged: bool,
+}
+
+/// Whether a run has nothing to do with the scene any more, by the number of the look and the positions.
+type Lost<'a> = &'a dyn Fn(usize, &[[f64; 3]]) -> bool;
+
+/// Runs a scene for so many looks. One that is `lost` at a look goes no further.
+fn follow<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>], looks: u64, lost: Option<Lost<'_>>) -> Followed {
+    let mut simulation = Simulation::<R>::new(scene, lattices);
+    let mut found = Followed { looks: Vec::new(), spent: Duration::ZERO, diverged: false };
+    let each = whole(LOOK_SECS / scene.settings.dt);
+    for look in 0..looks {
+        let begin = Instant::now();
+        found.diverged = (0..each).any(|_| simulation.step().diverged);
+        found.spent += begin.elapsed();
+        let now: Vec<_> = simulation.state().position.iter().map(|at| at.components().map(Real::to_f64)).collect();
+        let index = usize::try_from(look).unwrap_or(usize::MAX);
+        found.diverged |= lost.is_some_and(|lost| lost(index, &now));
+        if found.diverged {
+            break;
+        }
+        found.looks.push(now);
+    }
+    found
+}
+
+/// One way at one step, as far as it was measured.
+struct Measured {
+    way: Way,
+    dt: f64,
+    error_m: f64,
+    /// Wall time of each run for a simulated second.
+    wall_secs: Vec<f64>,
+    diverged: bool,
+}
+
+impl Measured {
+    fn new(way: Way, dt: f64) -> Self {
+        Self { way, dt, error_m: f64::INFINITY, wall_secs: Vec::new(), diverged: false }
+    }
+
+    fn run(&mut self, scene: &Scene, lattices: &[Arc<Lattice>], truth: &[Vec<[f64; 3]>], lost_m: f64) {
+        let is_lost = |look: usize, now: &[[f64; 3]]| {
+            let error = truth.get(look).map_or(f64::NAN, |truth| mean_square(now, truth).sqrt());
+            error.is_nan() || error > lost_m
+        };
+        let found = follow::<f32>(&self.way.applied(scene, self.dt), lattices, truth.len() as u64, Some(&is_lost));
+        self.diverged = found.diverged;
+        let looks = found.looks.len().max(1);
+        self.wall_secs.push(found.spent.as_secs_f64() / (looks as f64 * LOOK_SECS));
+        self.error_m = if found.diverged { f64::INFINITY } else { rms(&found.looks, truth) };
+    }
+
+    fn row(mut self, looks: u64) -> Row {
+        self.wall_secs.sort_by(f64::total_cmp);
+        let at = |index: usize| self.wall_secs.get(index).copied().unwrap_or(f64::NAN);
+        Row {
+            integrator: self.way,
+            dt_secs: self.dt,
+            steps: looks * whole(LOOK_SECS / self.dt),
+            error_rms_m: self.error_m,
+            wall_secs_median: at(self.wall_secs.len() / 2),
+            wall_secs_min: at(0),
+            wall_secs_max: at(self.wall_secs.len().saturating_sub(1)),
+            diverged: self.diverged,
+            pareto: false,
+        }
+    }
+}
+
+/// Marks the rows that no other one is better than in both, by the median time.
+fn mark_pareto(rows: &mut [Row]) {
+    let figures: Vec<_> = rows.iter().map(|row| (row.wall_secs_median, row.error_rms_m)).collect();
+    for (index, row) in rows.iter_mut().enumerate() {
+        let (time, error) = figures[index];
+        let is_beaten = figures.iter().enumerate().any(|(other, &(other_time, other_error))| {
+            let as_good = other_time <= time && other_error <= error;
+            as_good && (other_time < time || other_error < error || other < index)
+        });
+        row.pareto = !row.diverged && !is_beaten;
+    }
+}
+
+/// The ways whose smallest step is not better than one `CONVERGES[0]` times as large, though that is above `floor`.
+fn not_converging(rows: &[Row], floor: f64) -> Vec<String> {
+    let fails = |way: &Way| {
+        let of_way: Vec<&Row> = rows.iter().filter(|row| row.integrator == *way && !row.diverged).collect();
+        let Some(finest) = of_way.last().filter(|finest| finest.error_rms_m > floor) else { return false };
+        let coarse = of_way.iter().rfind(|row| row.dt_secs >= (CONVERGES[0] - 1e-9) * finest.dt_secs);
+        coarse.is_some_and(|coarse| finest.error_rms_m > CONVERGES[1] * coarse.error_rms_m)
+    };
+    // Automatic stepping takes the same divided steps whatever is asked for.
+    Way::all().filter(|way| *way != Way::Automatic && fails(way)).map(|way| way.name().to_owned()).collect()
+}
+
+/// The root of the mean square distance of two runs, over all particles and looks, m.
+fn rms(run: &[Vec<[f64; 3]>], other: &[Vec<[f64; 3]>]) -> f64 {
+    let all: f64 = run.iter().zip(other).map(|(now, truth)| mean_square(now, truth)).sum();
+    (all / run.len().min(other.len()).max(1) as f64).sqrt()
+}
+
+fn mean_square(now: &[[f64; 3]], truth: &[[f64; 3]]) -> f64 {
+    let square = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>();
+    now.iter().zip(truth).map(square).sum::<f64>() / now.len().max(1) as f64
+}
+
+/// The longest side of the box around the particles at the first look, m.
+fn size(looks: &[Vec<[f64; 3]>]) -> f64 {
+    let Some(first) = looks.first() else { return f64::INFINITY };
+    let side = |axis: usize| {
+        let along = first.iter().map(|at| at[axis]);
+        let [low, high] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
+        high - low
+    };
+    (0..3).map(side).fold(0.0, f64::max)
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count")]
+fn whole(value: f64) -> u64 {
+    libm::round(value) as u64
+}
+
+/// JSON has no infinity: null stands for it.
+mod number_or_null {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+    pub(super) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        value.is_finite().then_some(*value).serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
+    }
+}
+
+#[cfg(test)]
+mod tests;

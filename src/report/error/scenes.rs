@@ -1,0 +1,64 @@
+//! The scenes of the error report (R1): each shows one thing that schemes are good or bad at, in a body small enough to
+//! be run some hundred times.
+
+use crate::scene::body::{Body, CubeShape, PinBox, Pose};
+use crate::scene::material::{Material, Solid};
+use crate::scene::{Obstacle, Scene, Shape, presets};
+
+/// Cells along an edge of the cubes.
+const CELLS: u32 = 5;
+
+/// The scenes and their names.
+pub fn scenes() -> Vec<(String, Scene)> {
+    let mut free = Scene { bodies: vec![held_cube(-0.45)], ..Scene::default() };
+    free.settings.gravity = [0.0; 3];
+    free.bodies[0].velocity = [1.0, 0.0, 0.3];
+    let hanging = Scene { bodies: vec![held_cube(0.45)], ..Scene::default() };
+    let drop = Scene {
+        bodies: vec![Body {
+            pose: Pose { position: [0.0, 0.75, 0.0], rotation_deg: [5.0, 0.0, 8.0] },
+            velocity: [0.0, -2.0, 0.0],
+            ..cube()
+        }],
+        obstacles: vec![Obstacle::default()],
+        ..Scene::default()
+    };
+    let mut stiff = drop.clone();
+    stiff.bodies[0].material = Material::Solid(Solid { young_modulus: 2e6, ..Solid::default() });
+    let mut named = vec![("free vibration", free), ("hanging", hanging), ("drop on a plane", drop)];
+    for (name, preset) in [("incline", "incline-slide"), ("jellified model", "coupler-7")] {
+        if let Some(preset) = presets::preset(preset) {
+            named.push((name, (preset.build)()));
+        }
+    }
+    if let Some((_, incline)) = named.iter_mut().find(|(name, _)| *name == "incline") {
+        incline.bodies[0].shape = Shape::Cube(CubeShape { cells: CELLS, ..CubeShape::default() });
+    }
+    named.push(("stiff solid", stiff));
+    named.into_iter().map(|(name, scene)| (name.to_owned(), scene)).collect()
+}
+
+fn cube() -> Body {
+    Body { shape: Shape::Cube(CubeShape { cells: CELLS, size: 1.0 }), ..Body::default() }
+}
+
+/// A cube whose particles beyond a height are held: those above it where it is positive, those below it otherwise.
+fn held_cube(height: f64) -> Body {
+    let (low, high) = if height > 0.0 { (height, 1.0) } else { (-1.0, height) };
+    let pin = PinBox { min: [-1.0, low, -1.0], max: [1.0, high, 1.0] };
+    Body { pins: vec![pin], pose: Pose { position: [0.0, 1.0, 0.0], ..Pose::default() }, ..cube() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::param;
+
+    #[test]
+    fn every_scene_is_within_the_ranges() {
+        for (name, scene) in scenes() {
+            assert!(param::validate(&scene).is_empty(), "{name}: {:?}", param::validate(&scene));
+        }
+        assert_eq!(scenes().len(), 6);
+    }
+}

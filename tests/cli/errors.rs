@@ -1,0 +1,89 @@
+//! What the report of error against run time tells, writes, goes on with and refuses.
+
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::bad_input::{FAILED, USAGE, refused};
+use crate::figures::missing;
+use crate::program::Folder;
+
+const SCENE_KEYS: &str = "scene particles links simulated_secs size_m reference_dt_secs reference_error_m rows \
+    not_converging";
+const ROW_KEYS: &str =
+    "integrator dt_secs steps error_rms_m wall_secs_median wall_secs_min wall_secs_max diverged pareto";
+
+/// A small cube, for time.
+const SMALL: &str = "--set bodies.0.shape.cube.cells=2";
+
+#[test]
+fn a_scene_is_measured_and_the_page_the_table_and_the_plot_are_written() {
+    let folder = Folder::new();
+    let report = folder.json(&format!("report error cube-on-plane --quick {SMALL} --json -o made"));
+    let scene = &report["scenes"][0];
+    assert_eq!(missing(scene, SCENE_KEYS), Vec::<&str>::new());
+    let rows = scene["rows"].as_array().expect("rows");
+    assert!(rows.iter().all(|row| missing(row, ROW_KEYS).is_empty()), "{scene}");
+    let schemes = ["semi-implicit", "explicit", "verlet", "rk2", "rk4", "implicit", "automatic"];
+    let table = std::fs::read_to_string(folder.path("made/error.csv")).expect("error.csv");
+    for scheme in schemes {
+        assert!(
+            table.lines().filter(|line| line.starts_with(&format!("cube-on-plane,{scheme},"))).count() >= 6,
+            "{table}"
+        );
+    }
+    let title = "scene,integrator,dt_secs,steps,error_rms_m,wall_secs_median,wall_secs_min,wall_secs_max,diverged,";
+    assert!(table.starts_with(title) && table.lines().count() == rows.len() + 1, "{table}");
+    assert!(rows.iter().any(|row| row["pareto"] == true), "something is the best");
+    let text = std::fs::read_to_string(folder.path("made/error.md")).expect("error.md");
+    assert!(text.contains("For 1 mm of error on this scene use"), "{text}");
+    let plot = std::fs::read_to_string(folder.path("made/error.svg")).expect("error.svg");
+    assert!(plot.starts_with("<svg") && plot.contains("velocity Verlet") && plot.contains("cube-on-plane"), "a plot");
+    assert!(!folder.path("made/error.partial.json").exists(), "nothing is left to go on with");
+}
+
+#[test]
+fn a_report_that_was_interrupted_goes_on_and_does_nothing_twice() {
+    let folder = Folder::new();
+    let line = format!("report error cube-on-plane incline --quick {SMALL} -o made");
+    let mut first = Command::new(env!("CARGO_BIN_EXE_gelatin"))
+        .args(line.split_whitespace())
+        .current_dir(folder.path(""))
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let kept = folder.path("made/error.partial.json");
+    let until = Instant::now() + Duration::from_mins(2);
+    while !kept.exists() {
+        assert!(first.try_wait().expect("it can be asked").is_none(), "it ended before it was interrupted");
+        assert!(Instant::now() < until, "the first scene takes too long");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    first.kill().expect("it is interrupted");
+    first.wait().expect("it ends");
+    let kept: Value = serde_json::from_slice(&std::fs::read(&kept).expect("kept")).expect("JSON");
+    // Wall times are never the same twice. What is read from JSON may differ in the last digit.
+    let are_kept = |report: &Value| {
+        let rows = |scene: &Value| scene["rows"].as_array().expect("rows").clone();
+        let secs = |row: &Value| row["wall_secs_median"].as_f64().expect("a time");
+        let (now, before) = (rows(&report["scenes"][0]), rows(&kept[0]["figures"]));
+        now.len() == before.len() && now.iter().zip(&before).all(|(a, b)| (secs(a) / secs(b) - 1.0).abs() < 1e-12)
+    };
+    let report = folder.json(&format!("{line} --json"));
+    assert!(are_kept(&report), "the first scene is not measured again");
+    assert_eq!(report["scenes"][1]["scene"], "incline");
+    assert!(!are_kept(&folder.json(&format!("{line} --json"))), "a finished report is made anew");
+}
+
+#[test]
+fn what_cannot_be_measured_is_refused() {
+    let folder = Folder::new();
+    folder.write("empty.ron", "(version: 1)").write("flat", "a file");
+    refused(&folder, "report error cube-on-plain", USAGE, &["cube-on-plane"]);
+    refused(&folder, "report error empty.ron --quick", USAGE, &["no body"]);
+    refused(&folder, "report error gone.ron --quick", FAILED, &["gone.ron"]);
+    refused(&folder, "report error incline --quick -o flat", FAILED, &["flat"]);
+    refused(&folder, "report error incline --quick --integrator rk4", USAGE, &["--integrator", "every scheme"]);
+    refused(&folder, "report error incline --quick --dt 0.001", USAGE, &["--dt", "every scheme"]);
+}
