@@ -1,3 +1,5 @@
+//! The error report: orders that are known, a wrong force that must be found out, rows that were planted.
+
 use super::words::{advice, csv, markdown};
 use super::*;
 use crate::report::extremes::lattices;
