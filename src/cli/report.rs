@@ -14,7 +14,6 @@ use super::report_error::{self, ErrorArgs};
 use super::report_stability::{self, StabilityArgs};
 use super::scene_args::Changes;
 use crate::report::cost;
-use crate::scene::resolve::resolve;
 
 /// Simulated time a scene is run for, s; and with `--quick`.
 const SECONDS: [f64; 2] = [2.0, 0.3];
@@ -79,11 +78,7 @@ fn run_cost(args: &CostArgs) -> Result<(), Failure> {
     let opened = args.scenes.iter().map(|scene| args.changes.open(scene)).collect::<Result<Vec<_>, _>>()?;
     let mut figures = Vec::new();
     for opened in opened {
-        let mut lattices = Vec::new();
-        for (index, body) in opened.scene.bodies.iter().enumerate() {
-            let jelly = resolve(&body.shape, &opened.base_dir, &Progress::new("filling"));
-            lattices.push(jelly.with_context(|| format!("bodies.{index}.shape"))?.lattice);
-        }
+        let lattices = opened.lattices(&Progress::new("filling"))?;
         figures.push(cost::cost(&opened.title, &opened.scene, &lattices, SECONDS[usize::from(args.quick)]));
     }
     let text = cost::markdown(&figures);

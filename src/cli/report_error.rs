@@ -16,7 +16,7 @@ use super::scene_args::Changes;
 use crate::geometry::Lattice;
 use crate::report::error::{self, ErrorFigures, scenes::scenes, words};
 use crate::scene::Scene;
-use crate::scene::resolve::resolve;
+use crate::session::document::Opened;
 
 /// Simulated time a scene is run for, s; and with `--quick`.
 const SECONDS: [f64; 2] = [1.0, 0.2];
@@ -119,26 +119,20 @@ fn tasks(args: &ErrorArgs) -> Result<Vec<Task>, Failure> {
     if args.given.is_empty() {
         for (name, mut scene) in scenes() {
             args.changes.apply(&mut scene)?;
-            wanted.push((name, scene, PathBuf::new()));
+            wanted.push(Opened::without_file(scene, name, PathBuf::new()));
         }
     }
     for given in &args.given {
-        let opened = args.changes.open(given)?;
-        wanted.push((opened.title, opened.scene, opened.base_dir));
+        wanted.push(args.changes.open(given)?);
     }
-    let mut tasks = Vec::new();
-    for (name, scene, base_dir) in wanted {
-        if scene.bodies.is_empty() {
-            return Err(Failure::usage(anyhow!("{name} has no body: there is nothing to measure")));
-        }
-        let mut lattices = Vec::new();
-        for (index, body) in scene.bodies.iter().enumerate() {
-            let jelly = resolve(&body.shape, &base_dir, &Progress::new("filling"));
-            lattices.push(jelly.with_context(|| format!("bodies.{index}.shape"))?.lattice);
-        }
-        tasks.push(Task { name, scene, lattices });
+    if let Some(empty) = wanted.iter().find(|opened| opened.scene.bodies.is_empty()) {
+        return Err(Failure::usage(anyhow!("{} has no body: there is nothing to measure", empty.title)));
     }
-    Ok(tasks)
+    let task = |opened: Opened| {
+        let lattices = opened.lattices(&Progress::new("filling"))?;
+        Ok(Task { name: opened.title, scene: opened.scene, lattices })
+    };
+    wanted.into_iter().map(task).collect()
 }
 
 /// What an interrupted report has left in its folder; nothing where it left nothing that can be read.

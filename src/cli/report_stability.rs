@@ -18,7 +18,6 @@ use crate::report::extremes::lattices;
 use crate::report::matrix::matrix;
 use crate::report::single;
 use crate::report::stability::{self, CaseFigures, RandomFigures};
-use crate::scene::resolve::resolve;
 
 /// Random scenes where none are asked for, and with `--quick`.
 const SCENES: [u64; 2] = [300, 30];
@@ -123,11 +122,7 @@ fn cases(args: &StabilityArgs) -> Result<Vec<CaseFigures>, Failure> {
     }
     for given in &args.given {
         let opened = args.changes.open(given)?;
-        let mut lattices = Vec::new();
-        for (index, body) in opened.scene.bodies.iter().enumerate() {
-            let jelly = resolve(&body.shape, &opened.base_dir, &Progress::new("filling"));
-            lattices.push(jelly.with_context(|| format!("bodies.{index}.shape"))?.lattice);
-        }
+        let lattices = opened.lattices(&Progress::new("filling"))?;
         measured.push((opened.title, opened.scene, lattices));
     }
     let tally = Tally::new("cases", measured.len());

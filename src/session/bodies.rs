@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::document::Opened;
 use super::library::Library;
 use super::{SessionError, needs};
 use crate::extract::skin::{cells_skin, model_skin};
@@ -105,6 +106,17 @@ impl Bodies {
 }
 
 /// How large every body will be; equal shapes are looked at once.
+impl Opened {
+    /// The lattices of the scene's bodies, for who needs no session.
+    ///
+    /// # Errors
+    /// If a shape cannot be made, or all of them together need more memory than there is.
+    pub fn lattices(&self, watch: &dyn Watch) -> Result<Vec<Arc<Lattice>>, SessionError> {
+        let mut library = Library::new(self.base_dir.clone());
+        Ok(Bodies::resolve(&self.scene, &mut library, watch)?.lattices())
+    }
+}
+
 fn outlines(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Vec<Outline>, SessionError> {
     let mut known: Vec<(&Shape, Outline)> = Vec::new();
     let mut outlines = Vec::new();

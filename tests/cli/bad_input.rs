@@ -91,7 +91,7 @@ fn unknown_names_and_paths_are_refused_with_the_nearest() {
     refused(&folder, "check cube-on-plane --divisions 5", USAGE, &["--divisions", "the scene has none"]);
     refused(&folder, "check spot --set bodies.0.shape.model.up=w", USAGE, &["auto, y, z, x, minus_y"]);
     refused(&folder, "check", USAGE, &["SCENE"]);
-    refused(&folder, "report error", USAGE, &[]);
+    refused(&folder, "report eror", USAGE, &[]);
     refused(&folder, "--wobble", USAGE, &["--wobble"]);
 }
 

@@ -39,7 +39,15 @@ fn a_scene_that_needs_more_memory_than_there_is_is_refused_in_words() {
         .write("large.ron", "(version: 1, bodies: [(shape: cube(cells: 199))], obstacles: [(plane: ())])")
         .write("many.ron", format!("(version: 1, bodies: [{}])", "(shape: cube(cells: 24)),".repeat(8)));
     let limits = Limits { mebibytes: 6000, ..LIMITS };
-    for line in ["check large.ron", "run large.ron", "check large.ron --json", "check many.ron --memory 0.05"] {
+    for line in [
+        "check large.ron",
+        "run large.ron",
+        "check large.ron --json",
+        "check many.ron --memory 0.05",
+        "report cost large.ron",
+        "report stability large.ron",
+        "report error large.ron",
+    ] {
         let ran = folder.run_within(limits, line);
         assert_eq!(ran.code, Some(1), "gelatin {line}: {ran:?}");
         let words = if line.contains("--memory") { "as --memory says" } else { "by ulimit -v" };
