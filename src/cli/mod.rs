@@ -9,6 +9,7 @@ mod presets;
 mod render;
 mod report;
 mod report_error;
+mod report_options;
 mod report_stability;
 mod run;
 mod scene_args;

@@ -1,6 +1,5 @@
 //! `gelatin report error`: how far every scheme at every step misses a converged reference, and how long it takes.
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,7 +11,7 @@ use serde_json::json;
 use super::Failure;
 use super::error_plot;
 use super::out::{self, Progress};
-use super::scene_args::Changes;
+use super::report_options::ReportOptions;
 use crate::geometry::Lattice;
 use crate::report::error::{self, ErrorFigures, scenes::scenes, words};
 use crate::scene::Scene;
@@ -26,20 +25,8 @@ const KEPT: &str = "error.partial.json";
 /// What is measured and where the report goes.
 #[derive(Debug, Args)]
 pub(super) struct ErrorArgs {
-    /// Presets' names, .ron scenes or model files; without any, six small scenes of its own.
-    #[arg(value_name = "SCENE")]
-    given: Vec<OsString>,
     #[command(flatten)]
-    changes: Changes,
-    /// Write error.md, error.csv and error.svg into this folder. A report that was interrupted goes on there.
-    #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
-    /// Measure for a shorter time.
-    #[arg(long)]
-    quick: bool,
-    /// Print one JSON object.
-    #[arg(long)]
-    json: bool,
+    options: ReportOptions,
 }
 
 /// A scene to be measured.
@@ -60,24 +47,20 @@ struct Kept {
 
 /// Measures, prints, and fails where a scheme does not converge.
 pub(super) fn run(args: &ErrorArgs) -> Result<(), Failure> {
-    args.changes.check_all_schemes()?;
-    if let Some(folder) = &args.output {
-        std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be created", folder.display()))?;
-        for name in ["error.md", "error.csv", "error.svg", KEPT] {
-            out::check_writable(&folder.join(name))?;
-        }
-    }
-    args.changes.start_threads()?;
-    let tasks = tasks(args)?;
-    let figures = measure(&tasks, SECONDS[usize::from(args.quick)], args.output.as_deref())?;
+    let options = &args.options;
+    options.changes.check_all_schemes()?;
+    let folder = options.folder(&["error.md", "error.csv", "error.svg", KEPT])?;
+    options.changes.start_threads()?;
+    let tasks = tasks(options)?;
+    let figures = measure(&tasks, options.either(SECONDS), folder)?;
     let text = words::markdown(&figures);
-    if let Some(folder) = &args.output {
+    if let Some(folder) = folder {
         out::write(&folder.join("error.md"), text.as_bytes())?;
         out::write(&folder.join("error.csv"), words::csv(&figures).as_bytes())?;
         out::write(&folder.join("error.svg"), error_plot::svg(&figures)?.as_bytes())?;
         std::fs::remove_file(folder.join(KEPT)).with_context(|| format!("{KEPT} cannot be removed"))?;
     }
-    if args.json {
+    if options.json {
         out::json(&json!({ "scenes": figures }))?;
     } else {
         out::figures(text.trim_end())?;
@@ -114,16 +97,13 @@ fn measure(tasks: &[Task], seconds: f64, folder: Option<&Path>) -> Result<Vec<Er
     Ok(figures)
 }
 
-fn tasks(args: &ErrorArgs) -> Result<Vec<Task>, Failure> {
-    let mut wanted = Vec::new();
-    if args.given.is_empty() {
+fn tasks(options: &ReportOptions) -> Result<Vec<Task>, Failure> {
+    let mut wanted = options.opened()?;
+    if options.given.is_empty() {
         for (name, mut scene) in scenes() {
-            args.changes.apply(&mut scene)?;
+            options.changes.apply(&mut scene)?;
             wanted.push(Opened::without_file(scene, name, PathBuf::new()));
         }
-    }
-    for given in &args.given {
-        wanted.push(args.changes.open(given)?);
     }
     if let Some(empty) = wanted.iter().find(|opened| opened.scene.bodies.is_empty()) {
         return Err(Failure::usage(anyhow!("{} has no body: there is nothing to measure", empty.title)));

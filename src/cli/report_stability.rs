@@ -1,7 +1,6 @@
 //! `gelatin report stability`: the limits of the step, predicted and measured, and extreme scenes in automatic stepping.
 
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -12,7 +11,7 @@ use serde_json::json;
 
 use super::Failure;
 use super::out::{self, Progress};
-use super::scene_args::Changes;
+use super::report_options::ReportOptions;
 use crate::geometry::Watch;
 use crate::report::extremes::lattices;
 use crate::report::matrix::matrix;
@@ -25,11 +24,8 @@ const SCENES: [u64; 2] = [300, 30];
 /// What is measured and where the report goes.
 #[derive(Debug, Args)]
 pub(super) struct StabilityArgs {
-    /// Presets' names, .ron scenes or model files; without any the built-in cases and random scenes are measured.
-    #[arg(value_name = "SCENE")]
-    given: Vec<OsString>,
     #[command(flatten)]
-    changes: Changes,
+    options: ReportOptions,
     /// Random extreme scenes; 300 where no SCENE is given, 30 with --quick.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(0..=1_000_000))]
     scenes: Option<u64>,
@@ -39,44 +35,34 @@ pub(super) struct StabilityArgs {
     /// Only random scene N, its energy account look by look.
     #[arg(long, value_name = "N", conflicts_with_all = ["given", "scenes"])]
     scene: Option<u64>,
-    /// Write stability.md, stability.csv and the random scenes that failed into this folder.
-    #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
-    /// Measure for a shorter time.
-    #[arg(long)]
-    quick: bool,
-    /// Print one JSON object.
-    #[arg(long)]
-    json: bool,
 }
 
 /// Measures, prints, and fails if anything measured did.
 pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
+    let options = &args.options;
+    if options.given.is_empty() {
+        options.changes.check_nothing_is_set("without a SCENE the report measures cases of its own")?;
+    }
     if let Some(number) = args.scene {
         return one_scene(args, number);
     }
-    if let Some(folder) = &args.output {
-        std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be created", folder.display()))?;
-        for name in ["stability.md", "stability.csv"] {
-            out::check_writable(&folder.join(name))?;
-        }
-    }
-    args.changes.start_threads()?;
-    let cases = cases(args)?;
-    let default = if args.given.is_empty() { SCENES[usize::from(args.quick)] } else { 0 };
+    let folder = options.folder(&["stability.md", "stability.csv"])?;
+    options.changes.start_threads()?;
+    let cases = cases(options)?;
+    let default = if options.given.is_empty() { options.either(SCENES) } else { 0 };
     let random = match args.scenes.unwrap_or(default) {
         0 => None,
         count => Some(random(args, count)?),
     };
     let text = stability::markdown(&cases, random.as_ref());
-    if let Some(folder) = &args.output {
+    if let Some(folder) = folder {
         out::write(&folder.join("stability.md"), text.as_bytes())?;
         out::write(&folder.join("stability.csv"), stability::csv(&cases).as_bytes())?;
         for failure in random.iter().flat_map(|random| &random.failures) {
             write_scene(folder, args.seed, failure.number)?;
         }
     }
-    if args.json {
+    if options.json {
         out::json(&json!({ "cases": cases, "random": random }))?;
     } else {
         out::figures(text.trim_end())?;
@@ -91,12 +77,12 @@ pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
 
 /// Prints the account of one random scene, and fails if the scene does.
 fn one_scene(args: &StabilityArgs, number: u64) -> Result<(), Failure> {
-    if let Some(folder) = &args.output {
-        std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be created", folder.display()))?;
+    args.options.changes.start_threads()?;
+    if let Some(folder) = args.options.folder(&[])? {
         write_scene(folder, args.seed, number)?;
     }
-    let account = single::account(args.seed, number, args.quick).context("a random scene cannot be made")?;
-    if args.json {
+    let account = single::account(args.seed, number, args.options.quick).context("a random scene cannot be made")?;
+    if args.options.json {
         out::json(&serde_json::to_value(&account)?)?;
     } else {
         out::figures(single::markdown(&account).trim_end())?;
@@ -112,23 +98,22 @@ fn write_scene(folder: &Path, seed: u64, number: u64) -> Result<(), Failure> {
     Ok(out::write(&folder.join(format!("seed{seed}_scene{number:06}.ron")), text.as_bytes())?)
 }
 
-fn cases(args: &StabilityArgs) -> Result<Vec<CaseFigures>, Failure> {
+fn cases(options: &ReportOptions) -> Result<Vec<CaseFigures>, Failure> {
     let mut measured = Vec::new();
-    if args.given.is_empty() {
+    if options.given.is_empty() {
         for (name, scene) in matrix() {
             let lattices = lattices(&scene).with_context(|| name.clone())?;
             measured.push((name, scene, lattices));
         }
     }
-    for given in &args.given {
-        let opened = args.changes.open(given)?;
+    for opened in options.opened()? {
         let lattices = opened.lattices(&Progress::new("filling"))?;
         measured.push((opened.title, opened.scene, lattices));
     }
     let tally = Tally::new("cases", measured.len());
     // One by one, so that no thread has several of the long ones before it while another has none left.
     let figures = measured.par_iter().with_max_len(1).map(|(name, scene, lattices)| {
-        let figures = stability::case(name, scene, lattices, args.quick);
+        let figures = stability::case(name, scene, lattices, options.quick);
         tally.one_more();
         figures
     });
@@ -141,7 +126,7 @@ fn random(args: &StabilityArgs, count: u64) -> Result<RandomFigures, Failure> {
     let found: Result<Vec<_>, _> = (0..count)
         .into_par_iter()
         .map(|number| {
-            let found = stability::random(args.seed, number, args.quick);
+            let found = stability::random(args.seed, number, args.options.quick);
             tally.one_more();
             found
         })

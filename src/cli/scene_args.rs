@@ -84,6 +84,23 @@ impl Changes {
         }
     }
 
+    /// Refuses everything that would be set on a scene, for a command that was given none; `why` says so.
+    pub(super) fn check_nothing_is_set(&self, why: &str) -> Result<(), Failure> {
+        let Self { set, dt, integrator, stepping, divisions, up, .. } = self;
+        let given = [
+            ("--set", !set.is_empty()),
+            ("--dt", dt.is_some()),
+            ("--integrator", integrator.is_some()),
+            ("--stepping", stepping.is_some()),
+            ("--divisions", divisions.is_some()),
+            ("--up", up.is_some()),
+        ];
+        match given.iter().find(|(_, is_given)| *is_given) {
+            Some((name, _)) => Err(Failure::usage(anyhow!("{why}: name a SCENE or leave out {name}"))),
+            None => Ok(()),
+        }
+    }
+
     /// Sets the values on a scene.
     pub(super) fn apply(&self, scene: &mut Scene) -> Result<(), Failure> {
         self.change_models(scene)?;

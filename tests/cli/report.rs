@@ -86,6 +86,29 @@ fn a_person_reads_tables_and_finds_them_in_the_folder() {
     assert_eq!(written.trim_end(), ran.figures.trim_end(), "the file holds what is printed");
 }
 
+/// One definition of what every report takes: the same words in the help of each.
+#[test]
+fn every_report_takes_the_same_options() {
+    let folder = Folder::new();
+    let options = |report: &str| {
+        let ran = folder.run(&format!("report {report} --help"));
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        assert!(ran.figures.contains(&format!("{report}.md")), "the files are named: {}", ran.figures);
+        let lines: Vec<String> = ran.figures.lines().map(|line| line.split_whitespace().collect()).collect();
+        let begin = lines.iter().position(|line| line == "Arguments:").expect("arguments");
+        lines[begin..].to_vec()
+    };
+    let cost = options("cost");
+    for needed in ["[SCENE]...", "--set<PATH=VALUE>", "--dt<S>", "-o,--output<DIR>", "--quick", "--json"] {
+        assert!(cost.iter().any(|line| line.starts_with(needed)), "{needed} is in {cost:?}");
+    }
+    for report in ["error", "stability"] {
+        let own = options(report);
+        let missing: Vec<&String> = cost.iter().filter(|line| !own.contains(line)).collect();
+        assert!(missing.is_empty(), "report {report} lacks {missing:?}");
+    }
+}
+
 #[test]
 fn what_cannot_be_measured_or_written_is_refused() {
     let folder = Folder::new();

@@ -81,6 +81,13 @@ fn wrong_usage_is_refused_first() {
     let folder = Folder::new();
     folder.write("flat", "no folder");
     refused(&folder, "report stability cube-on-plain", USAGE, &["cube-on-plane"]);
+    for (option, value) in
+        [("--set", "settings.gravity=1"), ("--dt", "0.1"), ("--integrator", "rk4"), ("--stepping", "manual")]
+    {
+        let line = format!("report stability {option} {value} --quick");
+        refused(&folder, &line, USAGE, &[option, "name a SCENE"]);
+        refused(&folder, &format!("{line} --scene 3"), USAGE, &[option]);
+    }
     refused(&folder, "report stability --scenes -1", USAGE, &["--scenes"]);
     refused(&folder, "report stability --scenes 9999999", USAGE, &["0..=1000000"]);
     refused(&folder, "report stability gone.ron --quick", FAILED, &["gone.ron"]);
