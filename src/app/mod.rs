@@ -49,12 +49,12 @@ pub enum AppError {
     /// There is no display.
     #[error(
         "there is no display to open a window on: set DISPLAY (or WAYLAND_DISPLAY), or use `gelatin render` to make \
-         a picture without a window"
+         a picture without a window ({0})"
     )]
-    NoDisplay(#[source] EventLoopError),
+    NoDisplay(String),
     /// The event loop broke.
-    #[error("the connection to the display was lost")]
-    Display(#[source] EventLoopError),
+    #[error("the connection to the display was lost ({0})")]
+    Display(String),
     /// The window cannot go on.
     #[error(transparent)]
     Shell(#[from] ShellError),
@@ -62,13 +62,23 @@ pub enum AppError {
 
 /// Opens the sandbox on a scene and returns when it is closed.
 pub fn run(opened: Opened) -> Result<(), AppError> {
-    let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(AppError::NoDisplay)?;
+    let event_loop =
+        EventLoop::<Wake>::with_user_event().build().map_err(|error| AppError::NoDisplay(cause(&error)))?;
     let proxy = event_loop.create_proxy();
     // The scene is prepared while the window opens.
     let worker = shell::start_worker(&proxy, opened);
     let mut app = App { proxy, start: Some(worker), shell: None, error: None };
-    event_loop.run_app(&mut app).map_err(AppError::Display)?;
+    event_loop.run_app(&mut app).map_err(|error| AppError::Display(cause(&error)))?;
     app.error.map_or(Ok(()), |error| Err(error.into()))
+}
+
+/// What the system said, without the place in winit's source where it was heard.
+fn cause(error: &EventLoopError) -> String {
+    let words = error.to_string();
+    match words.strip_prefix("os error at ").and_then(|placed| placed.split_once(": ")) {
+        Some((_, said)) => said.trim_end_matches('.').to_owned(),
+        None => words,
+    }
 }
 
 /// A wake-up from another thread.

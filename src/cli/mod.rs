@@ -1,5 +1,6 @@
 //! The command line: `gelatin [SCENE]` opens the window, the subcommands work without one. Figures go to standard
-//! output, messages and progress bars to standard error; exit code 0, 1 when the work failed, 2 for wrong usage.
+//! output, messages and progress bars to standard error; exit code 0, 1 when the work failed or a simulation exploded, 2 for
+//! wrong usage.
 
 mod check;
 mod error_plot;
@@ -13,6 +14,7 @@ mod report_options;
 mod report_stability;
 mod run;
 mod scene_args;
+mod unknown;
 mod voxelize;
 
 use std::ffi::OsString;
@@ -26,9 +28,13 @@ pub use failure::Failure;
 /// A longer word of an error is cut.
 const MOST_BYTES: usize = 800;
 
+/// What scripts go by.
+const EXIT_CODES: &str =
+    "Exit code: 0, 1 when the work failed (also where `run` or `render` explodes), 2 for wrong usage.";
+
 /// An interactive sandbox for soft bodies.
 #[derive(Debug, Parser)]
-#[command(name = "gelatin", version, args_conflicts_with_subcommands = true)]
+#[command(name = "gelatin", version, args_conflicts_with_subcommands = true, after_help = EXIT_CODES)]
 struct Arguments {
     /// A preset's name, a .ron scene or a model file to open in the window.
     scene: Option<OsString>,
@@ -42,9 +48,9 @@ struct Arguments {
 enum Command {
     /// List the scenes that the program carries, and everything that can be set.
     Presets(presets::PresetsArgs),
-    /// Simulate a scene without a window, as fast as possible.
+    /// Simulate a scene without a window, as fast as possible; exit code 1 where it explodes.
     Run(run::RunArgs),
-    /// Make pictures of a scene without a window.
+    /// Make pictures of a scene without a window; exit code 1 where it explodes before the last one.
     Render(render::RenderArgs),
     /// Fill a model with cells and say what came of it.
     Voxelize(voxelize::VoxelizeArgs),
@@ -56,10 +62,15 @@ enum Command {
 
 /// Runs the program with its arguments, the program's name first. Reports a failure as one line on standard error.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let arguments = match Arguments::try_parse_from(arguments) {
+    let words: Vec<OsString> = arguments.into_iter().collect();
+    let arguments = match Arguments::try_parse_from(&words) {
         Ok(arguments) => arguments,
         Err(error) => {
             if error.use_stderr() {
+                // What follows a word that is no command is not looked at.
+                if let Some(failure) = words.get(1).and_then(|word| unknown::refusal(word)) {
+                    return ended(&failure);
+                }
                 // The words of the command line are repeated in it, however long they are.
                 let short = |word: &str| if word.len() > MOST_BYTES { echo(word) } else { word.to_owned() };
                 let words: Vec<String> = error.render().to_string().trim_end().split(' ').map(short).collect();
@@ -73,11 +84,13 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     match dispatch(arguments) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            out::note(&format!("error: {failure}"));
-            ExitCode::from(failure.code())
-        }
+        Err(failure) => ended(&failure),
     }
+}
+
+fn ended(failure: &Failure) -> ExitCode {
+    out::note(&format!("error: {failure}"));
+    ExitCode::from(failure.code())
 }
 
 fn dispatch(arguments: Arguments) -> Result<(), Failure> {
@@ -93,6 +106,9 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
 }
 
 fn window(scene: Option<OsString>, changes: &scene_args::Changes) -> Result<(), Failure> {
+    if let Some(failure) = scene.as_deref().and_then(unknown::refusal) {
+        return Err(failure);
+    }
     changes.start_threads()?;
     let opened = changes.open(&scene.unwrap_or_else(|| crate::scene::presets::DEFAULT.into()))?;
     Ok(crate::app::run(opened)?)

@@ -121,7 +121,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
 fn simulate(session: &mut Session, until: u64, last: u64, watch: &dyn Watch) -> anyhow::Result<()> {
     while session.simulation().state().steps < until {
         if !session.step() {
-            anyhow::bail!("{}", session.status().message);
+            let status = session.status();
+            anyhow::bail!(status.trouble.map_or(status.message, |trouble| trouble.words));
         }
         watch.progress(session.simulation().state().steps as f64 / last as f64);
     }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use anyhow::anyhow;
 use clap::Args;
 
 use super::Failure;
@@ -63,11 +64,15 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         session.handle(Command::SaveState { path: path.clone() })?;
     }
     if args.json {
-        return Ok(out::json(&serde_json::to_value(&figures)?)?);
+        out::json(&serde_json::to_value(&figures)?)?;
+    } else {
+        out::figures(&table(&figures))?;
+        figures.warnings.iter().for_each(|warning| out::note(&format!("warning: {warning}")));
     }
-    out::figures(&table(&figures))?;
-    figures.warnings.iter().for_each(|warning| out::note(&format!("warning: {warning}")));
-    Ok(())
+    match figures.trouble {
+        Some(words) => Err(anyhow!(words).into()),
+        None => Ok(()),
+    }
 }
 
 fn table(figures: &RunFigures) -> String {
@@ -104,12 +109,13 @@ fn table(figures: &RunFigures) -> String {
         (
             "energy",
             format!(
-                "{:.4} J (kinetic {:.4}, elastic {:.4}, gravity {:.4}, contact {:.4})",
+                "{:.4} J (kinetic {:.4}, elastic {:.4}, gravity {:.4}, contact {:.4}, recovery {:.4})",
                 figures.energy_joule.total,
                 figures.energy_joule.kinetic,
                 figures.energy_joule.elastic,
                 figures.energy_joule.gravity,
-                figures.energy_joule.contact
+                figures.energy_joule.contact,
+                figures.energy_joule.recovery
             ),
         ),
         ("center", format!("{:.4} {:.4} {:.4} m", figures.center[0], figures.center[1], figures.center[2])),

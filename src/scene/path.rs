@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::Scene;
 use super::param::{self, Kind, PARAMS, Param, Problem};
-use crate::text::echo;
+use crate::text::{distance, echo};
 
 /// Why a path or a value was refused. The scene is then unchanged.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -184,22 +184,6 @@ fn nearest(path: &str) -> String {
         named.push(names.join("."));
     }
     named.join(", ")
-}
-
-/// The number of letters to insert, remove or exchange (Levenshtein).
-fn distance(from: &str, to: &str) -> usize {
-    let to: Vec<char> = to.chars().collect();
-    let mut row: Vec<usize> = (0..=to.len()).collect();
-    for (i, a) in from.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &b) in to.iter().enumerate() {
-            let exchanged = diagonal + usize::from(a != b);
-            diagonal = row[j + 1];
-            row[j + 1] = exchanged.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[to.len()]
 }
 
 #[cfg(test)]

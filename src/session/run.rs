@@ -64,6 +64,8 @@ pub struct RunFigures {
     pub peak: PeakFigures,
     pub stages: Vec<StageFigures>,
     pub warnings: Vec<String>,
+    /// Why the simulation was stopped before its time.
+    pub trouble: Option<String>,
 }
 
 /// Links by family.
@@ -239,6 +241,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         peak: outcome.peak,
         stages: Stage::ALL.map(|stage| stage_figures(stage, timer)).to_vec(),
         warnings: warnings(session, report, outcome.simulated_secs),
+        trouble: report.diverged.then(|| session.explain_divergence().words),
     }
 }
 
@@ -251,9 +254,6 @@ fn warnings(session: &Session, report: &StepReport, seconds: f64) -> Vec<String>
     let mut warnings = session.warnings();
     warnings.extend(fallen_out(session));
     warnings.extend((report.slowed > 0).then(|| slowed_words(report.slowed, seconds)));
-    if report.diverged {
-        warnings.push(session.explain_divergence().words);
-    }
     warnings
 }
 

@@ -1,5 +1,6 @@
 //! Texts of strangers, fit for a message: what files, arguments and other programs say reaches a terminal short and
-//! without control characters, which could move its cursor, change its title or hide what was said.
+//! without control characters, which could move its cursor, change its title or hide what was said. And how far a word
+//! is from the one that may have been meant.
 
 use std::path::Path;
 
@@ -39,6 +40,22 @@ fn printable(letter: char) -> char {
     let steers =
         matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
     if letter.is_control() || steers { char::REPLACEMENT_CHARACTER } else { letter }
+}
+
+/// The number of letters to insert, remove or exchange (Levenshtein).
+pub fn distance(from: &str, to: &str) -> usize {
+    let to: Vec<char> = to.chars().collect();
+    let mut row: Vec<usize> = (0..=to.len()).collect();
+    for (i, a) in from.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &b) in to.iter().enumerate() {
+            let exchanged = diagonal + usize::from(a != b);
+            diagonal = row[j + 1];
+            row[j + 1] = exchanged.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[to.len()]
 }
 
 #[cfg(test)]

@@ -75,7 +75,7 @@ fn divisions_outside_their_range_are_refused() {
 fn unknown_names_and_paths_are_refused_with_the_nearest() {
     let folder = Folder::new();
     refused(&folder, "check cube-on-plain", USAGE, &["cube-on-plane"]);
-    refused(&folder, "nothing", USAGE, &["cube-on-plane"]);
+    refused(&folder, "nothing", USAGE, &["cube-on-plane", "voxelize"]);
     refused(&folder, "check cube-on-plane --set bodies.0.shape.cube.sells=3", USAGE, &["bodies.0.shape.cube.cells"]);
     refused(&folder, "check cube-on-plane --set bodies.7.name=x", USAGE, &["the scene has 1 in bodies"]);
     refused(&folder, "check cube-on-plane --set settings.dt", USAGE, &["PATH=VALUE"]);
@@ -93,6 +93,23 @@ fn unknown_names_and_paths_are_refused_with_the_nearest() {
     refused(&folder, "check", USAGE, &["SCENE"]);
     refused(&folder, "report eror", USAGE, &[]);
     refused(&folder, "--wobble", USAGE, &["--wobble"]);
+}
+
+#[test]
+fn an_unknown_command_is_refused_with_the_commands_and_the_nearest() {
+    let folder = Folder::new();
+    for line in ["export tree", "export", "export --json", "export tree -o tree.obj"] {
+        refused(
+            &folder,
+            line,
+            USAGE,
+            &["called export", "presets, run, render, voxelize, check, report", "did you mean"],
+        );
+    }
+    refused(&folder, "rendr tree -o a.png", USAGE, &["did you mean render?"]);
+    // What is a scene stays one: then it is the second word that is wrong.
+    refused(&folder, "tree tree", USAGE, &["tree"]);
+    assert!(!folder.run("tree tree").notes.contains("no command"), "tree is a scene");
 }
 
 /// The window is asked for with the same options, which are looked at before there is one.
@@ -260,6 +277,8 @@ fn pictures_that_cannot_be_are_refused_and_nothing_is_overwritten() {
 fn no_display_and_no_graphics_are_a_sentence() {
     let folder = Folder::new();
     refused(&folder, "cube-on-plane", FAILED, &["display", "gelatin render"]);
+    let said = folder.run("cube-on-plane").notes;
+    assert!(!said.contains(".rs:") && !said.contains("os error"), "no place in a source: {said}");
     let ran = folder.run_with(
         "render cube-on-plane --at 0 -o a.png",
         &[("VK_DRIVER_FILES", "/none"), ("VK_ICD_FILENAMES", "/none"), ("WGPU_BACKEND", "vulkan")],

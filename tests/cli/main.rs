@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod errors;
+mod exploding;
 mod figures;
 mod killed;
 #[cfg(target_os = "linux")]
