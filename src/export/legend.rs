@@ -18,8 +18,9 @@ const LEAST_SCALE: f32 = 0.7;
 /// Lighter backgrounds than this (mean of sRGB bytes) take dark text.
 const LIGHT_BACKGROUND: f32 = 128.0;
 
-/// Draws a legend into the lower left corner. Text is dark on light backgrounds. A picture too small for it stays
-/// as it is.
+/// Draws a legend into the lower left corner: round values, and the highest one with its unit at the end. A number that
+/// would run into its neighbour is left out; its mark stays. Text is dark on light backgrounds. A picture too small for
+/// it stays as it is.
 pub fn draw_legend(image: &mut Image, legend: &Legend, colormap: Colormap) {
     let Ok(font) = FontRef::try_from_slice(INTER) else { return };
     let [width, height] = image.size.map(|side| side as f32);
@@ -41,6 +42,12 @@ pub fn draw_legend(image: &mut Image, legend: &Legend, colormap: Colormap) {
         }
     }
     let below = top + bar_height;
+    let base = below + tick + text;
+    let right = margin + bar_width;
+    let end = legend.highest();
+    let end_left = right - pen.width(&end);
+    pen.write(image, &end, [right, base], 1.0);
+    let mut free_from = 0.0;
     let thickness = to_pixel(scale.round().max(1.0));
     for mark in &legend.ticks {
         let x = margin + mark.place * bar_width;
@@ -48,7 +55,11 @@ pub fn draw_legend(image: &mut Image, legend: &Legend, colormap: Colormap) {
             let left = to_pixel((x - 0.5 * scale).clamp(margin, margin + bar_width - scale));
             image.blend([left + column, to_pixel(below) + row], ink, 0.8);
         }
-        pen.write(image, &mark.label, [x, below + tick + text], 0.5);
+        let (half, gap) = (0.5 * pen.width(&mark.label), 0.4 * text);
+        if x - half >= free_from && x + half + gap <= end_left {
+            pen.write(image, &mark.label, [x, base], 0.5);
+            free_from = x + half + gap;
+        }
     }
 }
 
@@ -59,8 +70,12 @@ struct Pen<'a> {
 }
 
 impl Pen<'_> {
-    /// Writes on a base line; `align` is the share of the text's width that lies left of x.
-    fn write(&self, image: &mut Image, text: &str, [x, y]: [f32; 2], align: f32) {
+    fn width(&self, text: &str) -> f32 {
+        self.glyphs(text).1
+    }
+
+    /// The letters of a text from x = 0 on, and its width.
+    fn glyphs(&self, text: &str) -> (Vec<Glyph>, f32) {
         let font = self.font.as_scaled(PxScale::from(self.size));
         let mut glyphs: Vec<Glyph> = Vec::new();
         let mut advance = 0.0;
@@ -73,6 +88,12 @@ impl Pen<'_> {
             advance += font.h_advance(glyph.id);
             glyphs.push(glyph);
         }
+        (glyphs, advance)
+    }
+
+    /// Writes on a base line; `align` is the share of the text's width that lies left of x.
+    fn write(&self, image: &mut Image, text: &str, [x, y]: [f32; 2], align: f32) {
+        let (glyphs, advance) = self.glyphs(text);
         let left = (x - align * advance).max(1.0);
         for mut glyph in glyphs {
             glyph.position = point(left + glyph.position.x, y);

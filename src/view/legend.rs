@@ -5,6 +5,8 @@
 pub struct Legend {
     /// What is shown, with its unit: "load, N".
     pub title: String,
+    /// The unit; may be empty.
+    pub unit: String,
     /// The values at the two ends of the bar.
     pub range: [f32; 2],
     /// Round values between them, ascending.
@@ -26,7 +28,12 @@ impl Legend {
     /// A legend of about `count` round values for a scalar called `name`; `unit` may be empty.
     pub fn new(name: &str, unit: &str, range: [f32; 2], count: usize) -> Self {
         let title = if unit.is_empty() { name.to_owned() } else { format!("{name}, {unit}") };
-        Self { title, range, ticks: ticks(range, count) }
+        Self { title, unit: unit.to_owned(), range, ticks: ticks(range, count) }
+    }
+
+    /// The value at the upper end of the bar, with the unit.
+    pub fn highest(&self) -> String {
+        format!("{} {}", three_digits(f64::from(self.range[1])), self.unit).trim_end().to_owned()
     }
 }
 
@@ -106,6 +113,7 @@ mod tests {
         let two = legend.ticks.iter().find(|tick| tick.label == "2.0").expect("2 is a round value of 1..3");
         assert!((two.place - 0.5).abs() < 1e-6, "2 is half way from 1 to 3");
         assert_eq!(legend.title, "speed, m/s", "the title names the unit");
+        assert_eq!(legend.highest(), "3 m/s", "the end of the bar");
     }
 
     #[test]

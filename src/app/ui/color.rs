@@ -44,8 +44,7 @@ pub(super) fn color_ui(
     });
     if let (Some((colormap, range)), true) = (key, view.color != ColorBy::Plain) {
         let legend = Legend::new(view.color.name(), view.color.unit(), range, TICKS);
-        let highest = format!("{} {}", three_digits(f64::from(range[1])), view.color.unit());
-        legend_ui(ui, &legend, colormap, &highest);
+        legend_ui(ui, &legend, colormap);
         range_ui(ui, view, range, commands);
     }
 }
@@ -71,7 +70,7 @@ fn range_ui(ui: &mut Ui, view: &ViewSettings, now: [f32; 2], commands: &mut Vec<
     }
 }
 
-fn legend_ui(ui: &mut Ui, legend: &Legend, colormap: Colormap, highest: &str) {
+fn legend_ui(ui: &mut Ui, legend: &Legend, colormap: Colormap) {
     let font = TextStyle::Small.resolve(ui.style());
     let text_height = ui.fonts_mut(|fonts| fonts.row_height(&font));
     let (rect, response) = ui.allocate_exact_size(BAR + vec2(0.0, text_height + 7.0), Sense::hover());
@@ -89,12 +88,12 @@ fn legend_ui(ui: &mut Ui, legend: &Legend, colormap: Colormap, highest: &str) {
     let bar = Rect::from_min_size(rect.min, BAR);
     ui.painter().add(gradient(bar, colormap));
     ui.painter().rect_stroke(bar, 0.0, Stroke::new(1.0, egui::Color32::from_black_alpha(90)), egui::StrokeKind::Inside);
-    ticks(ui, legend, highest, bar, &font);
+    ticks(ui, legend, bar, &font);
 }
 
 /// The marks with their numbers; the highest value stands at the end, with the unit.
-fn ticks(ui: &Ui, legend: &Legend, highest: &str, bar: Rect, font: &FontId) {
-    let end = ui.painter().layout_no_wrap(highest.to_owned(), font.clone(), theme::of(ui).strong);
+fn ticks(ui: &Ui, legend: &Legend, bar: Rect, font: &FontId) {
+    let end = ui.painter().layout_no_wrap(legend.highest(), font.clone(), theme::of(ui).strong);
     let end_left = bar.right() - end.size().x;
     let top = bar.bottom() + 5.0;
     let mut free_from = bar.left();
