@@ -1,7 +1,9 @@
 //! `gelatin check`: parse, validate, and predict the stable step and the cost of a scene before anything runs.
 
+use std::ffi::OsStr;
+
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::Failure;
 use super::out;
@@ -9,9 +11,9 @@ use super::scene_args::{self, SceneArgs};
 use crate::machine::bytes_text;
 use crate::scene::file::SceneFileError;
 use crate::scene::param::Problem;
-use crate::session::Session;
 use crate::session::predict::Prediction;
 use crate::session::step_words::limit_text;
+use crate::session::{Session, SessionError};
 use crate::view::legend::three_digits;
 
 /// The scene to look at.
@@ -31,7 +33,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
         Err(failure @ Failure::Usage(_)) => Err(failure),
         Err(Failure::Work(error)) => {
             if args.json {
-                out::json(&json!({ "ok": false, "errors": problems(&error) }))?;
+                out::json(&unsound(&error, args.scene.given()))?;
             }
             Err(Failure::Work(error))
         }
@@ -77,10 +79,37 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The errors of a scene file one by one, or the one error there is.
+/// A scene that is not sound as a JSON object: its errors, and null for everything that cannot be said of it.
+fn unsound(error: &anyhow::Error, scene: &OsStr) -> Value {
+    let none = Value::Null;
+    json!({
+        "ok": false,
+        "errors": problems(error),
+        "warnings": [],
+        "scene": scene.to_string_lossy(),
+        "particles": none,
+        "links": none,
+        "memory_bytes": none,
+        "dt_limit_secs": none,
+        "dt_safe_secs": none,
+        "limited_by": none,
+        "integrator": none,
+        "limits": [],
+        "substeps_per_frame": none,
+        "most_iterations_per_frame": none,
+        "predicted_real_time_factor": none,
+    })
+}
+
+/// The errors of a scene one by one, or the one error there is, then without a path.
 fn problems(error: &anyhow::Error) -> Vec<Problem> {
-    match error.downcast_ref() {
-        Some(SceneFileError::Values { problems, .. }) => problems.clone(),
-        _ => vec![Problem { path: String::new(), message: format!("{error:#}") }],
-    }
+    let message = format!("{error:#}");
+    let found = match (error.downcast_ref(), error.downcast_ref()) {
+        (Some(file), _) => SceneFileError::problems(file),
+        (None, Some(SessionError::Shape { index, source })) => {
+            vec![Problem { path: format!("bodies.{index}.{}", source.path()), message: message.clone() }]
+        }
+        _ => Vec::new(),
+    };
+    if found.is_empty() { vec![Problem { path: String::new(), message }] } else { found }
 }

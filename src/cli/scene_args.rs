@@ -56,6 +56,11 @@ pub(super) struct Changes {
 }
 
 impl SceneArgs {
+    /// The scene's name as it was given.
+    pub(super) fn given(&self) -> &OsStr {
+        &self.scene
+    }
+
     /// Opens the scene, sets the values and starts the worker threads.
     pub(super) fn open(&self) -> Result<Opened, Failure> {
         self.changes.start_threads()?;

@@ -14,8 +14,9 @@ use super::out::{self, Progress};
 use super::scene_args::up_axis;
 use crate::geometry::UpAxis;
 use crate::geometry::voxel::{Cells, Keep, MAX_DIVISIONS, OccupancyChoice, VoxelReport, VoxelizeOptions, voxelize};
-use crate::scene::resolve;
+use crate::scene::resolve::{self, LENGTHS};
 use crate::text::echo_path;
+use crate::view::legend::three_digits;
 
 /// The model and how it is filled.
 #[derive(Debug, Args)]
@@ -35,12 +36,24 @@ pub(super) struct VoxelizeArgs {
     /// way and y otherwise.
     #[arg(long, value_name = "AXIS", default_value = "auto", allow_hyphen_values = true, value_parser = up_axis)]
     up: UpAxis,
+    /// The longest extent of the body, m, which the lengths of the report are for; 0 keeps the model's own.
+    #[arg(long, value_name = "M", default_value_t = 1.0, allow_negative_numbers = true, value_parser = length)]
+    length: f64,
     /// Write the outer faces of the cells to an OBJ file, in the model's own coordinates.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
+}
+
+/// A length on the command line: that of a body, or 0.
+fn length(text: &str) -> Result<f64, String> {
+    let [least, most] = LENGTHS;
+    match text.parse::<f64>() {
+        Ok(length) if length == 0.0 || (least..=most).contains(&length) => Ok(length),
+        _ => Err(format!("a length from {least:e} to {most:e} m is needed, or 0")),
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -93,15 +106,19 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
         out::write(path, outer_faces(&filled.cells, up).as_bytes())?;
     }
     let mut report = filled.report;
+    let own_length = imported.mesh.bounds().size().max_element();
+    let length_m = if args.length > 0.0 { args.length } else { own_length };
+    report.cell_size_m *= length_m / own_length;
     report.warnings.splice(0..0, imported.warnings);
     if args.json {
         let mut object = serde_json::to_value(&report)?;
         object["model"] = json!(shown);
         object["up"] = json!(up);
+        object["length_m"] = json!(length_m);
         object["wall_secs"] = json!(wall_secs);
         out::json(&object)?;
     } else {
-        out::figures(&text(&shown, &report, up, wall_secs))?;
+        out::figures(&text(&shown, &report, up, length_m, wall_secs))?;
         for warning in &report.warnings {
             out::note(&format!("warning: {warning}"));
         }
@@ -109,13 +126,13 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn text(model: &str, report: &VoxelReport, up: UpAxis, wall_secs: f64) -> String {
+fn text(model: &str, report: &VoxelReport, up: UpAxis, length_m: f64, wall_secs: f64) -> String {
     let closed = if report.closed { "closed" } else { "open" };
     let occupancy = format!("{:?}", report.occupancy).to_lowercase();
     format!(
         "{model}: {} vertices, {} triangles, {closed} ({} boundary edges), {} parts, {} up\n\
          {occupancy} occupancy: {}\n\
-         {} divisions, cell size {} → {} cells, {} particles, {} links\n\
+         {} divisions of {} m, cells of {} m → {} cells, {} particles, {} links\n\
          {} components, {} cells dropped, {} parts joined, {} parts thinner than a cell\n\
          {wall_secs:.3} s",
         report.vertices,
@@ -125,7 +142,8 @@ fn text(model: &str, report: &VoxelReport, up: UpAxis, wall_secs: f64) -> String
         up.name().replace('_', " "),
         report.why,
         report.divisions,
-        report.cell_size_m,
+        three_digits(length_m),
+        three_digits(report.cell_size_m),
         report.cells,
         report.particles,
         report.links,

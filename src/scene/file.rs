@@ -12,7 +12,7 @@ use super::param::{self, Problem};
 use super::{Scene, VERSION};
 use super::{ron_lines, ron_words};
 use crate::disk::{self, ReadError};
-use crate::text::echo_path;
+use crate::text::{echo, echo_path};
 
 /// A larger file is no scene; models are files of their own.
 const MAX_BYTES: u64 = 64 << 20;
@@ -81,6 +81,8 @@ pub enum SceneFileError {
         line: usize,
         /// The column, from 1.
         column: usize,
+        /// The path of the value or field there.
+        path: String,
         /// What is wrong and what was expected.
         message: String,
     },
@@ -98,6 +100,19 @@ pub enum SceneFileError {
         /// Why.
         source: ron::Error,
     },
+}
+
+impl SceneFileError {
+    /// The values or fields of the scene that are wrong; none where the whole file is.
+    pub fn problems(&self) -> Vec<Problem> {
+        let version = |message: String| vec![Problem { path: "version".to_owned(), message }];
+        match self {
+            Self::Values { problems, .. } => problems.clone(),
+            Self::Syntax { path, .. } => vec![Problem { path: path.clone(), message: self.to_string() }],
+            Self::NoVersion(_) | Self::Newer { .. } | Self::Older { .. } => version(self.to_string()),
+            _ => Vec::new(),
+        }
+    }
 }
 
 impl Scene {
@@ -122,6 +137,7 @@ impl Scene {
                 name: name(),
                 line: error.span.start.line,
                 column: error.span.start.col,
+                path: path_of(&code, &ron_lines::path_before(text, error.span.end.line, error.span.end.col)),
                 message: ron_words::words(&code),
             },
         })?;
@@ -166,6 +182,17 @@ impl Scene {
         let text = self.to_ron()?;
         let name = echo_path(path);
         disk::write(path, text.as_bytes()).map_err(|source| SceneFileError::Write { name, source })
+    }
+}
+
+/// The path of what an error is about; `last` is that of what was read last.
+fn path_of(error: &ron::Error, last: &str) -> String {
+    match error {
+        ron::Error::MissingStructField { field, .. } => match last.rsplit_once('.') {
+            Some((holder, _)) => format!("{holder}.{field}"),
+            None => (*field).to_owned(),
+        },
+        _ => echo(last),
     }
 }
 

@@ -73,6 +73,18 @@ pub enum ResolveError {
     },
 }
 
+impl ResolveError {
+    /// The value of the body that would have to be another one, as a path within the body.
+    pub fn path(&self) -> &'static str {
+        match self {
+            Self::Cells(_) => "shape",
+            Self::Import(_) | Self::NoSuchBuiltin { .. } | Self::Voxelize { .. } => "shape.model.path",
+            Self::TooManyParticles { .. } => "shape.model.divisions",
+            Self::Length { .. } => "shape.model.length",
+        }
+    }
+}
+
 /// A shape as filled cells: what a body will be, before its particles and links take their memory.
 #[derive(Clone, Debug)]
 pub struct Filled {

@@ -1,5 +1,6 @@
-//! On which line of a RON text the value of a path stands, so that a value outside its range can be pointed at. Reads
-//! brackets, names and commas only; what it cannot follow has no line.
+//! On which line of a RON text the value of a path stands, so that a value outside its range can be pointed at, and which
+//! path stands at a place, so that what cannot be read has a path, too. Reads brackets, names and commas only; what it
+//! cannot follow has no line.
 
 use std::collections::HashMap;
 
@@ -8,31 +9,34 @@ use std::collections::HashMap;
 pub(super) fn lines_of<'a>(text: &str, paths: impl Iterator<Item = &'a str> + Clone) -> Vec<Option<usize>> {
     let mut lines: HashMap<&str, Option<usize>> = paths.clone().map(|path| (path, None)).collect();
     let mut place = Place::default();
-    let mut tokens = Tokens { rest: text, line: 1 }.peekable();
-    while let Some((token, line)) = tokens.next() {
-        let next = tokens.peek().map(|(next, _)| *next);
-        match token {
-            Token::Word(word) if next == Some(Token::Mark(':')) => place.name(word),
-            Token::Word(word) if next == Some(Token::Mark('(')) => place.variant = Some(word),
-            Token::Word(_) => {
-                let path = place.path();
-                let mut above = Some(path.as_str());
-                while let Some(path) = above {
-                    if let Some(first) = lines.get_mut(path) {
-                        first.get_or_insert(line);
-                    }
-                    above = path.rsplit_once('.').map(|(above, _)| above);
+    let mut tokens = Tokens::of(text).peekable();
+    while let Some((token, begin)) = tokens.next() {
+        let is_value = place.follow(token, tokens.peek().map(|(next, _)| *next));
+        if is_value {
+            let path = place.path();
+            let mut above = Some(path.as_str());
+            while let Some(path) = above {
+                if let Some(first) = lines.get_mut(path) {
+                    first.get_or_insert(begin.line);
                 }
+                above = path.rsplit_once('.').map(|(above, _)| above);
             }
-            Token::Mark('(' | '[' | '{') => place.enter(),
-            Token::Mark(')' | ']' | '}') => {
-                place.frames.pop();
-            }
-            Token::Mark(',') => place.next(),
-            Token::Mark(_) => {}
         }
     }
     paths.map(|path| lines.get(path).copied().flatten()).collect()
+}
+
+/// The path of the last name or value that begins before a line and column, both from 1.
+pub(super) fn path_before(text: &str, line: usize, column: usize) -> String {
+    let lines_before: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let in_line = text[lines_before..].char_indices().nth(column.saturating_sub(1));
+    let end = in_line.map_or(text.len(), |(at, _)| lines_before + at);
+    let mut place = Place::default();
+    let mut tokens = Tokens::of(text).peekable();
+    while let Some((token, _)) = tokens.next_if(|(_, begin)| begin.byte < end) {
+        place.follow(token, tokens.peek().map(|(next, _)| *next));
+    }
+    place.path()
 }
 
 /// Where in the tree the reader is.
@@ -51,6 +55,22 @@ struct Frame<'a> {
 }
 
 impl<'a> Place<'a> {
+    /// Takes a token, with the one behind it. Returns whether it is a value.
+    fn follow(&mut self, token: Token<'a>, next: Option<Token<'a>>) -> bool {
+        match token {
+            Token::Word(word) if next == Some(Token::Mark(':')) => self.name(word),
+            Token::Word(word) if next == Some(Token::Mark('(')) => self.variant = Some(word),
+            Token::Word(_) => return true,
+            Token::Mark('(' | '[' | '{') => self.enter(),
+            Token::Mark(')' | ']' | '}') => {
+                self.frames.pop();
+            }
+            Token::Mark(',') => self.next(),
+            Token::Mark(_) => {}
+        }
+        false
+    }
+
     fn enter(&mut self) {
         // `Some(` is no form of ours, and the outermost bracket's word is the name of the whole.
         let variant = self.variant.take().filter(|word| *word != "Some" && !self.frames.is_empty());
@@ -88,16 +108,30 @@ enum Token<'a> {
     Mark(char),
 }
 
-/// Tokens with the lines they begin on; white space and comments are passed over.
+/// Where a token begins.
+#[derive(Clone, Copy)]
+struct Begin {
+    /// From 1.
+    line: usize,
+    /// From 0.
+    byte: usize,
+}
+
+/// Tokens with where they begin; white space and comments are passed over.
 struct Tokens<'a> {
     rest: &'a str,
-    line: usize,
+    begin: Begin,
 }
 
 impl<'a> Tokens<'a> {
+    fn of(text: &'a str) -> Self {
+        Self { rest: text, begin: Begin { line: 1, byte: 0 } }
+    }
+
     fn take(&mut self, bytes: usize) -> &'a str {
         let (taken, rest) = self.rest.split_at(bytes);
-        self.line += taken.matches('\n').count();
+        self.begin.line += taken.matches('\n').count();
+        self.begin.byte += bytes;
         self.rest = rest;
         taken
     }
@@ -120,11 +154,11 @@ impl<'a> Tokens<'a> {
 }
 
 impl<'a> Iterator for Tokens<'a> {
-    type Item = (Token<'a>, usize);
+    type Item = (Token<'a>, Begin);
 
     fn next(&mut self) -> Option<Self::Item> {
         self.skip_blank();
-        let line = self.line;
+        let begin = self.begin;
         let first = self.rest.chars().next()?;
         let token = match first {
             '(' | ')' | '[' | ']' | '{' | '}' | ',' | ':' => {
@@ -145,7 +179,7 @@ impl<'a> Iterator for Tokens<'a> {
                 Token::Word(self.take(self.rest.find(ends).unwrap_or(self.rest.len())))
             }
         };
-        Some((token, line))
+        Some((token, begin))
     }
 }
 

@@ -30,6 +30,10 @@ fn voxelize_reports_and_writes_the_cells() {
     {
         assert!(!report[key].is_null(), "{key} is in {report}");
     }
+    let edge = |options: &str| {
+        folder.json(&format!("voxelize flat.obj --divisions 4 --json {options}"))["cell_size_m"].clone()
+    };
+    assert_eq!((edge(""), edge("--length 2.4"), edge("--length 0")), (0.25.into(), 0.6.into(), 0.5.into()), "metres");
     let cells = folder.json("voxelize cells.obj --divisions 4 --json");
     assert_eq!((&cells["closed"], &cells["cells"]), (&true.into(), &report["cells"]), "the cells are their own cells");
 }
@@ -85,6 +89,68 @@ fn check_counts_what_a_preset_holds_and_lists_errors() {
 }
 
 #[test]
+fn check_says_of_every_error_where_it_is_and_has_all_keys_then_too() {
+    let folder = Folder::new();
+    let sound = folder.json("check tree --json");
+    let keys = |object: &serde_json::Value| object.as_object().expect("an object").keys().cloned().collect::<Vec<_>>();
+    let springs = "material: springs(shear: (stiffness: 3, \n dampin: 4))";
+    let cases = [
+        ("(version: 1, settings: (tempo: 3))".to_owned(), "settings.tempo"),
+        (format!("(version: 1, bodies: [(shape: cube()), ({springs})])"), "bodies.1.material.springs.shear.dampin"),
+        ("(version: 1, bodies: [(shape: cubus())])".to_owned(), "bodies.0.shape"),
+        ("(version: 1, settings: (dt: \"slow\"))".to_owned(), "settings.dt"),
+        ("(version: 1, settings: (dt: 0.01, dt: 0.02))".to_owned(), "settings.dt"),
+        ("(version: 1, settings: (integrator: wobbly))".to_owned(), "settings.integrator"),
+        ("(version: 2)".to_owned(), "version"),
+        ("(version: 0)".to_owned(), "version"),
+        ("(bodies: [])".to_owned(), "version"),
+        (
+            "(version: 1, bodies: [(shape: cube()), (shape: model(path: \"gone.obj\"))])".to_owned(),
+            "bodies.1.shape.model.path",
+        ),
+        ("(version: 1, bodies: [(shape: model(path: \"builtin:none.obj\"))])".to_owned(), "bodies.0.shape.model.path"),
+        (
+            "(version: 1, bodies: [(shape: cells(list: [(-1000, 0, 0), (1000, 999, 999)], size: 1))])".to_owned(),
+            "bodies.0.shape",
+        ),
+    ];
+    for (text, path) in cases {
+        folder.write("bad.ron", &text);
+        let ran = folder.run("check bad.ron --json");
+        let report: serde_json::Value = serde_json::from_str(&ran.figures).expect("one object");
+        assert_eq!((ran.code, &report["ok"]), (Some(1), &false.into()), "{text}");
+        assert_eq!(report["errors"][0]["path"], path, "{text}: {report}");
+        assert_eq!(keys(&report), keys(&sound), "{text}");
+    }
+}
+
+#[test]
+fn the_energies_of_a_runs_table_add_up() {
+    let folder = Folder::new();
+    // Thrown so hard that cells are pushed back to shape.
+    let ran = folder.run("run cube-on-plane --seconds 0.06 --set bodies.0.velocity=(0,-40,0)");
+    let line = ran.figures.lines().find(|line| line.starts_with("energy")).expect("energies");
+    let numbers: Vec<f64> = line.split([' ', ',', ')']).filter_map(|word| word.parse().ok()).collect();
+    let [total, parts @ ..] = &numbers[..] else { panic!("{line}") };
+    assert!(parts.len() == 5 && parts[4] > 0.001 * total, "something is in the recovery: {line}");
+    assert!((parts.iter().sum::<f64>() - total).abs() < 0.001, "{line}");
+}
+
+#[test]
+fn a_picture_has_a_number_at_the_upper_end_of_its_legend() {
+    let folder = Folder::new();
+    let ran = folder.run("render cube-on-plane --at 0.3 --color load -o load.png");
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let picture = image::open(folder.path("load.png")).expect("a picture").to_rgb8();
+    // Below the bar's right end; the bar is 240 long and begins at 28.
+    let ink = |x: std::ops::Range<u32>| {
+        let pixels = x.flat_map(|x| (756..776).map(move |y| (x, y)));
+        pixels.filter(|&(x, y)| picture.get_pixel(x, y).0.iter().all(|&byte| byte < 90)).count()
+    };
+    assert!(ink(238..268) > 20 && ink(280..310) == 0, "letters end where the bar does");
+}
+
+#[test]
 fn a_closed_pipe_is_no_panic() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_gelatin"))
         .args(["presets", "--params", "--json"])
@@ -103,7 +169,7 @@ fn a_closed_pipe_is_no_panic() {
 const RUN_KEYS: &str = "scene simulated_secs wall_secs real_time_factor steps substeps dt_secs dt_limit_secs \
     dt_safe_secs limited_by integrator simd threads finite particles links mass_kg energy_joule momentum center bounds \
     max_speed max_strain contacts max_penetration_m inverted_cells narrow_tests narrow_tests_saved slowed hash stages warnings \
-    start peak";
+    trouble start peak";
 const CHECK_KEYS: &str = "ok errors particles links dt_limit_secs dt_safe_secs limited_by limits substeps_per_frame most_iterations_per_frame \
     predicted_real_time_factor";
 
