@@ -1,14 +1,12 @@
 //! The error report as a picture: for every scene, error against run time, both axes logarithmic.
 
-use std::ops::Range;
-
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use plotters::chart::{ChartBuilder, SeriesLabelPosition};
 use plotters::coord::combinators::IntoLogRange as _;
-use plotters::drawing::{DrawingArea, IntoDrawingArea};
 use plotters::element::{Circle, PathElement};
-use plotters::prelude::{BLACK, Color, DashedLineSeries, LineSeries, RGBColor, SVGBackend, ShapeStyle, WHITE};
+use plotters::prelude::{BLACK, Color, DashedLineSeries, LineSeries, ShapeStyle, WHITE};
 
+use super::plot::{Area, COLORS, Drawn, decades, panels};
 use crate::report::error::{ErrorFigures, Row, Way};
 
 /// The size of one scene's plot, pixels, and how many stand beside each other.
@@ -17,38 +15,10 @@ const COLUMNS: usize = 2;
 /// How much further than the slowest run the axis of times goes: the legend stands there.
 const FOR_LEGEND: f64 = 30.0;
 
-/// Okabe and Ito's colours, which people who see few colours tell apart, in print too.
-const COLORS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(204, 121, 167),
-    RGBColor(0, 158, 115),
-    RGBColor(230, 159, 0),
-    RGBColor(213, 94, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(90, 90, 90),
-];
-
 /// The picture.
 pub(super) fn svg(scenes: &[ErrorFigures]) -> Result<String> {
-    let columns = COLUMNS.min(scenes.len()).max(1);
-    let rows = scenes.len().div_ceil(columns).max(1);
-    let pixels = |count: usize, each: u32| u32::try_from(count).unwrap_or(1) * each;
-    let mut text = String::new();
-    {
-        let root =
-            SVGBackend::with_string(&mut text, (pixels(columns, PLOT[0]), pixels(rows, PLOT[1]))).into_drawing_area();
-        let failed = |error: &dyn std::fmt::Display| anyhow!("the plot cannot be drawn: {error}");
-        root.fill(&WHITE).map_err(|error| failed(&error))?;
-        for (area, figures) in root.split_evenly((rows, columns)).iter().zip(scenes) {
-            plot(area, figures).map_err(|error| failed(&error))?;
-        }
-        root.present().map_err(|error| failed(&error))?;
-    }
-    Ok(text)
+    panels(scenes, PLOT, COLUMNS, plot)
 }
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-type Drawn = std::result::Result<(), plotters::drawing::DrawingAreaErrorKind<std::io::Error>>;
 
 fn plot(area: &Area<'_>, figures: &ErrorFigures) -> Drawn {
     let rows = || figures.rows.iter().filter(|row| !row.diverged && row.error_rms_m > 0.0);
@@ -104,28 +74,4 @@ fn plot(area: &Area<'_>, figures: &ErrorFigures) -> Drawn {
 
 fn place(row: &Row) -> (f64, f64) {
     (row.wall_secs_median, row.error_rms_m)
-}
-
-/// Whole decades around the values.
-fn decades(values: impl Iterator<Item = f64>) -> Range<f64> {
-    let [low, high] = values
-        .filter(|value| value.is_finite() && *value > 0.0)
-        .fold([f64::INFINITY, 0.0_f64], |[low, high], value| [low.min(value), high.max(value)]);
-    if high <= 0.0 {
-        return 1e-3..1.0;
-    }
-    let low = 10_f64.powf(low.log10().floor());
-    low..10_f64.powf(high.log10().ceil()).max(10.0 * low)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn axes_are_whole_decades() {
-        assert_eq!(decades([0.02, 0.5].into_iter()), 0.01..1.0);
-        assert_eq!(decades([f64::INFINITY, 0.0].into_iter()), 1e-3..1.0);
-        assert_eq!(decades([1.0].into_iter()), 1.0..10.0);
-    }
 }

@@ -5,15 +5,21 @@
 mod check;
 mod error_plot;
 mod failure;
+mod kept;
 mod out;
+mod plot;
 mod presets;
 mod render;
 mod report;
 mod report_error;
+mod report_merge;
 mod report_options;
 mod report_stability;
 mod run;
 mod scene_args;
+mod shard;
+mod sweep;
+mod tally;
 mod unknown;
 mod voxelize;
 
@@ -58,6 +64,8 @@ enum Command {
     Check(check::CheckArgs),
     /// Measure: what scenes cost, what explodes.
     Report(report::ReportArgs),
+    /// Run every combination of parameters' values: a row of figures for each, and a picture.
+    Sweep(sweep::SweepArgs),
 }
 
 /// Runs the program with its arguments, the program's name first. Reports a failure as one line on standard error.
@@ -102,6 +110,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Voxelize(args)) => voxelize::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Report(args)) => report::run(&args),
+        Some(Command::Sweep(args)) => sweep::run(&args),
     }
 }
 

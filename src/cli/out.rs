@@ -7,8 +7,10 @@ use std::sync::Mutex;
 
 use anyhow::{Context, anyhow};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
 
 use super::Failure;
+use super::shard::Shard;
 use crate::disk;
 use crate::geometry::Watch;
 use crate::text::{echo_path, printable_lines};
@@ -21,6 +23,18 @@ pub(super) fn figures(text: &str) -> anyhow::Result<()> {
 /// Prints one JSON object.
 pub(super) fn json(object: &serde_json::Value) -> anyhow::Result<()> {
     print(&serde_json::to_string_pretty(object)?)
+}
+
+/// Says where the rows of one part of a measurement are, and how they become a page.
+pub(super) fn part((shard, path): (Shard, &Path), pieces: usize, json: bool) -> anyhow::Result<()> {
+    let shown = echo_path(path);
+    if json {
+        return self::json(&json!({ "shard": shard.to_string(), "pieces": pieces, "rows": shown }));
+    }
+    let folder = echo_path(path.parent().unwrap_or(Path::new(".")));
+    figures(&format!(
+        "part {shard}: {pieces} pieces in {shown}; when all parts are done: gelatin report merge {folder} -o DIR"
+    ))
 }
 
 fn print(text: &str) -> anyhow::Result<()> {

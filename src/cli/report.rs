@@ -6,9 +6,10 @@ use clap::{Args, Subcommand};
 use serde_json::json;
 
 use super::Failure;
-use super::out::{self, Progress};
+use super::out;
 use super::report_error::{self, ErrorArgs};
-use super::report_options::ReportOptions;
+use super::report_merge::{self, MergeArgs};
+use super::report_options::{ReportOptions, Subject};
 use super::report_stability::{self, StabilityArgs};
 use crate::report::cost;
 
@@ -32,6 +33,8 @@ enum Report {
     /// How large steps may be, predicted and measured, and whether extreme scenes explode in automatic stepping
     /// (stability.md, .csv, the random scenes that failed); without a SCENE, on cases of its own and random scenes.
     Stability(StabilityArgs),
+    /// Make one page of the parts that --shard divided a measurement into: of error, stability or a sweep.
+    Merge(MergeArgs),
 }
 
 /// Measures and prints.
@@ -40,6 +43,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
         Report::Cost(options) => run_cost(options),
         Report::Error(args) => report_error::run(args),
         Report::Stability(args) => report_stability::run(args),
+        Report::Merge(args) => report_merge::run(args),
     }
 }
 
@@ -50,9 +54,8 @@ fn run_cost(options: &ReportOptions) -> Result<(), Failure> {
     let folder = options.folder(&["cost.md"])?;
     options.changes.start_threads()?;
     let mut figures = Vec::new();
-    for opened in options.opened()? {
-        let lattices = opened.lattices(&Progress::new("filling"))?;
-        figures.push(cost::cost(&opened.title, &opened.scene, &lattices, options.either(SECONDS)));
+    for Subject { name, scene, lattices } in options.subjects(Vec::new)? {
+        figures.push(cost::cost(&name, &scene, &lattices, options.either(SECONDS)));
     }
     let text = cost::markdown(&figures);
     if let Some(folder) = folder {

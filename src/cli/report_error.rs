@@ -1,72 +1,71 @@
 //! `gelatin report error`: how far every scheme at every step misses a converged reference, and how long it takes.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use clap::Args;
-use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::Failure;
 use super::error_plot;
+use super::kept::{Kept, Measurement};
 use super::out::{self, Progress};
-use super::report_options::ReportOptions;
-use crate::geometry::Lattice;
+use super::report_options::{ReportOptions, Subject, described};
+use super::shard::Shard;
 use crate::report::error::{self, ErrorFigures, scenes::scenes, words};
-use crate::scene::Scene;
-use crate::session::document::Opened;
 
+/// What this measurement is called in files.
+pub(super) const KIND: &str = "error";
 /// Simulated time a scene is run for, s; and with `--quick`.
 const SECONDS: [f64; 2] = [1.0, 0.2];
-/// What was measured before the report was cut short.
-const KEPT: &str = "error.partial.json";
+/// The files of the report.
+pub(super) const FILES: [&str; 3] = ["error.md", "error.csv", "error.svg"];
 
-/// What is measured and where the report goes.
+/// What is measured.
 #[derive(Debug, Args)]
 pub(super) struct ErrorArgs {
     #[command(flatten)]
     options: ReportOptions,
-}
-
-/// A scene to be measured.
-struct Task {
-    name: String,
-    scene: Scene,
-    lattices: Vec<Arc<Lattice>>,
-}
-
-/// A scene that was measured before the report was cut short.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Kept {
-    /// The scene as it was: another one is measured anew.
-    ron: String,
-    seconds: f64,
-    figures: ErrorFigures,
+    /// Only part K of N, whole scenes: its rows are written into the folder, for `gelatin report merge`.
+    #[arg(long, value_name = "K/N", requires = "output")]
+    shard: Option<Shard>,
 }
 
 /// Measures, prints, and fails where a scheme does not converge.
 pub(super) fn run(args: &ErrorArgs) -> Result<(), Failure> {
     let options = &args.options;
     options.changes.check_all_schemes()?;
-    let folder = options.folder(&["error.md", "error.csv", "error.svg", KEPT])?;
+    let rows = Measurement::file_name(KIND, args.shard);
+    let folder = options.folder(&[FILES.as_slice(), &[&rows]].concat())?;
     options.changes.start_threads()?;
-    let tasks = tasks(options)?;
-    let figures = measure(&tasks, options.either(SECONDS), folder)?;
-    let text = words::markdown(&figures);
-    if let Some(folder) = folder {
-        out::write(&folder.join("error.md"), text.as_bytes())?;
-        out::write(&folder.join("error.csv"), words::csv(&figures).as_bytes())?;
-        out::write(&folder.join("error.svg"), error_plot::svg(&figures)?.as_bytes())?;
-        std::fs::remove_file(folder.join(KEPT)).with_context(|| format!("{KEPT} cannot be removed"))?;
+    let subjects = options.subjects(scenes)?;
+    let seconds = options.either(SECONDS);
+    let measurement = Measurement::new(KIND, subjects.len(), json!({ "seconds": seconds }), &described(&subjects)?);
+    let kept = Kept::open(folder, measurement, args.shard)?;
+    measure(&subjects, seconds, &kept)?;
+    if let Some(part) = kept.part() {
+        return Ok(out::part(part, kept.found().len(), options.json)?);
     }
-    if options.json {
+    let told = tell(&kept.found(), folder, options.json);
+    kept.discard()?;
+    told
+}
+
+/// Prints the report, writes it, and fails where a scheme does not converge.
+pub(super) fn tell(figures: &[ErrorFigures], folder: Option<&Path>, json: bool) -> Result<(), Failure> {
+    let text = words::markdown(figures);
+    if let Some(folder) = folder {
+        let [page, table, plot] = FILES.map(|name| folder.join(name));
+        out::write(&page, text.as_bytes())?;
+        out::write(&table, words::csv(figures).as_bytes())?;
+        out::write(&plot, error_plot::svg(figures)?.as_bytes())?;
+    }
+    if json {
         out::json(&json!({ "scenes": figures }))?;
     } else {
         out::figures(text.trim_end())?;
     }
-    let failed: Vec<_> = figures.iter().filter(|figures| !figures.not_converging.is_empty()).collect();
-    match failed.first() {
+    match figures.iter().find(|figures| !figures.not_converging.is_empty()) {
         Some(first) => {
             Err(anyhow!("{} does not converge on {:?}; see the report", first.not_converging.join(", "), first.scene)
                 .into())
@@ -75,48 +74,13 @@ pub(super) fn run(args: &ErrorArgs) -> Result<(), Failure> {
     }
 }
 
-/// Measures one scene after another, but for those that an interrupted report has left in the folder.
-fn measure(tasks: &[Task], seconds: f64, folder: Option<&Path>) -> Result<Vec<ErrorFigures>, Failure> {
-    let mut kept = folder.map(read_kept).unwrap_or_default();
-    let mut figures = Vec::new();
-    for (number, task) in tasks.iter().enumerate() {
-        let ron = task.scene.to_ron().context("the scene cannot be written down")?;
-        let before = kept.iter().find(|kept| kept.ron == ron && kept.seconds.to_bits() == seconds.to_bits());
-        if let Some(before) = before {
-            figures.push(ErrorFigures { scene: task.name.clone(), ..before.figures.clone() });
-            continue;
-        }
-        let progress = Progress::new(&format!("{} ({} of {})", task.name, number + 1, tasks.len()));
-        let measured = error::measure(&task.name, &task.scene, &task.lattices, seconds, &progress);
-        figures.push(measured.clone());
-        kept.push(Kept { ron, seconds, figures: measured });
-        if let Some(folder) = folder {
-            out::write(&folder.join(KEPT), &serde_json::to_vec(&kept).context("figures cannot be written down")?)?;
-        }
+/// Measures one scene after another, but for those that are kept.
+fn measure(subjects: &[Subject], seconds: f64, kept: &Kept<ErrorFigures>) -> Result<(), Failure> {
+    let missing = kept.missing();
+    for (done, piece) in missing.iter().enumerate() {
+        let Subject { name, scene, lattices } = &subjects[*piece];
+        let progress = Progress::new(&format!("{name} ({} of {})", done + 1, missing.len()));
+        kept.add(*piece, error::measure(name, scene, lattices, seconds, &progress))?;
     }
-    Ok(figures)
-}
-
-fn tasks(options: &ReportOptions) -> Result<Vec<Task>, Failure> {
-    let mut wanted = options.opened()?;
-    if options.given.is_empty() {
-        for (name, mut scene) in scenes() {
-            options.changes.apply(&mut scene)?;
-            wanted.push(Opened::without_file(scene, name, PathBuf::new()));
-        }
-    }
-    if let Some(empty) = wanted.iter().find(|opened| opened.scene.bodies.is_empty()) {
-        return Err(Failure::usage(anyhow!("{} has no body: there is nothing to measure", empty.title)));
-    }
-    let task = |opened: Opened| {
-        let lattices = opened.lattices(&Progress::new("filling"))?;
-        Ok(Task { name: opened.title, scene: opened.scene, lattices })
-    };
-    wanted.into_iter().map(task).collect()
-}
-
-/// What an interrupted report has left in its folder; nothing where it left nothing that can be read.
-fn read_kept(folder: &Path) -> Vec<Kept> {
-    let read = std::fs::read(folder.join(KEPT)).ok();
-    read.and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default()
+    Ok(())
 }

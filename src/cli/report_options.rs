@@ -2,13 +2,16 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use clap::Args;
 
 use super::Failure;
-use super::out;
+use super::out::{self, Progress};
 use super::scene_args::Changes;
+use crate::geometry::Lattice;
+use crate::scene::Scene;
 use crate::session::document::Opened;
 
 /// What every report takes.
@@ -30,6 +33,21 @@ pub(super) struct ReportOptions {
     pub(super) json: bool,
 }
 
+/// A scene to be measured.
+#[derive(Debug)]
+pub(super) struct Subject {
+    pub(super) name: String,
+    pub(super) scene: Scene,
+    pub(super) lattices: Vec<Arc<Lattice>>,
+}
+
+/// Everything that the figures of some scenes follow from.
+pub(super) fn described(subjects: &[Subject]) -> Result<String, Failure> {
+    let one = |Subject { name, scene, .. }: &Subject| scene.to_ron().map(|ron| format!("{name} {ron}"));
+    let all: Result<Vec<String>, _> = subjects.iter().map(one).collect();
+    Ok(all.context("a scene cannot be written down")?.join("\n"))
+}
+
 impl ReportOptions {
     /// The folder that was asked for, made where there is none; refused where one of the files cannot be written there.
     pub(super) fn folder(&self, files: &[&str]) -> Result<Option<&Path>, Failure> {
@@ -38,9 +56,24 @@ impl ReportOptions {
         Ok(Some(folder))
     }
 
-    /// Opens the scenes that were named: what cannot be opened is told before anything is measured.
-    pub(super) fn opened(&self) -> Result<Vec<Opened>, Failure> {
-        self.given.iter().map(|scene| self.changes.open(scene)).collect()
+    /// The scenes that were named, or the report's own: what cannot be opened is told before anything is measured.
+    pub(super) fn subjects(&self, own: impl FnOnce() -> Vec<(String, Scene)>) -> Result<Vec<Subject>, Failure> {
+        let mut opened: Vec<Opened> =
+            self.given.iter().map(|scene| self.changes.open(scene)).collect::<Result<_, _>>()?;
+        if self.given.is_empty() {
+            for (name, mut scene) in own() {
+                self.changes.apply(&mut scene)?;
+                opened.push(Opened::without_file(scene, name, PathBuf::new()));
+            }
+        }
+        if let Some(empty) = opened.iter().find(|opened| opened.scene.bodies.is_empty()) {
+            return Err(Failure::usage(anyhow!("{} has no body: there is nothing to measure", empty.title)));
+        }
+        let subject = |opened: Opened| {
+            let lattices = opened.lattices(&Progress::new("filling"))?;
+            Ok(Subject { name: opened.title, scene: opened.scene, lattices })
+        };
+        opened.into_iter().map(subject).collect()
     }
 
     /// The entry of a pair that holds for how long is measured: the second with `--quick`.

@@ -1,23 +1,29 @@
 //! `gelatin report stability`: the limits of the step, predicted and measured, and extreme scenes in automatic stepping.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use anyhow::{Context, anyhow};
 use clap::Args;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::Failure;
-use super::out::{self, Progress};
-use super::report_options::ReportOptions;
-use crate::geometry::Watch;
-use crate::report::extremes::lattices;
+use super::kept::{Kept, Measurement};
+use super::out;
+use super::report_options::{ReportOptions, Subject, described};
+use super::shard::Shard;
+use super::tally::Tally;
+use crate::report::judge::Verdict;
 use crate::report::matrix::matrix;
 use crate::report::single;
-use crate::report::stability::{self, CaseFigures, RandomFigures};
+use crate::report::stability::{self, CaseFigures};
 
+/// What this measurement is called in files.
+pub(super) const KIND: &str = "stability";
+/// The files of the report.
+pub(super) const FILES: [&str; 2] = ["stability.md", "stability.csv"];
 /// Random scenes where none are asked for, and with `--quick`.
 const SCENES: [u64; 2] = [300, 30];
 
@@ -35,6 +41,30 @@ pub(super) struct StabilityArgs {
     /// Only random scene N, its energy account look by look.
     #[arg(long, value_name = "N", conflicts_with_all = ["given", "scenes"])]
     scene: Option<u64>,
+    /// Only part K of N: its rows are written into the folder, for `gelatin report merge`.
+    #[arg(long, value_name = "K/N", requires = "output", conflicts_with = "scene")]
+    shard: Option<Shard>,
+}
+
+/// What is measured, and what its page needs beside the pieces.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct About {
+    seed: u64,
+    random: u64,
+    quick: bool,
+}
+
+/// A piece of the report: a case or a random scene.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Piece {
+    Case(CaseFigures),
+    Random {
+        verdict: Verdict,
+        sound_in_double: bool,
+        /// The time that it took.
+        wall_secs: f64,
+    },
 }
 
 /// Measures, prints, and fails if anything measured did.
@@ -46,23 +76,48 @@ pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
     if let Some(number) = args.scene {
         return one_scene(args, number);
     }
-    let folder = options.folder(&["stability.md", "stability.csv"])?;
+    let rows = Measurement::file_name(KIND, args.shard);
+    let folder = options.folder(&[FILES.as_slice(), &[&rows]].concat())?;
     options.changes.start_threads()?;
-    let cases = cases(options)?;
+    let cases = options.subjects(matrix)?;
     let default = if options.given.is_empty() { options.either(SCENES) } else { 0 };
-    let random = match args.scenes.unwrap_or(default) {
-        0 => None,
-        count => Some(random(args, count)?),
-    };
-    let text = stability::markdown(&cases, random.as_ref());
-    if let Some(folder) = folder {
-        out::write(&folder.join("stability.md"), text.as_bytes())?;
-        out::write(&folder.join("stability.csv"), stability::csv(&cases).as_bytes())?;
-        for failure in random.iter().flat_map(|random| &random.failures) {
-            write_scene(folder, args.seed, failure.number)?;
+    let random = args.scenes.unwrap_or(default);
+    let about = About { seed: args.seed, random, quick: options.quick };
+    let pieces = cases.len() + usize::try_from(random).context("there are too many random scenes")?;
+    let measurement = Measurement::new(KIND, pieces, serde_json::to_value(&about)?, &described(&cases)?);
+    let kept = Kept::open(folder, measurement, args.shard)?;
+    measure(&about, &cases, &kept)?;
+    if let Some(part) = kept.part() {
+        return Ok(out::part(part, kept.found().len(), options.json)?);
+    }
+    let told = tell(&about, kept.found(), folder, options.json);
+    kept.discard()?;
+    told
+}
+
+/// Prints the report, writes it, and fails if anything measured did.
+pub(super) fn tell(about: &About, found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Result<(), Failure> {
+    let (mut cases, mut verdicts, mut secs) = (Vec::new(), Vec::new(), 0.0);
+    for piece in found {
+        match piece {
+            Piece::Case(figures) => cases.push(figures),
+            Piece::Random { verdict, sound_in_double, wall_secs } => {
+                verdicts.push((verdict, sound_in_double));
+                secs += wall_secs;
+            }
         }
     }
-    if options.json {
+    let random = (about.random > 0).then(|| stability::summary(about.seed, &verdicts, secs));
+    let text = stability::markdown(&cases, random.as_ref());
+    if let Some(folder) = folder {
+        let [page, table] = FILES.map(|name| folder.join(name));
+        out::write(&page, text.as_bytes())?;
+        out::write(&table, stability::csv(&cases).as_bytes())?;
+        for failure in random.iter().flat_map(|random| &random.failures) {
+            write_scene(folder, about.seed, failure.number)?;
+        }
+    }
+    if json {
         out::json(&json!({ "cases": cases, "random": random }))?;
     } else {
         out::figures(text.trim_end())?;
@@ -98,57 +153,25 @@ fn write_scene(folder: &Path, seed: u64, number: u64) -> Result<(), Failure> {
     Ok(out::write(&folder.join(format!("seed{seed}_scene{number:06}.ron")), text.as_bytes())?)
 }
 
-fn cases(options: &ReportOptions) -> Result<Vec<CaseFigures>, Failure> {
-    let mut measured = Vec::new();
-    if options.given.is_empty() {
-        for (name, scene) in matrix() {
-            let lattices = lattices(&scene).with_context(|| name.clone())?;
-            measured.push((name, scene, lattices));
-        }
-    }
-    for opened in options.opened()? {
-        let lattices = opened.lattices(&Progress::new("filling"))?;
-        measured.push((opened.title, opened.scene, lattices));
-    }
-    let tally = Tally::new("cases", measured.len());
+/// Measures the cases and random scenes that are not kept yet.
+fn measure(about: &About, cases: &[Subject], kept: &Kept<Piece>) -> Result<(), Failure> {
+    let missing = kept.missing();
+    let tally = Tally::new("cases and random scenes", missing.len());
     // One by one, so that no thread has several of the long ones before it while another has none left.
-    let figures = measured.par_iter().with_max_len(1).map(|(name, scene, lattices)| {
-        let figures = stability::case(name, scene, lattices, options.quick);
+    let work = missing.into_par_iter().with_max_len(1).map(|piece| {
+        let found = match cases.get(piece) {
+            Some(Subject { name, scene, lattices }) => Piece::Case(stability::case(name, scene, lattices, about.quick)),
+            None => random(about, (piece - cases.len()) as u64)?,
+        };
         tally.one_more();
-        figures
+        Ok(kept.add(piece, found)?)
     });
-    Ok(figures.collect())
+    work.collect()
 }
 
-fn random(args: &StabilityArgs, count: u64) -> Result<RandomFigures, Failure> {
-    let tally = Tally::new("random scenes", usize::try_from(count).unwrap_or(usize::MAX));
+fn random(about: &About, number: u64) -> Result<Piece, Failure> {
     let begin = Instant::now();
-    let found: Result<Vec<_>, _> = (0..count)
-        .into_par_iter()
-        .map(|number| {
-            let found = stability::random(args.seed, number, args.options.quick);
-            tally.one_more();
-            found
-        })
-        .collect();
-    let found = found.context("a random scene cannot be made")?;
-    Ok(stability::summary(args.seed, &found, begin.elapsed().as_secs_f64()))
-}
-
-/// A progress bar that several threads count on.
-struct Tally {
-    bar: Progress,
-    done: AtomicUsize,
-    all: usize,
-}
-
-impl Tally {
-    fn new(what: &str, all: usize) -> Self {
-        Self { bar: Progress::new(what), done: AtomicUsize::new(0), all }
-    }
-
-    fn one_more(&self) {
-        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        self.bar.progress(done as f64 / self.all.max(1) as f64);
-    }
+    let found = stability::random(about.seed, number, about.quick);
+    let (verdict, sound_in_double) = found.context("a random scene cannot be made")?;
+    Ok(Piece::Random { verdict, sound_in_double, wall_secs: begin.elapsed().as_secs_f64() })
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use glam::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::extremes::{extreme, lattices};
 use super::judge::{Fault, Patience, Verdict, judge, judge_disturbed};
@@ -35,7 +35,7 @@ const STRIDES: [i32; 2] = [3, 6];
 const HALVINGS: usize = 6;
 
 /// The figures of one case; the names are the columns of the table. SI units.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names are the columns of the table and the keys of the JSON object")]
 pub struct CaseFigures {
     pub case: String,
@@ -262,7 +262,7 @@ fn write_markdown(text: &mut String, cases: &[CaseFigures], random: Option<&Rand
     writeln!(
         text,
         "\n## Random scenes\n\n{scenes} scenes of seed {seed}: {passed} passed, {} failed; {cut_short} were cut short, as \
-         they take too many substeps, {slowed} reached the limit of the implicit integrator's work. Wall time {:.1} s.\n\n| fault | scenes |\n|---|---|\n| not finite | {not_finite} |\n\
+         they take too many substeps, {slowed} reached the limit of the implicit integrator's work. Wall time of all scenes added up: {:.1} s.\n\n| fault | scenes |\n|---|---|\n| not finite | {not_finite} |\n\
          | energy from nowhere | {energy} |\n| out of reach | {reach} |\n| more work than told | {work} |",
         scenes - passed,
         figures.wall_secs

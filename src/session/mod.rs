@@ -183,6 +183,11 @@ impl Session {
         Self::start(opened.scene, document, library, watch)
     }
 
+    /// Another sandbox at the start of another scene; shapes that are ready here are not made again.
+    pub fn with_scene(&self, scene: Scene) -> Result<Self, SessionError> {
+        Self::start(scene, self.document.clone(), self.library.clone(), &())
+    }
+
     fn start(scene: Scene, document: Document, mut library: Library, watch: &dyn Watch) -> Result<Self, SessionError> {
         let mut bodies = Bodies::resolve(&scene, &mut library, watch)?;
         bodies.dress(&scene);

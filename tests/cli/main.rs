@@ -9,4 +9,6 @@ mod killed;
 mod limits;
 mod program;
 mod report;
+mod shards;
 mod stability;
+mod sweep;

@@ -19,7 +19,7 @@ pub use look::{Look, Seen};
 
 use std::sync::Arc;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use account::Account;
 
@@ -58,7 +58,7 @@ pub struct Patience {
 }
 
 /// What is wrong with a motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fault {
     /// A number became infinite or NaN.
@@ -87,7 +87,7 @@ impl Fault {
 }
 
 /// What was seen of a scene.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
     /// What is wrong, if anything.
     pub fault: Option<Fault>,
