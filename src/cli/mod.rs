@@ -3,6 +3,7 @@
 //! wrong usage.
 
 mod check;
+mod cost_plot;
 mod error_plot;
 mod failure;
 mod kept;
@@ -11,6 +12,7 @@ mod plot;
 mod presets;
 mod render;
 mod report;
+mod report_cost;
 mod report_error;
 mod report_merge;
 mod report_options;

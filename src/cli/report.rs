@@ -1,20 +1,13 @@
-//! `gelatin report`: measurements. `cost`: what scenes cost, stage by stage, and what they do not need. `error` and
-//! `stability`: next door.
+//! `gelatin report`: measurements, each next door.
 
-use anyhow::anyhow;
 use clap::{Args, Subcommand};
-use serde_json::json;
 
 use super::Failure;
-use super::out;
+use super::report_cost;
 use super::report_error::{self, ErrorArgs};
 use super::report_merge::{self, MergeArgs};
-use super::report_options::{ReportOptions, Subject};
+use super::report_options::ReportOptions;
 use super::report_stability::{self, StabilityArgs};
-use crate::report::cost;
-
-/// Simulated time a scene is run for, s; and with `--quick`.
-const SECONDS: [f64; 2] = [2.0, 0.3];
 
 /// Which measurement.
 #[derive(Debug, Args)]
@@ -25,7 +18,8 @@ pub(super) struct ReportArgs {
 
 #[derive(Debug, Subcommand)]
 enum Report {
-    /// What scenes cost: the stages that run, what is left out and why, each feature on and off (cost.md).
+    /// What scenes cost: the stages that run, what is left out and why, each feature on and off (cost.md, .csv, .svg);
+    /// without a SCENE, all presets and a cube in a crowd of obstacles.
     Cost(ReportOptions),
     /// How far every scheme at every step misses a converged reference, and how long it takes (error.md, .csv, .svg);
     /// without a SCENE, on six small scenes of its own. A report that was interrupted goes on in its folder.
@@ -40,29 +34,9 @@ enum Report {
 /// Measures and prints.
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     match &args.report {
-        Report::Cost(options) => run_cost(options),
+        Report::Cost(options) => report_cost::run(options),
         Report::Error(args) => report_error::run(args),
         Report::Stability(args) => report_stability::run(args),
         Report::Merge(args) => report_merge::run(args),
     }
-}
-
-fn run_cost(options: &ReportOptions) -> Result<(), Failure> {
-    if options.given.is_empty() {
-        return Err(Failure::usage(anyhow!("no SCENE is named; write gelatin report cost SCENE")));
-    }
-    let folder = options.folder(&["cost.md"])?;
-    options.changes.start_threads()?;
-    let mut figures = Vec::new();
-    for Subject { name, scene, lattices } in options.subjects(Vec::new)? {
-        figures.push(cost::cost(&name, &scene, &lattices, options.either(SECONDS)));
-    }
-    let text = cost::markdown(&figures);
-    if let Some(folder) = folder {
-        out::write(&folder.join("cost.md"), text.as_bytes())?;
-    }
-    if options.json {
-        return Ok(out::json(&json!({ "scenes": figures }))?);
-    }
-    Ok(out::figures(text.trim_end())?)
 }

@@ -8,9 +8,9 @@ use crate::program::Folder;
 
 /// The keys that scripts rely on.
 const SCENE_KEYS: &str = "scene particles links simulated_secs substeps link_forces damped_link_forces narrow_tests \
-    narrow_tests_saved sphere_tests frictions cells_looked_at recovery_cells bodies_asleep stages left_out ablation";
+    substep_secs exploded_at_secs narrow_tests_saved sphere_tests frictions cells_looked_at recovery_cells bodies_asleep stages left_out ablation";
 const STAGE_KEYS: &str = "name ran count secs share";
-const ABLATION_KEYS: &str = "feature per secs_on secs_off same_bits must_be_same";
+const ABLATION_KEYS: &str = "feature per secs_on secs_off change within_noise same_bits must_be_same";
 
 /// A small cube, for time.
 const SMALL: &str = "--quick --json --set bodies.0.shape.cube.cells=2";
@@ -61,7 +61,7 @@ fn every_feature_is_compared_and_only_saves_time_where_it_should() {
     let report = folder.json(&format!("report cost cube-on-plane {SMALL}"));
     let rows = list(&report["scenes"][0], "ablation");
     let features = "structural links, shear links, bending links, damping, recovery from inversion, broad phase, \
-                    contact, friction, leaving out what is not needed, sleeping, colours";
+                    contact, friction, nothing (control), leaving out what is not needed, sleeping, colours";
     assert_eq!(names(rows, "feature"), features.split(", ").collect::<Vec<_>>());
     for row in rows {
         assert!(row["secs_on"].as_f64() > Some(0.0) && row["secs_off"].as_f64() >= Some(0.0), "{row}");
@@ -70,6 +70,7 @@ fn every_feature_is_compared_and_only_saves_time_where_it_should() {
     let same = |feature: &str| rows.iter().find(|row| row["feature"] == feature).map(|row| &row["same_bits"]);
     assert_eq!(same("damping"), Some(&false.into()), "another motion is told from the same");
     assert_eq!(same("broad phase"), Some(&true.into()));
+    assert_eq!(same("nothing (control)"), Some(&true.into()), "a scene beside itself");
 }
 
 #[test]
@@ -82,8 +83,21 @@ fn a_person_reads_tables_and_finds_them_in_the_folder() {
         assert!(ran.figures.contains(words), "{words} is in {}", ran.figures);
     }
     assert!(!ran.figures.contains("BUT IT MUST"), "{}", ran.figures);
-    let written = std::fs::read_to_string(folder.path("made/here/cost.md")).expect("cost.md is written");
-    assert_eq!(written.trim_end(), ran.figures.trim_end(), "the file holds what is printed");
+    let written = |name: &str| std::fs::read_to_string(folder.path(&format!("made/here/{name}"))).expect(name);
+    assert_eq!(written("cost.md").trim_end(), ran.figures.trim_end(), "the file holds what is printed");
+    let table = written("cost.csv");
+    let kinds = |kind: &str| table.lines().filter(|line| line.starts_with(&format!("incline,{kind},"))).count();
+    assert_eq!((kinds("stage"), kinds("left out"), kinds("feature")), (7, 2, 12), "{table}");
+    let columns: Vec<usize> = table.lines().map(|line| line.split(',').count()).collect();
+    assert!(columns.iter().all(|&count| count == 11), "{columns:?}: {table}");
+    let plot = written("cost.svg");
+    assert!(plot.starts_with("<svg") && plot.contains("incline") && plot.contains("broad phase"), "a picture");
+    // A median of pairs with their spread, or no claim at all.
+    let changes = ran.figures.lines().filter(|line| line.contains("| substep |"));
+    assert!(
+        changes.clone().count() > 8 && changes.clone().all(|line| line.contains('(') && line.contains(" to ")),
+        "{ran:?}"
+    );
 }
 
 /// One definition of what every report takes: the same words in the help of each.
@@ -110,10 +124,20 @@ fn every_report_takes_the_same_options() {
 }
 
 #[test]
+fn an_explosion_is_measured_until_then() {
+    let folder = Folder::new();
+    let report = folder.json("report cost exploding --json");
+    let scene = &report["scenes"][0];
+    let secs = scene["exploded_at_secs"].as_f64().expect("it explodes");
+    assert!((0.1..1.9).contains(&secs) && scene["simulated_secs"].as_f64() == Some(secs), "{scene}");
+    assert!(list(scene, "ablation").len() > 8, "its features are compared before: {scene}");
+}
+
+#[test]
 fn what_cannot_be_measured_or_written_is_refused() {
     let folder = Folder::new();
     folder.write("flat", "no folder");
-    refused(&folder, "report cost", USAGE, &["SCENE"]);
+    refused(&folder, "report cost --dt 0.002", USAGE, &["all presets are measured", "--dt"]);
     assert_eq!(folder.run("report").code, Some(USAGE), "it says what it can measure");
     refused(&folder, "report cost cube-on-plain", USAGE, &["cube-on-plane"]);
     refused(&folder, "report cost cube-on-plane gone.ron --quick", FAILED, &["gone.ron"]);

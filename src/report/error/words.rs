@@ -100,7 +100,8 @@ pub fn csv(scenes: &[ErrorFigures]) -> String {
     text
 }
 
-fn quoted(text: &str) -> String {
+/// A text as one value of such a table.
+pub(crate) fn quoted(text: &str) -> String {
     let plain = !text.contains(['"', ',', '\n', '\r']);
     if plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
 }

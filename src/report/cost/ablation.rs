@@ -1,0 +1,209 @@
+//! What each feature of a scene costs: runs with and without it, in turn, from the same state. Times are those of the
+//! processor: what it does for others between two substeps does not count.
+
+use std::hint::black_box;
+use std::sync::Arc;
+
+use cpu_time::ThreadTime;
+
+use super::Ablation;
+use super::noise::{Change, median};
+use crate::geometry::Lattice;
+use crate::physics::Simulation;
+use crate::physics::plan::Plan;
+use crate::physics::simulation::Arrival;
+use crate::scene::{ColorBy, Family, Material, Scene};
+
+/// Times every variant is measured; and where a substep takes long.
+const ROUNDS: [usize; 2] = [15, 7];
+
+/// A substep that takes longer is measured less often, s.
+const LONG_SECS: f64 = 0.02;
+
+/// The time of the substeps that are measured at once, s, about: so short that little else comes between.
+const SLICE_SECS: f64 = 2e-3;
+
+/// A simulation with a feature or without it, beside the one that all are compared with.
+struct Variant {
+    feature: String,
+    /// Whether it is this one that has the feature, and the one compared with that has not.
+    has_it: bool,
+    simulation: Simulation<f32>,
+    must_be_same: bool,
+}
+
+/// What features of a scene cost where the simulation is now: every body is awake but in the row about sleeping.
+pub(super) fn ablation(simulation: &Simulation<f32>, scene: &Scene, lattices: &[Arc<Lattice>]) -> Vec<Ablation> {
+    let mut awake = simulation.clone();
+    awake.plan_mut().sleeping = false;
+    awake.wake_all();
+    let plan = awake.plan();
+    let mut variants = Vec::new();
+    let mut compare = |feature: &str, must_be_same, simulation| {
+        variants.push(Variant { feature: feature.to_owned(), has_it: false, simulation, must_be_same });
+    };
+    let planned = |change: fn(&mut Plan)| {
+        let mut changed = awake.clone();
+        change(changed.plan_mut());
+        changed
+    };
+    let compiled = |change: fn(&mut Scene)| {
+        let mut scene = scene.clone();
+        scene.settings.sleeping = false;
+        change(&mut scene);
+        let kept: Vec<_> = (0..scene.obstacles.len()).map(Some).collect();
+        let mut changed = awake.clone();
+        changed.set_parameters(&scene, lattices, &kept, Arrival::Placed);
+        changed
+    };
+    let without_links: [fn(&mut Plan); 3] =
+        [|plan| plan.families[0] = false, |plan| plan.families[1] = false, |plan| plan.families[2] = false];
+    for (family, off) in
+        Family::ALL.into_iter().zip(without_links).filter(|(family, _)| plan.families[*family as usize])
+    {
+        compare(&format!("{} links", family.name()), false, planned(off));
+    }
+    if plan.damped.contains(&true) {
+        compare("damping", false, compiled(without_damping));
+    }
+    if plan.recovery {
+        compare("recovery from inversion", true, planned(|plan| plan.recovery = false));
+    }
+    if plan.contact {
+        compare("broad phase", true, planned(|plan| plan.broad_phase = false));
+        compare("contact", false, planned(|plan| plan.contact = false));
+    }
+    if plan.friction {
+        compare("friction", false, compiled(without_friction));
+    }
+    compare("nothing (control)", true, awake.clone());
+    compare("leaving out what is not needed", true, planned(Plan::work_out_everything));
+    if simulation.plan().sleeping {
+        variants.push(Variant {
+            feature: "sleeping".to_owned(),
+            has_it: true,
+            simulation: simulation.clone(),
+            must_be_same: !simulation.is_asleep(),
+        });
+    }
+    let mut rows = measured(&awake, variants);
+    rows.push(colours(&awake));
+    rows
+}
+
+fn without_damping(scene: &mut Scene) {
+    for body in &mut scene.bodies {
+        match &mut body.material {
+            Material::Springs(springs) => {
+                for family in [&mut springs.structural, &mut springs.shear, &mut springs.bending] {
+                    family.damping = 0.0;
+                }
+            }
+            Material::Solid(solid) => solid.damping_ratio = 0.0,
+        }
+    }
+}
+
+fn without_friction(scene: &mut Scene) {
+    for obstacle in &mut scene.obstacles {
+        (obstacle.friction_static, obstacle.friction_dynamic) = (0.0, 0.0);
+    }
+}
+
+/// Takes a substep, past steps that are only counted. Returns how many cells were pushed back to shape.
+fn moving_substep(simulation: &mut Simulation<f32>) -> u64 {
+    loop {
+        let report = simulation.substep(&mut ());
+        if report.substeps > 0 || report.diverged {
+            return report.recovery_cells;
+        }
+    }
+}
+
+/// Times all variants in turn, again and again: whatever else the machine does meets all of them. Every other round goes
+/// backwards, so that what runs before a variant is not always the same.
+fn measured(all: &Simulation<f32>, variants: Vec<Variant>) -> Vec<Ablation> {
+    let Measure { substeps, rounds } = Measure::of(all);
+    let simulations: Vec<_> = std::iter::once(all).chain(variants.iter().map(|variant| &variant.simulation)).collect();
+    let mut times = vec![Vec::new(); simulations.len()];
+    let mut ends = vec![(0, 0); simulations.len()];
+    for round in 0..rounds {
+        for place in 0..simulations.len() {
+            let place = if round % 2 == 0 { place } else { simulations.len() - 1 - place };
+            let (secs, end) = timed(simulations[place], substeps);
+            times[place].push(secs);
+            ends[place] = end;
+        }
+    }
+    let row = |(place, variant): (usize, Variant)| {
+        let (theirs, ours) = (&times[0], &times[place + 1]);
+        let [on, off] = if variant.has_it { [ours, theirs] } else { [theirs, ours] };
+        // Cells that are pushed back to shape move otherwise without the push, and with another look at them.
+        let pushed = ends[0].1 + ends[place + 1].1;
+        Ablation {
+            feature: variant.feature,
+            same_bits: ends[0].0 == ends[place + 1].0,
+            must_be_same: variant.must_be_same && pushed == 0,
+            ..compared("substep", on, off)
+        }
+    };
+    variants.into_iter().enumerate().map(row).collect()
+}
+
+/// How much is measured.
+pub(super) struct Measure {
+    /// Substeps at once.
+    pub(super) substeps: usize,
+    /// How often.
+    pub(super) rounds: usize,
+}
+
+impl Measure {
+    /// As a substep of this simulation allows.
+    pub(super) fn of(simulation: &Simulation<f32>) -> Self {
+        let (first, _) = timed(simulation, 1);
+        let (second, _) = timed(simulation, 1);
+        let secs = first.min(second).max(1e-9);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count")]
+        let substeps = (SLICE_SECS / secs).clamp(1.0, 1000.0) as usize;
+        Self { substeps, rounds: ROUNDS[usize::from(secs > LONG_SECS)] }
+    }
+}
+
+/// The time of a substep of a copy, and where that ends: its state, and how many cells were pushed back to shape.
+pub(super) fn timed(simulation: &Simulation<f32>, substeps: usize) -> (f64, (u64, u64)) {
+    let mut copy = simulation.clone();
+    let begin = ThreadTime::now();
+    let pushed = (0..substeps).map(|_| moving_substep(&mut copy)).sum::<u64>();
+    (begin.elapsed().as_secs_f64() / substeps as f64, (copy.hash(), pushed))
+}
+
+/// What times in turn, with a feature and without it, say of it.
+fn compared(per: &'static str, on: &[f64], off: &[f64]) -> Ablation {
+    let change = Change::of(on, off);
+    Ablation {
+        feature: String::new(),
+        per,
+        secs_on: median(on),
+        secs_off: median(off),
+        change,
+        within_noise: change.is_noise(),
+        same_bits: true,
+        must_be_same: true,
+    }
+}
+
+/// Times the value of every particle that a force map shows.
+fn colours(simulation: &Simulation<f32>) -> Ablation {
+    let before = simulation.hash();
+    let mut times = [Vec::new(), Vec::new()];
+    for _ in 0..ROUNDS[0] {
+        for (times, color) in times.iter_mut().zip([ColorBy::Load, ColorBy::Plain]) {
+            let begin = ThreadTime::now();
+            black_box(simulation.scalars(color));
+            times.push(begin.elapsed().as_secs_f64());
+        }
+    }
+    let [on, off] = &times;
+    Ablation { feature: "colours".to_owned(), same_bits: simulation.hash() == before, ..compared("picture", on, off) }
+}
