@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::contact::ContactRecord;
 use super::forces;
 use super::integrate;
 use super::model::{BodyModel, Model};
@@ -68,20 +69,54 @@ impl Energy {
 impl Diagnostics {
     /// Of a state.
     pub fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Self {
-        Self::of_bodies(model, plan, state, 0..model.bodies.len())
+        Ahead::of(model, plan, state).diagnostics(0..model.bodies.len())
     }
 
     /// Of one body in a state.
     pub fn of_body<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize) -> Self {
-        Self::of_bodies(model, plan, state, body..body + 1)
+        Ahead::of(model, plan, state).diagnostics(body..body + 1)
     }
 
-    fn of_bodies<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, bodies: Range<usize>) -> Self {
-        // A velocity half a step behind its position has the mean of it and the next one on time. The next one is had
-        // by taking the substep, or the part of it that comes next, on a copy.
-        let mut ahead = state.clone();
+    /// Of every body in a state, for little more than of one.
+    pub fn of_each<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Vec<Self> {
+        let ahead = Ahead::of(model, plan, state);
+        (0..model.bodies.len()).map(|body| ahead.diagnostics(body..body + 1)).collect()
+    }
+
+    fn add_links<R: Real>(&mut self, body: &BodyModel<R>, state: &State<R>) {
+        let position = &state.position[body.particles.clone()];
+        for family in &body.links {
+            for (number, link) in family.links.iter().enumerate() {
+                let [i, j] = link.ends.map(|end| position[end as usize].to_dvec3());
+                let rest = link.rest_length.to_f64();
+                let strain = (j - i).length() / rest - 1.0;
+                self.energy.elastic += 0.5 * family.constants(number)[0].to_f64() * rest * strain * strain;
+                self.max_strain = self.max_strain.max(strain.abs());
+            }
+        }
+    }
+}
+
+/// A state and the substep that comes next: a velocity half a step behind its position has the mean of it and the next
+/// one on time, and contact is found on the way.
+struct Ahead<'a, R: Real> {
+    model: &'a Model<R>,
+    plan: &'a Plan,
+    state: &'a State<R>,
+    next: State<R>,
+    contacts: Vec<ContactRecord<R>>,
+    /// Whether the velocities of the state are those at its time.
+    is_on_time: bool,
+    /// The share of the change of velocity that is over at the state's time.
+    share: f64,
+}
+
+impl<'a, R: Real> Ahead<'a, R> {
+    fn of(model: &'a Model<R>, plan: &'a Plan, state: &'a State<R>) -> Self {
+        // The next velocity is had by taking the substep, or the part of it that comes next, on a copy.
+        let mut next = state.clone();
         // A sleeping body's contacts are found, too.
-        ahead.bodies.iter_mut().for_each(BodyMemory::wake);
+        next.bodies.iter_mut().for_each(BodyMemory::wake);
         let is_on_time = integrate::is_on_time(plan, state);
         let (way, part) = if is_on_time {
             // Only what touches is asked for: any scheme finds it, at the least cost.
@@ -89,20 +124,23 @@ impl Diagnostics {
             let way = Plan { integrator: Integrator::SemiImplicit, halvings: 0, ..plan.clone() };
             (Cow::Owned(way), Part { secs: whole.secs * INSTANT, ..whole })
         } else {
-            (Cow::Borrowed(plan), Part::whole(plan).of(strain::parts_now(model, plan, &mut ahead)))
+            (Cow::Borrowed(plan), Part::whole(plan).of(strain::parts_now(model, plan, &mut next)))
         };
         let mut scratch = Scratch::new(model, &way);
-        let next = substep(model, &way, part, Inputs { grab: None }, &mut ahead, &mut scratch, &mut ());
-        let share = integrate::share_to_center(state, &ahead);
-        let centred = |particle: usize, asleep: bool| {
-            let now = state.velocity[particle].to_dvec3();
-            if asleep || next.diverged || is_on_time {
-                now
-            } else {
-                now + share * (ahead.velocity[particle].to_dvec3() - now)
-            }
-        };
-        let mut sum = Self {
+        let report = substep(model, &way, part, Inputs { grab: None }, &mut next, &mut scratch, &mut ());
+        let share = integrate::share_to_center(state, &next);
+        let is_on_time = is_on_time || report.diverged;
+        Self { model, plan, state, next, contacts: scratch.contact.contacts, is_on_time, share }
+    }
+
+    fn centred_velocity(&self, particle: usize, asleep: bool) -> DVec3 {
+        let now = self.state.velocity[particle].to_dvec3();
+        if asleep || self.is_on_time { now } else { now + self.share * (self.next.velocity[particle].to_dvec3() - now) }
+    }
+
+    fn diagnostics(&self, bodies: Range<usize>) -> Diagnostics {
+        let Self { model, plan, state, ref contacts, .. } = *self;
+        let mut sum = Diagnostics {
             energy: Energy::default(),
             mass_kg: 0.0,
             momentum: DVec3::ZERO,
@@ -124,7 +162,7 @@ impl Diagnostics {
                 let mass = body.mass(local).to_f64();
                 // What rounding has kept back from a position is part of where the particle is.
                 let position = state.position[particle].to_dvec3() + state.position_residual[particle].to_dvec3();
-                let velocity = centred(particle, memory.asleep);
+                let velocity = self.centred_velocity(particle, memory.asleep);
                 sum.mass_kg += mass;
                 sum.energy.kinetic += 0.5 * mass * velocity.length_squared();
                 sum.energy.gravity -= mass * gravity.dot(position);
@@ -142,7 +180,7 @@ impl Diagnostics {
         if sum.mass_kg > 0.0 {
             sum.center /= sum.mass_kg;
         }
-        for contact in scratch.contact.contacts.iter().filter(|contact| contact.gap < R::ZERO) {
+        for contact in contacts.iter().filter(|contact| contact.gap < R::ZERO) {
             let Some(body) =
                 model.bodies[bodies.clone()].iter().find(|body| body.particles.contains(&contact.particle))
             else {
@@ -152,19 +190,6 @@ impl Diagnostics {
         }
         sum.finite &= sum.energy.total().is_finite() && sum.momentum.is_finite() && sum.center.is_finite();
         sum
-    }
-
-    fn add_links<R: Real>(&mut self, body: &BodyModel<R>, state: &State<R>) {
-        let position = &state.position[body.particles.clone()];
-        for family in &body.links {
-            for (number, link) in family.links.iter().enumerate() {
-                let [i, j] = link.ends.map(|end| position[end as usize].to_dvec3());
-                let rest = link.rest_length.to_f64();
-                let strain = (j - i).length() / rest - 1.0;
-                self.energy.elastic += 0.5 * family.constants(number)[0].to_f64() * rest * strain * strain;
-                self.max_strain = self.max_strain.max(strain.abs());
-            }
-        }
     }
 }
 

@@ -311,6 +311,11 @@ impl<R: Real> Simulation<R> {
         Diagnostics::of_body(&self.still_model(), &self.plan, &self.state, body)
     }
 
+    /// The same of every body by itself.
+    pub fn diagnostics_of_each(&self) -> Vec<Diagnostics> {
+        Diagnostics::of_each(&self.still_model(), &self.plan, &self.state)
+    }
+
     /// The model with obstacles where they are now, as if none were on its way: how deep particles are in them now.
     fn still_model(&self) -> Cow<'_, Model<R>> {
         if self.sweeps.is_empty() && self.state.approaches.is_empty() {

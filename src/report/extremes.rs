@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::disturb::{self, Disturbance};
+use super::judge::Patience;
 use crate::geometry::Lattice;
 use crate::math::rng::Rng;
 use crate::scene::body::{Body, CellsShape, CubeShape, Inlay, ModelShape, PinBox, Pose};
@@ -26,6 +27,13 @@ const HELD: f64 = 0.2;
 
 /// How much heavier than the first a second body is, or the first than it, and one solid of a body than the other.
 const MASS_RATIO: f64 = 1000.0;
+
+/// How long a random scene is watched. Most take a tenth of the links' forces at which one is cut short, and those that
+/// take more would take most of the time.
+pub fn patience(quick: bool) -> Patience {
+    let (seconds, most_link_forces) = if quick { (0.5, 1_000_000) } else { (2.0, 20_000_000) };
+    Patience { seconds, most_link_forces }
+}
 
 /// A random scene, number `number` of those that follow from `seed`, in automatic stepping.
 pub fn extreme_scene(seed: u64, number: u64) -> Scene {

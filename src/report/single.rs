@@ -4,9 +4,8 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::extremes::{extreme, lattices};
+use super::extremes::{extreme, lattices, patience};
 use super::judge::{Look, Seen, Verdict, judge_disturbed, judge_followed};
-use super::stability::patience;
 use crate::scene::Scene;
 use crate::scene::file::SceneFileError;
 use crate::scene::resolve::ResolveError;

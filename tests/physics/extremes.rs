@@ -29,11 +29,12 @@ fn no_extreme_scene_explodes() {
 fn scenes_that_once_exploded_do_not() {
     // A plane that begins to turn under a light cube beside a ball; a cube that begins deep within two planes; damping of
     // 7e4 N·s on 1e-6 kg, of which no explicit step takes what halvings leave.
-    for number in [1914, 7453, 8352] {
-        let (scene, disturbances) = extreme(1, number);
+    // Of another seed a cube 400 m large that weighs 35 g: single precision shakes it.
+    for (seed, number) in [(1, 1914), (1, 7453), (1, 8352), (224_435, 420)] {
+        let (scene, disturbances) = extreme(seed, number);
         let lattices = lattices(&scene).expect("sound shapes");
         let patience = Patience { seconds: 2.0, most_link_forces: 20_000_000 };
         let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, patience);
-        assert_eq!(verdict.fault, None, "scene {number}: {}", verdict.words);
+        assert_eq!(verdict.fault, None, "scene {number} of {seed}: {}", verdict.words);
     }
 }

@@ -3,13 +3,11 @@
 use glam::DVec3;
 
 use super::look::Look;
+use super::rounding::Rounding;
 use super::{Fault, GAIN, REACH};
 use crate::math::{Real, Vector};
 use crate::physics::diagnostics::Diagnostics;
 use crate::physics::{Simulation, StepReport};
-
-/// Units in the last place by which rounding may misplace a particle.
-const MISPLACED: f64 = 8.0;
 
 /// The energy of one body since the start.
 #[derive(Debug)]
@@ -27,10 +25,7 @@ pub(super) struct Account {
     squeezed: f64,
     gravity: DVec3,
     dt: f64,
-    /// Of all links and contacts together, N/m.
-    stiffness: f64,
-    /// Of the scalar in use.
-    epsilon: f64,
+    rounding: Rounding,
     now: Diagnostics,
     substeps: u64,
     /// Sums over the window: own energy, what it may be.
@@ -42,18 +37,10 @@ pub(super) struct Account {
 }
 
 impl Account {
-    pub(super) fn open<R: Real>(simulation: &Simulation<R>, body: usize) -> Self {
-        let start = simulation.diagnostics_of(body);
+    pub(super) fn open<R: Real>(simulation: &Simulation<R>, body: usize, start: Diagnostics) -> Self {
         let own_at_start = own(&start);
         let gravity = simulation.model().gravity.to_dvec3();
         let now = start.clone();
-        let model = &simulation.model().bodies[body];
-        let links = model.links.iter().map(|family| {
-            let lengths: f64 = family.links.iter().map(|link| link.inverse_rest_length.to_f64()).sum();
-            family.stiffness.to_f64() * lengths
-        });
-        let contacts: f64 = model.contacts.iter().map(|contact| contact.stiffness.to_f64()).sum();
-        let stiffness = links.sum::<f64>() + contacts * model.particles.len() as f64;
         Self {
             body,
             start,
@@ -64,8 +51,7 @@ impl Account {
             squeezed: 0.0,
             gravity,
             dt: simulation.plan().substep_secs(),
-            stiffness,
-            epsilon: R::EPSILON.to_f64(),
+            rounding: Rounding::of(&simulation.model().bodies[body]),
             now,
             substeps: 0,
             sums: [0.0; 2],
@@ -88,11 +74,17 @@ impl Account {
     }
 
     /// Looks at the energy; none of a body that fell out of the scene, which stays where it was seen last.
-    pub(super) fn look<R: Real>(&mut self, simulation: &Simulation<R>, taken: &StepReport) -> Option<Look> {
+    pub(super) fn look<R: Real>(
+        &mut self,
+        simulation: &Simulation<R>,
+        now: Diagnostics,
+        taken: &StepReport,
+    ) -> Option<Look> {
         if simulation.state().bodies[self.body].gone {
             return None;
         }
-        self.now = simulation.diagnostics_of(self.body);
+        self.now = now;
+        self.rounding.see(self.now.bounds);
         if self.fastest_push > 0.0 {
             self.squeezed = self.squeezed.max(own(&self.now) - self.now.energy.kinetic);
         }
@@ -123,20 +115,12 @@ impl Account {
         let [own, allowed] = self.sums.map(|sum| sum / f64::from(self.looks.max(1)));
         (self.sums, self.looks) = ([0.0; 2], 0);
         let gain = own - allowed;
-        let share = (gain - self.rounding() - self.unresolved()) / self.turnover.max(f64::MIN_POSITIVE);
+        let share =
+            (gain - self.rounding.energy(self.substeps) - self.unresolved()) / self.turnover.max(f64::MIN_POSITIVE);
         if share > GAIN || share.is_nan() {
             self.gain = Some(format!("{own:e} J where {allowed:e} J can be, body {}", self.body));
         }
         share
-    }
-
-    /// Energy that rounding alone may show, J: as if every particle had been misplaced by some units in the last place
-    /// of the farthest coordinate, at the start and once more in every substep; undamped links keep what that gives
-    /// them. Far from the origin a small stiff body at rest has no other energy.
-    fn rounding(&self) -> f64 {
-        let farthest = self.now.bounds.min.abs().max(self.now.bounds.max.abs()).max_element();
-        let misplaced = self.epsilon * farthest;
-        0.5 * self.stiffness * misplaced * misplaced * (MISPLACED * MISPLACED + self.substeps as f64)
     }
 
     /// What gravity gives a body that is let go in the middle of a substep, J: steps cannot tell when. It is nothing but

@@ -14,6 +14,7 @@
 
 mod account;
 mod look;
+mod rounding;
 
 pub use look::{Look, Seen};
 
@@ -190,13 +191,15 @@ impl Watch {
             slowed: 0,
             largest_gain: 0.0,
         };
+        let bodies = (0..).zip(simulation.diagnostics_of_each());
+        let bodies = bodies.map(|(body, start)| Account::open(simulation, body, start));
         Self {
             patience,
             links,
             substeps,
             window,
             between_looks: window.div_ceil(LOOKS),
-            bodies: (0..simulation.model().bodies.len()).map(|number| Account::open(simulation, number)).collect(),
+            bodies: bodies.collect(),
             looks: Vec::new(),
             forces: 0,
             taken: StepReport::default(),
@@ -274,9 +277,11 @@ impl Watch {
     }
 
     fn look<R: Real>(&mut self, simulation: &Simulation<R>, look: bool, close: bool) {
+        let seen = if look { simulation.diagnostics_of_each() } else { Vec::new() };
+        let mut seen = seen.into_iter();
         for account in &mut self.bodies {
-            if look {
-                self.looks.extend(account.look(simulation, &self.taken));
+            if let Some(now) = seen.next() {
+                self.looks.extend(account.look(simulation, now, &self.taken));
             }
             if close {
                 self.verdict.largest_gain = self.verdict.largest_gain.max(account.close(self.verdict.substeps));

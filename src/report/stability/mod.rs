@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::extremes::{extreme, lattices};
+use super::extremes::{self, extreme, lattices};
 use super::judge::{Fault, Patience, Verdict, judge, judge_disturbed};
 use crate::geometry::Lattice;
 use crate::math::rng::Rng;
@@ -83,8 +83,8 @@ pub struct RandomFailure {
     pub sound_in_double: bool,
 }
 
-/// How long a scene is watched.
-pub fn patience(quick: bool) -> Patience {
+/// How long a case is watched.
+fn patience(quick: bool) -> Patience {
     let (seconds, most_link_forces) = if quick { (0.5, 1_000_000) } else { (2.0, 200_000_000) };
     Patience { seconds, most_link_forces }
 }
@@ -115,8 +115,8 @@ pub fn case(name: &str, scene: &Scene, lattices: &[Arc<Lattice>], quick: bool) -
 pub fn random(seed: u64, number: u64, quick: bool) -> Result<(Verdict, bool), ResolveError> {
     let (scene, disturbances) = extreme(seed, number);
     let lattices = lattices(&scene)?;
-    let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, patience(quick));
-    let in_double = || judge_disturbed::<f64>(&scene, &disturbances, &lattices, patience(quick));
+    let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, extremes::patience(quick));
+    let in_double = || judge_disturbed::<f64>(&scene, &disturbances, &lattices, extremes::patience(quick));
     let sound = verdict.fault.is_some() && in_double().fault.is_none();
     Ok((verdict, sound))
 }
