@@ -113,6 +113,7 @@ impl Keeper {
     pub fn start(folder: &Path, delay: Duration) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         let (lock, draft) = own_name(folder)?;
+        disk::remove_left_behind(&draft.with_extension("lock"));
         let (orders, received) = channel();
         let thread = std::thread::spawn(move || {
             keep(&received, &draft, delay);

@@ -4,8 +4,16 @@
 use std::fs::{self, File, Metadata};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use thiserror::Error;
+
+/// What temporary files begin with, and how long the rest of their names is.
+const TEMPORARY: &str = ".gelatin-";
+const TEMPORARY_REST: usize = 6;
+
+/// No file is written for longer than this: an older temporary file was left behind by a program that was killed.
+const LEFT_BEHIND: Duration = Duration::from_hours(1);
 
 /// Links that lead to links are followed this often; more of them are a circle.
 const MOST_LINKS: usize = 40;
@@ -47,7 +55,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let target = followed(path)?;
     let old = replaceable(&target)?;
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".gelatin-");
+    builder.prefix(TEMPORARY).rand_bytes(TEMPORARY_REST);
     // As readable as any other new file.
     #[cfg(unix)]
     {
@@ -62,6 +70,40 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.as_file().sync_all()?;
     file.persist(&target).map_err(|error| error.error)?;
     Ok(())
+}
+
+/// Removes temporary files that killed programs left behind in the folder of `path`, a file of ours: only what
+/// [`write()`] names so, only regular files of its owner, only old ones. What cannot be removed stays.
+pub fn remove_left_behind(path: &Path) {
+    let Ok(own) = fs::metadata(path) else { return };
+    for entry in fs::read_dir(folder_of(path)).into_iter().flatten().filter_map(Result::ok) {
+        let name = entry.file_name();
+        let rest = name.to_str().and_then(|name| name.strip_prefix(TEMPORARY)).unwrap_or_default();
+        if rest.len() != TEMPORARY_REST || !rest.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
+            continue;
+        }
+        // Of the entry itself: a link is none of ours.
+        let Ok(about) = entry.metadata() else { continue };
+        let age = about.modified().ok().and_then(|modified| modified.elapsed().ok()).unwrap_or_default();
+        if about.is_file() && is_same_owner(&own, &about) && age > LEFT_BEHIND {
+            // Another program may have been faster, and the next save tries again.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Whether two files are of one person, as far as the system knows of persons.
+#[cfg_attr(not(unix), expect(unused_variables, reason = "no owners"))]
+fn is_same_owner(a: &Metadata, b: &Metadata) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        a.uid() == b.uid()
+    }
+    #[cfg(not(unix))]
+    {
+        true
+    }
 }
 
 /// Whether [`write()`] could write here, tried without leaving anything behind.
@@ -159,6 +201,31 @@ mod tests {
         assert!(refusal(&folder.path().join("none"), 9).starts_with("cannot be read"), "missing");
         assert!(write(folder.path(), b"").is_err() && check_writable(folder.path()).is_err(), "nor written over");
         assert!(check_writable(&folder.path().join("none/a")).is_err(), "there is no folder for it");
+    }
+
+    #[test]
+    fn what_a_killed_program_left_behind_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let old = std::time::SystemTime::now() - 2 * LEFT_BEHIND;
+        let make = |name: &str, is_old: bool| {
+            let file = File::create(at(name)).expect("a file");
+            if is_old {
+                file.set_modified(old).expect("its time");
+            }
+        };
+        make(".gelatin-aB3xYz", true);
+        let others = [".gelatin-young1", ".gelatin-longer-one", ".gelatin-a.b.cd", "gelatin-aB3xYz", ".gelatin-"];
+        for name in others {
+            make(name, name != others[0]);
+        }
+        fs::create_dir(at(".gelatin-folder")).expect("a folder");
+        File::open(at(".gelatin-folder")).and_then(|folder| folder.set_modified(old)).expect("its time");
+        write(&at("scene.ron"), b"x").expect("written");
+        remove_left_behind(&at("scene.ron"));
+        assert!(!at(".gelatin-aB3xYz").exists(), "it was left behind");
+        assert!(others.iter().all(|name| at(name).is_file()), "too young, or named by somebody else");
+        assert!(at(".gelatin-folder").is_dir() && at("scene.ron").is_file(), "no file, or not temporary");
     }
 
     #[cfg(target_os = "linux")]

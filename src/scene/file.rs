@@ -181,7 +181,9 @@ impl Scene {
     pub fn save(&self, path: &Path) -> Result<(), SceneFileError> {
         let text = self.to_ron()?;
         let name = echo_path(path);
-        disk::write(path, text.as_bytes()).map_err(|source| SceneFileError::Write { name, source })
+        disk::write(path, text.as_bytes()).map_err(|source| SceneFileError::Write { name, source })?;
+        disk::remove_left_behind(path);
+        Ok(())
     }
 }
 

@@ -133,7 +133,9 @@ impl Session {
     /// Writes the present state to a file.
     pub(super) fn save_state(&self, path: &Path) -> Result<(), SessionError> {
         let written = disk::write(path, &self.state_bytes());
-        written.map_err(|error| SessionError::State { file: path.to_owned(), source: StateError::Write(error) })
+        written.map_err(|error| SessionError::State { file: path.to_owned(), source: StateError::Write(error) })?;
+        disk::remove_left_behind(path);
+        Ok(())
     }
 
     /// Goes on from a state in a file, once time runs again.
