@@ -16,7 +16,7 @@ use crate::scene::view_settings::CameraSettings;
 use crate::session::Command;
 
 /// An unsaved change is kept this long after it was made.
-const DRAFT_DELAY: Duration = Duration::from_secs(2);
+const DRAFT_DELAY: Duration = Duration::from_secs(1);
 
 /// What the window keeps about files.
 #[derive(Debug)]
