@@ -15,6 +15,7 @@ pub mod hand;
 pub mod handles;
 pub mod input;
 pub mod pace;
+pub mod picture_rule;
 pub mod preferences;
 pub mod recovery;
 pub mod theme;

@@ -132,8 +132,12 @@ impl Shell {
         event_loop: &ActiveEventLoop,
         event: &WindowEvent,
     ) -> Result<(), ShellError> {
+        if matches!(event, WindowEvent::RedrawRequested) {
+            return self.draw(event_loop);
+        }
+        // What moves by itself is no answer to a person.
+        let moved = std::mem::take(&mut self.changed);
         match event {
-            WindowEvent::RedrawRequested => return self.draw(event_loop),
             WindowEvent::CloseRequested => self.on_close_requested(event_loop),
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
                 self.canvas.resize();
@@ -160,6 +164,7 @@ impl Shell {
         if self.changed {
             self.drawing.ask_picture(Reason::Input);
         }
+        self.changed |= moved;
         Ok(())
     }
 

@@ -65,12 +65,8 @@ pub enum Shown {
 
 /// A frame to draw.
 pub struct Frame<'a> {
-    /// The picture of the view; `None` leaves the view empty.
-    pub draw_list: Option<&'a DrawList>,
-    /// Whether the picture differs from the last one.
-    pub changed: bool,
-    /// How finely it is drawn.
-    pub detail: Detail,
+    /// The picture of the view and how finely it is drawn; `None` leaves the one that is kept.
+    pub picture: Option<(&'a DrawList, Detail)>,
     /// Where the view is in the window.
     pub view: ViewRect,
     /// The panels, where they differ from the last ones.
@@ -103,9 +99,9 @@ pub struct Panels<'a> {
 
 impl fmt::Debug for Frame<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { changed, detail, view, panels, .. } = self;
+        let Self { picture, view, panels } = self;
         let mut fields = f.debug_struct("Frame");
-        fields.field("changed", changed).field("detail", detail).field("view", view);
+        fields.field("picture", &picture.map(|(_, detail)| detail)).field("view", view);
         fields.field("panels", &panels.is_some()).finish_non_exhaustive()
     }
 }
@@ -115,6 +111,14 @@ impl fmt::Debug for Panels<'_> {
         let Self { pixels_per_point, parts, .. } = self;
         let mut fields = f.debug_struct("Panels");
         fields.field("pixels_per_point", pixels_per_point).field("parts", parts).finish_non_exhaustive()
+    }
+}
+
+/// The size of a picture whose place in the window has the size `place`, pixels.
+fn drawn_size(place: [u32; 2], detail: Detail) -> [u32; 2] {
+    match detail {
+        Detail::Fine => place,
+        Detail::Quick { scale } => scaled(place, scale),
     }
 }
 
@@ -193,6 +197,13 @@ impl Canvas {
         self.panels.as_ref().is_none_or(|panels| panels.size != self.surface.size())
     }
 
+    /// Whether the picture that is kept does not fit its place in the window, or there is none.
+    pub fn needs_picture(&self, view: ViewRect) -> bool {
+        let Some((_, place)) = pixels(view, self.surface.size()) else { return false };
+        let fits = |picture: &Layer| self.drawn.is_some_and(|detail| picture.size == drawn_size(place, detail));
+        !self.picture.as_ref().is_some_and(fits)
+    }
+
     /// Whether the picture that is kept is as fine as it can be.
     pub fn is_fine(&self) -> bool {
         self.drawn == Some(Detail::Fine)
@@ -242,33 +253,29 @@ impl Canvas {
         Ok(Shown::Presented)
     }
 
-    /// Draws the picture where it changed. Gives its place in the window, if it has one.
+    /// Draws the picture, if it is to be drawn. Gives the place of the one that then stands in the window, if any does.
     fn draw_picture(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame<'_>,
     ) -> Result<Option<Viewport>, CanvasError> {
-        let Some(draw_list) = frame.draw_list else { return Ok(None) };
         let Some((origin, place)) = pixels(frame.view, self.surface.size()) else { return Ok(None) };
+        let viewport = Some(Viewport { origin, size: place });
+        let Some((draw_list, detail)) = frame.picture else { return Ok(viewport) };
         let (renderer, detail) = match &mut self.quick {
-            Some(quick) if frame.detail != Detail::Fine => (quick, frame.detail),
+            Some(quick) if detail != Detail::Fine => (quick, detail),
             _ => (&mut self.renderer, Detail::Fine),
         };
-        let size = match detail {
-            Detail::Fine => place,
-            Detail::Quick { scale } => scaled(place, scale),
-        };
+        let size = drawn_size(place, detail);
         if self.picture.as_ref().is_none_or(|picture| picture.size != size) {
-            (self.picture, self.layers, self.drawn) = (None, None, None);
+            (self.picture, self.layers) = (None, None);
         }
         let format = renderer.format();
         let picture = self.picture.get_or_insert_with(|| Layer::new(&self.gpu.device, "picture", format, size));
-        if frame.changed || self.drawn != Some(detail) {
-            let target = FrameTarget { view: &picture.target, size, viewport: None };
-            renderer.render(&self.gpu.device, &self.gpu.queue, encoder, &target, draw_list)?;
-            self.drawn = Some(detail);
-        }
-        Ok(Some(Viewport { origin, size: place }))
+        let target = FrameTarget { view: &picture.target, size, viewport: None };
+        renderer.render(&self.gpu.device, &self.gpu.queue, encoder, &target, draw_list)?;
+        self.drawn = Some(detail);
+        Ok(viewport)
     }
 
     /// Draws the panels where they changed.

@@ -13,6 +13,7 @@ use crate::app::canvas::{Detail, Frame, Panels, Shown};
 use crate::app::damage::{self, damage};
 use crate::app::frame_meter::{DrawingCost, FrameMeter};
 use crate::app::pace::{Drawn, Pace, Reason};
+use crate::app::picture_rule::{self, Decision, PictureRule};
 use crate::app::processors::Processors;
 use crate::app::shell::ShellError;
 use crate::app::{hand, input::ViewRect};
@@ -22,36 +23,43 @@ use crate::view::{Change, DrawList, Overlay};
 
 /// Figures that run with the time are written this often: faster nobody reads them.
 const FIGURES: Duration = Duration::from_millis(100);
-/// A view in which nothing has moved for so long is drawn once more, finely.
-const SETTLED: Duration = Duration::from_millis(300);
 /// How long to wait before a frame that the surface refused is tried again.
 const RETRY: Duration = Duration::from_millis(30);
-/// So long after the last move of a person's hand nothing is drawn finely: that would keep the next one waiting.
-const IN_USE: Duration = Duration::from_millis(700);
-/// What moves by less than so many pixels a second creeps: it is drawn finely, and only every `CREEPING`.
-const CREEP: f32 = 2.0;
-const CREEPING: Duration = Duration::from_secs(1);
 /// How often the worker hears what drawing costs.
 const TELL: Duration = Duration::from_millis(500);
+
+/// When something is to be looked at next.
+#[derive(Clone, Copy, Debug, Default)]
+struct Due {
+    at: Option<Instant>,
+    /// A person waits for it.
+    awaited: bool,
+}
+
+impl Due {
+    fn ask(&mut self, at: Instant, reason: Reason) {
+        self.at = Some(self.at.map_or(at, |earlier| earlier.min(at)));
+        self.awaited |= reason == Reason::Input;
+    }
+}
 
 /// What was drawn last, and when something is to be drawn next.
 pub(super) struct Drawing {
     pace: Pace,
     meter: FrameMeter,
     processors: Processors,
-    panels_at: Option<Instant>,
-    picture_at: Option<Instant>,
+    panels_due: Due,
+    picture_due: Due,
+    /// The picture was due when the panels were drawn alone: the next frame draws it.
+    put_off: bool,
     /// The window has been asked for the frame that comes next.
     requested: bool,
     panels_ran: Instant,
     shapes: Vec<ClippedShape>,
     pixels_per_point: f32,
-    /// The picture on the screen, and since when it is there.
+    /// The picture on the screen.
     picture: Option<DrawList>,
-    picture_since: Instant,
-    /// When something was last seen to move, and when a person last moved the pointer or pressed something.
-    moved: Option<Instant>,
-    touched: Option<Instant>,
+    rule: PictureRule,
     told: Instant,
 }
 
@@ -63,47 +71,40 @@ impl Drawing {
             pace: Pace::new(software),
             meter: FrameMeter::default(),
             processors: Processors::new(),
-            panels_at: Some(now),
-            picture_at: Some(now),
+            panels_due: Due { at: Some(now), awaited: false },
+            picture_due: Due { at: Some(now), awaited: false },
+            put_off: false,
             requested: false,
             panels_ran: now,
             shapes: Vec::new(),
             pixels_per_point: 0.0,
             picture: None,
-            picture_since: now,
-            moved: None,
-            touched: None,
+            rule: PictureRule::new(software, now),
             told: now,
         }
     }
 
     /// A person moved the pointer or pressed something.
     pub(super) fn note_touch(&mut self) {
-        self.touched = Some(Instant::now());
+        self.rule.note_touch(Instant::now());
         self.ask_panels();
-    }
-
-    /// When nothing has moved for long enough that a fine picture keeps nobody waiting; `None` where nothing ever has.
-    fn settles(&self) -> Option<Instant> {
-        self.moved.map(|at| at + SETTLED).max(self.touched.map(|at| at + IN_USE))
     }
 
     /// Asks for the panels to be run, for a person who waits.
     pub(super) fn ask_panels(&mut self) {
-        let due = self.pace.due(Reason::Input, Instant::now());
-        self.panels_at = Some(self.panels_at.map_or(due, |at| at.min(due)));
+        let at = self.pace.due(Reason::Input, Instant::now());
+        self.panels_due.ask(at, Reason::Input);
     }
 
     /// Asks for the panels to be run when figures have run on.
     pub(super) fn ask_figures(&mut self) {
-        let due = self.panels_ran + FIGURES;
-        self.panels_at = Some(self.panels_at.map_or(due, |at| at.min(due)));
+        self.panels_due.ask(self.panels_ran + FIGURES, Reason::Motion);
     }
 
     /// Asks for a look at the picture.
     pub(super) fn ask_picture(&mut self, reason: Reason) {
-        let due = self.pace.due(reason, Instant::now());
-        self.picture_at = Some(self.picture_at.map_or(due, |at| at.min(due)));
+        let at = self.pace.due(reason, Instant::now());
+        self.picture_due.ask(at, reason);
     }
 
     /// What frames cost lately.
@@ -112,7 +113,7 @@ impl Drawing {
     }
 
     fn due(&self) -> Option<Instant> {
-        self.panels_at.into_iter().chain(self.picture_at).min()
+        self.panels_due.at.into_iter().chain(self.picture_due.at).min()
     }
 
     /// Whether the panels came out different from those on the screen.
@@ -131,14 +132,14 @@ struct NewPanels {
     parts: Option<Vec<Rect>>,
 }
 
-/// A picture that is ready to be drawn.
-struct Ready {
-    /// Whether it is to be drawn: it looks different from the one on the screen, and has not just been drawn.
-    is_new: bool,
-    detail: Detail,
-    moving: bool,
-    /// When to look at it again, where it was left undrawn because it only creeps.
-    again: Option<Instant>,
+/// What a frame does with the picture of the view.
+#[derive(Clone, Copy, Debug)]
+enum Picture {
+    /// It has the next frame for itself.
+    PutOff,
+    /// The one on the screen stays, and is looked at again then.
+    Keep(Option<Instant>),
+    Draw(Detail),
 }
 
 impl Shell {
@@ -166,20 +167,23 @@ impl Shell {
         let begin = Instant::now();
         // A frame that the system asks for by itself shows everything again.
         let exposed = !std::mem::take(&mut self.drawing.requested);
-        let run = exposed || self.drawing.panels_at.is_some_and(|at| at <= begin) || self.canvas.needs_panels();
+        let run = exposed || self.drawing.panels_due.at.is_some_and(|at| at <= begin) || self.canvas.needs_panels();
+        let awaited = self.drawing.panels_due.awaited;
         let mut output = run.then(|| self.run_panels(event_loop));
         let panels = output.as_mut().and_then(|output| self.changed_panels(output));
         let view = self.view();
-        let ready = self.prepare_picture(view, begin);
+        let whole = exposed || self.canvas.needs_picture(view);
+        let picture = if panels.is_some() && awaited && !whole && self.picture_can_wait() {
+            Picture::PutOff
+        } else {
+            self.prepare_picture(view, begin)
+        };
         let mut textures = output.map(|output| output.textures_delta).unwrap_or_default();
         self.canvas.update_textures(&mut textures);
-        let is_new = ready.as_ref().is_some_and(|ready| ready.is_new);
-        let again = ready.as_ref().and_then(|ready| ready.again);
-        let shown = if exposed || panels.is_some() || is_new {
+        let draw_list = self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list);
+        let shown = if exposed || panels.is_some() || matches!(picture, Picture::Draw(_)) {
             let frame = Frame {
-                draw_list: self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list),
-                changed: is_new,
-                detail: ready.as_ref().map_or(Detail::Fine, |ready| ready.detail),
+                picture: if let Picture::Draw(detail) = picture { draw_list.zip(Some(detail)) } else { None },
                 view,
                 panels: panels.as_ref().map(|NewPanels { primitives, parts }| Panels {
                     primitives,
@@ -193,41 +197,56 @@ impl Shell {
         };
         self.canvas.free_textures(&mut textures);
         match shown {
-            Ok(Some(Shown::Presented)) => self.on_presented(begin, ready),
-            Ok(None) => (self.changed, self.drawing.picture_at) = (false, again.or(self.settling(begin))),
+            Ok(Some(Shown::Presented)) => self.on_presented(begin, picture),
+            Ok(None) => self.on_picture(picture, begin),
             Ok(Some(Shown::Again)) => {
-                (self.drawing.shapes, self.drawing.panels_at) = (Vec::new(), Some(begin + RETRY));
+                self.drawing.shapes = Vec::new();
+                self.drawing.panels_due.ask(begin + RETRY, Reason::Input);
             }
             Ok(Some(Shown::Unseen)) => {
-                (self.drawing.shapes, self.drawing.panels_at, self.drawing.picture_at) = (Vec::new(), None, None);
-                self.changed = false;
+                (self.drawing.panels_due, self.drawing.picture_due) = (Due::default(), Due::default());
+                (self.drawing.shapes, self.changed) = (Vec::new(), false);
             }
             Err(error) => self.recover(event_loop, error)?,
         }
         Ok(())
     }
 
-    fn on_presented(&mut self, begin: Instant, ready: Option<Ready>) {
+    /// Whether panels that a person waits for are drawn without the picture, which takes longer and gets the frame after.
+    fn picture_can_wait(&self) -> bool {
+        self.canvas.is_software() && !self.drawing.picture_due.awaited && !self.drawing.put_off
+    }
+
+    fn on_presented(&mut self, begin: Instant, picture: Picture) {
         let end = Instant::now();
-        log::trace!("a frame is on the screen after {:?}", end - begin);
-        self.changed = false;
+        log::trace!("a frame is on the screen after {:?}: {picture:?}", end - begin);
         let work = self.drawing.processors.taken(self.worker.spent()).min(end - begin);
         let frame = Drawn { begin, end, work };
         self.drawing.meter.note(frame);
-        let again = ready.as_ref().and_then(|ready| ready.again);
-        if let Some(ready) = ready {
-            let behind = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.behind);
-            self.drawing.pace.drawn(frame, ready.moving && ready.is_new, behind);
-            if ready.is_new {
-                self.drawing.picture = self.snapshot.as_ref().map(|snapshot| snapshot.draw_list.clone());
-                self.drawing.picture_since = end;
-            }
+        let moving = matches!(picture, Picture::Draw(Detail::Quick { .. }));
+        let behind = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.behind);
+        self.drawing.pace.drawn(frame, moving, behind);
+        if let Picture::Draw(_) = picture {
+            self.drawing.picture = self.snapshot.as_ref().map(|snapshot| snapshot.draw_list.clone());
+            self.drawing.rule.note_drawn(end);
         }
-        self.drawing.picture_at = again.or(self.settling(end));
+        self.on_picture(picture, end);
         if end - self.drawing.told >= TELL {
             self.drawing.told = end;
             self.tell();
         }
+    }
+
+    /// Says when to look at the picture again.
+    fn on_picture(&mut self, picture: Picture, now: Instant) {
+        self.drawing.put_off = matches!(picture, Picture::PutOff);
+        let again = match picture {
+            Picture::PutOff => return,
+            Picture::Keep(again) => again,
+            Picture::Draw(_) => self.drawing.rule.refines(self.input.dragging(), self.canvas.is_fine(), now),
+        };
+        self.drawing.picture_due = Due { at: again, awaited: false };
+        self.changed = false;
     }
 
     /// Tells the worker what drawing costs.
@@ -245,16 +264,10 @@ impl Shell {
         }
     }
 
-    /// When the view has settled and is to be drawn finely, if it is not yet.
-    fn settling(&self, now: Instant) -> Option<Instant> {
-        let at = self.drawing.settles()?;
-        (!self.canvas.is_fine() && !self.input.dragging()).then(|| at.max(now))
-    }
-
     /// Runs the panels and does what they ask for.
     fn run_panels(&mut self, event_loop: &ActiveEventLoop) -> FullOutput {
         let now = Instant::now();
-        (self.drawing.panels_at, self.drawing.panels_ran) = (None, now);
+        (self.drawing.panels_due, self.drawing.panels_ran) = (Due::default(), now);
         let mut output = self.lay_out_panels();
         self.grant_wishes(event_loop);
         let platform_output = std::mem::take(&mut output.platform_output);
@@ -262,7 +275,7 @@ impl Shell {
         let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |root| root.repaint_delay);
         if let Some(again) = now.checked_add(delay) {
             let paced = self.drawing.pace.due(Reason::Motion, now).max(again);
-            self.drawing.panels_at = Some(self.drawing.panels_at.map_or(paced, |at| at.min(paced)));
+            self.drawing.panels_due.ask(paced, Reason::Motion);
         }
         output
     }
@@ -285,11 +298,11 @@ impl Shell {
         Some(NewPanels { primitives: self.context.tessellate(again, output.pixels_per_point), parts })
     }
 
-    /// Makes the picture ready and says how it differs from the one on the screen.
-    fn prepare_picture(&mut self, view: ViewRect, now: Instant) -> Option<Ready> {
+    /// Makes the picture ready and decides whether and how it is drawn.
+    fn prepare_picture(&mut self, view: ViewRect, now: Instant) -> Picture {
         let sight = self.sight(self.input.pointer());
         let points = self.pixels_per_point();
-        let snapshot = self.snapshot.as_mut()?;
+        let Some(snapshot) = &mut self.snapshot else { return Picture::Keep(None) };
         let picture = &mut snapshot.draw_list;
         picture.camera = self.orbit.camera();
         picture.style = self.ui.theme.style();
@@ -305,28 +318,25 @@ impl Shell {
         let colors = picture.style.overlay;
         self.handles.add_to(&mut picture.tools, &snapshot.scene, self.ui.selection, &sight, &colors);
 
-        let (software, fine) = (self.canvas.is_software(), self.canvas.is_fine());
+        let fits = !self.canvas.needs_picture(view);
         let old = self.drawing.picture.as_ref();
-        let change = old.map_or(Change::Things, |old| picture.change_since(old, view.size.y));
         let turned = old.is_some_and(|old| old.camera != picture.camera);
-        let age = now.saturating_duration_since(self.drawing.picture_since).min(CREEPING);
-        let plain = match change {
-            Change::Things => true,
-            Change::Motion { pixels } => pixels.is_nan() || pixels > CREEP * age.as_secs_f32(),
-            Change::Shade | Change::Nothing => false,
+        let sight = picture_rule::Sight {
+            change: old.filter(|_| fits).map_or(Change::Things, |old| picture.change_since(old, view.size.y)),
+            in_motion: snapshot.status.playing || turned,
+            dragging: self.input.dragging(),
+            fine: fits && self.canvas.is_fine(),
         };
-        if plain && (snapshot.status.playing || turned) {
-            self.drawing.moved = Some(now);
-        }
-        let unsettled = self.drawing.settles().is_some_and(|at| now < at);
-        let moving = self.input.dragging() || unsettled && (plain || !fine);
-        let detail = if moving && software { Detail::Quick { scale: self.drawing.pace.scale() } } else { Detail::Fine };
-        let differs = change != Change::Nothing;
-        let waits = software && !plain && fine && differs && age < CREEPING;
-        let again = waits.then(|| self.drawing.picture_since + CREEPING);
-        let pixels = if let Detail::Quick { scale } = detail { points * scale } else { points };
+        let (detail, pixels) = match self.drawing.rule.decide(&sight, now) {
+            Decision::Keep(again) => return Picture::Keep(again),
+            Decision::Fine => (Detail::Fine, points),
+            Decision::Quick => {
+                let scale = self.drawing.pace.scale();
+                (Detail::Quick { scale }, points * scale)
+            }
+        };
         (picture.overlay.scale, picture.tools.scale) = (pixels, pixels);
-        Some(Ready { is_new: differs && !waits || detail == Detail::Fine && !fine, detail, moving, again })
+        Picture::Draw(detail)
     }
 
     /// Asks for what a new snapshot changes.

@@ -1,0 +1,207 @@
+//! Whether a frame draws the picture of the view, and how finely. Pure: times in, a decision out.
+//!
+//! A graphics card draws what looks different, finely. Where a processor draws, a fine picture takes so long that
+//! whoever moves the pointer meanwhile waits for it. So what moves is drawn quickly; it is drawn finely once nothing has
+//! moved and nobody has touched anything for a while, and what only creeps is drawn finely, but seldom.
+
+use std::time::{Duration, Instant};
+
+use crate::view::Change;
+
+/// A view in which nothing has moved for so long is drawn once more, finely.
+const SETTLED: Duration = Duration::from_millis(300);
+/// So long after the last move of a person's hand nothing is drawn finely: that would keep the next one waiting.
+const IN_USE: Duration = Duration::from_millis(700);
+/// What moves by less than so many pixels a second creeps.
+const CREEP: f32 = 2.0;
+/// What creeps is drawn so often.
+const CREEPING: Duration = Duration::from_secs(1);
+
+/// What is known of a picture when it is decided whether to draw it.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight {
+    /// How it differs from the one on the screen.
+    pub change: Change,
+    /// Whether things move by themselves or the eye does: what a person has just changed in a scene that stands still
+    /// is no motion.
+    pub in_motion: bool,
+    /// Whether a person drags something in the view.
+    pub dragging: bool,
+    /// Whether the picture on the screen is a fine one.
+    pub fine: bool,
+}
+
+/// What to do with a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decision {
+    /// Leave the one that is on the screen, and look again then, if at all.
+    Keep(Option<Instant>),
+    /// Draw it finely.
+    Fine,
+    /// Draw it quickly, as one of many.
+    Quick,
+}
+
+/// What the decision remembers.
+#[derive(Clone, Debug)]
+pub struct PictureRule {
+    software: bool,
+    /// Since when the picture on the screen is there.
+    drawn: Instant,
+    /// When something was last seen to move, and when a person last moved the pointer or pressed something.
+    moved: Option<Instant>,
+    touched: Option<Instant>,
+}
+
+impl PictureRule {
+    /// The rule of a window that draws by `software` or by a graphics card.
+    pub fn new(software: bool, now: Instant) -> Self {
+        Self { software, drawn: now, moved: None, touched: None }
+    }
+
+    /// A person moved the pointer or pressed something.
+    pub fn note_touch(&mut self, now: Instant) {
+        self.touched = Some(now);
+    }
+
+    /// A picture has come onto the screen.
+    pub fn note_drawn(&mut self, now: Instant) {
+        self.drawn = now;
+    }
+
+    /// What to do with the picture as it is now.
+    pub fn decide(&mut self, sight: &Sight, now: Instant) -> Decision {
+        let Sight { change, in_motion, dragging, fine } = *sight;
+        let age = now.saturating_duration_since(self.drawn).min(CREEPING);
+        let plain = match change {
+            Change::Things => true,
+            Change::Motion { pixels } => pixels.is_nan() || pixels > CREEP * age.as_secs_f32(),
+            Change::Shade | Change::Nothing => false,
+        };
+        if plain && in_motion {
+            self.moved = Some(now);
+        }
+        let differs = change != Change::Nothing;
+        if !self.software {
+            return if differs || !fine { Decision::Fine } else { Decision::Keep(None) };
+        }
+        let settles = self.settles();
+        let unsettled = settles.is_some_and(|at| now < at);
+        if dragging || unsettled && (plain || !fine) {
+            if differs { Decision::Quick } else { Decision::Keep(self.refines(dragging, fine, now)) }
+        } else if !fine || plain || differs && age >= CREEPING {
+            Decision::Fine
+        } else {
+            Decision::Keep(differs.then(|| self.drawn + CREEPING))
+        }
+    }
+
+    /// When a picture that is not `fine` is to be drawn again, finely.
+    pub fn refines(&self, dragging: bool, fine: bool, now: Instant) -> Option<Instant> {
+        let at = self.settles()?;
+        (!fine && !dragging).then(|| at.max(now))
+    }
+
+    /// When a fine picture keeps nobody waiting; `None` where nothing has ever moved.
+    fn settles(&self) -> Option<Instant> {
+        self.moved.map(|at| at + SETTLED).max(self.touched.map(|at| at + IN_USE))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RESTS: Sight = Sight { change: Change::Nothing, in_motion: true, dragging: false, fine: true };
+    const MOVES: Sight = Sight { change: Change::Motion { pixels: 8.0 }, fine: false, ..RESTS };
+
+    fn ms(ms: u64) -> Duration {
+        Duration::from_millis(ms)
+    }
+
+    /// A rule whose first picture is on the screen, and the time of that.
+    fn rule(software: bool) -> (PictureRule, Instant) {
+        let now = Instant::now();
+        (PictureRule::new(software, now), now)
+    }
+
+    #[test]
+    fn what_moves_is_drawn_quickly_and_finely_once_it_has_stopped() {
+        let (mut rule, start) = rule(true);
+        for frame in 1..10 {
+            let now = start + ms(40 * frame);
+            assert_eq!(rule.decide(&MOVES, now), Decision::Quick, "frame {frame}");
+            rule.note_drawn(now);
+        }
+        let stopped = start + ms(360);
+        let still = Sight { fine: false, ..RESTS };
+        let at = stopped + SETTLED;
+        assert_eq!(rule.decide(&still, stopped + ms(40)), Decision::Keep(Some(at)), "it may move on");
+        assert_eq!(rule.decide(&still, at), Decision::Fine);
+        assert_eq!(rule.decide(&RESTS, at + ms(40)), Decision::Keep(None), "and then never again");
+    }
+
+    #[test]
+    fn nothing_is_drawn_finely_while_a_hand_moves() {
+        let (mut rule, start) = rule(true);
+        let still = Sight { fine: false, ..RESTS };
+        for touch in 1..20 {
+            let now = start + ms(100 * touch);
+            rule.note_touch(now);
+            assert_eq!(rule.decide(&still, now + ms(10)), Decision::Keep(Some(now + IN_USE)));
+        }
+        let dragging = Sight { dragging: true, ..still };
+        assert_eq!(rule.decide(&dragging, start + ms(10_000)), Decision::Keep(None), "a button is held still");
+        let dragged = Sight { dragging: true, ..MOVES };
+        assert_eq!(rule.decide(&dragged, start + ms(10_000)), Decision::Quick);
+    }
+
+    #[test]
+    fn what_creeps_is_drawn_finely_once_a_second() {
+        let (mut rule, start) = rule(true);
+        let mut fine = 0;
+        for frame in 1..=100 {
+            let now = start + ms(40 * frame);
+            let since = now.duration_since(rule.drawn).as_secs_f32();
+            let change = Change::Motion { pixels: 0.5 * CREEP * since };
+            match rule.decide(&Sight { change, ..RESTS }, now) {
+                Decision::Fine => {
+                    fine += 1;
+                    rule.note_drawn(now);
+                }
+                Decision::Keep(again) => assert_eq!(again, Some(rule.drawn + CREEPING), "frame {frame}"),
+                Decision::Quick => panic!("frame {frame}: a quick picture of what creeps has jagged edges"),
+            }
+        }
+        assert_eq!(fine, 4, "in 4 s");
+        let shade = Sight { change: Change::Shade, ..RESTS };
+        let waits = rule.decide(&shade, rule.drawn + ms(40));
+        assert_eq!(waits, Decision::Keep(Some(rule.drawn + CREEPING)), "nor do colours that fade");
+    }
+
+    #[test]
+    fn what_a_person_changes_in_a_scene_at_rest_is_shown_at_once() {
+        let (mut rule, start) = rule(true);
+        let edited = Sight { change: Change::Things, in_motion: false, ..RESTS };
+        assert_eq!(rule.decide(&edited, start + ms(40)), Decision::Fine, "by a script");
+        rule.note_touch(start + ms(50));
+        assert_eq!(rule.decide(&edited, start + ms(60)), Decision::Quick, "by a hand that may not be done");
+    }
+
+    #[test]
+    fn a_position_that_is_no_number_is_drawn() {
+        let (mut rule, start) = rule(true);
+        let broken = Sight { change: Change::Motion { pixels: f32::NAN }, ..RESTS };
+        assert_eq!(rule.decide(&broken, start + ms(40)), Decision::Quick);
+    }
+
+    #[test]
+    fn a_graphics_card_draws_finely_whatever_moves() {
+        let (mut rule, start) = rule(false);
+        rule.note_touch(start);
+        for sight in [MOVES, Sight { dragging: true, ..MOVES }, Sight { change: Change::Shade, ..RESTS }] {
+            assert_eq!(rule.decide(&sight, start + ms(17)), Decision::Fine, "{sight:?}");
+        }
+        assert_eq!(rule.decide(&RESTS, start + ms(17)), Decision::Keep(None));
+    }
+}
