@@ -85,7 +85,7 @@ impl Files {
                 self.recovering = None;
                 self.adopt();
                 self.offer(ui);
-            } else if !status.message.is_empty() {
+            } else if status.failed {
                 // It may have failed: it stays on offer.
                 self.offer(ui);
             }

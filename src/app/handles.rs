@@ -78,6 +78,11 @@ impl Handles {
         self.held.take().map(|_| Command::EndEdit)
     }
 
+    /// Lets go and puts the obstacle back: what has to be told, if a handle was held.
+    pub fn cancel(&mut self) -> Option<Command> {
+        self.held.take().map(|_| Command::CancelEdit)
+    }
+
     /// Draws the handles of what is chosen.
     pub fn add_to(
         &self,
@@ -181,6 +186,14 @@ mod tests {
         };
         let [x, y, z] = ball.center;
         assert!((x - 1.5).abs() < 1e-6 && (z + 0.3).abs() < 1e-6 && y > 0.5, "up, and nowhere else: {:?}", ball.center);
+    }
+
+    #[test]
+    fn a_drag_that_is_cancelled_puts_the_obstacle_back() {
+        let mut handles = Handles::default();
+        assert!(handles.cancel().is_none(), "nothing is held");
+        assert!(handles.take(&scene(), BALL, &find(BALL, |handle| handle == Handle::Arrow(1))), "a handle is held");
+        assert!(matches!(handles.cancel(), Some(Command::CancelEdit)) && !handles.holds(), "and let go");
     }
 
     #[test]

@@ -376,6 +376,7 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         let mut status = self.sandbox.status();
         if let Some(failure) = &self.failure {
             status.message.clone_from(failure);
+            status.failed = true;
         }
         (self.published, self.rested) = (Instant::now(), self.sandbox.is_at_rest());
         let (scene, generation, answers) = (Arc::clone(&self.scene), self.generation, self.answers);

@@ -78,6 +78,8 @@ pub enum Command {
     Teleport(BodyId, [f64; 3]),
     /// A slider or a thing dragged is let go: what comes next is taken back by itself.
     EndEdit,
+    /// A thing dragged goes back to where it was, as if it had never been dragged. Nothing where no edit goes on.
+    CancelEdit,
     /// Add a body whose shape has been made ready elsewhere, behind the others.
     AddBody {
         /// The body.
@@ -117,6 +119,7 @@ impl Command {
                 | Self::Edit(_)
                 | Self::Drag(_)
                 | Self::EndEdit
+                | Self::CancelEdit
                 | Self::Grab(_)
                 | Self::WatchCost(_)
         )
@@ -139,6 +142,7 @@ impl Command {
             | Self::Drag(_)
             | Self::Teleport(..)
             | Self::EndEdit
+            | Self::CancelEdit
             | Self::AddBody { .. }
             | Self::Undo
             | Self::Redo

@@ -45,6 +45,15 @@ impl Session {
         Ok(())
     }
 
+    /// Takes the change that goes on back, as if it had never been made.
+    pub(super) fn cancel_edit(&mut self) -> Result<(), SessionError> {
+        if self.history.is_open() {
+            self.undo()?;
+            self.history.pop_undone();
+        }
+        Ok(())
+    }
+
     /// Takes the last change back, with the motion of the body it moved or removed.
     pub(super) fn undo(&mut self) -> Result<(), SessionError> {
         let Some(change) = self.history.pop_done() else { return Ok(()) };

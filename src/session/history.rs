@@ -62,6 +62,11 @@ impl History {
         self.open = false;
     }
 
+    /// Whether the last change goes on.
+    pub(super) fn is_open(&self) -> bool {
+        self.open
+    }
+
     /// The last change, which is about to be taken back.
     pub(super) fn pop_done(&mut self) -> Option<Change> {
         self.open = false;

@@ -57,6 +57,26 @@ fn lowest(session: &Session) -> f32 {
 }
 
 #[test]
+fn a_drag_that_is_cancelled_was_never_made() {
+    let mut session = session("cube-on-plane");
+    set_shear(&mut session, 20.0);
+    session.handle(Command::EndEdit).expect("letting go is always possible");
+    let before = session.scene().clone();
+    for tick in 1..5 {
+        drag_obstacle(&mut session, 1, |ball| {
+            let ObstacleShape::Sphere(sphere) = &mut ball.shape else { return };
+            sphere.center[1] += 0.1 * f64::from(tick);
+        });
+    }
+    assert_ne!(session.scene(), &before, "it was dragged");
+    session.handle(Command::CancelEdit).expect("it goes back");
+    assert_eq!(session.scene(), &before, "as if never dragged");
+    assert_eq!((session.status().undo.as_str(), session.status().redo.as_str()), ("shear stiffness of Jelly", ""));
+    session.handle(Command::CancelEdit).expect("nothing goes on");
+    assert_eq!(session.scene(), &before, "what a person had let go before stays");
+}
+
+#[test]
 fn a_value_that_is_dragged_is_taken_back_as_one() {
     let mut session = session("cube-on-plane");
     let before = session.scene().clone();

@@ -78,7 +78,8 @@ impl Hand {
     }
 
     fn command(&mut self, scene: &Scene) -> Command {
-        match self.below(21) {
+        match self.below(22) {
+            21 => Command::CancelEdit,
             20 => Command::Teleport(self.body_id(scene), self.vector(3.0)),
             0 => Command::Play,
             1 => Command::Pause,

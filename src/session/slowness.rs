@@ -11,6 +11,8 @@ use crate::scene::settings::Integrator;
 const KEEPS_UP: f64 = 0.95;
 /// Drawing that takes less than this share of the processors is not what steps wait for.
 const DRAWING_MATTERS: f64 = 0.15;
+/// Fewer iterations of the implicit integrator than this in a substep are not worth a word.
+const FEW_ITERATIONS: u64 = 20;
 /// One substep of so many is timed by stages: clocks cost next to nothing then.
 const SAMPLED: u32 = 16;
 /// Timed substeps after which older ones no longer count.
@@ -60,6 +62,8 @@ struct Facts<'a> {
     slowed: bool,
     contact: bool,
     links: usize,
+    /// Iterations of the implicit integrator in the last substep.
+    iterations: u64,
     /// What limits the step, and the substeps it is divided into.
     divided: Option<(&'a str, u32)>,
 }
@@ -89,6 +93,7 @@ impl Session {
             slowed: self.report.slowed > 0,
             contact: self.sample.is_contact(),
             links,
+            iterations: self.report.iterations,
             divided: is_divided.then_some((limit.as_str(), plan.substeps)),
         };
         if self.playing { words(&facts) } else { String::new() }
@@ -96,7 +101,7 @@ impl Session {
 }
 
 fn words(facts: &Facts<'_>) -> String {
-    let Facts { speed, lately, drawing, processors, halved, slowed, contact, links, divided } = facts;
+    let Facts { speed, lately, drawing, processors, halved, slowed, contact, links, iterations, divided } = facts;
     let factor = lately.real_time_factor().unwrap_or(*speed);
     if factor >= KEEPS_UP * speed || factor <= 0.0 {
         return String::new();
@@ -120,11 +125,22 @@ fn words(facts: &Facts<'_>) -> String {
         "contact takes more time than the links".to_owned()
     } else if let Some((limit, substeps)) = divided {
         format!("{limit} takes {substeps} substeps in every step of {links} links")
+    } else if *iterations >= FEW_ITERATIONS {
+        let about = two_digits(*iterations);
+        format!(
+            "the stiff links take the implicit integrator about {about} iterations in every substep of {links} links"
+        )
     } else {
         format!("limited by the number of links, {links}")
     };
     let pace = if (speed - 1.0).abs() < 1e-9 { "real time" } else { "the speed asked for" };
     format!("{:.1} times slower than {pace}: {cause}", speed / factor)
+}
+
+/// A number of which the first two digits count: the others flicker.
+fn two_digits(count: u64) -> u64 {
+    let unit = 10_u64.pow(count.checked_ilog10().map_or(0, |digits| digits.saturating_sub(1)));
+    (count + unit / 2) / unit * unit
 }
 
 #[cfg(test)]
@@ -143,6 +159,7 @@ mod tests {
             slowed: false,
             contact: false,
             links: 12_876,
+            iterations: 0,
             divided: None,
         }
     }
@@ -164,12 +181,21 @@ mod tests {
         let divided = Facts { divided: Some(("shear damping", 3)), ..busy.clone() };
         let divided = words(&divided);
         assert!(divided.ends_with("shear damping takes 3 substeps in every step of 12876 links"), "{divided}");
+        let stiff = words(&Facts { iterations: 1_249, ..busy.clone() });
+        assert!(stiff.ends_with("about 1200 iterations in every substep of 12876 links"), "{stiff}");
+        let soft = words(&Facts { iterations: FEW_ITERATIONS - 1, ..busy.clone() });
+        assert!(soft.ends_with("limited by the number of links, 12876"), "{soft}");
         let contact = words(&Facts { contact: true, ..busy.clone() });
         assert!(contact.ends_with("contact takes more time than the links"), "{contact}");
         let slowed = words(&Facts { slowed: true, ..busy.clone() });
         assert!(slowed.contains("slowed where enough work"), "{slowed}");
         let halved = words(&Facts { halved: true, ..busy });
         assert!(halved.contains("too violent"), "{halved}");
+    }
+
+    #[test]
+    fn counts_are_told_to_two_digits() {
+        assert_eq!([0, 7, 42, 999, 1_249, 100_000].map(two_digits), [0, 7, 42, 1_000, 1_200, 100_000]);
     }
 
     #[test]

@@ -63,8 +63,10 @@ pub struct Status {
     pub links: usize,
     /// Contacts in the last substep.
     pub contacts: usize,
-    /// The last thing that went wrong, as a sentence; empty when nothing did.
+    /// What a person should know, as a sentence; empty when there is nothing.
     pub message: String,
+    /// Whether the message says what went wrong; otherwise it is worth knowing, no more.
+    pub failed: bool,
     /// What undo would take back, in words; empty when there is nothing.
     pub undo: String,
     /// What redo would make again, in words; empty when there is nothing.

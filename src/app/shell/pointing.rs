@@ -114,17 +114,21 @@ impl Shell {
     }
 
     fn close_one(&mut self) {
+        if let Some(command) = self.handles.cancel() {
+            self.worker.send(command);
+            self.changed = true;
+            return;
+        }
+        if self.hand.holds() {
+            return self.release();
+        }
         let message = self.snapshot.as_ref().map_or("", |snapshot| &snapshot.status.message);
         let message = if self.failure.is_empty() { message } else { &self.failure };
         if self.ui.close_uppermost(message) {
             return;
         }
-        if self.hand.holds() || self.handles.holds() {
-            self.release();
-        } else {
-            self.ui.selection = None;
-            self.changed = true;
-        }
+        self.ui.selection = None;
+        self.changed = true;
     }
 
     fn toggle_full_screen(&self) {

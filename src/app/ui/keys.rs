@@ -48,7 +48,7 @@ const RIGHT: [Group; 2] = [
             ("T,  N,  C", "list of things, values, what a step costs"),
             ("Tab", "from one control to the next"),
             ("Arrows, wheel", "step a slider; with shift finely"),
-            ("Esc", "close what is open, let go, choose nothing"),
+            ("Esc", "put back what is dragged, close what is open, choose nothing"),
             ("Ctrl + N O S Q", "new, open, save, quit; with shift + S save as"),
             ("Ctrl  +  −  0", "larger, smaller, usual size of all text"),
             ("F11", "full screen"),

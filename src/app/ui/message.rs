@@ -6,7 +6,7 @@ use super::icon::{Icon, icon_button_ui};
 use super::{UiState, capitalised, card_over_view, theme};
 use crate::session::Status;
 
-/// The last thing that went wrong, if it was not put away. A `failure` of the program offers a new start.
+/// What a person should know, if it was not put away: red where something went wrong. A `failure` of the program offers a new start.
 pub(super) fn message_ui(ui: &Ui, status: &Status, failure: &str, state: &mut UiState) {
     let failed = !failure.is_empty();
     let text = if failed { failure } else { &status.message };
@@ -24,7 +24,8 @@ pub(super) fn message_ui(ui: &Ui, status: &Status, failure: &str, state: &mut Ui
             ui.set_max_width((view.width() - 80.0).clamp(200.0, 640.0));
             ui.horizontal(|ui| {
                 let width = ui.available_width() - 44.0;
-                theme::dot_ui(ui, theme::of(ui).error);
+                let palette = theme::of(ui);
+                theme::dot_ui(ui, if failed || status.failed { palette.error } else { palette.accent });
                 ui.scope(|ui| {
                     ui.set_max_width(width - 20.0);
                     ui.add(egui::Label::new(RichText::new(capitalised(text)).color(theme::of(ui).strong)).wrap());
