@@ -133,7 +133,7 @@ impl PathField {
 
     fn verdict_ui(&self, ui: &mut Ui) {
         let (text, color) = match &self.verdict {
-            Verdict::Unfinished => (String::new(), theme::of(ui).weak),
+            Verdict::Unfinished => ("Choose from the list, or type or paste a path".to_owned(), theme::of(ui).weak),
             Verdict::Unusable(why) => (why.clone(), theme::of(ui).error),
             Verdict::Usable(_, what) => (what.clone(), theme::of(ui).weak),
             Verdict::Model(_) => ("A model, not a scene: it can be made into jelly".to_owned(), theme::of(ui).weak),
