@@ -14,6 +14,7 @@ use thiserror::Error;
 
 use crate::scene::Scene;
 use crate::session::document::Opened;
+use crate::session::hold::Hold;
 use crate::session::{Command, Session, SessionError, Status};
 use crate::view::DrawList;
 
@@ -31,8 +32,9 @@ pub trait Sandbox {
     fn is_at_work(&self) -> bool;
     /// Whether its picture stays as it is until something is asked for.
     fn is_at_rest(&self) -> bool;
-    /// A new scene is there; `stop` is set when a long step is to be given up.
-    fn begin(&mut self, _stop: &Arc<AtomicBool>) {}
+    /// A new scene is there; `stop` is set when a long step is to be given up, `hold` is held while someone else needs the
+    /// processors.
+    fn begin(&mut self, _stop: &Arc<AtomicBool>, _hold: &Arc<Hold>) {}
     /// What share of the processors drawing takes, 0 to 1.
     fn note_drawing(&mut self, share: f64);
     /// What the panels show.
@@ -60,8 +62,9 @@ impl Sandbox for Session {
         self.is_at_rest()
     }
 
-    fn begin(&mut self, stop: &Arc<AtomicBool>) {
+    fn begin(&mut self, stop: &Arc<AtomicBool>, hold: &Arc<Hold>) {
         self.set_stop(Arc::clone(stop));
+        self.set_hold(Arc::clone(hold));
         self.hold_if_too_slow();
     }
 
@@ -113,6 +116,7 @@ pub enum Ended {
 pub struct Worker {
     orders: Sender<Order>,
     stop: Arc<AtomicBool>,
+    hold: Arc<Hold>,
     slot: Arc<Mutex<Slot>>,
     /// Processor time the thread has taken, ns.
     spent: Arc<AtomicU64>,
@@ -159,18 +163,19 @@ impl Worker {
         let (orders, received) = channel();
         let slot = Arc::new(Mutex::new(Slot::default()));
         let (spent, stop) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicBool::new(false)));
-        let stopped = Arc::clone(&stop);
+        let hold = Arc::new(Hold::default());
+        let (stopped, held) = (Arc::clone(&stop), Arc::clone(&hold));
         let publisher = Publisher { slot: Arc::clone(&slot), spent: Arc::clone(&spent), wake };
         std::thread::spawn(move || {
             let outcome = catch_unwind(AssertUnwindSafe(|| match make() {
-                Ok(sandbox) => Loop::new(sandbox, &received, &publisher, &stopped).run(),
+                Ok(sandbox) => Loop::new(sandbox, &received, &publisher, &stopped, &held).run(),
                 Err(error) => publisher.end(Ended::NotStarted(error)),
             }));
             if let Err(panic) = outcome {
                 publisher.end(Ended::Panicked(panic_text(panic.as_ref())));
             }
         });
-        Self { orders, stop, slot, spent }
+        Self { orders, stop, hold, slot, spent }
     }
 
     /// Asks for something. A worker that has ended ignores it.
@@ -181,6 +186,17 @@ impl Worker {
     /// Says whether anyone can see the picture: an unseen sandbox keeps its time and publishes nothing.
     pub fn set_visible(&self, visible: bool) {
         self.order(Order::Visible(visible));
+    }
+
+    /// Leaves the processors to a frame that a person waits for, until [`Worker::let_go`]: the worker takes no step
+    /// meanwhile.
+    pub fn hold(&self) {
+        self.hold.hold();
+    }
+
+    /// The worker goes on.
+    pub fn let_go(&self) {
+        self.hold.let_go();
     }
 
     /// Processor time that the thread has taken, up to its last few steps.
@@ -253,6 +269,7 @@ struct Loop<'a, S, W> {
     orders: &'a Receiver<Order>,
     publisher: &'a Publisher<W>,
     stop: &'a Arc<AtomicBool>,
+    hold: &'a Arc<Hold>,
     scene: Arc<Scene>,
     generation: u64,
     failure: Option<String>,
@@ -273,8 +290,9 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         orders: &'a Receiver<Order>,
         publisher: &'a Publisher<W>,
         stop: &'a Arc<AtomicBool>,
+        hold: &'a Arc<Hold>,
     ) -> Self {
-        sandbox.begin(stop);
+        sandbox.begin(stop, hold);
         let scene = Arc::new(sandbox.scene().clone());
         let now = Instant::now();
         Self {
@@ -282,6 +300,7 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
             orders,
             publisher,
             stop,
+            hold,
             scene,
             generation: 0,
             failure: None,
@@ -363,7 +382,7 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
                 self.failure = self.sandbox.handle(command).err().map(|error| sentence(&error));
                 if replaces && self.failure.is_none() {
                     self.generation += 1;
-                    self.sandbox.begin(self.stop);
+                    self.sandbox.begin(self.stop, self.hold);
                 }
                 if *self.sandbox.scene() != *self.scene {
                     self.scene = Arc::new(self.sandbox.scene().clone());

@@ -12,6 +12,7 @@ pub mod document;
 mod editing;
 mod grab;
 mod history;
+pub mod hold;
 pub mod jellify;
 mod library;
 mod needs;
@@ -58,6 +59,7 @@ use clock::{Clock, Stretch};
 use costs::Costs;
 use document::{Document, Opened, SaveError};
 use history::History;
+use hold::Hold;
 use library::Library;
 use picture::Picture;
 use slowness::Sample;
@@ -166,6 +168,7 @@ pub struct Session {
     drawing: f64,
     /// Set by whoever wants a substep given up.
     stop: Arc<AtomicBool>,
+    hold: Arc<Hold>,
     /// Why time stands still until a person lets it run; empty where it does not.
     too_slow: String,
 }
@@ -212,6 +215,7 @@ impl Session {
             sample: Sample::default(),
             drawing: 0.0,
             stop: Arc::default(),
+            hold: Arc::default(),
             too_slow: String::new(),
             safe: Vec::new(),
         };
@@ -300,6 +304,7 @@ impl Session {
         let dt_secs = self.scene.settings.dt;
         self.clock.owe(wall.as_secs_f64(), self.speed);
         while self.clock.owes(dt_secs) && begin.elapsed() < budget {
+            self.hold.wait();
             if !self.substep() || self.report.stopped {
                 break;
             }
@@ -360,6 +365,11 @@ impl Session {
     /// Substeps are given up while this is set, and taken anew later.
     pub fn set_stop(&mut self, stop: Arc<AtomicBool>) {
         self.stop = stop;
+    }
+
+    /// Waits between the substeps of [`Session::advance`] while this is held.
+    pub fn set_hold(&mut self, hold: Arc<Hold>) {
+        self.hold = hold;
     }
 
     /// The memory that the scene needs without a window, bytes.

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use gelatin::app::worker::{Ended, Sandbox, Snapshot, Worker};
 use gelatin::scene::Scene;
+use gelatin::session::hold::Hold;
 use gelatin::session::{Command, Session, SessionError, Status};
 use gelatin::view::DrawList;
 
@@ -47,7 +48,7 @@ impl Sandbox for Odd {
         self.advances.fetch_add(1, Ordering::Relaxed);
     }
 
-    fn begin(&mut self, stop: &Arc<AtomicBool>) {
+    fn begin(&mut self, stop: &Arc<AtomicBool>, _hold: &Arc<Hold>) {
         self.endless = self.endless.take().map(|_| Arc::clone(stop));
     }
 

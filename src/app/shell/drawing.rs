@@ -162,8 +162,18 @@ impl Shell {
         None
     }
 
-    /// Draws what is due.
+    /// Draws what is due; what a person waits for, with the processors to itself where a processor draws.
     pub(super) fn draw(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
+        let Drawing { panels_due, picture_due, .. } = &self.drawing;
+        if self.canvas.is_software() && (panels_due.awaited || picture_due.awaited) {
+            self.worker.hold();
+        }
+        let drawn = self.draw_frame(event_loop);
+        self.worker.let_go();
+        drawn
+    }
+
+    fn draw_frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
         let begin = Instant::now();
         // A frame that the system asks for by itself shows everything again.
         let exposed = !std::mem::take(&mut self.drawing.requested);
