@@ -9,6 +9,7 @@ mod economy;
 mod extremes;
 mod fallen;
 mod friction;
+mod golden;
 mod integrators;
 mod placing;
 mod presets;

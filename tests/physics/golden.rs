@@ -1,0 +1,100 @@
+//! Fingerprints of where every preset goes, and the default one by every scheme and by the thesis's contact rule: they
+//! change with any bit of any trajectory, so that what only moves code about is seen to change nothing.
+//!
+//! `golden.txt` holds a line each: name, simulated seconds, and the fingerprints of positions and velocities in the middle
+//! and at the end. A change that is meant to change bits puts what the failing test prints into that file, and says why.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use gelatin::physics::Simulation;
+use gelatin::scene::Scene;
+use gelatin::scene::presets::{preset, presets};
+use gelatin::scene::settings::{ContactRule, Integrator};
+use gelatin::session::Session;
+use gelatin::session::run::whole_steps;
+
+const GOLDEN: &str = include_str!("golden.txt");
+
+/// A preset as it stands, or with its settings changed.
+struct Case {
+    name: String,
+    scene: Scene,
+    seconds: f64,
+}
+
+fn case(name: &str, change: impl FnOnce(&mut Scene)) -> Scene {
+    let mut scene = (preset(name).expect("a preset of this name").build)();
+    change(&mut scene);
+    scene
+}
+
+fn cases() -> Vec<Case> {
+    // What is dear is followed for as long as takes some seconds: until it has landed, or for a few steps.
+    let seconds = |name: &str| match name {
+        "coupler-40" => 0.04,
+        "coupler-20" | "spot" => 1.0,
+        _ => 5.0,
+    };
+    let mut cases: Vec<Case> = presets()
+        .iter()
+        .map(|preset| Case { name: preset.name.to_owned(), scene: (preset.build)(), seconds: seconds(preset.name) })
+        .collect();
+    for integrator in Integrator::ALL {
+        let scene = case("cube-on-plane", |scene| scene.settings.integrator = integrator);
+        cases.push(Case { name: format!("cube-on-plane/{}", integrator.name()), scene, seconds: 1.0 });
+    }
+    let thesis = case("cube-on-plane", |scene| scene.settings.contact = ContactRule::Thesis);
+    cases.push(Case { name: "cube-on-plane/thesis".to_owned(), scene: thesis, seconds: 1.0 });
+    cases
+}
+
+/// Takes whole steps for some simulated time, or until the simulation explodes: some presets do.
+fn run(simulation: &mut Simulation<f32>, seconds: f64) {
+    for _ in 0..whole_steps(seconds, simulation.plan().dt_secs) {
+        if simulation.step().diverged {
+            return;
+        }
+    }
+}
+
+/// The fingerprints in the middle and at the end; the end is reached a second time from the state of the middle.
+fn fingerprints(case: &Case) -> [u64; 2] {
+    let session = Session::new(case.scene.clone(), PathBuf::new(), case.name.clone()).expect("presets resolve");
+    let mut simulation: Simulation<f32> = session.simulation().clone();
+    run(&mut simulation, 0.5 * case.seconds);
+    let (middle, state) = (simulation.hash(), simulation.state().clone());
+    run(&mut simulation, 0.5 * case.seconds);
+    let mut again = session.simulation().clone();
+    again.set_state(state);
+    run(&mut again, 0.5 * case.seconds);
+    assert_eq!(again.hash(), simulation.hash(), "{}: a state that was kept goes on as if it had not been", case.name);
+    [middle, simulation.hash()]
+}
+
+#[test]
+fn every_trajectory_is_the_one_on_record() {
+    let cases = cases();
+    let lines = std::thread::scope(|scope| {
+        let threads: Vec<_> = cases.iter().map(|case| scope.spawn(|| line(case))).collect();
+        threads.into_iter().map(|thread| thread.join().expect("no case panics")).collect::<String>()
+    });
+    assert!(lines == GOLDEN, "trajectories have changed; golden.txt would be\n{lines}");
+}
+
+fn line(case: &Case) -> String {
+    let [middle, end] = fingerprints(case);
+    let mut line = String::new();
+    writeln!(line, "{} {} {middle:016x} {end:016x}", case.name, case.seconds).expect("a string takes text");
+    line
+}
+
+#[test]
+fn a_bit_of_a_constant_is_seen() {
+    let name = "cube-on-plane/a little heavier";
+    let scene = case("cube-on-plane", |scene| scene.settings.gravity[1] *= 1.0 + 1e-6);
+    let heavier = line(&Case { name: name.to_owned(), scene, seconds: 0.1 });
+    let scene = case("cube-on-plane", |_| {});
+    let as_it_is = line(&Case { name: name.to_owned(), scene, seconds: 0.1 });
+    assert_ne!(heavier, as_it_is, "the weight of a hair");
+}
