@@ -20,6 +20,7 @@ mod report_stability;
 mod run;
 mod scene_args;
 mod shard;
+mod stability_plot;
 mod sweep;
 mod tally;
 mod unknown;

@@ -25,7 +25,8 @@ enum Report {
     /// without a SCENE, on six small scenes of its own. A report that was interrupted goes on in its folder.
     Error(ErrorArgs),
     /// How large steps may be, predicted and measured, and whether extreme scenes explode in automatic stepping
-    /// (stability.md, .csv, the random scenes that failed); without a SCENE, on cases of its own and random scenes.
+    /// (stability.md, .csv, .svg, the random scenes that failed); without a SCENE, on cases of its own and random scenes,
+    /// with a map of the border over stiffness and damping, contact and friction, and what the thesis saw fail.
     Stability(StabilityArgs),
     /// Make one page of the parts that --shard divided a measurement into: of error, stability or a sweep.
     Merge(MergeArgs),

@@ -1,4 +1,5 @@
-//! `gelatin report stability`: the limits of the step, predicted and measured, and extreme scenes in automatic stepping.
+//! `gelatin report stability`: the limits of the step, predicted and measured, extreme scenes in automatic stepping,
+//! contact and friction, and what the thesis saw fail.
 
 use std::path::Path;
 use std::time::Instant;
@@ -7,23 +8,28 @@ use anyhow::{Context, anyhow};
 use clap::Args;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 
 use super::Failure;
 use super::kept::{Kept, Measurement};
 use super::out;
 use super::report_options::{ReportOptions, Subject, described};
 use super::shard::Shard;
+use super::stability_plot;
 use super::tally::Tally;
 use crate::report::judge::Verdict;
 use crate::report::matrix::matrix;
 use crate::report::single;
-use crate::report::stability::{self, CaseFigures};
+use crate::report::stability::contact::{self, ContactFigures};
+use crate::report::stability::failures::{self, FailureFigures};
+use crate::report::stability::map::{self, MapFigures};
+use crate::report::stability::{self, CaseFigures, StabilityFigures, words};
+use crate::scene::settings::Integrator;
 
 /// What this measurement is called in files.
 pub(super) const KIND: &str = "stability";
 /// The files of the report.
-pub(super) const FILES: [&str; 2] = ["stability.md", "stability.csv"];
+pub(super) const FILES: [&str; 5] =
+    ["stability.md", "stability.csv", "stability_map.csv", "stability_contact.csv", "stability.svg"];
 /// Random scenes where none are asked for, and with `--quick`.
 const SCENES: [u64; 2] = [300, 30];
 
@@ -52,9 +58,30 @@ pub(super) struct About {
     seed: u64,
     random: u64,
     quick: bool,
+    /// Whether no scene was named: then everything is measured.
+    own: bool,
 }
 
-/// A piece of the report: a case or a random scene.
+/// A piece of the report that is to be measured.
+enum Work<'a> {
+    Case(&'a Subject),
+    Random(u64),
+    Map(Integrator),
+    Contact(usize),
+    Failure(&'static str),
+}
+
+impl Work<'_> {
+    /// All pieces, in the order in which they are counted.
+    fn all<'a>(about: &About, cases: &'a [Subject]) -> Vec<Work<'a>> {
+        let named = cases.iter().map(Work::Case).chain((0..about.random).map(Work::Random));
+        let own = map::SCHEMES.into_iter().map(Work::Map);
+        let own = own.chain((0..contact::count()).map(Work::Contact)).chain(failures::PRESETS.map(Work::Failure));
+        named.chain(own.filter(|_| about.own)).collect()
+    }
+}
+
+/// A piece of the report that was measured.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Piece {
@@ -65,6 +92,9 @@ pub(super) enum Piece {
         /// The time that it took.
         wall_secs: f64,
     },
+    Map(MapFigures),
+    Contact(ContactFigures),
+    Failure(FailureFigures),
 }
 
 /// Measures, prints, and fails if anything measured did.
@@ -82,11 +112,11 @@ pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
     let cases = options.subjects(matrix)?;
     let default = if options.given.is_empty() { options.either(SCENES) } else { 0 };
     let random = args.scenes.unwrap_or(default);
-    let about = About { seed: args.seed, random, quick: options.quick };
-    let pieces = cases.len() + usize::try_from(random).context("there are too many random scenes")?;
-    let measurement = Measurement::new(KIND, pieces, serde_json::to_value(&about)?, &described(&cases)?);
+    let about = About { seed: args.seed, random, quick: options.quick, own: options.given.is_empty() };
+    let work = Work::all(&about, &cases);
+    let measurement = Measurement::new(KIND, work.len(), serde_json::to_value(&about)?, &described(&cases)?);
     let kept = Kept::open(folder, measurement, args.shard)?;
-    measure(&about, &cases, &kept)?;
+    measure(&about, &work, &kept)?;
     if let Some(part) = kept.part() {
         return Ok(out::part(part, kept.found().len(), options.json)?);
     }
@@ -97,37 +127,41 @@ pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
 
 /// Prints the report, writes it, and fails if anything measured did.
 pub(super) fn tell(about: &About, found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Result<(), Failure> {
-    let (mut cases, mut verdicts, mut secs) = (Vec::new(), Vec::new(), 0.0);
+    let (mut all, mut verdicts, mut secs) = (StabilityFigures::default(), Vec::new(), 0.0);
     for piece in found {
         match piece {
-            Piece::Case(figures) => cases.push(figures),
+            Piece::Case(figures) => all.cases.push(figures),
             Piece::Random { verdict, sound_in_double, wall_secs } => {
                 verdicts.push((verdict, sound_in_double));
                 secs += wall_secs;
             }
+            Piece::Map(figures) => all.maps.push(figures),
+            Piece::Contact(figures) => all.contact.push(figures),
+            Piece::Failure(figures) => all.failures.push(figures),
         }
     }
-    let random = (about.random > 0).then(|| stability::summary(about.seed, &verdicts, secs));
-    let text = stability::markdown(&cases, random.as_ref());
+    all.random = (about.random > 0).then(|| stability::summary(about.seed, &verdicts, secs));
+    let text = words::markdown(&all);
     if let Some(folder) = folder {
-        let [page, table] = FILES.map(|name| folder.join(name));
-        out::write(&page, text.as_bytes())?;
-        out::write(&table, stability::csv(&cases).as_bytes())?;
-        for failure in random.iter().flat_map(|random| &random.failures) {
+        let plot = stability_plot::svg(&all.maps)?;
+        let tables = [words::csv(&all.cases), words::map_csv(&all.maps), words::contact_csv(&all.contact)];
+        let [cases, map, contact] = &tables;
+        for (name, text) in FILES.iter().zip([&text, cases, map, contact, &plot]) {
+            out::write(&folder.join(name), text.as_bytes())?;
+        }
+        for failure in all.random.iter().flat_map(|random| &random.failures) {
             write_scene(folder, about.seed, failure.number)?;
         }
     }
     if json {
-        out::json(&json!({ "cases": cases, "random": random }))?;
+        out::json(&serde_json::to_value(&all)?)?;
     } else {
         out::figures(text.trim_end())?;
     }
-    let failed = cases.iter().filter(|case| !case.passed).count();
-    let failed_scenes = random.map_or(0, |random| random.failures.len());
-    if failed + failed_scenes > 0 {
-        return Err(anyhow!("{failed} cases and {failed_scenes} random scenes failed; see the report").into());
+    match all.failed() {
+        none if none.is_empty() => Ok(()),
+        failed => Err(anyhow!("{failed} failed; see the report").into()),
     }
-    Ok(())
 }
 
 /// Prints the account of one random scene, and fails if the scene does.
@@ -153,20 +187,33 @@ fn write_scene(folder: &Path, seed: u64, number: u64) -> Result<(), Failure> {
     Ok(out::write(&folder.join(format!("seed{seed}_scene{number:06}.ron")), text.as_bytes())?)
 }
 
-/// Measures the cases and random scenes that are not kept yet.
-fn measure(about: &About, cases: &[Subject], kept: &Kept<Piece>) -> Result<(), Failure> {
+/// Measures the pieces that are not kept yet.
+fn measure(about: &About, all: &[Work<'_>], kept: &Kept<Piece>) -> Result<(), Failure> {
     let missing = kept.missing();
-    let tally = Tally::new("cases and random scenes", missing.len());
+    let tally = Tally::new("cases, maps and random scenes", missing.len());
     // One by one, so that no thread has several of the long ones before it while another has none left.
     let work = missing.into_par_iter().with_max_len(1).map(|piece| {
-        let found = match cases.get(piece) {
-            Some(Subject { name, scene, lattices }) => Piece::Case(stability::case(name, scene, lattices, about.quick)),
-            None => random(about, (piece - cases.len()) as u64)?,
-        };
+        let found = all.get(piece).map(|work| measured(about, work)).transpose()?;
         tally.one_more();
-        Ok(kept.add(piece, found)?)
+        Ok(found.map_or(Ok(()), |found| kept.add(piece, found))?)
     });
     work.collect()
+}
+
+fn measured(about: &About, work: &Work<'_>) -> Result<Piece, Failure> {
+    let unmade = "a cube cannot be made";
+    Ok(match work {
+        Work::Case(Subject { name, scene, lattices }) => {
+            Piece::Case(stability::case(name, scene, lattices, about.quick))
+        }
+        Work::Random(number) => random(about, *number)?,
+        Work::Map(integrator) => Piece::Map(map::map(*integrator, about.quick).context(unmade)?),
+        Work::Contact(number) => {
+            let found = contact::measure(*number, about.quick).context(unmade)?;
+            Piece::Contact(found.context("there is no such measurement of contact")?)
+        }
+        Work::Failure(preset) => Piece::Failure(failures::failure(preset).context(unmade)?),
+    })
 }
 
 fn random(about: &About, number: u64) -> Result<Piece, Failure> {

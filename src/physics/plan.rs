@@ -111,6 +111,8 @@ pub struct Plan {
     pub friction: bool,
     /// How obstacles push back.
     pub contact_rule: ContactRule,
+    /// Whether the thesis's rule turns back the force that presses a particle on (GC §5.2), as it is written.
+    pub pressing_force: bool,
     /// Whether an explosion is looked for: where nobody vouches for the step.
     pub watched: bool,
     /// Whether boxes keep particles from the narrow phase; the result is the same without, only dearer.
@@ -159,6 +161,7 @@ impl Plan {
             recovery: model.bodies.iter().any(|body| body.recovery_stiffness > R::ZERO),
             contact,
             contact_rule: settings.contact,
+            pressing_force: true,
             watched: !divided,
             broad_phase: true,
             sleeping: settings.sleeping,

@@ -162,7 +162,8 @@ pub fn substep<R: Real>(
     forces::evaluate(model, plan, position, residual, felt, bodies, force, recovering, &mut report, timer);
     if thesis_contact {
         timer.enter(Stage::Contact);
-        contact::thesis::add_forces(model, dt, state, force, thesis_force, contact, &mut report);
+        let rule = contact::thesis::ThesisRule { dt, pressing_force: plan.pressing_force };
+        contact::thesis::add_forces(model, rule, state, force, thesis_force, contact, &mut report);
     }
     timer.enter(Stage::Integrate);
     let held_force = &thesis_force[..];

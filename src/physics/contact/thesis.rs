@@ -16,10 +16,19 @@ use crate::physics::state::State;
 /// compares with zero, which no number in a simulation ever is.
 const STILL_SPEED: f64 = 1e-3;
 
+/// What of the rule applies.
+#[derive(Clone, Copy, Debug)]
+pub struct ThesisRule<R> {
+    /// The step, s.
+    pub dt: R,
+    /// Whether the force that presses a particle on is turned back, as written; without it there is only a spring.
+    pub pressing_force: bool,
+}
+
 /// Adds reaction and friction to the force of every particle found past a surface, and writes them down by themselves.
 pub fn add_forces<R: Real>(
     model: &Model<R>,
-    dt: R,
+    rule: ThesisRule<R>,
     state: &State<R>,
     force: &mut [R::Vec3],
     thesis_force: &mut [R::Vec3],
@@ -39,12 +48,13 @@ pub fn add_forces<R: Real>(
                 let velocity = state.velocity[particle];
                 let found = match &obstacle.shape {
                     ObstacleShape::Plane(plane) => past_plane(plane, contact, at),
-                    ObstacleShape::Sphere { center, radius } => inside_sphere(*center, *radius, at, velocity * dt),
+                    ObstacleShape::Sphere { center, radius } => inside_sphere(*center, *radius, at, velocity * rule.dt),
                 };
                 let Some((normal, depth)) = found else { continue };
                 let pressing = force[particle];
+                let turned_back = if rule.pressing_force { pressing } else { R::Vec3::ZERO };
                 let reaction =
-                    reaction(normal, depth, contact, pressing) + friction(normal, obstacle, pressing, velocity);
+                    reaction(normal, depth, contact, turned_back) + friction(normal, obstacle, pressing, velocity);
                 force[particle] += reaction;
                 thesis_force[particle] += reaction;
                 deepest = deepest.max(depth);

@@ -1,38 +1,28 @@
 //! The stability report (R2): cases from one end of the ranges to the other, each with the predicted limit of the step
-//! beside the measured one and its motion in automatic stepping judged; then random scenes.
+//! beside the measured one and its motion in automatic stepping judged; random scenes; the border of what is stable over
+//! stiffness and damping; contact and friction; the thesis's two failures with their cures.
 
-use std::fmt::Write;
+pub mod contact;
+pub mod failures;
+mod limit;
+pub mod map;
+pub mod words;
+
 use std::sync::Arc;
 
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use self::contact::ContactFigures;
+use self::failures::FailureFigures;
+use self::limit::measured_limit;
+use self::map::MapFigures;
 use super::extremes::{self, extreme, lattices};
 use super::judge::{Fault, Patience, Verdict, judge, judge_disturbed};
 use crate::geometry::Lattice;
-use crate::math::rng::Rng;
-use crate::math::{Aabb, Vector};
 use crate::physics::Simulation;
 use crate::scene::Scene;
 use crate::scene::resolve::ResolveError;
 use crate::scene::settings::Stepping;
-
-/// A body that has not blown up after so many steps is stable; and with `quick`.
-const STEPS: [usize; 2] = [1500, 400];
-
-/// Link forces that are spent on a body's steps at most: large ones are watched for fewer.
-const MOST_LINK_FORCES: usize = 8_000_000;
-
-/// Steps between two looks at whether a body has blown up already.
-const BETWEEN_LOOKS: usize = 50;
-
-/// The limit is looked for from the predicted one on in strides of a third of an octave, so many down and up: between
-/// half of it and four times as much.
-const STRIDES_PER_OCTAVE: f64 = 3.0;
-const STRIDES: [i32; 2] = [3, 6];
-
-/// Halvings of the stride in which the limit lies: to 0.4 %.
-const HALVINGS: usize = 6;
 
 /// The figures of one case; the names are the columns of the table. SI units.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -81,6 +71,34 @@ pub struct RandomFailure {
     pub fault: Fault,
     pub words: String,
     pub sound_in_double: bool,
+}
+
+/// Everything that the report tells.
+#[derive(Clone, Debug, Default, Serialize)]
+#[expect(missing_docs, reason = "the names are the keys of the JSON object")]
+pub struct StabilityFigures {
+    pub cases: Vec<CaseFigures>,
+    pub random: Option<RandomFigures>,
+    pub maps: Vec<MapFigures>,
+    pub contact: Vec<ContactFigures>,
+    pub failures: Vec<FailureFigures>,
+}
+
+impl StabilityFigures {
+    /// What failed, in words; empty where nothing did.
+    pub fn failed(&self) -> String {
+        let scenes = self.random.as_ref().map_or(0, |random| random.failures.len());
+        let counts = [
+            (self.cases.iter().filter(|case| !case.passed).count(), "cases"),
+            (scenes, "random scenes"),
+            (self.maps.iter().filter(|map| !map.passed).count(), "maps of the border"),
+            (self.contact.iter().filter(|case| !case.passed).count(), "measurements of contact"),
+            (self.failures.iter().filter(|failure| !failure.passed).count(), "failures of the thesis"),
+        ];
+        let failed: Vec<String> =
+            counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
+        failed.join(", ")
+    }
 }
 
 /// How long a case is watched.
@@ -147,199 +165,12 @@ pub fn summary(seed: u64, found: &[(Verdict, bool)], wall_secs: f64) -> RandomFi
     }
 }
 
-/// The largest step with which the scene's shaken bodies stay together when nothing else happens to them, s; `None`
-/// where no step of those that are looked at does, or all of them do.
-fn measured_limit(scene: &Scene, lattices: &[Arc<Lattice>], predicted: f64, quick: bool) -> Option<f64> {
-    let mut alone = alone(scene);
-    let steps = STEPS[usize::from(quick)];
-    let stays = |dt: f64| {
-        alone.settings.dt = dt;
-        survives(&mut Simulation::new(&alone, lattices), steps)
-    };
-    edge(predicted, stays)
-}
-
-/// The scene's bodies at rest, with nothing around them.
-fn alone(scene: &Scene) -> Scene {
-    let mut alone = scene.clone();
-    alone.obstacles.clear();
-    alone.settings.gravity = [0.0; 3];
-    alone.settings.stepping = Stepping::Manual;
-    alone.settings.sleeping = false;
-    for body in &mut alone.bodies {
-        body.velocity = [0.0; 3];
-        body.pose.position = [0.0; 3];
-    }
-    alone
-}
-
-/// The greatest good value below the first bad one, looked for from `start` on in strides; `None` where all are good or
-/// none is.
-fn edge(start: f64, mut is_good: impl FnMut(f64) -> bool) -> Option<f64> {
-    let at = |stride: i32| start * libm::exp2(f64::from(stride) / STRIDES_PER_OCTAVE);
-    let [down, up] = STRIDES;
-    let (mut good, mut bad) = if is_good(start) {
-        let bad = (1..=up).find(|stride| !is_good(at(*stride)))?;
-        (at(bad - 1), at(bad))
-    } else {
-        let good = (1..=down).find(|stride| is_good(at(-stride)))?;
-        (at(-good), at(1 - good))
-    };
-    for _ in 0..HALVINGS {
-        let middle = (good * bad).sqrt();
-        if is_good(middle) {
-            good = middle;
-        } else {
-            bad = middle;
-        }
-    }
-    Some(good)
-}
-
-fn survives(simulation: &mut Simulation<f64>, steps: usize) -> bool {
-    let mut state = simulation.state().clone();
-    let mut rng = Rng::new(3);
-    for body in &simulation.model().bodies {
-        let noise = 1e-3 * body.lattice.grid.cell_size;
-        for position in &mut state.position[body.particles.clone()] {
-            *position += DVec3::from([0; 3].map(|_| rng.between(-noise, noise)));
-        }
-    }
-    simulation.set_state(state);
-    let links: usize = simulation.model().link_counts().iter().sum();
-    let affordable = (MOST_LINK_FORCES / links.max(1)).max(200);
-    let steps = steps.min(affordable);
-    // What has blown up need not be watched until its numbers overflow.
-    (1..=steps).all(|step| {
-        let look = step % BETWEEN_LOOKS == 0 || step == steps;
-        !simulation.step().diverged && (!look || all_together(simulation))
-    })
-}
-
-/// Whether no body is half as large again as it was.
-fn all_together(simulation: &Simulation<f64>) -> bool {
-    (0..simulation.model().bodies.len()).all(|number| {
-        let body = &simulation.model().bodies[number];
-        let start = body.start.iter().fold(Aabb::<f64>::empty(), |bounds, x| bounds.include(x.to_dvec3()));
-        let now = simulation.diagnostics_of(number);
-        now.finite && now.bounds.size().max_element() < 1.5 * start.size().max_element()
-    })
-}
-
-/// The report as a document.
-pub fn markdown(cases: &[CaseFigures], random: Option<&RandomFigures>) -> String {
-    let mut text = "# Stability\n".to_owned();
-    write_markdown(&mut text, cases, random).unwrap_or_default();
-    text
-}
-
-fn write_markdown(text: &mut String, cases: &[CaseFigures], random: Option<&RandomFigures>) -> std::fmt::Result {
-    if !cases.is_empty() {
-        writeln!(
-            text,
-            "\nThe largest stable step, predicted and measured (bisection on blow-up, links shaken by a thousandth of a \
-             cell, no contact), and the motion in automatic stepping.\n\n\
-             | case | predicted ms | measured ms | ratio | automatic | watched s | largest gain |\n\
-             |---|---|---|---|---|---|---|"
-        )?;
-    }
-    let milliseconds = |secs: Option<f64>| secs.map_or("–".to_owned(), |secs| format!("{:.3e}", secs * 1e3));
-    for figures in cases {
-        let CaseFigures { case, verdict, ratio, .. } = figures;
-        let [predicted, measured] = [figures.dt_limit_predicted_secs, figures.dt_limit_measured_secs].map(milliseconds);
-        let ratio = ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.3}"));
-        let automatic = verdict.fault.map_or("passed".to_owned(), |fault| format!("**{}**", fault.words()));
-        let cut = if verdict.cut_short { " (cut short)" } else { "" };
-        writeln!(
-            text,
-            "| {case} | {predicted} | {measured} | {ratio} | {automatic} | {:.3}{cut} | {:.1} % |",
-            verdict.simulated_secs,
-            verdict.largest_gain * 100.0
-        )?;
-    }
-    let Some(figures) = random else { return Ok(()) };
-    let RandomFigures { seed, scenes, passed, cut_short, not_finite, energy, reach, work, slowed, .. } = figures;
-    writeln!(
-        text,
-        "\n## Random scenes\n\n{scenes} scenes of seed {seed}: {passed} passed, {} failed; {cut_short} were cut short, as \
-         they take too many substeps, {slowed} reached the limit of the implicit integrator's work. Wall time of all scenes added up: {:.1} s.\n\n| fault | scenes |\n|---|---|\n| not finite | {not_finite} |\n\
-         | energy from nowhere | {energy} |\n| out of reach | {reach} |\n| more work than told | {work} |",
-        scenes - passed,
-        figures.wall_secs
-    )?;
-    if !figures.failures.is_empty() {
-        writeln!(text, "\n| scene | fault | | sound in double precision |\n|---|---|---|---|")?;
-    }
-    for RandomFailure { number, fault, words, sound_in_double } in &figures.failures {
-        let sound = if *sound_in_double { "yes" } else { "no" };
-        writeln!(text, "| {number} | {} | {words} | {sound} |", fault.words())?;
-    }
-    Ok(())
-}
-
-/// The cases as comma-separated values.
-pub fn csv(cases: &[CaseFigures]) -> String {
-    let mut text = "case,dt_limit_predicted_secs,dt_limit_measured_secs,ratio,automatic_finite,passed,fault,\
-                    simulated_secs,cut_short,substeps,largest_gain\n"
-        .to_owned();
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:e}"));
-    for figures in cases {
-        let CaseFigures { case, automatic_finite, passed, verdict, .. } = figures;
-        let [predicted, measured, ratio] =
-            [figures.dt_limit_predicted_secs, figures.dt_limit_measured_secs, figures.ratio].map(number);
-        let fault = verdict.fault.map_or("", Fault::words);
-        let Verdict { simulated_secs, cut_short, substeps, largest_gain, .. } = verdict;
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "\"{}\",{predicted},{measured},{ratio},{automatic_finite},{passed},{fault},{simulated_secs:e},{cut_short},\
-             {substeps},{largest_gain:e}",
-            case.replace('"', "\"\"")
-        );
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
+    use super::words::{csv, markdown};
     use super::*;
     use crate::report::matrix::matrix;
     use crate::scene::settings::Integrator;
-
-    #[test]
-    fn the_search_finds_an_edge_on_both_sides_and_says_where_there_is_none() {
-        for place in [0.51, 0.7, 0.99, 1.0, 1.01, 1.7, 3.9] {
-            let edge = edge(2.0, |x| x < 2.0 * place).expect("there is an edge");
-            assert!(edge < 2.0 * place && edge > 2.0 * place * 0.996, "{edge} instead of {}", 2.0 * place);
-        }
-        assert_eq!(edge(1.0, |_| true), None);
-        assert_eq!(edge(1.0, |_| false), None);
-        assert_eq!((edge(1.0, |x| x < 0.49), edge(1.0, |x| x < 4.1)), (None, None), "not looked for so far away");
-    }
-
-    #[test]
-    fn the_first_step_that_blows_up_counts_whatever_a_longer_one_does() {
-        let edge = edge(1.0, |x| !(1.1..1.4).contains(&x)).expect("there is an edge");
-        assert!((1.095..1.1).contains(&edge), "{edge}");
-    }
-
-    #[test]
-    fn a_step_above_the_limit_is_seen_before_its_numbers_overflow() {
-        let (_, scene) = &matrix()[0];
-        let lattices = lattices(scene).expect("sound shapes");
-        let limit = Simulation::<f64>::new(scene, &lattices).plan().limits.dt_limit_secs.expect("a limit");
-        let mut alone = alone(scene);
-        let mut survives_at = |dt: f64| {
-            alone.settings.dt = dt;
-            let mut simulation = Simulation::new(&alone, &lattices);
-            let survives = survives(&mut simulation, STEPS[0]);
-            (survives, simulation.state().time_secs / dt, simulation.diagnostics().finite)
-        };
-        let (survives, steps, _) = survives_at(limit);
-        assert!(survives && steps > 1000.0, "watched to the end: {steps} steps");
-        let (survives, steps, finite) = survives_at(1.5 * limit);
-        assert!(!survives && finite && steps < 150.0, "{steps} steps");
-    }
 
     #[test]
     fn a_case_is_measured_and_an_unstable_scheme_fails() {
@@ -354,7 +185,9 @@ mod tests {
         let figures = case("explicit", &explicit, &lattices, true);
         assert!(!figures.passed, "{figures:?}");
         assert_eq!(csv(std::slice::from_ref(&figures)).lines().count(), 2, "a title and a line");
-        assert!(markdown(&[figures], None).contains("| explicit |"), "it is in the table");
+        let found = StabilityFigures { cases: vec![figures], ..StabilityFigures::default() };
+        assert!(markdown(&found).contains("| explicit |"), "it is in the table");
+        assert_eq!(found.failed(), "1 cases");
     }
 
     #[test]
@@ -378,6 +211,8 @@ mod tests {
         assert_eq!((figures.passed, figures.cut_short, figures.sound_in_double), (1, 1, 1));
         assert_eq!((figures.energy, figures.reach, figures.not_finite), (1, 1, 0));
         assert_eq!(figures.failures[1].number, 2, "failures keep their numbers");
-        assert!(markdown(&[], Some(&figures)).contains("3 scenes of seed 9: 1 passed, 2 failed"), "in words");
+        let found = StabilityFigures { random: Some(figures), ..StabilityFigures::default() };
+        assert!(markdown(&found).contains("3 scenes of seed 9: 1 passed, 2 failed"), "in words");
+        assert_eq!(found.failed(), "2 random scenes");
     }
 }

@@ -1,0 +1,156 @@
+//! The largest step that a scene's bodies take without blowing up, found by trying.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::geometry::Lattice;
+use crate::math::rng::Rng;
+use crate::math::{Aabb, Vector};
+use crate::physics::Simulation;
+use crate::scene::Scene;
+use crate::scene::settings::Stepping;
+
+/// A body that has not blown up after so many steps is stable; and with `quick`.
+const STEPS: [usize; 2] = [1500, 400];
+
+/// Link forces that are spent on a body's steps at most: large ones are watched for fewer.
+const MOST_LINK_FORCES: usize = 8_000_000;
+
+/// Steps between two looks at whether a body has blown up already.
+const BETWEEN_LOOKS: usize = 50;
+
+/// The limit is looked for from the predicted one on in strides of a third of an octave, so many down and up: between
+/// half of it and four times as much.
+const STRIDES_PER_OCTAVE: f64 = 3.0;
+const STRIDES: [i32; 2] = [3, 6];
+
+/// Halvings of the stride in which the limit lies: to 0.4 %.
+const HALVINGS: usize = 6;
+
+/// The largest step with which the scene's shaken bodies stay together when nothing else happens to them, s; `None`
+/// where no step of those that are looked at does, or all of them do.
+pub(super) fn measured_limit(scene: &Scene, lattices: &[Arc<Lattice>], predicted: f64, quick: bool) -> Option<f64> {
+    let mut alone = alone(scene);
+    let steps = STEPS[usize::from(quick)];
+    let stays = |dt: f64| {
+        alone.settings.dt = dt;
+        survives(&mut Simulation::new(&alone, lattices), steps)
+    };
+    edge(predicted, stays)
+}
+
+/// The scene's bodies at rest, with nothing around them.
+fn alone(scene: &Scene) -> Scene {
+    let mut alone = scene.clone();
+    alone.obstacles.clear();
+    alone.settings.gravity = [0.0; 3];
+    alone.settings.stepping = Stepping::Manual;
+    alone.settings.sleeping = false;
+    for body in &mut alone.bodies {
+        body.velocity = [0.0; 3];
+        body.pose.position = [0.0; 3];
+    }
+    alone
+}
+
+/// The greatest good value below the first bad one, looked for from `start` on in strides; `None` where all are good or
+/// none is.
+fn edge(start: f64, mut is_good: impl FnMut(f64) -> bool) -> Option<f64> {
+    let at = |stride: i32| start * libm::exp2(f64::from(stride) / STRIDES_PER_OCTAVE);
+    let [down, up] = STRIDES;
+    let (mut good, mut bad) = if is_good(start) {
+        let bad = (1..=up).find(|stride| !is_good(at(*stride)))?;
+        (at(bad - 1), at(bad))
+    } else {
+        let good = (1..=down).find(|stride| is_good(at(-stride)))?;
+        (at(-good), at(1 - good))
+    };
+    for _ in 0..HALVINGS {
+        let middle = (good * bad).sqrt();
+        if is_good(middle) {
+            good = middle;
+        } else {
+            bad = middle;
+        }
+    }
+    Some(good)
+}
+
+fn survives(simulation: &mut Simulation<f64>, steps: usize) -> bool {
+    let links: usize = simulation.model().link_counts().iter().sum();
+    let affordable = (MOST_LINK_FORCES / links.max(1)).max(200);
+    let steps = steps.min(affordable);
+    steps_survived(simulation, steps) == steps
+}
+
+/// How many steps shaken bodies stay together for, of so many.
+pub(super) fn steps_survived(simulation: &mut Simulation<f64>, steps: usize) -> usize {
+    let mut state = simulation.state().clone();
+    let mut rng = Rng::new(3);
+    for body in &simulation.model().bodies {
+        let noise = 1e-3 * body.lattice.grid.cell_size;
+        for position in &mut state.position[body.particles.clone()] {
+            *position += DVec3::from([0; 3].map(|_| rng.between(-noise, noise)));
+        }
+    }
+    simulation.set_state(state);
+    // What has blown up need not be watched until its numbers overflow.
+    let blows_up = |step: &usize| {
+        let look = step.is_multiple_of(BETWEEN_LOOKS) || *step == steps;
+        simulation.step().diverged || (look && !all_together(simulation))
+    };
+    (1..=steps).find(blows_up).map_or(steps, |step| step - 1)
+}
+
+/// Whether no body is half as large again as it was.
+fn all_together(simulation: &Simulation<f64>) -> bool {
+    (0..simulation.model().bodies.len()).all(|number| {
+        let body = &simulation.model().bodies[number];
+        let start = body.start.iter().fold(Aabb::<f64>::empty(), |bounds, x| bounds.include(x.to_dvec3()));
+        let now = simulation.diagnostics_of(number);
+        now.finite && now.bounds.size().max_element() < 1.5 * start.size().max_element()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::extremes::lattices;
+    use crate::report::matrix::matrix;
+
+    #[test]
+    fn the_search_finds_an_edge_on_both_sides_and_says_where_there_is_none() {
+        for place in [0.51, 0.7, 0.99, 1.0, 1.01, 1.7, 3.9] {
+            let edge = edge(2.0, |x| x < 2.0 * place).expect("there is an edge");
+            assert!(edge < 2.0 * place && edge > 2.0 * place * 0.996, "{edge} instead of {}", 2.0 * place);
+        }
+        assert_eq!(edge(1.0, |_| true), None);
+        assert_eq!(edge(1.0, |_| false), None);
+        assert_eq!((edge(1.0, |x| x < 0.49), edge(1.0, |x| x < 4.1)), (None, None), "not looked for so far away");
+    }
+
+    #[test]
+    fn the_first_step_that_blows_up_counts_whatever_a_longer_one_does() {
+        let edge = edge(1.0, |x| !(1.1..1.4).contains(&x)).expect("there is an edge");
+        assert!((1.095..1.1).contains(&edge), "{edge}");
+    }
+
+    #[test]
+    fn a_step_above_the_limit_is_seen_before_its_numbers_overflow() {
+        let (_, scene) = &matrix()[0];
+        let lattices = lattices(scene).expect("sound shapes");
+        let limit = Simulation::<f64>::new(scene, &lattices).plan().limits.dt_limit_secs.expect("a limit");
+        let mut alone = alone(scene);
+        let mut survives_at = |dt: f64| {
+            alone.settings.dt = dt;
+            let mut simulation = Simulation::new(&alone, &lattices);
+            let survives = survives(&mut simulation, STEPS[0]);
+            (survives, simulation.state().time_secs / dt, simulation.diagnostics().finite)
+        };
+        let (survives, steps, _) = survives_at(limit);
+        assert!(survives && steps > 1000.0, "watched to the end: {steps} steps");
+        let (survives, steps, finite) = survives_at(1.5 * limit);
+        assert!(!survives && finite && steps < 150.0, "{steps} steps");
+    }
+}

@@ -1,0 +1,213 @@
+//! Where a step stays stable in the plane of stiffness and damping, each per unit mass: the border that is predicted, and
+//! what happens on both sides of it.
+//!
+//! ```text
+//! stiffness ▲  blows up in a few steps
+//!           │▒▒▒▒▒▒▒▒▒▒▒▒▒▒▒▒▒▒▒
+//!           │────────────╮▒▒▒▒▒▒   the border: predicted as a line, measured as the first blow-up above it
+//!           │   stays    │▒▒▒▒▒▒
+//!           └────────────┴─────► damping
+//! ```
+//!
+//! A step of another length has the same map with stiffness times its square and damping times itself, so one step is
+//! enough.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::limit::steps_survived;
+use crate::geometry::Lattice;
+use crate::physics::Simulation;
+use crate::report::extremes::lattices;
+use crate::scene::body::{Body, CubeShape};
+use crate::scene::material::{Material, Spring, Springs};
+use crate::scene::resolve::ResolveError;
+use crate::scene::settings::{Integrator, Stepping};
+use crate::scene::{Scene, Shape};
+
+/// The schemes with a border: the others have no stable step without damping, or every step is stable.
+pub const SCHEMES: [Integrator; 3] = [Integrator::SemiImplicit, Integrator::Verlet, Integrator::Rk4];
+
+/// The step, s.
+pub const DT_SECS: f64 = 1e-3;
+/// The cube: cells an edge, the edge of a cell in m, the mass of a particle in kg.
+const CELLS: u32 = 5;
+const CELL_M: f64 = 0.2;
+const MASS_KG: f64 = 0.008;
+
+/// From where to where the axes go, as powers of ten: stiffness per unit mass 1/s², damping per unit mass 1/s.
+const STIFFNESS: [f64; 2] = [3.0, 6.0];
+const DAMPING: [f64; 2] = [0.0, 3.0];
+/// Values along each axis; and with `quick`.
+const VALUES: [usize; 2] = [25, 9];
+/// Steps that are watched; and with `quick`.
+const STEPS: [usize; 2] = [1500, 300];
+/// Halvings of the way between two values of the stiffness in which the border lies.
+const HALVINGS: usize = 6;
+
+/// The map of one scheme. SI units; both axes per unit mass of a particle, of the stiffness and damping of all links.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
+pub struct MapFigures {
+    pub integrator: Integrator,
+    pub dt_secs: f64,
+    /// Steps that each was watched for.
+    pub watched: usize,
+    pub stiffness: Vec<f64>,
+    pub columns: Vec<Column>,
+    pub passed: bool,
+}
+
+/// One damping of a map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
+pub struct Column {
+    pub damping: f64,
+    /// Steps until the blow-up, for every stiffness of the map; all that were watched where there was none.
+    pub survived: Vec<usize>,
+    /// The largest stiffness that is predicted to be stable; none where none of the map is.
+    pub predicted: Option<f64>,
+    /// The largest stiffness below the first one that blows up, and that one; none where all or none of the map do.
+    pub measured: Option<[f64; 2]>,
+    /// Nothing that is predicted to be stable blows up.
+    pub passed: bool,
+}
+
+/// Measures the map of one scheme.
+///
+/// # Errors
+/// If a shape cannot be made, which no cube should cause.
+pub fn map(integrator: Integrator, quick: bool) -> Result<MapFigures, ResolveError> {
+    measured(integrator, quick, 1.0)
+}
+
+/// As [`map`], with a prediction that is wrong by a factor.
+fn measured(integrator: Integrator, quick: bool, wrong: f64) -> Result<MapFigures, ResolveError> {
+    let count = VALUES[usize::from(quick)];
+    let [stiffness, damping] = [STIFFNESS, DAMPING].map(|ends| values(ends, count));
+    let cube = Cube::new(integrator, STEPS[usize::from(quick)], wrong)?;
+    let columns: Vec<Column> =
+        damping.par_iter().with_max_len(1).map(|&damping| cube.column(damping, &stiffness)).collect();
+    let passed = columns.iter().all(|column| column.passed);
+    Ok(MapFigures { integrator, dt_secs: DT_SECS, watched: cube.steps, stiffness, columns, passed })
+}
+
+/// So many values from one power of ten to another, evenly by their logarithm.
+fn values([from, to]: [f64; 2], count: usize) -> Vec<f64> {
+    (0..count).map(|at| libm::pow(10.0, from + (to - from) * at as f64 / (count - 1) as f64)).collect()
+}
+
+/// The cube that is tried.
+struct Cube {
+    scene: Scene,
+    lattices: Vec<Arc<Lattice>>,
+    steps: usize,
+    wrong: f64,
+}
+
+impl Cube {
+    fn new(integrator: Integrator, steps: usize, wrong: f64) -> Result<Self, ResolveError> {
+        let size = CELL_M * f64::from(CELLS);
+        let body = Body { shape: Shape::Cube(CubeShape { cells: CELLS, size }), ..Body::default() };
+        let mut scene = Scene { bodies: vec![body], ..Scene::default() };
+        scene.settings.integrator = integrator;
+        scene.settings.dt = DT_SECS;
+        scene.settings.gravity = [0.0; 3];
+        scene.settings.stepping = Stepping::Manual;
+        scene.settings.sleeping = false;
+        let lattices = lattices(&scene)?;
+        Ok(Self { scene, lattices, steps, wrong })
+    }
+
+    /// The cube with this stiffness and damping per unit mass.
+    fn simulation(&self, stiffness: f64, damping: f64) -> Simulation<f64> {
+        let of_mass = MASS_KG * CELL_M;
+        let spring = Spring { stiffness: stiffness * of_mass, damping: damping * of_mass };
+        let springs = Springs { structural: spring, shear: spring, bending: spring, particle_mass: MASS_KG };
+        let mut scene = self.scene.clone();
+        scene.bodies[0].material = Material::Springs(springs);
+        Simulation::new(&scene, &self.lattices)
+    }
+
+    fn survived(&self, stiffness: f64, damping: f64) -> usize {
+        steps_survived(&mut self.simulation(stiffness, damping), self.steps)
+    }
+
+    fn is_predicted(&self, stiffness: f64, damping: f64) -> bool {
+        let limit = self.simulation(stiffness, damping).plan().limits.dt_limit_secs;
+        limit.is_none_or(|limit| DT_SECS <= self.wrong * limit)
+    }
+
+    fn column(&self, damping: f64, stiffness: &[f64]) -> Column {
+        let survived: Vec<usize> = stiffness.iter().map(|&stiffness| self.survived(stiffness, damping)).collect();
+        let first = survived.iter().position(|&steps| steps < self.steps);
+        let measured = first.filter(|&first| first > 0).map(|first| {
+            halved([stiffness[first - 1], stiffness[first]], |stiffness| {
+                self.survived(stiffness, damping) == self.steps
+            })
+        });
+        let predicted = self.is_predicted(stiffness[0], damping).then(|| {
+            let most = stiffness[stiffness.len() - 1];
+            if self.is_predicted(most, damping) {
+                return most;
+            }
+            halved_often([stiffness[0], most], |stiffness| self.is_predicted(stiffness, damping))
+        });
+        let blows_up_at = match (first, measured) {
+            (Some(0), _) => stiffness[0],
+            (_, Some([_, bad])) => bad,
+            _ => f64::INFINITY,
+        };
+        let passed = predicted.is_none_or(|predicted| predicted < blows_up_at);
+        Column { damping, survived, predicted, measured, passed }
+    }
+}
+
+/// Halves the way between a good value and a bad one: the last of both.
+fn halved([mut good, mut bad]: [f64; 2], is_good: impl Fn(f64) -> bool) -> [f64; 2] {
+    for _ in 0..HALVINGS {
+        let middle = (good * bad).sqrt();
+        if is_good(middle) {
+            good = middle;
+        } else {
+            bad = middle;
+        }
+    }
+    [good, bad]
+}
+
+/// The last good value, to a thousandth or so.
+fn halved_often(ends: [f64; 2], is_good: impl Fn(f64) -> bool) -> f64 {
+    halved(halved(ends, &is_good), &is_good)[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_predicted_border_is_below_the_measured_one_and_near_it() {
+        for integrator in SCHEMES {
+            let map = map(integrator, true).expect("a cube");
+            assert!(map.passed, "{integrator:?}: {map:?}");
+            let first = &map.columns[0];
+            let ([good, _], predicted) = (first.measured.expect("a border"), first.predicted.expect("a prediction"));
+            let ratio = predicted / good;
+            assert!((0.6..=1.0).contains(&ratio), "{integrator:?} next to undamped: {ratio}");
+            let last = map.columns.last().expect("a column");
+            assert_eq!(
+                (last.predicted, last.survived[0] < map.watched),
+                (None, true),
+                "{integrator:?}: too much damping"
+            );
+        }
+    }
+
+    #[test]
+    fn a_bound_that_promises_too_much_fails() {
+        let map = measured(Integrator::SemiImplicit, true, 1.3).expect("a cube");
+        assert!(!map.passed, "1.3 times the largest step: {map:?}");
+    }
+}
