@@ -16,7 +16,7 @@ const WATCH_SECS: f64 = 3.0;
 /// A failure is understood where so many changes cure it.
 const CURES: usize = 3;
 /// By how much values are changed, until it helps.
-const FACTORS: [f64; 5] = [2.0, 4.0, 8.0, 16.0, 32.0];
+const FACTORS: [f64; 4] = [2.0, 4.0, 8.0, 16.0];
 
 /// One of the two.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
