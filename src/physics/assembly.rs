@@ -46,14 +46,16 @@ pub(super) struct Assembled<R: Real> {
     pub(super) cell_kinds: Vec<CellKind>,
 }
 
-/// The thesis's seven values: every particle and every link of a family alike.
-pub(super) fn uniform<R: Real>(springs: &Springs, lattice: &Lattice, rest: &[DVec3]) -> Assembled<R> {
-    let links = Family::ALL.map(|family| {
+/// The thesis's seven values: every particle and every link of a family alike. `measured` are the lattice's links.
+pub(super) fn uniform<R: Real>(springs: &Springs, measured: [Arc<[Link<R>]>; 3]) -> Assembled<R> {
+    let [structural, shear, bending] = measured;
+    let links = [(Family::Structural, structural), (Family::Shear, shear), (Family::Bending, bending)];
+    let links = links.map(|(family, links)| {
         let constants = springs.family(family);
         LinkFamily {
             stiffness: R::from_f64(constants.stiffness),
             damping: R::from_f64(constants.damping),
-            links: measured(lattice, family, rest),
+            links,
             classes: Vec::new(),
             constants: Vec::new(),
         }
@@ -104,25 +106,26 @@ pub(super) fn solid_cells(
     (kinds, kind_of_cell)
 }
 
-/// Sums the shares of the cells. `kind_of_cell` holds a place in `kinds` for every cell of the lattice; empty: all are
+/// Sums the shares of the cells. `measured` are the lattice's links; `kind_of_cell` holds a place in `kinds` for every cell of the lattice; empty: all are
 /// of the first kind.
 pub(super) fn by_cell<R: Real>(
     kinds: &[CellKind],
     kind_of_cell: &[u8],
     lattice: &Lattice,
-    rest: &[DVec3],
+    measured: [Arc<[Link<R>]>; 3],
 ) -> Assembled<R> {
     let kind_of = |cell: u32| kind_of_cell.get(cell as usize).copied().unwrap_or(0);
     let around = cells_around(lattice);
-    let mut masses = vec![0.0; rest.len()];
+    let mut masses = vec![0.0; lattice.corners.len()];
     for (mass, around) in masses.iter_mut().zip(&around) {
         for &cell in around.iter().filter(|&&cell| cell != NO_CELL) {
             *mass += kinds[usize::from(kind_of(cell))].mass / 8.0;
         }
     }
     let particle_mass = masses.iter().sum::<f64>() / masses.len().max(1) as f64;
-    let links = Family::ALL.map(|family| {
-        let links = measured(lattice, family, rest);
+    let [structural, shear, bending] = measured;
+    let links = [(Family::Structural, structural), (Family::Shear, shear), (Family::Bending, bending)];
+    let links = links.map(|(family, links)| {
         if family == Family::Bending {
             let none = (R::ZERO, R::ZERO, Vec::new(), Vec::new());
             let (stiffness, damping, classes, constants) = none;
@@ -148,12 +151,13 @@ pub(super) fn by_cell<R: Real>(
     Assembled { particle_mass, masses, links, cell_kinds: kinds.to_vec() }
 }
 
-fn measured<R: Real>(lattice: &Lattice, family: Family, rest: &[DVec3]) -> Arc<[Link<R>]> {
+/// The links of a lattice by family; `rest` is where its particles are at rest, m.
+pub(super) fn measured<R: Real>(lattice: &Lattice, rest: &[DVec3]) -> [Arc<[Link<R>]>; 3] {
     let measure = |&ends: &[u32; 2]| {
         let rest_length = rest[ends[0] as usize].distance(rest[ends[1] as usize]);
         Link { ends, rest_length: R::from_f64(rest_length), inverse_rest_length: R::from_f64(1.0 / rest_length) }
     };
-    lattice.links[family as usize].iter().map(measure).collect()
+    Family::ALL.map(|family| lattice.links[family as usize].iter().map(measure).collect())
 }
 
 /// Stands where there is no cell.
@@ -240,7 +244,7 @@ mod tests {
     fn pair(kind_of_cell: &[u8]) -> (Lattice, Assembled<f64>) {
         let lattice = Lattice::new(&Cells::from_list(&[[0, 0, 0], [1, 0, 0]], 1.0).expect("two cells"));
         let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
-        let assembled = by_cell(&[SOFT, HARD], kind_of_cell, &lattice, &rest);
+        let assembled = by_cell(&[SOFT, HARD], kind_of_cell, &lattice, measured(&lattice, &rest));
         (lattice, assembled)
     }
 

@@ -6,10 +6,11 @@ use glam::{DMat3, DVec3};
 
 use super::assembly::{self, Assembled};
 use super::fallen;
-use super::model::{BodyModel, ContactModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
+use super::model::{BodyModel, ContactModel, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use super::plan::Plan;
 use super::recovery;
 use super::stability::SceneLimits;
+use super::strain;
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
 use crate::scene::obstacle::{ContactStiffness, Plane};
@@ -22,10 +23,12 @@ const AUTO_STIFFNESS: f64 = 1e5;
 pub const DEPTH_SHARE: f64 = 0.02;
 
 /// Builds the model of a scene and the plan of its step; `lattices` are those of the scene's bodies, in their order.
+/// What follows from a lattice alone is taken from bodies of the model `before`, where there is one: changing a constant
+/// does not measure a million links again.
 ///
 /// # Panics
 /// If there are not as many lattices as bodies: the caller resolves every body first.
-pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>]) -> (Model<R>, Plan) {
+pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>], before: Option<&Model<R>>) -> (Model<R>, Plan) {
     assert_eq!(scene.bodies.len(), lattices.len(), "every body needs its lattice");
     let gravity = DVec3::from(scene.settings.gravity);
     let mut model = Model {
@@ -34,9 +37,9 @@ pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>]) -> (Model<R>, 
         gravity: R::Vec3::from_dvec3(gravity),
         fall_limit: None,
     };
-    let mut first = 0;
+    let (mut first, before) = (0, before.map_or(&[][..], |model| &model.bodies));
     for (body, lattice) in scene.bodies.iter().zip(lattices) {
-        let compiled = compile_body(body, lattice, first, scene);
+        let compiled = compile_body(body, lattice, first, scene, before);
         first = compiled.particles.end;
         model.bodies.push(compiled);
     }
@@ -46,7 +49,13 @@ pub fn compile<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>]) -> (Model<R>, 
     (model, plan)
 }
 
-fn compile_body<R: Real>(body: &Body, lattice: &Arc<Lattice>, first: usize, scene: &Scene) -> BodyModel<R> {
+fn compile_body<R: Real>(
+    body: &Body,
+    lattice: &Arc<Lattice>,
+    first: usize,
+    scene: &Scene,
+    before: &[BodyModel<R>],
+) -> BodyModel<R> {
     let gravity = DVec3::from(scene.settings.gravity).length();
     let rotation = rotation::from_euler_deg(body.pose.rotation_deg);
     let position = DVec3::from(body.pose.position);
@@ -60,11 +69,15 @@ fn compile_body<R: Real>(body: &Body, lattice: &Arc<Lattice>, first: usize, scen
         };
         rest.iter().map(held).collect()
     };
+    let known = before.iter().find(|body| Arc::ptr_eq(&body.lattice, lattice));
+    let measured = known
+        .map_or_else(|| assembly::measured(lattice, &rest), |body| body.links.each_ref().map(LinkFamily::measured));
+    let crowds = known.map_or_else(|| strain::crowds(rest.len(), &measured), |body| Arc::clone(&body.crowds));
     let Assembled { particle_mass, masses, links, cell_kinds } = match &body.material {
-        Material::Springs(springs) => assembly::uniform(springs, lattice, &rest),
+        Material::Springs(springs) => assembly::uniform(springs, measured),
         Material::Solid(solid) => {
             let (kinds, kind_of_cell) = assembly::solid_cells(solid, &body.inlays, lattice, size, &rest);
-            assembly::by_cell(&kinds, &kind_of_cell, lattice, &rest)
+            assembly::by_cell(&kinds, &kind_of_cell, lattice, measured)
         }
     };
     let heaviest = masses.iter().copied().fold(particle_mass, f64::max);
@@ -83,6 +96,7 @@ fn compile_body<R: Real>(body: &Body, lattice: &Arc<Lattice>, first: usize, scen
         cell_kinds,
         pinned,
         links,
+        crowds,
         lattice: Arc::clone(lattice),
         size: R::from_f64(size),
         inverse_cell_size: R::from_f64(1.0 / lattice.grid.cell_size),

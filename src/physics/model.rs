@@ -61,6 +61,9 @@ pub struct BodyModel<R: Real> {
     pub pinned: Vec<bool>,
     /// Links by family: structural, shear, bending. Particle numbers are local to the body.
     pub links: [LinkFamily<R>; 3],
+    /// How crowded with links its particles are: for every different one the sums of their inverse rest lengths by
+    /// family, 1/m.
+    pub crowds: Arc<[[f64; 3]]>,
     /// What it was built from: cells and corners, for diagnostics and pictures.
     pub lattice: Arc<Lattice>,
     /// The longest extent at rest, m.
@@ -120,6 +123,11 @@ pub struct LinkFamily<R: Real> {
 }
 
 impl<R: Real> LinkFamily<R> {
+    /// The links themselves, shared.
+    pub(super) fn measured(&self) -> Arc<[Link<R>]> {
+        Arc::clone(&self.links)
+    }
+
     /// Stiffness (N) and damping (N·s) of one link.
     #[inline]
     pub fn constants(&self, link: usize) -> [R; 2] {

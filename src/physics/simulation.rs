@@ -43,7 +43,7 @@ impl<R: Real> Simulation<R> {
     /// A scene at its start. `lattices` are those of the scene's bodies, in their order. Obstacles that a body begins
     /// inside of come to it gently, as those that are put into it later.
     pub fn new(scene: &Scene, lattices: &[Arc<Lattice>]) -> Self {
-        let (mut model, plan) = compile(scene, lattices);
+        let (mut model, plan) = compile(scene, lattices, None);
         let mut state = State::start(&model);
         state.fit_scheme(&plan);
         state.fit_sleep(&plan);
@@ -71,7 +71,7 @@ impl<R: Real> Simulation<R> {
         kept: &[Option<usize>],
         arrival: Arrival,
     ) {
-        let (model, plan) = compile(scene, lattices);
+        let (model, plan) = compile(scene, lattices, Some(&self.model));
         debug_assert_eq!(model.particle_count(), self.model.particle_count(), "the bodies must be the same");
         self.sweeps = match arrival {
             Arrival::Swept => sweep::sweeps(&self.model, &model, kept),

@@ -15,7 +15,10 @@
 //! rest a substep is therefore taken in parts that stay below [`SHARE`] of it. At rest this would be three times as dear
 //! as it need be for nothing.
 
-use super::model::{BodyModel, Model};
+use std::cmp::Ordering;
+use std::sync::Arc;
+
+use super::model::{BodyModel, Link, Model};
 use super::plan::Plan;
 use super::recovery;
 use super::stability::{LATTICE_LIMIT, load_shares};
@@ -47,8 +50,36 @@ pub(super) fn parts<R: Real>(model: &Model<R>, integrator: Integrator, dt_secs: 
 /// No substep is divided further.
 const MOST_PARTS: u32 = 16;
 
-/// What the links of every particle add at most to the square of a frequency (1/s²) and to a rate of damping (1/s).
+/// For every different particle of a lattice the sums of its links' inverse rest lengths by family, 1/m.
+pub(super) fn crowds<R: Real>(particles: usize, links: &[Arc<[Link<R>]>; 3]) -> Arc<[[f64; 3]]> {
+    let mut sums = vec![[0.0; 3]; particles];
+    for (family, links) in links.iter().enumerate() {
+        for link in &**links {
+            for end in link.ends {
+                sums[end as usize][family] += link.inverse_rest_length.to_f64();
+            }
+        }
+    }
+    sums.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+    sums.dedup();
+    sums.into()
+}
+
+/// What the links of every particle add at most to the square of a frequency (1/s²) and to a rate of damping (1/s): of
+/// every different one, where that is known.
 fn loads<R: Real>(body: &BodyModel<R>) -> Vec<[f64; 2]> {
+    if body.masses.is_empty() && body.links.iter().all(|family| family.classes.is_empty()) {
+        let mobility = 2.0 / body.particle_mass.to_f64();
+        let constants = body.links.each_ref().map(|family| [family.stiffness, family.damping].map(Real::to_f64));
+        let load = |crowd: &[f64; 3], which: usize| {
+            mobility * crowd.iter().zip(&constants).map(|(sum, constants)| sum * constants[which]).sum::<f64>()
+        };
+        return body.crowds.iter().map(|crowd| [load(crowd, 0), load(crowd, 1)]).collect();
+    }
+    loads_of_each(body)
+}
+
+fn loads_of_each<R: Real>(body: &BodyModel<R>) -> Vec<[f64; 2]> {
     let mut loads = vec![[0.0; 2]; body.particles.len()];
     for family in &body.links {
         for (number, link) in family.links.iter().enumerate() {
@@ -99,11 +130,14 @@ mod tests {
 
     use glam::DVec3;
 
+    use super::{loads, loads_of_each};
     use crate::geometry::Lattice;
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
+    use crate::physics::compile::compile;
     use crate::scene::body::CubeShape;
     use crate::scene::material::Spring;
+    use crate::scene::presets::preset;
     use crate::scene::resolve::resolve;
     use crate::scene::{Body, Material, Scene, Shape, Springs};
 
@@ -172,5 +206,21 @@ mod tests {
         let [with, without] = [true, false].map(gain);
         assert!(with < 1.05, "{with} of the energy");
         assert!(without > 1.3, "{without} of the energy: parts are for nothing");
+    }
+
+    #[test]
+    fn different_particles_bear_what_the_most_loaded_of_all_bears() {
+        for name in ["cube-on-plane", "tree", "u-on-sphere"] {
+            let scene = (preset(name).expect("a preset").build)();
+            let lattice = resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a sound shape").lattice;
+            let (model, _) = compile::<f64>(&scene, &[lattice], None);
+            let most =
+                |loads: Vec<[f64; 2]>| loads.iter().fold([0.0_f64; 2], |[k, d], load| [k.max(load[0]), d.max(load[1])]);
+            let (few, each) = (loads(&model.bodies[0]), loads_of_each(&model.bodies[0]));
+            assert!(few.len() < each.len(), "{name}: {} of {}", few.len(), each.len());
+            for (few, each) in most(few).into_iter().zip(most(each)) {
+                assert!((few / each - 1.0).abs() < 1e-12, "{name}: {few}, not {each}");
+            }
+        }
     }
 }

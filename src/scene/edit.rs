@@ -174,7 +174,8 @@ fn leaf_impact(changed: bool, impact: Impact) -> Impact {
     if changed { impact } else { Impact::Appearance }
 }
 
-fn body_impact(old: &Body, new: &Body) -> Impact {
+/// How deep the change of a body goes.
+pub fn body_impact(old: &Body, new: &Body) -> Impact {
     leaf_impact(old.shape != new.shape || old.pins != new.pins, Impact::Topology)
         .max(leaf_impact((old.pose, old.velocity) != (new.pose, new.velocity), Impact::Motion))
         .max(leaf_impact(old.material != new.material || old.inlays != new.inlays, Impact::Parameters))

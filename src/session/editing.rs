@@ -6,7 +6,7 @@ use super::words::{value_at, words};
 use super::{Bodies, Session, SessionError};
 use crate::physics::Simulation;
 use crate::physics::simulation::{Arrival, BodyMotion};
-use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact};
+use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, body_impact};
 use crate::scene::param::Problem;
 use crate::scene::resolve::Jelly;
 use crate::scene::{Body, Scene};
@@ -90,7 +90,7 @@ impl Session {
     }
 
     fn make(&mut self, edit: Edit, words: String, teleport: bool, arrival: Arrival) -> Result<Change, SessionError> {
-        let motion = self.motion_before(&edit);
+        let motion = if teleport || self.moves(&edit) { self.motion_before(&edit) } else { None };
         let Applied { inverse, impact } = self.carry_out(edit, arrival)?;
         if let Some((body, _)) = motion.as_ref().filter(|_| teleport && impact < Impact::Motion) {
             let rotation_deg = self.scene.bodies[*body].pose.rotation_deg;
@@ -98,6 +98,13 @@ impl Session {
             self.picture.touch();
         }
         Ok(Change { inverse, words, motion: motion.filter(|_| teleport || impact >= Impact::Motion), teleport })
+    }
+
+    /// Whether an edit may move, reshape or remove a body: a constant that changes needs no copy of its motion.
+    fn moves(&self, edit: &Edit) -> bool {
+        let Edit::Body(id, new) = edit else { return true };
+        let Some(old) = self.scene.bodies.get(id.0) else { return true };
+        body_impact(old, new) >= Impact::Motion
     }
 
     fn motion_before(&self, edit: &Edit) -> Option<(usize, BodyMotion<f32>)> {
