@@ -2,6 +2,7 @@
 //! output, messages and progress bars to standard error; exit code 0, 1 when the work failed or a simulation exploded, 2 for
 //! wrong usage.
 
+mod cells_plot;
 mod check;
 mod cost_plot;
 mod error_plot;
@@ -29,6 +30,7 @@ mod voxelize;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 use crate::text::echo;
@@ -96,6 +98,20 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     match dispatch(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => ended(&failure),
+    }
+}
+
+/// Whether a command line is one that the program knows, its name first, without doing what it says; otherwise why not.
+/// What a mention of a command leaves out is not missed where `is_mention`.
+pub fn check_known(arguments: impl IntoIterator<Item = OsString>, is_mention: bool) -> Result<(), String> {
+    let words: Vec<OsString> = arguments.into_iter().collect();
+    if let Some(failure) = words.get(1).and_then(|word| unknown::refusal(word)) {
+        return Err(failure.to_string());
+    }
+    match Arguments::try_parse_from(&words) {
+        Err(error) if is_mention && error.kind() == ErrorKind::MissingRequiredArgument => Ok(()),
+        Err(error) if error.use_stderr() => Err(error.to_string()),
+        _ => Ok(()),
     }
 }
 

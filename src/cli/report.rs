@@ -22,7 +22,8 @@ enum Report {
     /// without a SCENE, all presets and a cube in a crowd of obstacles.
     Cost(ReportOptions),
     /// How far every scheme at every step misses a converged reference, and how long it takes (error.md, .csv, .svg);
-    /// without a SCENE, on six small scenes of its own. A report that was interrupted goes on in its folder.
+    /// without a SCENE, on six small scenes of its own, and how far bodies of ever more cells miss the solid that they stand
+    /// for (`error_cells.csv`, .svg). A report that was interrupted goes on in its folder.
     Error(ErrorArgs),
     /// How large steps may be, predicted and measured, and whether extreme scenes explode in automatic stepping
     /// (stability.md, .csv, .svg, the random scenes that failed); without a SCENE, on cases of its own and random scenes,

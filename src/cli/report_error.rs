@@ -2,24 +2,27 @@
 
 use std::path::Path;
 
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::Failure;
+use super::cells_plot;
 use super::error_plot;
 use super::kept::{Kept, Measurement};
 use super::out::{self, Progress};
 use super::report_options::{ReportOptions, Subject, described};
 use super::shard::Shard;
-use crate::report::error::{self, ErrorFigures, scenes::scenes, words};
+use crate::report::error::cells::{self, Case, CellsFigures};
+use crate::report::error::{self, Effort, ErrorFigures, scenes::scenes, words};
 
 /// What this measurement is called in files.
 pub(super) const KIND: &str = "error";
 /// Simulated time a scene is run for, s; and with `--quick`.
-const SECONDS: [f64; 2] = [1.0, 0.2];
-/// The files of the report.
-pub(super) const FILES: [&str; 3] = ["error.md", "error.csv", "error.svg"];
+const SECONDS: [f64; 2] = [1.0, 0.16];
+/// The files of the report, and those of its study of cells, which is made where no scene is named.
+pub(super) const FILES: [&str; 5] = ["error.md", "error.csv", "error.svg", "error_cells.csv", "error_cells.svg"];
 
 /// What is measured.
 #[derive(Debug, Args)]
@@ -31,7 +34,15 @@ pub(super) struct ErrorArgs {
     shard: Option<Shard>,
 }
 
-/// Measures, prints, and fails where a scheme does not converge.
+/// A piece of the report.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Piece {
+    Scene(ErrorFigures),
+    Cells(CellsFigures),
+}
+
+/// Measures, prints, and fails where a scheme or the cells do not converge.
 pub(super) fn run(args: &ErrorArgs) -> Result<(), Failure> {
     let options = &args.options;
     options.changes.check_all_schemes()?;
@@ -39,48 +50,71 @@ pub(super) fn run(args: &ErrorArgs) -> Result<(), Failure> {
     let folder = options.folder(&[FILES.as_slice(), &[&rows]].concat())?;
     options.changes.start_threads()?;
     let subjects = options.subjects(scenes)?;
-    let seconds = options.either(SECONDS);
-    let measurement = Measurement::new(KIND, subjects.len(), json!({ "seconds": seconds }), &described(&subjects)?);
+    let cases: &[Case] = if options.given.is_empty() { &Case::ALL } else { &[] };
+    let about = json!({ "seconds": options.either(SECONDS), "cases": cases.len() });
+    let measurement = Measurement::new(KIND, subjects.len() + cases.len(), about, &described(&subjects)?);
     let kept = Kept::open(folder, measurement, args.shard)?;
-    measure(&subjects, seconds, &kept)?;
+    measure(&subjects, cases, options, &kept)?;
     if let Some(part) = kept.part() {
         return Ok(out::part(part, kept.found().len(), options.json)?);
     }
-    let told = tell(&kept.found(), folder, options.json);
+    let told = tell(kept.found(), folder, options.json);
     kept.discard()?;
     told
 }
 
-/// Prints the report, writes it, and fails where a scheme does not converge.
-pub(super) fn tell(figures: &[ErrorFigures], folder: Option<&Path>, json: bool) -> Result<(), Failure> {
-    let text = words::markdown(figures);
+/// Prints the report, writes it, and fails where a scheme or the cells do not converge.
+pub(super) fn tell(found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Result<(), Failure> {
+    let (mut scenes, mut cells) = (Vec::new(), Vec::new());
+    for piece in found {
+        match piece {
+            Piece::Scene(figures) => scenes.push(figures),
+            Piece::Cells(figures) => cells.push(figures),
+        }
+    }
+    let mut text = words::markdown(&scenes);
+    if !cells.is_empty() {
+        text += &words::cells_markdown(&cells);
+    }
     if let Some(folder) = folder {
-        let [page, table, plot] = FILES.map(|name| folder.join(name));
+        let [page, table, plot, cells_table, cells_plot] = FILES.map(|name| folder.join(name));
         out::write(&page, text.as_bytes())?;
-        out::write(&table, words::csv(figures).as_bytes())?;
-        out::write(&plot, error_plot::svg(figures)?.as_bytes())?;
+        out::write(&table, words::csv(&scenes).as_bytes())?;
+        out::write(&plot, error_plot::svg(&scenes)?.as_bytes())?;
+        if !cells.is_empty() {
+            out::write(&cells_table, words::cells_csv(&cells).as_bytes())?;
+            out::write(&cells_plot, cells_plot::svg(&cells)?.as_bytes())?;
+        }
     }
     if json {
-        out::json(&json!({ "scenes": figures }))?;
+        out::json(&json!({ "scenes": scenes, "cells": cells }))?;
     } else {
         out::figures(text.trim_end())?;
     }
-    match figures.iter().find(|figures| !figures.not_converging.is_empty()) {
-        Some(first) => {
-            Err(anyhow!("{} does not converge on {:?}; see the report", first.not_converging.join(", "), first.scene)
-                .into())
-        }
+    if let Some(first) = scenes.iter().find(|figures| !figures.not_converging.is_empty()) {
+        let ways = first.not_converging.join(", ");
+        return Err(anyhow!("{ways} does not converge on {:?}; see the report", first.scene).into());
+    }
+    match cells.iter().find(|figures| !figures.converges) {
+        Some(first) => Err(anyhow!("the cells of the {} do not converge; see the report", first.case).into()),
         None => Ok(()),
     }
 }
 
-/// Measures one scene after another, but for those that are kept.
-fn measure(subjects: &[Subject], seconds: f64, kept: &Kept<ErrorFigures>) -> Result<(), Failure> {
+/// Measures one scene or case after another, but for those that are kept.
+fn measure(subjects: &[Subject], cases: &[Case], options: &ReportOptions, kept: &Kept<Piece>) -> Result<(), Failure> {
+    let effort = Effort::full(options.either(SECONDS));
     let missing = kept.missing();
     for (done, piece) in missing.iter().enumerate() {
-        let Subject { name, scene, lattices } = &subjects[*piece];
-        let progress = Progress::new(&format!("{name} ({} of {})", done + 1, missing.len()));
-        kept.add(*piece, error::measure(name, scene, lattices, seconds, &progress))?;
+        let progress = |name: &str| Progress::new(&format!("{name} ({} of {})", done + 1, missing.len()));
+        let found = match (subjects.get(*piece), cases.get(piece.saturating_sub(subjects.len()))) {
+            (Some(Subject { name, scene, lattices }), _) => {
+                error::measure(name, scene, lattices, effort, &progress(name)).map(Piece::Scene)
+            }
+            (None, Some(case)) => cells::measure(*case, options.quick, &progress(case.name())).map(Piece::Cells),
+            (None, None) => None,
+        };
+        kept.add(*piece, found.context("the measurement did not end")?)?;
     }
     Ok(())
 }

@@ -42,7 +42,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
         report_error::KIND => {
             let found = found(&parts)?;
             write(&report_error::FILES)?;
-            report_error::tell(&found, Some(folder), args.json)
+            report_error::tell(found, Some(folder), args.json)
         }
         report_stability::KIND => {
             let found = found(&parts)?;

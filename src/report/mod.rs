@@ -10,4 +10,5 @@ pub mod judge;
 pub mod matrix;
 pub mod single;
 pub mod stability;
+pub mod statics;
 pub mod timer;

@@ -44,6 +44,23 @@ fn a_scene_is_measured_and_the_page_the_table_and_the_plot_are_written() {
     assert!(!folder.path("made/error.partial.jsonl").exists(), "nothing is left to go on with");
 }
 
+/// All of it as somebody first runs it, in parts of which this one has the study of cells of the hanging block.
+#[test]
+fn without_a_scene_cells_are_weighed_against_steps() {
+    let folder = Folder::new();
+    // Six scenes and four cases: the eighth piece alone.
+    let ran = folder.run("report error --quick --shard 8/10 -o made");
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let rows = std::fs::read_to_string(folder.path("made/error.shard-8-of-10.jsonl")).expect("rows");
+    let piece: Value = serde_json::from_str(rows.lines().nth(1).expect("a piece")).expect("JSON");
+    let cells = &piece["found"]["cells"];
+    assert_eq!((&cells["case"], &cells["converges"]), (&"hanging block".into(), &true.into()), "{cells}");
+    let errors: Vec<f64> =
+        cells["rows"].as_array().expect("rows").iter().filter_map(|row| row["error_m"].as_f64()).collect();
+    assert!(errors.len() >= 4 && errors.is_sorted_by(|a, b| a > b), "finer cells miss by less: {errors:?}");
+    assert!(cells["steps_error_m"].as_f64().is_some_and(|error| (1e-7..1e-2).contains(&error)), "{cells}");
+}
+
 #[test]
 fn a_report_that_was_interrupted_goes_on_and_does_nothing_twice() {
     let folder = Folder::new();
@@ -68,7 +85,7 @@ fn a_report_that_was_interrupted_goes_on_and_does_nothing_twice() {
     let kept = std::fs::read_to_string(&kept).expect("kept");
     let first: Value = serde_json::from_str(kept.lines().nth(1).expect("a scene")).expect("JSON");
     // Wall times are never the same twice.
-    let are_kept = |report: &Value| report["scenes"][0] == first["found"];
+    let are_kept = |report: &Value| report["scenes"][0] == first["found"]["scene"];
     let report = folder.json(&format!("{line} --json"));
     assert!(are_kept(&report), "the first scene is not measured again");
     assert_eq!(report["scenes"][1]["scene"], "incline");

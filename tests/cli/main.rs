@@ -8,6 +8,7 @@ mod killed;
 #[cfg(target_os = "linux")]
 mod limits;
 mod program;
+mod readme;
 mod report;
 mod shards;
 mod stability;

@@ -4,45 +4,20 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use gelatin::scene::body::CellsShape;
-use gelatin::scene::{Body, Material, Shape, Solid};
-use glam::DVec3;
-
-use crate::statics::{Linear, face_load, mean_along};
-use crate::support::{alone, simulate};
+use gelatin::report::error::cells::cantilever;
 
 /// Cells across the thickness.
-const THICKNESS: [i32; 5] = [2, 3, 4, 5, 8];
+const THICKNESS: [u32; 5] = [2, 3, 4, 5, 8];
 
-/// Length over thickness.
-const SLENDERNESS: i32 = 8;
-
-/// The deflection of the loaded end of a square beam over that of Timoshenko's theory (with Cowper's shear coefficient,
-/// *Journal of Applied Mechanics* 33, 1966).
-fn deflection(cells: i32) -> f64 {
-    let cell = 1.0 / f64::from(cells);
-    let list = (0..cells * SLENDERNESS)
-        .flat_map(|x| (0..cells).flat_map(move |y| (0..cells).map(move |z| [x, y, z])))
-        .collect();
-    let body = Body {
-        shape: Shape::Cells(CellsShape { list, size: cell }),
-        material: Material::Solid(Solid { young_modulus: 1.0, density: 1.0, damping_ratio: 0.0 }),
-        ..Body::default()
-    };
-    let size = DVec3::new(f64::from(SLENDERNESS), 1.0, 1.0);
-    let mut beam = Linear::of(&simulate::<f64>(&alone(body, 1e-3)).model().bodies[0]);
-    beam.hold(DVec3::ONE, |start| start.x < -0.5 * size.x + 1e-9);
-    let load = face_load(&beam, size, cell, DVec3::X, DVec3::NEG_Y);
-    let (poisson, second_moment) = (0.25, 1.0 / 12.0);
-    let shear_modulus = 0.5 / (1.0 + poisson);
-    let coefficient = 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson);
-    let theory = size.x.powi(3) / (3.0 * second_moment) + size.x / (coefficient * shear_modulus);
-    mean_along(&load, &beam.solve(&load)) / theory
+/// The deflection of the loaded end over that of beam theory.
+fn deflection(cells: u32) -> f64 {
+    let (found, theory) = cantilever(cells).expect("it is held");
+    found / theory
 }
 
 /// The curve as a picture: deflection over theory against cells across.
-fn svg(curve: &[(i32, f64)]) -> String {
-    let at = |cells: i32, ratio: f64| (60.0 + 50.0 * f64::from(cells), 310.0 - 500.0 * (ratio - 0.5));
+fn svg(curve: &[(u32, f64)]) -> String {
+    let at = |cells: u32, ratio: f64| (60.0 + 50.0 * f64::from(cells), 310.0 - 500.0 * (ratio - 0.5));
     let mut out = String::from(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"520\" height=\"370\" font-family=\"sans-serif\" font-size=\"13\">\n\
          <rect width=\"520\" height=\"370\" fill=\"white\"/>\n\

@@ -17,6 +17,5 @@ mod recovery;
 mod sleep;
 mod solid;
 mod stability;
-mod statics;
 mod support;
 mod work;

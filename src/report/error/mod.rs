@@ -5,20 +5,21 @@
 //! Every measured run is in single precision, as the window's is. Runs are repeated in turn, first one of each, then
 //! the second of each, so that a machine that grows slower does so for all of them.
 
+pub mod cells;
+mod follow;
 pub mod scenes;
 pub mod words;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Lattice, Watch};
-use crate::math::{Real, Vector};
 use crate::physics::Simulation;
 use crate::scene::Scene;
 use crate::scene::settings::{Integrator, Stepping};
+use follow::{follow, mean_square, rms, size, whole};
 
 /// The scheme of the reference: of second order at one evaluation of the forces a step.
 pub const REFERENCE: Integrator = Integrator::Verlet;
@@ -34,6 +35,8 @@ const BELOW_LIMIT: f64 = 0.25;
 const FINER: f64 = 1.0 / 16.0;
 /// Runs of each.
 pub const REPEATS: usize = 5;
+/// The share of the work that the reference is.
+const REFERENCE_SHARE: f64 = 0.2;
 /// An error above this many times the size of the bodies is a motion that has nothing to do with the scene.
 const LOST: f64 = 1.0;
 /// A scheme whose steps are divided by `CONVERGES[0]` and whose error stays above `CONVERGES[1]` of what it was does not
@@ -140,50 +143,82 @@ pub struct ErrorFigures {
     pub not_converging: Vec<String>,
 }
 
-/// Measures a scene for `seconds` (a multiple of [`LOOK_SECS`]); `lattices` are those of its bodies.
+/// How much work is put into a measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Simulated time, s: a multiple of [`LOOK_SECS`].
+    pub seconds: f64,
+    /// Runs of each.
+    pub repeats: usize,
+    /// Steps measured at most.
+    pub most_rungs: u32,
+    /// The step of the reference over the smallest one measured.
+    pub finer: f64,
+    /// The reference and its check run beside each other.
+    pub side_by_side: bool,
+}
+
+impl Effort {
+    /// All that a report takes.
+    pub fn full(seconds: f64) -> Self {
+        Self { seconds, repeats: REPEATS, most_rungs: RUNGS[1], finer: FINER, side_by_side: true }
+    }
+}
+
+/// Measures a scene; `lattices` are those of its bodies. None where `watch` cancels.
 pub fn measure(
     title: &str,
     scene: &Scene,
     lattices: &[Arc<Lattice>],
-    seconds: f64,
-    watch: &impl Watch,
-) -> ErrorFigures {
-    compare(title, scene, scene, lattices, seconds, watch)
+    effort: Effort,
+    watch: &dyn Watch,
+) -> Option<ErrorFigures> {
+    compare(title, [scene, scene], lattices, effort, watch)
 }
 
-/// As [`measure`], against the reference of another scene with the same bodies.
+/// As [`measure`], of the first scene against the reference of another one with the same bodies.
 fn compare(
     title: &str,
-    scene: &Scene,
-    truth: &Scene,
+    [scene, truth]: [&Scene; 2],
     lattices: &[Arc<Lattice>],
-    seconds: f64,
-    watch: &impl Watch,
-) -> ErrorFigures {
-    let looks = whole(seconds / LOOK_SECS).max(1);
+    effort: Effort,
+    watch: &dyn Watch,
+) -> Option<ErrorFigures> {
+    let looks = whole(effort.seconds / LOOK_SECS).max(1);
     let probe = Simulation::<f32>::new(&Way::Manual(Integrator::SemiImplicit).applied(scene, 1e-3), lattices);
-    let steps = steps(probe.plan().limits.dt_safe_secs());
-    let finest = steps.last().copied().unwrap_or(LARGEST_SECS) * FINER;
-    let reference = |dt: &f64| follow::<f64>(&Way::Manual(REFERENCE).applied(truth, *dt), lattices, looks, None);
-    let found: Vec<_> = [finest, 2.0 * finest].par_iter().map(reference).collect();
+    let steps = steps(probe.plan().limits.dt_safe_secs(), effort.most_rungs);
+    let finest = steps.last().copied().unwrap_or(LARGEST_SECS) * effort.finer;
+    let reference = |dt: &f64| follow::<f64>(&Way::Manual(REFERENCE).applied(truth, *dt), lattices, looks, None, watch);
+    let both = [finest, 2.0 * finest];
+    let found: Vec<_> = if effort.side_by_side {
+        both.par_iter().map(reference).collect()
+    } else {
+        both.iter().map(reference).collect()
+    };
+    if found.iter().any(|run| run.cancelled) {
+        return None;
+    }
     let (truth, check) = (&found[0].looks, &found[1].looks);
-    watch.progress(0.2);
+    watch.progress(REFERENCE_SHARE);
     let size_m = size(truth);
     let mut rows: Vec<Measured> =
         Way::all().flat_map(|way| steps.iter().map(move |&dt| Measured::new(way, dt))).collect();
-    let (work, mut done) = (REPEATS * rows.len(), 0_usize);
-    for _ in 0..REPEATS {
+    let (work, mut done) = (effort.repeats * rows.len(), 0_usize);
+    for _ in 0..effort.repeats {
         for row in rows.iter_mut().filter(|row| !row.diverged) {
-            row.run(scene, lattices, truth, LOST * size_m);
+            row.run(scene, lattices, truth, LOST * size_m, watch);
             done += 1;
-            watch.progress(0.2 + 0.8 * done as f64 / work as f64);
+            watch.progress(REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * done as f64 / work as f64);
+            if watch.cancelled() {
+                return None;
+            }
         }
     }
     let mut rows: Vec<Row> = rows.into_iter().map(|measured| measured.row(looks)).collect();
     mark_pareto(&mut rows);
     let reference_error_m = rms(truth, check);
     let floor = (2.0 * reference_error_m).max(ROUNDING * size_m);
-    ErrorFigures {
+    Some(ErrorFigures {
         scene: title.to_owned(),
         particles: probe.model().particle_count(),
         links: probe.model().link_counts().iter().sum(),
@@ -193,12 +228,12 @@ fn compare(
         reference_error_m,
         not_converging: not_converging(&rows, floor),
         rows,
-    }
+    })
 }
 
 /// The steps that are measured, falling; `safe_secs` is the largest stable one.
-fn steps(safe_secs: Option<f64>) -> Vec<f64> {
-    let [least, most] = RUNGS;
+fn steps(safe_secs: Option<f64>, most: u32) -> Vec<f64> {
+    let [least, _] = RUNGS;
     let smallest = safe_secs.map_or(LARGEST_SECS, |safe| BELOW_LIMIT * safe);
     let rung = |index: u32| LARGEST_SECS / f64::from(1_u32 << index);
     (0..most)
@@ -207,37 +242,6 @@ fn steps(safe_secs: Option<f64>) -> Vec<f64> {
         .take_while(|(index, dt)| *index < least as usize || 2.0 * dt > smallest)
         .map(|(_, dt)| dt)
         .collect()
-}
-
-/// A run that was looked at.
-struct Followed {
-    /// Positions of the particles at every look; fewer looks where the run diverged.
-    looks: Vec<Vec<[f64; 3]>>,
-    spent: Duration,
-    diverged: bool,
-}
-
-/// Whether a run has nothing to do with the scene any more, by the number of the look and the positions.
-type Lost<'a> = &'a dyn Fn(usize, &[[f64; 3]]) -> bool;
-
-/// Runs a scene for so many looks. One that is `lost` at a look goes no further.
-fn follow<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>], looks: u64, lost: Option<Lost<'_>>) -> Followed {
-    let mut simulation = Simulation::<R>::new(scene, lattices);
-    let mut found = Followed { looks: Vec::new(), spent: Duration::ZERO, diverged: false };
-    let each = whole(LOOK_SECS / scene.settings.dt);
-    for look in 0..looks {
-        let begin = Instant::now();
-        found.diverged = (0..each).any(|_| simulation.step().diverged);
-        found.spent += begin.elapsed();
-        let now: Vec<_> = simulation.state().position.iter().map(|at| at.components().map(Real::to_f64)).collect();
-        let index = usize::try_from(look).unwrap_or(usize::MAX);
-        found.diverged |= lost.is_some_and(|lost| lost(index, &now));
-        if found.diverged {
-            break;
-        }
-        found.looks.push(now);
-    }
-    found
 }
 
 /// One way at one step, as far as it was measured.
@@ -255,12 +259,20 @@ impl Measured {
         Self { way, dt, error_m: f64::INFINITY, wall_secs: Vec::new(), diverged: false }
     }
 
-    fn run(&mut self, scene: &Scene, lattices: &[Arc<Lattice>], truth: &[Vec<[f64; 3]>], lost_m: f64) {
+    fn run(
+        &mut self,
+        scene: &Scene,
+        lattices: &[Arc<Lattice>],
+        truth: &[Vec<[f64; 3]>],
+        lost_m: f64,
+        watch: &dyn Watch,
+    ) {
         let is_lost = |look: usize, now: &[[f64; 3]]| {
             let error = truth.get(look).map_or(f64::NAN, |truth| mean_square(now, truth).sqrt());
             error.is_nan() || error > lost_m
         };
-        let found = follow::<f32>(&self.way.applied(scene, self.dt), lattices, truth.len() as u64, Some(&is_lost));
+        let scene = self.way.applied(scene, self.dt);
+        let found = follow::<f32>(&scene, lattices, truth.len() as u64, Some(&is_lost), watch);
         self.diverged = found.diverged;
         let looks = found.looks.len().max(1);
         self.wall_secs.push(found.spent.as_secs_f64() / (looks as f64 * LOOK_SECS));
@@ -307,33 +319,6 @@ fn not_converging(rows: &[Row], floor: f64) -> Vec<String> {
     };
     // Automatic stepping takes the same divided steps whatever is asked for.
     Way::all().filter(|way| *way != Way::Automatic && fails(way)).map(|way| way.name().to_owned()).collect()
-}
-
-/// The root of the mean square distance of two runs, over all particles and looks, m.
-fn rms(run: &[Vec<[f64; 3]>], other: &[Vec<[f64; 3]>]) -> f64 {
-    let all: f64 = run.iter().zip(other).map(|(now, truth)| mean_square(now, truth)).sum();
-    (all / run.len().min(other.len()).max(1) as f64).sqrt()
-}
-
-fn mean_square(now: &[[f64; 3]], truth: &[[f64; 3]]) -> f64 {
-    let square = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>();
-    now.iter().zip(truth).map(square).sum::<f64>() / now.len().max(1) as f64
-}
-
-/// The longest side of the box around the particles at the first look, m.
-fn size(looks: &[Vec<[f64; 3]>]) -> f64 {
-    let Some(first) = looks.first() else { return f64::INFINITY };
-    let side = |axis: usize| {
-        let along = first.iter().map(|at| at[axis]);
-        let [low, high] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
-        high - low
-    };
-    (0..3).map(side).fold(0.0, f64::max)
-}
-
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count")]
-fn whole(value: f64) -> u64 {
-    libm::round(value) as u64
 }
 
 /// JSON has no infinity: null stands for it.

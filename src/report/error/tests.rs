@@ -11,7 +11,7 @@ fn scene(name: &str) -> Scene {
 
 fn measured(name: &str) -> ErrorFigures {
     let scene = scene(name);
-    measure(name, &scene, &lattices(&scene).expect("cubes"), 2.0 * LOOK_SECS, &())
+    measure(name, &scene, &lattices(&scene).expect("cubes"), Effort::full(2.0 * LOOK_SECS), &()).expect("not cancelled")
 }
 
 fn rows(figures: &ErrorFigures, integrator: Integrator) -> Vec<&Row> {
@@ -50,7 +50,8 @@ fn a_wrong_force_is_found_out() {
     let mut wrong = scene.clone();
     let Material::Springs(springs) = &mut wrong.bodies[0].material else { panic!("springs") };
     springs.shear.stiffness *= 1.3;
-    let figures = compare("wrong", &wrong, &scene, &lattices, 2.0 * LOOK_SECS, &());
+    let figures = compare("wrong", [&wrong, &scene], &lattices, Effort::full(2.0 * LOOK_SECS), &());
+    let figures = figures.expect("not cancelled");
     for integrator in [Integrator::Verlet, Integrator::Rk4] {
         assert!(figures.not_converging.contains(&integrator.name().to_owned()), "{:?}", figures.not_converging);
     }
@@ -124,4 +125,19 @@ fn figures_survive_being_kept() {
     let figures = planted(vec![row(8e-3, f64::INFINITY, 0.001), row(4e-3, 5e-3, 0.01)]);
     let kept = serde_json::to_string(&figures).expect("written");
     assert_eq!(serde_json::from_str::<ErrorFigures>(&kept).expect("read"), figures);
+}
+
+#[test]
+fn what_nobody_waits_for_stops_within_a_step() {
+    struct Impatient(std::sync::atomic::AtomicU32);
+    impl Watch for Impatient {
+        fn cancelled(&self) -> bool {
+            self.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed) >= 3
+        }
+    }
+    let (scene, impatient) = (scene("hanging"), Impatient(0.into()));
+    let lattices = lattices(&scene).expect("cubes");
+    let effort = Effort { side_by_side: false, ..Effort::full(1.0) };
+    assert!(measure("hanging", &scene, &lattices, effort, &impatient).is_none(), "nothing comes of it");
+    assert!(impatient.0.into_inner() < 8, "it stops at the next step");
 }

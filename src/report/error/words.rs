@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::cells::{CellsFigures, CellsRow, advice as cells_advice, millimetres};
 use super::{ErrorFigures, Row};
 
 /// Errors that somebody may want to stay below, m.
@@ -42,6 +43,58 @@ fn write_markdown(text: &mut String, scenes: &[ErrorFigures]) -> std::fmt::Resul
         }
     }
     Ok(())
+}
+
+/// The part of the page that tells of grid resolution.
+pub fn cells_markdown(cases: &[CellsFigures]) -> String {
+    let mut text = String::new();
+    write_cells(&mut text, cases).unwrap_or_default();
+    text
+}
+
+fn write_cells(text: &mut String, cases: &[CellsFigures]) -> std::fmt::Result {
+    writeln!(
+        text,
+        "\n# Error against grid resolution\n\nBodies of 1 m, ever more cells along them: how far a displacement at rest misses \
+         that of the solid. Steps' error: the same body let go under its weight, in automatic stepping, against steps many \
+         times smaller. Wall time: for a simulated second at that step."
+    )?;
+    for figures in cases {
+        let CellsFigures { case, reference_m, reference, rows, converges, .. } = figures;
+        writeln!(
+            text,
+            "\n## {case}\n\n{}\n\nThe solid moves by {}, from {reference}.",
+            cells_advice(figures),
+            millimetres(*reference_m)
+        )?;
+        if !converges {
+            writeln!(text, "\n**The cells do not lead to that: they stand for another solid.**")?;
+        }
+        writeln!(text, "\n| divisions | particles | error mm | of the displacement | wall s |\n|---|---|---|---|---|")?;
+        for CellsRow { divisions, particles, error_m, wall_secs, .. } in rows {
+            let share = 100.0 * error_m / reference_m.abs();
+            writeln!(text, "| {divisions} | {particles} | {:.4} | {share:.2} % | {wall_secs:.3} |", error_m * 1e3)?;
+        }
+    }
+    Ok(())
+}
+
+/// The table of resolutions.
+pub fn cells_csv(cases: &[CellsFigures]) -> String {
+    let mut text = "case,divisions,particles,displacement_m,error_m,wall_secs,reference_m,steps_divisions,step_secs,\
+                    steps_error_m\n"
+        .to_owned();
+    for figures in cases {
+        let CellsFigures { case, reference_m, steps_divisions, step_secs, steps_error_m, .. } = figures;
+        for CellsRow { divisions, particles, displacement_m, error_m, wall_secs } in &figures.rows {
+            let line = format!(
+                "{case},{divisions},{particles},{displacement_m},{error_m},{wall_secs},{reference_m},{steps_divisions},\
+                 {step_secs},{steps_error_m}\n"
+            );
+            text.push_str(&line);
+        }
+    }
+    text
 }
 
 fn line(figures: &ErrorFigures, row: &Row) -> String {

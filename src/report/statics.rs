@@ -1,21 +1,27 @@
 //! Small displacements of a compiled body: its links as a linear operator, solved by conjugate gradients.
 
-use gelatin::physics::model::BodyModel;
 use glam::DVec3;
 
+use crate::physics::model::BodyModel;
+
+/// The most steps of the conjugate gradients.
+const MOST_STEPS: usize = 20_000;
+
 /// A body's links about its start, in double precision.
-pub(crate) struct Linear {
+#[derive(Clone, Debug)]
+pub struct Linear {
     /// Where the particles start, m.
-    pub(crate) start: Vec<DVec3>,
+    pub start: Vec<DVec3>,
     /// Their masses, kg.
-    pub(crate) mass: Vec<f64>,
+    pub mass: Vec<f64>,
     /// What is left of every particle's displacements: 1 where an axis is free, 0 where it is held.
-    pub(crate) free: Vec<DVec3>,
+    pub free: Vec<DVec3>,
     links: Vec<([usize; 2], DVec3, f64)>,
 }
 
 impl Linear {
-    pub(crate) fn of(body: &BodyModel<f64>) -> Self {
+    /// The links of a compiled body.
+    pub fn of(body: &BodyModel<f64>) -> Self {
         let mut links = Vec::new();
         for family in &body.links {
             for (number, link) in family.links.iter().enumerate() {
@@ -37,7 +43,7 @@ impl Linear {
     }
 
     /// Holds the axes for which `held` is one at the particles chosen.
-    pub(crate) fn hold(&mut self, held: DVec3, chosen: impl Fn(DVec3) -> bool) {
+    pub fn hold(&mut self, held: DVec3, chosen: impl Fn(DVec3) -> bool) {
         for (free, start) in self.free.iter_mut().zip(&self.start) {
             if chosen(*start) {
                 *free *= DVec3::ONE - held;
@@ -46,7 +52,7 @@ impl Linear {
     }
 
     /// The forces that hold the particles at these displacements, N.
-    pub(crate) fn resistance(&self, displacement: &[DVec3]) -> Vec<DVec3> {
+    pub fn resistance(&self, displacement: &[DVec3]) -> Vec<DVec3> {
         let mut force = vec![DVec3::ZERO; displacement.len()];
         for &([i, j], direction, stiffness) in &self.links {
             let pull = direction * (stiffness * direction.dot(displacement[j] - displacement[i]));
@@ -59,8 +65,9 @@ impl Linear {
         force
     }
 
-    /// The displacements under these loads, N, by conjugate gradients with the diagonal before them.
-    pub(crate) fn solve(&self, load: &[DVec3]) -> Vec<DVec3> {
+    /// The displacements under these loads, N, by conjugate gradients with the diagonal before them; none where they do
+    /// not converge, as for a body that nothing holds.
+    pub fn solve(&self, load: &[DVec3]) -> Option<Vec<DVec3>> {
         let scale = self.inverse_diagonal();
         let mut x = vec![DVec3::ZERO; load.len()];
         let mut r: Vec<DVec3> = load.iter().zip(&self.free).map(|(load, free)| *load * *free).collect();
@@ -68,9 +75,9 @@ impl Linear {
         let mut p = z.clone();
         let mut rho = dot(&r, &z);
         let enough = 1e-16 * rho;
-        for _ in 0..20_000 {
+        for _ in 0..MOST_STEPS {
             if rho <= enough {
-                return x;
+                return Some(x);
             }
             let q = self.resistance(&p);
             let alpha = rho / dot(&p, &q);
@@ -85,16 +92,16 @@ impl Linear {
             }
             rho = next;
         }
-        panic!("conjugate gradients did not converge");
+        None
     }
 
     /// The square of the lowest frequency, 1/s², of the vibrations that share the symmetry of `shape`, by inverse
-    /// iteration.
-    pub(crate) fn lowest(&self, mut shape: Vec<DVec3>) -> f64 {
+    /// iteration; none where nothing holds the body.
+    pub fn lowest(&self, mut shape: Vec<DVec3>) -> Option<f64> {
         let mut lambda = f64::INFINITY;
         for _ in 0..20 {
             let load: Vec<DVec3> = shape.iter().zip(&self.mass).map(|(u, m)| *u * *m).collect();
-            let next = self.solve(&load);
+            let next = self.solve(&load)?;
             let inertia: f64 = next.iter().zip(&self.mass).map(|(u, m)| u.length_squared() * m).sum();
             let found = dot(&next, &load) / inertia;
             let is_settled = (found / lambda - 1.0).abs() < 1e-4;
@@ -103,7 +110,7 @@ impl Linear {
                 break;
             }
         }
-        lambda
+        Some(lambda)
     }
 
     fn inverse_diagonal(&self) -> Vec<DVec3> {
@@ -118,7 +125,7 @@ impl Linear {
 }
 
 /// A load of 1 N in all on the face of a box whose middle is the origin, shared out by area.
-pub(crate) fn face_load(body: &Linear, size: DVec3, cell: f64, face: DVec3, direction: DVec3) -> Vec<DVec3> {
+pub fn face_load(body: &Linear, size: DVec3, cell: f64, face: DVec3, direction: DVec3) -> Vec<DVec3> {
     let near = 1e-6 * cell;
     let share = |start: &DVec3| {
         let edge = |axis: usize| if 0.5 * size[axis] - start[axis].abs() < near { 0.5 } else { 1.0 };
@@ -131,11 +138,12 @@ pub(crate) fn face_load(body: &Linear, size: DVec3, cell: f64, face: DVec3, dire
 }
 
 /// The mean displacement where a load acts, weighted by it, along it.
-pub(crate) fn mean_along(load: &[DVec3], displacement: &[DVec3]) -> f64 {
+pub fn mean_along(load: &[DVec3], displacement: &[DVec3]) -> f64 {
     dot(load, displacement)
 }
 
-pub(crate) fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
+/// The sum of the products.
+pub fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
