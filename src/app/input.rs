@@ -155,6 +155,8 @@ pub enum Panel {
     Inspector,
     /// What a step costs.
     Cost,
+    /// How exact the steps are.
+    Error,
 }
 
 /// Something to do with the body or obstacle that is chosen.

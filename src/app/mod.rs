@@ -23,6 +23,7 @@ pub mod ui;
 pub mod worker;
 
 mod damage;
+mod error_job;
 mod files;
 mod jellify_job;
 mod kept_file;

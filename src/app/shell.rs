@@ -19,6 +19,7 @@ use winit::window::Window;
 
 use self::drawing::Drawing;
 use super::canvas::{Canvas, CanvasError};
+use super::error_job::ErrorJob;
 use super::files::Files;
 use super::hand::{Hand, Target};
 use super::handles::Handles;
@@ -63,6 +64,7 @@ pub(super) struct Shell {
     proxy: EventLoopProxy<Wake>,
     worker: Worker,
     files: Files,
+    error_job: ErrorJob,
     preferences: PreferencesFile,
     snapshot: Option<Snapshot>,
     orbit: Orbit,
@@ -111,6 +113,7 @@ impl Shell {
             proxy,
             worker,
             files,
+            error_job: ErrorJob::default(),
             preferences,
             snapshot: None,
             orbit: Orbit::default(),
@@ -174,6 +177,7 @@ impl Shell {
             Wake::Worker => self.receive()?,
             Wake::Dialog => {
                 self.files.answer(&mut self.ui.files);
+                self.error_job.answer(&mut self.ui.error_panel);
                 self.drawing.ask_panels();
             }
             Wake::Accessibility(event) => {
@@ -308,11 +312,14 @@ impl Shell {
 
     fn grant_wishes(&mut self, event_loop: &ActiveEventLoop) {
         let proxy = self.proxy.clone();
-        let granted = self.files.grant(&mut self.ui.files, move || {
+        let wake = move || {
             if proxy.send_event(Wake::Dialog).is_err() {
                 log::debug!("the event loop has ended: nobody is woken");
             }
-        });
+        };
+        let open = self.snapshot.as_ref().map(|snapshot| (&*snapshot.scene, snapshot.status.base_dir.as_path()));
+        self.error_job.grant(&mut self.ui.error_panel, open, wake.clone());
+        let granted = self.files.grant(&mut self.ui.files, wake);
         granted.commands.into_iter().for_each(|command| self.worker.send(command));
         if granted.quit {
             self.close(event_loop);

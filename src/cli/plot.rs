@@ -8,16 +8,15 @@ use anyhow::{Result, anyhow};
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::prelude::{RGBColor, SVGBackend, WHITE};
 
-/// Okabe and Ito's colours.
-pub(super) const COLORS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(204, 121, 167),
-    RGBColor(0, 158, 115),
-    RGBColor(230, 159, 0),
-    RGBColor(213, 94, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(90, 90, 90),
-];
+use crate::view::colormap::SERIES;
+
+/// Of several curves.
+pub(super) const COLORS: [RGBColor; 7] = [color(0), color(1), color(2), color(3), color(4), color(5), color(6)];
+
+const fn color(index: usize) -> RGBColor {
+    let [red, green, blue] = SERIES[index];
+    RGBColor(red, green, blue)
+}
 
 /// A part of the picture.
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;

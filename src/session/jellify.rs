@@ -51,11 +51,24 @@ impl Progress {
 impl Watch for Progress {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a thousand")]
     fn progress(&self, fraction: f64) {
-        self.permille.store((fraction.clamp(0.0, 1.0) * FILLING * 1000.0) as u32, Ordering::Relaxed);
+        self.permille.store((fraction.clamp(0.0, 1.0) * 1000.0) as u32, Ordering::Relaxed);
     }
 
     fn cancelled(&self) -> bool {
         self.is_cancelled()
+    }
+}
+
+/// The part of the work that is the filling with cells.
+struct Filling<'a>(&'a Progress);
+
+impl Watch for Filling<'_> {
+    fn progress(&self, fraction: f64) {
+        self.0.progress(FILLING * fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.is_cancelled()
     }
 }
 
@@ -140,7 +153,7 @@ pub fn jellify(
     progress: &Progress,
 ) -> Result<Jellified, JellifyError> {
     let go_on = || if progress.is_cancelled() { Err(JellifyError::Cancelled) } else { Ok(()) };
-    let filled = fill(&Shape::Model(model.clone()), base_dir, progress).map_err(|error| match error {
+    let filled = fill(&Shape::Model(model.clone()), base_dir, &Filling(progress)).map_err(|error| match error {
         ResolveError::Voxelize { source: VoxelizeError::Cancelled, .. } => JellifyError::Cancelled,
         error => JellifyError::Resolve(error),
     })?;

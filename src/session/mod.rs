@@ -10,6 +10,7 @@ mod costs;
 mod cures;
 pub mod document;
 mod editing;
+pub mod error_curve;
 mod grab;
 mod history;
 pub mod hold;

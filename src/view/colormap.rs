@@ -13,6 +13,10 @@ pub enum Colormap {
     Cividis,
 }
 
+/// sRGB colours of several curves in one plot, which people who see few colours tell apart (Okabe, Ito), and a grey.
+pub const SERIES: [[u8; 3]; 7] =
+    [[0, 114, 178], [204, 121, 167], [0, 158, 115], [230, 159, 0], [213, 94, 0], [86, 180, 233], [90, 90, 90]];
+
 /// Entries of [`Colormap::table`].
 pub const TABLE_SIZE: u32 = 256;
 

@@ -6,6 +6,7 @@ mod input;
 mod live;
 mod panels;
 mod panels_cost;
+mod panels_error;
 mod panels_fit;
 mod panels_material;
 mod panels_pictures;

@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers, Pos2, Rect};
 use gelatin::app::preferences::{Folders, Preferences};
 use gelatin::app::theme::Theme;
-use gelatin::app::ui::{Panels, Widths};
+use gelatin::app::ui::{Below, Panels, Widths};
 
 use crate::live::Window;
 
@@ -77,7 +77,7 @@ fn an_edge_lies_beside_the_view_not_over_it() {
 fn what_was_arranged_is_arranged_again() {
     let preferences = Preferences {
         theme: Theme::Light,
-        panels: Panels { tree: true, inspector: true, cost: true },
+        panels: Panels { tree: true, inspector: true, below: Some(Below::Cost) },
         widths: Widths { list: 230.0, values: 380.0 },
         zoom: 1.0,
         folders: Folders { scene: Some("/home/a".into()), model: Some("/home/b".into()) },

@@ -7,7 +7,7 @@ use super::{Shell, running};
 use crate::app::hand;
 use crate::app::handles::{self, Sight};
 use crate::app::input::{Action, ChosenAction, Event, Keyboard, Panel, Situation};
-use crate::app::ui;
+use crate::app::ui::{self, Below};
 use crate::view::Ray;
 use crate::view::legend::three_digits;
 
@@ -101,7 +101,8 @@ impl Shell {
             }
             Action::TogglePanel(Panel::Tree) => self.ui.panels.tree ^= true,
             Action::TogglePanel(Panel::Inspector) => self.ui.panels.inspector ^= true,
-            Action::TogglePanel(Panel::Cost) => self.ui.panels.cost ^= true,
+            Action::TogglePanel(Panel::Cost) => self.ui.panels.toggle(Below::Cost),
+            Action::TogglePanel(Panel::Error) => self.ui.panels.toggle(Below::Error),
             Action::ToggleKeys => self.ui.keys_open = !self.ui.keys_open,
             Action::ToggleFullScreen => self.toggle_full_screen(),
             Action::Close => self.close_one(),

@@ -45,7 +45,7 @@ const RIGHT: [Group; 2] = [
     (
         "Window",
         &[
-            ("T,  N,  C", "list of things, values, what a step costs"),
+            ("T,  N,  C,  E", "list of things, values, what a step costs, error of the steps"),
             ("Tab", "from one control to the next"),
             ("Arrows, wheel", "step a slider; with shift finely"),
             ("Esc", "put back what is dragged, close what is open, choose nothing"),

@@ -3,7 +3,7 @@
 use egui::containers::menu::{MenuButton, MenuConfig, menu_style};
 use egui::{Button, PopupCloseBehavior, RichText, Ui, WidgetInfo};
 
-use super::{Framing, Running, Shown, UiState, actions, capitalised, color, file_menu, theme};
+use super::{Below, Framing, Running, Shown, UiState, actions, capitalised, color, file_menu, theme};
 use crate::app::input::ChosenAction;
 use crate::app::theme::Theme;
 use crate::scene::edit::Edit;
@@ -89,7 +89,13 @@ fn view_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, comma
     ui.separator();
     toggle_ui(ui, &mut state.panels.tree, "List of things", "T");
     toggle_ui(ui, &mut state.panels.inspector, "Values", "N");
-    toggle_ui(ui, &mut state.panels.cost, "What a step costs", "C");
+    for (below, words, key) in [(Below::Cost, "What a step costs", "C"), (Below::Error, "Error of the steps", "E")] {
+        let mut open = state.panels.below == Some(below);
+        toggle_ui(ui, &mut open, words, key);
+        if open != (state.panels.below == Some(below)) {
+            state.panels.toggle(below);
+        }
+    }
     ui.separator();
     if let Some(running) = running {
         let view = &running.scene.view;

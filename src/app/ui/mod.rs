@@ -5,6 +5,7 @@ pub mod actions;
 mod adding;
 mod color;
 mod cost;
+pub mod error_panel;
 mod figure;
 mod file_menu;
 pub mod files;
@@ -37,12 +38,13 @@ use crate::session::{Command, Status};
 use crate::view::{Colormap, SafeArea};
 
 pub use color::color_command;
+use error_panel::ErrorPanel;
 use files::FilesState;
 pub use inspector::own_weight::TooHeavy;
 pub use sides::Widths;
 
-/// The most of the window's height that the cost panel takes: the view keeps the rest.
-const COST_SHARE: f32 = 0.4;
+/// The most of the window's height that a panel above the time line takes: the view keeps the rest.
+const BELOW_SHARE: f32 = 0.4;
 /// The least share of the view's width and height that counts as free.
 const LEAST_FREE: f32 = 0.25;
 
@@ -114,6 +116,8 @@ pub struct UiState {
     pub widths: Widths,
     /// The dialogs about files.
     pub files: FilesState,
+    /// The error curve.
+    pub error_panel: ErrorPanel,
 }
 
 /// What the camera is to show whole.
@@ -137,13 +141,30 @@ pub struct Panels {
     pub tree: bool,
     /// The values of what is chosen, on the right.
     pub inspector: bool,
-    /// What a step costs, above the time line.
-    pub cost: bool,
+    /// What is open above the time line.
+    pub below: Option<Below>,
+}
+
+/// A panel above the time line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Below {
+    /// What a step costs.
+    Cost,
+    /// How exact the steps are.
+    Error,
 }
 
 impl Default for Panels {
     fn default() -> Self {
-        Self { tree: true, inspector: true, cost: false }
+        Self { tree: true, inspector: true, below: None }
+    }
+}
+
+impl Panels {
+    /// Opens a panel above the time line, in the place of another one, or closes it.
+    pub fn toggle(&mut self, below: Below) {
+        self.below = if self.below == Some(below) { None } else { Some(below) };
     }
 }
 
@@ -171,6 +192,7 @@ impl UiState {
             panels: Panels::default(),
             widths: Widths::default(),
             files: FilesState::default(),
+            error_panel: ErrorPanel::default(),
         }
     }
 
@@ -220,6 +242,7 @@ impl UiState {
     /// Another scene has taken the place of the old one: what came along with it is chosen.
     pub fn on_new_scene(&mut self) {
         (self.selection, self.awaited) = (None, self.comes_along.take());
+        self.error_panel.forget();
     }
 
     /// Takes note of what comes along with a new scene.
@@ -253,9 +276,9 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
         top_bar::top_bar_ui(ui, shown, state, commands);
     });
     egui::Panel::bottom("timeline").resizable(false).frame(theme::bar_frame(ui)).show(ui, |ui| {
-        timeline::timeline_ui(ui, status, &mut state.panels.cost, commands);
+        timeline::timeline_ui(ui, status, &mut state.panels, commands);
     });
-    cost_panel_ui(ui, shown, state.panels.cost, commands);
+    below_panel_ui(ui, shown, state, commands);
     if let Some(running) = shown.running {
         state.follow(running.scene);
         sides::side_panels_ui(ui, running, state, commands);
@@ -288,20 +311,24 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     state.foresee(commands);
 }
 
-/// The panel above the time line; what it shows is measured only while it is open.
-fn cost_panel_ui(ui: &mut Ui, shown: &Shown<'_>, open: bool, commands: &mut Vec<Command>) {
+/// The panel above the time line; costs are measured only while they are shown.
+fn below_panel_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(running) = shown.running else { return };
-    if running.status.cost.is_some() != open {
-        commands.push(Command::WatchCost(open));
+    let below = state.panels.below;
+    let counted = below == Some(Below::Cost);
+    if running.status.cost.is_some() != counted {
+        commands.push(Command::WatchCost(counted));
     }
-    if open {
-        let panel = egui::Panel::bottom("cost")
-            .resizable(false)
-            .exact_size(cost::HEIGHT.min(COST_SHARE * ui.available_height()));
-        panel.frame(theme::bar_frame(ui)).show(ui, |ui| {
-            cost::cost_ui(ui, running.status, shown.drawing);
-        });
-    }
+    let Some(below) = below else { return };
+    let (name, height) = match below {
+        Below::Cost => ("cost", cost::HEIGHT),
+        Below::Error => ("error", error_panel::HEIGHT),
+    };
+    let panel = egui::Panel::bottom(name).resizable(false).exact_size(height.min(BELOW_SHARE * ui.available_height()));
+    panel.frame(theme::bar_frame(ui)).show(ui, |ui| match below {
+        Below::Cost => cost::cost_ui(ui, running.status, shown.drawing),
+        Below::Error => error_panel::error_panel_ui(ui, running, &mut state.error_panel, commands),
+    });
 }
 
 /// A small label beside the pointer with the value there.

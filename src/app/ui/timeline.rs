@@ -3,14 +3,19 @@
 use egui::{Align, Layout, RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
-use super::{capitalised, theme};
+use super::{Below, Panels, capitalised, theme};
 use crate::session::{Command, Status};
 
 /// Below this width (points) the counts give way to the words.
-const COUNTS_NEED: f32 = 860.0;
+const COUNTS_NEED: f32 = 920.0;
+/// The panels above the bar, from right to left.
+const BELOW: [(Below, &str, &str); 2] = [
+    (Below::Cost, "Cost", "Where the time of a step goes, and what this scene does not need  (C)"),
+    (Below::Error, "Error", "How exact the steps are, and what other schemes and steps would give  (E)"),
+];
 
 /// The bar along the bottom.
-pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, cost_open: &mut bool, commands: &mut Vec<Command>) {
+pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, panels: &mut Panels, commands: &mut Vec<Command>) {
     let ready = status.particles > 0 || !status.title.is_empty();
     let wide = ui.available_width() >= COUNTS_NEED;
     ui.horizontal(|ui| {
@@ -32,8 +37,12 @@ pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, cost_open: &mut bool, co
             .on_hover_text("Simulated time");
         ui.add_space(8.0);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let help = "Where the time of a step goes, and what this scene does not need  (C)";
-            ui.toggle_value(cost_open, "Cost").on_hover_text(help);
+            for (below, name, help) in BELOW {
+                let mut open = panels.below == Some(below);
+                if ui.toggle_value(&mut open, name).on_hover_text(help).clicked() {
+                    panels.toggle(below);
+                }
+            }
             if wide {
                 ui.add_space(8.0);
                 counts_ui(ui, status);

@@ -1,0 +1,168 @@
+//! The error panel: how exact the present scheme and step are and what others would give, as points that are chosen by a
+//! click (R1). The curve is computed elsewhere, when a person asks for it.
+
+mod plot;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use egui::{Color32, Label, ProgressBar, RichText, ScrollArea, Ui, vec2};
+
+use super::{Running, actions, theme};
+use crate::scene::edit::Edit;
+use crate::session::Command;
+use crate::session::error_curve::{ErrorCurve, StepChoice};
+use crate::session::jellify::Progress;
+use crate::view::legend::three_digits;
+
+/// Height of the panel, points.
+pub(super) const HEIGHT: f32 = 226.0;
+/// Width of the words beside the plot, points.
+const WORDS: f32 = 232.0;
+/// How often the progress is looked at while the work goes on.
+const LOOK: Duration = Duration::from_millis(250);
+
+const WHAT: &str = "How far every scheme and step misses the motion that the scene begins with, and how long it takes. \
+                    Computed in the background.";
+
+/// What the panel remembers.
+#[derive(Debug, Default)]
+pub struct ErrorPanel {
+    /// The curve, or how far it is.
+    pub work: Work,
+    /// What a person asked for.
+    pub wish: Option<Wish>,
+}
+
+/// How far the curve is.
+#[derive(Debug, Default)]
+pub enum Work {
+    /// Nobody has asked for it.
+    #[default]
+    Idle,
+    /// It is being computed.
+    Running(Arc<Progress>),
+    /// It is there.
+    Ready(Box<ErrorCurve>),
+    /// It cannot be computed; why, as a sentence.
+    Failed(String),
+}
+
+/// What a person asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// Compute the curve of the present scene.
+    Begin,
+    /// Stop computing it, and forget it.
+    Stop,
+}
+
+impl ErrorPanel {
+    /// Another scene has taken the place of the old one.
+    pub(super) fn forget(&mut self) {
+        self.wish = (!matches!(self.work, Work::Idle)).then_some(Wish::Stop);
+    }
+}
+
+/// The panel.
+pub(super) fn error_panel_ui(ui: &mut Ui, running: Running<'_>, panel: &mut ErrorPanel, commands: &mut Vec<Command>) {
+    let present = StepChoice::of(&running.scene.settings);
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 18.0;
+        let height = ui.available_height();
+        ui.allocate_ui(vec2(WORDS, height), |ui| {
+            ui.vertical(|ui| {
+                ui.set_width(WORDS);
+                words_ui(ui, running, present, panel);
+            });
+        });
+        if let Work::Ready(curve) = &panel.work
+            && let Some(choice) = plot::plot_ui(ui, curve, present)
+        {
+            let settings = choice.applied(&running.scene.settings);
+            commands.extend(actions::alone(Edit::Settings(settings)));
+        }
+    });
+}
+
+fn words_ui(ui: &mut Ui, running: Running<'_>, present: StepChoice, panel: &mut ErrorPanel) {
+    let colors = theme::of(ui);
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Error of the steps").color(colors.strong).strong());
+        let (name, wish) = match panel.work {
+            Work::Idle => ("Compute", Wish::Begin),
+            Work::Running(_) => ("Stop", Wish::Stop),
+            Work::Ready(_) | Work::Failed(_) => ("Compute again", Wish::Begin),
+        };
+        if ui.button(name).clicked() {
+            panel.wish = Some(wish);
+        }
+    });
+    ScrollArea::vertical().show(ui, |ui| {
+        let say = |ui: &mut Ui, text: &str, color: Color32| {
+            ui.add(Label::new(RichText::new(text).color(color)).wrap());
+        };
+        match &panel.work {
+            Work::Idle => say(ui, WHAT, colors.weak),
+            Work::Running(progress) => {
+                let fraction = progress.fraction();
+                say(ui, &format!("Computing beside the simulation: {:.0} %", 100.0 * fraction), colors.weak);
+                ui.add(ProgressBar::new(fraction).desired_width(WORDS - 14.0));
+                ui.ctx().request_repaint_after(LOOK);
+            }
+            Work::Failed(why) => say(ui, &format!("Not computed: {why}."), colors.error),
+            Work::Ready(curve) => {
+                if !curve.is_of(running.scene) {
+                    let text = "The scene has changed since: these are the errors of the old one.";
+                    say(ui, text, colors.warning);
+                }
+                say(ui, &present_words(curve, present), colors.weak);
+                say(ui, "A click on a point takes its scheme and step.", colors.weak);
+            }
+        }
+    });
+}
+
+/// What the present choice comes to.
+fn present_words(curve: &ErrorCurve, present: StepChoice) -> String {
+    let choice = present.words();
+    match curve.place(present) {
+        Some([wall_secs, error_m]) => format!(
+            "Now {choice}: misses by {} in {} s, takes {} per simulated second.",
+            length(error_m),
+            three_digits(curve.simulated_secs),
+            duration(wall_secs)
+        ),
+        None => format!("Now {choice}: it diverges or was not measured."),
+    }
+}
+
+/// A small length.
+fn length(meters: f64) -> String {
+    let (value, unit) = if meters >= 1.0 {
+        (meters, "m")
+    } else if meters >= 1e-3 {
+        (meters * 1e3, "mm")
+    } else if meters >= 1e-6 {
+        (meters * 1e6, "µm")
+    } else {
+        (meters * 1e9, "nm")
+    };
+    format!("{} {unit}", three_digits(value))
+}
+
+/// A short time.
+fn duration(secs: f64) -> String {
+    if secs >= 1.0 { format!("{} s", three_digits(secs)) } else { format!("{} ms", three_digits(secs * 1e3)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_and_times_have_units_that_keep_them_short() {
+        assert_eq!([2.0, 0.0123, 4.5e-5, 3e-9].map(length), ["2 m", "12.3 mm", "45 µm", "3 nm"]);
+        assert_eq!([1.5, 0.0421].map(duration), ["1.5 s", "42.1 ms"]);
+    }
+}

@@ -1,0 +1,260 @@
+//! How exact every scheme at every step is on a scene, for the time it takes (R1): computed on the caller's thread, with
+//! less work than the report takes; tells how far it is and stops through [`Progress`].
+
+use std::path::Path;
+
+use thiserror::Error;
+
+use super::SessionError;
+use super::document::Opened;
+use super::jellify::Progress;
+use super::step_words::step_text;
+use crate::geometry::Watch;
+use crate::report::error::{Effort, Row, Way, measure};
+use crate::scene::settings::{Integrator, Stepping};
+use crate::scene::{Scene, Settings, ViewSettings};
+
+/// Simulated time, s: of bodies of up to so many links, and of larger ones.
+const SECONDS: [f64; 2] = [0.6, 0.2];
+const FEW_LINKS: usize = 6000;
+/// Runs of each, steps and the reference's fineness.
+const REPEATS: usize = 3;
+const MOST_RUNGS: u32 = 7;
+const FINER: f64 = 0.125;
+
+/// A scheme and a step, as the settings of a scene choose them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepChoice {
+    /// The scheme; none in automatic stepping, which chooses by itself.
+    pub integrator: Option<Integrator>,
+    /// The step, s.
+    pub dt_secs: f64,
+}
+
+impl StepChoice {
+    /// What the settings choose.
+    pub fn of(settings: &Settings) -> Self {
+        let manual = settings.stepping == Stepping::Manual;
+        Self { integrator: manual.then_some(settings.integrator), dt_secs: settings.dt }
+    }
+
+    /// The same settings with this choice.
+    pub fn applied(self, settings: &Settings) -> Settings {
+        let stepping = if self.integrator.is_some() { Stepping::Manual } else { Stepping::Auto };
+        let integrator = self.integrator.unwrap_or(settings.integrator);
+        Settings { dt: self.dt_secs, integrator, stepping, ..settings.clone() }
+    }
+
+    /// The choice in words: "velocity Verlet, 1.00 ms".
+    pub fn words(self) -> String {
+        let scheme = self.integrator.map_or("automatic stepping", Integrator::words);
+        format!("{scheme}, {}", step_text(self.dt_secs))
+    }
+}
+
+/// One choice, measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint {
+    /// What was measured.
+    pub choice: StepChoice,
+    /// Root of the mean square distance of the particles from the reference, m; none where the run diverged.
+    pub error_m: Option<f64>,
+    /// Wall time for a simulated second, s.
+    pub wall_secs: f64,
+    /// Whether nothing else is both as fast and as exact.
+    pub is_best: bool,
+}
+
+/// Every choice that was measured on a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorCurve {
+    /// The scene, but for what is chosen and how it looks.
+    scene: Scene,
+    /// The choices; those of a scheme stand together, the largest step first.
+    pub points: Vec<CurvePoint>,
+    /// For how long the motion was compared, s.
+    pub simulated_secs: f64,
+    /// What the reference itself is known to, m.
+    pub known_m: f64,
+}
+
+/// Why there is no curve.
+#[derive(Debug, Error)]
+pub enum ErrorCurveError {
+    /// It was asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// Nothing moves.
+    #[error("the scene has no body: there is nothing to measure")]
+    Nothing,
+    /// The bodies cannot be made.
+    #[error(transparent)]
+    Session(#[from] SessionError),
+}
+
+/// How far the work is, with a pause before every step.
+struct Paced<'a> {
+    progress: &'a Progress,
+    pause: &'a (dyn Fn() + Sync),
+}
+
+impl Watch for Paced<'_> {
+    fn progress(&self, fraction: f64) {
+        self.progress.progress(fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        if !self.progress.is_cancelled() {
+            (self.pause)();
+        }
+        self.progress.is_cancelled()
+    }
+}
+
+/// Measures a scene from its start; relative model paths start at `base_dir`. `pause` is called before every step, for who
+/// leaves the processors to others; its time is not measured.
+pub fn error_curve(
+    scene: &Scene,
+    base_dir: &Path,
+    progress: &Progress,
+    pause: &(dyn Fn() + Sync),
+) -> Result<ErrorCurve, ErrorCurveError> {
+    if scene.bodies.is_empty() {
+        return Err(ErrorCurveError::Nothing);
+    }
+    let opened = Opened::without_file(scene.clone(), String::new(), base_dir.to_owned());
+    let lattices = opened.lattices(&())?;
+    let links: usize = lattices.iter().map(|lattice| lattice.counts().all_links()).sum();
+    let seconds = SECONDS[usize::from(links > FEW_LINKS)];
+    let effort = Effort { seconds, repeats: REPEATS, most_rungs: MOST_RUNGS, finer: FINER, side_by_side: false };
+    let figures =
+        measure("", scene, &lattices, effort, &Paced { progress, pause }).ok_or(ErrorCurveError::Cancelled)?;
+    Ok(ErrorCurve {
+        scene: without_choice(scene),
+        points: figures.rows.iter().map(point).collect(),
+        simulated_secs: figures.simulated_secs,
+        known_m: figures.reference_error_m,
+    })
+}
+
+fn point(row: &Row) -> CurvePoint {
+    let integrator = match row.integrator {
+        Way::Manual(integrator) => Some(integrator),
+        Way::Automatic => None,
+    };
+    CurvePoint {
+        choice: StepChoice { integrator, dt_secs: row.dt_secs },
+        error_m: (!row.diverged).then_some(row.error_rms_m),
+        wall_secs: row.wall_secs_median,
+        is_best: row.pareto,
+    }
+}
+
+impl ErrorCurve {
+    /// Whether it tells of this scene, whatever scheme and step that has.
+    pub fn is_of(&self, scene: &Scene) -> bool {
+        self.scene == without_choice(scene)
+    }
+
+    /// What is known of a choice, measured or between two that were: its wall time for a simulated second, s, and its
+    /// error, m. None where it diverges or was not measured.
+    pub fn place(&self, choice: StepChoice) -> Option<[f64; 2]> {
+        let of_scheme = self.points.iter().filter(|point| point.choice.integrator == choice.integrator);
+        let known: Vec<_> = of_scheme.filter_map(|point| Some((point, point.error_m?))).collect();
+        let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9;
+        if let Some((same, error_m)) = known.iter().find(|(point, _)| close(point.choice.dt_secs, choice.dt_secs)) {
+            return Some([same.wall_secs, *error_m]);
+        }
+        let pair = known.windows(2).find(|pair| {
+            let [larger, smaller] = [0, 1].map(|side: usize| pair[side].0.choice.dt_secs);
+            larger > choice.dt_secs && choice.dt_secs > smaller
+        })?;
+        let [(larger, larger_m), (smaller, smaller_m)] = [pair[0], pair[1]];
+        let share =
+            (choice.dt_secs / smaller.choice.dt_secs).ln() / (larger.choice.dt_secs / smaller.choice.dt_secs).ln();
+        let between = |from: f64, to: f64| from * (to / from).powf(share);
+        Some([between(smaller.wall_secs, larger.wall_secs), between(smaller_m, larger_m)])
+    }
+}
+
+/// A scene with one and the same scheme, step and looks.
+fn without_choice(scene: &Scene) -> Scene {
+    let usual = Settings::default();
+    let settings = Settings {
+        dt: usual.dt,
+        integrator: usual.integrator,
+        stepping: usual.stepping,
+        sleeping: usual.sleeping,
+        ..scene.settings.clone()
+    };
+    Scene { settings, view: ViewSettings::default(), ..scene.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Shape;
+    use crate::scene::body::CubeShape;
+    use crate::scene::presets;
+
+    fn small() -> Scene {
+        let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
+        scene.bodies[0].shape = Shape::Cube(CubeShape { cells: 1, size: 1.0 });
+        scene.bodies[0].pose.position = [0.0, 0.55, 0.0];
+        scene
+    }
+
+    #[test]
+    fn every_scheme_is_measured_and_the_present_choice_is_among_them() {
+        let scene = small();
+        let curve = error_curve(&scene, Path::new(""), &Progress::default(), &|| ()).expect("a curve");
+        for integrator in Integrator::ALL.map(Some).into_iter().chain([None]) {
+            let count = curve.points.iter().filter(|point| point.choice.integrator == integrator).count();
+            assert!(count >= 6, "{integrator:?}: {count} steps");
+        }
+        assert!(curve.points.iter().any(|point| point.is_best), "something is the best");
+        let present = StepChoice::of(&scene.settings);
+        assert_eq!(present, StepChoice { integrator: None, dt_secs: 1e-3 }, "automatic");
+        let [wall_secs, error_m] = curve.place(present).expect("it is known");
+        assert!(wall_secs > 0.0 && error_m > 0.0 && error_m < 0.1, "{wall_secs} s, {error_m} m");
+    }
+
+    #[test]
+    fn a_choice_between_two_that_were_measured_lies_between_them() {
+        let point = |dt_secs: f64, error_m: Option<f64>, wall_secs: f64| CurvePoint {
+            choice: StepChoice { integrator: Some(Integrator::Verlet), dt_secs },
+            error_m,
+            wall_secs,
+            is_best: false,
+        };
+        let points = vec![point(4e-3, None, 0.1), point(2e-3, Some(4e-4), 0.2), point(1e-3, Some(1e-4), 0.4)];
+        let curve = ErrorCurve { scene: small(), points, simulated_secs: 0.6, known_m: 1e-9 };
+        let place = |dt_secs: f64| curve.place(StepChoice { integrator: Some(Integrator::Verlet), dt_secs });
+        assert_eq!(place(1e-3), Some([0.4, 1e-4]), "as measured");
+        let [wall_secs, error_m] = place(2e-3 / 2_f64.sqrt()).expect("between them");
+        assert!((error_m - 2e-4).abs() < 1e-9 && (wall_secs - 0.08_f64.sqrt()).abs() < 1e-9, "{wall_secs}, {error_m}");
+        assert_eq!([place(4e-3), place(3e-3), place(1e-4)], [None; 3], "it diverges or was not measured");
+        assert_eq!(curve.place(StepChoice { integrator: None, dt_secs: 1e-3 }), None, "another scheme");
+    }
+
+    #[test]
+    fn the_curve_is_of_the_scene_whatever_its_step_and_not_of_another_one() {
+        let scene = small();
+        let curve = ErrorCurve { scene: without_choice(&scene), points: Vec::new(), simulated_secs: 0.6, known_m: 0.0 };
+        let choice = StepChoice { integrator: Some(Integrator::Rk4), dt_secs: 4e-3 };
+        let chosen = Scene { settings: choice.applied(&scene.settings), ..scene.clone() };
+        assert_eq!(StepChoice::of(&chosen.settings), choice, "what is applied is chosen");
+        assert!(curve.is_of(&scene) && curve.is_of(&chosen), "another step");
+        let mut other = scene;
+        other.settings.gravity = [0.0; 3];
+        assert!(!curve.is_of(&other), "another motion");
+        assert_eq!(choice.words(), "Runge–Kutta 4, 4.00 ms");
+    }
+
+    #[test]
+    fn a_scene_without_bodies_is_refused_in_words() {
+        let refused = error_curve(&Scene::default(), Path::new(""), &Progress::default(), &|| ());
+        let refused = refused.expect_err("nothing to measure");
+        assert!(refused.to_string().contains("no body"), "{refused}");
+    }
+}
