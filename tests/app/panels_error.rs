@@ -57,7 +57,7 @@ fn it_is_computed_when_asked_for_with_progress_and_a_stop() {
     let panel = &mut window.harness.state_mut().ui.error_panel;
     (panel.wish, panel.work) = (None, Work::Running(progress));
     window.harness.run_steps(2);
-    assert!(window.has("Computing beside the simulation: 40 %"), "how far it is");
+    assert!(window.has("Computing: 40 %"), "how far it is");
     window.click("Stop");
     assert_eq!(window.harness.state().ui.error_panel.wish, Some(Wish::Stop));
 }

@@ -106,7 +106,7 @@ fn words_ui(ui: &mut Ui, running: Running<'_>, present: StepChoice, panel: &mut 
             Work::Idle => say(ui, WHAT, colors.weak),
             Work::Running(progress) => {
                 let fraction = progress.fraction();
-                say(ui, &format!("Computing beside the simulation: {:.0} %", 100.0 * fraction), colors.weak);
+                say(ui, &format!("Computing: {:.0} %", 100.0 * fraction), colors.weak);
                 ui.add(ProgressBar::new(fraction).desired_width(WORDS - 14.0));
                 ui.ctx().request_repaint_after(LOOK);
             }
