@@ -127,7 +127,6 @@ mod tests {
     fn rounding_gives_a_light_stiff_body_what_is_derived() {
         let walks: Vec<(f64, f64)> = (0..24).map(|walk| heated::<f32>(17.0 * f64::from(walk) + 3.0)).collect();
         let [shown, most] = [walks.iter().map(|w| w.0).sum::<f64>(), walks.iter().map(|w| w.1).sum()];
-        eprintln!("{shown} J of {most} J in the mean: {:?}", walks.iter().map(|w| w.0 / w.1).collect::<Vec<_>>());
         assert!(shown < most, "{shown} J shown, {most} J derived");
         assert!(shown > 0.1 * most, "{shown} J shown, {most} J derived: no room for anything else");
         assert!(walks.iter().all(|(shown, most)| *shown < WALKS.ln() * most), "no walk goes that far: {walks:?}");
