@@ -40,15 +40,12 @@ pub struct Simulation<R: Real = f32> {
 }
 
 impl<R: Real> Simulation<R> {
-    /// A scene at its start. `lattices` are those of the scene's bodies, in their order. Obstacles that a body begins
-    /// inside of come to it gently, as those that are put into it later.
+    /// A scene at its start. `lattices` are those of the scene's bodies, in their order.
     pub fn new(scene: &Scene, lattices: &[Arc<Lattice>]) -> Self {
-        let (mut model, plan) = compile(scene, lattices, None);
+        let (model, plan) = compile(scene, lattices, None);
         let mut state = State::start(&model);
         state.fit_scheme(&plan);
         state.fit_sleep(&plan);
-        (0..model.bodies.len()).for_each(|body| approach::begin_for(&model, body, &mut state));
-        approach::place(&mut model, &state.approaches, 0.0);
         let scratch = Scratch::new(&model, &plan);
         Self {
             model,

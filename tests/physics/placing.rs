@@ -45,11 +45,6 @@ fn check_strained(
     most: f64,
 ) -> Simulation<f32> {
     simulation.set_parameters(scene, &lattices(scene), kept, Arrival::Placed);
-    come_out(simulation, what, most)
-}
-
-/// The cube gets out of the obstacle that it is inside of, strained by no more than `most`.
-fn come_out(mut simulation: Simulation<f32>, what: &str, most: f64) -> Simulation<f32> {
     assert_eq!(simulation.state().approaches.len(), 1, "{what}: it is inside");
     let energy = simulation.diagnostics().energy.total();
     let (mut strain, mut inverted) = (0.0_f64, 0);
@@ -106,43 +101,6 @@ fn a_ball_put_into_or_around_a_resting_cube_moves_it_out_whole() {
             let nearest = distances.fold(f64::MAX, f64::min);
             assert!(nearest > radius - 0.0201, "{what}: a particle is {nearest} m from the middle");
         }
-    }
-}
-
-#[test]
-fn a_cube_that_begins_in_an_obstacle_comes_out_whole() {
-    let ground = || plate([0.0; 3], [0.0; 3]);
-    let within_the_ground = |y: f64| (vec![ground()], [0.0, y, 0.0]);
-    let beginnings = [
-        within_the_ground(0.0),
-        within_the_ground(0.3),
-        within_the_ground(-0.45),
-        (vec![ground(), ball([0.1, 0.7, 0.0], 0.3)], [0.0, 0.5, 0.0]),
-        (vec![ground(), ball([0.1, 0.5, 0.0], 2.0)], [0.0, 0.5, 0.0]),
-        (vec![ground(), plate([0.2, 0.5, 0.0], [0.0, 0.0, 90.0])], [0.0, 0.5, 0.0]),
-    ];
-    for integrator in [Integrator::SemiImplicit, Integrator::Implicit] {
-        for (obstacles, position) in &beginnings {
-            let (mut scene, _) = resting(integrator);
-            scene.obstacles.clone_from(obstacles);
-            scene.bodies[0].pose.position = *position;
-            let what = format!("{integrator:?}, {position:?}, {:?}", obstacles.last());
-            let simulation = come_out(simulate::<f32>(&scene), &what, 0.6);
-            assert_eq!(simulation.state().approaches, [], "{what}: it has come");
-            // A body that is put back begins as the scene does.
-            let mut again = simulation;
-            again.restart_body(0);
-            assert_eq!(again.state().approaches, simulate::<f32>(&scene).state().approaches, "{what}: put back");
-        }
-    }
-}
-
-#[test]
-fn a_cube_that_begins_on_the_ground_is_not_in_it() {
-    for turned in [[0.0; 3], [0.0, 33.0, 0.0], [90.0, 20.0, 180.0]] {
-        let (mut scene, _) = resting(Integrator::SemiImplicit);
-        scene.bodies[0].pose.rotation_deg = turned;
-        assert_eq!(simulate::<f32>(&scene).state().approaches, [], "{turned:?}: what differs is rounding");
     }
 }
 

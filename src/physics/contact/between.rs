@@ -76,11 +76,7 @@ impl<R: Real> Meeting<'_, R> {
     ) {
         let change = (allowed - velocity) * (mass / self.dt);
         let moves = |record: &ContactRecord<R>| record.surface_velocity != R::Vec3::ZERO;
-        // Of several that move it was the one that the particle was moved away from.
-        let pushed = |record: &ContactRecord<R>| record.normal.dot(change);
-        let moving = found.iter().enumerate().filter(|(_, record)| moves(record));
-        let moving = moving.max_by(|(_, a), (_, b)| pushed(a).to_f64().total_cmp(&pushed(b).to_f64()));
-        let Some((moving, _)) = moving else {
+        let Some(moving) = found.iter().position(moves) else {
             if let Some(last) = found.last_mut() {
                 last.force += change;
             }

@@ -145,13 +145,7 @@ impl<R: Real> Plate<'_, R> {
                 }
                 _ => None,
             };
-            let behind = -along(self.plane, particle, way);
-            match pressed {
-                Some(pressed) => behind - pressed,
-                // What lies in the surface is in its place.
-                None if behind > margin => behind + margin,
-                None => 0.0,
-            }
+            -along(self.plane, particle, way) - pressed.unwrap_or(-margin)
         };
         free(self.body).filter(|&particle| self.is_over(self.position[particle])).map(depth).fold(0.0, f64::max)
     }

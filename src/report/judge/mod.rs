@@ -352,14 +352,6 @@ mod tests {
     }
 
     #[test]
-    fn a_particle_between_two_obstacles_that_come_is_not_driven_by_their_friction() {
-        let (scene, disturbances) = extreme(2_878_880_930, 1339);
-        let lattices = lattices(&scene).expect("sound shapes");
-        let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, PATIENCE);
-        assert_eq!(verdict.fault, None, "{verdict:?}");
-    }
-
-    #[test]
     fn an_explosion_is_seen() {
         let mut scene = falling_cube();
         scene.settings.stepping = Stepping::Manual;
