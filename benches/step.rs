@@ -54,7 +54,7 @@ fn simulate(scene: &Scene) -> Simulation<f32> {
 }
 
 fn advance(mut simulation: Simulation<f32>) -> u64 {
-    (0..STEPS).map(|_| simulation.step().link_forces).sum()
+    (0..STEPS).map(|_| simulation.step().counters.link_forces).sum()
 }
 
 criterion_group!(benches, step);

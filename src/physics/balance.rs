@@ -16,10 +16,10 @@
 use super::contact::ContactRecord;
 use super::forces::for_each_exact_link;
 use super::interaction::Grab;
-use super::model::{BodyModel, Model};
-use super::plan::Plan;
+use super::model::BodyModel;
 use super::recovery;
 use super::state::State;
+use super::substep::Substep;
 use crate::math::{Real, Vector};
 
 /// The share of a body's kinetic energy that is rounding: velocities are in single precision.
@@ -34,42 +34,36 @@ const SUMMED: f64 = 2.6;
 /// than the kinetic energy that was there, or equations that were not solved at all would pass.
 const UNSOLVED: f64 = 2e-4;
 
-/// Whether a substep of `dt` (s) from `state` to the velocities `velocity` gives any body energy from nowhere. `force` is
-/// that of the state without contact and hand.
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
-pub(super) fn gains_energy<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    dt: R,
-    state: &State<R>,
-    force: &[R::Vec3],
-    velocity: &[R::Vec3],
-    contacts: &[ContactRecord<R>],
-    grab: Option<&Grab<R>>,
-) -> bool {
-    (0..model.bodies.len()).any(|number| {
-        !state.bodies[number].asleep
-            && body_gains_energy(model, number, plan, dt, state, force, velocity, contacts, grab)
-    })
+/// Whether a substep that ends so gives any body energy from nowhere.
+pub(super) fn gains_energy<R: Real>(substep: Substep<'_, R>, end: End<'_, R>, stops: &dyn Fn() -> bool) -> bool {
+    let mut bodies = 0..substep.model.bodies.len();
+    bodies.any(|number| !substep.state.bodies[number].asleep && body_gains_energy(substep, number, end, stops))
+}
+
+/// How a substep is to end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct End<'a, R: Real> {
+    /// m/s.
+    pub(super) velocity: &'a [R::Vec3],
+    /// The forces of the state without contact and hand, N.
+    pub(super) force: &'a [R::Vec3],
+    /// What contact did.
+    pub(super) contacts: &'a [ContactRecord<R>],
 }
 
 /// The same of one body.
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 pub(super) fn body_gains_energy<R: Real>(
-    model: &Model<R>,
+    substep: Substep<'_, R>,
     number: usize,
-    plan: &Plan,
-    dt: R,
-    state: &State<R>,
-    force: &[R::Vec3],
-    velocity: &[R::Vec3],
-    contacts: &[ContactRecord<R>],
-    grab: Option<&Grab<R>>,
+    end: End<'_, R>,
+    stops: &dyn Fn() -> bool,
 ) -> bool {
+    let Substep { model, plan, state, dt, grab } = substep;
+    let End { velocity, force, contacts } = end;
     let body = &model.bodies[number];
-    let [first, end] = [body.particles.start, body.particles.end]
+    let [first, after] = [body.particles.start, body.particles.end]
         .map(|particle| contacts.partition_point(|contact| contact.particle < particle));
-    let own = &contacts[first..end];
+    let own = &contacts[first..after];
     let (kinetic, gained, work) = of_particles(body, dt.to_f64(), state, force, velocity);
     let there = (kinetic - gained - work).max(0.0);
     let (stored, carried, turned_over) = of_contacts(body, own, dt, velocity);
@@ -77,12 +71,11 @@ pub(super) fn body_gains_energy<R: Real>(
         grab.filter(|grab| grab.body == number).map_or(0.0, |grab| work_of(grab, body, dt.to_f64(), state, velocity));
     let own = [&state.position[..], &state.velocity, velocity].map(|of| &of[body.particles.clone()]);
     let unfolded = recovery::energy_past_work(plan, body, &state.bodies[number], own, dt);
-    let from_nowhere =
-        gained + of_links(body, plan, dt.to_f64(), state, velocity) + unfolded + stored - carried - pulled;
+    let from_nowhere = gained + of_links(substep, body, velocity, stops) + unfolded + stored - carried - pulled;
     let bearable = ROUNDING * kinetic + UNSOLVED * turned_over.min(there);
     // What is no number is no balance either.
     from_nowhere.is_nan()
-        || from_nowhere > bearable && from_nowhere > bearable + rounding(body, plan, dt.to_f64(), state, velocity)
+        || from_nowhere > bearable && from_nowhere > bearable + rounding(substep, body, velocity, stops)
 }
 
 /// What rounding alone may give or take in this substep, J. A body at rest has no energy but this: no division of the
@@ -95,13 +88,18 @@ pub(super) fn body_gains_energy<R: Real>(
 ///
 /// each as the sum over all links with forces f. The second is the most that such a miss adds: what is linear in w and
 /// not in the balance of momentum is what damping takes, `c u² − c u w ≥ −c w²/4`.
-fn rounding<R: Real>(body: &BodyModel<R>, plan: &Plan, dt: f64, state: &State<R>, velocity: &[R::Vec3]) -> f64 {
+fn rounding<R: Real>(
+    Substep { plan, state, dt, .. }: Substep<'_, R>,
+    body: &BodyModel<R>,
+    velocity: &[R::Vec3],
+    stops: &dyn Fn() -> bool,
+) -> f64 {
     let own = body.particles.clone();
-    let (position, residual) = (&state.position[own.clone()], &state.position_residual[own.clone()]);
-    let velocity = &velocity[own];
+    let [position, residual] = [&state.position, &state.position_residual].map(|of| &of[own.clone()]);
+    let (velocity, dt) = (&velocity[own], dt.to_f64());
     let epsilon = R::EPSILON.to_f64();
     let mut sum = 0.0;
-    for_each_exact_link(body, plan.families, position, residual, |[i, j], link| {
+    for_each_exact_link(body, plan.families, [position, residual], stops, |[i, j], link| {
         let speeds = velocity[i].to_dvec3().length() + velocity[j].to_dvec3().length();
         let force = link.stiffness * (link.d.length() * link.inverse_rest_length - 1.0).abs();
         let resistance = dt * (dt * link.stiffness + 0.5 * link.damping) * link.inverse_rest_length;
@@ -152,12 +150,17 @@ fn of_contacts<R: Real>(
 }
 
 /// What the links have in the end past what their forces at the beginning did not do.
-fn of_links<R: Real>(body: &BodyModel<R>, plan: &Plan, dt: f64, state: &State<R>, velocity: &[R::Vec3]) -> f64 {
+fn of_links<R: Real>(
+    Substep { plan, state, dt, .. }: Substep<'_, R>,
+    body: &BodyModel<R>,
+    velocity: &[R::Vec3],
+    stops: &dyn Fn() -> bool,
+) -> f64 {
     let own = body.particles.clone();
-    let (position, residual) = (&state.position[own.clone()], &state.position_residual[own.clone()]);
-    let velocity = &velocity[own];
+    let [position, residual] = [&state.position, &state.position_residual].map(|of| &of[own.clone()]);
+    let (velocity, dt) = (&velocity[own], dt.to_f64());
     let mut sum = 0.0;
-    for_each_exact_link(body, plan.families, position, residual, |[i, j], link| {
+    for_each_exact_link(body, plan.families, [position, residual], stops, |[i, j], link| {
         let way = (velocity[j].to_dvec3() - velocity[i].to_dvec3()) * dt;
         let [before, after] = [link.d.length(), (link.d + way).length()];
         if before == 0.0 {

@@ -13,7 +13,7 @@ use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::recovery;
 use super::state::{BodyMemory, State};
-use super::step::{Inputs, Part, Scratch, substep};
+use super::step::{Part, Scratch, substep};
 use super::strain;
 use crate::math::{Aabb, Real, Vector};
 use crate::scene::settings::Integrator;
@@ -127,7 +127,7 @@ impl<'a, R: Real> Ahead<'a, R> {
             (Cow::Borrowed(plan), Part::whole(plan).of(strain::parts_now(model, plan, &mut next)))
         };
         let mut scratch = Scratch::new(model, &way);
-        let report = substep(model, &way, part, Inputs { grab: None }, &mut next, &mut scratch, &mut ());
+        let report = substep(model, &way, part, None, &mut next, &mut scratch, &mut ());
         let share = integrate::share_to_center(state, &next);
         let is_on_time = is_on_time || report.diverged;
         Self { model, plan, state, next, contacts: scratch.contact.contacts, is_on_time, share }
@@ -208,7 +208,7 @@ pub(super) fn link_loads<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R
     for body in &model.bodies {
         let range = body.particles.clone();
         let (position, velocity) = (&state.position[range.clone()], &state.velocity[range.clone()]);
-        forces::for_each_link(body, plan, position, velocity, |[i, j], on_i| {
+        forces::for_each_link(body, plan, position, velocity, &|| false, |[i, j], on_i| {
             let (i, j) = (range.start + i, range.start + j);
             let strength = on_i.length();
             for end in [i, j] {

@@ -5,46 +5,53 @@ use glam::DVec3;
 use super::model::{BodyModel, Link, Model};
 use super::plan::{Plan, Stage};
 use super::recovery;
-use super::report::{StageTimer, StepReport};
+use super::report::Recorder;
 use super::sleep::awake;
 use super::state::BodyMemory;
+use super::substep::Substep;
 use crate::math::{Real, Vector};
 
-/// Writes all forces on the particles of bodies that are awake, at these positions with these velocities but those of
-/// contact, N. Where `residual` holds what rounding has kept back from the positions, links are worked out exactly and
-/// without their damping, as the implicit integrator needs them; otherwise it is empty.
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
+/// Links between two looks at whether to go on: at some 20 ns each well below a hundredth of a second.
+const LINKS_A_LOOK: usize = 1 << 16;
+
+/// Where particles are and how fast, to evaluate forces there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Configuration<'a, R: Real> {
+    /// m.
+    pub(super) position: &'a [R::Vec3],
+    /// m/s.
+    pub(super) velocity: &'a [R::Vec3],
+    /// What rounding has kept back from the positions, m: with it links are worked out exactly and without their damping,
+    /// as the implicit integrator needs them.
+    pub(super) residual: Option<&'a [R::Vec3]>,
+}
+
+/// Writes all forces on the particles of bodies that are awake but those of contact, N.
 pub(super) fn evaluate<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    position: &[R::Vec3],
-    residual: &[R::Vec3],
-    velocity: &[R::Vec3],
-    memory: &[BodyMemory],
+    substep: Substep<'_, R>,
+    at: Configuration<'_, R>,
     force: &mut [R::Vec3],
     scratch: &mut recovery::Scratch<R>,
-    report: &mut StepReport,
-    timer: &mut impl StageTimer,
+    recorder: &mut Recorder<'_>,
 ) {
-    timer.enter(Stage::Gravity);
-    gravity(model, memory, force);
+    let Substep { model, plan, state, .. } = substep;
+    recorder.enter(Stage::Gravity);
+    gravity(model, &state.bodies, force);
     if plan.runs(Stage::Links) {
-        timer.enter(Stage::Links);
-        if residual.is_empty() {
-            report.link_forces += links(model, plan, position, velocity, memory, force);
-            report.damped_link_forces += damped_links(model, plan, memory);
-        } else {
-            report.link_forces += exact_links(model, plan, position, residual, memory, force);
+        recorder.enter(Stage::Links);
+        match at.residual {
+            None => links(substep, at, force, recorder),
+            Some(residual) => exact_links(substep, at.position, residual, force, recorder),
         }
     }
-    if plan.recovery && memory.iter().any(BodyMemory::is_watched) {
-        timer.enter(Stage::Recovery);
-        recovery::add_forces(model, plan, position, velocity, memory, force, scratch, report);
+    if plan.recovery && state.bodies.iter().any(BodyMemory::is_watched) {
+        recorder.enter(Stage::Recovery);
+        recovery::add_forces(substep, at, force, scratch, recorder);
     }
 }
 
 /// Writes the weight of every particle, N.
-pub fn gravity<R: Real>(model: &Model<R>, memory: &[BodyMemory], force: &mut [R::Vec3]) {
+fn gravity<R: Real>(model: &Model<R>, memory: &[BodyMemory], force: &mut [R::Vec3]) {
     for body in awake(model, memory) {
         let force = &mut force[body.particles.clone()];
         if body.masses.is_empty() {
@@ -57,45 +64,44 @@ pub fn gravity<R: Real>(model: &Model<R>, memory: &[BodyMemory], force: &mut [R:
     }
 }
 
-/// Adds the forces of all links, N. Returns how many were evaluated.
-pub fn links<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    position: &[R::Vec3],
-    velocity: &[R::Vec3],
-    memory: &[BodyMemory],
+/// Adds the forces of all links, N.
+fn links<R: Real>(
+    Substep { model, plan, state, .. }: Substep<'_, R>,
+    at: Configuration<'_, R>,
     force: &mut [R::Vec3],
-) -> u64 {
+    recorder: &mut Recorder<'_>,
+) {
     let mut evaluated = 0;
-    for body in awake(model, memory) {
+    for body in awake(model, &state.bodies) {
         let particles = body.particles.clone();
-        let (position, velocity) = (&position[particles.clone()], &velocity[particles.clone()]);
+        let (position, velocity) = (&at.position[particles.clone()], &at.velocity[particles.clone()]);
         let force = &mut force[particles];
-        for_each_link(body, plan, position, velocity, |[i, j], on_i| {
+        for_each_link(body, plan, position, velocity, &|| recorder.stops(), |[i, j], on_i| {
             force[i] += on_i;
             force[j] -= on_i;
             evaluated += 1;
         });
     }
-    evaluated
+    recorder.counters.link_forces += evaluated;
+    recorder.counters.damped_link_forces += damped_links(model, plan, &state.bodies);
 }
 
 /// The elastic forces of all links, added in double precision, of positions and what rounding has kept back from them:
 /// the rounding of a position is a force of many weights where links are as stiff as only the implicit integrator takes
 /// them.
 fn exact_links<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
+    Substep { model, plan, state, .. }: Substep<'_, R>,
     position: &[R::Vec3],
     residual: &[R::Vec3],
-    memory: &[BodyMemory],
     force: &mut [R::Vec3],
-) -> u64 {
+    recorder: &mut Recorder<'_>,
+) {
     let mut evaluated = 0;
-    for body in awake(model, memory) {
+    for body in awake(model, &state.bodies) {
         let own = body.particles.clone();
         let force = &mut force[own.clone()];
-        for_each_exact_link(body, plan.families, &position[own.clone()], &residual[own], |[i, j], link| {
+        let [position, residual] = [position, residual].map(|of| &of[own.clone()]);
+        for_each_exact_link(body, plan.families, [position, residual], &|| recorder.stops(), |[i, j], link| {
             let on_i = elastic_force::<f64>(link.d, link.inverse_rest_length, link.stiffness);
             let on_i = R::Vec3::from_dvec3(on_i);
             force[i] += on_i;
@@ -103,33 +109,36 @@ fn exact_links<R: Real>(
             evaluated += 1;
         });
     }
-    evaluated
+    recorder.counters.link_forces += evaluated;
 }
 
 /// A link in double precision.
 #[derive(Clone, Copy, Debug)]
-pub struct ExactLink {
+pub(super) struct ExactLink {
     /// From the first end to the second, m.
-    pub d: DVec3,
+    pub(super) d: DVec3,
     /// Over the length at rest, 1/m.
-    pub inverse_rest_length: f64,
+    pub(super) inverse_rest_length: f64,
     /// Force at 100 % strain, N.
-    pub stiffness: f64,
+    pub(super) stiffness: f64,
     /// Force at a relative speed of one rest length a second, N.
-    pub damping: f64,
+    pub(super) damping: f64,
 }
 
-/// Calls `visit` with the ends (local numbers) of every link of the chosen families and the link between them.
-/// `position` is the body's own, `residual` what rounding has kept back from it.
-pub fn for_each_exact_link<R: Real>(
+/// Calls `visit` with the ends (local numbers) of every link of the chosen families and the link between them, until it
+/// `stops`. The positions and what rounding has kept back from them are the body's own.
+pub(super) fn for_each_exact_link<R: Real>(
     body: &BodyModel<R>,
     families: [bool; 3],
-    position: &[R::Vec3],
-    residual: &[R::Vec3],
+    [position, residual]: [&[R::Vec3]; 2],
+    stops: &dyn Fn() -> bool,
     mut visit: impl FnMut([usize; 2], ExactLink),
 ) {
     for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
         for (number, link) in family.links.iter().enumerate() {
+            if number % LINKS_A_LOOK == 0 && stops() {
+                return;
+            }
             let [i, j] = link.ends.map(|end| end as usize);
             let [stiffness, damping] = family.constants(number).map(Real::to_f64);
             let kept_back = residual[j].to_dvec3() - residual[i].to_dvec3();
@@ -149,13 +158,14 @@ fn damped_links<R: Real>(model: &Model<R>, plan: &Plan, memory: &[BodyMemory]) -
         .sum()
 }
 
-/// Calls `visit` with the ends (local numbers) of every link of the plan's families and the force on the first end, N.
-/// `position` and `velocity` are the body's own.
-pub fn for_each_link<R: Real>(
+/// Calls `visit` with the ends (local numbers) of every link of the plan's families and the force on the first end, N,
+/// until it `stops`. `position` and `velocity` are the body's own.
+pub(super) fn for_each_link<R: Real>(
     body: &BodyModel<R>,
     plan: &Plan,
     position: &[R::Vec3],
     velocity: &[R::Vec3],
+    stops: &dyn Fn() -> bool,
     mut visit: impl FnMut([usize; 2], R::Vec3),
 ) {
     for (family, _) in body.links.iter().zip(plan.families).filter(|(_, chosen)| *chosen) {
@@ -170,11 +180,17 @@ pub fn for_each_link<R: Real>(
             };
             visit([i, j], on_i);
         };
-        if family.classes.is_empty() {
-            family.links.iter().for_each(|link| evaluate(link, [family.stiffness, family.damping]));
-        } else {
-            for (link, &class) in family.links.iter().zip(&family.classes) {
-                evaluate(link, family.constants[usize::from(class)]);
+        for (number, links) in family.links.chunks(LINKS_A_LOOK).enumerate() {
+            if stops() {
+                return;
+            }
+            match family.classes.chunks(LINKS_A_LOOK).nth(number) {
+                None => links.iter().for_each(|link| evaluate(link, [family.stiffness, family.damping])),
+                Some(classes) => {
+                    for (link, &class) in links.iter().zip(classes) {
+                        evaluate(link, family.constants[usize::from(class)]);
+                    }
+                }
             }
         }
     }
@@ -182,27 +198,31 @@ pub fn for_each_link<R: Real>(
 
 /// A link as a stiff coupling of its ends: what a small change of their distance does.
 #[derive(Clone, Copy, Debug)]
-pub struct Bond<R: Real> {
+pub(super) struct Bond<R: Real> {
     /// Unit vector from the first end to the second.
-    pub direction: R::Vec3,
+    pub(super) direction: R::Vec3,
     /// Stiffness along the direction, N/m.
-    pub stiffness: R,
+    pub(super) stiffness: R,
     /// The share of it across the direction: what tension holds against, nothing in a squashed link.
-    pub slack: R,
+    pub(super) slack: R,
     /// Damping along the direction, N·s/m.
-    pub damping: R,
+    pub(super) damping: R,
 }
 
-/// Calls `visit` with the ends (local numbers) of every link of the chosen families that has a direction, and its bond.
-/// `position` is the body's own.
-pub fn for_each_bond<R: Real>(
+/// Calls `visit` with the ends (local numbers) of every link of the chosen families that has a direction, and its bond,
+/// until it `stops`. `position` is the body's own.
+pub(super) fn for_each_bond<R: Real>(
     body: &BodyModel<R>,
     families: [bool; 3],
     position: &[R::Vec3],
+    stops: &dyn Fn() -> bool,
     mut visit: impl FnMut([u32; 2], Bond<R>),
 ) {
     for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
         for (number, link) in family.links.iter().enumerate() {
+            if number % LINKS_A_LOOK == 0 && stops() {
+                return;
+            }
             let d = position[link.ends[1] as usize] - position[link.ends[0] as usize];
             let length = d.length();
             if length > R::ZERO {
@@ -222,7 +242,7 @@ pub fn for_each_bond<R: Real>(
 
 /// The force of a link without damping, N: [`link_force`] to the bit where the damping is zero.
 #[inline]
-pub fn elastic_force<R: Real>(d: R::Vec3, inverse_rest_length: R, stiffness: R) -> R::Vec3 {
+pub(super) fn elastic_force<R: Real>(d: R::Vec3, inverse_rest_length: R, stiffness: R) -> R::Vec3 {
     let length = d.length();
     if length == R::ZERO {
         return R::Vec3::ZERO;
@@ -236,7 +256,13 @@ pub fn elastic_force<R: Real>(d: R::Vec3, inverse_rest_length: R, stiffness: R) 
 /// strain, `damping` the force at a relative speed of one rest length a second. Two ends in one place have no
 /// direction to push in and get no force.
 #[inline]
-pub fn link_force<R: Real>(d: R::Vec3, dv: R::Vec3, inverse_rest_length: R, stiffness: R, damping: R) -> R::Vec3 {
+pub(super) fn link_force<R: Real>(
+    d: R::Vec3,
+    dv: R::Vec3,
+    inverse_rest_length: R,
+    stiffness: R,
+    damping: R,
+) -> R::Vec3 {
     let length = d.length();
     if length == R::ZERO {
         return R::Vec3::ZERO;

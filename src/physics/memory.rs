@@ -47,6 +47,6 @@ fn of_motion(body: &LatticeCounts, size: Size) -> usize {
     let touch = if size.implicit { size_of::<Touch>() } else { 0 };
     let meetings = body.surface * size.obstacles.min(3);
     body.particles * (OF_A_STATE + OF_A_STEP + size.planes)
-        + body.cells * size_of::<u32>()
+        + 2 * body.cells * size_of::<u32>()
         + meetings * (size_of::<ContactRecord<f32>>() + touch)
 }

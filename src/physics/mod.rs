@@ -31,6 +31,7 @@ pub mod stability;
 pub mod state;
 pub mod step;
 pub mod strain;
+mod substep;
 
 pub use model::Model;
 pub use plan::Plan;

@@ -1,47 +1,16 @@
-//! What a step tells about itself, and who may take its time.
+//! What a step tells about itself, and who may take its time or stop it.
+
+use std::cell::Cell;
 
 use super::plan::{SOLVE_WORK, Stage};
 
-/// What happened in one or more substeps. Plain numbers; the step never logs.
+/// What one or more substeps told. Plain numbers; the step never logs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {
-    /// Substeps taken.
-    pub substeps: u64,
-    /// Contacts in the last substep.
-    pub contacts: usize,
-    /// Deepest penetration at the end of the last substep, m.
-    pub max_penetration_m: f64,
-    /// Deepest penetration at the end of any substep, m.
-    pub peak_penetration_m: f64,
-    /// Particle–obstacle tests made.
-    pub narrow_tests: u64,
-    /// Particle–obstacle tests that boxes made unnecessary.
-    pub narrow_tests_saved: u64,
-    /// Link forces evaluated.
-    pub link_forces: u64,
-    /// Substeps of the implicit integrator, or parts of one, that would have given energy and were halved.
-    pub halved: u64,
-    /// Substeps of the implicit integrator that reached the limit of their work, and were finished in long parts, slowed
-    /// where those would have given energy.
-    pub slowed: u64,
-    /// Linear systems that the implicit integrator solved.
-    pub solves: u64,
-    /// Iterations of the implicit integrator's solver.
-    pub iterations: u64,
-    /// Of these, the ones with a damping to work out.
-    pub damped_link_forces: u64,
-    /// Of the particle–obstacle tests, the ones against spheres.
-    pub sphere_tests: u64,
-    /// Pushes of an obstacle for which friction was worked out.
-    pub frictions: u64,
-    /// Cells looked at for being near inversion.
-    pub cells_looked_at: u64,
-    /// Watched cells whose push against inversion was worked out.
-    pub recovery_cells: u64,
-    /// Work that moving obstacles did, J.
-    pub obstacle_work_j: f64,
-    /// Bodies that sleep after the last substep.
-    pub bodies_asleep: usize,
+    /// Sums over the substeps.
+    pub counters: Counters,
+    /// What held at the end of the last one.
+    pub last: LastSubstep,
     /// Whether the substep was given up, state untouched, because nobody waits for it any more.
     pub stopped: bool,
     /// Whether the step was abandoned, state untouched, because a number would have stopped being finite or, in
@@ -49,32 +18,90 @@ pub struct StepReport {
     pub diverged: bool,
 }
 
-impl StepReport {
+/// Sums over substeps, and the extremes among them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counters {
+    /// Substeps taken, and parts of substeps that were halved.
+    pub substeps: u64,
+    /// The shortest of them, s; none where none was taken.
+    pub shortest_secs: Option<f64>,
+    /// Deepest penetration at the end of any of them, m.
+    pub peak_penetration_m: f64,
+    /// Particle–obstacle tests made.
+    pub narrow_tests: u64,
+    /// Particle–obstacle tests that boxes made unnecessary.
+    pub narrow_tests_saved: u64,
+    /// Of the particle–obstacle tests, the ones against spheres.
+    pub sphere_tests: u64,
+    /// Pushes of an obstacle for which friction was worked out.
+    pub frictions: u64,
+    /// Link forces evaluated.
+    pub link_forces: u64,
+    /// Of these, the ones with a damping to work out.
+    pub damped_link_forces: u64,
+    /// Cells looked at for being near inversion.
+    pub cells_looked_at: u64,
+    /// Watched cells whose push against inversion was worked out.
+    pub recovery_cells: u64,
+    /// Linear systems that the implicit integrator solved.
+    pub solves: u64,
+    /// Iterations of the implicit integrator's solver.
+    pub iterations: u64,
+    /// Substeps of the implicit integrator, or parts of one, that would have given energy and were halved.
+    pub halved: u64,
+    /// Substeps of the implicit integrator that reached the limit of their work, and were finished in long parts, slowed
+    /// where those would have given energy.
+    pub slowed: u64,
+    /// Work that moving obstacles did, J.
+    pub obstacle_work_j: f64,
+}
+
+/// What holds at the end of a substep: of several, the last one's counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LastSubstep {
+    /// Contacts that push.
+    pub contacts: usize,
+    /// Deepest penetration, m.
+    pub max_penetration_m: f64,
+    /// Bodies that sleep.
+    pub bodies_asleep: usize,
+}
+
+impl Counters {
     /// The work of the implicit integrator, in iterations.
     pub fn implicit_work(&self) -> u64 {
         self.iterations + SOLVE_WORK * self.solves
     }
 
+    /// Adds what another stretch of substeps counted.
+    pub fn add(&mut self, other: &Self) {
+        self.substeps += other.substeps;
+        self.shortest_secs = match (self.shortest_secs, other.shortest_secs) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
+        self.peak_penetration_m = self.peak_penetration_m.max(other.peak_penetration_m);
+        self.narrow_tests += other.narrow_tests;
+        self.narrow_tests_saved += other.narrow_tests_saved;
+        self.sphere_tests += other.sphere_tests;
+        self.frictions += other.frictions;
+        self.link_forces += other.link_forces;
+        self.damped_link_forces += other.damped_link_forces;
+        self.cells_looked_at += other.cells_looked_at;
+        self.recovery_cells += other.recovery_cells;
+        self.solves += other.solves;
+        self.iterations += other.iterations;
+        self.halved += other.halved;
+        self.slowed += other.slowed;
+        self.obstacle_work_j += other.obstacle_work_j;
+    }
+}
+
+impl StepReport {
     /// Adds what a later stretch of substeps reports.
     pub fn add(&mut self, later: &Self) {
-        self.substeps += later.substeps;
-        self.contacts = later.contacts;
-        self.max_penetration_m = later.max_penetration_m;
-        self.peak_penetration_m = self.peak_penetration_m.max(later.peak_penetration_m);
-        self.narrow_tests += later.narrow_tests;
-        self.narrow_tests_saved += later.narrow_tests_saved;
-        self.link_forces += later.link_forces;
-        self.halved += later.halved;
-        self.slowed += later.slowed;
-        self.solves += later.solves;
-        self.iterations += later.iterations;
-        self.damped_link_forces += later.damped_link_forces;
-        self.sphere_tests += later.sphere_tests;
-        self.frictions += later.frictions;
-        self.cells_looked_at += later.cells_looked_at;
-        self.recovery_cells += later.recovery_cells;
-        self.obstacle_work_j += later.obstacle_work_j;
-        self.bodies_asleep = later.bodies_asleep;
+        self.counters.add(&later.counters);
+        self.last = later.last;
         self.stopped |= later.stopped;
         self.diverged |= later.diverged;
     }
@@ -86,8 +113,9 @@ pub trait StageTimer {
     fn enter(&mut self, stage: Stage);
     /// The last stage of a substep ends.
     fn leave(&mut self);
-    /// Whether the substep is to be given up: asked in every iteration of the implicit integrator, whose substeps can
-    /// take seconds. What was given up is taken anew later, to the same bits.
+    /// Whether the substep is to be given up: asked at least once in every pass over a body's links, in every iteration of
+    /// the implicit integrator, whose substeps can take seconds, and once for some ten thousand links of a large body.
+    /// What was given up is taken anew later, to the same bits.
     fn stops(&self) -> bool {
         false
     }
@@ -97,4 +125,91 @@ pub trait StageTimer {
 impl StageTimer for () {
     fn enter(&mut self, _: Stage) {}
     fn leave(&mut self) {}
+}
+
+/// Where a substep puts its counts and tells of its stages, and whom it asks whether to go on: passed down once.
+pub(super) struct Recorder<'a> {
+    pub(super) counters: Counters,
+    pub(super) last: LastSubstep,
+    timer: &'a mut dyn StageTimer,
+    may_be_given_up: bool,
+    stopped: Cell<bool>,
+}
+
+impl<'a> Recorder<'a> {
+    /// Of a substep, or a part of one that must be finished once others before it are taken.
+    pub(super) fn new(timer: &'a mut dyn StageTimer, may_be_given_up: bool) -> Self {
+        let (counters, last) = (Counters::default(), LastSubstep::default());
+        Self { counters, last, timer, may_be_given_up, stopped: Cell::new(false) }
+    }
+
+    /// A stage begins and the one before it ends.
+    pub(super) fn enter(&mut self, stage: Stage) {
+        self.timer.enter(stage);
+    }
+
+    /// Whether the substep is to be given up: from the first yes on it stays yes.
+    pub(super) fn stops(&self) -> bool {
+        if self.may_be_given_up && !self.stopped.get() {
+            self.stopped.set(self.timer.stops());
+        }
+        self.stopped.get()
+    }
+
+    /// Whether it was to be given up when last asked.
+    pub(super) fn has_stopped(&self) -> bool {
+        self.stopped.get()
+    }
+
+    /// Notes the deepest penetration of the substep, m.
+    pub(super) fn note_depth(&mut self, depth_m: f64) {
+        self.last.max_penetration_m = depth_m;
+        self.counters.peak_penetration_m = depth_m;
+    }
+
+    /// The last stage ends: what there is to tell.
+    pub(super) fn leave(self) -> StepReport {
+        self.timer.leave();
+        let Self { counters, last, stopped, .. } = self;
+        StepReport { counters, last, stopped: stopped.into_inner(), diverged: false }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_add_up_and_what_holds_now_is_the_last() {
+        let of = |substeps, secs, depth, contacts| StepReport {
+            counters: Counters {
+                substeps,
+                shortest_secs: Some(secs),
+                peak_penetration_m: depth,
+                ..Counters::default()
+            },
+            last: LastSubstep { contacts, max_penetration_m: depth, bodies_asleep: contacts },
+            ..StepReport::default()
+        };
+        let mut report = StepReport::default();
+        report.add(&of(2, 1e-3, 0.3, 5));
+        report.add(&of(4, 5e-4, 0.1, 3));
+        report.add(&of(1, 1e-3, 0.2, 1));
+        assert_eq!((report.counters.substeps, report.counters.shortest_secs), (7, Some(5e-4)));
+        assert_eq!((report.counters.peak_penetration_m, report.last), (0.3, of(1, 1e-3, 0.2, 1).last));
+    }
+
+    #[test]
+    fn what_must_be_finished_is_not_asked() {
+        struct Never;
+        impl StageTimer for Never {
+            fn enter(&mut self, _: Stage) {}
+            fn leave(&mut self) {}
+            fn stops(&self) -> bool {
+                true
+            }
+        }
+        assert!(Recorder::new(&mut Never, true).stops());
+        assert!(!Recorder::new(&mut Never, false).stops());
+    }
 }

@@ -15,10 +15,10 @@ use super::hash::state_hash;
 use super::interaction::Grab;
 use super::model::Model;
 use super::plan::Plan;
-use super::report::{StageTimer, StepReport};
+use super::report::{LastSubstep, StageTimer, StepReport};
 use super::sleep;
 use super::state::{BodyMemory, SPENT, State};
-use super::step::{self, Gain, Inputs, Part, Scratch};
+use super::step::{self, Gain, Part, Scratch};
 use super::strain;
 use crate::geometry::Lattice;
 use crate::math::Real;
@@ -34,8 +34,8 @@ pub struct Simulation<R: Real = f32> {
     /// Obstacles on their way to where the scene has them.
     sweeps: Vec<Sweep<R>>,
     grab: Option<Grab<R>>,
-    /// What the last substep reported of contact: it holds while steps are only counted.
-    touching: StepReport,
+    /// What held at the end of the last substep: it holds while steps are only counted.
+    last: LastSubstep,
     diverged: bool,
 }
 
@@ -54,7 +54,7 @@ impl<R: Real> Simulation<R> {
             scratch,
             sweeps: Vec::new(),
             grab: None,
-            touching: StepReport::default(),
+            last: LastSubstep::default(),
             diverged: false,
         }
     }
@@ -153,7 +153,7 @@ impl<R: Real> Simulation<R> {
         if self.state.held_steps + 1 < self.plan.span {
             self.state.held_steps += 1;
             self.state.steps += 1;
-            return self.touching;
+            return StepReport { last: self.last, ..StepReport::default() };
         }
         if let Some(grab) = &self.grab {
             self.state.bodies[grab.body].asleep = self.state.bodies[grab.body].gone;
@@ -169,11 +169,7 @@ impl<R: Real> Simulation<R> {
             return report;
         }
         self.diverged = report.diverged;
-        self.touching = StepReport {
-            contacts: report.contacts,
-            max_penetration_m: report.max_penetration_m,
-            ..StepReport::default()
-        };
+        self.last = report.last;
         if !self.diverged && self.state.end_part() {
             self.state.held_steps = 0;
             self.state.substep += 1;
@@ -194,7 +190,7 @@ impl<R: Real> Simulation<R> {
         let secs = self.plan.substep_secs() / f64::from(left);
         while left > 0 && !report.diverged && !report.stopped {
             if self.state.work >= self.plan.most_work {
-                report.slowed += u64::from(self.state.work != SPENT);
+                report.counters.slowed += u64::from(self.state.work != SPENT);
                 self.state.work = SPENT;
                 self.state.coarsen();
             }
@@ -209,13 +205,13 @@ impl<R: Real> Simulation<R> {
             sweep::advance(&mut self.model, &mut self.sweeps, part.secs);
             approach::place(&mut self.model, &self.state.approaches, part.secs);
             let Self { model, plan, state, scratch, grab, .. } = self;
-            let inputs = Inputs { grab: grab.as_ref().filter(|grab| !state.bodies[grab.body].gone) };
-            let of_part = step::substep(model, plan, part, inputs, state, scratch, timer);
+            let grab = grab.as_ref().filter(|grab| !state.bodies[grab.body].gone);
+            let of_part = step::substep(model, plan, part, grab, state, scratch, timer);
             report.add(&of_part);
             if !of_part.stopped {
-                self.state.work = self.state.work.saturating_add(of_part.implicit_work());
+                self.state.work = self.state.work.saturating_add(of_part.counters.implicit_work());
             }
-            if of_part.stopped || of_part.halved > 0 {
+            if of_part.stopped || of_part.counters.halved > 0 {
                 sweep::take_back(&mut self.sweeps);
                 self.state.halvings += u32::from(!of_part.stopped);
             } else {
@@ -276,7 +272,7 @@ impl<R: Real> Simulation<R> {
         awake.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut found = Scratch::new(&self.model, &self.plan);
         let whole = Part::whole(&self.plan);
-        step::substep(&self.model, &self.plan, whole, Inputs { grab: None }, &mut awake, &mut found, &mut ());
+        step::substep(&self.model, &self.plan, whole, None, &mut awake, &mut found, &mut ());
         self.scratch.contact.contacts = found.contact.contacts;
         self.scratch.contact.keep_of_sleepers(&self.model, &self.state);
     }

@@ -17,19 +17,20 @@
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
 //! anything is written: the state stays the last good one and the report says so.
 
-use super::balance::{body_gains_energy, gains_energy};
+use super::balance::{End, body_gains_energy, gains_energy};
 use super::contact::{self, ContactRecord};
 use super::fallen;
-use super::forces;
+use super::forces::{self, Configuration};
 use super::integrate::{self, Free};
 use super::interaction::{self, Grab};
 use super::model::Model;
 use super::plan::{Plan, Stage};
 use super::recovery;
-use super::report::{StageTimer, StepReport};
+use super::report::{Recorder, StageTimer, StepReport};
 use super::runaway::runs_away;
 use super::sleep;
 use super::state::{BodyMemory, State};
+use super::substep::Substep;
 use crate::math::{Real, Vector};
 use crate::scene::settings::{ContactRule, Integrator};
 
@@ -38,8 +39,8 @@ use crate::scene::settings::{ContactRule, Integrator};
 pub struct Scratch<R: Real> {
     /// Net force on every particle without implicit contact, N.
     pub force: Vec<R::Vec3>,
-    /// Of it the thesis's contact, N; empty without that rule.
-    thesis_force: Vec<R::Vec3>,
+    /// Of it the thesis's contact, N; none without that rule.
+    thesis_force: Option<Vec<R::Vec3>>,
     /// The velocity at the end of the substep, m/s.
     pub velocity: Vec<R::Vec3>,
     /// Contact's working room and what it found.
@@ -57,12 +58,12 @@ impl<R: Real> Scratch<R> {
         let has_thesis_force = plan.contact && plan.contact_rule == ContactRule::Thesis;
         Self {
             force: vec![R::Vec3::ZERO; count],
-            thesis_force: vec![R::Vec3::ZERO; if has_thesis_force { count } else { 0 }],
+            thesis_force: has_thesis_force.then(|| vec![R::Vec3::ZERO; count]),
             velocity: vec![R::Vec3::ZERO; count],
             contact: contact::Scratch::new(model, plan),
             scheme: integrate::Scratch::new(model, plan),
             recovery: recovery::Scratch::new(model),
-            remembered: remembered(model, plan),
+            remembered: remembered(model),
         }
     }
 
@@ -72,26 +73,26 @@ impl<R: Real> Scratch<R> {
         (self.contact, self.thesis_force, self.scheme, self.recovery) = (contact, thesis_force, scheme, recovery);
         self.remembered = remembered;
     }
+
+    /// The scheme at work on a substep whose forces are known, contact's room, and where the velocities are written.
+    fn free<'a>(
+        &'a mut self,
+        substep: Substep<'a, R>,
+    ) -> (Free<'a, R>, &'a mut contact::Scratch<R>, &'a mut [R::Vec3]) {
+        let Self { force, thesis_force, velocity, contact, scheme, recovery, .. } = self;
+        let free = Free { substep, force, held_force: thesis_force.as_deref(), scratch: scheme, recovery };
+        (free, contact, velocity)
+    }
 }
 
-/// Room for what is remembered of the bodies before a substep that may be given up.
-fn remembered<R: Real>(model: &Model<R>, plan: &Plan) -> Vec<BodyMemory> {
-    if plan.integrator != Integrator::Implicit {
-        return Vec::new();
-    }
+/// Room for what is remembered of the bodies before a substep, which may be given up.
+fn remembered<R: Real>(model: &Model<R>) -> Vec<BodyMemory> {
     let room = |cells: usize| BodyMemory { near_inversion: Vec::with_capacity(cells), ..BodyMemory::default() };
     model.bodies.iter().map(|body| room(body.lattice.cells.len())).collect()
 }
 
 /// How often the velocities of a body are halved that would gain energy however short its substeps are.
 const SLOWINGS: u32 = 12;
-
-/// What comes from outside into a substep.
-#[derive(Clone, Copy, Debug)]
-pub struct Inputs<'a, R: Real> {
-    /// A hand that pulls.
-    pub grab: Option<&'a Grab<R>>,
-}
 
 /// What becomes of a part of a substep that would give energy from nowhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,119 +131,154 @@ impl Part {
 }
 
 /// Advances the state by one substep or a part of it. Abandons it, state untouched, where the report counts one as halved.
-pub fn substep<R: Real>(
+pub(super) fn substep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     part: Part,
-    inputs: Inputs<'_, R>,
+    grab: Option<&Grab<R>>,
     state: &mut State<R>,
     scratch: &mut Scratch<R>,
-    timer: &mut impl StageTimer,
+    timer: &mut dyn StageTimer,
 ) -> StepReport {
-    let dt = R::from_f64(part.secs);
-    let mut report = StepReport { substeps: 1, ..StepReport::default() };
+    let mut recorder = Recorder::new(timer, part.is_first);
     if sleep::is_quiet(state) {
-        report.bodies_asleep = state.bodies.len();
-        scratch.contact.report_kept(&mut report);
+        recorder.last.bodies_asleep = state.bodies.len();
+        scratch.contact.report_kept(&mut recorder);
         state.time_secs += part.secs;
-        return report;
+        recorder.counters.substeps = 1;
+        recorder.counters.shortest_secs = Some(part.secs);
+        return recorder.leave();
     }
-    let implicit_contact = meets_implicitly(plan);
-    let thesis_contact = plan.contact && plan.contact_rule == ContactRule::Thesis;
-    let Scratch { force, thesis_force, velocity, contact, scheme, recovery: recovering, remembered } = scratch;
-
+    let remembered = &mut scratch.remembered;
     remembered.iter_mut().zip(&state.bodies).for_each(|(copy, memory)| copy.copy(memory));
     if plan.recovery && recovery::is_due(model, plan, state) {
-        timer.enter(Stage::Recovery);
-        recovery::look(model, state, part.secs, &mut report);
+        recorder.enter(Stage::Recovery);
+        recovery::look(model, state, part.secs, &mut recorder);
     }
-    let felt = integrate::damping_velocity(plan, state, scheme);
-    let residual = if plan.integrator == Integrator::Implicit { &state.position_residual[..] } else { &[] };
-    let (bodies, position) = (&state.bodies, &state.position);
-    forces::evaluate(model, plan, position, residual, felt, bodies, force, recovering, &mut report, timer);
-    if thesis_contact {
-        timer.enter(Stage::Contact);
-        let rule = contact::thesis::ThesisRule { dt, pressing_force: plan.pressing_force };
-        contact::thesis::add_forces(model, rule, state, force, thesis_force, contact, &mut report);
+    let begun = Substep { model, plan, state, dt: R::from_f64(part.secs), grab };
+    find_forces(begun, scratch, &mut recorder);
+    let is_found = find_velocities(begun, part.gain, scratch, &mut recorder);
+    if recorder.has_stopped() {
+        state.bodies.iter_mut().zip(&scratch.remembered).for_each(|(memory, copy)| memory.copy(copy));
+        return recorder.leave();
     }
-    timer.enter(Stage::Integrate);
-    let held_force = &thesis_force[..];
-    let mut free = Free { model, plan, dt, state, force, held_force, scratch: scheme, recovery: recovering };
-    if plan.integrator == Integrator::Implicit {
-        solved_velocities(&mut free, inputs, contact, velocity, &mut report, timer, part.is_first);
-        if report.stopped {
-            state.bodies.iter_mut().zip(&*remembered).for_each(|(memory, copy)| memory.copy(copy));
-            timer.leave();
-            return StepReport { substeps: 0, ..report };
-        }
-        let holds = || {
-            stays_finite(model, dt, state, velocity, velocity)
-                && !gains_energy(model, plan, dt, state, force, velocity, &contact.contacts, inputs.grab)
-        };
-        if plan.halvings > 0 && !holds() {
-            if part.gain == Gain::Halve {
-                timer.leave();
-                return StepReport { substeps: 0, halved: 1, ..report };
-            }
-            if part.gain == Gain::Slow {
-                slow(model, plan, dt, state, velocity, force, &contact.contacts, inputs.grab);
-            } else if plan.ends_explicitly {
-                let felt = &state.velocity;
-                forces::evaluate(model, plan, position, &[], felt, bodies, force, recovering, &mut report, timer);
-                let mut free =
-                    Free { model, plan, dt, state, force, held_force, scratch: scheme, recovery: recovering };
-                predicted_velocities(&mut free, inputs, contact, velocity, &mut report, timer);
-            }
-        }
-    } else {
-        predicted_velocities(&mut free, inputs, contact, velocity, &mut report, timer);
+    if !is_found {
+        recorder.counters.halved = 1;
+        return recorder.leave();
     }
-    let path = &mut scheme.path;
-    if implicit_contact && !path.is_empty() {
-        contact::respond_to_paths(model, plan, dt, state, velocity, path, contact, &mut report, timer);
-        timer.enter(Stage::Integrate);
+    recorder.counters.substeps = 1;
+    recorder.counters.shortest_secs = Some(part.secs);
+    if !is_sound(begun, scratch) {
+        return StepReport { diverged: true, ..recorder.leave() };
     }
-    let moving = if path.is_empty() { &*velocity } else { &*path };
-    let exploded = plan.watched && runs_away(model, dt, moving);
-    let sound = !exploded && stays_finite(model, dt, state, moving, velocity);
-    if sound {
-        if implicit_contact {
-            contact::remember_sides(model, dt, state, moving, contact, &mut report);
-        }
-        integrate::remember(model, plan, dt, force, held_force, state);
-        move_particles(model, dt, state, moving, velocity);
-        state.time_secs += part.secs;
-    } else {
-        report.diverged = true;
-    }
-    if plan.sleeping && part.is_last && !report.diverged {
-        timer.enter(Stage::Rest);
+    accept(model, plan, part, state, scratch, &mut recorder);
+    if plan.sleeping && part.is_last {
+        recorder.enter(Stage::Rest);
         fallen::watch(model, state);
-        sleep::watch(model, plan, inputs.grab.map(|grab| grab.body), state);
-        report.bodies_asleep = sleep::asleep(state);
+        sleep::watch(model, plan, grab.map(|grab| grab.body), state);
+        recorder.last.bodies_asleep = sleep::asleep(state);
     }
-    timer.leave();
-    report
+    recorder.leave()
+}
+
+/// Forces at the state: gravity, links, cells near inversion, and contact by the thesis's rule.
+fn find_forces<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorder: &mut Recorder<'_>) {
+    let Substep { plan, state, .. } = begun;
+    let Scratch { force, thesis_force, contact, scheme, recovery, .. } = scratch;
+    let at = Configuration {
+        position: &state.position,
+        velocity: integrate::damping_velocity(plan, state, scheme),
+        residual: (plan.integrator == Integrator::Implicit).then_some(&state.position_residual),
+    };
+    forces::evaluate(begun, at, force, recovery, recorder);
+    if let Some(thesis_force) = thesis_force {
+        recorder.enter(Stage::Contact);
+        contact::thesis::add_forces(begun, force, thesis_force, contact, recorder);
+    }
+}
+
+/// The velocities at the end, contact and hand included. Says whether there are any: the implicit scheme finds none where
+/// its equations would give energy from nowhere and the substep can be halved, nor where it is stopped.
+fn find_velocities<R: Real>(
+    begun: Substep<'_, R>,
+    gain: Gain,
+    scratch: &mut Scratch<R>,
+    recorder: &mut Recorder<'_>,
+) -> bool {
+    recorder.enter(Stage::Integrate);
+    if begun.plan.integrator != Integrator::Implicit {
+        predicted_velocities(begun, scratch, recorder);
+        return true;
+    }
+    solved_velocities(begun, scratch, recorder);
+    if recorder.has_stopped() || begun.plan.halvings == 0 {
+        return !recorder.has_stopped();
+    }
+    let Scratch { velocity, force, contact, recovery, .. } = &mut *scratch;
+    let end = End { velocity, force, contacts: &contact.contacts };
+    let stops = || recorder.stops();
+    if stays_finite(begun, velocity, velocity) && !gains_energy(begun, end, &stops) {
+        return !recorder.has_stopped();
+    }
+    match gain {
+        Gain::Halve => return false,
+        Gain::Slow => slow(begun, velocity, force, &contact.contacts, &stops),
+        Gain::Take if begun.plan.ends_explicitly => {
+            let Substep { state, .. } = begun;
+            let at = Configuration { position: &state.position, velocity: &state.velocity, residual: None };
+            forces::evaluate(begun, at, force, recovery, recorder);
+            recorder.enter(Stage::Integrate);
+            predicted_velocities(begun, scratch, recorder);
+        }
+        Gain::Take => {}
+    }
+    !recorder.has_stopped()
+}
+
+/// Whether the velocities that were found lead to finite places and, where nobody vouches for the step, tear no body
+/// apart. Contact may still change the paths of schemes that move particles by a mean velocity.
+fn is_sound<R: Real>(begun: Substep<'_, R>, scratch: &Scratch<R>) -> bool {
+    let Scratch { velocity, scheme, .. } = scratch;
+    let moving = scheme.moving(velocity);
+    !(begun.plan.watched && runs_away(begun.model, begun.dt, moving)) && stays_finite(begun, moving, velocity)
+}
+
+/// Moves everything, and remembers what the next substep needs of this one.
+fn accept<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    part: Part,
+    state: &mut State<R>,
+    scratch: &mut Scratch<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    let dt = R::from_f64(part.secs);
+    let Scratch { force, thesis_force, velocity, contact, scheme, .. } = scratch;
+    let moving = scheme.moving(velocity);
+    if meets_implicitly(plan) {
+        contact::remember_sides(model, dt, state, moving, contact, recorder);
+    }
+    integrate::remember(model, plan, dt, force, thesis_force.as_deref(), state);
+    move_particles(model, dt, state, moving, velocity);
+    state.time_secs += part.secs;
 }
 
 /// Halves the velocities of bodies until they gain no energy from nowhere by them; what does even then stands still.
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 fn slow<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    dt: R,
-    state: &State<R>,
+    begun: Substep<'_, R>,
     velocity: &mut [R::Vec3],
     force: &[R::Vec3],
     contacts: &[ContactRecord<R>],
-    grab: Option<&Grab<R>>,
+    stops: &dyn Fn() -> bool,
 ) {
+    let Substep { model, state, dt, .. } = begun;
     for (number, body) in model.bodies.iter().enumerate() {
         let own = body.particles.clone();
         for slowing in (0..SLOWINGS).rev() {
             let is_finite =
                 own.clone().all(|p| velocity[p].is_finite() && (state.position[p] + velocity[p] * dt).is_finite());
-            if is_finite && !body_gains_energy(model, number, plan, dt, state, force, velocity, contacts, grab) {
+            let end = End { velocity, force, contacts };
+            if is_finite && !body_gains_energy(begun, number, end, stops) {
                 break;
             }
             for velocity in &mut velocity[own.clone()] {
@@ -252,50 +288,38 @@ fn slow<R: Real>(
     }
 }
 
-/// Writes the velocities at the end of a substep from those that the forces predict.
-fn predicted_velocities<R: Real>(
-    free: &mut Free<'_, R>,
-    inputs: Inputs<'_, R>,
-    contact: &mut contact::Scratch<R>,
-    velocity: &mut [R::Vec3],
-    report: &mut StepReport,
-    timer: &mut impl StageTimer,
-) {
-    let Free { model, plan, dt, state, .. } = *free;
+/// Writes the velocities at the end of a substep from those that the forces predict, and the paths of schemes that move
+/// particles by others.
+fn predicted_velocities<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorder: &mut Recorder<'_>) {
+    let (mut free, contact, velocity) = scratch.free(begun);
     free.predict(velocity);
-    if let Some(grab) = inputs.grab {
-        interaction::pull(model, dt, grab, &state.position, velocity);
+    if let Some(grab) = begun.grab {
+        interaction::pull(begun.model, begun.dt, grab, &begun.state.position, velocity);
     }
-    if meets_implicitly(plan) {
-        contact::respond(model, plan, dt, state, velocity, contact, report, timer);
-        timer.enter(Stage::Integrate);
+    if meets_implicitly(begun.plan) {
+        contact::respond(begun, velocity, contact, recorder);
+        recorder.enter(Stage::Integrate);
     }
-    free.refine(velocity, report, timer);
+    free.refine(velocity, recorder);
+    let path = &mut scratch.scheme.path;
+    if meets_implicitly(begun.plan) && !path.is_empty() {
+        contact::respond_to_paths(begun, &mut scratch.velocity, path, &mut scratch.contact, recorder);
+        recorder.enter(Stage::Integrate);
+    }
 }
 
 /// Writes the velocities at the end of a substep as the implicit scheme solves for them.
-fn solved_velocities<R: Real>(
-    free: &mut Free<'_, R>,
-    inputs: Inputs<'_, R>,
-    contact: &mut contact::Scratch<R>,
-    velocity: &mut [R::Vec3],
-    report: &mut StepReport,
-    timer: &mut impl StageTimer,
-    may_be_given_up: bool,
-) {
-    let Free { model, plan, dt, state, .. } = *free;
-    if meets_implicitly(plan) {
+fn solved_velocities<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorder: &mut Recorder<'_>) {
+    let (mut free, contact, velocity) = scratch.free(begun);
+    if meets_implicitly(begun.plan) {
         free.fall(velocity);
-        contact::find_touches(model, plan, dt, state, velocity, contact, report, timer);
-        timer.enter(Stage::Integrate);
+        contact::find_touches(begun, velocity, contact, recorder);
+        recorder.enter(Stage::Integrate);
     }
-    free.solve(inputs.grab, &mut contact.touches, velocity, report, &|| may_be_given_up && timer.stops());
-    if report.stopped {
-        return;
-    }
-    if meets_implicitly(plan) {
-        contact::settle_touches(model, plan, dt, state, velocity, contact, report, timer);
-        timer.enter(Stage::Integrate);
+    free.solve(&mut contact.touches, velocity, recorder);
+    if meets_implicitly(begun.plan) && !recorder.has_stopped() {
+        contact::settle_touches(begun, velocity, contact, recorder);
+        recorder.enter(Stage::Integrate);
     }
 }
 
@@ -304,7 +328,11 @@ fn meets_implicitly(plan: &Plan) -> bool {
     plan.contact && plan.contact_rule == ContactRule::Implicit
 }
 
-fn stays_finite<R: Real>(model: &Model<R>, dt: R, state: &State<R>, path: &[R::Vec3], velocity: &[R::Vec3]) -> bool {
+fn stays_finite<R: Real>(
+    Substep { model, state, dt, .. }: Substep<'_, R>,
+    path: &[R::Vec3],
+    velocity: &[R::Vec3],
+) -> bool {
     sleep::awake(model, &state.bodies).all(|body| {
         let mut own = body.particles.clone();
         own.all(|particle| {

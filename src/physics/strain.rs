@@ -166,10 +166,10 @@ mod tests {
         let (scene, lattices) = cube(1e-3);
         let mut calm = Simulation::<f64>::new(&scene, &lattices);
         assert!(calm.plan().parts > 1, "the safe step at rest is too long for shreds: {}", calm.plan().parts);
-        assert_eq!(calm.substep(&mut ()).substeps, 1, "nothing is stretched");
+        assert_eq!(calm.substep(&mut ()).counters.substeps, 1, "nothing is stretched");
         let mut shreds = crumpled(&scene, &lattices, 5.0);
         let parts = u64::from(shreds.plan().parts);
-        assert_eq!(shreds.substep(&mut ()).substeps, parts, "links many times their length");
+        assert_eq!(shreds.substep(&mut ()).counters.substeps, parts, "links many times their length");
         assert!((shreds.state().time_secs - calm.state().time_secs).abs() < 1e-15, "the same time has passed");
         let (small, _) = cube(1e-5);
         assert_eq!(Simulation::<f64>::new(&small, &lattices).plan().parts, 1, "a small step needs no parts");

@@ -133,7 +133,7 @@ fn measured(simulation: &Simulation<f32>) -> Speed {
     let begin = ThreadTime::now();
     let mut slowed = 0;
     loop {
-        slowed += copy.substep(&mut ()).slowed;
+        slowed += copy.substep(&mut ()).counters.slowed;
         let measured_secs = copy.state().time_secs - start_secs;
         if copy.has_diverged() || measured_secs >= MEASURE_SECS || begin.elapsed() >= MEASURE {
             break;

@@ -173,7 +173,7 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
     let wall_secs = begin.elapsed().as_secs_f64();
     let last = session.simulation.diagnostics();
     peak.include(&last);
-    peak.max_penetration_m = report.peak_penetration_m;
+    peak.max_penetration_m = report.counters.peak_penetration_m;
     let steps = session.simulation.state().steps - steps_at_start;
     let simulated_secs = session.simulation.state().time_secs - time_at_start;
     figures(session, &Outcome { report, timer, first, last, peak, steps, simulated_secs, wall_secs })
@@ -207,9 +207,9 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         wall_secs: outcome.wall_secs,
         real_time_factor: outcome.simulated_secs / outcome.wall_secs,
         steps: outcome.steps,
-        substeps: report.substeps,
-        slowed: report.slowed,
-        dt_secs: plan.substep_secs(),
+        substeps: report.counters.substeps,
+        slowed: report.counters.slowed,
+        dt_secs: report.counters.shortest_secs.unwrap_or_else(|| plan.substep_secs()),
         dt_limit_secs: plan.limits.dt_limit_secs,
         dt_safe_secs: plan.limits.dt_safe_secs(),
         limited_by: plan.limits.limited_by(plan.dt_secs).name(),
@@ -228,14 +228,14 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         bounds: BoundsFigures { min: last.bounds.min.to_array(), max: last.bounds.max.to_array() },
         max_speed: last.max_speed,
         max_strain: last.max_strain,
-        contacts: report.contacts,
-        max_penetration_m: report.max_penetration_m,
+        contacts: report.last.contacts,
+        max_penetration_m: report.last.max_penetration_m,
         inverted_cells: last.inverted_cells,
         bodies: simulation.model().bodies.len(),
-        bodies_asleep: report.bodies_asleep,
+        bodies_asleep: report.last.bodies_asleep,
         bodies_gone: gone(session).count(),
-        narrow_tests: report.narrow_tests,
-        narrow_tests_saved: report.narrow_tests_saved,
+        narrow_tests: report.counters.narrow_tests,
+        narrow_tests_saved: report.counters.narrow_tests_saved,
         hash: format!("{:016x}", simulation.hash()),
         start: StartFigures { energy_joule: first.energy.into() },
         peak: outcome.peak,
@@ -253,7 +253,7 @@ fn stage_figures(stage: Stage, timer: &WallTimer) -> StageFigures {
 fn warnings(session: &Session, report: &StepReport, seconds: f64) -> Vec<String> {
     let mut warnings = session.warnings();
     warnings.extend(fallen_out(session));
-    warnings.extend((report.slowed > 0).then(|| slowed_words(report.slowed, seconds)));
+    warnings.extend((report.counters.slowed > 0).then(|| slowed_words(report.counters.slowed, seconds)));
     warnings
 }
 

@@ -90,10 +90,10 @@ impl Session {
             drawing: self.drawing,
             processors: std::thread::available_parallelism().map_or(1.0, |count| count.get() as f64),
             halved: self.simulation.state().halvings > 0,
-            slowed: self.report.slowed > 0,
+            slowed: self.report.counters.slowed > 0,
             contact: self.sample.is_contact(),
             links,
-            iterations: self.report.iterations,
+            iterations: self.report.counters.iterations,
             divided: is_divided.then_some((limit.as_str(), plan.substeps)),
         };
         if self.playing { words(&facts) } else { String::new() }

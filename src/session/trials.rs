@@ -133,7 +133,7 @@ impl Trial {
             Test::Stand(watch) => watch.substep(&mut self.simulation),
             Test::Heal { link_forces, diverged } => {
                 let report = self.simulation.substep(&mut ());
-                *link_forces += report.link_forces;
+                *link_forces += report.counters.link_forces;
                 *diverged = report.diverged;
                 let passed = self.simulation.state().time_secs - begin_secs;
                 !report.diverged && passed < PATIENCE.seconds && *link_forces < PATIENCE.most_link_forces

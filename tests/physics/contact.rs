@@ -167,8 +167,8 @@ fn a_body_at_rest_is_still_and_hardly_sunk() {
     run(&mut simulation, 10.0);
     let report = simulation.step();
     assert!(simulation.diagnostics().max_speed < 1e-4, "at rest: {}", simulation.diagnostics().max_speed);
-    assert!(report.contacts == 25, "the whole underside touches: {}", report.contacts);
-    assert!(report.max_penetration_m < DEPTH_SHARE, "within 2 % of a metre: {}", report.max_penetration_m);
+    assert!(report.last.contacts == 25, "the whole underside touches: {}", report.last.contacts);
+    assert!(report.last.max_penetration_m < DEPTH_SHARE, "within 2 % of a metre: {}", report.last.max_penetration_m);
     let weight = 0.008 * 125.0 * 9.81;
     let carried: f32 = simulation.scratch().contact.contacts.iter().map(|contact| contact.force.y).sum();
     assert!((f64::from(carried) / weight - 1.0).abs() < 1e-3, "the ground carries the weight: {carried} of {weight}");
@@ -242,8 +242,8 @@ fn boxes_save_tests_and_change_nothing() {
     let (mut saved, mut tests) = (0, [0; 2]);
     for step in 0..1500 {
         let (a, b) = (with.step(), without.step());
-        saved += a.narrow_tests_saved;
-        tests = [tests[0] + a.narrow_tests, tests[1] + b.narrow_tests];
+        saved += a.counters.narrow_tests_saved;
+        tests = [tests[0] + a.counters.narrow_tests, tests[1] + b.counters.narrow_tests];
         assert_eq!(with.hash(), without.hash(), "the same bits after step {step}");
     }
     // The tilted plane's box holds the whole body, so that a third of the pairs is all that can be hoped for.

@@ -19,9 +19,9 @@ fn the_broad_phase_changes_no_preset_and_saves_tests() {
         let (mut saved, mut done, mut all) = (0, 0, 0);
         for _ in 0..800 {
             let report = with_boxes.step();
-            saved += report.narrow_tests_saved;
-            done += report.narrow_tests;
-            all += without.step().narrow_tests;
+            saved += report.counters.narrow_tests_saved;
+            done += report.counters.narrow_tests;
+            all += without.step().counters.narrow_tests;
         }
         assert_eq!(with_boxes.hash(), without.hash(), "{}: bit for bit", preset.name);
         assert!(saved > 0 && done < all, "{}: {done} of {all} tests done, {saved} saved", preset.name);
@@ -64,7 +64,11 @@ fn a_far_ball_costs_no_test() {
     simulation.step();
     let mut stages = Stages::default();
     let report = simulation.step_timed(&mut stages);
-    assert_eq!((report.narrow_tests, report.narrow_tests_saved), (0, 27), "every particle was saved a test");
+    assert_eq!(
+        (report.counters.narrow_tests, report.counters.narrow_tests_saved),
+        (0, 27),
+        "every particle was saved a test"
+    );
     assert_eq!(
         (stages.0[Stage::BroadPhase as usize], stages.0[Stage::Contact as usize]),
         (1, 0),
@@ -93,20 +97,23 @@ fn material(scene: &mut Scene) -> &mut gelatin::scene::Springs {
 #[test]
 fn each_feature_runs_only_where_it_is_needed_and_the_plan_says_so() {
     let (report, left_out) = fallen(|_| ());
-    assert!(report.frictions > 0 && report.damped_link_forces == report.link_forces, "all is needed: {report:?}");
-    assert_eq!((report.sphere_tests, report.recovery_cells), (0, 0), "but no sphere and no push");
+    assert!(
+        report.counters.frictions > 0 && report.counters.damped_link_forces == report.counters.link_forces,
+        "all is needed: {report:?}"
+    );
+    assert_eq!((report.counters.sphere_tests, report.counters.recovery_cells), (0, 0), "but no sphere and no push");
     assert!(left_out.contains(&"sphere contact".to_owned()), "{left_out:?}");
     let (report, left_out) = fallen(|scene| scene.obstacles.push(ball([0.0, 0.2, 0.0], 0.3)));
-    assert!(report.sphere_tests > 0 && !left_out.contains(&"sphere contact".to_owned()), "a sphere is tested");
+    assert!(report.counters.sphere_tests > 0 && !left_out.contains(&"sphere contact".to_owned()), "a sphere is tested");
     let (report, left_out) = fallen(|scene| scene.obstacles[0] = plane([0.0; 3], [0.0; 3], [0.0; 2]));
-    assert!(report.contacts > 0 && report.frictions == 0, "no coefficient, no friction: {report:?}");
+    assert!(report.last.contacts > 0 && report.counters.frictions == 0, "no coefficient, no friction: {report:?}");
     assert!(left_out.contains(&"friction".to_owned()), "{left_out:?}");
     let with_bending = fallen(|_| ()).0;
     let (report, left_out) = fallen(|scene| {
         let bending = &mut material(scene).bending;
         (bending.stiffness, bending.damping) = (0.0, 0.0);
     });
-    let links = [with_bending, report].map(|report| report.link_forces / report.substeps);
+    let links = [with_bending, report].map(|report| report.counters.link_forces / report.counters.substeps);
     assert_eq!(links[0] - links[1], 96, "the 3·4²·2 bending links are not evaluated");
     assert!(left_out.contains(&"bending links".to_owned()), "{left_out:?}");
     let (report, left_out) = fallen(|scene| {
@@ -115,7 +122,10 @@ fn each_feature_runs_only_where_it_is_needed_and_the_plan_says_so() {
         springs.bending.damping = 0.0;
         springs.structural.damping = 0.0;
     });
-    assert!(report.link_forces > 0 && report.damped_link_forces == 0, "no damping, no damped force: {report:?}");
+    assert!(
+        report.counters.link_forces > 0 && report.counters.damped_link_forces == 0,
+        "no damping, no damped force: {report:?}"
+    );
     assert!(left_out.contains(&"shear damping".to_owned()), "{left_out:?}");
 }
 
@@ -139,8 +149,11 @@ fn what_is_left_out_of_whole_scenes_changes_no_bit() {
         let (lean, spared) = after_a_second(name, false, |_| ());
         let (full, done) = after_a_second(name, true, |_| ());
         assert_eq!(lean, full, "{name}: bit for bit");
-        assert!(spared.narrow_tests < done.narrow_tests, "{name}: far particles are tested");
-        assert!(spared.cells_looked_at < done.cells_looked_at, "{name}: cells are looked at in every substep");
+        assert!(spared.counters.narrow_tests < done.counters.narrow_tests, "{name}: far particles are tested");
+        assert!(
+            spared.counters.cells_looked_at < done.counters.cells_looked_at,
+            "{name}: cells are looked at in every substep"
+        );
     }
 }
 
@@ -168,9 +181,18 @@ fn friction_bending_damping_and_spheres_are_missed_by_no_bit() {
         let (lean, spared) = after_a_second(name, false, bare);
         let (full, done) = after_a_second(name, true, bare_with_a_ball);
         assert_eq!(lean, full, "{name}: bit for bit");
-        assert_eq!((spared.frictions, spared.damped_link_forces), (0, 0), "{name}: nothing rubs, nothing is damped");
-        assert!(done.frictions > 0 && done.damped_link_forces > 0 && done.sphere_tests > spared.sphere_tests, "{name}");
-        assert!(spared.link_forces < done.link_forces, "{name}: no bending links");
+        assert_eq!(
+            (spared.counters.frictions, spared.counters.damped_link_forces),
+            (0, 0),
+            "{name}: nothing rubs, nothing is damped"
+        );
+        assert!(
+            done.counters.frictions > 0
+                && done.counters.damped_link_forces > 0
+                && done.counters.sphere_tests > spared.counters.sphere_tests,
+            "{name}"
+        );
+        assert!(spared.counters.link_forces < done.counters.link_forces, "{name}: no bending links");
         let (other, _) = after_a_second(name, true, |_| ());
         assert_ne!(other, full, "{name}: what does something is missed");
     }

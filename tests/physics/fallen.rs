@@ -46,7 +46,11 @@ fn what_fell_past_everything_by_ten_times_the_scenes_size_sleeps_and_costs_nothi
     }
     assert!((before - LIMIT).abs() < 0.2, "gone once all of it is past {LIMIT} m: {before}");
     let (hash, report) = (simulation.hash(), simulation.step());
-    assert_eq!((report.link_forces, report.narrow_tests, report.bodies_asleep), (0, 0, 1), "nothing is worked out");
+    assert_eq!(
+        (report.counters.link_forces, report.counters.narrow_tests, report.last.bodies_asleep),
+        (0, 0, 1),
+        "nothing is worked out"
+    );
     assert_eq!(simulation.hash(), hash, "it stays where it is");
     assert!(simulation.diagnostics().bounds.size().max_element() < 0.0, "and is in no bounds");
 }
@@ -116,7 +120,7 @@ fn who_wants_no_sleep_can_watch_it_fall_for_ever() {
     scene.settings.sleeping = false;
     let mut simulation = simulate::<f32>(&scene);
     run(&mut simulation, 4.0);
-    assert!(!is_gone(&simulation, 0) && simulation.step().link_forces > 0, "it is still worked out");
+    assert!(!is_gone(&simulation, 0) && simulation.step().counters.link_forces > 0, "it is still worked out");
 }
 
 #[test]

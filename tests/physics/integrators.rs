@@ -354,7 +354,7 @@ fn bodies_that_land_together_move_as_each_would_alone() {
     let mut together = simulate::<f32>(&scene);
     let mut halved = 0;
     for step in 0..whole_steps(1.5, scene.settings.dt) {
-        halved += alone.step().halved;
+        halved += alone.step().counters.halved;
         together.step();
         // Bodies pass through each other, so two in one place are the same motion twice.
         let (first, second) = together.state().position.split_at(alone.state().position.len());
@@ -374,7 +374,7 @@ fn what_rests_does_not_iterate_without_end_with_friction_and_without() {
             let (mut solves, mut substeps) = (0, 0);
             for _ in 0..100 {
                 let report = simulation.step();
-                (solves, substeps) = (solves + report.solves, substeps + report.substeps);
+                (solves, substeps) = (solves + report.counters.solves, substeps + report.counters.substeps);
             }
             let case = format!("k {stiffness}, dt {dt}, friction {friction}");
             assert!(solves <= 8 * substeps, "{case}: {solves} solves in {substeps} substeps at rest");
@@ -467,6 +467,6 @@ fn forces_are_evaluated_once_or_as_often_as_the_scheme_says() {
         scene.settings.integrator = integrator;
         let mut simulation = simulate::<f64>(&scene);
         let links: usize = simulation.model().link_counts().iter().sum();
-        assert_eq!(simulation.step().link_forces, (links * evaluations) as u64, "{integrator:?}");
+        assert_eq!(simulation.step().counters.link_forces, (links * evaluations) as u64, "{integrator:?}");
     }
 }

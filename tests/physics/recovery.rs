@@ -299,7 +299,7 @@ fn recovery_keeps_momentum_and_angular_momentum() {
         let mut simulation = broken::<f64>(5, families(5, stiffness), Break::Crumpled(2.0), |_| ());
         let mut recovered = 0;
         for _ in 0..200 {
-            recovered += simulation.step().recovery_cells;
+            recovered += simulation.step().counters.recovery_cells;
         }
         let mass = 1.0 / 125.0;
         let state = simulation.state();
@@ -340,7 +340,7 @@ fn allocated_while_recovering(mut simulation: Simulation<f32>) -> u64 {
 /// Allocations in five steps in which at least so many cells are pushed.
 fn allocated_while(simulation: &mut Simulation<f32>, least: u64) -> u64 {
     let before = allocations();
-    let pushed: u64 = (0..5).map(|_| simulation.step().recovery_cells).sum();
+    let pushed: u64 = (0..5).map(|_| simulation.step().counters.recovery_cells).sum();
     let allocated = allocations() - before;
     assert!(pushed > least, "cells were pushed: {pushed}");
     allocated
@@ -356,9 +356,9 @@ fn while_nothing_is_near_inversion_nothing_is_done_and_no_bit_changes() {
     let (mut looked, mut pushed) = (0, 0);
     for _ in 0..1000 {
         let report = on.step();
-        looked += report.cells_looked_at;
-        pushed += report.recovery_cells;
-        assert_eq!(off.step().cells_looked_at, 0, "switched off it does not even look");
+        looked += report.counters.cells_looked_at;
+        pushed += report.counters.recovery_cells;
+        assert_eq!(off.step().counters.cells_looked_at, 0, "switched off it does not even look");
     }
     assert_eq!(on.hash(), off.hash(), "the same bits");
     assert_eq!((looked, pushed), (64 * 59, 0), "64 cells, every 17 ms of a second, and no push");

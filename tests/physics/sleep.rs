@@ -83,15 +83,19 @@ fn a_sleeping_body_costs_nothing_and_stays_as_it_is() {
     let time = simulation.state().time_secs;
     let mut report = StepReport::default();
     (0..100).for_each(|_| report.add(&simulation.step()));
-    assert_eq!((report.link_forces, report.narrow_tests, report.cells_looked_at), (0, 0, 0), "nothing is worked out");
-    assert_eq!(report.bodies_asleep, 1, "and the report says why");
+    assert_eq!(
+        (report.counters.link_forces, report.counters.narrow_tests, report.counters.cells_looked_at),
+        (0, 0, 0),
+        "nothing is worked out"
+    );
+    assert_eq!(report.last.bodies_asleep, 1, "and the report says why");
     assert!((simulation.state().time_secs - time - 0.1).abs() < 1e-9, "time goes on");
     assert_eq!(simulation.hash(), hash, "not a bit has changed");
     assert_eq!(simulation.diagnostics(), shown, "nor any figure");
     assert!(shown.finite && shown.energy.contact > 0.0 && shown.energy.kinetic == 0.0, "{shown:?}");
     assert_eq!(simulation.scratch().contact.contacts, contacts, "its contacts are still there to be shown");
-    assert!(report.contacts == 16 && load.iter().sum::<f32>() > 1.0, "{} contacts", report.contacts);
-    assert!(report.max_penetration_m > 0.0, "and as deep");
+    assert!(report.last.contacts == 16 && load.iter().sum::<f32>() > 1.0, "{} contacts", report.last.contacts);
+    assert!(report.last.max_penetration_m > 0.0, "and as deep");
 }
 
 #[test]
@@ -110,7 +114,7 @@ fn a_body_that_does_not_sleep_goes_on_costing() {
     scene.settings.sleeping = false;
     let mut simulation = simulate::<f32>(&scene);
     assert_eq!(sleeps_within(&mut simulation, 5.0), None, "it is switched off");
-    assert!(simulation.step().link_forces > 0, "the counter counts");
+    assert!(simulation.step().counters.link_forces > 0, "the counter counts");
 }
 
 #[test]
@@ -233,7 +237,7 @@ fn one_body_sleeps_while_the_other_moves_as_if_alone() {
     scene.bodies = vec![other];
     let mut alone = simulate::<f32>(&scene);
     run(&mut alone, 2.5);
-    assert_eq!(report.link_forces, alone.step().link_forces, "only the other's links are worked out");
+    assert_eq!(report.counters.link_forces, alone.step().counters.link_forces, "only the other's links are worked out");
     run(&mut both, 3.0);
     run(&mut alone, 3.0);
     let count = alone.state().position.len();
@@ -254,7 +258,7 @@ fn a_saved_motion_goes_on_bit_for_bit_into_sleep_and_out_of_it() {
         assert_eq!(in_parts.state(), whole.state(), "at {} s", whole.state().time_secs);
     }
     assert!(whole.is_asleep(), "it has gone to sleep on the way");
-    assert_eq!(in_parts.step().contacts, whole.step().contacts, "its contacts are found again");
+    assert_eq!(in_parts.step().last.contacts, whole.step().last.contacts, "its contacts are found again");
     assert_eq!(in_parts.diagnostics(), whole.diagnostics(), "and its figures");
     let mut tilted = resting();
     tilted.settings.gravity = [3.0, -9.81, 0.0];

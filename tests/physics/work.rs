@@ -35,8 +35,8 @@ fn a_body_at_rest_is_not_divided_for_what_is_only_rounding() {
         // Before it had an end, a substep at rest was halved a million times.
         while tried < 2000 {
             let report = simulation.substep(&mut ());
-            tried += u64::from(report.substeps + report.halved > 0);
-            halved += report.halved;
+            tried += u64::from(report.counters.substeps + report.counters.halved > 0);
+            halved += report.counters.halved;
             if simulation.state().is_between_substeps() {
                 break;
             }
@@ -110,7 +110,7 @@ fn work_has_a_limit_that_is_told_and_gives_no_energy() {
         loop {
             let report = simulation.substep(&mut ());
             assert!(!report.diverged, "it goes on");
-            (slowed, work) = (slowed + report.slowed, work + report.implicit_work());
+            (slowed, work) = (slowed + report.counters.slowed, work + report.counters.implicit_work());
             if simulation.state().is_between_substeps() {
                 break;
             }

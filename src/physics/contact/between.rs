@@ -27,7 +27,7 @@ impl<R: Real> Meeting<'_, R> {
                 return false;
             }
             before += contact.energy(-surface.gap);
-            after += contact.energy(-(surface.gap + velocity.dot(surface.normal) * self.dt));
+            after += contact.energy(-(surface.gap + velocity.dot(surface.normal) * self.substep.dt));
         }
         // The tolerance is rounding.
         after - before > R::from_f64(1e-4) * before
@@ -41,7 +41,7 @@ impl<R: Real> Meeting<'_, R> {
             let mut forbidden = false;
             for (obstacle, contact) in contacts.iter().enumerate() {
                 let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
-                let slowest = response::deepest_velocity(&surface, contact, self.dt);
+                let slowest = response::deepest_velocity(&surface, contact, self.substep.dt);
                 let along = (velocity - surface_velocity).dot(surface.normal);
                 // The tolerance is rounding: a corrected velocity must not count as forbidden again.
                 let speeds = along.abs() + slowest.abs() + surface_velocity.length();
@@ -74,7 +74,7 @@ impl<R: Real> Meeting<'_, R> {
         contacts: &[ContactModel<R>],
         found: &mut [ContactRecord<R>],
     ) {
-        let change = (allowed - velocity) * (mass / self.dt);
+        let change = (allowed - velocity) * (mass / self.substep.dt);
         let moves = |record: &ContactRecord<R>| record.surface_velocity != R::Vec3::ZERO;
         let Some(moving) = found.iter().position(moves) else {
             if let Some(last) = found.last_mut() {
@@ -85,15 +85,15 @@ impl<R: Real> Meeting<'_, R> {
         let energy = |velocity: R::Vec3| {
             let springs = found.iter().fold(R::ZERO, |sum, record| {
                 let along = (velocity - record.surface_velocity).dot(record.normal);
-                sum + contacts[record.obstacle].energy(-(record.gap + along * self.dt))
+                sum + contacts[record.obstacle].energy(-(record.gap + along * self.substep.dt))
             });
             springs + R::from_f64(0.5) * mass * velocity.dot(velocity)
         };
         let surface = found[moving].surface_velocity;
-        let missing = energy(allowed) - energy(velocity) - change.dot(surface) * self.dt;
+        let missing = energy(allowed) - energy(velocity) - change.dot(surface) * self.substep.dt;
         found[moving].force += change;
         if missing > R::ZERO {
-            let press = surface * (missing / (surface.dot(surface) * self.dt));
+            let press = surface * (missing / (surface.dot(surface) * self.substep.dt));
             found[moving].force += press;
             if let Some(standing) = found.iter().position(|record| !moves(record)) {
                 found[standing].force -= press;

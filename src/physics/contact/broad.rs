@@ -5,18 +5,13 @@
 //! therefore bit for bit that of testing everything.
 
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::model::{BodyModel, Model};
-use crate::physics::plan::Plan;
-use crate::physics::state::State;
+use crate::physics::model::BodyModel;
+use crate::physics::substep::Substep;
 
 /// The obstacles that the body's motion in this substep may meet, ascending.
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 pub(super) fn near_obstacles<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
+    Substep { model, plan, state, dt, .. }: Substep<'_, R>,
     body: &BodyModel<R>,
-    dt: R,
-    state: &State<R>,
     velocity: &[R::Vec3],
     touching: &[bool],
     near: &mut Vec<u32>,

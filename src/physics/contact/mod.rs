@@ -26,9 +26,10 @@ pub use record::{ContactRecord, Scratch};
 pub(super) use touch::{Touch, find as find_touches, settle as settle_touches};
 
 use super::model::{BodyModel, ContactModel, Model, ObstacleModel, ObstacleShape};
-use super::plan::{Plan, Stage};
-use super::report::{StageTimer, StepReport};
+use super::plan::Stage;
+use super::report::{Counters, Recorder};
 use super::state::State;
+use super::substep::Substep;
 use crate::math::{Real, Vector};
 
 /// The surface as one particle meets it: a tangent plane, in a frame that rides along with the obstacle.
@@ -41,113 +42,104 @@ pub(super) struct Surface<R: Real> {
 }
 
 /// Changes the predicted velocities of all particles that meet an obstacle within this substep.
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
-pub fn respond<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    dt: R,
-    state: &State<R>,
+pub(super) fn respond<R: Real>(
+    substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
     scratch: &mut Scratch<R>,
-    report: &mut StepReport,
-    timer: &mut impl StageTimer,
+    recorder: &mut Recorder<'_>,
 ) {
-    scratch.keep_of_sleepers(model, state);
-    Meetings { model, plan, dt, state, scratch, report, timer }.of_all(velocity, |_, _| ());
+    scratch.keep_of_sleepers(substep.model, substep.state);
+    Meetings { substep, scratch, recorder }.of_all(velocity, |_, _| ());
 }
 
 /// Changes the velocities that move particles where those at the end of the substep are others. What has met an
 /// obstacle already moves with the velocity at the end of the substep; one that only its path leads into an obstacle, or
 /// that velocity where nothing had pushed it, is stopped there, and what stops it changes its velocity too.
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
-pub fn respond_to_paths<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    dt: R,
-    state: &State<R>,
+pub(super) fn respond_to_paths<R: Real>(
+    substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
     path: &mut [R::Vec3],
     scratch: &mut Scratch<R>,
-    report: &mut StepReport,
-    timer: &mut impl StageTimer,
+    recorder: &mut Recorder<'_>,
 ) {
     for contact in &scratch.contacts {
         path[contact.particle] = velocity[contact.particle];
     }
-    scratch.forget_unpushed(model, state);
-    let mut meetings = Meetings { model, plan, dt, state, scratch, report, timer };
-    meetings.of_all(path, |particle, change| velocity[particle] += change);
+    scratch.forget_unpushed(substep.model, substep.state);
+    Meetings { substep, scratch, recorder }.of_all(path, |particle, change| velocity[particle] += change);
 }
 
 /// All particles among all obstacles.
-struct Meetings<'a, R: Real, T> {
-    model: &'a Model<R>,
-    plan: &'a Plan,
-    dt: R,
-    state: &'a State<R>,
+struct Meetings<'a, 'r, R: Real> {
+    substep: Substep<'a, R>,
     scratch: &'a mut Scratch<R>,
-    report: &'a mut StepReport,
-    timer: &'a mut T,
+    recorder: &'a mut Recorder<'r>,
 }
 
-impl<R: Real, T: StageTimer> Meetings<'_, R, T> {
+impl<R: Real> Meetings<'_, '_, R> {
     /// Resolves all velocities but of the particles that are known to meet something, and tells of each change.
     fn of_all(&mut self, velocity: &mut [R::Vec3], mut changed: impl FnMut(usize, R::Vec3)) {
         self.scratch.sort();
         let met = self.scratch.contacts.len();
-        let Self { model, plan, dt, state, scratch, report, timer } = self;
-        let (model, plan, dt, state) = (*model, *plan, *dt, *state);
+        let Self { substep, scratch, recorder } = self;
+        let Substep { model, plan, state, .. } = *substep;
         for (number, body) in model.bodies.iter().enumerate() {
             if state.bodies[number].asleep {
                 continue;
             }
             let all_tests = (body.particles.len() * model.obstacles.len()) as u64;
-            let tests_before = report.narrow_tests;
+            let tests_before = recorder.counters.narrow_tests;
             if plan.broad_phase {
-                timer.enter(Stage::BroadPhase);
+                recorder.enter(Stage::BroadPhase);
             }
             let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
-            broad::near_obstacles(model, plan, body, dt, state, velocity, touching, &mut scratch.near);
+            broad::near_obstacles(*substep, body, velocity, touching, &mut scratch.near);
             if !scratch.near.is_empty() {
-                timer.enter(Stage::Contact);
+                recorder.enter(Stage::Contact);
                 for (local, particle) in body.particles.clone().enumerate() {
                     // The contacts are in the order of the particles.
                     let has_met = || scratch.contacts[..met].binary_search_by_key(&particle, |c| c.particle).is_ok();
                     if body.is_pinned(local) || has_met() {
                         continue;
                     }
-                    let mut meeting =
-                        Meeting { model, body, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
+                    let mut meeting = Meeting::new(*substep, body, particle);
                     let before = velocity[particle];
                     velocity[particle] =
                         meeting.resolve(before, body.mass(local), &body.contacts, &scratch.near, &mut scratch.contacts);
                     changed(particle, velocity[particle] - before);
-                    report.narrow_tests += meeting.tests;
-                    report.sphere_tests += meeting.sphere_tests;
-                    report.frictions += meeting.frictions;
+                    meeting.count(&mut recorder.counters);
                 }
             }
-            report.narrow_tests_saved += all_tests.saturating_sub(report.narrow_tests - tests_before);
+            let made = recorder.counters.narrow_tests - tests_before;
+            recorder.counters.narrow_tests_saved += all_tests.saturating_sub(made);
         }
         scratch.sort();
-        report.contacts = scratch.pushing();
+        recorder.last.contacts = scratch.pushing();
     }
 }
 
 /// One particle among the obstacles near its body.
 struct Meeting<'a, R: Real> {
-    model: &'a Model<R>,
+    substep: Substep<'a, R>,
     body: &'a BodyModel<R>,
-    plan: &'a Plan,
-    state: &'a State<R>,
     particle: usize,
-    dt: R,
     tests: u64,
     sphere_tests: u64,
     frictions: u64,
 }
 
-impl<R: Real> Meeting<'_, R> {
+impl<'a, R: Real> Meeting<'a, R> {
+    fn new(substep: Substep<'a, R>, body: &'a BodyModel<R>, particle: usize) -> Self {
+        Self { substep, body, particle, tests: 0, sphere_tests: 0, frictions: 0 }
+    }
+
+    /// Adds what it tested.
+    fn count(&self, counters: &mut Counters) {
+        counters.narrow_tests += self.tests;
+        counters.sphere_tests += self.sphere_tests;
+        counters.frictions += self.frictions;
+    }
+
     /// The velocity the obstacles leave this particle; what pushed is recorded.
     fn resolve(
         &mut self,
@@ -166,14 +158,14 @@ impl<R: Real> Meeting<'_, R> {
             }
             let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
             let before = velocity;
-            let rubs = !self.plan.lean || response::has_friction(&self.model.obstacles[obstacle]);
+            let rubs = !self.substep.plan.lean || response::has_friction(&self.substep.model.obstacles[obstacle]);
             velocity = response::respond(
                 &surface,
                 &contacts[obstacle],
-                &self.model.obstacles[obstacle],
+                &self.substep.model.obstacles[obstacle],
                 rubs,
                 mass,
-                self.dt,
+                self.substep.dt,
                 velocity - surface_velocity,
             ) + surface_velocity;
             self.frictions += u64::from(rubs && velocity != before);
@@ -184,12 +176,12 @@ impl<R: Real> Meeting<'_, R> {
                 normal: surface.normal,
                 gap: surface.gap,
                 surface_velocity,
-                force: (velocity - before) * (mass / self.dt),
+                force: (velocity - before) * (mass / self.substep.dt),
             });
         }
         if records.len() > first_record + 1 {
-            let (obstacles, found) = (&self.model.obstacles, &mut records[first_record..]);
-            velocity = settle::settle(predicted, contacts, obstacles, mass, self.dt, found);
+            let (obstacles, found) = (&self.substep.model.obstacles, &mut records[first_record..]);
+            velocity = settle::settle(predicted, contacts, obstacles, mass, self.substep.dt, found);
         }
         if records.len() > first_record {
             let mut allowed = self.allowed_by_all(velocity, contacts);
@@ -210,14 +202,14 @@ impl<R: Real> Meeting<'_, R> {
     /// Contact with an obstacle that moves is swept in the obstacle's own frame: the particle's start rides along, and
     /// what is left of its path is its motion past the obstacle.
     fn surface(&mut self, obstacle: usize, velocity: R::Vec3) -> Option<(Surface<R>, R::Vec3)> {
-        let ObstacleModel { shape, bounds, carry, .. } = self.body.obstacle(self.model, obstacle);
-        let from = self.state.position[self.particle];
-        let path = velocity * self.dt;
+        let ObstacleModel { shape, bounds, carry, .. } = self.body.obstacle(self.substep.model, obstacle);
+        let from = self.substep.state.position[self.particle];
+        let path = velocity * self.substep.dt;
         let side = match shape {
-            ObstacleShape::Plane(plane) => self.state.side[plane.side_row][self.particle],
+            ObstacleShape::Plane(plane) => self.substep.state.side[plane.side_row][self.particle],
             ObstacleShape::Sphere { .. } => 0,
         };
-        if self.plan.broad_phase && side == 0 && !broad::sweep::<R>(from, path).overlaps(bounds) {
+        if self.substep.plan.broad_phase && side == 0 && !broad::sweep::<R>(from, path).overlaps(bounds) {
             return None;
         }
         self.tests += 1;
@@ -225,7 +217,7 @@ impl<R: Real> Meeting<'_, R> {
         let Some(carry) = carry else { return Some((meet(shape, side, from, path)?, R::Vec3::ZERO)) };
         let carried = carry.apply(from);
         let surface = meet(shape, side, carried, from + path - carried)?;
-        Some((surface, (carried - from) * (R::ONE / self.dt)))
+        Some((surface, (carried - from) * (R::ONE / self.substep.dt)))
     }
 }
 
@@ -242,13 +234,13 @@ fn body_of<R: Real>(model: &Model<R>, contact: &ContactRecord<R>) -> Option<usiz
 }
 
 /// Writes down on which side of which plane every touching particle is once it has moved, and how deep the deepest is.
-pub fn remember_sides<R: Real>(
+pub(super) fn remember_sides<R: Real>(
     model: &Model<R>,
     dt: R,
     state: &mut State<R>,
     velocity: &[R::Vec3],
     scratch: &mut Scratch<R>,
-    report: &mut StepReport,
+    recorder: &mut Recorder<'_>,
 ) {
     let mut deepest = R::ZERO;
     // What touched before and does not any more is forgotten; what touches is in the records.
@@ -273,7 +265,7 @@ pub fn remember_sides<R: Real>(
             deepest = deepest.max(-contact.gap);
             continue;
         }
-        report.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
+        recorder.counters.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
         let ObstacleShape::Plane(plane) = &model.bodies[number].obstacle(model, contact.obstacle).shape else {
             deepest = deepest.max(depth);
@@ -286,6 +278,5 @@ pub fn remember_sides<R: Real>(
             deepest = deepest.max(depth);
         }
     }
-    report.max_penetration_m = deepest.to_f64();
-    report.peak_penetration_m = report.max_penetration_m;
+    recorder.note_depth(deepest.to_f64());
 }

@@ -4,7 +4,7 @@ use super::{Touch, body_of};
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
 use crate::physics::plan::Plan;
-use crate::physics::report::StepReport;
+use crate::physics::report::Recorder;
 use crate::physics::sleep;
 use crate::physics::state::State;
 use crate::scene::settings::Integrator;
@@ -85,10 +85,9 @@ impl<R: Real> Scratch<R> {
     }
 
     /// Tells of the contacts that bodies keep in their sleep.
-    pub(in crate::physics) fn report_kept(&self, report: &mut StepReport) {
-        report.contacts = self.pushing();
-        report.max_penetration_m = self.deepest().to_f64();
-        report.peak_penetration_m = report.max_penetration_m;
+    pub(in crate::physics) fn report_kept(&self, recorder: &mut Recorder<'_>) {
+        recorder.last.contacts = self.pushing();
+        recorder.note_depth(self.deepest().to_f64());
     }
 
     /// Any particle may touch any obstacle: they have been moved.

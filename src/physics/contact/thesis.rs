@@ -7,33 +7,22 @@
 
 use super::{ContactRecord, Scratch};
 use crate::math::{Real, Vector};
-use crate::physics::model::{ContactModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
-use crate::physics::report::StepReport;
+use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape, PlaneModel};
+use crate::physics::report::Recorder;
 use crate::physics::sleep::awake;
-use crate::physics::state::State;
+use crate::physics::substep::Substep;
 
 /// Below this speed along the surface a particle counts as still and static friction applies, m/s. The thesis
 /// compares with zero, which no number in a simulation ever is.
 const STILL_SPEED: f64 = 1e-3;
 
-/// What of the rule applies.
-#[derive(Clone, Copy, Debug)]
-pub struct ThesisRule<R> {
-    /// The step, s.
-    pub dt: R,
-    /// Whether the force that presses a particle on is turned back, as written; without it there is only a spring.
-    pub pressing_force: bool,
-}
-
 /// Adds reaction and friction to the force of every particle found past a surface, and writes them down by themselves.
-pub fn add_forces<R: Real>(
-    model: &Model<R>,
-    rule: ThesisRule<R>,
-    state: &State<R>,
+pub(in crate::physics) fn add_forces<R: Real>(
+    Substep { model, plan, state, dt, .. }: Substep<'_, R>,
     force: &mut [R::Vec3],
     thesis_force: &mut [R::Vec3],
     scratch: &mut Scratch<R>,
-    report: &mut StepReport,
+    recorder: &mut Recorder<'_>,
 ) {
     scratch.keep_of_sleepers(model, state);
     thesis_force.fill(R::Vec3::ZERO);
@@ -42,17 +31,17 @@ pub fn add_forces<R: Real>(
         for particle in body.particles.clone() {
             for number in 0..model.obstacles.len() {
                 let obstacle = body.obstacle(model, number);
-                report.narrow_tests += 1;
+                recorder.counters.narrow_tests += 1;
                 let contact = &body.contacts[number];
                 let at = state.position[particle];
                 let velocity = state.velocity[particle];
                 let found = match &obstacle.shape {
                     ObstacleShape::Plane(plane) => past_plane(plane, contact, at),
-                    ObstacleShape::Sphere { center, radius } => inside_sphere(*center, *radius, at, velocity * rule.dt),
+                    ObstacleShape::Sphere { center, radius } => inside_sphere(*center, *radius, at, velocity * dt),
                 };
                 let Some((normal, depth)) = found else { continue };
                 let pressing = force[particle];
-                let turned_back = if rule.pressing_force { pressing } else { R::Vec3::ZERO };
+                let turned_back = if plan.pressing_force { pressing } else { R::Vec3::ZERO };
                 let reaction =
                     reaction(normal, depth, contact, turned_back) + friction(normal, obstacle, pressing, velocity);
                 force[particle] += reaction;
@@ -70,9 +59,8 @@ pub fn add_forces<R: Real>(
         }
     }
     scratch.sort();
-    report.contacts = scratch.contacts.len();
-    report.max_penetration_m = deepest.to_f64();
-    report.peak_penetration_m = report.max_penetration_m;
+    recorder.last.contacts = scratch.contacts.len();
+    recorder.note_depth(deepest.to_f64());
 }
 
 fn past_plane<R: Real>(plane: &PlaneModel<R>, contact: &ContactModel<R>, at: R::Vec3) -> Option<(R::Vec3, R)> {

@@ -10,10 +10,9 @@ use glam::{DMat3, DVec3};
 
 use super::{ContactRecord, Meeting, Meetings, Scratch, broad, response};
 use crate::math::{Real, Vector};
-use crate::physics::model::Model;
-use crate::physics::plan::{Plan, Stage};
-use crate::physics::report::{StageTimer, StepReport};
-use crate::physics::state::State;
+use crate::physics::plan::Stage;
+use crate::physics::report::Recorder;
+use crate::physics::substep::Substep;
 
 /// The sliding speed at which friction has 0.7 of Coulomb's strength, as a share of the body's size in a second: what is
 /// held creeps that fast, which nobody sees.
@@ -189,35 +188,30 @@ impl Touch {
 }
 
 /// Finds the touches of a substep in which every particle would have the velocity `falling`, by particle.
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 pub(in crate::physics) fn find<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    dt: R,
-    state: &State<R>,
+    substep: Substep<'_, R>,
     falling: &[R::Vec3],
     scratch: &mut Scratch<R>,
-    report: &mut StepReport,
-    timer: &mut impl StageTimer,
+    recorder: &mut Recorder<'_>,
 ) {
+    let Substep { model, state, dt, .. } = substep;
     scratch.touches.clear();
     for (number, body) in model.bodies.iter().enumerate() {
         if state.bodies[number].asleep {
             continue;
         }
         let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
-        timer.enter(Stage::BroadPhase);
-        broad::near_obstacles(model, plan, body, dt, state, falling, touching, &mut scratch.near);
+        recorder.enter(Stage::BroadPhase);
+        broad::near_obstacles(substep, body, falling, touching, &mut scratch.near);
         if scratch.near.is_empty() {
             continue;
         }
-        timer.enter(Stage::Contact);
+        recorder.enter(Stage::Contact);
         for (local, particle) in body.particles.clone().enumerate() {
             if body.is_pinned(local) {
                 continue;
             }
-            let mut meeting =
-                Meeting { model, body, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
+            let mut meeting = Meeting::new(substep, body, particle);
             let size = body.size.to_f64();
             for &near in &scratch.near {
                 let obstacle = near as usize;
@@ -252,32 +246,26 @@ pub(in crate::physics) fn find<R: Real>(
                 touch.begin(velocity, falling[particle].to_dvec3());
                 scratch.touches.push(touch);
             }
-            report.narrow_tests += meeting.tests;
-            report.sphere_tests += meeting.sphere_tests;
+            meeting.count(&mut recorder.counters);
         }
     }
 }
 
 /// Turns the touches into contacts, and answers what the solution leads into obstacles that nothing touched before.
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
 pub(in crate::physics) fn settle<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    dt: R,
-    state: &State<R>,
+    substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
     scratch: &mut Scratch<R>,
-    report: &mut StepReport,
-    timer: &mut impl StageTimer,
+    recorder: &mut Recorder<'_>,
 ) {
+    let Substep { model, state, dt, .. } = substep;
     scratch.keep_of_sleepers(model, state);
     let mut touches = scratch.touches.chunk_by(|a, b| a.particle == b.particle).peekable();
     for body in &model.bodies {
         while let Some(own) = touches.next_if(|own| body.particles.contains(&own[0].particle)) {
             let particle = own[0].particle;
             let over_dt = R::ONE / dt;
-            let mut meeting =
-                Meeting { model, body, plan, state, particle, dt, tests: 0, sphere_tests: 0, frictions: 0 };
+            let mut meeting = Meeting::new(substep, body, particle);
             let first = scratch.contacts.len();
             for obstacle in 0..model.obstacles.len() {
                 let record = match own.iter().find(|touch| touch.obstacle == obstacle) {
@@ -303,10 +291,9 @@ pub(in crate::physics) fn settle<R: Real>(
                 meeting.share_out(velocity[particle], allowed, mass, &body.contacts, found);
                 velocity[particle] = allowed;
             }
-            report.narrow_tests += meeting.tests;
-            report.sphere_tests += meeting.sphere_tests;
-            report.frictions += own.iter().filter(|touch| touch.limit() > 0.0).count() as u64;
+            meeting.count(&mut recorder.counters);
+            recorder.counters.frictions += own.iter().filter(|touch| touch.limit() > 0.0).count() as u64;
         }
     }
-    Meetings { model, plan, dt, state, scratch, report, timer }.of_all(velocity, |_, _| ());
+    Meetings { substep, scratch, recorder }.of_all(velocity, |_, _| ());
 }

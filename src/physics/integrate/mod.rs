@@ -22,14 +22,14 @@ mod verlet;
 pub(super) use implicit::bytes as implicit_bytes;
 
 use super::contact::Touch;
-use super::forces;
-use super::interaction::Grab;
+use super::forces::{self, Configuration};
 use super::model::Model;
 use super::plan::{Plan, Stage};
 use super::recovery;
-use super::report::{StageTimer, StepReport};
+use super::report::Recorder;
 use super::sleep::awake;
 use super::state::{BodyMemory, State};
+use super::substep::Substep;
 use crate::math::{Real, Vector};
 use crate::scene::settings::Integrator;
 
@@ -73,16 +73,20 @@ impl<R: Real> Scratch<R> {
     }
 }
 
+impl<R: Real> Scratch<R> {
+    /// The velocities that move particles, given those at the end of the substep.
+    pub(super) fn moving<'a>(&'a self, velocity: &'a [R::Vec3]) -> &'a [R::Vec3] {
+        if self.path.is_empty() { velocity } else { &self.path }
+    }
+}
+
 /// A substep under way.
 pub(super) struct Free<'a, R: Real> {
-    pub(super) model: &'a Model<R>,
-    pub(super) plan: &'a Plan,
-    pub(super) dt: R,
-    pub(super) state: &'a State<R>,
+    pub(super) substep: Substep<'a, R>,
     /// Forces at the state, N.
     pub(super) force: &'a [R::Vec3],
-    /// Of these the thesis's contact, N: constant over the substep. Empty without that rule.
-    pub(super) held_force: &'a [R::Vec3],
+    /// Of these the thesis's contact, N: constant over the substep. None without that rule.
+    pub(super) held_force: Option<&'a [R::Vec3]>,
     pub(super) scratch: &'a mut Scratch<R>,
     pub(super) recovery: &'a mut recovery::Scratch<R>,
 }
@@ -90,25 +94,27 @@ pub(super) struct Free<'a, R: Real> {
 impl<R: Real> Free<'_, R> {
     /// Writes the velocities at the end of the substep as the forces at the state predict them.
     pub(super) fn predict(&mut self, velocity: &mut [R::Vec3]) {
-        velocity.copy_from_slice(&self.state.velocity);
-        let kicked_for = match self.plan.integrator {
-            Integrator::Verlet => verlet::kicked_for(self.dt, self.state),
-            Integrator::SemiImplicit if self.state.velocity_lag_secs > 0.0 => verlet::kicked_for(self.dt, self.state),
-            _ => self.dt,
+        velocity.copy_from_slice(&self.substep.state.velocity);
+        let kicked_for = match self.substep.plan.integrator {
+            Integrator::Verlet => verlet::kicked_for(self.substep.dt, self.substep.state),
+            Integrator::SemiImplicit if self.substep.state.velocity_lag_secs > 0.0 => {
+                verlet::kicked_for(self.substep.dt, self.substep.state)
+            }
+            _ => self.substep.dt,
         };
-        kick(self.model, &self.state.bodies, kicked_for, self.force, velocity);
-        if moves_by_mean(self.plan.integrator) {
+        kick(self.substep.model, &self.substep.state.bodies, kicked_for, self.force, velocity);
+        if moves_by_mean(self.substep.plan.integrator) {
             self.scratch.predicted.copy_from_slice(velocity);
         }
     }
 
     /// Writes the velocities with which every particle would fall freely, as if it had no links.
     pub(super) fn fall(&self, velocity: &mut [R::Vec3]) {
-        velocity.copy_from_slice(&self.state.velocity);
-        for body in &self.model.bodies {
+        velocity.copy_from_slice(&self.substep.state.velocity);
+        for body in &self.substep.model.bodies {
             for (local, particle) in body.particles.clone().enumerate() {
                 if !body.is_pinned(local) {
-                    velocity[particle] += self.model.gravity * self.dt;
+                    velocity[particle] += self.substep.model.gravity * self.substep.dt;
                 }
             }
         }
@@ -116,28 +122,21 @@ impl<R: Real> Free<'_, R> {
 
     /// Writes the velocities at the end of the substep as the implicit scheme solves for them, contact and pull included;
     /// gives up where it is asked to.
-    pub(super) fn solve(
-        &mut self,
-        grab: Option<&Grab<R>>,
-        touches: &mut [Touch],
-        velocity: &mut [R::Vec3],
-        report: &mut StepReport,
-        stops: &dyn Fn() -> bool,
-    ) {
-        implicit::solve(self, grab, touches, velocity, report, stops);
+    pub(super) fn solve(&mut self, touches: &mut [Touch], velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
+        implicit::solve(self, touches, velocity, recorder);
     }
 
     /// Goes through the substep once more for the schemes that move particles by another velocity than that at its end:
     /// writes both. What changed the predicted velocities on the way goes on as a constant force.
-    pub(super) fn refine(&mut self, velocity: &mut [R::Vec3], report: &mut StepReport, timer: &mut impl StageTimer) {
-        if !moves_by_mean(self.plan.integrator) {
+    pub(super) fn refine(&mut self, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
+        if !moves_by_mean(self.substep.plan.integrator) {
             return;
         }
         self.scratch.settled.copy_from_slice(velocity);
-        match self.plan.integrator {
-            Integrator::Rk2 => rk2::refine(self, velocity, report, timer),
-            Integrator::Rk4 => rk4::refine(self, velocity, report, timer),
-            _ => self.scratch.path.copy_from_slice(&self.state.velocity),
+        match self.substep.plan.integrator {
+            Integrator::Rk2 => rk2::refine(self, velocity, recorder),
+            Integrator::Rk4 => rk4::refine(self, velocity, recorder),
+            _ => self.scratch.path.copy_from_slice(&self.substep.state.velocity),
         }
         let Scratch { path, predicted, settled, .. } = self.scratch;
         for (particle, settled) in settled.iter().enumerate() {
@@ -150,34 +149,35 @@ impl<R: Real> Free<'_, R> {
 
     /// The stage that every scheme begins with: the state itself.
     fn first_stage(&mut self) {
-        self.scratch.velocity.copy_from_slice(&self.state.velocity);
+        self.scratch.velocity.copy_from_slice(&self.substep.state.velocity);
         self.scratch.force.copy_from_slice(self.force);
         self.add_changes();
     }
 
     /// Goes from the state for `ahead` (s) along the slope of the last stage, and evaluates the forces there.
-    fn next_stage(&mut self, ahead: R, report: &mut StepReport, timer: &mut impl StageTimer) {
+    fn next_stage(&mut self, ahead: R, recorder: &mut Recorder<'_>) {
         let Scratch { position, velocity, force, .. } = self.scratch;
-        for ((position, start), velocity) in position.iter_mut().zip(&self.state.position).zip(velocity.iter()) {
+        for ((position, start), velocity) in position.iter_mut().zip(&self.substep.state.position).zip(velocity.iter())
+        {
             *position = *start + *velocity * ahead;
         }
-        velocity.copy_from_slice(&self.state.velocity);
-        kick(self.model, &self.state.bodies, ahead, force, velocity);
-        let bodies = &self.state.bodies;
-        forces::evaluate(self.model, self.plan, position, &[], velocity, bodies, force, self.recovery, report, timer);
-        for (force, held) in force.iter_mut().zip(self.held_force) {
+        velocity.copy_from_slice(&self.substep.state.velocity);
+        kick(self.substep.model, &self.substep.state.bodies, ahead, force, velocity);
+        let at = Configuration { position, velocity, residual: None };
+        forces::evaluate(self.substep, at, force, self.recovery, recorder);
+        for (force, held) in force.iter_mut().zip(self.held_force.into_iter().flatten()) {
             *force += *held;
         }
         self.add_changes();
-        timer.enter(Stage::Integrate);
+        recorder.enter(Stage::Integrate);
     }
 
     /// Adds the mean force that made the settled velocities of the predicted ones.
     fn add_changes(&mut self) {
         let Scratch { predicted, settled, force, .. } = self.scratch;
-        for body in awake(self.model, &self.state.bodies) {
+        for body in awake(self.substep.model, &self.substep.state.bodies) {
             for (local, particle) in body.particles.clone().enumerate() {
-                force[particle] += (settled[particle] - predicted[particle]) * (body.mass(local) / self.dt);
+                force[particle] += (settled[particle] - predicted[particle]) * (body.mass(local) / self.substep.dt);
             }
         }
     }
@@ -221,7 +221,7 @@ pub(super) fn remember<R: Real>(
     plan: &Plan,
     dt: R,
     force: &[R::Vec3],
-    held_force: &[R::Vec3],
+    held_force: Option<&[R::Vec3]>,
     state: &mut State<R>,
 ) {
     match plan.integrator {

@@ -3,18 +3,13 @@
 
 use super::{Free, kick};
 use crate::math::Real;
-use crate::physics::report::{StageTimer, StepReport};
+use crate::physics::report::Recorder;
 
 /// Two evaluations; the velocity at the midpoint moves the particles.
-pub(super) fn refine<R: Real>(
-    free: &mut Free<'_, R>,
-    velocity: &mut [R::Vec3],
-    report: &mut StepReport,
-    timer: &mut impl StageTimer,
-) {
+pub(super) fn refine<R: Real>(free: &mut Free<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
     free.first_stage();
-    free.next_stage(free.dt * R::from_f64(0.5), report, timer);
+    free.next_stage(free.substep.dt * R::from_f64(0.5), recorder);
     free.scratch.path.copy_from_slice(&free.scratch.velocity);
-    velocity.copy_from_slice(&free.state.velocity);
-    kick(free.model, &free.state.bodies, free.dt, &free.scratch.force, velocity);
+    velocity.copy_from_slice(&free.substep.state.velocity);
+    kick(free.substep.model, &free.substep.state.bodies, free.substep.dt, &free.scratch.force, velocity);
 }

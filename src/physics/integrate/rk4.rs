@@ -6,21 +6,16 @@
 
 use super::{Free, kick};
 use crate::math::Real;
-use crate::physics::report::{StageTimer, StepReport};
+use crate::physics::report::Recorder;
 
 /// Four evaluations. The shares are summed on the way.
-pub(super) fn refine<R: Real>(
-    free: &mut Free<'_, R>,
-    velocity: &mut [R::Vec3],
-    report: &mut StepReport,
-    timer: &mut impl StageTimer,
-) {
+pub(super) fn refine<R: Real>(free: &mut Free<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
     free.first_stage();
     free.scratch.path.fill(R::Vec3::default());
-    velocity.copy_from_slice(&free.state.velocity);
+    velocity.copy_from_slice(&free.substep.state.velocity);
     add_share(free, 1.0 / 6.0, velocity);
     for (ahead, share) in [(0.5, 1.0 / 3.0), (0.5, 1.0 / 3.0), (1.0, 1.0 / 6.0)] {
-        free.next_stage(free.dt * R::from_f64(ahead), report, timer);
+        free.next_stage(free.substep.dt * R::from_f64(ahead), recorder);
         add_share(free, share, velocity);
     }
 }
@@ -30,5 +25,5 @@ fn add_share<R: Real>(free: &mut Free<'_, R>, share: f64, velocity: &mut [R::Vec
     for (path, stage) in free.scratch.path.iter_mut().zip(&free.scratch.velocity) {
         *path += *stage * share;
     }
-    kick(free.model, &free.state.bodies, free.dt * share, &free.scratch.force, velocity);
+    kick(free.substep.model, &free.substep.state.bodies, free.substep.dt * share, &free.scratch.force, velocity);
 }

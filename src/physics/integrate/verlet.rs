@@ -30,7 +30,7 @@ pub(super) fn remember<R: Real>(
     model: &Model<R>,
     dt: R,
     force: &[R::Vec3],
-    held_force: &[R::Vec3],
+    held_force: Option<&[R::Vec3]>,
     state: &mut State<R>,
 ) {
     for (number, body) in model.bodies.iter().enumerate() {
@@ -38,7 +38,7 @@ pub(super) fn remember<R: Real>(
             continue;
         }
         for (local, particle) in body.particles.clone().enumerate() {
-            let held = held_force.get(particle).copied().unwrap_or_default();
+            let held = held_force.map_or(R::Vec3::ZERO, |held| held[particle]);
             state.acceleration[particle] = if body.is_pinned(local) {
                 R::Vec3::ZERO
             } else {

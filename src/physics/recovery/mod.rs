@@ -40,10 +40,12 @@ use edges::{MeanEdges, mean_edges, spread};
 use soft_links::soften;
 
 use super::cell_bound::CellLoads;
+use super::forces::Configuration;
 use super::model::{BodyModel, CellKind, Model};
 use super::plan::Plan;
-use super::report::StepReport;
+use super::report::Recorder;
 use super::state::{BodyMemory, State};
+use super::substep::Substep;
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector};
 use crate::scene::settings::Integrator;
@@ -121,7 +123,7 @@ fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
 
 /// Looks at all cells before a substep of `secs`, writes down those that are near inversion, and tells which bodies are
 /// stuck.
-pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, secs: f64, report: &mut StepReport) {
+pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, secs: f64, recorder: &mut Recorder<'_>) {
     let watch = R::from_f64(WATCH);
     for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
         memory.near_inversion.clear();
@@ -130,7 +132,7 @@ pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, secs: f64, r
             continue;
         }
         let position = &state.position[body.particles.clone()];
-        report.cells_looked_at += body.lattice.cells.len() as u64;
+        recorder.counters.cells_looked_at += body.lattice.cells.len() as u64;
         let mut smallest = watch;
         for (number, corners) in (0u32..).zip(&body.lattice.cells) {
             let volume = MeanEdges::of(position, corners, body.inverse_cell_size).volume();
@@ -143,25 +145,21 @@ pub(super) fn look<R: Real>(model: &Model<R>, state: &mut State<R>, secs: f64, r
     }
 }
 
-/// Adds the push of the cells on the lists in `memory`, N.
-#[expect(clippy::too_many_arguments, reason = "the parts of one substep, split borrow by borrow")]
+/// Adds the push of the cells on the lists of the bodies, N.
 pub(super) fn add_forces<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    position: &[R::Vec3],
-    velocity: &[R::Vec3],
-    memory: &[BodyMemory],
+    Substep { model, plan, state, .. }: Substep<'_, R>,
+    Configuration { position, velocity, .. }: Configuration<'_, R>,
     force: &mut [R::Vec3],
     scratch: &mut Scratch<R>,
-    report: &mut StepReport,
+    recorder: &mut Recorder<'_>,
 ) {
     // What the implicit integrator solves with resists as much.
     let flow_secs = if plan.integrator == Integrator::Implicit { 0.0 } else { plan.substep_secs() };
-    for (body, memory) in model.bodies.iter().zip(memory).filter(|(_, memory)| !memory.asleep) {
+    for (body, memory) in model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep) {
         let position = &position[body.particles.clone()];
         let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];
-        report.recovery_cells += memory.near_inversion.len() as u64;
+        recorder.counters.recovery_cells += memory.near_inversion.len() as u64;
         soften(body, &memory.near_inversion, position, velocity, R::from_f64(flow_secs), scratch, force);
         let stiffness = bearable_stiffness(plan, body) * body.inverse_cell_size;
         let pull = memory.stuck.then(|| pull::bearable_stiffness(plan, body) * body.inverse_cell_size);

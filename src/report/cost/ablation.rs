@@ -114,8 +114,8 @@ fn without_friction(scene: &mut Scene) {
 fn moving_substep(simulation: &mut Simulation<f32>) -> u64 {
     loop {
         let report = simulation.substep(&mut ());
-        if report.substeps > 0 || report.diverged {
-            return report.recovery_cells;
+        if report.counters.substeps > 0 || report.diverged {
+            return report.counters.recovery_cells;
         }
     }
 }

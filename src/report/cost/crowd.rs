@@ -88,7 +88,7 @@ fn row(cells: u32, obstacles: usize) -> Result<CrowdRow, ResolveError> {
 /// Narrow tests in a substep.
 fn tests(simulation: &Simulation<f32>, substeps: usize) -> f64 {
     let mut copy = simulation.clone();
-    let tests: u64 = (0..substeps).map(|_| copy.substep(&mut ()).narrow_tests).sum();
+    let tests: u64 = (0..substeps).map(|_| copy.substep(&mut ()).counters.narrow_tests).sum();
     tests as f64 / substeps as f64
 }
 

@@ -102,10 +102,10 @@ impl Account {
             own: own(&self.now),
             work: self.work,
             allowed,
-            substeps: taken.substeps,
-            halved: taken.halved,
-            contacts: taken.contacts,
-            depth_m: taken.max_penetration_m,
+            substeps: taken.counters.substeps,
+            halved: taken.counters.halved,
+            contacts: taken.last.contacts,
+            depth_m: taken.last.max_penetration_m,
         })
     }
 

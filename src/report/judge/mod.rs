@@ -242,13 +242,13 @@ impl Watch {
     fn count_work<R: Real>(&mut self, simulation: &Simulation<R>) {
         let secs = self.verdict.simulated_secs;
         self.verdict.work = self.forces / self.links.max(1);
-        self.verdict.slowed = self.taken.slowed;
+        self.verdict.slowed = self.taken.counters.slowed;
         let rate = self.verdict.work as f64 / secs;
         // What a body takes that does anything at all: one that sleeps takes nothing.
         let least = (1 + SOLVE_WORK) as f64 / simulation.plan().substep_secs();
         if secs <= FORETOLD_SECS {
             self.foretold = rate.max(least);
-        } else if rate > MORE_WORK * self.foretold && self.taken.slowed == 0 {
+        } else if rate > MORE_WORK * self.foretold && self.taken.counters.slowed == 0 {
             self.condemn(Fault::Work, format!("{rate:.0} passes over the links a second, not {:.0}", self.foretold));
         }
     }
@@ -263,11 +263,11 @@ impl Watch {
         loop {
             let report = simulation.substep(&mut ());
             self.taken.add(&report);
-            self.forces += report.link_forces + report.iterations * self.links;
+            self.forces += report.counters.link_forces + report.counters.iterations * self.links;
             let contacts = &simulation.scratch().contact.contacts;
             let push = contacts.iter().fold(0.0, |push: f64, c| push.max(c.surface_velocity.length().to_f64()));
             for account in &mut self.bodies {
-                account.push(push, report.obstacle_work_j);
+                account.push(push, report.counters.obstacle_work_j);
             }
             let is_whole = simulation.state().is_between_substeps();
             if report.diverged || is_whole || self.forces > self.patience.most_link_forces {

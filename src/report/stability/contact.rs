@@ -221,8 +221,8 @@ fn drop_ratio(rule: Rule, share: f64) -> Result<f64, ResolveError> {
         if report.diverged {
             return Ok(f64::INFINITY);
         }
-        has_touched |= report.contacts > 0;
-        away = if has_touched && report.contacts == 0 { away + 1 } else { 0 };
+        has_touched |= report.last.contacts > 0;
+        away = if has_touched && report.last.contacts == 0 { away + 1 } else { 0 };
         // One particle that lifts for a moment is no body in the air.
         if away == 20 {
             break;

@@ -56,8 +56,9 @@ impl<R: Real> System<'_, R> {
         }
     }
 
-    /// Conjugate gradients with the touches as they are. Returns how many iterations it took; none where it was stopped.
-    pub(super) fn iterate(&mut self, enough: f64, stops: &dyn Fn() -> bool) -> Option<u64> {
+    /// Conjugate gradients with the touches as they are, until they are solved or it `stops`. Returns how many iterations
+    /// it took.
+    pub(super) fn iterate(&mut self, enough: f64, stops: &dyn Fn() -> bool) -> u64 {
         let count = self.body.particles.len();
         self.find_residual(true);
         self.precondition();
@@ -69,7 +70,7 @@ impl<R: Real> System<'_, R> {
         let mut iterations = 0;
         while iterations < MOST_ITERATIONS && missed > enough {
             if stops() {
-                return None;
+                break;
             }
             let mut product = std::mem::take(&mut self.room.product);
             self.times(&self.room.search, &mut product);
@@ -98,7 +99,7 @@ impl<R: Real> System<'_, R> {
             size = smaller;
             iterations += 1;
         }
-        Some(iterations)
+        iterations
     }
 
     /// The inverse blocks of touched particles.

@@ -28,8 +28,14 @@ impl<R: Real> Bond<R> {
 }
 
 impl<R: Real> System<'_, R> {
-    /// The matrix and the right-hand side without touches, and the velocities now.
-    pub(super) fn assemble(&mut self, plan: &Plan, memory: &BodyMemory, [position, velocity, force]: [&[R::Vec3]; 3]) {
+    /// The matrix and the right-hand side without touches, and the velocities now; unfinished where it `stops`.
+    pub(super) fn assemble(
+        &mut self,
+        plan: &Plan,
+        memory: &BodyMemory,
+        [position, velocity, force]: [&[R::Vec3]; 3],
+        stops: &dyn Fn() -> bool,
+    ) {
         let dt = self.dt;
         let Room { bonds, known, inverse_diagonal, velocity: now, .. } = &mut *self.room;
         for (local, force) in force.iter().enumerate() {
@@ -39,7 +45,7 @@ impl<R: Real> System<'_, R> {
             inverse_diagonal[local] = mass;
         }
         bonds.clear();
-        for_each_bond(self.body, plan.families, position, |[i, j], bond| {
+        for_each_bond(self.body, plan.families, position, stops, |[i, j], bond| {
             let stiff = dt * dt * bond.stiffness.to_f64();
             let across = stiff * bond.slack.to_f64();
             let damping = dt * bond.damping.to_f64();

@@ -27,7 +27,8 @@ use crate::physics::contact::Touch;
 use crate::physics::interaction::Grab;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::recovery::Resistance;
-use crate::physics::report::StepReport;
+use crate::physics::report::Recorder;
+use crate::physics::substep::Substep;
 
 /// Solves in which touches may change their minds.
 const ROUNDS: usize = 16;
@@ -91,13 +92,11 @@ impl<R: Real> Room<R> {
 /// Writes the velocities at the end of the substep.
 pub(super) fn solve<R: Real>(
     free: &mut Free<'_, R>,
-    grab: Option<&Grab<R>>,
     touches: &mut [Touch],
     velocity: &mut [R::Vec3],
-    report: &mut StepReport,
-    stops: &dyn Fn() -> bool,
+    recorder: &mut Recorder<'_>,
 ) {
-    let Free { model, plan, dt, state, force, .. } = *free;
+    let Free { substep: Substep { model, plan, dt, state, grab }, force, .. } = *free;
     let room = &mut free.scratch.room;
     let mut touches = touches;
     for (number, body) in model.bodies.iter().enumerate() {
@@ -112,15 +111,14 @@ pub(super) fn solve<R: Real>(
         let grab = grab.filter(|grab| grab.body == number);
         let mut system = System { body, dt: dt.to_f64(), grab, touches: own, room };
         let own = [&state.position[..], &state.velocity, force].map(|of| &of[range.clone()]);
-        system.assemble(plan, &state.bodies[number], own);
+        system.assemble(plan, &state.bodies[number], own, &|| recorder.stops());
         let enough = system.start();
         for round in 1..=ROUNDS {
-            report.solves += 1;
-            let Some(iterations) = system.iterate(enough, stops) else {
-                report.stopped = true;
+            recorder.counters.solves += 1;
+            recorder.counters.iterations += system.iterate(enough, &|| recorder.stops());
+            if recorder.has_stopped() {
                 return;
-            };
-            report.iterations += iterations;
+            }
             let went_all_the_way = round + CAREFUL_ROUNDS > ROUNDS || system.hold_back();
             let again = system.reconsider(round + CAREFUL_ROUNDS >= ROUNDS);
             if went_all_the_way && !again {
