@@ -185,7 +185,7 @@ fn boxes(simulation: &Simulation<f32>) -> [Lines; 2] {
     for bounds in &bodies {
         add_box(&mut of_bodies, bounds, 1.0, 1.6);
     }
-    for obstacle in &model.obstacles {
+    for obstacle in simulation.obstacles().all() {
         let meets = bodies.iter().any(|body| body.overlaps(&obstacle.bounds));
         let (opacity, width) = if meets { (1.0, 2.2) } else { (0.55, 1.2) };
         add_box(&mut of_obstacles, &obstacle.bounds, opacity, width);

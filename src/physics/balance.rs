@@ -58,7 +58,7 @@ pub(super) fn body_gains_energy<R: Real>(
     end: End<'_, R>,
     stops: &dyn Fn() -> bool,
 ) -> bool {
-    let Substep { model, plan, state, dt, grab } = substep;
+    let Substep { model, plan, state, dt, grab, .. } = substep;
     let End { velocity, force, contacts } = end;
     let body = &model.bodies[number];
     let [first, after] = [body.particles.start, body.particles.end]

@@ -107,8 +107,6 @@ fn compile_body<R: Real>(
             .iter()
             .map(|obstacle| contact(obstacle, heaviest, size, load, lattice.grid.cell_size))
             .collect(),
-        // A step must not allocate.
-        displaced: Vec::with_capacity(scene.obstacles.len()),
     }
 }
 

@@ -6,14 +6,14 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::contact::ContactRecord;
+use super::contact::{ContactRecord, Placed};
 use super::forces;
 use super::integrate;
 use super::model::{BodyModel, Model};
 use super::plan::Plan;
 use super::recovery;
 use super::state::{BodyMemory, State};
-use super::step::{Part, Scratch, substep};
+use super::step::{Inputs, Part, Scratch, substep};
 use super::strain;
 use crate::math::{Aabb, Real, Vector};
 use crate::scene::settings::Integrator;
@@ -127,7 +127,9 @@ impl<'a, R: Real> Ahead<'a, R> {
             (Cow::Borrowed(plan), Part::whole(plan).of(strain::parts_now(model, plan, &mut next)))
         };
         let mut scratch = Scratch::new(model, &way);
-        let report = substep(model, &way, part, None, &mut next, &mut scratch, &mut ());
+        let obstacles = Placed::now(model, state);
+        let inputs = Inputs { obstacles: &obstacles, grab: None };
+        let report = substep(model, &way, part, inputs, &mut next, &mut scratch, &mut ());
         let share = integrate::share_to_center(state, &next);
         let is_on_time = is_on_time || report.diverged;
         Self { model, plan, state, next, contacts: scratch.contact.contacts, is_on_time, share }

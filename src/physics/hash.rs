@@ -3,7 +3,7 @@
 use super::state::State;
 use crate::math::{Real, Vector};
 
-/// FNV-1a over the bits of all positions, then all velocities, then of what is left of the obstacles' ways (Fowler, Noll
+/// FNV-1a over the bits of all positions, then all velocities, then of what is left of the obstacles' ways and sweeps (Fowler, Noll
 /// and Vo; 64 bits, eight bytes at a time).
 pub fn state_hash<R: Real>(state: &State<R>) -> u64 {
     const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
@@ -15,5 +15,6 @@ pub fn state_hash<R: Real>(state: &State<R>) -> u64 {
         .flat_map(|v| v.components())
         .flat_map(|x| x.bits().to_le_bytes())
         .chain(state.approaches.iter().flat_map(|approach| approach.left_m.to_bits().to_le_bytes()))
+        .chain(state.sweeps.iter().flat_map(|sweep| sweep.left_secs.to_bits().to_le_bytes()))
         .fold(OFFSET, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
 }

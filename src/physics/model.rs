@@ -76,8 +76,6 @@ pub struct BodyModel<R: Real> {
     pub recovery_mass: R,
     /// How it meets each obstacle, in the obstacles' order.
     pub contacts: Vec<ContactModel<R>>,
-    /// The obstacles that it does not meet where they are: those that were put into it and come gently.
-    pub displaced: Vec<Displaced<R>>,
 }
 
 impl<R: Real> BodyModel<R> {
@@ -91,13 +89,6 @@ impl<R: Real> BodyModel<R> {
     #[inline]
     pub fn mass(&self, particle: usize) -> R {
         self.masses.get(particle).copied().unwrap_or(self.particle_mass)
-    }
-
-    /// An obstacle as this body meets it.
-    #[inline]
-    pub fn obstacle<'a>(&'a self, model: &'a Model<R>, number: usize) -> &'a ObstacleModel<R> {
-        let displaced = self.displaced.iter().find(|displaced| displaced.obstacle == number);
-        displaced.map_or(&model.obstacles[number], |displaced| &displaced.met)
     }
 
     /// The inverse of a particle's mass (local number), 1/kg.
@@ -173,15 +164,6 @@ pub struct ObstacleModel<R: Real> {
     pub friction_static: R,
     /// Coulomb coefficient of motion.
     pub friction_dynamic: R,
-}
-
-/// An obstacle that one body meets elsewhere than where it is.
-#[derive(Clone, Debug)]
-pub struct Displaced<R: Real> {
-    /// Its place among the obstacles.
-    pub obstacle: usize,
-    /// The obstacle where the body meets it.
-    pub met: ObstacleModel<R>,
 }
 
 /// A rigid motion from the beginning to the end of a substep: `x ↦ turn (x − from) + to`.

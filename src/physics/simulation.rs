@@ -4,12 +4,11 @@ mod motion;
 
 pub use motion::BodyMotion;
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::compile::compile;
-use super::contact::approach;
-use super::contact::sweep::{self, Sweep};
+use super::contact::sweep;
+use super::contact::{Placed, approach};
 use super::diagnostics::Diagnostics;
 use super::hash::state_hash;
 use super::interaction::Grab;
@@ -18,7 +17,7 @@ use super::plan::Plan;
 use super::report::{LastSubstep, StageTimer, StepReport};
 use super::sleep;
 use super::state::{BodyMemory, SPENT, State};
-use super::step::{self, Gain, Part, Scratch};
+use super::step::{self, Gain, Inputs, Part, Scratch};
 use super::strain;
 use crate::geometry::Lattice;
 use crate::math::Real;
@@ -31,8 +30,8 @@ pub struct Simulation<R: Real = f32> {
     plan: Plan,
     state: State<R>,
     scratch: Scratch<R>,
-    /// Obstacles on their way to where the scene has them.
-    sweeps: Vec<Sweep<R>>,
+    /// Where obstacles are: follows from model and state.
+    obstacles: Placed<R>,
     grab: Option<Grab<R>>,
     /// What held at the end of the last substep: it holds while steps are only counted.
     last: LastSubstep,
@@ -47,16 +46,8 @@ impl<R: Real> Simulation<R> {
         state.fit_scheme(&plan);
         state.fit_sleep(&plan);
         let scratch = Scratch::new(&model, &plan);
-        Self {
-            model,
-            plan,
-            state,
-            scratch,
-            sweeps: Vec::new(),
-            grab: None,
-            last: LastSubstep::default(),
-            diverged: false,
-        }
+        let obstacles = Placed::now(&model, &state);
+        Self { model, plan, state, scratch, obstacles, grab: None, last: LastSubstep::default(), diverged: false }
     }
 
     /// Takes new parameters, obstacles and settings while everything keeps moving: the scene must have the bodies
@@ -70,15 +61,15 @@ impl<R: Real> Simulation<R> {
     ) {
         let (model, plan) = compile(scene, lattices, Some(&self.model));
         debug_assert_eq!(model.particle_count(), self.model.particle_count(), "the bodies must be the same");
-        self.sweeps = match arrival {
-            Arrival::Swept => sweep::sweeps(&self.model, &model, kept),
+        let old = Placed::now(&self.model, &self.state);
+        self.state.sweeps = match arrival {
+            Arrival::Swept => sweep::sweeps(&old, &model, kept),
             Arrival::Placed => Vec::new(),
         };
         let sides = std::mem::take(&mut self.state.side);
         self.state.fit_sides(&model);
-        sweep::keep_sides(&self.model, &model, kept, &self.sweeps, &sides, &mut self.state);
-        let sweeps = |obstacle: usize| self.sweeps.iter().any(|sweep| sweep.is_of(obstacle));
-        approach::begin(&self.model, &model, kept, sweeps, &sides, &mut self.state);
+        sweep::keep_sides(&old, &model, kept, &sides, &mut self.state);
+        approach::begin(&old, &model, kept, &sides, &mut self.state);
         // The share of the step that was taken stays taken: dear steps come to an end however often they are edited.
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
         self.state.fit_scheme(&plan);
@@ -88,8 +79,7 @@ impl<R: Real> Simulation<R> {
         self.model = model;
         self.plan = plan;
         self.diverged = false;
-        sweep::begin(&mut self.model, &self.sweeps);
-        approach::place(&mut self.model, &self.state.approaches, 0.0);
+        self.obstacles = Placed::now(&self.model, &self.state);
     }
 
     /// Takes over the motion of bodies that `before` had too, and on which side of the planes they are: `kept` names,
@@ -100,6 +90,7 @@ impl<R: Real> Simulation<R> {
                 self.set_body_motion(body, &before.body_motion(old));
             }
         }
+        self.state.sweeps.clone_from(&before.state.sweeps);
         self.state.steps = before.state.steps;
         self.state.substep = rescaled(before.state.substep, before.plan.substeps, self.plan.substeps);
         let State { part, halvings, work, .. } = before.state;
@@ -158,7 +149,7 @@ impl<R: Real> Simulation<R> {
         if let Some(grab) = &self.grab {
             self.state.bodies[grab.body].asleep = self.state.bodies[grab.body].gone;
         }
-        if !self.sweeps.is_empty() {
+        if !self.state.sweeps.is_empty() {
             self.wake_all();
         }
         for approach in self.state.approaches.iter().filter(|approach| !approach.waits) {
@@ -202,20 +193,19 @@ impl<R: Real> Simulation<R> {
             };
             let (is_first, is_last) = (left == parts, is_last && left == 1);
             let part = Part { secs: secs * share, gain, is_first, is_last };
-            sweep::advance(&mut self.model, &mut self.sweeps, part.secs);
-            approach::place(&mut self.model, &self.state.approaches, part.secs);
-            let Self { model, plan, state, scratch, grab, .. } = self;
-            let grab = grab.as_ref().filter(|grab| !state.bodies[grab.body].gone);
-            let of_part = step::substep(model, plan, part, grab, state, scratch, timer);
+            let Self { model, plan, state, scratch, obstacles, grab, .. } = self;
+            obstacles.place(model, state, part.secs);
+            let inputs = Inputs { obstacles, grab: grab.as_ref().filter(|grab| !state.bodies[grab.body].gone) };
+            let of_part = step::substep(model, plan, part, inputs, state, scratch, timer);
             report.add(&of_part);
             if !of_part.stopped {
                 self.state.work = self.state.work.saturating_add(of_part.counters.implicit_work());
             }
             if of_part.stopped || of_part.counters.halved > 0 {
-                sweep::take_back(&mut self.sweeps);
                 self.state.halvings += u32::from(!of_part.stopped);
             } else {
                 approach::pass(&self.model, &self.scratch.contact.contacts, part.secs, &mut self.state);
+                sweep::pass(&self.model, part.secs, &mut self.state);
                 left -= 1;
             }
         }
@@ -259,7 +249,6 @@ impl<R: Real> Simulation<R> {
         self.state.fit_sleep(&self.plan);
         self.scratch = Scratch::new(&self.model, &self.plan);
         self.diverged = false;
-        approach::place(&mut self.model, &self.state.approaches, 0.0);
         self.find_contacts_of_sleepers();
     }
 
@@ -272,7 +261,9 @@ impl<R: Real> Simulation<R> {
         awake.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut found = Scratch::new(&self.model, &self.plan);
         let whole = Part::whole(&self.plan);
-        step::substep(&self.model, &self.plan, whole, None, &mut awake, &mut found, &mut ());
+        let obstacles = Placed::now(&self.model, &self.state);
+        let inputs = Inputs { obstacles: &obstacles, grab: None };
+        step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut ());
         self.scratch.contact.contacts = found.contact.contacts;
         self.scratch.contact.keep_of_sleepers(&self.model, &self.state);
     }
@@ -299,29 +290,22 @@ impl<R: Real> Simulation<R> {
 
     /// Energies, momentum, extremes.
     pub fn diagnostics(&self) -> Diagnostics {
-        Diagnostics::of(&self.still_model(), &self.plan, &self.state)
+        Diagnostics::of(&self.model, &self.plan, &self.state)
     }
 
     /// The same of one body alone.
     pub fn diagnostics_of(&self, body: usize) -> Diagnostics {
-        Diagnostics::of_body(&self.still_model(), &self.plan, &self.state, body)
+        Diagnostics::of_body(&self.model, &self.plan, &self.state, body)
     }
 
     /// The same of every body by itself.
     pub fn diagnostics_of_each(&self) -> Vec<Diagnostics> {
-        Diagnostics::of_each(&self.still_model(), &self.plan, &self.state)
+        Diagnostics::of_each(&self.model, &self.plan, &self.state)
     }
 
-    /// The model with obstacles where they are now, as if none were on its way: how deep particles are in them now.
-    fn still_model(&self) -> Cow<'_, Model<R>> {
-        if self.sweeps.is_empty() && self.state.approaches.is_empty() {
-            return Cow::Borrowed(&self.model);
-        }
-        let mut still = self.model.clone();
-        let displaced =
-            still.bodies.iter_mut().flat_map(|body| &mut body.displaced).map(|displaced| &mut displaced.met);
-        still.obstacles.iter_mut().chain(displaced).for_each(|obstacle| obstacle.carry = None);
-        Cow::Owned(still)
+    /// Where obstacles are now, in their order: on their way to their places in the model, if they were moved.
+    pub fn obstacles(&self) -> Placed<R> {
+        Placed::now(&self.model, &self.state)
     }
 
     /// The fingerprint of positions and velocities.

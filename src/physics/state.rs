@@ -1,6 +1,7 @@
 //! The mutable side of a simulation: where every particle is, how fast it goes, and what contact must remember.
 
 use super::contact::approach::Approach;
+use super::contact::sweep::Sweep;
 use super::model::Model;
 use super::plan::{MOST_HALVINGS, Plan};
 use crate::math::{Real, Vector};
@@ -35,6 +36,8 @@ pub struct State<R: Real> {
     pub bodies: Vec<BodyMemory>,
     /// Obstacles that were put into bodies and are on their way there as these bodies meet them, by body and obstacle.
     pub approaches: Vec<Approach>,
+    /// Obstacles that were moved while time runs and sweep to their places in the model.
+    pub sweeps: Vec<Sweep>,
     /// Whole steps taken.
     pub steps: u64,
     /// Substeps taken of the step that is under way.
@@ -146,6 +149,7 @@ impl<R: Real> State<R> {
             anchor: Vec::new(),
             bodies: vec![BodyMemory::default(); model.bodies.len()],
             approaches: Vec::new(),
+            sweeps: Vec::new(),
             steps: 0,
             substep: 0,
             part: 0,

@@ -18,7 +18,7 @@
 //! anything is written: the state stays the last good one and the report says so.
 
 use super::balance::{End, body_gains_energy, gains_energy};
-use super::contact::{self, ContactRecord};
+use super::contact::{self, ContactRecord, Placed};
 use super::fallen;
 use super::forces::{self, Configuration};
 use super::integrate::{self, Free};
@@ -94,6 +94,15 @@ fn remembered<R: Real>(model: &Model<R>) -> Vec<BodyMemory> {
 /// How often the velocities of a body are halved that would gain energy however short its substeps are.
 const SLOWINGS: u32 = 12;
 
+/// What comes from outside into a substep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inputs<'a, R: Real> {
+    /// Where obstacles are in it.
+    pub(super) obstacles: &'a Placed<R>,
+    /// A hand that pulls.
+    pub(super) grab: Option<&'a Grab<R>>,
+}
+
 /// What becomes of a part of a substep that would give energy from nowhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gain {
@@ -135,7 +144,7 @@ pub(super) fn substep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     part: Part,
-    grab: Option<&Grab<R>>,
+    Inputs { obstacles, grab }: Inputs<'_, R>,
     state: &mut State<R>,
     scratch: &mut Scratch<R>,
     timer: &mut dyn StageTimer,
@@ -155,7 +164,7 @@ pub(super) fn substep<R: Real>(
         recorder.enter(Stage::Recovery);
         recovery::look(model, state, part.secs, &mut recorder);
     }
-    let begun = Substep { model, plan, state, dt: R::from_f64(part.secs), grab };
+    let begun = Substep { model, plan, state, obstacles, dt: R::from_f64(part.secs), grab };
     find_forces(begun, scratch, &mut recorder);
     let is_found = find_velocities(begun, part.gain, scratch, &mut recorder);
     if recorder.has_stopped() {
@@ -171,7 +180,13 @@ pub(super) fn substep<R: Real>(
     if !is_sound(begun, scratch) {
         return StepReport { diverged: true, ..recorder.leave() };
     }
-    accept(model, plan, part, state, scratch, &mut recorder);
+    let dt = R::from_f64(part.secs);
+    if meets_implicitly(plan) {
+        let moving = scratch.scheme.moving(&scratch.velocity);
+        contact::remember_sides(model, obstacles, dt, state, moving, &mut scratch.contact, &mut recorder);
+    }
+    accept(model, plan, dt, state, scratch);
+    state.time_secs += part.secs;
     if plan.sleeping && part.is_last {
         recorder.enter(Stage::Rest);
         fallen::watch(model, state);
@@ -243,24 +258,11 @@ fn is_sound<R: Real>(begun: Substep<'_, R>, scratch: &Scratch<R>) -> bool {
     !(begun.plan.watched && runs_away(begun.model, begun.dt, moving)) && stays_finite(begun, moving, velocity)
 }
 
-/// Moves everything, and remembers what the next substep needs of this one.
-fn accept<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    part: Part,
-    state: &mut State<R>,
-    scratch: &mut Scratch<R>,
-    recorder: &mut Recorder<'_>,
-) {
-    let dt = R::from_f64(part.secs);
-    let Scratch { force, thesis_force, velocity, contact, scheme, .. } = scratch;
-    let moving = scheme.moving(velocity);
-    if meets_implicitly(plan) {
-        contact::remember_sides(model, dt, state, moving, contact, recorder);
-    }
+/// Moves everything, and remembers what the next substep of the scheme needs of this one.
+fn accept<R: Real>(model: &Model<R>, plan: &Plan, dt: R, state: &mut State<R>, scratch: &Scratch<R>) {
+    let Scratch { force, thesis_force, velocity, scheme, .. } = scratch;
     integrate::remember(model, plan, dt, force, thesis_force.as_deref(), state);
-    move_particles(model, dt, state, moving, velocity);
-    state.time_secs += part.secs;
+    move_particles(model, dt, state, scheme.moving(velocity), velocity);
 }
 
 /// Halves the velocities of bodies until they gain no energy from nowhere by them; what does even then stands still.

@@ -1,5 +1,6 @@
 //! What a substep begins with: read by all its stages, written by none.
 
+use super::contact::Placed;
 use super::interaction::Grab;
 use super::model::Model;
 use super::plan::Plan;
@@ -13,6 +14,8 @@ pub(super) struct Substep<'a, R: Real> {
     pub(super) plan: &'a Plan,
     /// What moves, before it does.
     pub(super) state: &'a State<R>,
+    /// Where obstacles are in it.
+    pub(super) obstacles: &'a Placed<R>,
     /// Its length, s.
     pub(super) dt: R,
     /// A hand that pulls.

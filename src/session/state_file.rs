@@ -1,7 +1,7 @@
 //! A simulation's state as bytes, exactly: what the window and `gelatin run --save-state` write and go on from.
 //!
 //! ```text
-//! "gelatin-state 6\n"                                       magic and version
+//! "gelatin-state 7\n"                                       magic and version
 //! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
@@ -16,6 +16,9 @@
 //! obstacles on their way: a count u64, and of each
 //!         its body, its place, 1 if it waits               three u64
 //!         way, what is left of it, speed                   five f64
+//! obstacles that sweep: a count u64, and of each
+//!         its place                                        one u64
+//!         middle, turn as a quaternion, time left          eight f64
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
 
@@ -31,11 +34,12 @@ use super::state_reader::Reader;
 use super::{Session, SessionError};
 use crate::disk::{self, ReadError};
 use crate::physics::contact::approach::Approach;
+use crate::physics::contact::sweep::Sweep;
 use crate::text::echo;
 
 /// A larger file is no state: more particles than a body may have.
 const MAX_BYTES: u64 = 4 << 30;
-const MAGIC: &[u8] = b"gelatin-state 6\n";
+const MAGIC: &[u8] = b"gelatin-state 7\n";
 
 /// Why a state cannot be used.
 #[derive(Debug, Error, PartialEq, Eq)]
@@ -44,7 +48,7 @@ pub enum StateFileError {
     #[error("this is no state that Gelatin has saved")]
     NotAState,
     /// Written by an earlier or a later program.
-    #[error("this state was written by another version of the program (it begins with {begins:?}, version 6 is read)")]
+    #[error("this state was written by another version of the program (it begins with {begins:?}, version 7 is read)")]
     OtherVersion {
         /// The first words.
         begins: String,
@@ -192,6 +196,12 @@ impl Session {
             let Approach { body, obstacle, way, left_m, speed, waits } = *approach;
             bytes.extend([body as u64, obstacle as u64, u64::from(waits)].iter().flat_map(|word| word.to_le_bytes()));
             bytes.extend([way.x, way.y, way.z, left_m, speed].iter().flat_map(|number| number.to_le_bytes()));
+        }
+        bytes.extend((state.sweeps.len() as u64).to_le_bytes());
+        for Sweep { obstacle, center, rotation, left_secs } in &state.sweeps {
+            bytes.extend((*obstacle as u64).to_le_bytes());
+            let numbers = center.to_array().into_iter().chain(rotation.to_array()).chain([*left_secs]);
+            bytes.extend(numbers.flat_map(f64::to_le_bytes));
         }
         let checksum = fnv1a(&bytes);
         bytes.extend(checksum.to_le_bytes());

@@ -2,10 +2,11 @@
 
 use std::fmt::Display;
 
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 
 use super::state_file::StateFileError;
 use crate::physics::contact::approach::Approach;
+use crate::physics::contact::sweep::Sweep;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::plan::MOST_HALVINGS;
 use crate::physics::state::BodyMemory;
@@ -90,6 +91,7 @@ impl<'a> Reader<'a> {
         let side = (0..planes).map(|_| self.sides(particles)).collect::<Result<_, _>>()?;
         let (bodies, anchor) = self.body_memories(model)?;
         let approaches = self.approaches(model)?;
+        let sweeps = self.sweeps(model)?;
         if !self.rest.is_empty() {
             return Err(StateFileError::Length { field: "all the numbers".to_owned() });
         }
@@ -104,6 +106,7 @@ impl<'a> Reader<'a> {
             anchor,
             bodies,
             approaches,
+            sweeps,
             steps: counts.steps,
             // Saved under settings that divide a step further, it is at its last substep here.
             substep: counts.substep.min(plan.substeps - 1),
@@ -159,9 +162,6 @@ impl<'a> Reader<'a> {
     fn approaches(&mut self, model: &Model<f32>) -> Result<Vec<Approach>, StateFileError> {
         let field = "the obstacles on their way";
         let count = self.u64(field)?;
-        if self.rest.len() as u64 != count.saturating_mul(64) {
-            return Err(StateFileError::Length { field: field.to_owned() });
-        }
         let mut approaches: Vec<Approach> = Vec::new();
         for _ in 0..count {
             let [body, obstacle, waits] = [self.u64(field)?, self.u64(field)?, self.u64(field)?];
@@ -179,6 +179,31 @@ impl<'a> Reader<'a> {
             approaches.push(Approach { body, obstacle, way, left_m, speed, waits: waits == 1 });
         }
         Ok(approaches)
+    }
+
+    /// The obstacles that sweep.
+    fn sweeps(&mut self, model: &Model<f32>) -> Result<Vec<Sweep>, StateFileError> {
+        let field = "the obstacles that sweep";
+        let mut sweeps: Vec<Sweep> = Vec::new();
+        for _ in 0..self.u64(field)? {
+            let obstacle = place((self.u64(field)?, model.obstacles.len()))?;
+            let center = DVec3::new(self.f64(field)?, self.f64(field)?, self.f64(field)?);
+            let [x, y, z, w] = [self.f64(field)?, self.f64(field)?, self.f64(field)?, self.f64(field)?];
+            let (rotation, left_secs) = (DQuat::from_xyzw(x, y, z, w), self.f64(field)?);
+            need(center.is_finite(), "the middle of an obstacle that sweeps", center, "a place in m")?;
+            need(
+                rotation.is_normalized(),
+                "the turn of an obstacle that sweeps",
+                rotation,
+                "a quaternion of length 1",
+            )?;
+            let in_time = left_secs > 0.0 && left_secs <= Sweep::SECS;
+            need(in_time, "the time left of a sweep", left_secs, "a time above 0 s, at most 1/60 s")?;
+            let ascends = sweeps.last().is_none_or(|last| last.obstacle < obstacle);
+            need(ascends, field, "out of order", "every obstacle once, in their order")?;
+            sweeps.push(Sweep { obstacle, center, rotation, left_secs });
+        }
+        Ok(sweeps)
     }
 
     fn chunk<const N: usize>(&mut self, field: &str) -> Result<[u8; N], StateFileError> {

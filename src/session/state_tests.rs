@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::Session;
 use super::state_file::{StateFileError, fnv1a};
-use crate::scene::presets;
+use super::{Command, Session};
+use crate::scene::edit::{Edit, ObstacleId};
+use crate::scene::{ObstacleShape, presets};
 
 /// Where the numbers of a state of the cube on a plane stand, after its lines of text.
 const STEPS: usize = 16;
@@ -70,6 +71,7 @@ fn every_number_of_a_state_is_checked() {
         (refused(CELLS + 8, &8_u32.to_le_bytes()), "fallen out and is awake"),
         (word(CELLS + 16, u64::MAX), "the count of still substeps of body 0 is"),
         (word(CELLS + 24, 3), "not as many bytes as the obstacles on their way"),
+        (word(CELLS + 32, 3), "not as many bytes as the obstacles that sweep"),
     ];
     for (said, words) in said {
         assert!(said.starts_with("the state is damaged: ") && said.contains(words), "{words:?} in {said:?}");
@@ -101,7 +103,7 @@ fn a_state_of_another_length_says_where_that_is_seen() {
     assert!(cut(20).contains("not as many bytes as the counts"), "{}", cut(20));
     assert!(cut(SIDES + 5).contains("the side of a plane"), "{}", cut(SIDES + 5));
     let longer = said([&bytes[..bytes.len() - 8], &[0; 16]].concat());
-    assert!(longer.contains("the obstacles on their way"), "{longer}");
+    assert!(longer.contains("all the numbers"), "{longer}");
     let foreign = session().set_state_bytes(&bytes[..40]);
     assert_eq!(foreign, Err(StateFileError::Damaged), "no checksum fits");
 }
@@ -135,4 +137,29 @@ fn a_run_is_finite_only_where_all_of_it_is() {
         session.replace_state(state);
         assert_eq!(session.simulation().diagnostics().finite, number == 0, "number {number}");
     }
+}
+
+#[test]
+fn a_state_saved_while_an_obstacle_sweeps_goes_on_bit_for_bit() {
+    let mut first = session();
+    (0..700).for_each(|_| assert!(first.step(), "the preset is stable"));
+    let (id, mut plane) = (ObstacleId(0), first.scene().obstacles[0].clone());
+    let ObstacleShape::Plane(shape) = &mut plane.shape else { unreachable!("a plane") };
+    (shape.center[1], shape.rotation_deg[2]) = (0.04, 7.0);
+    first.handle(Command::Play).expect("time can run");
+    first.handle(Command::Drag(Edit::Obstacle(id, Box::new(plane)))).expect("it can be dragged");
+    (0..5).for_each(|_| assert!(first.step(), "it is pushed"));
+    assert_eq!(first.simulation().state().sweeps.len(), 1, "in the middle of the sweep");
+    let opened =
+        || Session::new(first.scene().clone(), PathBuf::new(), "cube-on-plane".to_owned()).expect("it resolves");
+    let [mut second, mut at_once] = [opened(), opened()];
+    second.set_state_bytes(&first.state_bytes()).expect("a state of the same scene");
+    let mut arrived = first.simulation().state().clone();
+    arrived.sweeps.clear();
+    at_once.replace_state(arrived);
+    for session in [&mut first, &mut second, &mut at_once] {
+        (0..200).for_each(|_| assert!(session.step(), "it goes on"));
+    }
+    assert_eq!(first.simulation().state(), second.simulation().state(), "the same motion");
+    assert_ne!(first.simulation().hash(), at_once.simulation().hash(), "the sweep is part of it");
 }

@@ -68,11 +68,13 @@ fn too_slow(simulation: &Simulation<f32>) -> Option<String> {
         let elapsed_secs = patience.0.elapsed().as_secs_f64();
         let simulated_secs = copy.state().time_secs - start_secs;
         let fast_enough = simulated_secs >= SLOWEST * LONGEST_LOOK.as_secs_f64();
-        if report.stopped || report.diverged || fast_enough {
+        if report.diverged || fast_enough {
             return None;
         }
-        if patience.stops() {
-            let words = crawl(simulated_secs / elapsed_secs)?;
+        if report.stopped || patience.stops() {
+            // What was given up would have ended with the next substep at the earliest.
+            let begun_secs = if report.stopped { copy.plan().substep_secs() } else { 0.0 };
+            let words = crawl((simulated_secs + begun_secs) / elapsed_secs)?;
             return Some(format!("{words}; time stands still until you press Play"));
         }
     }

@@ -18,10 +18,10 @@
 
 use glam::DVec3;
 
-use super::ContactRecord;
 use super::way_out::{Memory, WayOut, way_out};
+use super::{ContactRecord, Placed};
 use crate::math::{Real, Vector};
-use crate::physics::model::{BodyModel, Carry, Displaced, Model, ObstacleModel, ObstacleShape, PlaneModel};
+use crate::physics::model::{BodyModel, Carry, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::state::State;
 
 /// How fast an obstacle on its way speeds up and slows down, body sizes a second squared: out of half a body of any size
@@ -65,26 +65,26 @@ impl Approach {
 }
 
 /// After `state` was fitted to the obstacles of `new`: those that are elsewhere than in `old` at once come gently to the
-/// bodies they would be inside of. `kept` names, for each obstacle, the one it was; `sweeps` says which get there by
+/// bodies they would be inside of. `kept` names, for each obstacle, the one it was. Those that sweep get there by
 /// themselves.
-pub(crate) fn begin<R: Real>(
-    old: &Model<R>,
+pub(in crate::physics) fn begin<R: Real>(
+    old: &Placed<R>,
     new: &Model<R>,
     kept: &[Option<usize>],
-    sweeps: impl Fn(usize) -> bool,
     sides: &[Vec<i8>],
     state: &mut State<R>,
 ) {
     let running = std::mem::take(&mut state.approaches);
     for (obstacle, (was, ObstacleModel { shape, .. })) in kept.iter().zip(&new.obstacles).enumerate() {
-        let stays = was.is_some_and(|was| sweeps(obstacle) || is_same_place(&old.obstacles[was].shape, shape));
+        let sweeps = state.sweeps.iter().any(|sweep| sweep.obstacle == obstacle);
+        let stays = was.is_some_and(|was| sweeps || is_same_place(&old.all()[was].shape, shape));
         for (number, body) in new.bodies.iter().enumerate() {
             let before = was.and_then(|was| running.iter().find(|a| (a.body, a.obstacle) == (number, was)));
             if stays {
                 state.approaches.extend(before.map(|approach| Approach { obstacle, ..*approach }));
                 continue;
             }
-            let met = was.map(|was| &old.bodies[number].obstacle(old, was).shape);
+            let met = was.map(|was| &old.met(number, was).shape);
             let memory = Memory { shape: met, sides, way: before.map(|approach| approach.way) };
             if let Some(WayOut { way, length_m }) = way_out(new, body, shape, &memory, &state.position) {
                 let speed = before.map_or(0.0, |approach| approach.speed * approach.way.dot(way).max(0.0));
@@ -97,10 +97,15 @@ pub(crate) fn begin<R: Real>(
 }
 
 /// A body was put elsewhere: obstacles that it would be in come gently to it.
-pub(crate) fn begin_for<R: Real>(model: &Model<R>, number: usize, state: &mut State<R>) {
+pub(in crate::physics) fn begin_for<R: Real>(
+    model: &Model<R>,
+    obstacles: &[ObstacleModel<R>],
+    number: usize,
+    state: &mut State<R>,
+) {
     state.approaches.retain(|approach| approach.body != number);
     let body = &model.bodies[number];
-    for (obstacle, ObstacleModel { shape, .. }) in model.obstacles.iter().enumerate() {
+    for (obstacle, ObstacleModel { shape, .. }) in obstacles.iter().enumerate() {
         let memory = Memory { shape: None, sides: &[], way: None };
         if let Some(WayOut { way, length_m }) = way_out(model, body, shape, &memory, &state.position) {
             state.approaches.push(Approach { body: number, obstacle, way, left_m: length_m, speed: 0.0, waits: false });
@@ -125,20 +130,26 @@ fn keep_side<R: Real>(
     }
 }
 
-/// Puts obstacles where bodies meet them in the next `secs`.
-pub(crate) fn place<R: Real>(model: &mut Model<R>, approaches: &[Approach], secs: f64) {
-    model.bodies.iter_mut().for_each(|body| body.displaced.clear());
-    for approach in approaches {
-        let (_, way) = approach.next(&model.bodies[approach.body], secs);
-        let before = approach.way * -approach.left_m;
-        let after = approach.way * (way - approach.left_m);
-        let met = moved(&model.obstacles[approach.obstacle], before, after, secs > 0.0);
-        model.bodies[approach.body].displaced.push(Displaced { obstacle: approach.obstacle, met });
-    }
+/// An obstacle where the body of an approach meets it in the next `secs`.
+pub(super) fn met<R: Real>(
+    approach: &Approach,
+    model: &Model<R>,
+    obstacle: &ObstacleModel<R>,
+    secs: f64,
+) -> ObstacleModel<R> {
+    let (_, way) = approach.next(&model.bodies[approach.body], secs);
+    let before = approach.way * -approach.left_m;
+    let after = approach.way * (way - approach.left_m);
+    moved(obstacle, before, after, secs > 0.0)
 }
 
-/// Counts `secs` in which obstacles were where [`place`] put them, and made these contacts.
-pub(crate) fn pass<R: Real>(model: &Model<R>, contacts: &[ContactRecord<R>], secs: f64, state: &mut State<R>) {
+/// Counts `secs` in which obstacles came, and made these contacts.
+pub(in crate::physics) fn pass<R: Real>(
+    model: &Model<R>,
+    contacts: &[ContactRecord<R>],
+    secs: f64,
+    state: &mut State<R>,
+) {
     for approach in &mut state.approaches {
         let body = &model.bodies[approach.body];
         let (speed, way) = approach.next(body, secs);

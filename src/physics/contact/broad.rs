@@ -5,19 +5,19 @@
 //! therefore bit for bit that of testing everything.
 
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::model::BodyModel;
 use crate::physics::substep::Substep;
 
-/// The obstacles that the body's motion in this substep may meet, ascending.
+/// The obstacles that a body's motion in this substep may meet, ascending.
 pub(super) fn near_obstacles<R: Real>(
-    Substep { model, plan, state, dt, .. }: Substep<'_, R>,
-    body: &BodyModel<R>,
+    Substep { model, plan, state, obstacles, dt, .. }: Substep<'_, R>,
+    number: usize,
     velocity: &[R::Vec3],
     touching: &[bool],
     near: &mut Vec<u32>,
 ) {
     near.clear();
-    let all = (0u32..).zip((0..model.obstacles.len()).map(|number| body.obstacle(model, number)));
+    let body = &model.bodies[number];
+    let all = (0u32..).zip((0..model.obstacles.len()).map(|obstacle| obstacles.met(number, obstacle)));
     if !plan.broad_phase {
         near.extend(all.map(|(number, _)| number));
         return;

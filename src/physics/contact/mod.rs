@@ -12,20 +12,22 @@
 pub mod approach;
 mod between;
 mod broad;
+mod placed;
 mod plane;
 mod record;
 mod response;
 mod settle;
 mod sphere;
-pub(super) mod sweep;
+pub mod sweep;
 pub mod thesis;
 mod touch;
 mod way_out;
 
+pub use placed::Placed;
 pub use record::{ContactRecord, Scratch};
 pub(super) use touch::{Touch, find as find_touches, settle as settle_touches};
 
-use super::model::{BodyModel, ContactModel, Model, ObstacleModel, ObstacleShape};
+use super::model::{ContactModel, Model, ObstacleModel, ObstacleShape};
 use super::plan::Stage;
 use super::report::{Counters, Recorder};
 use super::state::State;
@@ -93,7 +95,7 @@ impl<R: Real> Meetings<'_, '_, R> {
                 recorder.enter(Stage::BroadPhase);
             }
             let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
-            broad::near_obstacles(*substep, body, velocity, touching, &mut scratch.near);
+            broad::near_obstacles(*substep, number, velocity, touching, &mut scratch.near);
             if !scratch.near.is_empty() {
                 recorder.enter(Stage::Contact);
                 for (local, particle) in body.particles.clone().enumerate() {
@@ -102,7 +104,7 @@ impl<R: Real> Meetings<'_, '_, R> {
                     if body.is_pinned(local) || has_met() {
                         continue;
                     }
-                    let mut meeting = Meeting::new(*substep, body, particle);
+                    let mut meeting = Meeting::new(*substep, number, particle);
                     let before = velocity[particle];
                     velocity[particle] =
                         meeting.resolve(before, body.mass(local), &body.contacts, &scratch.near, &mut scratch.contacts);
@@ -121,7 +123,8 @@ impl<R: Real> Meetings<'_, '_, R> {
 /// One particle among the obstacles near its body.
 struct Meeting<'a, R: Real> {
     substep: Substep<'a, R>,
-    body: &'a BodyModel<R>,
+    /// The body's place among the bodies.
+    body: usize,
     particle: usize,
     tests: u64,
     sphere_tests: u64,
@@ -129,7 +132,7 @@ struct Meeting<'a, R: Real> {
 }
 
 impl<'a, R: Real> Meeting<'a, R> {
-    fn new(substep: Substep<'a, R>, body: &'a BodyModel<R>, particle: usize) -> Self {
+    fn new(substep: Substep<'a, R>, body: usize, particle: usize) -> Self {
         Self { substep, body, particle, tests: 0, sphere_tests: 0, frictions: 0 }
     }
 
@@ -202,7 +205,7 @@ impl<'a, R: Real> Meeting<'a, R> {
     /// Contact with an obstacle that moves is swept in the obstacle's own frame: the particle's start rides along, and
     /// what is left of its path is its motion past the obstacle.
     fn surface(&mut self, obstacle: usize, velocity: R::Vec3) -> Option<(Surface<R>, R::Vec3)> {
-        let ObstacleModel { shape, bounds, carry, .. } = self.body.obstacle(self.substep.model, obstacle);
+        let ObstacleModel { shape, bounds, carry, .. } = self.substep.obstacles.met(self.body, obstacle);
         let from = self.substep.state.position[self.particle];
         let path = velocity * self.substep.dt;
         let side = match shape {
@@ -236,6 +239,7 @@ fn body_of<R: Real>(model: &Model<R>, contact: &ContactRecord<R>) -> Option<usiz
 /// Writes down on which side of which plane every touching particle is once it has moved, and how deep the deepest is.
 pub(super) fn remember_sides<R: Real>(
     model: &Model<R>,
+    obstacles: &Placed<R>,
     dt: R,
     state: &mut State<R>,
     velocity: &[R::Vec3],
@@ -267,7 +271,7 @@ pub(super) fn remember_sides<R: Real>(
         }
         recorder.counters.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
-        let ObstacleShape::Plane(plane) = &model.bodies[number].obstacle(model, contact.obstacle).shape else {
+        let ObstacleShape::Plane(plane) = &obstacles.met(number, contact.obstacle).shape else {
             deepest = deepest.max(depth);
             continue;
         };

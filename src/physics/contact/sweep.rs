@@ -4,6 +4,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
+use super::Placed;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::{Carry, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::state::State;
@@ -12,17 +13,17 @@ use crate::physics::state::State;
 /// hand, at the speed of the hand.
 const SWEEP_SECS: f64 = 1.0 / 60.0;
 
-/// An obstacle on its way.
-#[derive(Clone, Debug)]
-pub(crate) struct Sweep<R: Real> {
-    obstacle: usize,
-    now: Frame,
-    to: Frame,
-    left_secs: f64,
-    /// The two before the last advance.
-    before: (Frame, f64),
-    /// What it is once it has arrived, as compiled.
-    arrived: ObstacleModel<R>,
+/// An obstacle on its way to its place in the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    /// The obstacle.
+    pub obstacle: usize,
+    /// Where its middle is now, m.
+    pub center: DVec3,
+    /// How it is turned now, of length 1.
+    pub rotation: DQuat,
+    /// Simulated time until it is there, s.
+    pub left_secs: f64,
 }
 
 /// Place and orientation of an obstacle.
@@ -54,34 +55,66 @@ impl Frame {
     }
 }
 
-impl<R: Real> Sweep<R> {
-    /// Whether it is this obstacle that is on its way.
-    pub(crate) fn is_of(&self, obstacle: usize) -> bool {
-        self.obstacle == obstacle
+impl Sweep {
+    /// The time that a sweep takes, s.
+    pub const SECS: f64 = SWEEP_SECS;
+
+    fn now(&self) -> Frame {
+        Frame { center: self.center, rotation: self.rotation }
+    }
+
+    /// Where it is after the next `secs`, and the time that is left then.
+    fn next<R: Real>(&self, arrived: &ObstacleModel<R>, secs: f64) -> (Frame, f64) {
+        let to = Frame::of(&arrived.shape);
+        let share = (secs / self.left_secs).min(1.0);
+        if share < 1.0 { (self.now().towards(to, share), self.left_secs - secs) } else { (to, 0.0) }
+    }
+
+    /// The obstacle as it meets bodies in the next `secs`; where they are none, as it stands now. `arrived` is what it is
+    /// once it is there.
+    pub(super) fn place<R: Real>(&self, arrived: &ObstacleModel<R>, secs: f64) -> ObstacleModel<R> {
+        let mut obstacle = arrived.clone();
+        let size = arrived.bounds.size().length().to_f64();
+        if secs <= 0.0 {
+            place(&mut obstacle, self.now());
+            obstacle.bounds = around(self.center, size);
+            return obstacle;
+        }
+        let (next, _) = self.next(arrived, secs);
+        let turn = DMat3::from_quat(next.rotation) * DMat3::from_quat(self.rotation).transpose();
+        let way = next.center - self.center;
+        place(&mut obstacle, next);
+        // Roomy rather than exact: a rotating rectangle swings out of the boxes at both its ends.
+        obstacle.bounds = around(next.center, size + way.length());
+        obstacle.carry = Some(Carry {
+            from: R::Vec3::from_dvec3(self.center),
+            to: R::Vec3::from_dvec3(next.center),
+            turn: [turn.x_axis, turn.y_axis, turn.z_axis].map(R::Vec3::from_dvec3),
+        });
+        obstacle
     }
 }
 
-/// The obstacles of `new` that are elsewhere than in `old`; `kept` names, for each, the one it was.
-pub(crate) fn sweeps<R: Real>(old: &Model<R>, new: &Model<R>, kept: &[Option<usize>]) -> Vec<Sweep<R>> {
+/// The obstacles of `new` that are elsewhere than they were among `old`; `kept` names, for each, the one it was.
+pub(in crate::physics) fn sweeps<R: Real>(old: &Placed<R>, new: &Model<R>, kept: &[Option<usize>]) -> Vec<Sweep> {
     let pairs = new.obstacles.iter().zip(kept).enumerate();
     pairs
         .filter_map(|(obstacle, (after, before))| {
-            let before = &old.obstacles[(*before)?];
+            let before = &old.all()[(*before)?];
             let moved = before.shape != after.shape && same_form(&before.shape, &after.shape);
-            let (now, to) = (Frame::of(&before.shape), Frame::of(&after.shape));
-            let (left_secs, arrived) = (SWEEP_SECS, after.clone());
-            moved.then_some(Sweep { obstacle, now, to, left_secs, before: (now, left_secs), arrived })
+            let Frame { center, rotation } = Frame::of(&before.shape);
+            moved.then_some(Sweep { obstacle, center, rotation, left_secs: SWEEP_SECS })
         })
         .collect()
 }
 
-/// Puts the moving obstacles of a fresh model back to where they still are.
-pub(crate) fn begin<R: Real>(model: &mut Model<R>, sweeps: &[Sweep<R>]) {
-    for sweep in sweeps {
-        let obstacle = &mut model.obstacles[sweep.obstacle];
-        place(obstacle, sweep.now);
-        obstacle.bounds = around(sweep.now.center, sweep.arrived.bounds.size().length().to_f64());
-    }
+/// Counts `secs` that have passed; obstacles that are there stand still from now on.
+pub(in crate::physics) fn pass<R: Real>(model: &Model<R>, secs: f64, state: &mut State<R>) {
+    state.sweeps.retain_mut(|sweep| {
+        let (next, left_secs) = sweep.next(&model.obstacles[sweep.obstacle], secs);
+        (sweep.center, sweep.rotation, sweep.left_secs) = (next.center, next.rotation, left_secs);
+        left_secs > 0.0
+    });
 }
 
 /// A box that holds everything so near to a point (m).
@@ -90,57 +123,21 @@ fn around<R: Real>(center: DVec3, reach: f64) -> Aabb<R> {
     Aabb { min: R::Vec3::from_dvec3(center - reach), max: R::Vec3::from_dvec3(center + reach) }
 }
 
-/// Moves obstacles on by one substep of `dt_secs`; those that have arrived stand still from the next one on.
-pub(crate) fn advance<R: Real>(model: &mut Model<R>, sweeps: &mut Vec<Sweep<R>>, dt_secs: f64) {
-    sweeps.retain_mut(|sweep| {
-        let obstacle = &mut model.obstacles[sweep.obstacle];
-        if sweep.left_secs <= 0.0 {
-            obstacle.clone_from(&sweep.arrived);
-            return false;
-        }
-        sweep.before = (sweep.now, sweep.left_secs);
-        let share = (dt_secs / sweep.left_secs).min(1.0);
-        let next = if share < 1.0 { sweep.now.towards(sweep.to, share) } else { sweep.to };
-        let turn = DMat3::from_quat(next.rotation) * DMat3::from_quat(sweep.now.rotation).transpose();
-        let way = next.center - sweep.now.center;
-        let reach = sweep.arrived.bounds.size().length().to_f64() + way.length();
-        place(obstacle, next);
-        // Roomy rather than exact: a rotating rectangle swings out of the boxes at both its ends.
-        obstacle.bounds = around(next.center, reach);
-        obstacle.carry = Some(Carry {
-            from: R::Vec3::from_dvec3(sweep.now.center),
-            to: R::Vec3::from_dvec3(next.center),
-            turn: [turn.x_axis, turn.y_axis, turn.z_axis].map(R::Vec3::from_dvec3),
-        });
-        sweep.now = next;
-        sweep.left_secs = if share < 1.0 { sweep.left_secs - dt_secs } else { 0.0 };
-        true
-    });
-}
-
-/// Takes the last advance back, to be followed by a shorter one.
-pub(crate) fn take_back<R: Real>(sweeps: &mut [Sweep<R>]) {
-    for sweep in sweeps {
-        (sweep.now, sweep.left_secs) = sweep.before;
-    }
-}
-
 /// Takes over on which side of a plane particles touch it. A plane that was put elsewhere at once keeps those that it
 /// does not leave deeper than a contact may be.
-pub(crate) fn keep_sides<R: Real>(
-    old: &Model<R>,
+pub(in crate::physics) fn keep_sides<R: Real>(
+    old: &Placed<R>,
     new: &Model<R>,
     kept: &[Option<usize>],
-    sweeps: &[Sweep<R>],
     sides: &[Vec<i8>],
     state: &mut State<R>,
 ) {
     for (place, (obstacle, before)) in new.obstacles.iter().zip(kept).enumerate() {
-        let before = before.map(|before| &old.obstacles[before].shape);
+        let before = before.map(|before| &old.all()[before].shape);
         let (ObstacleShape::Plane(plane), Some(ObstacleShape::Plane(was))) = (&obstacle.shape, before) else {
             continue;
         };
-        let sweeps = sweeps.iter().any(|sweep| sweep.obstacle == place);
+        let sweeps = state.sweeps.iter().any(|sweep| sweep.obstacle == place);
         state.side[plane.side_row].clone_from(&sides[was.side_row]);
         let stayed = PlaneModel { side_row: plane.side_row, ..*was } == *plane;
         if sweeps || stayed {

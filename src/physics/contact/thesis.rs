@@ -9,7 +9,6 @@ use super::{ContactRecord, Scratch};
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::report::Recorder;
-use crate::physics::sleep::awake;
 use crate::physics::substep::Substep;
 
 /// Below this speed along the surface a particle counts as still and static friction applies, m/s. The thesis
@@ -18,7 +17,7 @@ const STILL_SPEED: f64 = 1e-3;
 
 /// Adds reaction and friction to the force of every particle found past a surface, and writes them down by themselves.
 pub(in crate::physics) fn add_forces<R: Real>(
-    Substep { model, plan, state, dt, .. }: Substep<'_, R>,
+    Substep { model, plan, state, obstacles, dt, .. }: Substep<'_, R>,
     force: &mut [R::Vec3],
     thesis_force: &mut [R::Vec3],
     scratch: &mut Scratch<R>,
@@ -27,10 +26,10 @@ pub(in crate::physics) fn add_forces<R: Real>(
     scratch.keep_of_sleepers(model, state);
     thesis_force.fill(R::Vec3::ZERO);
     let mut deepest = scratch.deepest();
-    for body in awake(model, &state.bodies) {
+    for (place, body) in model.bodies.iter().enumerate().filter(|(place, _)| !state.bodies[*place].asleep) {
         for particle in body.particles.clone() {
             for number in 0..model.obstacles.len() {
-                let obstacle = body.obstacle(model, number);
+                let obstacle = obstacles.met(place, number);
                 recorder.counters.narrow_tests += 1;
                 let contact = &body.contacts[number];
                 let at = state.position[particle];

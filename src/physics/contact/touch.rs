@@ -202,7 +202,7 @@ pub(in crate::physics) fn find<R: Real>(
         }
         let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
         recorder.enter(Stage::BroadPhase);
-        broad::near_obstacles(substep, body, falling, touching, &mut scratch.near);
+        broad::near_obstacles(substep, number, falling, touching, &mut scratch.near);
         if scratch.near.is_empty() {
             continue;
         }
@@ -211,7 +211,7 @@ pub(in crate::physics) fn find<R: Real>(
             if body.is_pinned(local) {
                 continue;
             }
-            let mut meeting = Meeting::new(substep, body, particle);
+            let mut meeting = Meeting::new(substep, number, particle);
             let size = body.size.to_f64();
             for &near in &scratch.near {
                 let obstacle = near as usize;
@@ -261,11 +261,11 @@ pub(in crate::physics) fn settle<R: Real>(
     let Substep { model, state, dt, .. } = substep;
     scratch.keep_of_sleepers(model, state);
     let mut touches = scratch.touches.chunk_by(|a, b| a.particle == b.particle).peekable();
-    for body in &model.bodies {
+    for (number, body) in model.bodies.iter().enumerate() {
         while let Some(own) = touches.next_if(|own| body.particles.contains(&own[0].particle)) {
             let particle = own[0].particle;
             let over_dt = R::ONE / dt;
-            let mut meeting = Meeting::new(substep, body, particle);
+            let mut meeting = Meeting::new(substep, number, particle);
             let first = scratch.contacts.len();
             for obstacle in 0..model.obstacles.len() {
                 let record = match own.iter().find(|touch| touch.obstacle == obstacle) {

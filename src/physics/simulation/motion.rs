@@ -54,7 +54,6 @@ impl<R: Real> Simulation<R> {
         let own = motion.approaches.iter().filter(there).map(|approach| Approach { body, ..*approach });
         self.state.approaches.extend(own);
         self.state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
-        approach::place(&mut self.model, &self.state.approaches, 0.0);
         self.wake(body);
         self.state.reserve(&self.model);
         self.scratch.contact.touch_all();
@@ -118,8 +117,8 @@ impl<R: Real> Simulation<R> {
 
     /// Obstacles that a body was put into come to it gently.
     fn let_obstacles_approach(&mut self, body: usize) {
-        approach::begin_for(&self.model, body, &mut self.state);
-        approach::place(&mut self.model, &self.state.approaches, 0.0);
+        let obstacles = self.obstacles();
+        approach::begin_for(&self.model, obstacles.all(), body, &mut self.state);
     }
 
     fn start_velocity(&self, body: usize, local: usize) -> R::Vec3 {

@@ -96,7 +96,7 @@ pub(super) fn solve<R: Real>(
     velocity: &mut [R::Vec3],
     recorder: &mut Recorder<'_>,
 ) {
-    let Free { substep: Substep { model, plan, dt, state, grab }, force, .. } = *free;
+    let Free { substep: Substep { model, plan, dt, state, grab, .. }, force, .. } = *free;
     let room = &mut free.scratch.room;
     let mut touches = touches;
     for (number, body) in model.bodies.iter().enumerate() {

@@ -1,0 +1,63 @@
+//! Where obstacles are as bodies meet them: at their places in the model, or on their way there.
+
+use super::approach;
+use crate::math::Real;
+use crate::physics::model::{Model, ObstacleModel};
+use crate::physics::state::State;
+
+/// The obstacles of a model in a substep. It follows from model and state, and is kept to be filled without allocating.
+#[derive(Clone, Debug)]
+pub struct Placed<R: Real> {
+    obstacles: Vec<ObstacleModel<R>>,
+    displaced: Vec<Displaced<R>>,
+    /// Whether any is elsewhere than in the model.
+    moves: bool,
+}
+
+/// An obstacle that one body meets elsewhere than where it is: it was put into it and comes gently.
+#[derive(Clone, Debug)]
+struct Displaced<R: Real> {
+    body: usize,
+    obstacle: usize,
+    met: ObstacleModel<R>,
+}
+
+impl<R: Real> Placed<R> {
+    /// As a state has them, standing still.
+    pub fn now(model: &Model<R>, state: &State<R>) -> Self {
+        let displaced = Vec::with_capacity(model.bodies.len() * model.obstacles.len());
+        let mut placed = Self { obstacles: model.obstacles.clone(), displaced, moves: true };
+        placed.place(model, state, 0.0);
+        placed
+    }
+
+    /// As they move in the next `secs`; where they are none, as they stand.
+    pub(in crate::physics) fn place(&mut self, model: &Model<R>, state: &State<R>, secs: f64) {
+        let moves = !state.sweeps.is_empty() || !state.approaches.is_empty();
+        if !moves && !self.moves {
+            return;
+        }
+        self.moves = moves;
+        self.obstacles.clone_from(&model.obstacles);
+        for sweep in &state.sweeps {
+            self.obstacles[sweep.obstacle] = sweep.place(&model.obstacles[sweep.obstacle], secs);
+        }
+        self.displaced.clear();
+        for approach in &state.approaches {
+            let met = approach::met(approach, model, &self.obstacles[approach.obstacle], secs);
+            self.displaced.push(Displaced { body: approach.body, obstacle: approach.obstacle, met });
+        }
+    }
+
+    /// All obstacles where they are.
+    pub fn all(&self) -> &[ObstacleModel<R>] {
+        &self.obstacles
+    }
+
+    /// An obstacle where a body meets it.
+    #[inline]
+    pub(super) fn met(&self, body: usize, obstacle: usize) -> &ObstacleModel<R> {
+        let here = |displaced: &&Displaced<R>| (displaced.body, displaced.obstacle) == (body, obstacle);
+        self.displaced.iter().find(here).map_or(&self.obstacles[obstacle], |displaced| &displaced.met)
+    }
+}
