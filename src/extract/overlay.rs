@@ -7,8 +7,8 @@ use glam::Vec3;
 
 use crate::geometry::Lattice;
 use crate::math::Aabb;
+use crate::physics::BodyModel;
 use crate::physics::Simulation;
-use crate::physics::model::BodyModel;
 use crate::scene::view_settings::Overlays;
 use crate::scene::{Body, Obstacle};
 use crate::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Segment};
@@ -155,7 +155,7 @@ pub fn add_grab(overlay: &mut Overlay, grabbed: Vec3, target: Vec3) {
 fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>) {
     let model = simulation.model();
     let (mut places, mut arrows) = (Vec::new(), Vec::new());
-    for contact in &simulation.scratch().contact.contacts {
+    for contact in simulation.contacts() {
         let Some(body) = model.bodies.iter().find(|body| body.particles.contains(&contact.particle)) else { continue };
         let place = simulation.state().position[contact.particle];
         if contact.force == Vec3::ZERO || !contact.force.is_finite() {

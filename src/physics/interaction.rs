@@ -39,7 +39,7 @@ impl<R: Real> Grab<R> {
 }
 
 /// Changes the predicted velocities of the particles that carry the point. Held particles stay.
-pub fn pull<R: Real>(model: &Model<R>, dt: R, grab: &Grab<R>, position: &[R::Vec3], velocity: &mut [R::Vec3]) {
+pub(super) fn pull<R: Real>(model: &Model<R>, dt: R, grab: &Grab<R>, position: &[R::Vec3], velocity: &mut [R::Vec3]) {
     let body = &model.bodies[grab.body];
     let mobility = |particle: usize| {
         let local = particle - body.particles.start;

@@ -1,9 +1,9 @@
 //! How much memory a simulation takes, before there is one: by the sizes of what it is made of.
 
 use super::contact::{ContactRecord, Touch};
-use super::integrate::implicit_bytes;
 use super::model::Link;
 use crate::geometry::LatticeCounts;
+use crate::physics::schemes::implicit_bytes;
 
 /// What a simulation is to be made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

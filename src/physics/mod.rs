@@ -1,40 +1,70 @@
 //! The core: a mass-spring lattice that moves, meets obstacles and comes to rest (GC §2–§7).
 //!
-//! [`compile`](compile::compile) turns a [`crate::scene::Scene`] and the lattices of its bodies into a constant
-//! [`Model`] and the [`Plan`] of a step; a [`Simulation`] owns both with the mutable [`State`]. The core does no
-//! input or output, reads no clock, never fails and does not allocate once it runs. It is generic over the scalar:
-//! `f32` to run, `f64` as reference.
+//! A scene and the lattices of its bodies are compiled into a constant [`Model`] and the [`Plan`] of a step; a
+//! [`Simulation`] owns both with the mutable [`State`]. The core does no input or output, reads no clock, never fails and
+//! does not allocate once it runs. It is generic over the scalar: `f32` to run, `f64` as reference.
+//!
+//! # Rooms
+//!
+//! ```text
+//! simulation   the owner: of a scene, steps, edits while it runs, the motion of a body taken out and put in
+//! compile      scene → model and plan: materials to constants, obstacles, how far a value may safely go
+//! model        bodies, links, obstacles, and the plan: constant from one compilation to the next
+//! state        what changes: positions, velocities, what is remembered; sleep, fallen bodies, the fingerprint
+//! stepping     how a step is divided in time
+//! step         a substep: its stages, one function each, in the order of GC Algorithm 1
+//! forces       gravity, links, recovery from inversion
+//! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
+//! contact      obstacles: where they are, who meets them, what they do to velocities
+//! limits       how large a step may be: waves, cells
+//! observe      energies, colours, whether a step ran away
+//! report       what a step tells
+//! ```
+//!
+//! # One step
+//!
+//! ```text
+//! simulation.step()
+//!   stepping       a whole step in substeps; a substep in parts where links are strained or equations prove wrong
+//!   contact        Placed: where obstacles are in the part, from model and state
+//!   step           (model, plan, part, inputs, &mut state) with one recorder for counts, stage times and stops
+//!     forces         F = gravity + links + cells near inversion, at the state
+//!     schemes        v' from F, or solved for; contact changes v' on the way; paths where x moves by another velocity
+//!     is_sound       else the state stays the last good one and the report says so
+//!     accept         x += dt u, v = v', what scheme and contact remember
+//!     rest           who falls asleep or has fallen out
+//!   StepReport     sums over substeps, and what held at the end of the last
+//! ```
 
-mod assembly;
-mod balance;
-mod cell_bound;
-pub mod compile;
-pub mod contact;
-pub mod diagnostics;
-mod fallen;
-pub mod forces;
-pub mod hash;
-mod integrate;
-pub mod interaction;
+mod compile;
+mod contact;
+mod forces;
+mod interaction;
+mod limits;
 pub mod memory;
-pub mod model;
-pub mod other_form;
-pub mod plan;
-pub mod recovery;
-pub mod report;
-pub mod runaway;
-pub mod safe_values;
-pub mod scalars;
-pub mod simulation;
-pub mod sleep;
-pub mod stability;
-pub mod state;
-pub mod step;
-pub mod strain;
-mod substep;
+mod model;
+mod observe;
+mod report;
+mod schemes;
+mod simulation;
+mod state;
+mod step;
+mod stepping;
 
-pub use model::Model;
-pub use plan::Plan;
-pub use report::StepReport;
-pub use simulation::Simulation;
-pub use state::State;
+pub use compile::DEPTH_SHARE;
+pub use compile::other_form::other_form;
+pub use compile::safe_values::{SafeValue, largest_safe};
+pub use contact::approach::Approach;
+pub use contact::sweep::Sweep;
+pub use contact::{ContactRecord, Placed};
+pub use interaction::Grab;
+pub use limits::{SAFETY, SceneLimits, Term};
+pub use model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, Stage};
+pub use model::{
+    BodyModel, Carry, CellKind, ContactModel, FallLimit, Link, LinkFamily, Model, ObstacleModel, ObstacleShape,
+    PlaneModel,
+};
+pub use observe::diagnostics::{Diagnostics, Energy};
+pub use report::{Counters, LastSubstep, StageTimer, StepReport};
+pub use simulation::{Arrival, BodyMotion, Simulation};
+pub use state::{BodyMemory, State};

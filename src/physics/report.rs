@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::plan::{SOLVE_WORK, Stage};
+use crate::physics::model::plan::{SOLVE_WORK, Stage};
 
 /// What one or more substeps told. Plain numbers; the step never logs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -8,19 +8,19 @@ use std::sync::Arc;
 
 use super::compile::compile;
 use super::contact::sweep;
-use super::contact::{Placed, approach};
-use super::diagnostics::Diagnostics;
-use super::hash::state_hash;
+use super::contact::{ContactRecord, Placed, approach};
 use super::interaction::Grab;
 use super::model::Model;
-use super::plan::Plan;
 use super::report::{LastSubstep, StageTimer, StepReport};
-use super::sleep;
 use super::state::{BodyMemory, SPENT, State};
 use super::step::{self, Gain, Inputs, Part, Scratch};
-use super::strain;
 use crate::geometry::Lattice;
 use crate::math::Real;
+use crate::physics::model::plan::Plan;
+use crate::physics::observe::diagnostics::Diagnostics;
+use crate::physics::state::hash::state_hash;
+use crate::physics::state::sleep;
+use crate::physics::stepping::strain;
 use crate::scene::Scene;
 
 /// A scene in motion.
@@ -283,9 +283,9 @@ impl<R: Real> Simulation<R> {
         sleep::is_quiet(&self.state)
     }
 
-    /// What the last substep left behind: forces and contacts.
-    pub fn scratch(&self) -> &Scratch<R> {
-        &self.scratch
+    /// What the last substep found of contact, by particle; of bodies asleep what they keep.
+    pub fn contacts(&self) -> &[ContactRecord<R>] {
+        &self.scratch.contact.contacts
     }
 
     /// Energies, momentum, extremes.

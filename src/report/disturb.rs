@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::extremes::Draw;
 use crate::geometry::Lattice;
 use crate::math::Real;
+use crate::physics::Arrival;
 use crate::physics::Simulation;
-use crate::physics::simulation::Arrival;
 use crate::scene::{ObstacleShape, Scene};
 
 /// Something that happens at some time.

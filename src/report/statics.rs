@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::physics::model::BodyModel;
+use crate::physics::BodyModel;
 
 /// The most steps of the conjugate gradients.
 const MOST_STEPS: usize = 20_000;

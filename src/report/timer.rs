@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use crate::physics::plan::Stage;
-use crate::physics::report::StageTimer;
+use crate::physics::Stage;
+use crate::physics::StageTimer;
 
 /// Adds up the wall time of every stage.
 #[derive(Clone, Debug, Default)]

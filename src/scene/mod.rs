@@ -1,5 +1,5 @@
 //! The document: everything a person decides, and nothing that is computed. A [`Scene`] is serialised, edited and
-//! undone; it is never simulated. [`crate::physics::compile`] turns it into a constant model and a first state.
+//! undone; it is never simulated. [`crate::physics`] turns it into a constant model and a first state.
 
 pub mod body;
 pub mod builtin;

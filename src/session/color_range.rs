@@ -2,8 +2,8 @@
 //! what rests.
 
 use crate::math::Vector;
+use crate::physics::BodyModel;
 use crate::physics::Simulation;
-use crate::physics::model::BodyModel;
 use crate::scene::ColorBy;
 
 /// The share of particles that the range covers: one torn corner must not grey out all others.

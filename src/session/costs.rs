@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::physics::plan::Stage;
+use crate::physics::Stage;
 use crate::physics::{Plan, Simulation, StepReport};
 use crate::report::timer::WallTimer;
 
@@ -108,7 +108,7 @@ fn step_cost(timer: &WallTimer, report: &StepReport, steps: f64, plan: &Plan) ->
 mod tests {
     use std::path::PathBuf;
 
-    use crate::physics::plan::Stage;
+    use crate::physics::Stage;
     use crate::scene::presets::preset;
     use crate::session::{Command, Session};
 

@@ -5,7 +5,7 @@ use super::history::{Change, Undone};
 use super::words::{value_at, words};
 use super::{Bodies, Session, SessionError};
 use crate::physics::Simulation;
-use crate::physics::simulation::{Arrival, BodyMotion};
+use crate::physics::{Arrival, BodyMotion};
 use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, body_impact};
 use crate::scene::param::Problem;
 use crate::scene::resolve::Jelly;

@@ -2,7 +2,7 @@
 
 use super::{Pull, Session, SessionError};
 use crate::math::Vector;
-use crate::physics::interaction::Grab;
+use crate::physics::Grab;
 
 /// Stiffness of the pull over the body's mass, 1/s²: a metre of it holds fifteen times the body's weight.
 const STIFFNESS_OVER_MASS: f32 = 150.0;

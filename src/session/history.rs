@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use crate::physics::simulation::BodyMotion;
+use crate::physics::BodyMotion;
 use crate::scene::edit::Edit;
 
 /// Changes that can be taken back; older ones are forgotten.

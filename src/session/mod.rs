@@ -49,7 +49,7 @@ pub use trouble::Trouble;
 
 use crate::geometry::Watch;
 use crate::machine::bytes_text;
-use crate::physics::simulation::Arrival;
+use crate::physics::Arrival;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
 use crate::scene::edit::EditError;

@@ -6,9 +6,9 @@ use cpu_time::ThreadTime;
 use serde::Serialize;
 
 use super::Session;
+use crate::physics::MOST_WORK_A_FRAME;
 use crate::physics::Simulation;
-use crate::physics::plan::MOST_WORK_A_FRAME;
-use crate::physics::stability::Term;
+use crate::physics::Term;
 use crate::scene::settings::Integrator;
 
 /// Simulated time that is measured, s: long enough to fall on something, for what falls freely costs the implicit

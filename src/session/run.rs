@@ -8,9 +8,9 @@ use super::Session;
 use super::predict::slowed_words;
 use crate::geometry::Watch;
 use crate::machine::peak_memory;
+use crate::physics::Stage;
 use crate::physics::StepReport;
-use crate::physics::diagnostics::{Diagnostics, Energy};
-use crate::physics::plan::Stage;
+use crate::physics::{Diagnostics, Energy};
 use crate::report::timer::WallTimer;
 use crate::scene::Body;
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::Session;
 use crate::geometry::Lattice;
-use crate::physics::other_form::other_form;
-use crate::physics::safe_values::{SafeValue, largest_safe};
+use crate::physics::other_form;
+use crate::physics::{SafeValue, largest_safe};
 use crate::scene::Material;
 use crate::scene::body::Inlay;
 use crate::scene::own_weight::Stature;

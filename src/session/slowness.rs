@@ -3,7 +3,7 @@
 
 use super::Session;
 use super::clock::Stretch;
-use crate::physics::plan::Stage;
+use crate::physics::Stage;
 use crate::report::timer::WallTimer;
 use crate::scene::settings::Integrator;
 

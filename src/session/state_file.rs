@@ -33,8 +33,8 @@ use super::state_origin::Origin;
 use super::state_reader::Reader;
 use super::{Session, SessionError};
 use crate::disk::{self, ReadError};
-use crate::physics::contact::approach::Approach;
-use crate::physics::contact::sweep::Sweep;
+use crate::physics::Approach;
+use crate::physics::Sweep;
 use crate::text::echo;
 
 /// A larger file is no state: more particles than a body may have.

@@ -25,7 +25,7 @@ impl Origin {
     pub(super) fn of(session: &Session) -> Self {
         let simulation = session.simulation();
         let bodies = session.scene().bodies.iter().zip(&simulation.model().bodies);
-        let body = |(body, model): (&crate::scene::Body, &crate::physics::model::BodyModel<f32>)| OriginBody {
+        let body = |(body, model): (&crate::scene::Body, &crate::physics::BodyModel<f32>)| OriginBody {
             name: body.name.clone(),
             particles: model.particles.len(),
         };

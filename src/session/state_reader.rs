@@ -5,11 +5,11 @@ use std::fmt::Display;
 use glam::{DQuat, DVec3, Vec3};
 
 use super::state_file::StateFileError;
-use crate::physics::contact::approach::Approach;
-use crate::physics::contact::sweep::Sweep;
-use crate::physics::model::{BodyModel, Model};
-use crate::physics::plan::MOST_HALVINGS;
-use crate::physics::state::BodyMemory;
+use crate::physics::Approach;
+use crate::physics::BodyMemory;
+use crate::physics::MOST_HALVINGS;
+use crate::physics::Sweep;
+use crate::physics::{BodyModel, Model};
 use crate::physics::{Simulation, State};
 
 /// More steps than this are not counted one by one.

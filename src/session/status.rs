@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::{Session, StepCost, Trouble};
 use crate::math::{Aabb, rotation};
-pub use crate::physics::safe_values::SafeValue;
+pub use crate::physics::SafeValue;
 use crate::scene::Material;
 use crate::scene::own_weight::Stature;
 use crate::scene::settings::Integrator;

@@ -8,8 +8,8 @@ use cpu_time::ThreadTime;
 use super::Session;
 use super::predict::{SLOWEST, crawl};
 use crate::physics::Simulation;
-use crate::physics::plan::Stage;
-use crate::physics::report::StageTimer;
+use crate::physics::Stage;
+use crate::physics::StageTimer;
 use crate::report::timer::WallTimer;
 
 /// Processor time spent at most on finding out whether a scene is too slow to watch.

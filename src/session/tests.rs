@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::state_file::StateFileError;
 use super::*;
-use crate::physics::state::BodyMemory;
+use crate::physics::BodyMemory;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::presets::preset;
 use crate::scene::{Body, Material};

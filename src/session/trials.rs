@@ -9,8 +9,8 @@ use std::time::Instant;
 use super::cures::Cure;
 use crate::extract::overlay::inverted_cells;
 use crate::geometry::Lattice;
+use crate::physics::Arrival;
 use crate::physics::Simulation;
-use crate::physics::simulation::Arrival;
 use crate::report::judge::{Patience, Watch};
 use crate::scene::Scene;
 

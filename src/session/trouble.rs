@@ -9,7 +9,7 @@ use super::trials::Trials;
 use super::{Command, Session};
 use crate::extract;
 use crate::math::Vector;
-use crate::physics::stability::Term;
+use crate::physics::Term;
 use crate::scene::settings::Integrator;
 use crate::scene::{Body, Family, Material, Springs};
 use crate::view::legend::three_digits;
@@ -157,7 +157,7 @@ impl Session {
     /// The body with the fastest particle: the one that broke.
     fn fastest_body(&self) -> usize {
         let velocity = &self.simulation.state().velocity;
-        let speed = |body: &crate::physics::model::BodyModel<f32>| {
+        let speed = |body: &crate::physics::BodyModel<f32>| {
             velocity[body.particles.clone()].iter().fold(0.0_f32, |fastest, v| fastest.max(Vector::length(*v)))
         };
         let speeds = self.simulation.model().bodies.iter().map(speed).enumerate();

@@ -3,8 +3,8 @@
 use super::Session;
 use super::step_words::step_text;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::model::{BodyModel, Model, ObstacleModel, ObstacleShape};
-use crate::physics::state::BodyMemory;
+use crate::physics::BodyMemory;
+use crate::physics::{BodyModel, Model, ObstacleModel, ObstacleShape};
 use crate::physics::{Plan, State};
 use crate::scene::settings::{Settings, Stepping};
 use crate::scene::{self, Scene, named};

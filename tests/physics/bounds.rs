@@ -4,7 +4,7 @@
 //! method finds it on the compiled body; a few settings are run, to see that it is what blows up.
 
 use gelatin::math::rng::Rng;
-use gelatin::physics::model::BodyModel;
+use gelatin::physics::BodyModel;
 use gelatin::scene::body::{CellsShape, CubeShape};
 use gelatin::scene::material::Spring;
 use gelatin::scene::settings::Integrator;

@@ -1,8 +1,8 @@
 //! Planes, spheres, drops: nothing tunnels, nothing gains energy, depth stays within the limit.
 
+use gelatin::physics::Arrival;
+use gelatin::physics::DEPTH_SHARE;
 use gelatin::physics::Simulation;
-use gelatin::physics::compile::DEPTH_SHARE;
-use gelatin::physics::simulation::Arrival;
 use gelatin::scene::obstacle::ContactStiffness;
 use gelatin::scene::{Obstacle, ObstacleShape, Scene};
 use glam::Vec3;
@@ -170,7 +170,7 @@ fn a_body_at_rest_is_still_and_hardly_sunk() {
     assert!(report.last.contacts == 25, "the whole underside touches: {}", report.last.contacts);
     assert!(report.last.max_penetration_m < DEPTH_SHARE, "within 2 % of a metre: {}", report.last.max_penetration_m);
     let weight = 0.008 * 125.0 * 9.81;
-    let carried: f32 = simulation.scratch().contact.contacts.iter().map(|contact| contact.force.y).sum();
+    let carried: f32 = simulation.contacts().iter().map(|contact| contact.force.y).sum();
     assert!((f64::from(carried) / weight - 1.0).abs() < 1e-3, "the ground carries the weight: {carried} of {weight}");
 }
 

@@ -3,7 +3,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use gelatin::physics::simulation::Arrival;
+use gelatin::physics::Arrival;
 use gelatin::scene::{Material, Scene};
 
 use crate::support::{ball, cube, falling, lattices, plane, run, simulate, springs};

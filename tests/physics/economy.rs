@@ -1,8 +1,8 @@
 //! What a step does not do: far tests, stages that a scene does not need.
 
+use gelatin::physics::Stage;
+use gelatin::physics::StageTimer;
 use gelatin::physics::StepReport;
-use gelatin::physics::plan::Stage;
-use gelatin::physics::report::StageTimer;
 use gelatin::scene::Scene;
 use gelatin::scene::presets::{preset, presets};
 

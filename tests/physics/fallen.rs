@@ -1,8 +1,8 @@
 //! Bodies that fall out of the scene: they sleep far below it, and nothing but another place brings them back.
 
+use gelatin::physics::Arrival;
+use gelatin::physics::Grab;
 use gelatin::physics::Simulation;
-use gelatin::physics::interaction::Grab;
-use gelatin::physics::simulation::Arrival;
 use gelatin::scene::obstacle::Plane;
 use gelatin::scene::{Obstacle, ObstacleShape, Scene};
 use glam::Vec3;

@@ -1,7 +1,7 @@
 //! Obstacles that are suddenly inside a body, as a typed value puts them: the body comes out of them whole.
 
+use gelatin::physics::Arrival;
 use gelatin::physics::Simulation;
-use gelatin::physics::simulation::Arrival;
 use gelatin::scene::body::Pose;
 use gelatin::scene::obstacle::Plane;
 use gelatin::scene::presets::preset;

@@ -3,8 +3,8 @@
 use gelatin::math::Real;
 use gelatin::math::Vector;
 use gelatin::math::rng::Rng;
+use gelatin::physics::Arrival;
 use gelatin::physics::Simulation;
-use gelatin::physics::simulation::Arrival;
 use gelatin::scene::body::PinBox;
 use gelatin::scene::material::Spring;
 use gelatin::scene::settings::Integrator;

@@ -1,8 +1,8 @@
 //! Bodies at rest sleep, and nothing that moves does.
 
 use gelatin::math::Real;
-use gelatin::physics::interaction::Grab;
-use gelatin::physics::simulation::Arrival;
+use gelatin::physics::Arrival;
+use gelatin::physics::Grab;
 use gelatin::physics::{Simulation, StepReport};
 use gelatin::scene::body::PinBox;
 use gelatin::scene::settings::{Integrator, Stepping};
@@ -78,7 +78,7 @@ fn a_cube_on_a_plane_falls_asleep_with_every_scheme_in_both_precisions() {
 fn a_sleeping_body_costs_nothing_and_stays_as_it_is() {
     let mut simulation = asleep(&resting());
     let (hash, shown) = (simulation.hash(), simulation.diagnostics());
-    let contacts = simulation.scratch().contact.contacts.clone();
+    let contacts = simulation.contacts().to_vec();
     let load = simulation.scalars(gelatin::scene::ColorBy::Contact);
     let time = simulation.state().time_secs;
     let mut report = StepReport::default();
@@ -93,7 +93,7 @@ fn a_sleeping_body_costs_nothing_and_stays_as_it_is() {
     assert_eq!(simulation.hash(), hash, "not a bit has changed");
     assert_eq!(simulation.diagnostics(), shown, "nor any figure");
     assert!(shown.finite && shown.energy.contact > 0.0 && shown.energy.kinetic == 0.0, "{shown:?}");
-    assert_eq!(simulation.scratch().contact.contacts, contacts, "its contacts are still there to be shown");
+    assert_eq!(simulation.contacts(), contacts, "its contacts are still there to be shown");
     assert!(report.last.contacts == 16 && load.iter().sum::<f32>() > 1.0, "{} contacts", report.last.contacts);
     assert!(report.last.max_penetration_m > 0.0, "and as deep");
 }

@@ -1,8 +1,8 @@
 //! Bodies given by Young's modulus and density: the same solid at every resolution.
 
+use gelatin::physics::Arrival;
+use gelatin::physics::BodyModel;
 use gelatin::physics::Simulation;
-use gelatin::physics::model::BodyModel;
-use gelatin::physics::simulation::Arrival;
 use gelatin::report::statics::{Linear, dot, face_load, mean_along};
 use gelatin::scene::body::{CellsShape, CubeShape, Inlay, PinBox};
 use gelatin::scene::material::Spring;
@@ -195,7 +195,7 @@ fn a_solid_rests_on_a_plane_with_its_weight() {
     scene.obstacles.push(plane([0.0; 3], [0.0; 3], [0.5, 0.4]));
     let mut simulation = simulate::<f64>(&scene);
     run(&mut simulation, 4.0);
-    let push: f64 = simulation.scratch().contact.contacts.iter().map(|contact| contact.force.y).sum();
+    let push: f64 = simulation.contacts().iter().map(|contact| contact.force.y).sum();
     let weight = SOLID.density * 9.81;
     assert!((push / weight - 1.0).abs() < 1e-2, "pushed by {push} N against a weight of {weight} N");
     let depth = -simulation.diagnostics().bounds.min.y;

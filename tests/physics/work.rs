@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use gelatin::geometry::Lattice;
-use gelatin::physics::simulation::Arrival;
+use gelatin::physics::Arrival;
 use gelatin::report::disturb::{Disturbance, What};
 use gelatin::report::judge::{Patience, judge_disturbed};
 use gelatin::scene::body::PinBox;

@@ -5,7 +5,7 @@
 //! therefore bit for bit that of testing everything.
 
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::substep::Substep;
+use crate::physics::step::substep::Substep;
 
 /// The obstacles that a body's motion in this substep may meet, ascending.
 pub(super) fn near_obstacles<R: Real>(

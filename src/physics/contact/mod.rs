@@ -9,30 +9,30 @@
 //! Particles do not meet each other. What several obstacles do to one particle is found together (settle), and it is
 //! brought to a velocity that none of them forbids.
 
-pub mod approach;
+pub(super) mod approach;
 mod between;
 mod broad;
+mod narrow;
 mod placed;
-mod plane;
 mod record;
 mod response;
 mod settle;
-mod sphere;
-pub mod sweep;
-pub mod thesis;
+pub(super) mod sweep;
+pub(super) mod thesis;
 mod touch;
 mod way_out;
 
 pub use placed::Placed;
-pub use record::{ContactRecord, Scratch};
+pub use record::ContactRecord;
+pub(super) use record::Scratch;
 pub(super) use touch::{Touch, find as find_touches, settle as settle_touches};
 
 use super::model::{ContactModel, Model, ObstacleModel, ObstacleShape};
-use super::plan::Stage;
 use super::report::{Counters, Recorder};
 use super::state::State;
-use super::substep::Substep;
 use crate::math::{Real, Vector};
+use crate::physics::model::plan::Stage;
+use crate::physics::step::substep::Substep;
 
 /// The surface as one particle meets it: a tangent plane, in a frame that rides along with the obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -217,17 +217,10 @@ impl<'a, R: Real> Meeting<'a, R> {
         }
         self.tests += 1;
         self.sphere_tests += u64::from(matches!(shape, ObstacleShape::Sphere { .. }));
-        let Some(carry) = carry else { return Some((meet(shape, side, from, path)?, R::Vec3::ZERO)) };
+        let Some(carry) = carry else { return Some((narrow::meet(shape, side, from, path)?, R::Vec3::ZERO)) };
         let carried = carry.apply(from);
-        let surface = meet(shape, side, carried, from + path - carried)?;
+        let surface = narrow::meet(shape, side, carried, from + path - carried)?;
         Some((surface, (carried - from) * (R::ONE / self.substep.dt)))
-    }
-}
-
-fn meet<R: Real>(shape: &ObstacleShape<R>, side: i8, from: R::Vec3, path: R::Vec3) -> Option<Surface<R>> {
-    match shape {
-        ObstacleShape::Plane(plane) => plane::meet(plane, side, from, path),
-        ObstacleShape::Sphere { center, radius } => sphere::meet(*center, *radius, from, path),
     }
 }
 
@@ -275,7 +268,7 @@ pub(super) fn remember_sides<R: Real>(
             deepest = deepest.max(depth);
             continue;
         };
-        if depth >= -plane::rounding_margin::<R>(plane, state.position[contact.particle]) {
+        if depth >= -narrow::plane::rounding_margin::<R>(plane, state.position[contact.particle]) {
             let upper = contact.normal.dot(plane.normal) > R::ZERO;
             state.side[plane.side_row][contact.particle] = if upper { 1 } else { -1 };
             scratch.touching[number * model.obstacles.len() + contact.obstacle] = true;

@@ -3,10 +3,10 @@
 use super::{Touch, body_of};
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
-use crate::physics::plan::Plan;
+use crate::physics::model::plan::Plan;
 use crate::physics::report::Recorder;
-use crate::physics::sleep;
 use crate::physics::state::State;
+use crate::physics::state::sleep;
 use crate::scene::settings::Integrator;
 
 /// Obstacles that meet in a corner.
@@ -14,7 +14,7 @@ const CORNER: usize = 3;
 
 /// Contact's working room and what the last substep found.
 #[derive(Clone, Debug)]
-pub struct Scratch<R: Real> {
+pub(crate) struct Scratch<R: Real> {
     /// Obstacles near the body under work.
     pub(super) near: Vec<u32>,
     /// Particle–obstacle pairs that met in the last substep, by particle.
@@ -28,7 +28,7 @@ pub struct Scratch<R: Real> {
 
 impl<R: Real> Scratch<R> {
     /// Room for a model.
-    pub fn new(model: &Model<R>, plan: &Plan) -> Self {
+    pub(crate) fn new(model: &Model<R>, plan: &Plan) -> Self {
         // All of every surface in a corner: what is there beyond that makes room for itself once.
         let surface: usize = model.bodies.iter().map(|body| body.lattice.surface).sum();
         let meetings = surface * model.obstacles.len().min(CORNER);

@@ -9,7 +9,7 @@ use super::{ContactRecord, Scratch};
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::report::Recorder;
-use crate::physics::substep::Substep;
+use crate::physics::step::substep::Substep;
 
 /// Below this speed along the surface a particle counts as still and static friction applies, m/s. The thesis
 /// compares with zero, which no number in a simulation ever is.
@@ -76,8 +76,8 @@ fn inside_sphere<R: Real>(center: R::Vec3, radius: R, at: R::Vec3, path: R::Vec3
     if distance > radius {
         return None;
     }
-    let entered = super::sphere::meet(center, radius, at - path, path);
-    let radial = super::sphere::meet(center, radius, at, path)?;
+    let entered = super::narrow::sphere::meet(center, radius, at - path, path);
+    let radial = super::narrow::sphere::meet(center, radius, at, path)?;
     let normal = entered.map_or(radial.normal, |surface| surface.normal);
     let along = offset.dot(normal);
     let depth = (along * along - distance * distance + radius * radius).max(R::ZERO).sqrt() - along;

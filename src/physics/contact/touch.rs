@@ -10,9 +10,9 @@ use glam::{DMat3, DVec3};
 
 use super::{ContactRecord, Meeting, Meetings, Scratch, broad, response};
 use crate::math::{Real, Vector};
-use crate::physics::plan::Stage;
+use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
-use crate::physics::substep::Substep;
+use crate::physics::step::substep::Substep;
 
 /// The sliding speed at which friction has 0.7 of Coulomb's strength, as a share of the body's size in a second: what is
 /// held creeps that fast, which nobody sees.

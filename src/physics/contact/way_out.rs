@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::plane::rounding_margin;
+use super::narrow::plane::rounding_margin;
 use crate::math::{Real, Vector};
 use crate::physics::model::{BodyModel, Model, ObstacleShape, PlaneModel};
 

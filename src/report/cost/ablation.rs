@@ -9,9 +9,9 @@ use cpu_time::ThreadTime;
 use super::Ablation;
 use super::noise::{Change, median};
 use crate::geometry::Lattice;
+use crate::physics::Arrival;
+use crate::physics::Plan;
 use crate::physics::Simulation;
-use crate::physics::plan::Plan;
-use crate::physics::simulation::Arrival;
 use crate::scene::{ColorBy, Family, Material, Scene};
 
 /// Times every variant is measured; and where a substep takes long.

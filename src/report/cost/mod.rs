@@ -13,7 +13,7 @@ use serde::Serialize;
 use self::noise::Change;
 use super::timer::WallTimer;
 use crate::geometry::Lattice;
-use crate::physics::plan::Stage;
+use crate::physics::Stage;
 use crate::physics::{Simulation, StepReport};
 use crate::scene::Scene;
 

@@ -6,7 +6,7 @@ use super::look::Look;
 use super::rounding::Rounding;
 use super::{Fault, GAIN, REACH};
 use crate::math::{Real, Vector};
-use crate::physics::diagnostics::Diagnostics;
+use crate::physics::Diagnostics;
 use crate::physics::{Simulation, StepReport};
 
 /// The energy of one body since the start.

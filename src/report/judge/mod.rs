@@ -27,7 +27,7 @@ use account::Account;
 use super::disturb::Disturbance;
 use crate::geometry::Lattice;
 use crate::math::{Real, Vector};
-use crate::physics::plan::SOLVE_WORK;
+use crate::physics::SOLVE_WORK;
 use crate::physics::{Simulation, StepReport};
 use crate::scene::Scene;
 
@@ -264,7 +264,7 @@ impl Watch {
             let report = simulation.substep(&mut ());
             self.taken.add(&report);
             self.forces += report.counters.link_forces + report.counters.iterations * self.links;
-            let contacts = &simulation.scratch().contact.contacts;
+            let contacts = &simulation.contacts();
             let push = contacts.iter().fold(0.0, |push: f64, c| push.max(c.surface_velocity.length().to_f64()));
             for account in &mut self.bodies {
                 account.push(push, report.counters.obstacle_work_j);
@@ -310,7 +310,7 @@ mod tests {
 
     use super::*;
     use crate::math::rng::Rng;
-    use crate::physics::simulation::Arrival;
+    use crate::physics::Arrival;
     use crate::report::extremes::{extreme, extreme_scene, lattices};
     use crate::scene::obstacle::Sphere;
     use crate::scene::settings::Stepping;

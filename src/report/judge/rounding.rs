@@ -20,8 +20,8 @@
 //! "Geometric Numerical Integration", 2006, I.5 for leapfrog's energy.)
 
 use crate::math::{Aabb, Real};
-use crate::physics::model::BodyModel;
-use crate::physics::stability::SAFETY;
+use crate::physics::BodyModel;
+use crate::physics::SAFETY;
 
 /// Units in the last place by which rounding may misplace a particle at the start.
 const MISPLACED: f64 = 8.0;

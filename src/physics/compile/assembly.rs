@@ -1,0 +1,285 @@
+//! What particles weigh and links are made of: the same for all (springs), or shared out by the cells (solid).
+//!
+//! Every cell of edge h gives each of its own links a share, and a link's constant is the sum over the cells that hold
+//! it, so that a surface is as soft as it is thin and a block has the modulus it was asked for, whatever its
+//! resolution:
+//!
+//! ```text
+//!   12 edges             a quarter of the structural constant   (four cells meet at an edge)
+//!   12 face diagonals    half of the shear constant             (two cells meet at a face)
+//!    4 body diagonals    the shear constant
+//!    8 corners           an eighth of the cell's mass
+//! ```
+//!
+//! With `k_shear = E h²/3.69227` and `k_structural = 2.24671 k_shear` the lattice is isotropic, `E = 2.5 C12` with
+//! `C12 h² = k_shear (√2/2 + 4√3/9)` and Poisson's ratio 1/4, as central forces always give (Cauchy). Bending links
+//! would break the balance at free surfaces and are left without force.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::geometry::Lattice;
+use crate::math::Real;
+use crate::physics::model::{CellKind, Link, LinkFamily};
+use crate::scene::body::{Inlay, MAX_INLAYS};
+use crate::scene::material::Solid;
+use crate::scene::{Family, Springs};
+
+/// `E h²` over the constant of diagonal links: 2.5 (√2/2 + 4√3/9) isotropic constants.
+pub(in crate::physics) const MODULUS_OVER_SHEAR: f64 = 3.692_27;
+
+/// The constant of edges over that of diagonals in an isotropic lattice.
+pub(in crate::physics) const STRUCTURAL_OVER_SHEAR: f64 = 2.246_71;
+
+/// The material side of a body model.
+#[derive(Debug)]
+pub(in crate::physics) struct Assembled<R: Real> {
+    /// Of every particle, or the mean, kg.
+    pub(in crate::physics) particle_mass: f64,
+    /// Of each particle, kg; empty where all weigh alike.
+    pub(in crate::physics) masses: Vec<f64>,
+    /// The links by family.
+    pub(in crate::physics) links: [LinkFamily<R>; 3],
+    /// The distinct cells; empty where nothing is shared by cell.
+    pub(in crate::physics) cell_kinds: Vec<CellKind>,
+}
+
+/// The thesis's seven values: every particle and every link of a family alike. `measured` are the lattice's links.
+pub(in crate::physics) fn uniform<R: Real>(springs: &Springs, measured: [Arc<[Link<R>]>; 3]) -> Assembled<R> {
+    let [structural, shear, bending] = measured;
+    let links = [(Family::Structural, structural), (Family::Shear, shear), (Family::Bending, bending)];
+    let links = links.map(|(family, links)| {
+        let constants = springs.family(family);
+        LinkFamily {
+            stiffness: R::from_f64(constants.stiffness),
+            damping: R::from_f64(constants.damping),
+            links,
+            classes: Vec::new(),
+            constants: Vec::new(),
+        }
+    });
+    Assembled { particle_mass: springs.particle_mass, masses: Vec::new(), links, cell_kinds: Vec::new() }
+}
+
+/// What a cell of a solid shares out. `size` is the body's longest extent, m: its slowest vibration has the damping
+/// ratio asked for, faster ones more in proportion to their frequency.
+pub(in crate::physics) fn solid_cell(solid: &Solid, lattice: &Lattice, size: f64) -> CellKind {
+    let h = lattice.grid.cell_size;
+    let shear = solid.young_modulus * h * h / MODULUS_OVER_SHEAR;
+    let stiffness = [STRUCTURAL_OVER_SHEAR * shear, shear];
+    let slowest = std::f64::consts::PI / size * (solid.young_modulus / solid.density).sqrt();
+    let damping_over_stiffness = 2.0 * solid.damping_ratio / slowest;
+    CellKind {
+        stiffness,
+        damping: stiffness.map(|stiffness| stiffness * damping_over_stiffness),
+        mass: solid.density * h * h * h,
+    }
+}
+
+/// The kinds of the cells of a solid with inlays, and of which kind each cell is; none where all are of the first.
+pub(in crate::physics) fn solid_cells(
+    solid: &Solid,
+    inlays: &[Inlay],
+    lattice: &Lattice,
+    size: f64,
+    rest: &[DVec3],
+) -> (Vec<CellKind>, Vec<u8>) {
+    let mut kinds = vec![solid_cell(solid, lattice, size)];
+    let mut kind_of_cell = Vec::new();
+    for inlay in inlays.iter().take(MAX_INLAYS) {
+        let number = u8::try_from(kinds.len()).unwrap_or(0);
+        let mut is_used = false;
+        for (cell, corners) in lattice.cells.iter().enumerate() {
+            let middle = 0.5 * (rest[corners[0] as usize] + rest[corners[7] as usize]);
+            if (middle.cmpge(DVec3::from(inlay.min)) & middle.cmple(DVec3::from(inlay.max))).all() {
+                kind_of_cell.resize(lattice.cells.len(), 0);
+                kind_of_cell[cell] = number;
+                is_used = true;
+            }
+        }
+        if is_used {
+            kinds.push(solid_cell(&inlay.solid, lattice, size));
+        }
+    }
+    (kinds, kind_of_cell)
+}
+
+/// Sums the shares of the cells. `measured` are the lattice's links; `kind_of_cell` holds a place in `kinds` for every cell of the lattice; empty: all are
+/// of the first kind.
+pub(in crate::physics) fn by_cell<R: Real>(
+    kinds: &[CellKind],
+    kind_of_cell: &[u8],
+    lattice: &Lattice,
+    measured: [Arc<[Link<R>]>; 3],
+) -> Assembled<R> {
+    let kind_of = |cell: u32| kind_of_cell.get(cell as usize).copied().unwrap_or(0);
+    let around = cells_around(lattice);
+    let mut masses = vec![0.0; lattice.corners.len()];
+    for (mass, around) in masses.iter_mut().zip(&around) {
+        for &cell in around.iter().filter(|&&cell| cell != NO_CELL) {
+            *mass += kinds[usize::from(kind_of(cell))].mass / 8.0;
+        }
+    }
+    let particle_mass = masses.iter().sum::<f64>() / masses.len().max(1) as f64;
+    let [structural, shear, bending] = measured;
+    let links = [(Family::Structural, structural), (Family::Shear, shear), (Family::Bending, bending)];
+    let links = links.map(|(family, links)| {
+        if family == Family::Bending {
+            let none = (R::ZERO, R::ZERO, Vec::new(), Vec::new());
+            let (stiffness, damping, classes, constants) = none;
+            return LinkFamily { stiffness, damping, links, classes, constants };
+        }
+        let mut classes = Classes::default();
+        let class = |&[low, high]: &[u32; 2]| {
+            let [from, to] = [low, high].map(|corner| lattice.corners[corner as usize]);
+            let axes = (0..3).filter(|&axis| from[axis] != to[axis]).count();
+            classes.of(SHARED_BY[axes], holders(&around[low as usize], from, to).map(kind_of))
+        };
+        let numbers = lattice.links[family as usize].iter().map(class).collect();
+        let constants = classes.constants(kinds, usize::from(family == Family::Shear));
+        let largest = |which: usize| constants.iter().map(|c| c[which]).fold(0.0, f64::max);
+        LinkFamily {
+            stiffness: R::from_f64(largest(0)),
+            damping: R::from_f64(largest(1)),
+            links,
+            classes: numbers,
+            constants: constants.into_iter().map(|constants| constants.map(R::from_f64)).collect(),
+        }
+    });
+    Assembled { particle_mass, masses, links, cell_kinds: kinds.to_vec() }
+}
+
+/// The links of a lattice by family; `rest` is where its particles are at rest, m.
+pub(in crate::physics) fn measured<R: Real>(lattice: &Lattice, rest: &[DVec3]) -> [Arc<[Link<R>]>; 3] {
+    let measure = |&ends: &[u32; 2]| {
+        let rest_length = rest[ends[0] as usize].distance(rest[ends[1] as usize]);
+        Link { ends, rest_length: R::from_f64(rest_length), inverse_rest_length: R::from_f64(1.0 / rest_length) }
+    };
+    Family::ALL.map(|family| lattice.links[family as usize].iter().map(measure).collect())
+}
+
+/// Stands where there is no cell.
+const NO_CELL: u32 = u32::MAX;
+
+/// The cells around every particle; bit 0 of the place says that the cell lies on the upper side in x, bit 1 in y,
+/// bit 2 in z.
+fn cells_around(lattice: &Lattice) -> Vec<[u32; 8]> {
+    let mut around = vec![[NO_CELL; 8]; lattice.corners.len()];
+    for (cell, corners) in (0..).zip(&lattice.cells) {
+        for (place, &corner) in corners.iter().enumerate() {
+            around[corner as usize][7 - place] = cell;
+        }
+    }
+    around
+}
+
+/// The cells around the lower end of a link that hold the other end too: at most four.
+fn holders(around: &[u32; 8], low: [u32; 3], high: [u32; 3]) -> impl Iterator<Item = u32> {
+    let fits = move |place: usize| {
+        (0..3).all(|axis| high[axis] == low[axis] || (high[axis] > low[axis]) == (place >> axis & 1 == 1))
+    };
+    around.iter().enumerate().filter(move |&(place, &cell)| cell != NO_CELL && fits(place)).map(|(_, &cell)| cell)
+}
+
+/// Between how many cells a link along so many axes lies inside a body.
+const SHARED_BY: [u8; 4] = [1, 4, 2, 1];
+
+/// Stands where a link has fewer than four cells.
+const NO_KIND: u8 = u8::MAX;
+
+/// The classes of links found so far: how many cells share, and the kinds of those that do, ascending.
+#[derive(Default)]
+struct Classes {
+    numbers: BTreeMap<(u8, [u8; 4]), u16>,
+    keys: Vec<(u8, [u8; 4])>,
+    last: Option<((u8, [u8; 4]), u16)>,
+}
+
+impl Classes {
+    fn of(&mut self, shared_by: u8, kinds: impl Iterator<Item = u8>) -> u16 {
+        let mut held = [NO_KIND; 4];
+        for (slot, kind) in held.iter_mut().zip(kinds) {
+            *slot = kind;
+        }
+        held.sort_unstable();
+        let key = (shared_by, held);
+        if let Some((last, number)) = self.last
+            && last == key
+        {
+            return number;
+        }
+        let next = u16::try_from(self.keys.len()).unwrap_or(u16::MAX);
+        let number = *self.numbers.entry(key).or_insert(next);
+        if number == next {
+            self.keys.push(key);
+        }
+        self.last = Some((key, number));
+        number
+    }
+
+    /// Stiffness (N) and damping (N·s) of every class; `which` of a kind's constants they come from.
+    fn constants(&self, kinds: &[CellKind], which: usize) -> Vec<[f64; 2]> {
+        let sum = |&(shared_by, held): &(u8, [u8; 4])| {
+            held.iter().filter_map(|&kind| kinds.get(usize::from(kind))).fold([0.0, 0.0], |[k, d], kind| {
+                let share = 1.0 / f64::from(shared_by);
+                [k + share * kind.stiffness[which], d + share * kind.damping[which]]
+            })
+        };
+        self.keys.iter().map(sum).collect()
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::float_cmp, reason = "the shares are halves and quarters of small numbers")]
+mod tests {
+    use super::*;
+    use crate::geometry::voxel::Cells;
+
+    const SOFT: CellKind = CellKind { stiffness: [4.0, 2.0], damping: [0.4, 0.2], mass: 8.0 };
+    const HARD: CellKind = CellKind { stiffness: [40.0, 20.0], damping: [4.0, 2.0], mass: 80.0 };
+
+    /// Two cells side by side along x.
+    fn pair(kind_of_cell: &[u8]) -> (Lattice, Assembled<f64>) {
+        let lattice = Lattice::new(&Cells::from_list(&[[0, 0, 0], [1, 0, 0]], 1.0).expect("two cells"));
+        let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
+        let assembled = by_cell(&[SOFT, HARD], kind_of_cell, &lattice, measured(&lattice, &rest));
+        (lattice, assembled)
+    }
+
+    fn constant(lattice: &Lattice, family: &LinkFamily<f64>, from: [u32; 3], to: [u32; 3]) -> [f64; 2] {
+        let at = |corner| lattice.corners.iter().position(|&c| c == corner).expect("a corner");
+        let mut ends = [at(from), at(to)];
+        ends.sort_unstable();
+        let link = family.links.iter().position(|link| link.ends.map(|end| end as usize) == ends).expect("a link");
+        family.constants(link)
+    }
+
+    #[test]
+    fn every_cell_gives_its_links_a_share_and_its_corners_an_eighth() {
+        let (lattice, Assembled { masses, links: [edges, diagonals, bending], .. }) = pair(&[]);
+        assert_eq!(constant(&lattice, &edges, [0, 0, 0], [1, 0, 0]), [1.0, 0.1], "a lonely edge has a quarter");
+        assert_eq!(constant(&lattice, &edges, [1, 0, 0], [1, 1, 0]), [2.0, 0.2], "an edge of two cells has half");
+        assert_eq!(constant(&lattice, &diagonals, [0, 0, 0], [1, 1, 0]), [1.0, 0.1], "half on a surface");
+        assert_eq!(constant(&lattice, &diagonals, [1, 0, 0], [1, 1, 1]), [2.0, 0.2], "all of it between two cells");
+        assert_eq!(
+            constant(&lattice, &diagonals, [0, 0, 0], [1, 1, 1]),
+            [2.0, 0.2],
+            "a body diagonal is the cell's own"
+        );
+        assert_eq!(bending.stiffness, 0.0, "bending links have no force");
+        assert_eq!(masses.iter().sum::<f64>(), 16.0, "the masses of the cells");
+        assert_eq!((masses[0], masses[1]), (1.0, 2.0), "an eighth of each cell around a corner");
+    }
+
+    #[test]
+    fn a_body_may_be_of_two_materials() {
+        let (lattice, Assembled { masses, links: [edges, diagonals, _], .. }) = pair(&[0, 1]);
+        assert_eq!(constant(&lattice, &edges, [0, 0, 0], [1, 0, 0]), [1.0, 0.1], "the soft cell's own edge");
+        assert_eq!(constant(&lattice, &edges, [1, 0, 0], [2, 0, 0]), [10.0, 1.0], "the hard cell's own edge");
+        assert_eq!(constant(&lattice, &edges, [1, 0, 0], [1, 1, 0])[0], 11.0, "a quarter of each between them");
+        assert_eq!(constant(&lattice, &diagonals, [1, 0, 0], [1, 1, 1])[0], 11.0, "half of each between them");
+        assert_eq!((masses[0], masses[1], masses[2]), (1.0, 11.0, 10.0), "light, shared, heavy");
+    }
+}

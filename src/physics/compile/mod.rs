@@ -1,0 +1,199 @@
+//! From the document to the constant model: particles placed, links measured, obstacles framed.
+
+mod assembly;
+pub(in crate::physics) mod other_form;
+pub(in crate::physics) mod safe_values;
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use super::model::{BodyModel, ContactModel, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel};
+use crate::geometry::Lattice;
+use crate::math::{Aabb, Real, Vector, rotation};
+use crate::physics::forces::recovery;
+use crate::physics::limits::SceneLimits;
+use crate::physics::model::plan::Plan;
+use crate::physics::state::fallen;
+use crate::physics::stepping::strain;
+use crate::scene::obstacle::{ContactStiffness, Plane};
+use crate::scene::{self, Body, Material, Obstacle, Scene};
+use assembly::Assembled;
+
+/// Stiffness of the default contact over the particle's mass, 1/s².
+const AUTO_STIFFNESS: f64 = 1e5;
+
+/// No particle rests, or ends a step, deeper in an obstacle than this share of its body's size.
+pub const DEPTH_SHARE: f64 = 0.02;
+
+/// Builds the model of a scene and the plan of its step; `lattices` are those of the scene's bodies, in their order.
+/// What follows from a lattice alone is taken from bodies of the model `before`, where there is one: changing a constant
+/// does not measure a million links again.
+///
+/// # Panics
+/// If there are not as many lattices as bodies: the caller resolves every body first.
+pub(super) fn compile<R: Real>(
+    scene: &Scene,
+    lattices: &[Arc<Lattice>],
+    before: Option<&Model<R>>,
+) -> (Model<R>, Plan) {
+    assert_eq!(scene.bodies.len(), lattices.len(), "every body needs its lattice");
+    let gravity = DVec3::from(scene.settings.gravity);
+    let mut model = Model {
+        bodies: Vec::new(),
+        obstacles: obstacles(&scene.obstacles),
+        gravity: R::Vec3::from_dvec3(gravity),
+        fall_limit: None,
+    };
+    let (mut first, before) = (0, before.map_or(&[][..], |model| &model.bodies));
+    for (body, lattice) in scene.bodies.iter().zip(lattices) {
+        let compiled = compile_body(body, lattice, first, scene, before);
+        first = compiled.particles.end;
+        model.bodies.push(compiled);
+    }
+    model.fall_limit = fallen::limit(&model);
+    let limits = SceneLimits::of(&model, scene.settings.contact, scene.settings.integrator);
+    let plan = Plan::new(&scene.settings, &model, limits);
+    (model, plan)
+}
+
+fn compile_body<R: Real>(
+    body: &Body,
+    lattice: &Arc<Lattice>,
+    first: usize,
+    scene: &Scene,
+    before: &[BodyModel<R>],
+) -> BodyModel<R> {
+    let gravity = DVec3::from(scene.settings.gravity).length();
+    let rotation = rotation::from_euler_deg(body.pose.rotation_deg);
+    let position = DVec3::from(body.pose.position);
+    let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
+    let size = Aabb::<f64>::around(rest.iter().copied()).size().max_element();
+    let pinned = if body.pins.is_empty() {
+        Vec::new()
+    } else {
+        let held = |p: &DVec3| {
+            body.pins.iter().any(|pin| (p.cmpge(DVec3::from(pin.min)) & p.cmple(DVec3::from(pin.max))).all())
+        };
+        rest.iter().map(held).collect()
+    };
+    let known = before.iter().find(|body| Arc::ptr_eq(&body.lattice, lattice));
+    let measured = known
+        .map_or_else(|| assembly::measured(lattice, &rest), |body| body.links.each_ref().map(LinkFamily::measured));
+    let crowds = known.map_or_else(|| strain::crowds(rest.len(), &measured), |body| Arc::clone(&body.crowds));
+    let Assembled { particle_mass, masses, links, cell_kinds } = match &body.material {
+        Material::Springs(springs) => assembly::uniform(springs, measured),
+        Material::Solid(solid) => {
+            let (kinds, kind_of_cell) = assembly::solid_cells(solid, &body.inlays, lattice, size, &rest);
+            assembly::by_cell(&kinds, &kind_of_cell, lattice, measured)
+        }
+    };
+    let heaviest = masses.iter().copied().fold(particle_mass, f64::max);
+    let load = heaviest_load(lattice) * heaviest * gravity;
+    let [recovery_stiffness, recovery_mass] = match &body.material {
+        _ if !scene.settings.inversion_recovery => [0.0, particle_mass],
+        Material::Springs(springs) => recovery::of_springs(springs, lattice),
+        Material::Solid(_) => recovery::of_cells(&cell_kinds, lattice.grid.cell_size),
+    };
+    BodyModel {
+        particles: first..first + rest.len(),
+        start: rest.iter().map(|p| R::Vec3::from_dvec3(position + rotation * *p)).collect(),
+        start_velocity: R::Vec3::from_dvec3(DVec3::from(body.velocity)),
+        particle_mass: R::from_f64(particle_mass),
+        masses: masses.into_iter().map(R::from_f64).collect(),
+        cell_kinds,
+        pinned,
+        links,
+        crowds,
+        lattice: Arc::clone(lattice),
+        size: R::from_f64(size),
+        inverse_cell_size: R::from_f64(1.0 / lattice.grid.cell_size),
+        recovery_stiffness: R::from_f64(recovery_stiffness),
+        recovery_mass: R::from_f64(recovery_mass),
+        contacts: scene
+            .obstacles
+            .iter()
+            .map(|obstacle| contact(obstacle, heaviest, size, load, lattice.grid.cell_size))
+            .collect(),
+    }
+}
+
+/// Particles that one particle in contact may have to carry at rest: the tallest column, or all of them on the
+/// smallest of the six outer layers, as a tree stands on its trunk.
+fn heaviest_load(lattice: &Lattice) -> f64 {
+    let mut column = 0;
+    let mut layer = usize::MAX;
+    for axis in 0..3 {
+        let along = || lattice.corners.iter().map(|corner| corner[axis]);
+        let (Some(low), Some(high)) = (along().min(), along().max()) else { return 0.0 };
+        column = column.max(high - low + 1);
+        for end in [low, high] {
+            layer = layer.min(along().filter(|&c| c == end).count());
+        }
+    }
+    f64::from(column).max(lattice.corners.len() as f64 / layer as f64)
+}
+
+fn contact<R: Real>(obstacle: &Obstacle, mass: f64, size: f64, load: f64, cell_size: f64) -> ContactModel<R> {
+    let depth_limit = DEPTH_SHARE * size;
+    let stiffness = match obstacle.stiffness {
+        ContactStiffness::Given(stiffness) => stiffness,
+        ContactStiffness::Auto => (AUTO_STIFFNESS * mass).max(load / depth_limit),
+    };
+    ContactModel {
+        stiffness: R::from_f64(stiffness),
+        damping: R::from_f64(2.0 * (stiffness * mass).sqrt()),
+        depth_limit: R::from_f64(depth_limit),
+        thesis_threshold: R::from_f64(cell_size),
+    }
+}
+
+fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>> {
+    let mut planes = 0;
+    obstacles
+        .iter()
+        .map(|obstacle| {
+            let (shape, bounds) = match obstacle.shape {
+                scene::ObstacleShape::Plane(plane) => {
+                    let side_row = planes;
+                    planes += 1;
+                    plane_model(&plane, side_row)
+                }
+                scene::ObstacleShape::Sphere(sphere) => {
+                    let center = DVec3::from(sphere.center);
+                    let shape = ObstacleShape::Sphere {
+                        center: R::Vec3::from_dvec3(center),
+                        radius: R::from_f64(sphere.radius),
+                    };
+                    let reach = DVec3::splat(sphere.radius);
+                    (shape, Aabb::around([center - reach, center + reach]))
+                }
+            };
+            // Rounding to R must not shrink the box below the obstacle.
+            let margin = 1e-5 * (bounds.size().max_element() + bounds.center().abs().max_element());
+            let bounds = bounds.grown(margin);
+            ObstacleModel {
+                shape,
+                carry: None,
+                bounds: Aabb { min: R::Vec3::from_dvec3(bounds.min), max: R::Vec3::from_dvec3(bounds.max) },
+                friction_static: R::from_f64(obstacle.friction_static),
+                friction_dynamic: R::from_f64(obstacle.friction_dynamic),
+            }
+        })
+        .collect()
+}
+
+fn plane_model<R: Real>(plane: &Plane, side_row: usize) -> (ObstacleShape<R>, Aabb<f64>) {
+    let DMat3 { x_axis, y_axis, z_axis } = rotation::from_euler_deg(plane.rotation_deg);
+    let center = DVec3::from(plane.center);
+    let [a, b] = plane.half_extents;
+    let corners = [(-a, -b), (-a, b), (a, -b), (a, b)].map(|(x, z)| center + x_axis * x + z_axis * z);
+    let shape = ObstacleShape::Plane(PlaneModel {
+        center: R::Vec3::from_dvec3(center),
+        axes: [R::Vec3::from_dvec3(x_axis), R::Vec3::from_dvec3(z_axis)],
+        half_extents: plane.half_extents.map(R::from_f64),
+        normal: R::Vec3::from_dvec3(y_axis),
+        side_row,
+    });
+    (shape, Aabb::around(corners))
+}

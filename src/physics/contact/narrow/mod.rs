@@ -1,0 +1,17 @@
+//! Where a particle's motion crosses the surface of an obstacle: one file for every shape.
+
+pub(super) mod plane;
+pub(super) mod sphere;
+
+use super::Surface;
+use crate::math::Real;
+use crate::physics::model::ObstacleShape;
+
+/// The surface as a particle meets it that starts at `from`, moves by `path` past the obstacle, and touched the plane on
+/// `side` before; none where it meets none.
+pub(super) fn meet<R: Real>(shape: &ObstacleShape<R>, side: i8, from: R::Vec3, path: R::Vec3) -> Option<Surface<R>> {
+    match shape {
+        ObstacleShape::Plane(plane) => plane::meet(plane, side, from, path),
+        ObstacleShape::Sphere { center, radius } => sphere::meet(*center, *radius, from, path),
+    }
+}

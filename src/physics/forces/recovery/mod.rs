@@ -1,0 +1,216 @@
+//! Recovery from inversion (S7; the "broken cube" of GC §10): springs alone have mirrored minima, in which crushed
+//! cells stay inside out for ever.
+//!
+//! With the means a, b, c of a cell's four edges along each axis and its cell size h, the signed volume
+//! `V = a·(b×c)/h³` is 1 at rest and not above 0 when the cell is inverted. Below [`THRESHOLD`] the cell pushes back:
+//!
+//! ```text
+//!       6───────7         force on the mean edge a, cyclic in a, b, c:
+//!      /│      /│         f_a = κ min(T − V, 2) (b×c)/h³ / max(1, largest face/h²)
+//!     4───────5 │  y      each of the four ends of an axis takes a quarter; the others the opposite
+//!     │ 2─────│─3  │
+//!     │/      │/   └─ x   T = 0.3
+//!     0───────1  z
+//! ```
+//!
+//! One common cap for all three keeps momentum and angular momentum; without it the push would grow with the fourth
+//! power of an edge. A cell that is on its way back is pushed half as hard as one on its way in: what it takes from
+//! a blow it does not give back in full, so that crushed bodies come to rest rather than gain energy. The size of κ
+//! follows from the links (`of_springs`, `of_cells`), so that the term costs no smaller step.
+//!
+//! Only the cells of a list are pushed: those below [`WATCH`]. All cells are looked at once in every 1/60 s of simulated
+//! time, sooner where particles move past each other fast enough to crush a cell in that time, and in every substep while
+//! the list is not empty, as a cell that inverted unseen would be given energy; a body that is well costs nothing but
+//! those few looks. The list is part of the [`State`]: the motion follows from the state alone.
+//!
+//! Where families of links are far apart the push is not enough: see `soft_links`; a body that comes to rest with
+//! cells still inverted gets a pull on top of it: see `pull`. The implicit integrator solves for both: see
+//! `resistance`.
+
+mod edges;
+mod pull;
+mod resistance;
+mod rotation;
+mod soft_links;
+
+pub(in crate::physics) use resistance::{Resistance, energy_past_work, resistances};
+pub(in crate::physics) use soft_links::Scratch;
+
+use edges::{MeanEdges, mean_edges, spread};
+use soft_links::soften;
+
+use crate::geometry::Lattice;
+use crate::math::{Real, Vector};
+use crate::physics::forces::Configuration;
+use crate::physics::limits::cells::CellLoads;
+use crate::physics::model::plan::Plan;
+use crate::physics::model::{BodyModel, CellKind, Model};
+use crate::physics::report::Recorder;
+use crate::physics::state::{BodyMemory, State};
+use crate::physics::step::substep::Substep;
+use crate::scene::settings::Integrator;
+use crate::scene::{Family, Springs};
+
+/// A cell below this signed volume is pushed back to shape.
+pub(crate) const THRESHOLD: f64 = 0.3;
+
+/// Cells below this signed volume are put on the list: what inverts between two looks has mostly been here before.
+pub(crate) const WATCH: f64 = 0.7;
+
+/// The push stops growing this far below the threshold.
+const DEEPEST: f64 = 2.0;
+
+/// Simulated time between two looks at all cells, s, in a body that is calm.
+const LOOK_SECS: f64 = 1.0 / 60.0;
+
+/// Two particles of a body move past each other by no more than this between two looks, cell sizes: a cell that was not
+/// on the list then is still above the threshold, even if it is crushed along all its axes at once.
+const UNSEEN_SHARE: f64 = 0.2;
+
+/// The share of the push that is left while a cell is on its way back.
+const RETURNED: f64 = 0.5;
+
+/// The most of `κ dt²/(m h²)`: a person's own step or an implicit one may be larger than the push could bear.
+const STIFFEST: f64 = 0.6;
+
+/// A cell's stiffness against inversion, N·m, and the mass against it, kg, from the constants of links that are alike.
+///
+/// A mode of wave number q along an axis changes V by `2 sin(q/2)/h` of its amplitude, so the term adds at most
+/// `4 κ/(m h²)` to the square of a frequency, and the links at most `(4 k1 + 8.74 k2 + 2 k3)/(m h)`. Half of the latter
+/// keeps the sum below the limit at the share of it that automatic stepping takes. For equal constants it is 7.4 k h;
+/// from half of that on every crushed cube came back, at more than twice of it crumpled ones gained energy. A family
+/// without links in `lattice` limits no step and so has no share.
+pub(in crate::physics) fn of_springs(springs: &Springs, lattice: &Lattice) -> [f64; 2] {
+    let share = |family: Family, share: f64| {
+        let has_links = !lattice.links[family as usize].is_empty();
+        if has_links { share * springs.family(family).stiffness } else { 0.0 }
+    };
+    let links = share(Family::Structural, 4.0) + share(Family::Shear, 8.736) + share(Family::Bending, 2.0);
+    [0.5 * links * lattice.grid.cell_size, springs.particle_mass]
+}
+
+/// The same from cells that share out their links and masses. On its own a cell of mass M moves with `12 κ/(M h²)`, as if
+/// its particles weighed a third of it; its links add at most `loads.stiffness`.
+pub(in crate::physics) fn of_cells(kinds: &[CellKind], cell_size: f64) -> [f64; 2] {
+    let lightest = kinds.iter().map(|kind| kind.mass).fold(f64::INFINITY, f64::min) / 3.0;
+    [0.5 * CellLoads::of(kinds, cell_size).stiffness * lightest * cell_size * cell_size, lightest]
+}
+
+/// Whether all cells are looked at in this substep.
+pub(in crate::physics) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
+    !plan.lean || state.bodies.iter().any(BodyMemory::is_watched) || is_time_to_look(model, plan, state)
+}
+
+/// Whether it is time to look at bodies that were well at the last look: in every [`LOOK_SECS`], sooner the faster their
+/// particles move past each other.
+pub(in crate::physics) fn is_time_to_look<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
+    let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, state)));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
+    let every = libm::round(between_looks / plan.substep_secs()).max(1.0) as u64;
+    let taken = state.steps / u64::from(plan.span);
+    taken.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep)).is_multiple_of(every)
+}
+
+/// How long a body's cells may stay unseen as fast as its particles move past each other now, s.
+fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
+    let velocity = &state.velocity[body.particles.clone()];
+    // Bounds of the components: cheap, and no larger than the differences between particles.
+    let Some(&first) = velocity.first() else { return LOOK_SECS };
+    let (low, high) = velocity.iter().fold((first, first), |(low, high), v| (low.min(*v), high.max(*v)));
+    let fastest = (high - low).length().to_f64();
+    if fastest > 0.0 { UNSEEN_SHARE / (body.inverse_cell_size.to_f64() * fastest) } else { LOOK_SECS }
+}
+
+/// Looks at all cells before a substep of `secs`, writes down those that are near inversion, and tells which bodies are
+/// stuck.
+pub(in crate::physics) fn look<R: Real>(
+    model: &Model<R>,
+    state: &mut State<R>,
+    secs: f64,
+    recorder: &mut Recorder<'_>,
+) {
+    let watch = R::from_f64(WATCH);
+    for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
+        memory.near_inversion.clear();
+        if body.recovery_stiffness <= R::ZERO {
+            pull::forget(memory);
+            continue;
+        }
+        let position = &state.position[body.particles.clone()];
+        recorder.counters.cells_looked_at += body.lattice.cells.len() as u64;
+        let mut smallest = watch;
+        for (number, corners) in (0u32..).zip(&body.lattice.cells) {
+            let volume = MeanEdges::of(position, corners, body.inverse_cell_size).volume();
+            if volume < watch {
+                memory.near_inversion.push(number);
+                smallest = smallest.min(volume);
+            }
+        }
+        pull::judge(body, memory, smallest.to_f64(), position, &state.velocity[body.particles.clone()], secs);
+    }
+}
+
+/// Adds the push of the cells on the lists of the bodies, N.
+pub(in crate::physics) fn add_forces<R: Real>(
+    Substep { model, plan, state, .. }: Substep<'_, R>,
+    Configuration { position, velocity, .. }: Configuration<'_, R>,
+    force: &mut [R::Vec3],
+    scratch: &mut Scratch<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    // What the implicit integrator solves with resists as much.
+    let flow_secs = if plan.integrator == Integrator::Implicit { 0.0 } else { plan.substep_secs() };
+    for (body, memory) in model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep) {
+        let position = &position[body.particles.clone()];
+        let velocity = &velocity[body.particles.clone()];
+        let force = &mut force[body.particles.clone()];
+        recorder.counters.recovery_cells += memory.near_inversion.len() as u64;
+        soften(body, &memory.near_inversion, position, velocity, R::from_f64(flow_secs), scratch, force);
+        let stiffness = bearable_stiffness(plan, body) * body.inverse_cell_size;
+        let pull = memory.stuck.then(|| pull::bearable_stiffness(plan, body) * body.inverse_cell_size);
+        for &cell in &memory.near_inversion {
+            let corners = &body.lattice.cells[cell as usize];
+            let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
+            let rates = mean_edges(velocity, corners, R::ONE);
+            let Some(push) = edges.push(&rates, stiffness) else { continue };
+            spread::<R>(&push, corners, force);
+            if let Some(pull) = pull.and_then(|pull| pull::cell_force(&edges, &rates, pull)) {
+                spread::<R>(&pull, corners, force);
+            }
+        }
+    }
+}
+
+/// The stiffness of a body's cells as far as the substep bears it, N·m: all of it where it is solved for.
+fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
+    if plan.integrator == Integrator::Implicit {
+        return body.recovery_stiffness;
+    }
+    let dt = R::from_f64(plan.substep_secs());
+    let inverse = body.inverse_cell_size * dt;
+    body.recovery_stiffness.min(R::from_f64(STIFFEST) * body.recovery_mass / (inverse * inverse))
+}
+
+/// Energy of the push of a body's cells, J, and of the pull where it is stuck. The cap on far-stretched cells follows no
+/// potential: their share is the work that the present push would do.
+pub(in crate::physics) fn energy<R: Real>(
+    plan: &Plan,
+    body: &BodyModel<R>,
+    memory: &BodyMemory,
+    state: &State<R>,
+) -> f64 {
+    let position = &state.position[body.particles.clone()];
+    let stiffness = bearable_stiffness(plan, body).to_f64();
+    let pull = if memory.stuck { pull::bearable_stiffness(plan, body).to_f64() } else { 0.0 };
+    let energy_of = |corners: &[u32; 8]| {
+        let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
+        let pulled = if pull > 0.0 { pull * pull::cell_energy(&edges) } else { 0.0 };
+        stiffness * edges.energy() + pulled
+    };
+    body.lattice.cells.iter().map(energy_of).sum()
+}
+
+/// The signed volume of a cell over that at rest; not above zero where it is inverted.
+pub(in crate::physics) fn volume<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], corners: &[u32; 8]) -> f64 {
+    MeanEdges::of(position, corners, body.inverse_cell_size).volume().to_f64()
+}

@@ -1,0 +1,235 @@
+//! The pull on the crushed cells of a body that is stuck: slow, with cells that are inverted.
+//!
+//! The volume tells no way out of a knot in which push and links are in balance. With the mean edges F of a cell, in cell
+//! sizes, and the rotation R nearest to them, the pull to R has no mirrored minimum:
+//!
+//! ```text
+//! W = κ p s(V) |R − F|²/2 / max(1, longest mean edge)      f = −∂W/∂F, half of it on the way back
+//! s = ((T − V)/2 T)², at most 1                            p ≤ 1: as much as the substep bears
+//! ```
+//!
+//! It keeps momentum, and angular momentum as `R Fᵀ` is symmetric. The divisor for stretched cells, the bound on what
+//! `∂s/∂V` adds, the same as that of the push, and R, which is made shorter where no rotation is the nearest, follow no
+//! potential. But for these it gives no more than it takes: what it brings into a body is W of its crushed cells when it
+//! is found to be stuck, some 3 κ each at most. That is too much for a body in violent motion, which is never stuck: it
+//! must first be so slow for a while that its motion is nothing to the energy of a single cell. From then on the pull
+//! acts, however the body moves, until none of its cells is crushed; W is nothing then.
+
+use super::{DEEPEST, RETURNED, THRESHOLD};
+use crate::math::{Real, Vector};
+use crate::physics::forces::recovery::edges::MeanEdges;
+use crate::physics::forces::recovery::rotation::nearest_rotation;
+use crate::physics::model::BodyModel;
+use crate::physics::model::plan::Plan;
+use crate::physics::state::BodyMemory;
+use crate::scene::settings::Integrator;
+
+/// The stiffness of the pull over that of the push, at most.
+const SHARE: f64 = 1.0;
+
+/// So far below the threshold the whole pull acts: it grows from nothing, so that no cell that comes or goes is given
+/// energy.
+const RANGE: f64 = 2.0 * THRESHOLD;
+
+/// A body is slow while its links change their lengths no faster than this, as the root of the mean square, over the
+/// speed at which the push turns cells over, `√(κ/m)`: its motion is nothing then to what an inverted cell could set
+/// free.
+const SLOW: f64 = 3e-3;
+
+/// The same for each of them: links that were crushed to nothing tremble for ever as their direction changes at every
+/// step.
+const FASTEST: f64 = 0.1;
+
+/// For how long a body with inverted cells must be slow to be stuck, s: less than it takes to fall asleep, but for very
+/// soft bodies.
+const SLOW_SECS: f64 = 0.1;
+
+/// The same over `h/√(κ/m)`, which is longer in a very soft body: where motion turns back it is slow for less.
+const SLOW_TIMES: f64 = 1.0;
+
+/// The longest that a body is watched for, s.
+const LONGEST_SECS: f64 = 4.0;
+
+/// Tells whether a body is stuck whose cells' smallest volume is `smallest`, before a substep of `secs`.
+pub(super) fn judge<R: Real>(
+    body: &BodyModel<R>,
+    memory: &mut BodyMemory,
+    smallest: f64,
+    position: &[R::Vec3],
+    velocity: &[R::Vec3],
+    secs: f64,
+) {
+    if memory.stuck {
+        memory.stuck = smallest < THRESHOLD;
+        return;
+    }
+    if smallest >= THRESHOLD || !is_slow(body, position, velocity) {
+        memory.knotted_nanos = 0;
+        return;
+    }
+    // A cell that trembles about no volume is inverted half of the time.
+    if smallest > 0.0 {
+        return;
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a time of at least one, saturating")]
+    let nanos = libm::ceil(secs * 1e9) as u32;
+    memory.knotted_nanos = memory.knotted_nanos.saturating_add(nanos);
+    let long_enough = SLOW_SECS.max(SLOW_TIMES / (turning_speed(body) * body.inverse_cell_size.to_f64()));
+    if f64::from(memory.knotted_nanos) >= long_enough.min(LONGEST_SECS) * 1e9 {
+        forget(memory);
+        memory.stuck = true;
+    }
+}
+
+/// The body is not stuck, and not about to be.
+pub(super) fn forget(memory: &mut BodyMemory) {
+    (memory.stuck, memory.knotted_nanos) = (false, 0);
+}
+
+/// About how fast the push turns cells over, m/s.
+fn turning_speed<R: Real>(body: &BodyModel<R>) -> f64 {
+    (body.recovery_stiffness.to_f64() / body.recovery_mass.to_f64()).sqrt()
+}
+
+/// Whether the links change their lengths slowly, however the body moves and turns as a whole.
+fn is_slow<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], velocity: &[R::Vec3]) -> bool {
+    let speed = turning_speed(body);
+    let most = R::from_f64(FASTEST * FASTEST * speed * speed);
+    let (mut sum, mut count) = (R::ZERO, R::ZERO);
+    for link in body.links.iter().flat_map(|family| family.links.iter()) {
+        let [i, j] = link.ends.map(|end| end as usize);
+        let (d, dv) = (position[j] - position[i], velocity[j] - velocity[i]);
+        let squared = d.dot(d);
+        if squared > R::ZERO {
+            let along = d.dot(dv);
+            let rate = along * along / squared;
+            if rate > most {
+                return false;
+            }
+            sum += rate;
+        }
+        count += R::ONE;
+    }
+    sum <= R::from_f64(SLOW * SLOW * speed * speed) * count
+}
+
+/// The stiffness of the pull as far as the substep bears it, N·m.
+///
+/// With `x = κ dt²/(m h²)` for a stiffness κ of the push, links are 2 x of the limit, 4, at most, the push on cells whose
+/// neighbours are well less than as much, and a pull of stiffness p κ adds 4 p x.
+pub(super) fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
+    if plan.integrator == Integrator::Implicit {
+        return body.recovery_stiffness * R::from_f64(SHARE);
+    }
+    let inverse = body.inverse_cell_size.to_f64() * plan.substep_secs();
+    let load = body.recovery_stiffness.to_f64() * inverse * inverse / body.recovery_mass.to_f64();
+    // RK4 bears twice as much: its limit is 8.
+    let limit = if plan.integrator == Integrator::Rk4 { 2.0 } else { 1.0 };
+    body.recovery_stiffness * R::from_f64((limit / load - 1.0).clamp(0.0, SHARE))
+}
+
+/// The forces of the pull on the three mean edges of a cell for a stiffness over the cell size, N; none above the
+/// threshold.
+pub(super) fn cell_force<R: Real>(edges: &MeanEdges<R>, rates: &[R::Vec3; 3], stiffness: R) -> Option<[R::Vec3; 3]> {
+    if !edges.is_pushed() {
+        return None;
+    }
+    let (rotation, _) = nearest_rotation::<R>(&edges.edges, &edges.faces);
+    let missing: [R::Vec3; 3] = std::array::from_fn(|axis| rotation[axis] - edges.edges[axis]);
+    let cap = longest(edges);
+    let misshaped = missing.iter().fold(R::ZERO, |sum, part| sum + part.dot(*part)) / cap;
+    let [share, growth] = share(edges.missing());
+    let pull = share / cap;
+    let push = (misshaped * growth * R::from_f64(0.5)).min(R::from_f64(DEEPEST)) / edges.cap();
+    let force: [R::Vec3; 3] = std::array::from_fn(|axis| missing[axis] * pull + edges.faces[axis] * push);
+    let power = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(force[axis]));
+    let returned = if power > R::ZERO { R::from_f64(RETURNED) } else { R::ONE };
+    Some(force.map(|force| force * (stiffness * returned))).filter(|force| force.iter().all(|force| force.is_finite()))
+}
+
+/// The energy of the pull of a cell for a stiffness of one.
+pub(super) fn cell_energy<R: Real>(edges: &MeanEdges<R>) -> f64 {
+    if !edges.is_pushed() {
+        return 0.0;
+    }
+    let (_, along) = nearest_rotation::<R>(&edges.edges, &edges.faces);
+    let size = edges.edges.iter().fold(0.0, |sum, edge| sum + edge.dot(*edge).to_f64());
+    let misshaped = (size + 3.0 - 2.0 * along.to_f64()).max(0.0);
+    0.5 * misshaped * share(edges.missing())[0].to_f64() / longest(edges).to_f64()
+}
+
+/// What the resistance to a change of the mean edges is over the pull's stiffness.
+pub(super) fn resistance<R: Real>(edges: &MeanEdges<R>) -> f64 {
+    (share(edges.missing())[0] / longest(edges)).to_f64()
+}
+
+/// The share of the pull that acts where so much of the volume is missing, and its growth with that.
+fn share<R: Real>(missing: R) -> [R; 2] {
+    let part = missing * R::from_f64(1.0 / RANGE);
+    if part < R::ONE { [part * part, part * R::from_f64(2.0 / RANGE)] } else { [R::ONE, R::ZERO] }
+}
+
+/// The longest mean edge, at least 1: what the pull is divided by.
+fn longest<R: Real>(edges: &MeanEdges<R>) -> R {
+    edges.edges.iter().fold(R::ONE, |longest, edge| longest.max(edge.length()))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::math::rng::Rng;
+
+    const CORNERS: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
+
+    /// A cell with these mean edges.
+    fn cell([a, b, c]: [DVec3; 3]) -> MeanEdges<f64> {
+        let corners = CORNERS.map(|p| a * f64::from(p & 1) + b * f64::from(p >> 1 & 1) + c * f64::from(p >> 2));
+        MeanEdges::of(&corners, &CORNERS, 1.0)
+    }
+
+    /// Crushed and mirrored cells that are not stretched, whose rotation is definite and where no bound is met: there the
+    /// pull follows a potential.
+    fn crushed_cells() -> impl Iterator<Item = [DVec3; 3]> {
+        let mut rng = Rng::new(3);
+        let all = std::iter::repeat_with(move || [0; 3].map(|_| DVec3::from([0; 3].map(|_| rng.between(-0.55, 0.55)))));
+        let is_definite = |edges: &[DVec3; 3]| {
+            let edges = cell(*edges);
+            let ([a, b, c], _) = nearest_rotation::<f64>(&edges.edges, &edges.faces);
+            let [share, growth] = share(edges.missing());
+            (a.dot(b.cross(c)) - 1.0).abs() < 1e-7 && cell_energy(&edges) * growth / share < 0.95 * DEEPEST
+        };
+        all.filter(is_definite).take(100)
+    }
+
+    #[test]
+    fn the_pull_is_what_its_energy_falls_by() {
+        for edges in crushed_cells() {
+            let force = cell_force(&cell(edges), &[DVec3::ZERO; 3], 1.0).expect("it is crushed");
+            for axis in 0..3 {
+                for component in 0..3 {
+                    let energy = |way: f64| {
+                        let mut moved = edges;
+                        moved[axis][component] += way;
+                        cell_energy(&cell(moved))
+                    };
+                    let slope = (energy(-1e-5) - energy(1e-5)) / 2e-5;
+                    assert!((slope - force[axis][component]).abs() < 2e-3, "{edges:?}: {slope} and {force:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_pull_turns_nothing_and_ends_at_the_threshold() {
+        for edges in crushed_cells() {
+            let force = cell_force(&cell(edges), &[DVec3::ZERO; 3], 1.0).expect("it is crushed");
+            let torque = (0..3).fold(DVec3::ZERO, |sum, axis| sum + edges[axis].cross(force[axis]));
+            assert!(torque.length() < 1e-10, "{edges:?}: {torque}");
+        }
+        let flat = |height: f64| cell([DVec3::X, DVec3::Y, DVec3::Z * height]);
+        assert!(cell_force(&flat(0.31), &[DVec3::ZERO; 3], 1.0).is_none(), "none above it");
+        assert!(cell_energy(&flat(0.299)) < 1e-5, "next to nothing just below it");
+    }
+}

@@ -1,0 +1,444 @@
+//! How large a step may be, computed before anything moves (I5, I6).
+//!
+//! Semi-implicit Euler with link forces `K` and damping `C` is the leapfrog scheme with centred damping; its energy
+//! stays positive, and the motion bounded, iff `4M − dt² K − 2 dt C` is positive definite. Each link contributes
+//! `κ (d̂·(x_j − x_i))²` with `κ = dt² k/l0 + 2 dt d/l0`. For an infinite lattice the largest eigenvalue is found by
+//! plane waves (Bloch): over wave vectors q,
+//!
+//! ```text
+//! λ(dt) = max_q λ_max( Σ over 16 half links of 2 κ (1 − cos q·δ) d̂ d̂ᵀ ) / m   ≤   4
+//! ```
+//!
+//! Where links and masses are shared out by cells the bound is that of the stiffest cell (`cell_bound`).
+//!
+//! Removing links only lowers the quadratic form, so the bound holds for every subset of cells with the same mass
+//! per particle, whatever its size. It is a bound at rest; crumpled states were seen to blow up from about 0.58 of
+//! it, hence the safety factor.
+//!
+//! Verlet with its predicted damping velocity counts the damping twice; RK4 has a region of stability of its own; the
+//! implicit scheme has no limit but that of the thesis's explicit contact.
+
+pub(in crate::physics) mod cells;
+
+use glam::{DMat3, DVec3};
+
+use super::model::{BodyModel, Model};
+use crate::math::Real;
+use crate::physics::limits::cells::CellLoads;
+use crate::scene::Family;
+use crate::scene::settings::{ContactRule, Integrator};
+
+/// Automatic stepping stays below this share of the bound at rest, which covers crumpled bodies.
+pub const SAFETY: f64 = 0.55;
+
+/// The largest eigenvalue of `M⁻¹ (dt² K + 2 dt C)` with which motion stays bounded.
+pub(super) const LATTICE_LIMIT: f64 = 4.0;
+
+/// The share of [`SAFETY`] that is left to RK4 where bodies meet obstacles. A particle in contact moves with the velocity
+/// that the forces at the start of the substep predict while those around it go through four stages; near RK4's own limit
+/// the two are far apart and the highest vibrations grow, slowly, as long as the contact lasts. Of the random extreme
+/// scenes that are stepped so, four in some 1300 gained with a share of 0.6 and none with 0.45.
+const RK4_CONTACT_SHARE: f64 = 0.4;
+
+/// Wave numbers 0, π/8 … π along each axis: the extremes of the stencil lie on this grid.
+const WAVES: usize = 9;
+
+/// Where in the complex plane dt times an eigenvalue of the motion may lie, by scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Region {
+    /// The leapfrog family: `dt² ω² + 2 s dt c < 4` with a share s of the damping, 1 for semi-implicit Euler and 2 where
+    /// the velocity of the damping is predicted.
+    Leapfrog(f64),
+    /// Half a disc of this radius. An eigenvalue is no larger than the larger of ω and c, whichever way damping and
+    /// stiffness mix.
+    HalfDisc(f64),
+    /// Everything: links are part of the equations that are solved.
+    Everywhere,
+}
+
+impl Region {
+    fn of(integrator: Integrator) -> Self {
+        match integrator {
+            Integrator::SemiImplicit => Self::Leapfrog(1.0),
+            Integrator::Verlet => Self::Leapfrog(2.0),
+            // Largest half disc within |1 + z + z²/2 + z³/6 + z⁴/24| ≤ 1, whose ends are 2.828 i and −2.785.
+            Integrator::Rk4 => Self::HalfDisc(2.61),
+            // Beyond −2 both blow up for certain; below, undamped vibrations still grow, slowly.
+            Integrator::Explicit | Integrator::Rk2 => Self::HalfDisc(2.0),
+            Integrator::Implicit => Self::Everywhere,
+        }
+    }
+}
+
+/// How much of the stiffness (1/s²) and of the damping (1/s) of a vibration adds to its load, which stays bounded up to
+/// [`LATTICE_LIMIT`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LoadShare {
+    /// s².
+    pub(super) stiffness: f64,
+    /// s.
+    pub(super) damping: f64,
+}
+
+/// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme.
+pub(super) fn load_shares(integrator: Integrator, dt: f64) -> Vec<LoadShare> {
+    match Region::of(integrator) {
+        Region::Leapfrog(share) => vec![LoadShare { stiffness: dt * dt, damping: 2.0 * share * dt }],
+        Region::HalfDisc(radius) => vec![
+            LoadShare { stiffness: LATTICE_LIMIT * (dt / radius) * (dt / radius), damping: 0.0 },
+            LoadShare { stiffness: 0.0, damping: LATTICE_LIMIT * dt / radius },
+        ],
+        Region::Everywhere => Vec::new(),
+    }
+}
+
+/// What can limit a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Term {
+    /// A family's stiffness.
+    Stiffness(Family),
+    /// A family's damping.
+    Damping(Family),
+    /// The thesis's explicit contact.
+    Contact,
+    /// The step the person asked for.
+    User,
+    /// All together.
+    Combined,
+}
+
+impl Term {
+    /// The term's word in figures.
+    pub fn name(self) -> String {
+        match self {
+            Self::Stiffness(family) => format!("{}_stiffness", family.name()),
+            Self::Damping(family) => format!("{}_damping", family.name()),
+            Self::Contact => "contact".to_owned(),
+            Self::User => "user".to_owned(),
+            Self::Combined => "combined".to_owned(),
+        }
+    }
+
+    /// The term's words on screen.
+    pub fn words(self) -> String {
+        match self {
+            Self::Stiffness(family) => format!("{} stiffness", family.name()),
+            Self::Damping(family) => format!("{} damping", family.name()),
+            Self::Contact => "contact stiffness".to_owned(),
+            Self::User => "the step asked for".to_owned(),
+            Self::Combined => "all springs together".to_owned(),
+        }
+    }
+}
+
+/// The largest stable steps of a scene, the smallest over its bodies; `None` where nothing limits.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneLimits {
+    /// Each term alone, s.
+    pub terms: Vec<(Term, Option<f64>)>,
+    /// All terms together at rest, s.
+    pub dt_limit_secs: Option<f64>,
+    /// The share of it that automatic stepping takes.
+    pub safety: f64,
+}
+
+/// The share of the bound at rest that automatic stepping takes, among obstacles or not.
+pub(super) fn safety(integrator: Integrator, among_obstacles: bool) -> f64 {
+    if among_obstacles && integrator == Integrator::Rk4 { RK4_CONTACT_SHARE * SAFETY } else { SAFETY }
+}
+
+impl SceneLimits {
+    /// The limits of a model that a scheme advances. Explicit Euler and RK2 have no stable step for an undamped
+    /// vibration: theirs are the steps beyond which every vibration blows up at once.
+    pub fn of<R: Real>(model: &Model<R>, rule: ContactRule, integrator: Integrator) -> Self {
+        let waves = lattice_waves();
+        let mut limits = Self::default();
+        for body in &model.bodies {
+            limits.tighten(&body_limits(body, rule, Region::of(integrator), &waves));
+        }
+        limits.safety = safety(integrator, !model.obstacles.is_empty());
+        limits
+    }
+
+    fn tighten(&mut self, other: &Self) {
+        if self.terms.is_empty() {
+            *self = other.clone();
+            return;
+        }
+        for ((_, mine), (_, theirs)) in self.terms.iter_mut().zip(&other.terms) {
+            *mine = smaller(*mine, *theirs);
+        }
+        self.dt_limit_secs = smaller(self.dt_limit_secs, other.dt_limit_secs);
+    }
+
+    /// The largest step that automatic stepping takes, s.
+    pub fn dt_safe_secs(&self) -> Option<f64> {
+        self.dt_limit_secs.map(|limit| self.safety * limit)
+    }
+
+    /// How many equal substeps make a whole step of `dt_secs` safe.
+    pub fn substeps(&self, dt_secs: f64) -> u32 {
+        match self.dt_safe_secs() {
+            None => 1,
+            // The conversion saturates, which is right: more substeps than fit in a u32 take for ever all the same.
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least one, saturating")]
+            Some(safe) => libm::ceil(dt_secs / safe).max(1.0) as u32,
+        }
+    }
+
+    /// The longest step that can be divided into safe ones, s: there is no counting beyond it.
+    pub fn longest_step_secs(&self) -> f64 {
+        self.dt_safe_secs().map_or(f64::INFINITY, |safe| safe * f64::from(u32::MAX))
+    }
+
+    /// What limits a whole step of `dt_secs`: the tightest term, or the person who asked for less.
+    pub fn limited_by(&self, dt_secs: f64) -> Term {
+        if self.dt_safe_secs().is_none_or(|safe| dt_secs <= safe) {
+            return Term::User;
+        }
+        self.terms
+            .iter()
+            .filter_map(|(term, dt)| dt.map(|dt| (*term, dt)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(Term::User, |(term, _)| term)
+    }
+}
+
+fn smaller(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// The tensors `Σ 2 (1 − cos q·δ) d̂ d̂ᵀ / |δ|` of each family on a lattice of unit cells, for one wave vector.
+pub(super) type WaveTensors = [DMat3; 3];
+
+/// The tensors for every wave vector of the grid with `0 ≤ q_z ≤ q_y ≤ q_x ≤ π`; symmetry covers the others.
+pub(super) fn lattice_waves() -> Vec<WaveTensors> {
+    let step = std::f64::consts::PI / (WAVES - 1) as f64;
+    let mut waves = Vec::new();
+    for x in 0..WAVES {
+        for y in 0..=x {
+            for z in 0..=y {
+                waves.push(wave_tensors(DVec3::new(x as f64, y as f64, z as f64) * step));
+            }
+        }
+    }
+    waves
+}
+
+fn wave_tensors(q: DVec3) -> WaveTensors {
+    let mut tensors = [DMat3::ZERO; 3];
+    for (family, offset) in half_stencil() {
+        let length = offset.length();
+        let direction = offset / length;
+        let outer = DMat3::from_cols(direction * direction.x, direction * direction.y, direction * direction.z);
+        tensors[family as usize] += outer * (2.0 * (1.0 - libm::cos(q.dot(offset))) / length);
+    }
+    tensors
+}
+
+/// The 3 structural, 6 + 4 shear and 3 bending offsets that reach half of a particle's neighbours, in cells.
+fn half_stencil() -> impl Iterator<Item = (Family, DVec3)> {
+    let unit_box = (-1..=1).flat_map(|z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| (z, y, x))));
+    let near = unit_box.filter(|&offset| offset > (0, 0, 0)).map(|(z, y, x)| {
+        let axes = [x, y, z].iter().filter(|&&c| c != 0).count();
+        let family = if axes == 1 { Family::Structural } else { Family::Shear };
+        (family, DVec3::new(f64::from(x), f64::from(y), f64::from(z)))
+    });
+    near.chain(DVec3::AXES.into_iter().map(|axis| (Family::Bending, 2.0 * axis)))
+}
+
+fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, waves: &[WaveTensors]) -> SceneLimits {
+    let lightest = body.masses.iter().copied().fold(body.particle_mass, R::min).to_f64();
+    let contact = match rule {
+        ContactRule::Implicit => 0.0,
+        ContactRule::Thesis => body.contacts.iter().map(|c| c.stiffness.to_f64()).fold(0.0, f64::max) / lightest,
+    };
+    if !body.cell_kinds.is_empty() {
+        let loads = CellLoads::of(&body.cell_kinds, body.lattice.grid.cell_size);
+        return cell_limits(&loads, contact, region);
+    }
+    // With the cell size h the tensors scale by 1/h; mass and cell size divide every constant.
+    let scale = 1.0 / (body.particle_mass.to_f64() * body.lattice.grid.cell_size);
+    let mut stiffness = [0.0; 3];
+    let mut damping = [0.0; 3];
+    for (f, family) in body.links.iter().enumerate().filter(|(_, family)| !family.links.is_empty()) {
+        stiffness[f] = family.stiffness.to_f64() * scale;
+        damping[f] = family.damping.to_f64() * scale;
+    }
+    let only = |constants: [f64; 3], family: usize| {
+        let mut alone = [0.0; 3];
+        alone[family] = constants[family];
+        alone
+    };
+    let mut terms = Vec::new();
+    for (f, family) in Family::ALL.into_iter().enumerate() {
+        let [stiff, damped] = [stiffness, damping].map(|constants| largest(waves, only(constants, f)));
+        terms.push((Term::Stiffness(family), region.undamped_limit(stiff)));
+        terms.push((Term::Damping(family), region.damped_limit(damped)));
+    }
+    let contact_limit = match region {
+        Region::Everywhere => undamped_limit(contact),
+        Region::Leapfrog(_) | Region::HalfDisc(_) => region.undamped_limit(contact),
+    };
+    terms.push((Term::Contact, contact_limit));
+    let dt_limit_secs = match region {
+        Region::Leapfrog(share) => combined_limit(waves, stiffness, damping.map(|d| share * d), contact),
+        Region::HalfDisc(_) => smaller(
+            region.undamped_limit(largest(waves, stiffness) + contact),
+            region.damped_limit(largest(waves, damping)),
+        ),
+        Region::Everywhere => contact_limit,
+    };
+    SceneLimits { terms, dt_limit_secs, safety: SAFETY }
+}
+
+impl Region {
+    /// The largest step for a vibration with `ω² = λ`.
+    fn undamped_limit(self, lambda: f64) -> Option<f64> {
+        match self {
+            Self::Leapfrog(_) => undamped_limit(lambda),
+            Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda.sqrt()),
+            Self::Everywhere => None,
+        }
+    }
+
+    /// The largest step for damping with `c = λ`.
+    fn damped_limit(self, lambda: f64) -> Option<f64> {
+        match self {
+            Self::Leapfrog(share) => damped_limit(share * lambda),
+            Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda),
+            Self::Everywhere => None,
+        }
+    }
+}
+
+/// Of a body of cells that share out their links. Its bending links have no force.
+fn cell_limits(loads: &CellLoads, contact: f64, region: Region) -> SceneLimits {
+    let mut terms = Vec::new();
+    for (f, family) in Family::ALL.into_iter().enumerate() {
+        let alone = |of: [f64; 2]| of.get(f).copied().unwrap_or(0.0);
+        terms.push((Term::Stiffness(family), region.undamped_limit(alone(loads.stiffness_alone))));
+        terms.push((Term::Damping(family), region.damped_limit(alone(loads.damping_alone))));
+    }
+    let contact_limit = match region {
+        Region::Everywhere => undamped_limit(contact),
+        Region::Leapfrog(_) | Region::HalfDisc(_) => region.undamped_limit(contact),
+    };
+    terms.push((Term::Contact, contact_limit));
+    let stiffness = loads.stiffness + contact;
+    let dt_limit_secs = match region {
+        Region::Leapfrog(share) => CellLoads::dt_limit_secs(stiffness, share * loads.damping),
+        Region::HalfDisc(_) => smaller(region.undamped_limit(stiffness), region.damped_limit(loads.damping)),
+        Region::Everywhere => contact_limit,
+    };
+    SceneLimits { terms, dt_limit_secs, safety: SAFETY }
+}
+
+/// `dt² λ ≤ 4`.
+fn undamped_limit(lambda: f64) -> Option<f64> {
+    (lambda > 0.0).then(|| 2.0 / lambda.sqrt())
+}
+
+/// `2 dt λ ≤ 4`.
+fn damped_limit(lambda: f64) -> Option<f64> {
+    (lambda > 0.0).then(|| 2.0 / lambda)
+}
+
+/// The largest dt with `λ_max(dt² K + 2 dt C) + dt² contact ≤ 4`, by bisection on a function that grows with dt.
+fn combined_limit(waves: &[WaveTensors], stiffness: [f64; 3], damping: [f64; 3], contact: f64) -> Option<f64> {
+    let load = |dt: f64| {
+        let constants = std::array::from_fn(|f| dt * dt * stiffness[f] + 2.0 * dt * damping[f]);
+        largest(waves, constants) + dt * dt * contact
+    };
+    let undamped = undamped_limit(largest(waves, stiffness) + contact);
+    let damped = damped_limit(largest(waves, damping));
+    let mut high = smaller(undamped, damped)?;
+    if load(high) <= 4.0 {
+        return Some(high);
+    }
+    // Both shares at half their own limit add up to at most 1 + 2 < 4.
+    let mut low = 0.5 * high;
+    while high - low > 1e-9 * high {
+        let middle = 0.5 * (low + high);
+        if load(middle) <= 4.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(low)
+}
+
+/// The largest eigenvalue over all wave vectors of the lattice with these constants by family.
+pub(super) fn largest(waves: &[WaveTensors], constants: [f64; 3]) -> f64 {
+    if constants.iter().all(|&constant| constant <= 0.0) {
+        return 0.0;
+    }
+    waves
+        .iter()
+        .map(|tensors| {
+            largest_eigenvalue(tensors[0] * constants[0] + tensors[1] * constants[1] + tensors[2] * constants[2])
+        })
+        .fold(0.0, f64::max)
+}
+
+/// The largest eigenvalue of a symmetric 3×3 matrix (Smith, "Eigenvalues of a symmetric 3 × 3 matrix", CACM 4(4),
+/// 1961).
+pub(super) fn largest_eigenvalue(a: DMat3) -> f64 {
+    let mean = (a.x_axis.x + a.y_axis.y + a.z_axis.z) / 3.0;
+    let shifted = a - DMat3::from_diagonal(DVec3::splat(mean));
+    let spread =
+        (shifted.x_axis.length_squared() + shifted.y_axis.length_squared() + shifted.z_axis.length_squared()) / 6.0;
+    if spread <= f64::MIN_POSITIVE {
+        return mean;
+    }
+    let p = spread.sqrt();
+    let half_determinant = ((shifted * (1.0 / p)).determinant() / 2.0).clamp(-1.0, 1.0);
+    mean + 2.0 * p * libm::cos(libm::acos(half_determinant) / 3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_half_stencil_reaches_16_neighbours() {
+        let count = |family| half_stencil().filter(|(f, _)| *f == family).count();
+        assert_eq!(Family::ALL.map(count), [3, 10, 3], "3 axes, 6 face and 4 body diagonals, 3 second neighbours");
+    }
+
+    #[test]
+    fn the_eigenvalue_of_a_known_matrix() {
+        let rotation = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+        let a = rotation * DMat3::from_diagonal(DVec3::new(-3.0, 1.0, 7.5)) * rotation.transpose();
+        assert!((largest_eigenvalue(a) - 7.5).abs() < 1e-12, "rotating a matrix keeps its eigenvalues");
+        assert!((largest_eigenvalue(DMat3::IDENTITY * 2.0) - 2.0).abs() < 1e-15, "a multiple of the identity");
+    }
+
+    #[test]
+    fn structural_links_alone_give_the_chain_limit() {
+        // Along an axis the lattice is a chain: w² = 4 k/(m l0), dt = 2/w.
+        let waves = lattice_waves();
+        let limit = undamped_limit(largest(&waves, [9.0, 0.0, 0.0])).expect("a stiffness limits");
+        // The eigenvalue formula loses half the digits where two eigenvalues meet, as they do here.
+        assert!((limit - 2.0 / 6.0).abs() < 1e-8, "chain limit 1/3, got {limit}");
+    }
+
+    #[test]
+    fn stiffness_and_damping_combine_as_for_one_mode() {
+        // One family: dt² w² + 2 dt c = 4 with w² = 4 k', c = 4 d'.
+        let waves = lattice_waves();
+        let dt = combined_limit(&waves, [2.0, 0.0, 0.0], [0.5, 0.0, 0.0], 0.0).expect("limited");
+        assert!((dt * dt * 8.0 + 2.0 * dt * 2.0 - 4.0).abs() < 1e-6, "the scalar condition holds with equality: {dt}");
+    }
+
+    #[test]
+    fn nothing_limits_a_body_without_forces() {
+        let limits = SceneLimits::default();
+        assert_eq!(limits.substeps(0.1), 1, "one substep is enough");
+        assert_eq!(limits.limited_by(0.1), Term::User, "only the person limits");
+    }
+}

@@ -1,0 +1,251 @@
+//! The constant side of a scene: particles, links and obstacles with their numbers, ready for the step. It lives from
+//! one compilation to the next; live parameter changes replace it and keep the [`super::State`].
+
+pub(in crate::physics) mod plan;
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::geometry::Lattice;
+use crate::math::{Aabb, Real, Vector};
+
+/// Everything about a scene that a step reads and never writes.
+#[derive(Clone, Debug)]
+pub struct Model<R: Real> {
+    /// The bodies; their particles follow one another in the state's arrays.
+    pub bodies: Vec<BodyModel<R>>,
+    /// The obstacles.
+    pub obstacles: Vec<ObstacleModel<R>>,
+    /// m/s².
+    pub gravity: R::Vec3,
+    /// How far bodies may fall; none where nothing falls.
+    pub fall_limit: Option<FallLimit<R>>,
+}
+
+/// How far a body may fall before it is gone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FallLimit<R: Real> {
+    /// Where gravity points; of unit length.
+    pub down: R::Vec3,
+    /// The distance along it from the world's origin, m.
+    pub depth: R,
+}
+
+impl<R: Real> Model<R> {
+    /// Particles in all bodies.
+    pub fn particle_count(&self) -> usize {
+        self.bodies.last().map_or(0, |body| body.particles.end)
+    }
+
+    /// Links in all bodies, by family.
+    pub fn link_counts(&self) -> [usize; 3] {
+        self.bodies.iter().fold([0; 3], |sum, body| std::array::from_fn(|f| sum[f] + body.links[f].links.len()))
+    }
+}
+
+/// A body at rest and what it is made of.
+#[derive(Clone, Debug)]
+pub struct BodyModel<R: Real> {
+    /// Its particles in the state's arrays.
+    pub particles: Range<usize>,
+    /// Where its particles start, m.
+    pub start: Vec<R::Vec3>,
+    /// The velocity its particles start with, m/s.
+    pub start_velocity: R::Vec3,
+    /// Mass of every particle where all weigh alike, else their mean, kg: times their number the body's mass.
+    pub particle_mass: R,
+    /// Mass of each particle, kg; empty where all weigh alike.
+    pub masses: Vec<R>,
+    /// What the cells share out to links and particles; empty where every link of a family is alike and every particle
+    /// weighs alike.
+    pub cell_kinds: Vec<CellKind>,
+    /// Which particles are held; empty when none is.
+    pub pinned: Vec<bool>,
+    /// Links by family: structural, shear, bending. Particle numbers are local to the body.
+    pub links: [LinkFamily<R>; 3],
+    /// How crowded with links its particles are: for every different one the sums of their inverse rest lengths by
+    /// family, 1/m.
+    pub crowds: Arc<[[f64; 3]]>,
+    /// What it was built from: cells and corners, for diagnostics and pictures.
+    pub lattice: Arc<Lattice>,
+    /// The longest extent at rest, m.
+    pub size: R,
+    /// The inverse of its cells' size at rest, 1/m.
+    pub inverse_cell_size: R,
+    /// How strongly a cell resists inversion, N·m; zero where recovery is off.
+    pub recovery_stiffness: R,
+    /// The mass that a particle of the lightest cell has against that push, kg.
+    pub recovery_mass: R,
+    /// How it meets each obstacle, in the obstacles' order.
+    pub contacts: Vec<ContactModel<R>>,
+}
+
+impl<R: Real> BodyModel<R> {
+    /// Whether a particle (local number) is held.
+    #[inline]
+    pub fn is_pinned(&self, particle: usize) -> bool {
+        self.pinned.get(particle).copied().unwrap_or(false)
+    }
+
+    /// Mass of a particle (local number), kg.
+    #[inline]
+    pub fn mass(&self, particle: usize) -> R {
+        self.masses.get(particle).copied().unwrap_or(self.particle_mass)
+    }
+
+    /// The inverse of a particle's mass (local number), 1/kg.
+    #[inline]
+    pub fn inverse_mass(&self, particle: usize) -> R {
+        R::ONE / self.mass(particle)
+    }
+}
+
+/// The links of one family in one body.
+#[derive(Clone, Debug)]
+pub struct LinkFamily<R: Real> {
+    /// Force at 100 % strain, N; the largest where links differ.
+    pub stiffness: R,
+    /// Force at a relative speed of one rest length a second, N·s; the largest where links differ.
+    pub damping: R,
+    /// The links; copies of a model share them.
+    pub links: Arc<[Link<R>]>,
+    /// The class of each link, a place in `constants`; empty where all links are alike.
+    pub classes: Vec<u16>,
+    /// Stiffness and damping of each class, in the units above.
+    pub constants: Vec<[R; 2]>,
+}
+
+impl<R: Real> LinkFamily<R> {
+    /// The links themselves, shared.
+    pub(super) fn measured(&self) -> Arc<[Link<R>]> {
+        Arc::clone(&self.links)
+    }
+
+    /// Stiffness (N) and damping (N·s) of one link.
+    #[inline]
+    pub fn constants(&self, link: usize) -> [R; 2] {
+        match self.classes.get(link) {
+            Some(&class) => self.constants[usize::from(class)],
+            None => [self.stiffness, self.damping],
+        }
+    }
+}
+
+/// What a cell of one material gives to its links and corners, shares of neighbours not counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellKind {
+    /// Constants of an edge between four such cells and of a diagonal between two: force at 100 % strain, N.
+    pub stiffness: [f64; 2],
+    /// The same of damping, N·s.
+    pub damping: [f64; 2],
+    /// Mass of the cell, kg.
+    pub mass: f64,
+}
+
+/// A spring between two particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link<R> {
+    /// The particles, local to the body.
+    pub ends: [u32; 2],
+    /// Length without force, m.
+    pub rest_length: R,
+    /// Its inverse, 1/m: a division saved in every step.
+    pub inverse_rest_length: R,
+}
+
+/// An obstacle as the narrow phase sees it.
+#[derive(Clone, Debug)]
+pub struct ObstacleModel<R: Real> {
+    /// Form and place.
+    pub shape: ObstacleShape<R>,
+    /// The box around it and, while it moves, its way, m.
+    pub bounds: Aabb<R>,
+    /// How it moves within the coming substep; none where it stands still.
+    pub carry: Option<Carry<R>>,
+    /// Coulomb coefficient of rest.
+    pub friction_static: R,
+    /// Coulomb coefficient of motion.
+    pub friction_dynamic: R,
+}
+
+/// A rigid motion from the beginning to the end of a substep: `x ↦ turn (x − from) + to`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carry<R: Real> {
+    /// A point at the beginning, m.
+    pub from: R::Vec3,
+    /// The same point at the end, m.
+    pub to: R::Vec3,
+    /// The columns of the rotation.
+    pub turn: [R::Vec3; 3],
+}
+
+impl<R: Real> Carry<R> {
+    /// Where a point that rides along ends.
+    #[inline]
+    pub fn apply(&self, point: R::Vec3) -> R::Vec3 {
+        let [x, y, z] = (point - self.from).components();
+        self.turn[0] * x + self.turn[1] * y + self.turn[2] * z + self.to
+    }
+}
+
+/// Form and place of an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObstacleShape<R: Real> {
+    /// A finite plane.
+    Plane(PlaneModel<R>),
+    /// A ball.
+    Sphere {
+        /// The middle, m.
+        center: R::Vec3,
+        /// The radius, m.
+        radius: R,
+    },
+}
+
+/// A rectangle in space: its middle, its two axes, its normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneModel<R: Real> {
+    /// The middle, m.
+    pub center: R::Vec3,
+    /// Unit vectors along the rectangle's own axes.
+    pub axes: [R::Vec3; 2],
+    /// Half the extents along the axes, m.
+    pub half_extents: [R; 2],
+    /// Unit normal.
+    pub normal: R::Vec3,
+    /// Which of the state's rows of sides belongs to this plane.
+    pub side_row: usize,
+}
+
+/// How one body meets one obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactModel<R> {
+    /// Penalty stiffness per particle, N/m.
+    pub stiffness: R,
+    /// Critical damping of that stiffness, N·s/m.
+    pub damping: R,
+    /// No particle ends a step deeper than this unless it started deeper, m.
+    pub depth_limit: R,
+    /// The distance below which the thesis rule sees a particle, m.
+    pub thesis_threshold: R,
+}
+
+impl<R: Real> ContactModel<R> {
+    /// The energy of the spring at a depth (m, negative outside), J. Beyond the limit the push is constant, so it grows
+    /// linearly.
+    pub fn energy(&self, depth: R) -> R {
+        let sprung = depth.max(R::ZERO).min(self.depth_limit);
+        self.stiffness * sprung * (depth - R::from_f64(0.5) * sprung)
+    }
+
+    /// The same in double precision.
+    pub fn to_f64(&self) -> ContactModel<f64> {
+        let Self { stiffness, damping, depth_limit, thesis_threshold } = self;
+        ContactModel {
+            stiffness: stiffness.to_f64(),
+            damping: damping.to_f64(),
+            depth_limit: depth_limit.to_f64(),
+            thesis_threshold: thesis_threshold.to_f64(),
+        }
+    }
+}

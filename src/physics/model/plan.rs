@@ -1,0 +1,253 @@
+//! What a step does for this scene, and no more: which stages run, how a whole step is subdivided.
+
+use crate::math::Real;
+use crate::physics::limits::SceneLimits;
+use crate::physics::model::{Model, ObstacleShape};
+use crate::physics::stepping::strain;
+use crate::scene::settings::{ContactRule, Integrator, Stepping};
+use crate::scene::{Family, Settings};
+
+/// The stretch of simulated time that substeps are counted over, s.
+const FRAME_SECS: f64 = 1.0 / 60.0;
+
+/// Above this many substeps in 1/60 s automatic stepping hands over to the implicit integrator, whose cost
+/// hardly grows with the stiffness.
+const IMPLICIT_ABOVE: f64 = 100.0;
+
+/// The longest step of the implicit integrator where it takes over, s: four a frame. Longer ones are cheaper for the same
+/// simulated time, and quiet a vibration of 5 Hz in one period instead of three.
+const LONGEST_IMPLICIT_SECS: f64 = 0.25 * FRAME_SECS;
+
+/// The most halvings of a substep of the implicit integrator.
+pub const MOST_HALVINGS: u32 = 24;
+
+/// The most work of the implicit integrator in 1/60 s for each body, in iterations of its solver: some hundred times what a
+/// body takes that lands on the ground. It is counted in work, never in time, so that the motion is the same everywhere.
+pub const MOST_WORK_A_FRAME: u64 = 100_000;
+
+/// The work of a solve beside its iterations: forces, matrix, contact and balance.
+pub const SOLVE_WORK: u64 = 10;
+
+/// The least limit of the work of a substep: one try in which every round takes all iterations.
+const LEAST_WORK: u64 = 6_560;
+
+/// Halvings beyond the step that is safe at rest: strained bodies are stiffer (see [`strain`]).
+const STRAINED_HALVINGS: f64 = 3.0;
+
+/// The stages of a substep in their order (GC Algorithm 1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Stage {
+    /// Gravity.
+    Gravity,
+    /// Forces of the links.
+    Links,
+    /// Cells that are near inversion (S7).
+    Recovery,
+    /// Boxes against boxes (GC §7).
+    BroadPhase,
+    /// Particles against obstacles, response and friction (GC §5, §6).
+    Contact,
+    /// Velocity and position.
+    Integrate,
+    /// Whether bodies have come to rest.
+    Rest,
+}
+
+impl Stage {
+    /// All stages in their order.
+    pub const ALL: [Self; 7] =
+        [Self::Gravity, Self::Links, Self::Recovery, Self::BroadPhase, Self::Contact, Self::Integrate, Self::Rest];
+
+    /// The stage's word in figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gravity => "gravity",
+            Self::Links => "links",
+            Self::Recovery => "recovery",
+            Self::BroadPhase => "broad_phase",
+            Self::Contact => "contact",
+            Self::Integrate => "integrate",
+            Self::Rest => "rest",
+        }
+    }
+}
+
+/// What a step does for one scene.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a stage that runs or does not, and any mixture is a plan")]
+pub struct Plan {
+    /// The scheme in use.
+    pub integrator: Integrator,
+    /// The whole step, s: what the person asked for, or as much of it as can be counted in substeps that are safe.
+    pub dt_secs: f64,
+    /// Substeps in a whole step.
+    pub substeps: u32,
+    /// Whole steps that one substep covers: more than one only where the implicit integrator has taken over, as many as
+    /// its own step has room for. The steps before the last are counted and the motion waits for it.
+    pub span: u32,
+    /// How often a substep of the implicit integrator may be halved whose linear equations prove wrong: down to a step
+    /// that an explicit integrator could take, or as often as can be. Never in manual stepping.
+    pub halvings: u32,
+    /// Whether an explicit integrator can take what is left after that many; otherwise the linear equations have the last
+    /// word.
+    pub ends_explicitly: bool,
+    /// The work on one substep after which the implicit integrator halves no more, see [`MOST_WORK_A_FRAME`].
+    pub most_work: u64,
+    /// Parts that a substep is taken in while a body is strained.
+    pub parts: u32,
+    /// The predicted stability limits the subdivision follows from.
+    pub limits: SceneLimits,
+    /// Which families have a link with a force, in any body.
+    pub families: [bool; 3],
+    /// Which families have a damping to work out, in any body.
+    pub damped: [bool; 3],
+    /// Whether crushed cells are pushed back to shape.
+    pub recovery: bool,
+    /// Whether anything can be met.
+    pub contact: bool,
+    /// Whether any obstacle is a sphere.
+    pub spheres: bool,
+    /// Whether any obstacle rubs.
+    pub friction: bool,
+    /// How obstacles push back.
+    pub contact_rule: ContactRule,
+    /// Whether the thesis's rule turns back the force that presses a particle on (GC §5.2), as it is written.
+    pub pressing_force: bool,
+    /// Whether an explosion is looked for: where nobody vouches for the step.
+    pub watched: bool,
+    /// Whether boxes keep particles from the narrow phase; the result is the same without, only dearer.
+    pub broad_phase: bool,
+    /// Whether bodies at rest sleep.
+    pub sleeping: bool,
+    /// Whether what cannot change anything is left out; the result is the same without, only dearer.
+    pub lean: bool,
+}
+
+impl Plan {
+    /// The plan of a model under some settings.
+    pub fn new<R: Real>(settings: &Settings, model: &Model<R>, limits: SceneLimits) -> Self {
+        let has_force = |family: usize| {
+            model.bodies.iter().any(|body| {
+                let links = &body.links[family];
+                !links.links.is_empty() && (links.stiffness > R::ZERO || links.damping > R::ZERO)
+            })
+        };
+        let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
+        let substeps = if divided { limits.substeps(settings.dt) } else { 1 };
+        let contact = !model.obstacles.is_empty() && !model.bodies.is_empty();
+        let by_thesis = contact && settings.contact == ContactRule::Thesis;
+        let taken_over =
+            divided && settings.integrator != Integrator::Implicit && !by_thesis && needs_implicit(settings, &limits);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of at least one")]
+        let [span, implicit_substeps] =
+            [LONGEST_IMPLICIT_SECS / settings.dt, libm::ceil(settings.dt / LONGEST_IMPLICIT_SECS)]
+                .map(|count| count.max(1.0) as u32);
+        let integrator = if taken_over { Integrator::Implicit } else { settings.integrator };
+        let plan = Self {
+            integrator,
+            dt_secs: if divided && !taken_over { settings.dt.min(limits.longest_step_secs()) } else { settings.dt },
+            substeps: if taken_over { implicit_substeps } else { substeps },
+            span: if taken_over { span } else { 1 },
+            halvings: 0,
+            ends_explicitly: false,
+            most_work: u64::MAX,
+            parts: 1,
+            limits,
+            families: Family::ALL.map(|family| has_force(family as usize)),
+            damped: Family::ALL
+                .map(|family| model.bodies.iter().any(|body| body.links[family as usize].damping > R::ZERO)),
+            spheres: model.obstacles.iter().any(|o| matches!(o.shape, ObstacleShape::Sphere { .. })),
+            friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
+            recovery: model.bodies.iter().any(|body| body.recovery_stiffness > R::ZERO),
+            contact,
+            contact_rule: settings.contact,
+            pressing_force: true,
+            watched: !divided,
+            broad_phase: true,
+            sleeping: settings.sleeping,
+            lean: true,
+        };
+        if !divided {
+            return plan;
+        }
+        let secs = plan.substep_secs();
+        let needed = if integrator == Integrator::Implicit { halvings(model, settings.contact, secs) } else { 0 };
+        let halvings = needed.min(MOST_HALVINGS);
+        let parts = strain::parts(model, integrator, secs);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
+        let share = (MOST_WORK_A_FRAME as f64 * secs / FRAME_SECS) as u64;
+        let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len() as u64);
+        Self { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
+    }
+
+    /// The step in use, s.
+    pub fn substep_secs(&self) -> f64 {
+        self.dt_secs * f64::from(self.span) / f64::from(self.substeps)
+    }
+
+    /// Has everything worked out in every substep, whether the scene needs it or not: dearer, and the same to the bit.
+    pub fn work_out_everything(&mut self) {
+        self.families = [true; 3];
+        self.broad_phase = false;
+        self.lean = false;
+    }
+
+    /// What this scene does not need and no step does, with the reason.
+    pub fn left_out(&self) -> Vec<(String, &'static str)> {
+        let mut left_out = Vec::new();
+        for (family, (forces, damped)) in Family::ALL.into_iter().zip(self.families.into_iter().zip(self.damped)) {
+            if !forces {
+                left_out.push((
+                    format!("{} links", family.name()),
+                    "their stiffness and damping are zero, or there are none",
+                ));
+            } else if !damped {
+                left_out.push((format!("{} damping", family.name()), "it is zero: the undamped force is worked out"));
+            }
+        }
+        let mut leave_out = |condition: bool, name: &str, reason| {
+            if condition {
+                left_out.push((name.to_owned(), reason));
+            }
+        };
+        leave_out(!self.recovery, "recovery from inversion", "it is switched off, or no link has a stiffness");
+        leave_out(!self.contact, "contact", "there is no obstacle, or no body");
+        leave_out(self.contact && !self.spheres, "sphere contact", "there is no sphere");
+        leave_out(self.contact && !self.friction, "friction", "all its coefficients are zero");
+        leave_out(!self.sleeping, "sleeping", "it is switched off");
+        leave_out(!self.watched, "watch for explosions", "the steps are known to be stable");
+        left_out
+    }
+
+    /// Whether a stage ever runs.
+    pub fn runs(&self, stage: Stage) -> bool {
+        match stage {
+            Stage::Gravity | Stage::Integrate => true,
+            Stage::Links => self.families.contains(&true),
+            Stage::Recovery => self.recovery,
+            Stage::BroadPhase => self.contact && self.broad_phase,
+            Stage::Contact => self.contact,
+            Stage::Rest => self.sleeping,
+        }
+    }
+}
+
+/// Whether steps would have to be divided so finely that the implicit integrator may take over.
+fn needs_implicit(settings: &Settings, limits: &SceneLimits) -> bool {
+    settings.allow_implicit
+        && limits.dt_safe_secs().is_some_and(|safe| safe < settings.dt && FRAME_SECS / safe > IMPLICIT_ABOVE)
+}
+
+/// How often a step is to be halved until the default integrator could take it.
+fn halvings<R: Real>(model: &Model<R>, rule: ContactRule, step_secs: f64) -> u32 {
+    let safe = SceneLimits::of(model, rule, Integrator::SemiImplicit).dt_safe_secs();
+    let parts = safe.map_or(1.0, |safe| (step_secs / safe).max(1.0));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero up, saturating")]
+    let halvings = (libm::ceil(libm::log2(parts)) + STRAINED_HALVINGS) as u32;
+    halvings
+}
+
+/// Planes among the obstacles of a model.
+pub(in crate::physics) fn plane_count<R: Real>(model: &Model<R>) -> usize {
+    model.obstacles.iter().filter(|obstacle| matches!(obstacle.shape, ObstacleShape::Plane(_))).count()
+}

@@ -1,0 +1,234 @@
+//! What a simulation looks like in numbers: energies, momentum, extremes, broken cells. Computed when asked, in
+//! double precision, never inside a step.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::math::{Aabb, Real, Vector};
+use crate::physics::contact::{ContactRecord, Placed};
+use crate::physics::forces;
+use crate::physics::forces::recovery;
+use crate::physics::model::plan::Plan;
+use crate::physics::model::{BodyModel, Model};
+use crate::physics::schemes;
+use crate::physics::state::{BodyMemory, State};
+use crate::physics::step::{Inputs, Part, Scratch, substep};
+use crate::physics::stepping::strain;
+use crate::scene::settings::Integrator;
+
+/// So little of a substep that nothing moves in it.
+const INSTANT: f64 = 1e-6;
+
+/// The state of a simulation in numbers, SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnostics {
+    /// Energies.
+    pub energy: Energy,
+    /// Mass of all bodies, kg.
+    pub mass_kg: f64,
+    /// Total momentum, kg·m/s.
+    pub momentum: DVec3,
+    /// Centre of mass, m.
+    pub center: DVec3,
+    /// The box around all particles of bodies that have not fallen out of the scene, m.
+    pub bounds: Aabb<f64>,
+    /// Fastest particle, m/s.
+    pub max_speed: f64,
+    /// Largest magnitude of a link's strain.
+    pub max_strain: f64,
+    /// Cells turned inside out: mean-edge signed volume not above zero.
+    pub inverted_cells: usize,
+    /// Whether all positions and velocities, the times and the energy are finite.
+    pub finite: bool,
+}
+
+/// Energies of a state, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// Of motion, with the velocity centred on the position's time.
+    pub kinetic: f64,
+    /// Of the links.
+    pub elastic: f64,
+    /// Of height, zero at the world's origin.
+    pub gravity: f64,
+    /// Of the penalty springs of contact.
+    pub contact: f64,
+    /// Of the recovery from inversion.
+    pub recovery: f64,
+}
+
+impl Energy {
+    /// The sum.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.gravity + self.contact + self.recovery
+    }
+}
+
+impl Diagnostics {
+    /// Of a state.
+    pub fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Self {
+        Ahead::of(model, plan, state).diagnostics(0..model.bodies.len())
+    }
+
+    /// Of one body in a state.
+    pub fn of_body<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize) -> Self {
+        Ahead::of(model, plan, state).diagnostics(body..body + 1)
+    }
+
+    /// Of every body in a state, for little more than of one.
+    pub fn of_each<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Vec<Self> {
+        let ahead = Ahead::of(model, plan, state);
+        (0..model.bodies.len()).map(|body| ahead.diagnostics(body..body + 1)).collect()
+    }
+
+    fn add_links<R: Real>(&mut self, body: &BodyModel<R>, state: &State<R>) {
+        let position = &state.position[body.particles.clone()];
+        for family in &body.links {
+            for (number, link) in family.links.iter().enumerate() {
+                let [i, j] = link.ends.map(|end| position[end as usize].to_dvec3());
+                let rest = link.rest_length.to_f64();
+                let strain = (j - i).length() / rest - 1.0;
+                self.energy.elastic += 0.5 * family.constants(number)[0].to_f64() * rest * strain * strain;
+                self.max_strain = self.max_strain.max(strain.abs());
+            }
+        }
+    }
+}
+
+/// A state and the substep that comes next: a velocity half a step behind its position has the mean of it and the next
+/// one on time, and contact is found on the way.
+struct Ahead<'a, R: Real> {
+    model: &'a Model<R>,
+    plan: &'a Plan,
+    state: &'a State<R>,
+    next: State<R>,
+    contacts: Vec<ContactRecord<R>>,
+    /// Whether the velocities of the state are those at its time.
+    is_on_time: bool,
+    /// The share of the change of velocity that is over at the state's time.
+    share: f64,
+}
+
+impl<'a, R: Real> Ahead<'a, R> {
+    fn of(model: &'a Model<R>, plan: &'a Plan, state: &'a State<R>) -> Self {
+        // The next velocity is had by taking the substep, or the part of it that comes next, on a copy.
+        let mut next = state.clone();
+        // A sleeping body's contacts are found, too.
+        next.bodies.iter_mut().for_each(BodyMemory::wake);
+        let is_on_time = schemes::is_on_time(plan, state);
+        let (way, part) = if is_on_time {
+            // Only what touches is asked for: any scheme finds it, at the least cost.
+            let whole = Part::whole(plan);
+            let way = Plan { integrator: Integrator::SemiImplicit, halvings: 0, ..plan.clone() };
+            (Cow::Owned(way), Part { secs: whole.secs * INSTANT, ..whole })
+        } else {
+            (Cow::Borrowed(plan), Part::whole(plan).of(strain::parts_now(model, plan, &mut next)))
+        };
+        let mut scratch = Scratch::new(model, &way);
+        let obstacles = Placed::now(model, state);
+        let inputs = Inputs { obstacles: &obstacles, grab: None };
+        let report = substep(model, &way, part, inputs, &mut next, &mut scratch, &mut ());
+        let share = schemes::share_to_center(state, &next);
+        let is_on_time = is_on_time || report.diverged;
+        Self { model, plan, state, next, contacts: scratch.contact.contacts, is_on_time, share }
+    }
+
+    fn centred_velocity(&self, particle: usize, asleep: bool) -> DVec3 {
+        let now = self.state.velocity[particle].to_dvec3();
+        if asleep || self.is_on_time { now } else { now + self.share * (self.next.velocity[particle].to_dvec3() - now) }
+    }
+
+    fn diagnostics(&self, bodies: Range<usize>) -> Diagnostics {
+        let Self { model, plan, state, ref contacts, .. } = *self;
+        let mut sum = Diagnostics {
+            energy: Energy::default(),
+            mass_kg: 0.0,
+            momentum: DVec3::ZERO,
+            center: DVec3::ZERO,
+            bounds: Aabb::empty(),
+            max_speed: 0.0,
+            max_strain: 0.0,
+            inverted_cells: 0,
+            finite: [&state.position, &state.position_residual, &state.velocity, &state.acceleration]
+                .into_iter()
+                .flatten()
+                .all(|v| v.is_finite())
+                && state.time_secs.is_finite()
+                && state.velocity_lag_secs.is_finite(),
+        };
+        let gravity = model.gravity.to_dvec3();
+        for (body, memory) in model.bodies[bodies.clone()].iter().zip(&state.bodies[bodies.clone()]) {
+            for (local, particle) in body.particles.clone().enumerate() {
+                let mass = body.mass(local).to_f64();
+                // What rounding has kept back from a position is part of where the particle is.
+                let position = state.position[particle].to_dvec3() + state.position_residual[particle].to_dvec3();
+                let velocity = self.centred_velocity(particle, memory.asleep);
+                sum.mass_kg += mass;
+                sum.energy.kinetic += 0.5 * mass * velocity.length_squared();
+                sum.energy.gravity -= mass * gravity.dot(position);
+                sum.momentum += mass * state.velocity[particle].to_dvec3();
+                sum.center += mass * position;
+                if !memory.gone {
+                    sum.bounds = sum.bounds.include(position);
+                }
+                sum.max_speed = sum.max_speed.max(state.velocity[particle].to_dvec3().length());
+            }
+            sum.add_links(body, state);
+            sum.energy.recovery += recovery::energy(plan, body, memory, state);
+            sum.inverted_cells += inverted_cells(body, state);
+        }
+        if sum.mass_kg > 0.0 {
+            sum.center /= sum.mass_kg;
+        }
+        for contact in contacts.iter().filter(|contact| contact.gap < R::ZERO) {
+            let Some(body) =
+                model.bodies[bodies.clone()].iter().find(|body| body.particles.contains(&contact.particle))
+            else {
+                continue;
+            };
+            sum.energy.contact += body.contacts[contact.obstacle].to_f64().energy(-contact.gap.to_f64());
+        }
+        sum.finite &= sum.energy.total().is_finite() && sum.momentum.is_finite() && sum.center.is_finite();
+        sum
+    }
+}
+
+/// Cells whose mean edges along the three axes span no positive volume.
+fn inverted_cells<R: Real>(body: &BodyModel<R>, state: &State<R>) -> usize {
+    let position = &state.position[body.particles.clone()];
+    body.lattice.cells.iter().filter(|cell| recovery::volume(body, position, cell) <= 0.0).count()
+}
+
+/// Mean magnitude of the link forces on every particle of the scene, and their sum: what `load` and `force` show, N.
+pub(in crate::physics) fn link_loads<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    state: &State<R>,
+) -> (Vec<R>, Vec<R::Vec3>) {
+    let count = model.particle_count();
+    let mut magnitude = vec![R::ZERO; count];
+    let mut links = vec![R::ZERO; count];
+    let mut sum = vec![R::Vec3::ZERO; count];
+    for body in &model.bodies {
+        let range = body.particles.clone();
+        let (position, velocity) = (&state.position[range.clone()], &state.velocity[range.clone()]);
+        forces::for_each_link(body, plan, position, velocity, &|| false, |[i, j], on_i| {
+            let (i, j) = (range.start + i, range.start + j);
+            let strength = on_i.length();
+            for end in [i, j] {
+                magnitude[end] += strength;
+                links[end] += R::ONE;
+            }
+            sum[i] += on_i;
+            sum[j] -= on_i;
+        });
+    }
+    for (magnitude, links) in magnitude.iter_mut().zip(links) {
+        if links > R::ZERO {
+            *magnitude = *magnitude / links;
+        }
+    }
+    (magnitude, sum)
+}

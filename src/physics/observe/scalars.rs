@@ -1,0 +1,63 @@
+//! One number per particle to colour a body by (V3; GC §9).
+
+use crate::math::{Real, Vector};
+use crate::physics::observe::diagnostics::link_loads;
+use crate::physics::simulation::Simulation;
+use crate::scene::ColorBy;
+
+impl<R: Real> Simulation<R> {
+    /// The scalar of every particle in the unit of [`ColorBy::unit`]; empty for [`ColorBy::Plain`]: nothing is
+    /// computed that is not looked at.
+    pub fn scalars(&self, color: ColorBy) -> Vec<f32> {
+        let (model, plan, state) = (self.model(), self.plan(), self.state());
+        let shown: Vec<R> = match color {
+            ColorBy::Plain => Vec::new(),
+            ColorBy::Load => link_loads(model, plan, state).0,
+            ColorBy::Force => link_loads(model, plan, state).1.into_iter().map(Vector::length).collect(),
+            ColorBy::Net => self.net_forces().into_iter().map(Vector::length).collect(),
+            ColorBy::Strain => self.strains(),
+            ColorBy::Speed => state.velocity.iter().map(|v| v.length()).collect(),
+            ColorBy::Contact => {
+                let mut force = vec![R::Vec3::ZERO; state.position.len()];
+                for contact in self.contacts() {
+                    force[contact.particle] += contact.force;
+                }
+                force.into_iter().map(Vector::length).collect()
+            }
+        };
+        #[expect(clippy::cast_possible_truncation, reason = "colours need no more than f32")]
+        shown.into_iter().map(|x| x.to_f64() as f32).collect()
+    }
+
+    /// Weight, link and contact forces together, N.
+    fn net_forces(&self) -> Vec<R::Vec3> {
+        let (model, state) = (self.model(), self.state());
+        let (_, mut force) = link_loads(model, self.plan(), state);
+        for body in &model.bodies {
+            for (local, particle) in body.particles.clone().enumerate() {
+                force[particle] += model.gravity * body.mass(local);
+            }
+        }
+        for contact in self.contacts() {
+            force[contact.particle] += contact.force;
+        }
+        force
+    }
+
+    /// The largest magnitude of strain among each particle's links, %.
+    fn strains(&self) -> Vec<R> {
+        let mut strains = vec![R::ZERO; self.state().position.len()];
+        for body in &self.model().bodies {
+            let first = body.particles.start;
+            for link in body.links.iter().flat_map(|family| family.links.iter()) {
+                let [i, j] = link.ends.map(|end| first + end as usize);
+                let length = (self.state().position[j] - self.state().position[i]).length();
+                let strain = (length / link.rest_length - R::ONE).abs() * R::from_f64(100.0);
+                for end in [i, j] {
+                    strains[end] = strains[end].max(strain);
+                }
+            }
+        }
+        strains
+    }
+}

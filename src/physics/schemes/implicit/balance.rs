@@ -1,0 +1,194 @@
+//! The energy balance of an implicit substep: whether its linear equations were true enough.
+//!
+//! The equations of the implicit integrator are those of the links as they stand when the substep begins. Links that
+//! turn or stretch far within it end with more energy than the equations took for them. With the impulses J of contact
+//! and of a hand, and F all other forces, what comes from nowhere is
+//!
+//! ```text
+//! Σ links and crushed cells [V(d') − V(d) − V'(d)·(d' − d)]  +  T(v') − T(v)  −  Σ particles v'·(dt F + J)
+//! ```
+//!
+//! which is the change of a body's energy less all work done on it. Backward Euler, of which the integrator is the first
+//! iteration, never has more than zero of it where the energy is convex (Hairer, Lubich and Wanner, "Geometric Numerical
+//! Integration", 2006, VIII.6). The work of contact is that of the surfaces, and what it stores in springs counts as the
+//! body's.
+
+use crate::math::{Real, Vector};
+use crate::physics::contact::ContactRecord;
+use crate::physics::forces::for_each_exact_link;
+use crate::physics::forces::recovery;
+use crate::physics::interaction::Grab;
+use crate::physics::model::BodyModel;
+use crate::physics::state::State;
+use crate::physics::step::substep::Substep;
+
+/// The share of a body's kinetic energy that is rounding: velocities are in single precision.
+const ROUNDING: f64 = 1e-6;
+
+/// The forces on a particle are rounded as they are added up, each sum by half a unit in the last place. Of n of them
+/// the errors come to `√n` halves of the sum of their sizes (Higham and Mary, "A new approach to probabilistic rounding
+/// error analysis", 2019); a particle has 26 links at most in whole lattices, and its weight.
+const SUMMED: f64 = 2.6;
+
+/// The share of the work of contact that may be missing from the balance, as equations are solved to as much; of no more
+/// than the kinetic energy that was there, or equations that were not solved at all would pass.
+const UNSOLVED: f64 = 2e-4;
+
+/// Whether a substep that ends so gives any body energy from nowhere.
+pub(in crate::physics) fn gains_energy<R: Real>(
+    substep: Substep<'_, R>,
+    end: End<'_, R>,
+    stops: &dyn Fn() -> bool,
+) -> bool {
+    let mut bodies = 0..substep.model.bodies.len();
+    bodies.any(|number| !substep.state.bodies[number].asleep && body_gains_energy(substep, number, end, stops))
+}
+
+/// How a substep is to end.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct End<'a, R: Real> {
+    /// m/s.
+    pub(in crate::physics) velocity: &'a [R::Vec3],
+    /// The forces of the state without contact and hand, N.
+    pub(in crate::physics) force: &'a [R::Vec3],
+    /// What contact did.
+    pub(in crate::physics) contacts: &'a [ContactRecord<R>],
+}
+
+/// The same of one body.
+pub(in crate::physics) fn body_gains_energy<R: Real>(
+    substep: Substep<'_, R>,
+    number: usize,
+    end: End<'_, R>,
+    stops: &dyn Fn() -> bool,
+) -> bool {
+    let Substep { model, plan, state, dt, grab, .. } = substep;
+    let End { velocity, force, contacts } = end;
+    let body = &model.bodies[number];
+    let [first, after] = [body.particles.start, body.particles.end]
+        .map(|particle| contacts.partition_point(|contact| contact.particle < particle));
+    let own = &contacts[first..after];
+    let (kinetic, gained, work) = of_particles(body, dt.to_f64(), state, force, velocity);
+    let there = (kinetic - gained - work).max(0.0);
+    let (stored, carried, turned_over) = of_contacts(body, own, dt, velocity);
+    let pulled =
+        grab.filter(|grab| grab.body == number).map_or(0.0, |grab| work_of(grab, body, dt.to_f64(), state, velocity));
+    let own = [&state.position[..], &state.velocity, velocity].map(|of| &of[body.particles.clone()]);
+    let unfolded = recovery::energy_past_work(plan, body, &state.bodies[number], own, dt);
+    let from_nowhere = gained + of_links(substep, body, velocity, stops) + unfolded + stored - carried - pulled;
+    let bearable = ROUNDING * kinetic + UNSOLVED * turned_over.min(there);
+    // What is no number is no balance either.
+    from_nowhere.is_nan()
+        || from_nowhere > bearable && from_nowhere > bearable + rounding(substep, body, velocity, stops)
+}
+
+/// What rounding alone may give or take in this substep, J. A body at rest has no energy but this: no division of the
+/// substep makes it less than the little that moves.
+///
+/// ```text
+/// force      f dt (|vᵢ| + |vⱼ|) SUMMED ε             the forces that are worked with are not those of the links
+/// velocity   ½ (dt² k/l0 + ½ dt d/l0) w²,  w = ½ ε (|vᵢ| + |vⱼ|)     the ends of a link miss their velocities by w
+/// ```
+///
+/// each as the sum over all links with forces f. The second is the most that such a miss adds: what is linear in w and
+/// not in the balance of momentum is what damping takes, `c u² − c u w ≥ −c w²/4`.
+fn rounding<R: Real>(
+    Substep { plan, state, dt, .. }: Substep<'_, R>,
+    body: &BodyModel<R>,
+    velocity: &[R::Vec3],
+    stops: &dyn Fn() -> bool,
+) -> f64 {
+    let own = body.particles.clone();
+    let [position, residual] = [&state.position, &state.position_residual].map(|of| &of[own.clone()]);
+    let (velocity, dt) = (&velocity[own], dt.to_f64());
+    let epsilon = R::EPSILON.to_f64();
+    let mut sum = 0.0;
+    for_each_exact_link(body, plan.families, [position, residual], stops, |[i, j], link| {
+        let speeds = velocity[i].to_dvec3().length() + velocity[j].to_dvec3().length();
+        let force = link.stiffness * (link.d.length() * link.inverse_rest_length - 1.0).abs();
+        let resistance = dt * (dt * link.stiffness + 0.5 * link.damping) * link.inverse_rest_length;
+        let missed = 0.5 * epsilon * speeds;
+        sum += SUMMED * epsilon * force * dt * speeds + 0.5 * resistance * missed * missed;
+    });
+    sum
+}
+
+/// The kinetic energy at the end, what the kinetic energy gains over the work of the forces, and that work, J.
+fn of_particles<R: Real>(
+    body: &BodyModel<R>,
+    dt: f64,
+    state: &State<R>,
+    force: &[R::Vec3],
+    velocity: &[R::Vec3],
+) -> (f64, f64, f64) {
+    body.particles.clone().enumerate().fold((0.0, 0.0, 0.0), |(kinetic, gained, sum), (local, particle)| {
+        let mass = body.mass(local).to_f64();
+        let [before, after] = [state.velocity[particle], velocity[particle]].map(Vector::to_dvec3);
+        let change = 0.5 * mass * (after - before).dot(after + before);
+        let work = dt * force[particle].to_dvec3().dot(after);
+        (kinetic + 0.5 * mass * after.length_squared(), gained + change - work, sum + work)
+    })
+}
+
+/// The energy that contact stores, the work that moving obstacles do, and all work of contact without regard to its
+/// sign, J.
+fn of_contacts<R: Real>(
+    body: &BodyModel<R>,
+    contacts: &[ContactRecord<R>],
+    dt: R,
+    velocity: &[R::Vec3],
+) -> (f64, f64, f64) {
+    let dt = dt.to_f64();
+    contacts.iter().fold((0.0, 0.0, 0.0), |(stored, carried, turned_over), contact| {
+        let [velocity, surface] = [velocity[contact.particle], contact.surface_velocity].map(Vector::to_dvec3);
+        let spring = body.contacts[contact.obstacle].to_f64();
+        let gap = contact.gap.to_f64();
+        let later = gap + dt * (velocity - surface).dot(contact.normal.to_dvec3());
+        let force = contact.force.to_dvec3();
+        (
+            stored + spring.energy(-later) - spring.energy(-gap),
+            carried + dt * force.dot(surface),
+            turned_over + dt * force.dot(velocity).abs(),
+        )
+    })
+}
+
+/// What the links have in the end past what their forces at the beginning did not do.
+fn of_links<R: Real>(
+    Substep { plan, state, dt, .. }: Substep<'_, R>,
+    body: &BodyModel<R>,
+    velocity: &[R::Vec3],
+    stops: &dyn Fn() -> bool,
+) -> f64 {
+    let own = body.particles.clone();
+    let [position, residual] = [&state.position, &state.position_residual].map(|of| &of[own.clone()]);
+    let (velocity, dt) = (&velocity[own], dt.to_f64());
+    let mut sum = 0.0;
+    for_each_exact_link(body, plan.families, [position, residual], stops, |[i, j], link| {
+        let way = (velocity[j].to_dvec3() - velocity[i].to_dvec3()) * dt;
+        let [before, after] = [link.d.length(), (link.d + way).length()];
+        if before == 0.0 {
+            // It pulls nowhere in the beginning.
+            let [strained, later] = [before, after].map(|length| length * link.inverse_rest_length - 1.0);
+            sum += link.stiffness * 0.5 * (later + strained) * after;
+            return;
+        }
+        // k l0/2 (ε'² − ε²) − k ε δ = k (ε (Δ − δ) + Δ²/2 l0) for a link that gets longer by Δ, which without the turn
+        // would be δ. Both without differences of lengths: in a body at rest they are nothing but rounding.
+        let along = link.d.dot(way);
+        let longer = (2.0 * along + way.length_squared()) / (before + after);
+        let turned = (before * way.length_squared() - longer * along) / (before * (before + after));
+        let strain = before * link.inverse_rest_length - 1.0;
+        sum += link.stiffness * (strain * turned + 0.5 * link.inverse_rest_length * longer * longer);
+    });
+    sum
+}
+
+/// The work of a hand, J.
+fn work_of<R: Real>(grab: &Grab<R>, body: &BodyModel<R>, dt: f64, state: &State<R>, velocity: &[R::Vec3]) -> f64 {
+    let own = body.particles.clone();
+    let away = (grab.target - grab.mean_of(&state.position[own.clone()], own.start)).to_dvec3();
+    let speed = grab.mean_of(&velocity[own.clone()], own.start).to_dvec3();
+    let pull = away * grab.stiffness.to_f64() - speed * (dt * grab.stiffness.to_f64() + grab.damping(body).to_f64());
+    dt * pull.dot(speed)
+}

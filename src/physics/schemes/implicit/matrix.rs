@@ -1,0 +1,108 @@
+//! The matrix of a body's equations without touches, and its product with a vector.
+
+use glam::DVec3;
+
+use super::{Room, System};
+use crate::math::{Real, Vector};
+use crate::physics::forces::for_each_bond;
+use crate::physics::forces::recovery;
+use crate::physics::interaction::Grab;
+use crate::physics::model::plan::Plan;
+use crate::physics::state::BodyMemory;
+
+/// A link in the matrix: `across I + along alongᵀ` between its ends. In the precision of the state: reading these is
+/// what an iteration takes longest for, and the matrix may be a little off as long as it is the same throughout.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bond<R: Real> {
+    ends: [u32; 2],
+    across: R,
+    along: R::Vec3,
+}
+
+impl<R: Real> Bond<R> {
+    #[inline]
+    fn times(&self, v: DVec3) -> DVec3 {
+        let along = self.along.to_dvec3();
+        v * self.across.to_f64() + along * along.dot(v)
+    }
+}
+
+impl<R: Real> System<'_, R> {
+    /// The matrix and the right-hand side without touches, and the velocities now; unfinished where it `stops`.
+    pub(super) fn assemble(
+        &mut self,
+        plan: &Plan,
+        memory: &BodyMemory,
+        [position, velocity, force]: [&[R::Vec3]; 3],
+        stops: &dyn Fn() -> bool,
+    ) {
+        let dt = self.dt;
+        let Room { bonds, known, inverse_diagonal, velocity: now, .. } = &mut *self.room;
+        for (local, force) in force.iter().enumerate() {
+            let mass = self.body.mass(local).to_f64();
+            now[local] = velocity[local].to_dvec3();
+            known[local] = now[local] * mass + force.to_dvec3() * dt;
+            inverse_diagonal[local] = mass;
+        }
+        bonds.clear();
+        for_each_bond(self.body, plan.families, position, stops, |[i, j], bond| {
+            let stiff = dt * dt * bond.stiffness.to_f64();
+            let across = stiff * bond.slack.to_f64();
+            let damping = dt * bond.damping.to_f64();
+            let along = stiff - across + damping;
+            let direction = bond.direction.to_dvec3();
+            let diagonal = across + along / 3.0;
+            inverse_diagonal[i as usize] += diagonal;
+            inverse_diagonal[j as usize] += diagonal;
+            let along = R::Vec3::from_dvec3(direction * along.sqrt());
+            bonds.push(Bond { ends: [i, j], across: R::from_f64(across), along });
+        });
+        self.room.resistances.clear();
+        self.room.resistances.extend(recovery::resistances(plan, self.body, memory, position));
+        let Room { resistances, inverse_diagonal, .. } = &mut *self.room;
+        for resistance in resistances {
+            resistance.for_each_diagonal(|corner, diagonal| inverse_diagonal[corner] += dt * dt * diagonal);
+        }
+        if let Some(grab) = self.grab {
+            let first = self.body.particles.start;
+            let away = (grab.target - grab.mean_of(position, first)).to_dvec3();
+            let resistance = self.grab_resistance(grab);
+            for &(particle, weight) in &grab.weights {
+                let (local, weight) = (particle - first, weight.to_f64());
+                self.room.known[local] += away * (dt * grab.stiffness.to_f64() * weight);
+                self.room.inverse_diagonal[local] += resistance * weight * weight;
+            }
+        }
+        for diagonal in &mut self.room.inverse_diagonal[..self.body.particles.len()] {
+            *diagonal = 1.0 / *diagonal;
+        }
+    }
+
+    fn grab_resistance(&self, grab: &Grab<R>) -> f64 {
+        self.dt * (self.dt * grab.stiffness.to_f64() + grab.damping(self.body).to_f64())
+    }
+
+    /// The matrix without touches times a vector.
+    pub(super) fn times(&self, of: &[DVec3], product: &mut [DVec3]) {
+        for (local, of) in of[..self.body.particles.len()].iter().enumerate() {
+            product[local] = *of * self.body.mass(local).to_f64();
+        }
+        for bond in &self.room.bonds {
+            let [i, j] = bond.ends.map(|end| end as usize);
+            let part = bond.times(of[i] - of[j]);
+            product[i] += part;
+            product[j] -= part;
+        }
+        for resistance in &self.room.resistances {
+            resistance.add_product(self.dt * self.dt, of, product);
+        }
+        if let Some(grab) = self.grab {
+            let first = self.body.particles.start;
+            let speed: DVec3 = grab.weights.iter().map(|&(particle, w)| of[particle - first] * w.to_f64()).sum();
+            let pull = speed * self.grab_resistance(grab);
+            for &(particle, weight) in &grab.weights {
+                product[particle - first] += pull * weight.to_f64();
+            }
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Linearly implicit Euler: one step of Newton's method for backward Euler, stable at any step, dissipative (Baraff and
+//! Witkin, "Large steps in cloth simulation", 1998).
+//!
+//! ```text
+//! (M + dt C + dt² K⁺) v' = M v + dt F(x)          x' = x + dt v'
+//! K⁺ of a link = k/l0 ( d̂ d̂ᵀ + max(0, 1 − l0/l) (I − d̂ d̂ᵀ) )
+//! ```
+//!
+//! K⁺ leaves out what a squashed link does across its direction, which could push outwards: so the matrix is positive
+//! definite whatever the state. Contact is in it as `(dt² k + dt d) n nᵀ`, friction as a resistance `c (I − n nᵀ)`;
+//! which touches push and how much each resists is found by solving again, from the last solution or from where on the
+//! way to it the potential was least. Conjugate gradients from scratch in double precision, whatever the state is in: what is held by friction is a million times stiffer than
+//! what is not. Preconditioned by the diagonal, and by its whole 3×3 block where a particle touches something; sums in
+//! a fixed order, body by body: the result is a function of the state alone.
+
+pub(in crate::physics) mod balance;
+mod conjugate;
+mod line_search;
+mod matrix;
+
+use glam::{DMat3, DVec3};
+
+use self::matrix::Bond;
+use crate::geometry::LatticeCounts;
+use crate::math::{Real, Vector};
+use crate::physics::contact::Touch;
+use crate::physics::forces::recovery::Resistance;
+use crate::physics::interaction::Grab;
+use crate::physics::model::{BodyModel, Model};
+use crate::physics::report::Recorder;
+use crate::physics::schemes::Free;
+use crate::physics::step::substep::Substep;
+
+/// Solves in which touches may change their minds.
+const ROUNDS: usize = 16;
+
+/// The last of these, which end with what is safe whatever the others have come to.
+const CAREFUL_ROUNDS: usize = 2;
+
+/// Room for the largest body.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Room<R: Real> {
+    bonds: Vec<Bond<R>>,
+    /// Of cells that are pushed back from inversion.
+    resistances: Vec<Resistance>,
+    inverse_diagonal: Vec<f64>,
+    /// The inverse blocks of the touched particles, one for each touch; only the first of a particle's counts.
+    inverse_blocks: Vec<DMat3>,
+    known: Vec<DVec3>,
+    velocity: Vec<DVec3>,
+    residual: Vec<DVec3>,
+    scaled: Vec<DVec3>,
+    search: Vec<DVec3>,
+    product: Vec<DVec3>,
+    /// The velocity before a round, and the residual there.
+    before: Vec<DVec3>,
+    residual_before: Vec<DVec3>,
+}
+
+/// What the room takes in single precision where a body is the largest, bytes.
+pub(in crate::physics) fn bytes(body: &LatticeCounts) -> usize {
+    let vectors = 8 * size_of::<DVec3>() + size_of::<f64>();
+    let of_surface = size_of::<DMat3>() + size_of::<Resistance>();
+    body.all_links() * size_of::<Bond<f32>>() + body.particles * vectors + body.surface * of_surface
+}
+
+impl<R: Real> Room<R> {
+    /// Room for the bodies of a model.
+    pub(super) fn new(model: &Model<R>) -> Self {
+        let most = |count: fn(&BodyModel<R>) -> usize| model.bodies.iter().map(count).max().unwrap_or(0);
+        let particles = most(|body| body.particles.len());
+        let links = most(|body| body.links.iter().map(|family| family.links.len()).sum());
+        // What is crushed or touched beyond a body's surface makes room for itself once.
+        let surface = most(|body| body.lattice.surface);
+        let vectors = || vec![DVec3::ZERO; particles];
+        Self {
+            bonds: Vec::with_capacity(links),
+            resistances: Vec::with_capacity(surface),
+            inverse_diagonal: vec![0.0; particles],
+            inverse_blocks: Vec::with_capacity(surface),
+            known: vectors(),
+            velocity: vectors(),
+            residual: vectors(),
+            scaled: vectors(),
+            search: vectors(),
+            product: vectors(),
+            before: vectors(),
+            residual_before: vectors(),
+        }
+    }
+}
+
+/// Writes the velocities at the end of the substep.
+pub(super) fn solve<R: Real>(
+    free: &mut Free<'_, R>,
+    touches: &mut [Touch],
+    velocity: &mut [R::Vec3],
+    recorder: &mut Recorder<'_>,
+) {
+    let Free { substep: Substep { model, plan, dt, state, grab, .. }, force, .. } = *free;
+    let room = &mut free.scratch.room;
+    let mut touches = touches;
+    for (number, body) in model.bodies.iter().enumerate() {
+        // Nothing touches what sleeps.
+        if state.bodies[number].asleep {
+            continue;
+        }
+        let own = touches.partition_point(|touch| touch.particle < body.particles.end);
+        let (own, others) = touches.split_at_mut(own);
+        touches = others;
+        let range = body.particles.clone();
+        let grab = grab.filter(|grab| grab.body == number);
+        let mut system = System { body, dt: dt.to_f64(), grab, touches: own, room };
+        let own = [&state.position[..], &state.velocity, force].map(|of| &of[range.clone()]);
+        system.assemble(plan, &state.bodies[number], own, &|| recorder.stops());
+        let enough = system.start();
+        for round in 1..=ROUNDS {
+            recorder.counters.solves += 1;
+            recorder.counters.iterations += system.iterate(enough, &|| recorder.stops());
+            if recorder.has_stopped() {
+                return;
+            }
+            let went_all_the_way = round + CAREFUL_ROUNDS > ROUNDS || system.hold_back();
+            let again = system.reconsider(round + CAREFUL_ROUNDS >= ROUNDS);
+            if went_all_the_way && !again {
+                break;
+            }
+        }
+        system.finish(&mut velocity[range]);
+    }
+}
+
+/// The equations of one body.
+struct System<'a, R: Real> {
+    body: &'a BodyModel<R>,
+    dt: f64,
+    grab: Option<&'a Grab<R>>,
+    touches: &'a mut [Touch],
+    room: &'a mut Room<R>,
+}
+
+impl<R: Real> System<'_, R> {
+    /// Lets every touch decide again. Says whether it has to be solved again.
+    fn reconsider(&mut self, carefully: bool) -> bool {
+        let mut again = false;
+        for touch in &mut *self.touches {
+            let local = touch.particle - self.body.particles.start;
+            again |= touch.reconsider(self.room.velocity[local], carefully);
+        }
+        again
+    }
+
+    fn finish(&self, velocity: &mut [R::Vec3]) {
+        for (local, velocity) in velocity.iter_mut().enumerate() {
+            let pinned = self.body.is_pinned(local);
+            *velocity = if pinned { R::Vec3::ZERO } else { R::Vec3::from_dvec3(self.room.velocity[local]) };
+        }
+    }
+}

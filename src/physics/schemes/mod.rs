@@ -1,0 +1,246 @@
+//! The schemes that advance positions and velocities by a substep (GC §4.1), one file each.
+//!
+//! A scheme is given the forces at the state and predicts the velocities at the end of the substep. Contact changes
+//! them, once. Schemes that move particles by another velocity than that, or evaluate forces again on the way, then go
+//! through the substep with what contact did as a force that stays: so that what rests, rests. A particle that was
+//! pushed moves with the velocity contact left it. A scheme never writes to the state, but for what it must remember
+//! once a substep is accepted, and knows nothing of obstacles.
+//!
+//! ```text
+//! semi-implicit Euler   v' = v + dt a(x, v)                  x' = x + dt v'
+//! explicit Euler        v' = v + dt a(x, v)                  x' = x + dt v
+//! Verlet                v' = v + dt a(x, v + dt/2 a before)  x' = x + dt v'     v half a step behind x
+//! RK2 (midpoint), RK4   forces at 1 and 3 more places between
+//! implicit Euler        v' = v + dt a(x', v'), linearised       x' = x + dt v'
+//! ```
+
+pub(in crate::physics) mod implicit;
+mod rk2;
+mod rk4;
+mod verlet;
+
+pub(super) use implicit::bytes as implicit_bytes;
+
+use super::contact::Touch;
+use super::forces::{self, Configuration};
+use super::model::Model;
+use super::report::Recorder;
+use super::state::{BodyMemory, State};
+use crate::math::{Real, Vector};
+use crate::physics::forces::recovery;
+use crate::physics::model::plan::{Plan, Stage};
+use crate::physics::state::sleep::awake;
+use crate::physics::step::substep::Substep;
+use crate::scene::settings::Integrator;
+
+/// Room for what a scheme works out between two states; empty where a scheme needs none.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch<R: Real> {
+    /// Mean velocity over the substep, m/s: what moves the particles where that is not the velocity at its end.
+    pub(super) path: Vec<R::Vec3>,
+    /// The velocities that were predicted, m/s, before contact changed them.
+    predicted: Vec<R::Vec3>,
+    /// The velocities that contact left, m/s.
+    settled: Vec<R::Vec3>,
+    /// Positions at which forces are evaluated between two states, m.
+    position: Vec<R::Vec3>,
+    /// Velocities with which forces are evaluated that are not the state's, m/s.
+    velocity: Vec<R::Vec3>,
+    /// Forces there, N.
+    force: Vec<R::Vec3>,
+    /// Of the implicit scheme.
+    room: implicit::Room<R>,
+}
+
+impl<R: Real> Scratch<R> {
+    /// Room for the scheme of a plan.
+    pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
+        let room = |needed: bool| vec![R::Vec3::ZERO; if needed { model.particle_count() } else { 0 }];
+        let has_stages = matches!(plan.integrator, Integrator::Rk2 | Integrator::Rk4);
+        Self {
+            path: room(moves_by_mean(plan.integrator)),
+            predicted: room(moves_by_mean(plan.integrator)),
+            settled: room(moves_by_mean(plan.integrator)),
+            position: room(has_stages),
+            velocity: room(has_stages || plan.integrator == Integrator::Verlet),
+            force: room(has_stages),
+            room: if plan.integrator == Integrator::Implicit {
+                implicit::Room::new(model)
+            } else {
+                implicit::Room::default()
+            },
+        }
+    }
+}
+
+impl<R: Real> Scratch<R> {
+    /// The velocities that move particles, given those at the end of the substep.
+    pub(super) fn moving<'a>(&'a self, velocity: &'a [R::Vec3]) -> &'a [R::Vec3] {
+        if self.path.is_empty() { velocity } else { &self.path }
+    }
+}
+
+/// A substep under way.
+pub(super) struct Free<'a, R: Real> {
+    pub(super) substep: Substep<'a, R>,
+    /// Forces at the state, N.
+    pub(super) force: &'a [R::Vec3],
+    /// Of these the thesis's contact, N: constant over the substep. None without that rule.
+    pub(super) held_force: Option<&'a [R::Vec3]>,
+    pub(super) scratch: &'a mut Scratch<R>,
+    pub(super) recovery: &'a mut recovery::Scratch<R>,
+}
+
+impl<R: Real> Free<'_, R> {
+    /// Writes the velocities at the end of the substep as the forces at the state predict them.
+    pub(super) fn predict(&mut self, velocity: &mut [R::Vec3]) {
+        velocity.copy_from_slice(&self.substep.state.velocity);
+        let kicked_for = match self.substep.plan.integrator {
+            Integrator::Verlet => verlet::kicked_for(self.substep.dt, self.substep.state),
+            Integrator::SemiImplicit if self.substep.state.velocity_lag_secs > 0.0 => {
+                verlet::kicked_for(self.substep.dt, self.substep.state)
+            }
+            _ => self.substep.dt,
+        };
+        kick(self.substep.model, &self.substep.state.bodies, kicked_for, self.force, velocity);
+        if moves_by_mean(self.substep.plan.integrator) {
+            self.scratch.predicted.copy_from_slice(velocity);
+        }
+    }
+
+    /// Writes the velocities with which every particle would fall freely, as if it had no links.
+    pub(super) fn fall(&self, velocity: &mut [R::Vec3]) {
+        velocity.copy_from_slice(&self.substep.state.velocity);
+        for body in &self.substep.model.bodies {
+            for (local, particle) in body.particles.clone().enumerate() {
+                if !body.is_pinned(local) {
+                    velocity[particle] += self.substep.model.gravity * self.substep.dt;
+                }
+            }
+        }
+    }
+
+    /// Writes the velocities at the end of the substep as the implicit scheme solves for them, contact and pull included;
+    /// gives up where it is asked to.
+    pub(super) fn solve(&mut self, touches: &mut [Touch], velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
+        implicit::solve(self, touches, velocity, recorder);
+    }
+
+    /// Goes through the substep once more for the schemes that move particles by another velocity than that at its end:
+    /// writes both. What changed the predicted velocities on the way goes on as a constant force.
+    pub(super) fn refine(&mut self, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
+        if !moves_by_mean(self.substep.plan.integrator) {
+            return;
+        }
+        self.scratch.settled.copy_from_slice(velocity);
+        match self.substep.plan.integrator {
+            Integrator::Rk2 => rk2::refine(self, velocity, recorder),
+            Integrator::Rk4 => rk4::refine(self, velocity, recorder),
+            _ => self.scratch.path.copy_from_slice(&self.substep.state.velocity),
+        }
+        let Scratch { path, predicted, settled, .. } = self.scratch;
+        for (particle, settled) in settled.iter().enumerate() {
+            if *settled != predicted[particle] {
+                velocity[particle] = *settled;
+                path[particle] = *settled;
+            }
+        }
+    }
+
+    /// The stage that every scheme begins with: the state itself.
+    fn first_stage(&mut self) {
+        self.scratch.velocity.copy_from_slice(&self.substep.state.velocity);
+        self.scratch.force.copy_from_slice(self.force);
+        self.add_changes();
+    }
+
+    /// Goes from the state for `ahead` (s) along the slope of the last stage, and evaluates the forces there.
+    fn next_stage(&mut self, ahead: R, recorder: &mut Recorder<'_>) {
+        let Scratch { position, velocity, force, .. } = self.scratch;
+        for ((position, start), velocity) in position.iter_mut().zip(&self.substep.state.position).zip(velocity.iter())
+        {
+            *position = *start + *velocity * ahead;
+        }
+        velocity.copy_from_slice(&self.substep.state.velocity);
+        kick(self.substep.model, &self.substep.state.bodies, ahead, force, velocity);
+        let at = Configuration { position, velocity, residual: None };
+        forces::evaluate(self.substep, at, force, self.recovery, recorder);
+        for (force, held) in force.iter_mut().zip(self.held_force.into_iter().flatten()) {
+            *force += *held;
+        }
+        self.add_changes();
+        recorder.enter(Stage::Integrate);
+    }
+
+    /// Adds the mean force that made the settled velocities of the predicted ones.
+    fn add_changes(&mut self) {
+        let Scratch { predicted, settled, force, .. } = self.scratch;
+        for body in awake(self.substep.model, &self.substep.state.bodies) {
+            for (local, particle) in body.particles.clone().enumerate() {
+                force[particle] += (settled[particle] - predicted[particle]) * (body.mass(local) / self.substep.dt);
+            }
+        }
+    }
+}
+
+/// Whether particles move by another velocity than that at the end of the substep.
+pub(super) fn moves_by_mean(integrator: Integrator) -> bool {
+    matches!(integrator, Integrator::Explicit | Integrator::Rk2 | Integrator::Rk4)
+}
+
+/// Whether the state's velocity is that at the position's time.
+pub(super) fn is_on_time<R: Real>(plan: &Plan, state: &State<R>) -> bool {
+    match plan.integrator {
+        Integrator::SemiImplicit => false,
+        Integrator::Verlet => state.velocity_lag_secs <= 0.0,
+        Integrator::Explicit | Integrator::Rk2 | Integrator::Rk4 | Integrator::Implicit => true,
+    }
+}
+
+/// The share of the change of velocity in the coming substep that is over at the position's time.
+pub(super) fn share_to_center<R: Real>(state: &State<R>, ahead: &State<R>) -> f64 {
+    let [before, after] = [state.velocity_lag_secs, ahead.velocity_lag_secs];
+    if before > 0.0 && after > 0.0 { before / (before + after) } else { 0.5 }
+}
+
+/// The velocities with which the damping at the state is evaluated.
+pub(super) fn damping_velocity<'a, R: Real>(
+    plan: &Plan,
+    state: &'a State<R>,
+    scratch: &'a mut Scratch<R>,
+) -> &'a [R::Vec3] {
+    match plan.integrator {
+        Integrator::Verlet => verlet::predicted_velocity(state, &mut scratch.velocity),
+        _ => &state.velocity,
+    }
+}
+
+/// Remembers what the next substep of the scheme needs of one that was accepted.
+pub(super) fn remember<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    dt: R,
+    force: &[R::Vec3],
+    held_force: Option<&[R::Vec3]>,
+    state: &mut State<R>,
+) {
+    match plan.integrator {
+        Integrator::Verlet => verlet::remember(model, dt, force, held_force, state),
+        // The next kick is longer or shorter where the substeps change.
+        Integrator::SemiImplicit => state.velocity_lag_secs = 0.5 * dt.to_f64(),
+        _ => {}
+    }
+}
+
+/// `v += dt a` for every particle that is not held, where `a` is the force over the mass; held ones stand still.
+fn kick<R: Real>(model: &Model<R>, memory: &[BodyMemory], dt: R, force: &[R::Vec3], velocity: &mut [R::Vec3]) {
+    for body in awake(model, memory) {
+        for (local, particle) in body.particles.clone().enumerate() {
+            if body.is_pinned(local) {
+                velocity[particle] = R::Vec3::ZERO;
+            } else {
+                velocity[particle] += force[particle] * (dt / body.mass(local));
+            }
+        }
+    }
+}

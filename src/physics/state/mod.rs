@@ -1,0 +1,217 @@
+//! The mutable side of a simulation: where every particle is, how fast it goes, and what contact must remember.
+
+pub(in crate::physics) mod fallen;
+pub(in crate::physics) mod hash;
+pub(in crate::physics) mod sleep;
+
+use super::contact::approach::Approach;
+use super::contact::sweep::Sweep;
+use super::model::Model;
+use crate::math::{Real, Vector};
+use crate::physics::model::plan::{MOST_HALVINGS, Plan};
+use crate::scene::settings::Integrator;
+
+/// The [`State::work`] of a substep whose limit is reached.
+pub(super) const SPENT: u64 = u64::MAX;
+
+/// Where and how fast. Arrays are by particle, the bodies one after another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State<R: Real> {
+    /// m.
+    pub position: Vec<R::Vec3>,
+    /// What rounding has kept back from `position`, m (Kahan's compensated sum): small steps would otherwise be lost.
+    pub position_residual: Vec<R::Vec3>,
+    /// m/s; half a step behind the position's time with semi-implicit Euler, [`State::velocity_lag_secs`] behind it with
+    /// Verlet.
+    pub velocity: Vec<R::Vec3>,
+    /// Acceleration of the last substep without contact, m/s²: with it Verlet predicts the velocity of the damping. Empty
+    /// with other schemes.
+    pub acceleration: Vec<R::Vec3>,
+    /// How far the velocity is behind the position's time, s: nothing at the start, then half a substep with Verlet and
+    /// semi-implicit Euler.
+    pub velocity_lag_secs: f64,
+    /// For every plane a row over all particles: the side (+1 or −1 along the normal) a touching particle came from,
+    /// 0 where nothing touches.
+    pub side: Vec<Vec<i8>>,
+    /// Where particles were when their body was first seen to be still, m; meaningless in bodies that move or sleep, empty
+    /// where none may sleep.
+    pub anchor: Vec<R::Vec3>,
+    /// What is remembered of every body as a whole.
+    pub bodies: Vec<BodyMemory>,
+    /// Obstacles that were put into bodies and are on their way there as these bodies meet them, by body and obstacle.
+    pub approaches: Vec<Approach>,
+    /// Obstacles that were moved while time runs and sweep to their places in the model.
+    pub sweeps: Vec<Sweep>,
+    /// Whole steps taken.
+    pub steps: u64,
+    /// Substeps taken of the step that is under way.
+    pub substep: u32,
+    /// How much of the substep under way is done, in parts of 2 to the power of minus [`MOST_HALVINGS`] of it: more than
+    /// nothing only where the implicit integrator halves it.
+    pub part: u64,
+    /// How often the substep under way is halved at present.
+    pub halvings: u32,
+    /// The work on the substep under way so far, in iterations of the implicit integrator; `SPENT` once the limit of
+    /// `Plan::most_work` was reached.
+    pub work: u64,
+    /// Whole steps that are counted and that the motion has yet to catch up with: see `Plan::span`.
+    pub held_steps: u32,
+    /// Simulated time, s: kept, not recomputed, as the step may be changed on the way.
+    pub time_secs: f64,
+}
+
+/// What is remembered of a body as a whole: choices that hold for longer than a substep.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "four choices that are remembered, each made or not")]
+pub struct BodyMemory {
+    /// Cells that are watched as they may invert, ascending.
+    pub near_inversion: Vec<u32>,
+    /// Whether links are far longer than at rest, so that substeps are taken in parts.
+    pub strained: bool,
+    /// For how long the body has been slow while cells of it were inverted, ns.
+    pub knotted_nanos: u32,
+    /// Whether it has been so for long enough to be stuck: its cells are pulled to shape until none is crushed.
+    pub stuck: bool,
+    /// Substeps for which the body has been still.
+    pub still_substeps: u64,
+    /// Whether the body sleeps: it stays as it is until something wakes it.
+    pub asleep: bool,
+    /// Whether it has fallen out of the scene: it sleeps until it is put elsewhere.
+    pub gone: bool,
+}
+
+impl BodyMemory {
+    /// The body moves as it must, and rest is looked for anew; nothing wakes one that is gone.
+    pub fn wake(&mut self) {
+        self.asleep = self.gone;
+        self.still_substeps = 0;
+    }
+
+    /// Becomes a copy of another, without allocating once there is room.
+    pub(super) fn copy(&mut self, of: &Self) {
+        let mut near_inversion = std::mem::take(&mut self.near_inversion);
+        near_inversion.clear();
+        near_inversion.extend_from_slice(&of.near_inversion);
+        let Self { near_inversion: _, strained, knotted_nanos, stuck, still_substeps, asleep, gone } = *of;
+        *self = Self { near_inversion, strained, knotted_nanos, stuck, still_substeps, asleep, gone };
+    }
+
+    /// Whether cells of a body that is awake are watched as they may invert.
+    pub(super) fn is_watched(&self) -> bool {
+        !self.asleep && !self.near_inversion.is_empty()
+    }
+}
+
+impl<R: Real> State<R> {
+    /// Whether no substep is under way, and the motion is where the count of steps is.
+    pub fn is_between_substeps(&self) -> bool {
+        self.part == 0 && self.held_steps == 0
+    }
+
+    /// Whether no step is under way.
+    pub fn is_between_steps(&self) -> bool {
+        self.substep == 0 && self.part == 0
+    }
+
+    /// The part of the substep that comes next: its share, and whether the substep ends with it.
+    pub(super) fn next_part(&self) -> (f64, bool) {
+        let length = 1 << (MOST_HALVINGS - self.halvings);
+        let whole = 1 << MOST_HALVINGS;
+        (length as f64 / whole as f64, self.part + length == whole)
+    }
+
+    /// Counts the next part as done and goes on as coarsely as the grid of halves allows. Says whether the substep is
+    /// done.
+    pub(super) fn end_part(&mut self) -> bool {
+        let length = 1 << (MOST_HALVINGS - self.halvings);
+        self.part += length;
+        if self.halvings > 0 && self.part.is_multiple_of(2 * length) {
+            self.halvings -= 1;
+        }
+        let ends = self.part == 1 << MOST_HALVINGS;
+        if ends {
+            (self.part, self.halvings, self.work) = (0, 0, 0);
+        }
+        ends
+    }
+
+    /// Lets the next part be as long as the grid of halves allows.
+    pub(super) fn coarsen(&mut self) {
+        self.halvings = if self.part == 0 { 0 } else { MOST_HALVINGS.saturating_sub(self.part.trailing_zeros()) };
+    }
+
+    /// Every particle at its start.
+    pub fn start(model: &Model<R>) -> Self {
+        let count = model.particle_count();
+        let mut state = Self {
+            position: Vec::with_capacity(count),
+            position_residual: vec![R::Vec3::ZERO; count],
+            velocity: Vec::with_capacity(count),
+            acceleration: Vec::new(),
+            velocity_lag_secs: 0.0,
+            side: Vec::new(),
+            anchor: Vec::new(),
+            bodies: vec![BodyMemory::default(); model.bodies.len()],
+            approaches: Vec::new(),
+            sweeps: Vec::new(),
+            steps: 0,
+            substep: 0,
+            part: 0,
+            halvings: 0,
+            work: 0,
+            held_steps: 0,
+            time_secs: 0.0,
+        };
+        for body in &model.bodies {
+            state.position.extend_from_slice(&body.start);
+            let local = 0..body.particles.len();
+            state.velocity.extend(local.map(|p| if body.is_pinned(p) { R::Vec3::ZERO } else { body.start_velocity }));
+        }
+        state.fit_sides(model);
+        state.reserve(model);
+        state
+    }
+
+    /// Makes room for what a step may remember, so that it need not allocate.
+    pub(super) fn reserve(&mut self, model: &Model<R>) {
+        for (memory, body) in self.bodies.iter_mut().zip(&model.bodies) {
+            let listed = memory.near_inversion.len();
+            memory.near_inversion.reserve_exact(body.lattice.cells.len() - listed.min(body.lattice.cells.len()));
+        }
+    }
+
+    /// Remembers what the scheme of a plan needs and no more. A scheme that begins starts from a velocity that is not
+    /// behind.
+    pub(super) fn fit_scheme(&mut self, plan: &Plan) {
+        self.held_steps = self.held_steps.min(plan.span - 1);
+        if plan.halvings == 0 {
+            (self.part, self.halvings, self.work) = (0, 0, 0);
+        }
+        if !matches!(plan.integrator, Integrator::Verlet | Integrator::SemiImplicit) {
+            self.velocity_lag_secs = 0.0;
+        }
+        let count = if plan.integrator == Integrator::Verlet { self.position.len() } else { 0 };
+        if self.acceleration.len() != count {
+            self.acceleration = vec![R::Vec3::ZERO; count];
+            self.velocity_lag_secs = 0.0;
+        }
+    }
+
+    /// Makes room for what the watch for rest remembers, or wakes every body where none may sleep.
+    pub(super) fn fit_sleep(&mut self, plan: &Plan) {
+        let count = if plan.sleeping { self.position.len() } else { 0 };
+        if self.anchor.len() != count {
+            self.anchor = vec![R::Vec3::ZERO; count];
+            self.bodies.iter_mut().for_each(BodyMemory::wake);
+        }
+    }
+
+    /// Makes room for the sides of every plane; those of planes that stay are kept.
+    pub(super) fn fit_sides(&mut self, model: &Model<R>) {
+        let count = model.particle_count();
+        self.side.resize_with(crate::physics::model::plan::plane_count(model), Vec::new);
+        for row in &mut self.side {
+            row.resize(count, 0);
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Rest: a body that has come to rest sleeps, and costs nothing until something wakes it (R3).
+//!
+//! ```text
+//! still    for 0.5 s no particle was faster than 1e-3 body sizes a second
+//! at rest  still, and none is further than 1e-5 body sizes from where it was then, nor than 1 % of a free fall
+//! asleep   velocities are zero; no forces, no contact, no motion; its contacts stay known to be shown
+//! awake    by a hand, new parameters, settings or obstacles, a throw, another place or another motion; never a body that
+//!          has fallen out of the scene
+//! ```
+//!
+//! The speed alone would take the top of a flight or the end of a swing for rest; the way since the body was first still
+//! tells them apart, and the free fall does so where gravity is weak. A body whose damping is strong for its stiffness
+//! creeps home slowly: its way must be shorter by as much as its creeping is slower than the watch. Everything is
+//! counted in substeps and kept in the [`State`], so that a saved motion goes on bit for bit, sleep included. What drifts
+//! more slowly than 2e-5 body sizes a second is stopped: no picture tells it from rest.
+
+use crate::math::{Real, Vector};
+use crate::physics::model::plan::Plan;
+use crate::physics::model::{BodyModel, Model};
+use crate::physics::state::{BodyMemory, State};
+
+/// How long a body must be still, simulated s.
+pub(crate) const STILL_SECS: f64 = 0.5;
+
+/// Speed up to which a particle is still, body sizes a second.
+const FASTEST: f64 = 1e-3;
+
+/// How far particles of a body at rest may be from where they were when it was first still, body sizes.
+const FARTHEST: f64 = 1e-5;
+
+/// The same as a share of a free fall of [`STILL_SECS`].
+const FALLEN_SHARE: f64 = 0.01;
+
+/// Simulated time between two looks at the way, s.
+const LOOK_SECS: f64 = 1.0 / 60.0;
+
+/// The bodies that are awake.
+pub(in crate::physics) fn awake<'a, R: Real>(
+    model: &'a Model<R>,
+    memory: &'a [BodyMemory],
+) -> impl Iterator<Item = &'a BodyModel<R>> {
+    model.bodies.iter().zip(memory).filter(|(_, memory)| !memory.asleep).map(|(body, _)| body)
+}
+
+/// Bodies that sleep.
+pub(in crate::physics) fn asleep<R: Real>(state: &State<R>) -> usize {
+    state.bodies.iter().filter(|memory| memory.asleep).count()
+}
+
+/// Whether there is nothing to do: there are bodies, and all of them sleep.
+pub(in crate::physics) fn is_quiet<R: Real>(state: &State<R>) -> bool {
+    !state.bodies.is_empty() && state.bodies.iter().all(|memory| memory.asleep)
+}
+
+/// Lets every body fall asleep that has been at rest for long enough, after a substep; never one that is `held`.
+pub(in crate::physics) fn watch<R: Real>(model: &Model<R>, plan: &Plan, held: Option<usize>, state: &mut State<R>) {
+    let substeps_in = |secs: f64| {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a count of at least one, saturating"
+        )]
+        let count = libm::ceil(secs / plan.substep_secs()).max(1.0) as u64;
+        count
+    };
+    let (long_enough, between_looks) = (substeps_in(STILL_SECS), substeps_in(LOOK_SECS));
+    for (number, body) in model.bodies.iter().enumerate() {
+        if state.bodies[number].asleep {
+            continue;
+        }
+        let own = body.particles.clone();
+        if held == Some(number) || !is_still(body, &state.velocity[own.clone()]) {
+            state.bodies[number].still_substeps = 0;
+            continue;
+        }
+        let still_for = state.bodies[number].still_substeps;
+        let done = still_for >= long_enough;
+        if still_for > 0 && !done && !still_for.is_multiple_of(between_looks) {
+            state.bodies[number].still_substeps += 1;
+            continue;
+        }
+        let way = farthest::<R>(&state.position[own.clone()], &state.anchor[own.clone()]);
+        if still_for == 0 || way > longest_way(model, body, done) {
+            state.anchor[own.clone()].copy_from_slice(&state.position[own]);
+            state.bodies[number].still_substeps = 1;
+        } else if done {
+            state.bodies[number].asleep = true;
+            state.velocity[own].fill(R::Vec3::ZERO);
+        } else {
+            state.bodies[number].still_substeps += 1;
+        }
+    }
+}
+
+fn is_still<R: Real>(body: &BodyModel<R>, velocity: &[R::Vec3]) -> bool {
+    let fastest = R::from_f64(FASTEST) * body.size;
+    // A body that moves is told by its first particles.
+    velocity.iter().all(|v| v.dot(*v) <= fastest * fastest)
+}
+
+fn farthest<R: Real>(position: &[R::Vec3], anchor: &[R::Vec3]) -> f64 {
+    position.iter().zip(anchor).fold(R::ZERO, |way, (now, then)| way.max((*now - *then).length())).to_f64()
+}
+
+/// How far a particle of a body at rest may be from its anchor, m; at last less than gravity would have taken it.
+fn longest_way<R: Real>(model: &Model<R>, body: &BodyModel<R>, at_last: bool) -> f64 {
+    let sum = |constant: fn(&crate::physics::model::LinkFamily<R>) -> R| {
+        body.links.iter().filter(|family| !family.links.is_empty()).map(|family| constant(family).to_f64()).sum::<f64>()
+    };
+    let (stiffness, damping) = (sum(|family| family.stiffness), sum(|family| family.damping));
+    // The time in which damped links come home, over that of the watch.
+    let slowness = if damping > 0.0 { damping / (STILL_SECS * stiffness) } else { 0.0 };
+    let way = FARTHEST * body.size.to_f64() / slowness.max(1.0);
+    let fallen = FALLEN_SHARE * 0.5 * model.gravity.length().to_f64() * STILL_SECS * STILL_SECS;
+    if at_last && fallen > 0.0 { way.min(fallen) } else { way }
+}

@@ -1,0 +1,363 @@
+//! One substep, in the order of GC Algorithm 1.
+//!
+//! ```text
+//! forces   F  = m g + Σ links + Σ cells near inversion
+//! predict  v* = v + dt F/m
+//! pull     v* of a grabbed point's particles   (an implicit spring)
+//! contact  v* → v'   (implicit penalty and friction; the thesis rule adds to F before the prediction)
+//! refine   v' and the mean velocity u, where the scheme has one, with more forces on the way
+//! move     x += dt v'   (or dt u)
+//! rest     bodies that have been at rest for long enough, or have fallen out of the scene, fall asleep and are left out
+//!          of all this
+//!
+//! The implicit scheme solves for pull, contact and v' at once: find touches, solve, settle. Where that would give energy
+//! it is taken again in halves, and in the smallest of them as the other schemes do.
+//! ```
+//!
+//! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
+//! anything is written: the state stays the last good one and the report says so.
+
+pub(in crate::physics) mod substep;
+
+use super::contact::{self, ContactRecord, Placed};
+use super::forces::{self, Configuration};
+use super::interaction::{self, Grab};
+use super::model::Model;
+use super::report::{Recorder, StageTimer, StepReport};
+use super::state::{BodyMemory, State};
+use crate::math::{Real, Vector};
+use crate::physics::forces::recovery;
+use crate::physics::model::plan::{Plan, Stage};
+use crate::physics::observe::runaway::runs_away;
+use crate::physics::schemes::implicit::balance::{End, body_gains_energy, gains_energy};
+use crate::physics::schemes::{self, Free};
+use crate::physics::state::fallen;
+use crate::physics::state::sleep;
+use crate::physics::step::substep::Substep;
+use crate::scene::settings::{ContactRule, Integrator};
+
+/// Room a substep works in: allocated once, meaningless between substeps except for reading the last one's forces.
+#[derive(Clone, Debug)]
+pub(super) struct Scratch<R: Real> {
+    /// Net force on every particle without implicit contact, N.
+    pub force: Vec<R::Vec3>,
+    /// Of it the thesis's contact, N; none without that rule.
+    thesis_force: Option<Vec<R::Vec3>>,
+    /// The velocity at the end of the substep, m/s.
+    pub velocity: Vec<R::Vec3>,
+    /// Contact's working room and what it found.
+    pub contact: contact::Scratch<R>,
+    scheme: schemes::Scratch<R>,
+    recovery: recovery::Scratch<R>,
+    /// What was remembered of every body before the substep, where one may be given up.
+    remembered: Vec<BodyMemory>,
+}
+
+impl<R: Real> Scratch<R> {
+    /// Room for a model under a plan.
+    pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
+        let count = model.particle_count();
+        let has_thesis_force = plan.contact && plan.contact_rule == ContactRule::Thesis;
+        Self {
+            force: vec![R::Vec3::ZERO; count],
+            thesis_force: has_thesis_force.then(|| vec![R::Vec3::ZERO; count]),
+            velocity: vec![R::Vec3::ZERO; count],
+            contact: contact::Scratch::new(model, plan),
+            scheme: schemes::Scratch::new(model, plan),
+            recovery: recovery::Scratch::new(model),
+            remembered: remembered(model),
+        }
+    }
+
+    /// Makes room for a model of the same bodies with other constants or obstacles.
+    pub(super) fn fit(&mut self, model: &Model<R>, plan: &Plan) {
+        let Self { contact, thesis_force, scheme, recovery, remembered, .. } = Self::new(model, plan);
+        (self.contact, self.thesis_force, self.scheme, self.recovery) = (contact, thesis_force, scheme, recovery);
+        self.remembered = remembered;
+    }
+
+    /// The scheme at work on a substep whose forces are known, contact's room, and where the velocities are written.
+    fn free<'a>(
+        &'a mut self,
+        substep: Substep<'a, R>,
+    ) -> (Free<'a, R>, &'a mut contact::Scratch<R>, &'a mut [R::Vec3]) {
+        let Self { force, thesis_force, velocity, contact, scheme, recovery, .. } = self;
+        let free = Free { substep, force, held_force: thesis_force.as_deref(), scratch: scheme, recovery };
+        (free, contact, velocity)
+    }
+}
+
+/// Room for what is remembered of the bodies before a substep, which may be given up.
+fn remembered<R: Real>(model: &Model<R>) -> Vec<BodyMemory> {
+    let room = |cells: usize| BodyMemory { near_inversion: Vec::with_capacity(cells), ..BodyMemory::default() };
+    model.bodies.iter().map(|body| room(body.lattice.cells.len())).collect()
+}
+
+/// How often the velocities of a body are halved that would gain energy however short its substeps are.
+const SLOWINGS: u32 = 12;
+
+/// What comes from outside into a substep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inputs<'a, R: Real> {
+    /// Where obstacles are in it.
+    pub(super) obstacles: &'a Placed<R>,
+    /// A hand that pulls.
+    pub(super) grab: Option<&'a Grab<R>>,
+}
+
+/// What becomes of a part of a substep that would give energy from nowhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Gain {
+    /// It is abandoned and halved.
+    Halve,
+    /// It is taken as an explicit integrator can take it, or as it is.
+    Take,
+    /// It is taken with as much of the motion as gives none: there was enough work on the substep.
+    Slow,
+}
+
+/// The time that a substep covers, or the part of one that is divided further.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// Its length, s.
+    pub secs: f64,
+    /// What becomes of it where the implicit integrator would give energy from nowhere.
+    pub gain: Gain,
+    /// Whether the substep begins with it: what is under way is not given up.
+    pub is_first: bool,
+    /// Whether the substep ends with it.
+    pub is_last: bool,
+}
+
+impl Part {
+    /// A whole substep, come what may.
+    pub(super) fn whole(plan: &Plan) -> Self {
+        Self { secs: plan.substep_secs(), gain: Gain::Take, is_first: true, is_last: true }
+    }
+
+    /// One of so many equal parts of it.
+    pub(super) fn of(self, parts: u32) -> Self {
+        Self { secs: self.secs / f64::from(parts), ..self }
+    }
+}
+
+/// Advances the state by one substep or a part of it. Abandons it, state untouched, where the report counts one as halved.
+pub(super) fn substep<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    part: Part,
+    Inputs { obstacles, grab }: Inputs<'_, R>,
+    state: &mut State<R>,
+    scratch: &mut Scratch<R>,
+    timer: &mut dyn StageTimer,
+) -> StepReport {
+    let mut recorder = Recorder::new(timer, part.is_first);
+    if sleep::is_quiet(state) {
+        recorder.last.bodies_asleep = state.bodies.len();
+        scratch.contact.report_kept(&mut recorder);
+        state.time_secs += part.secs;
+        recorder.counters.substeps = 1;
+        recorder.counters.shortest_secs = Some(part.secs);
+        return recorder.leave();
+    }
+    let remembered = &mut scratch.remembered;
+    remembered.iter_mut().zip(&state.bodies).for_each(|(copy, memory)| copy.copy(memory));
+    if plan.recovery && recovery::is_due(model, plan, state) {
+        recorder.enter(Stage::Recovery);
+        recovery::look(model, state, part.secs, &mut recorder);
+    }
+    let begun = Substep { model, plan, state, obstacles, dt: R::from_f64(part.secs), grab };
+    find_forces(begun, scratch, &mut recorder);
+    let is_found = find_velocities(begun, part.gain, scratch, &mut recorder);
+    if recorder.has_stopped() {
+        state.bodies.iter_mut().zip(&scratch.remembered).for_each(|(memory, copy)| memory.copy(copy));
+        return recorder.leave();
+    }
+    if !is_found {
+        recorder.counters.halved = 1;
+        return recorder.leave();
+    }
+    recorder.counters.substeps = 1;
+    recorder.counters.shortest_secs = Some(part.secs);
+    if !is_sound(begun, scratch) {
+        return StepReport { diverged: true, ..recorder.leave() };
+    }
+    let dt = R::from_f64(part.secs);
+    if meets_implicitly(plan) {
+        let moving = scratch.scheme.moving(&scratch.velocity);
+        contact::remember_sides(model, obstacles, dt, state, moving, &mut scratch.contact, &mut recorder);
+    }
+    accept(model, plan, dt, state, scratch);
+    state.time_secs += part.secs;
+    if plan.sleeping && part.is_last {
+        recorder.enter(Stage::Rest);
+        fallen::watch(model, state);
+        sleep::watch(model, plan, grab.map(|grab| grab.body), state);
+        recorder.last.bodies_asleep = sleep::asleep(state);
+    }
+    recorder.leave()
+}
+
+/// Forces at the state: gravity, links, cells near inversion, and contact by the thesis's rule.
+fn find_forces<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorder: &mut Recorder<'_>) {
+    let Substep { plan, state, .. } = begun;
+    let Scratch { force, thesis_force, contact, scheme, recovery, .. } = scratch;
+    let at = Configuration {
+        position: &state.position,
+        velocity: schemes::damping_velocity(plan, state, scheme),
+        residual: (plan.integrator == Integrator::Implicit).then_some(&state.position_residual),
+    };
+    forces::evaluate(begun, at, force, recovery, recorder);
+    if let Some(thesis_force) = thesis_force {
+        recorder.enter(Stage::Contact);
+        contact::thesis::add_forces(begun, force, thesis_force, contact, recorder);
+    }
+}
+
+/// The velocities at the end, contact and hand included. Says whether there are any: the implicit scheme finds none where
+/// its equations would give energy from nowhere and the substep can be halved, nor where it is stopped.
+fn find_velocities<R: Real>(
+    begun: Substep<'_, R>,
+    gain: Gain,
+    scratch: &mut Scratch<R>,
+    recorder: &mut Recorder<'_>,
+) -> bool {
+    recorder.enter(Stage::Integrate);
+    if begun.plan.integrator != Integrator::Implicit {
+        predicted_velocities(begun, scratch, recorder);
+        return true;
+    }
+    solved_velocities(begun, scratch, recorder);
+    if recorder.has_stopped() || begun.plan.halvings == 0 {
+        return !recorder.has_stopped();
+    }
+    let Scratch { velocity, force, contact, recovery, .. } = &mut *scratch;
+    let end = End { velocity, force, contacts: &contact.contacts };
+    let stops = || recorder.stops();
+    if stays_finite(begun, velocity, velocity) && !gains_energy(begun, end, &stops) {
+        return !recorder.has_stopped();
+    }
+    match gain {
+        Gain::Halve => return false,
+        Gain::Slow => slow(begun, velocity, force, &contact.contacts, &stops),
+        Gain::Take if begun.plan.ends_explicitly => {
+            let Substep { state, .. } = begun;
+            let at = Configuration { position: &state.position, velocity: &state.velocity, residual: None };
+            forces::evaluate(begun, at, force, recovery, recorder);
+            recorder.enter(Stage::Integrate);
+            predicted_velocities(begun, scratch, recorder);
+        }
+        Gain::Take => {}
+    }
+    !recorder.has_stopped()
+}
+
+/// Whether the velocities that were found lead to finite places and, where nobody vouches for the step, tear no body
+/// apart. Contact may still change the paths of schemes that move particles by a mean velocity.
+fn is_sound<R: Real>(begun: Substep<'_, R>, scratch: &Scratch<R>) -> bool {
+    let Scratch { velocity, scheme, .. } = scratch;
+    let moving = scheme.moving(velocity);
+    !(begun.plan.watched && runs_away(begun.model, begun.dt, moving)) && stays_finite(begun, moving, velocity)
+}
+
+/// Moves everything, and remembers what the next substep of the scheme needs of this one.
+fn accept<R: Real>(model: &Model<R>, plan: &Plan, dt: R, state: &mut State<R>, scratch: &Scratch<R>) {
+    let Scratch { force, thesis_force, velocity, scheme, .. } = scratch;
+    schemes::remember(model, plan, dt, force, thesis_force.as_deref(), state);
+    move_particles(model, dt, state, scheme.moving(velocity), velocity);
+}
+
+/// Halves the velocities of bodies until they gain no energy from nowhere by them; what does even then stands still.
+fn slow<R: Real>(
+    begun: Substep<'_, R>,
+    velocity: &mut [R::Vec3],
+    force: &[R::Vec3],
+    contacts: &[ContactRecord<R>],
+    stops: &dyn Fn() -> bool,
+) {
+    let Substep { model, state, dt, .. } = begun;
+    for (number, body) in model.bodies.iter().enumerate() {
+        let own = body.particles.clone();
+        for slowing in (0..SLOWINGS).rev() {
+            let is_finite =
+                own.clone().all(|p| velocity[p].is_finite() && (state.position[p] + velocity[p] * dt).is_finite());
+            let end = End { velocity, force, contacts };
+            if is_finite && !body_gains_energy(begun, number, end, stops) {
+                break;
+            }
+            for velocity in &mut velocity[own.clone()] {
+                *velocity = if slowing == 0 || !is_finite { R::Vec3::ZERO } else { *velocity * R::from_f64(0.5) };
+            }
+        }
+    }
+}
+
+/// Writes the velocities at the end of a substep from those that the forces predict, and the paths of schemes that move
+/// particles by others.
+fn predicted_velocities<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorder: &mut Recorder<'_>) {
+    let (mut free, contact, velocity) = scratch.free(begun);
+    free.predict(velocity);
+    if let Some(grab) = begun.grab {
+        interaction::pull(begun.model, begun.dt, grab, &begun.state.position, velocity);
+    }
+    if meets_implicitly(begun.plan) {
+        contact::respond(begun, velocity, contact, recorder);
+        recorder.enter(Stage::Integrate);
+    }
+    free.refine(velocity, recorder);
+    let path = &mut scratch.scheme.path;
+    if meets_implicitly(begun.plan) && !path.is_empty() {
+        contact::respond_to_paths(begun, &mut scratch.velocity, path, &mut scratch.contact, recorder);
+        recorder.enter(Stage::Integrate);
+    }
+}
+
+/// Writes the velocities at the end of a substep as the implicit scheme solves for them.
+fn solved_velocities<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorder: &mut Recorder<'_>) {
+    let (mut free, contact, velocity) = scratch.free(begun);
+    if meets_implicitly(begun.plan) {
+        free.fall(velocity);
+        contact::find_touches(begun, velocity, contact, recorder);
+        recorder.enter(Stage::Integrate);
+    }
+    free.solve(&mut contact.touches, velocity, recorder);
+    if meets_implicitly(begun.plan) && !recorder.has_stopped() {
+        contact::settle_touches(begun, velocity, contact, recorder);
+        recorder.enter(Stage::Integrate);
+    }
+}
+
+/// Whether there is contact, by any rule but that of the thesis.
+fn meets_implicitly(plan: &Plan) -> bool {
+    plan.contact && plan.contact_rule == ContactRule::Implicit
+}
+
+fn stays_finite<R: Real>(
+    Substep { model, state, dt, .. }: Substep<'_, R>,
+    path: &[R::Vec3],
+    velocity: &[R::Vec3],
+) -> bool {
+    sleep::awake(model, &state.bodies).all(|body| {
+        let mut own = body.particles.clone();
+        own.all(|particle| {
+            (state.position[particle] + path[particle] * dt).is_finite() && velocity[particle].is_finite()
+        })
+    })
+}
+
+/// `x += dt u`, with what rounding keeps back carried to the next step (Kahan 1965), and `v = v'`, of what is awake.
+fn move_particles<R: Real>(model: &Model<R>, dt: R, state: &mut State<R>, path: &[R::Vec3], velocity: &[R::Vec3]) {
+    for (number, body) in model.bodies.iter().enumerate() {
+        if state.bodies[number].asleep {
+            continue;
+        }
+        for particle in body.particles.clone() {
+            let x = state.position[particle];
+            let change = path[particle] * dt + state.position_residual[particle];
+            let moved = x + change;
+            state.position_residual[particle] = change - (moved - x);
+            state.position[particle] = moved;
+        }
+        state.velocity[body.particles.clone()].copy_from_slice(&velocity[body.particles.clone()]);
+    }
+}

@@ -1,0 +1,3 @@
+//! How time is divided.
+
+pub(in crate::physics) mod strain;
