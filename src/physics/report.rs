@@ -137,10 +137,18 @@ pub(super) struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Of a substep, or a part of one that must be finished once others before it are taken.
-    pub(super) fn new(timer: &'a mut dyn StageTimer, may_be_given_up: bool) -> Self {
+    /// Of a substep that nothing was taken of.
+    pub(super) fn new(timer: &'a mut dyn StageTimer) -> Self {
         let (counters, last) = (Counters::default(), LastSubstep::default());
-        Self { counters, last, timer, may_be_given_up, stopped: Cell::new(false) }
+        Self { counters, last, timer, may_be_given_up: true, stopped: Cell::new(false) }
+    }
+
+    /// A part of so many seconds was taken, after which so many bodies sleep: the substep has to be finished from now on.
+    pub(super) fn took(&mut self, secs: f64, bodies_asleep: usize) {
+        self.may_be_given_up = false;
+        self.counters.substeps += 1;
+        self.counters.shortest_secs = Some(self.counters.shortest_secs.map_or(secs, |shortest| shortest.min(secs)));
+        self.last.bodies_asleep = bodies_asleep;
     }
 
     /// A stage begins and the one before it ends.
@@ -161,17 +169,17 @@ impl<'a> Recorder<'a> {
         self.stopped.get()
     }
 
-    /// Notes the deepest penetration of the substep, m.
+    /// Notes the deepest penetration at the end of a part, m.
     pub(super) fn note_depth(&mut self, depth_m: f64) {
         self.last.max_penetration_m = depth_m;
-        self.counters.peak_penetration_m = depth_m;
+        self.counters.peak_penetration_m = self.counters.peak_penetration_m.max(depth_m);
     }
 
     /// The last stage ends: what there is to tell.
-    pub(super) fn leave(self) -> StepReport {
+    pub(super) fn leave(self, diverged: bool) -> StepReport {
         self.timer.leave();
         let Self { counters, last, stopped, .. } = self;
-        StepReport { counters, last, stopped: stopped.into_inner(), diverged: false }
+        StepReport { counters, last, stopped: stopped.into_inner(), diverged }
     }
 }
 
@@ -209,7 +217,10 @@ mod tests {
                 true
             }
         }
-        assert!(Recorder::new(&mut Never, true).stops());
-        assert!(!Recorder::new(&mut Never, false).stops());
+        assert!(Recorder::new(&mut Never).stops());
+        let mut never = Never;
+        let mut recorder = Recorder::new(&mut never);
+        recorder.took(1e-3, 0);
+        assert!(!recorder.stops(), "a part of it was taken");
     }
 }

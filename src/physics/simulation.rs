@@ -11,16 +11,16 @@ use super::contact::sweep;
 use super::contact::{ContactRecord, Placed, approach};
 use super::interaction::Grab;
 use super::model::Model;
-use super::report::{LastSubstep, StageTimer, StepReport};
-use super::state::{BodyMemory, SPENT, State};
-use super::step::{self, Gain, Inputs, Part, Scratch};
+use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
+use super::state::{BodyMemory, State};
+use super::step::{self, Ending, Inputs, Scratch};
+use super::stepping::{Division, Part};
 use crate::geometry::Lattice;
 use crate::math::Real;
 use crate::physics::model::plan::Plan;
 use crate::physics::observe::diagnostics::Diagnostics;
 use crate::physics::state::hash::state_hash;
 use crate::physics::state::sleep;
-use crate::physics::stepping::strain;
 use crate::scene::Scene;
 
 /// A scene in motion.
@@ -175,41 +175,31 @@ impl<R: Real> Simulation<R> {
     /// Advances by a part of a substep that the linear equations of the implicit integrator hold for; with other
     /// integrators by all of it, in parts while a body is strained.
     fn advance(&mut self, timer: &mut impl StageTimer) -> StepReport {
-        let mut report = StepReport::default();
-        let parts = strain::parts_now(&self.model, &self.plan, &mut self.state);
-        let mut left = parts;
-        let secs = self.plan.substep_secs() / f64::from(left);
-        while left > 0 && !report.diverged && !report.stopped {
-            if self.state.work >= self.plan.most_work {
-                report.counters.slowed += u64::from(self.state.work != SPENT);
-                self.state.work = SPENT;
-                self.state.coarsen();
-            }
-            let (share, is_last) = self.state.next_part();
-            let gain = match () {
-                () if self.state.work == SPENT => Gain::Slow,
-                () if self.state.halvings < self.plan.halvings => Gain::Halve,
-                () => Gain::Take,
-            };
-            let (is_first, is_last) = (left == parts, is_last && left == 1);
-            let part = Part { secs: secs * share, gain, is_first, is_last };
-            let Self { model, plan, state, scratch, obstacles, grab, .. } = self;
+        let Self { model, plan, state, scratch, obstacles, grab, .. } = self;
+        let mut recorder = Recorder::new(timer);
+        let mut division = Division::of(model, plan, state);
+        let mut ending = Ending::Taken;
+        while let Some(part) = division.next(plan, state, &mut recorder.counters) {
             obstacles.place(model, state, part.secs);
+            let work_before = recorder.counters.implicit_work();
             let inputs = Inputs { obstacles, grab: grab.as_ref().filter(|grab| !state.bodies[grab.body].gone) };
-            let of_part = step::substep(model, plan, part, inputs, state, scratch, timer);
-            report.add(&of_part);
-            if !of_part.stopped {
-                self.state.work = self.state.work.saturating_add(of_part.counters.implicit_work());
+            ending = step::substep(model, plan, part, inputs, state, scratch, &mut recorder);
+            if ending == Ending::Stopped {
+                break;
             }
-            if of_part.stopped || of_part.counters.halved > 0 {
-                self.state.halvings += u32::from(!of_part.stopped);
-            } else {
-                approach::pass(&self.model, &self.scratch.contact.contacts, part.secs, &mut self.state);
-                sweep::pass(&self.model, part.secs, &mut self.state);
-                left -= 1;
+            state.work = state.work.saturating_add(recorder.counters.implicit_work() - work_before);
+            if ending == Ending::Refused {
+                division.refuse(plan, state, &mut recorder.counters);
+                continue;
             }
+            if ending == Ending::Diverged {
+                break;
+            }
+            approach::pass(model, &scratch.contact.contacts, part.secs, state);
+            sweep::pass(model, part.secs, state);
+            division.take();
         }
-        report
+        recorder.leave(ending == Ending::Diverged)
     }
 
     /// Whether the last step would have made a number infinite or NaN.
@@ -260,10 +250,10 @@ impl<R: Real> Simulation<R> {
         let mut awake = self.state.clone();
         awake.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut found = Scratch::new(&self.model, &self.plan);
-        let whole = Part::whole(&self.plan);
         let obstacles = Placed::now(&self.model, &self.state);
         let inputs = Inputs { obstacles: &obstacles, grab: None };
-        step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut ());
+        let (whole, timer) = (Part::one_of(&self.plan, 1), &mut ());
+        step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut Recorder::new(timer));
         self.scratch.contact.contacts = found.contact.contacts;
         self.scratch.contact.keep_of_sleepers(&self.model, &self.state);
     }

@@ -12,9 +12,11 @@ use crate::physics::forces;
 use crate::physics::forces::recovery;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
+use crate::physics::report::Recorder;
 use crate::physics::schemes;
 use crate::physics::state::{BodyMemory, State};
-use crate::physics::step::{Inputs, Part, Scratch, substep};
+use crate::physics::step::{Ending, Inputs, Scratch, substep};
+use crate::physics::stepping::Part;
 use crate::physics::stepping::strain;
 use crate::scene::settings::Integrator;
 
@@ -120,18 +122,18 @@ impl<'a, R: Real> Ahead<'a, R> {
         let is_on_time = schemes::is_on_time(plan, state);
         let (way, part) = if is_on_time {
             // Only what touches is asked for: any scheme finds it, at the least cost.
-            let whole = Part::whole(plan);
+            let whole = Part::one_of(plan, 1);
             let way = Plan { integrator: Integrator::SemiImplicit, halvings: 0, ..plan.clone() };
-            (Cow::Owned(way), Part { secs: whole.secs * INSTANT, ..whole })
+            (Cow::Owned(way), Part { secs: whole.secs * INSTANT, scheme: Integrator::SemiImplicit, ..whole })
         } else {
-            (Cow::Borrowed(plan), Part::whole(plan).of(strain::parts_now(model, plan, &mut next)))
+            (Cow::Borrowed(plan), Part::one_of(plan, strain::parts_now(model, plan, &mut next)))
         };
-        let mut scratch = Scratch::new(model, &way);
         let obstacles = Placed::now(model, state);
         let inputs = Inputs { obstacles: &obstacles, grab: None };
-        let report = substep(model, &way, part, inputs, &mut next, &mut scratch, &mut ());
+        let (timer, mut scratch) = (&mut (), Scratch::new(model, &way));
+        let ending = substep(model, &way, part, inputs, &mut next, &mut scratch, &mut Recorder::new(timer));
         let share = schemes::share_to_center(state, &next);
-        let is_on_time = is_on_time || report.diverged;
+        let is_on_time = is_on_time || ending == Ending::Diverged;
         Self { model, plan, state, next, contacts: scratch.contact.contacts, is_on_time, share }
     }
 

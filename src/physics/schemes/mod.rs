@@ -95,7 +95,7 @@ impl<R: Real> Free<'_, R> {
     /// Writes the velocities at the end of the substep as the forces at the state predict them.
     pub(super) fn predict(&mut self, velocity: &mut [R::Vec3]) {
         velocity.copy_from_slice(&self.substep.state.velocity);
-        let kicked_for = match self.substep.plan.integrator {
+        let kicked_for = match self.substep.scheme {
             Integrator::Verlet => verlet::kicked_for(self.substep.dt, self.substep.state),
             Integrator::SemiImplicit if self.substep.state.velocity_lag_secs > 0.0 => {
                 verlet::kicked_for(self.substep.dt, self.substep.state)
@@ -103,7 +103,7 @@ impl<R: Real> Free<'_, R> {
             _ => self.substep.dt,
         };
         kick(self.substep.model, &self.substep.state.bodies, kicked_for, self.force, velocity);
-        if moves_by_mean(self.substep.plan.integrator) {
+        if moves_by_mean(self.substep.scheme) {
             self.scratch.predicted.copy_from_slice(velocity);
         }
     }
@@ -129,11 +129,11 @@ impl<R: Real> Free<'_, R> {
     /// Goes through the substep once more for the schemes that move particles by another velocity than that at its end:
     /// writes both. What changed the predicted velocities on the way goes on as a constant force.
     pub(super) fn refine(&mut self, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
-        if !moves_by_mean(self.substep.plan.integrator) {
+        if !moves_by_mean(self.substep.scheme) {
             return;
         }
         self.scratch.settled.copy_from_slice(velocity);
-        match self.substep.plan.integrator {
+        match self.substep.scheme {
             Integrator::Rk2 => rk2::refine(self, velocity, recorder),
             Integrator::Rk4 => rk4::refine(self, velocity, recorder),
             _ => self.scratch.path.copy_from_slice(&self.substep.state.velocity),
@@ -205,17 +205,18 @@ pub(super) fn share_to_center<R: Real>(state: &State<R>, ahead: &State<R>) -> f6
 
 /// The velocities with which the damping at the state is evaluated.
 pub(super) fn damping_velocity<'a, R: Real>(
-    plan: &Plan,
+    scheme: Integrator,
     state: &'a State<R>,
     scratch: &'a mut Scratch<R>,
 ) -> &'a [R::Vec3] {
-    match plan.integrator {
+    match scheme {
         Integrator::Verlet => verlet::predicted_velocity(state, &mut scratch.velocity),
         _ => &state.velocity,
     }
 }
 
-/// Remembers what the next substep of the scheme needs of one that was accepted.
+/// Remembers what the next substep of the plan's scheme needs of one that was accepted: of a part that another took,
+/// nothing.
 pub(super) fn remember<R: Real>(
     model: &Model<R>,
     plan: &Plan,

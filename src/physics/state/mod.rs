@@ -8,7 +8,7 @@ use super::contact::approach::Approach;
 use super::contact::sweep::Sweep;
 use super::model::Model;
 use crate::math::{Real, Vector};
-use crate::physics::model::plan::{MOST_HALVINGS, Plan};
+use crate::physics::model::plan::Plan;
 use crate::scene::settings::Integrator;
 
 /// The [`State::work`] of a substep whose limit is reached.
@@ -46,7 +46,7 @@ pub struct State<R: Real> {
     pub steps: u64,
     /// Substeps taken of the step that is under way.
     pub substep: u32,
-    /// How much of the substep under way is done, in parts of 2 to the power of minus [`MOST_HALVINGS`] of it: more than
+    /// How much of the substep under way is done, in parts of 2 to the power of minus [`super::MOST_HALVINGS`] of it: more than
     /// nothing only where the implicit integrator halves it.
     pub part: u64,
     /// How often the substep under way is halved at present.
@@ -111,33 +111,6 @@ impl<R: Real> State<R> {
     /// Whether no step is under way.
     pub fn is_between_steps(&self) -> bool {
         self.substep == 0 && self.part == 0
-    }
-
-    /// The part of the substep that comes next: its share, and whether the substep ends with it.
-    pub(super) fn next_part(&self) -> (f64, bool) {
-        let length = 1 << (MOST_HALVINGS - self.halvings);
-        let whole = 1 << MOST_HALVINGS;
-        (length as f64 / whole as f64, self.part + length == whole)
-    }
-
-    /// Counts the next part as done and goes on as coarsely as the grid of halves allows. Says whether the substep is
-    /// done.
-    pub(super) fn end_part(&mut self) -> bool {
-        let length = 1 << (MOST_HALVINGS - self.halvings);
-        self.part += length;
-        if self.halvings > 0 && self.part.is_multiple_of(2 * length) {
-            self.halvings -= 1;
-        }
-        let ends = self.part == 1 << MOST_HALVINGS;
-        if ends {
-            (self.part, self.halvings, self.work) = (0, 0, 0);
-        }
-        ends
-    }
-
-    /// Lets the next part be as long as the grid of halves allows.
-    pub(super) fn coarsen(&mut self) {
-        self.halvings = if self.part == 0 { 0 } else { MOST_HALVINGS.saturating_sub(self.part.trailing_zeros()) };
     }
 
     /// Every particle at its start.

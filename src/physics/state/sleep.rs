@@ -18,6 +18,7 @@ use crate::math::{Real, Vector};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::{BodyMemory, State};
+use crate::physics::stepping;
 
 /// How long a body must be still, simulated s.
 pub(crate) const STILL_SECS: f64 = 0.5;
@@ -54,15 +55,7 @@ pub(in crate::physics) fn is_quiet<R: Real>(state: &State<R>) -> bool {
 
 /// Lets every body fall asleep that has been at rest for long enough, after a substep; never one that is `held`.
 pub(in crate::physics) fn watch<R: Real>(model: &Model<R>, plan: &Plan, held: Option<usize>, state: &mut State<R>) {
-    let substeps_in = |secs: f64| {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a count of at least one, saturating"
-        )]
-        let count = libm::ceil(secs / plan.substep_secs()).max(1.0) as u64;
-        count
-    };
+    let substeps_in = |secs: f64| stepping::substeps_in(plan, secs, libm::ceil);
     let (long_enough, between_looks) = (substeps_in(STILL_SECS), substeps_in(LOOK_SECS));
     for (number, body) in model.bodies.iter().enumerate() {
         if state.bodies[number].asleep {

@@ -23,8 +23,9 @@ use super::contact::{self, ContactRecord, Placed};
 use super::forces::{self, Configuration};
 use super::interaction::{self, Grab};
 use super::model::Model;
-use super::report::{Recorder, StageTimer, StepReport};
+use super::report::Recorder;
 use super::state::{BodyMemory, State};
+use super::stepping::{Gain, Part};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery;
 use crate::physics::model::plan::{Plan, Stage};
@@ -105,43 +106,20 @@ pub(super) struct Inputs<'a, R: Real> {
     pub(super) grab: Option<&'a Grab<R>>,
 }
 
-/// What becomes of a part of a substep that would give energy from nowhere.
+/// How a part of a substep ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Gain {
-    /// It is abandoned and halved.
-    Halve,
-    /// It is taken as an explicit integrator can take it, or as it is.
-    Take,
-    /// It is taken with as much of the motion as gives none: there was enough work on the substep.
-    Slow,
+pub(super) enum Ending {
+    /// The state is at its end.
+    Taken,
+    /// The state is untouched: the implicit scheme would have given energy from nowhere.
+    Refused,
+    /// The state is untouched: nobody waits for it any more.
+    Stopped,
+    /// The state is untouched: a number would not have been finite, or a body torn apart.
+    Diverged,
 }
 
-/// The time that a substep covers, or the part of one that is divided further.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
-    /// Its length, s.
-    pub secs: f64,
-    /// What becomes of it where the implicit integrator would give energy from nowhere.
-    pub gain: Gain,
-    /// Whether the substep begins with it: what is under way is not given up.
-    pub is_first: bool,
-    /// Whether the substep ends with it.
-    pub is_last: bool,
-}
-
-impl Part {
-    /// A whole substep, come what may.
-    pub(super) fn whole(plan: &Plan) -> Self {
-        Self { secs: plan.substep_secs(), gain: Gain::Take, is_first: true, is_last: true }
-    }
-
-    /// One of so many equal parts of it.
-    pub(super) fn of(self, parts: u32) -> Self {
-        Self { secs: self.secs / f64::from(parts), ..self }
-    }
-}
-
-/// Advances the state by one substep or a part of it. Abandons it, state untouched, where the report counts one as halved.
+/// Advances the state by a substep or a part of it.
 pub(super) fn substep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -149,63 +127,55 @@ pub(super) fn substep<R: Real>(
     Inputs { obstacles, grab }: Inputs<'_, R>,
     state: &mut State<R>,
     scratch: &mut Scratch<R>,
-    timer: &mut dyn StageTimer,
-) -> StepReport {
-    let mut recorder = Recorder::new(timer, part.is_first);
+    recorder: &mut Recorder<'_>,
+) -> Ending {
     if sleep::is_quiet(state) {
-        recorder.last.bodies_asleep = state.bodies.len();
-        scratch.contact.report_kept(&mut recorder);
+        scratch.contact.report_kept(recorder);
         state.time_secs += part.secs;
-        recorder.counters.substeps = 1;
-        recorder.counters.shortest_secs = Some(part.secs);
-        return recorder.leave();
+        recorder.took(part.secs, state.bodies.len());
+        return Ending::Taken;
     }
     let remembered = &mut scratch.remembered;
     remembered.iter_mut().zip(&state.bodies).for_each(|(copy, memory)| copy.copy(memory));
     if plan.recovery && recovery::is_due(model, plan, state) {
         recorder.enter(Stage::Recovery);
-        recovery::look(model, state, part.secs, &mut recorder);
-    }
-    let begun = Substep { model, plan, state, obstacles, dt: R::from_f64(part.secs), grab };
-    find_forces(begun, scratch, &mut recorder);
-    let is_found = find_velocities(begun, part.gain, scratch, &mut recorder);
-    if recorder.has_stopped() {
-        state.bodies.iter_mut().zip(&scratch.remembered).for_each(|(memory, copy)| memory.copy(copy));
-        return recorder.leave();
-    }
-    if !is_found {
-        recorder.counters.halved = 1;
-        return recorder.leave();
-    }
-    recorder.counters.substeps = 1;
-    recorder.counters.shortest_secs = Some(part.secs);
-    if !is_sound(begun, scratch) {
-        return StepReport { diverged: true, ..recorder.leave() };
+        recovery::look(model, state, part.secs, recorder);
     }
     let dt = R::from_f64(part.secs);
+    let begun = Substep { model, plan, state, obstacles, dt, scheme: part.scheme, grab };
+    find_forces(begun, scratch, recorder);
+    let is_found = find_velocities(begun, part.gain, scratch, recorder);
+    let is_sound = is_found && is_sound(begun, scratch);
+    if recorder.has_stopped() || !is_found {
+        state.bodies.iter_mut().zip(&scratch.remembered).for_each(|(memory, copy)| memory.copy(copy));
+        return if recorder.has_stopped() { Ending::Stopped } else { Ending::Refused };
+    }
+    if !is_sound {
+        recorder.took(part.secs, sleep::asleep(state));
+        return Ending::Diverged;
+    }
     if meets_implicitly(plan) {
         let moving = scratch.scheme.moving(&scratch.velocity);
-        contact::remember_sides(model, obstacles, dt, state, moving, &mut scratch.contact, &mut recorder);
+        contact::remember_sides(model, obstacles, dt, state, moving, &mut scratch.contact, recorder);
     }
-    accept(model, plan, dt, state, scratch);
-    state.time_secs += part.secs;
+    accept(model, plan, part, state, scratch);
     if plan.sleeping && part.is_last {
         recorder.enter(Stage::Rest);
         fallen::watch(model, state);
         sleep::watch(model, plan, grab.map(|grab| grab.body), state);
-        recorder.last.bodies_asleep = sleep::asleep(state);
     }
-    recorder.leave()
+    recorder.took(part.secs, sleep::asleep(state));
+    Ending::Taken
 }
 
 /// Forces at the state: gravity, links, cells near inversion, and contact by the thesis's rule.
 fn find_forces<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorder: &mut Recorder<'_>) {
-    let Substep { plan, state, .. } = begun;
+    let Substep { state, .. } = begun;
     let Scratch { force, thesis_force, contact, scheme, recovery, .. } = scratch;
     let at = Configuration {
         position: &state.position,
-        velocity: schemes::damping_velocity(plan, state, scheme),
-        residual: (plan.integrator == Integrator::Implicit).then_some(&state.position_residual),
+        velocity: schemes::damping_velocity(begun.scheme, state, scheme),
+        residual: (begun.scheme == Integrator::Implicit).then_some(&state.position_residual),
     };
     forces::evaluate(begun, at, force, recovery, recorder);
     if let Some(thesis_force) = thesis_force {
@@ -215,7 +185,7 @@ fn find_forces<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorde
 }
 
 /// The velocities at the end, contact and hand included. Says whether there are any: the implicit scheme finds none where
-/// its equations would give energy from nowhere and the substep can be halved, nor where it is stopped.
+/// its equations would give energy from nowhere and the part is to be refused then.
 fn find_velocities<R: Real>(
     begun: Substep<'_, R>,
     gain: Gain,
@@ -223,33 +193,24 @@ fn find_velocities<R: Real>(
     recorder: &mut Recorder<'_>,
 ) -> bool {
     recorder.enter(Stage::Integrate);
-    if begun.plan.integrator != Integrator::Implicit {
+    if begun.scheme != Integrator::Implicit {
         predicted_velocities(begun, scratch, recorder);
         return true;
     }
     solved_velocities(begun, scratch, recorder);
-    if recorder.has_stopped() || begun.plan.halvings == 0 {
-        return !recorder.has_stopped();
+    if gain == Gain::Take || recorder.has_stopped() {
+        return true;
     }
-    let Scratch { velocity, force, contact, recovery, .. } = &mut *scratch;
+    let Scratch { velocity, force, contact, .. } = scratch;
     let end = End { velocity, force, contacts: &contact.contacts };
     let stops = || recorder.stops();
     if stays_finite(begun, velocity, velocity) && !gains_energy(begun, end, &stops) {
-        return !recorder.has_stopped();
+        return true;
     }
-    match gain {
-        Gain::Halve => return false,
-        Gain::Slow => slow(begun, velocity, force, &contact.contacts, &stops),
-        Gain::Take if begun.plan.ends_explicitly => {
-            let Substep { state, .. } = begun;
-            let at = Configuration { position: &state.position, velocity: &state.velocity, residual: None };
-            forces::evaluate(begun, at, force, recovery, recorder);
-            recorder.enter(Stage::Integrate);
-            predicted_velocities(begun, scratch, recorder);
-        }
-        Gain::Take => {}
+    if gain == Gain::Slow {
+        slow(begun, velocity, force, &contact.contacts, &stops);
     }
-    !recorder.has_stopped()
+    gain == Gain::Slow
 }
 
 /// Whether the velocities that were found lead to finite places and, where nobody vouches for the step, tear no body
@@ -261,10 +222,12 @@ fn is_sound<R: Real>(begun: Substep<'_, R>, scratch: &Scratch<R>) -> bool {
 }
 
 /// Moves everything, and remembers what the next substep of the scheme needs of this one.
-fn accept<R: Real>(model: &Model<R>, plan: &Plan, dt: R, state: &mut State<R>, scratch: &Scratch<R>) {
+fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<R>, scratch: &Scratch<R>) {
+    let dt = R::from_f64(part.secs);
     let Scratch { force, thesis_force, velocity, scheme, .. } = scratch;
     schemes::remember(model, plan, dt, force, thesis_force.as_deref(), state);
     move_particles(model, dt, state, scheme.moving(velocity), velocity);
+    state.time_secs += part.secs;
 }
 
 /// Halves the velocities of bodies until they gain no energy from nowhere by them; what does even then stands still.

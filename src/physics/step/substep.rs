@@ -6,6 +6,7 @@ use crate::physics::interaction::Grab;
 use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::State;
+use crate::scene::settings::Integrator;
 
 /// A substep, or a part of one, as it begins.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +19,8 @@ pub(in crate::physics) struct Substep<'a, R: Real> {
     pub(in crate::physics) obstacles: &'a Placed<R>,
     /// Its length, s.
     pub(in crate::physics) dt: R,
+    /// What takes it.
+    pub(in crate::physics) scheme: Integrator,
     /// A hand that pulls.
     pub(in crate::physics) grab: Option<&'a Grab<R>>,
 }

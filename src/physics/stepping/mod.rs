@@ -1,3 +1,159 @@
-//! How time is divided.
+//! How time is divided: the one place that says how long a part of a substep is and which scheme takes it.
+//!
+//! ```text
+//! step       one dt: `Plan::substeps` substeps, as many as the bound of the scheme asks for at rest
+//! substep    whole; or in `Plan::parts` equal parts while links are strained (strain)
+//! part       with the implicit scheme it may be refused, as its linear equations would give energy from nowhere: it is
+//!            halved then, down to what an explicit scheme can take, which takes the smallest where that is refused too
+//! work       past `Plan::most_work` nothing is halved any more: parts are as long as the grid of halves allows, and
+//!            bodies that would gain energy are slowed
+//! ```
+//!
+//! What is under way is in the state, so that a state saved in the middle of a divided step goes on bit for bit.
 
 pub(in crate::physics) mod strain;
+
+use super::model::Model;
+use super::model::plan::{MOST_HALVINGS, Plan};
+use super::report::Counters;
+use super::state::{SPENT, State};
+use crate::math::Real;
+use crate::scene::settings::Integrator;
+
+/// The stretch of time that one evaluation of a scheme covers: a substep or a part of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Part {
+    /// Its length, s.
+    pub(super) secs: f64,
+    /// What takes it.
+    pub(super) scheme: Integrator,
+    /// What becomes of it where the implicit scheme would give energy from nowhere.
+    pub(super) gain: Gain,
+    /// Whether the substep begins with it: what is under way is not given up.
+    pub(super) is_first: bool,
+    /// Whether the substep ends with it.
+    pub(super) is_last: bool,
+}
+
+/// What becomes of a part in which the implicit scheme would give a body energy from nowhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Gain {
+    /// It is refused, the state untouched.
+    Refuse,
+    /// It is taken, with as much of the motion as gives none: there was enough work on the substep.
+    Slow,
+    /// It is taken as it is; nobody looks.
+    Take,
+}
+
+impl Part {
+    /// A whole substep, come what may, in one of so many equal parts.
+    pub(super) fn one_of(plan: &Plan, parts: u32) -> Self {
+        let secs = plan.substep_secs() / f64::from(parts);
+        Self { secs, scheme: plan.integrator, gain: Gain::Take, is_first: true, is_last: true }
+    }
+}
+
+/// A substep in the parts that it is taken in: those that the strain of bodies asks for, or the next of the parts that it
+/// was halved into.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Division {
+    parts: u32,
+    left: u32,
+    /// Whether the smallest part was refused, so that the explicit scheme takes it.
+    is_explicit: bool,
+}
+
+impl Division {
+    /// Of the coming substep.
+    pub(super) fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> Self {
+        let parts = strain::parts_now(model, plan, state);
+        Self { parts, left: parts, is_explicit: false }
+    }
+
+    /// The part that comes next; none where all are taken.
+    pub(super) fn next<R: Real>(&mut self, plan: &Plan, state: &mut State<R>, counters: &mut Counters) -> Option<Part> {
+        if self.left == 0 {
+            return None;
+        }
+        if state.work >= plan.most_work {
+            counters.slowed += u64::from(state.work != SPENT);
+            state.work = SPENT;
+            state.coarsen();
+            // The part may be a long one again.
+            self.is_explicit = false;
+        }
+        let length = state.next_length();
+        let whole = 1_u64 << MOST_HALVINGS;
+        let is_checked = plan.halvings > 0 && !self.is_explicit;
+        let can_be_refused = state.halvings < plan.halvings || plan.ends_explicitly;
+        let gain = match () {
+            () if is_checked && state.work == SPENT => Gain::Slow,
+            () if is_checked && can_be_refused => Gain::Refuse,
+            () => Gain::Take,
+        };
+        Some(Part {
+            secs: plan.substep_secs() / f64::from(self.parts) * (length as f64 / whole as f64),
+            scheme: if self.is_explicit { Integrator::SemiImplicit } else { plan.integrator },
+            gain,
+            is_first: self.left == self.parts,
+            is_last: self.left == 1 && state.part + length == whole,
+        })
+    }
+
+    /// The part was taken.
+    pub(super) fn take(&mut self) {
+        *self = Self { parts: self.parts, left: self.left - 1, is_explicit: false };
+    }
+
+    /// The part was refused: it is halved, or left to the explicit scheme.
+    pub(super) fn refuse<R: Real>(&mut self, plan: &Plan, state: &mut State<R>, counters: &mut Counters) {
+        if state.halvings < plan.halvings {
+            state.halvings += 1;
+            counters.halved += 1;
+        } else {
+            self.is_explicit = true;
+        }
+    }
+}
+
+impl<R: Real> State<R> {
+    /// The length of the part that comes next, in parts of 2 to the power of minus [`MOST_HALVINGS`] of the substep.
+    fn next_length(&self) -> u64 {
+        1 << (MOST_HALVINGS - self.halvings)
+    }
+
+    /// Counts the next part as done and goes on as coarsely as the grid of halves allows. Says whether the substep is
+    /// done.
+    pub(super) fn end_part(&mut self) -> bool {
+        let length = self.next_length();
+        self.part += length;
+        if self.halvings > 0 && self.part.is_multiple_of(2 * length) {
+            self.halvings -= 1;
+        }
+        let ends = self.part == 1 << MOST_HALVINGS;
+        if ends {
+            (self.part, self.halvings, self.work) = (0, 0, 0);
+        }
+        ends
+    }
+
+    /// Lets the next part be as long as the grid of halves allows.
+    fn coarsen(&mut self) {
+        self.halvings = if self.part == 0 { 0 } else { MOST_HALVINGS.saturating_sub(self.part.trailing_zeros()) };
+    }
+}
+
+/// How many substeps last so long, at least one: for what is counted in substeps.
+pub(super) fn substeps_in(plan: &Plan, secs: f64, round: fn(f64) -> f64) -> u64 {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
+    let count = round(secs / plan.substep_secs()).max(1.0) as u64;
+    count
+}
+
+/// Whether as many substeps were taken since the start as are a multiple of those that last so long.
+pub(super) fn is_due_every<R: Real>(plan: &Plan, state: &State<R>, secs: f64) -> bool {
+    let taken = state.steps / u64::from(plan.span);
+    let taken = taken.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep));
+    taken.is_multiple_of(substeps_in(plan, secs, libm::round))
+}

@@ -48,6 +48,7 @@ use crate::physics::model::{BodyModel, CellKind, Model};
 use crate::physics::report::Recorder;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
+use crate::physics::stepping;
 use crate::scene::settings::Integrator;
 use crate::scene::{Family, Springs};
 
@@ -105,10 +106,7 @@ pub(in crate::physics) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: 
 /// particles move past each other.
 pub(in crate::physics) fn is_time_to_look<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
     let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, state)));
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
-    let every = libm::round(between_looks / plan.substep_secs()).max(1.0) as u64;
-    let taken = state.steps / u64::from(plan.span);
-    taken.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep)).is_multiple_of(every)
+    stepping::is_due_every(plan, state, between_looks)
 }
 
 /// How long a body's cells may stay unseen as fast as its particles move past each other now, s.
@@ -152,20 +150,20 @@ pub(in crate::physics) fn look<R: Real>(
 
 /// Adds the push of the cells on the lists of the bodies, N.
 pub(in crate::physics) fn add_forces<R: Real>(
-    Substep { model, plan, state, .. }: Substep<'_, R>,
+    Substep { model, plan, state, dt, scheme, .. }: Substep<'_, R>,
     Configuration { position, velocity, .. }: Configuration<'_, R>,
     force: &mut [R::Vec3],
     scratch: &mut Scratch<R>,
     recorder: &mut Recorder<'_>,
 ) {
     // What the implicit integrator solves with resists as much.
-    let flow_secs = if plan.integrator == Integrator::Implicit { 0.0 } else { plan.substep_secs() };
+    let flow_secs = if scheme == Integrator::Implicit { R::ZERO } else { dt };
     for (body, memory) in model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep) {
         let position = &position[body.particles.clone()];
         let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];
         recorder.counters.recovery_cells += memory.near_inversion.len() as u64;
-        soften(body, &memory.near_inversion, position, velocity, R::from_f64(flow_secs), scratch, force);
+        soften(body, &memory.near_inversion, position, velocity, flow_secs, scratch, force);
         let stiffness = bearable_stiffness(plan, body) * body.inverse_cell_size;
         let pull = memory.stuck.then(|| pull::bearable_stiffness(plan, body) * body.inverse_cell_size);
         for &cell in &memory.near_inversion {
@@ -181,7 +179,8 @@ pub(in crate::physics) fn add_forces<R: Real>(
     }
 }
 
-/// The stiffness of a body's cells as far as the substep bears it, N·m: all of it where it is solved for.
+/// The stiffness of a body's cells as far as a whole substep bears it, N·m: all of it where it is solved for. Parts of
+/// substeps could bear more, but a stiffness that changes from one to the next gives energy.
 fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
     if plan.integrator == Integrator::Implicit {
         return body.recovery_stiffness;
