@@ -35,6 +35,22 @@
 //!     rest           who falls asleep or has fallen out
 //!   StepReport     sums over substeps, and what held at the end of the last
 //! ```
+//!
+//! # How a change while it runs looks
+//!
+//! ```
+//! use gelatin::physics::{Arrival, Simulation};
+//! use gelatin::scene::{path, presets};
+//!
+//! let mut scene = (presets::preset("cube-on-plane").unwrap().build)();
+//! let mut jelly = Simulation::<f32>::from_scene(&scene, "".as_ref()).unwrap();
+//! jelly.run_for(0.2);
+//! let before = jelly.state().velocity[0];
+//! path::set(&mut scene, "bodies.0.material.springs.shear.stiffness", "60").unwrap();
+//! let lattices = [jelly.model().bodies[0].lattice.clone()];
+//! jelly.set_parameters(&scene, &lattices, &[Some(0)], Arrival::Placed);
+//! assert_eq!(jelly.state().velocity[0], before, "it goes on as it was");
+//! ```
 
 mod compile;
 mod contact;
@@ -52,6 +68,7 @@ mod step;
 mod stepping;
 
 pub use compile::DEPTH_SHARE;
+pub use compile::from_scene::SceneError;
 pub use compile::other_form::other_form;
 pub use compile::safe_values::{SafeValue, largest_safe};
 pub use contact::approach::Approach;

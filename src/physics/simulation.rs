@@ -135,6 +135,21 @@ impl<R: Real> Simulation<R> {
         }
     }
 
+    /// Advances by as many whole steps as last so long, at least one where it is more than half a step, s. Ends early where
+    /// a step diverges.
+    pub fn run_for(&mut self, secs: f64) -> StepReport {
+        let mut report = StepReport::default();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
+        let steps = libm::round(secs / self.plan.dt_secs) as u64;
+        for _ in 0..steps {
+            report.add(&self.step());
+            if report.diverged {
+                break;
+            }
+        }
+        report
+    }
+
     /// Advances by one substep, or a part of one where the implicit integrator halves it. A simulation that has diverged
     /// stays where it was last good. Where `timer` stops it, the substep is yet to be taken.
     pub fn substep(&mut self, timer: &mut impl StageTimer) -> StepReport {
