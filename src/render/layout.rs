@@ -4,6 +4,9 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::view;
 
+/// Invocations of a workgroup in `skin.wgsl`.
+pub const SKIN_WORKGROUP: u32 = 64;
+
 /// `Frame` in `frame.wgsl`: what every drawing pass knows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -104,6 +107,10 @@ pub struct DeformedVertex {
 }
 
 impl DeformedVertex {
+    /// Numbers from one vertex to the next.
+    #[expect(clippy::cast_possible_truncation, reason = "a vertex is a few numbers")]
+    pub const STRIDE: u32 = (size_of::<Self>() / size_of::<f32>()) as u32;
+
     /// The vertex inputs of `mesh.wgsl`; the first alone serves `shadow.wgsl`.
     pub const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
         wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3];

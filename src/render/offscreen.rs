@@ -2,9 +2,10 @@
 
 use super::error::RenderError;
 use super::gpu::Gpu;
+use super::picture::FrameTarget;
 use super::quality::Quality;
 use super::readback::read_image;
-use super::renderer::{FrameTarget, Renderer};
+use super::renderer::Renderer;
 use super::target::{attachment, check_size};
 use crate::view::{DrawList, Image};
 

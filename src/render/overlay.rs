@@ -1,13 +1,14 @@
 //! All passes of an overlay, and their place in the picture: what hangs on bodies before the bodies where these are
 //! seen through, the rest over everything.
 
+use super::device::Device;
 use super::error::RenderError;
+use super::mesh_buffers::MeshBuffers;
 use super::passes::cells::CellsPass;
 use super::passes::fills::FillsPass;
-use super::passes::lines::{Device, LinesPass};
+use super::passes::lines::LinesPass;
 use super::passes::points::PointsPass;
-use super::renderer::FrameCounters;
-use super::scene::SceneBuffers;
+use super::picture::FrameCounters;
 use super::target::Output;
 use crate::view::Overlay;
 use crate::view::style::OverlayColors;
@@ -38,13 +39,13 @@ impl OverlayPasses {
         queue: &wgpu::Queue,
         overlays: [&Overlay; 2],
         colors: &OverlayColors,
-        scene: &mut SceneBuffers,
+        meshes: &mut MeshBuffers,
         counters: &mut FrameCounters,
     ) -> Result<(), RenderError> {
         let (device, bytes) = (Device { device, queue }, &mut counters.overlay_bytes);
-        self.lines.prepare(device, overlays, colors, scene, bytes)?;
-        self.cells.prepare(device, overlays, colors, scene, bytes)?;
-        self.points.prepare(device, overlays, colors, scene, bytes)?;
+        self.lines.prepare(device, overlays, colors, meshes, bytes)?;
+        self.cells.prepare(device, overlays, colors, meshes, bytes)?;
+        self.points.prepare(device, overlays, colors, meshes, bytes)?;
         self.fills.prepare(device, overlays, bytes)
     }
 

@@ -1,24 +1,25 @@
 //! From a draw list to a finished picture: what is uploaded, and the order of the passes.
 
+use super::device::Device;
 use super::error::RenderError;
 use super::extents::Extents;
 use super::frame::Lay;
 use super::gpu::Gpu;
 use super::layout::DeformedVertex;
+use super::mesh_buffers::MeshBuffers;
 use super::overlay::OverlayPasses;
 use super::passes::background::BackgroundPass;
 use super::passes::contact_shadow::ContactShadowPass;
 use super::passes::depth::Casters;
 use super::passes::ground::GroundPass;
-use super::passes::lines::Device;
 use super::passes::mesh::MeshPass;
 use super::passes::outline::{Masked, OutlinePass};
 use super::passes::shadow::ShadowPass;
 use super::passes::skin::SkinPass;
 use super::passes::solid::SolidPass;
+use super::picture::{FrameCounters, FrameTarget, Viewport};
 use super::quality::Quality;
 use super::readback::read_buffer;
-use super::scene::SceneBuffers;
 use super::shapes::Shapes;
 use super::shared::Shared;
 use super::target::{self, Output, Target};
@@ -29,7 +30,7 @@ use crate::view::{DrawList, Solid};
 pub struct Renderer {
     output: Output,
     shared: Shared,
-    scene: SceneBuffers,
+    meshes: MeshBuffers,
     shapes: Shapes,
     target: Option<Target>,
     skin: SkinPass,
@@ -43,45 +44,6 @@ pub struct Renderer {
     ground: GroundPass,
     overlay: OverlayPasses,
     outline: OutlinePass,
-}
-
-/// Where a picture goes.
-#[derive(Clone, Copy, Debug)]
-pub struct FrameTarget<'a> {
-    /// A view in the renderer's format; everything in it is overwritten.
-    pub view: &'a wgpu::TextureView,
-    /// The view's width and height, pixels.
-    pub size: [u32; 2],
-    /// The part that shows the scene, the rest is black; all of it where absent.
-    pub viewport: Option<Viewport>,
-}
-
-/// A rectangle of a picture, pixels from its upper left corner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Viewport {
-    /// The upper left corner.
-    pub origin: [u32; 2],
-    /// Width and height.
-    pub size: [u32; 2],
-}
-
-/// What a frame has cost.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct FrameCounters {
-    /// Particle positions uploaded, bytes.
-    pub particle_bytes: u64,
-    /// Scalars uploaded, bytes.
-    pub scalar_bytes: u64,
-    /// Skins uploaded, bytes.
-    pub static_bytes: u64,
-    /// Camera, light, colours and places of obstacles uploaded, bytes.
-    pub frame_bytes: u64,
-    /// Overlays uploaded, bytes: nothing when there are none.
-    pub overlay_bytes: u64,
-    /// Triangles drawn into the picture.
-    pub triangles: u64,
-    /// The passes that ran, in order.
-    pub passes: Vec<&'static str>,
 }
 
 impl Renderer {
@@ -108,7 +70,7 @@ impl Renderer {
             shadow,
             contact_shadow,
             shaded: None,
-            scene: SceneBuffers::default(),
+            meshes: MeshBuffers::default(),
             target: None,
         }
     }
@@ -133,14 +95,18 @@ impl Renderer {
             self.target = Some(Target::new(device, self.output, frame.size)?);
         }
         let mut counters = FrameCounters::default();
-        let deform = self.scene.update(device, queue, &self.skin, draw_list, &mut counters)?;
+        let changes = self.meshes.update(device, queue, draw_list, &mut counters)?;
+        if changes.has_new_buffers {
+            self.skin.bind(Device { device, queue }, &self.meshes);
+        }
+        let deform = changes.needs_deforming;
         let overlays = [&draw_list.overlay, &draw_list.tools];
         let colors = &draw_list.style.overlay;
-        self.overlay.prepare(device, queue, overlays, colors, &mut self.scene, &mut counters)?;
+        self.overlay.prepare(device, queue, overlays, colors, &mut self.meshes, &mut counters)?;
         let gpu = Device { device, queue };
-        self.outline.prepare(gpu, draw_list, frame.size, &self.scene, &mut counters.overlay_bytes)?;
+        self.outline.prepare(gpu, draw_list, frame.size, &self.meshes, &mut counters.overlay_bytes)?;
 
-        let particles_of_skins = self.scene.skins.iter().map(|skin| skin.particles.clone());
+        let particles_of_skins = self.meshes.skins.iter().map(|skin| skin.particles.clone());
         let lay = Lay::new(draw_list, Extents::new(particles_of_skins, draw_list), self.output.quality);
         let (bodies, solids) = (lay.bodies(draw_list), lay.solids(draw_list));
         let uniform = lay.uniform(draw_list, viewport);
@@ -148,11 +114,11 @@ impl Renderer {
 
         if deform {
             counters.passes.push("skin");
-            self.skin.run(encoder, &self.scene.skins);
+            self.skin.run(encoder, &self.meshes.skins);
         }
         self.shade(encoder, draw_list, lay, deform, &mut counters);
         let masked = Masked {
-            skins: &self.scene.skins,
+            skins: &self.meshes.skins,
             solids: &draw_list.solids,
             instances: self.shared.solids(),
             shapes: &self.shapes,
@@ -178,7 +144,7 @@ impl Renderer {
             return;
         }
         let casters = Casters {
-            skins: &self.scene.skins,
+            skins: &self.meshes.skins,
             solids: &draw_list.solids,
             instances: self.shared.solids(),
             shapes: &self.shapes,
@@ -192,7 +158,7 @@ impl Renderer {
     /// The deformed vertices of the n-th skin of the last draw list, read back from the device; `None` where there is
     /// no such skin. Waits for the device: for tests and export.
     pub fn read_skin(&self, gpu: &Gpu, index: usize) -> Result<Option<Vec<DeformedVertex>>, RenderError> {
-        let Some(skin) = self.scene.skins.get(index) else { return Ok(None) };
+        let Some(skin) = self.meshes.skins.get(index) else { return Ok(None) };
         let bytes = read_buffer(gpu, &skin.deformed)?;
         Ok(Some(bytemuck::pod_collect_to_vec(&bytes)))
     }
@@ -233,7 +199,7 @@ impl Renderer {
         pass.set_bind_group(1, self.shared.lighting(), &[]);
         let see_through = draw_list.overlay.see_through.clamp(0.0, 1.0);
         if see_through <= 0.0 {
-            self.mesh.draw(&mut pass, &self.scene.skins, self.shared.bodies());
+            self.mesh.draw(&mut pass, &self.meshes.skins, self.shared.bodies());
             counters.passes.push("mesh");
         }
         self.solid.draw(&mut pass, &self.shapes, &draw_list.solids, self.shared.solids());
@@ -247,12 +213,12 @@ impl Renderer {
         self.overlay.draw_carried(&mut pass, counters);
         if see_through > 0.0 {
             pass.set_bind_group(1, self.shared.lighting(), &[]);
-            self.mesh.draw_sheer(&mut pass, &self.scene.skins, self.shared.bodies(), 1.0 - see_through);
+            self.mesh.draw_sheer(&mut pass, &self.meshes.skins, self.shared.bodies(), 1.0 - see_through);
             counters.passes.push("mesh");
         }
         self.outline.draw(&mut pass);
         self.overlay.draw_placed(&mut pass, counters);
-        counters.triangles = self.scene.skins.iter().map(|skin| u64::from(skin.index_count / 3)).sum();
+        counters.triangles = self.meshes.skins.iter().map(|skin| u64::from(skin.index_count / 3)).sum();
     }
 }
 

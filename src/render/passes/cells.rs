@@ -1,12 +1,12 @@
 //! Cells as frames, those turned inside out crossed.
 
 use super::all_with;
-use super::lines::Device;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use crate::render::device::Device;
 use crate::render::error::RenderError;
 use crate::render::kept::{Kept, Looks};
 use crate::render::layout::CellSet;
-use crate::render::scene::SceneBuffers;
+use crate::render::mesh_buffers::MeshBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
 use crate::view::Overlay;
@@ -43,12 +43,12 @@ impl CellsPass {
         Device { device, queue }: Device<'_>,
         overlays: [&Overlay; 2],
         colors: &OverlayColors,
-        scene: &SceneBuffers,
+        meshes: &MeshBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
         self.sets.clear();
         self.cells.begin();
-        if let Some(positions) = scene.particles() {
+        if let Some(positions) = meshes.particles() {
             for (frames, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.cells, overlay.scale)) {
                 let CellFrames { cells, first, width } = frames;
                 let look = CellSet {

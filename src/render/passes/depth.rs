@@ -2,7 +2,7 @@
 
 use super::vertex_layout;
 use crate::render::layout::{DeformedVertex, SolidInstance, SolidVertex};
-use crate::render::scene::SkinBuffers;
+use crate::render::mesh_buffers::SkinBuffers;
 use crate::render::shader::Shader;
 use crate::render::shapes::Shapes;
 use crate::render::target::{DEPTH_FORMAT, attachment};

@@ -1,7 +1,7 @@
 //! Flat shapes over everything.
 
-use super::lines::Device;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use crate::render::device::Device;
 use crate::render::error::RenderError;
 use crate::render::kept::Kept;
 use crate::render::layout::FillVertex;

@@ -2,10 +2,11 @@
 
 use super::all_with;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use crate::render::device::Device;
 use crate::render::error::RenderError;
 use crate::render::kept::{Kept, Looks};
 use crate::render::layout::{DeformedVertex, LineSet, SegmentInstance};
-use crate::render::scene::SceneBuffers;
+use crate::render::mesh_buffers::MeshBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
 use crate::view::Overlay;
@@ -39,13 +40,6 @@ enum Kind {
     Carried,
     Placed,
     Screen,
-}
-
-/// What lines are prepared from.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::render) struct Device<'a> {
-    pub(in crate::render) device: &'a wgpu::Device,
-    pub(in crate::render) queue: &'a wgpu::Queue,
 }
 
 impl LinesPass {
@@ -86,7 +80,7 @@ impl LinesPass {
         Device { device, queue }: Device<'_>,
         overlays: [&Overlay; 2],
         colors: &OverlayColors,
-        scene: &mut SceneBuffers,
+        meshes: &mut MeshBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
         self.sets.clear();
@@ -100,7 +94,7 @@ impl LinesPass {
                 stride: 3,
                 first: 0,
             };
-            let Some(mut positions) = scene.particles().cloned() else { continue };
+            let Some(mut positions) = meshes.particles().cloned() else { continue };
             let (kind, instances, count) = match &lines.ends {
                 LineEnds::Particles { ends, first } => {
                     look.first = *first;
@@ -108,9 +102,9 @@ impl LinesPass {
                     (Kind::Carried, self.pairs.get(device, queue, ends, bytes_of, bytes_counted)?, ends.len())
                 }
                 LineEnds::Skin(index) => {
-                    let Some(skin) = scene.skins.get_mut(*index) else { continue };
+                    let Some(skin) = meshes.skins.get_mut(*index) else { continue };
                     positions = skin.deformed.clone();
-                    look.stride = STRIDE_OF_SKINS;
+                    look.stride = DeformedVertex::STRIDE;
                     let (edges, count) = skin.edges(device, queue, bytes_counted)?;
                     (Kind::Carried, edges, count)
                 }
@@ -168,7 +162,3 @@ impl LinesPass {
         drawn
     }
 }
-
-/// Numbers from one vertex of a deformed skin to the next.
-#[expect(clippy::cast_possible_truncation, reason = "a vertex is a few numbers")]
-pub(in crate::render) const STRIDE_OF_SKINS: u32 = (size_of::<DeformedVertex>() / size_of::<f32>()) as u32;

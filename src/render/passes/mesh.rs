@@ -2,7 +2,7 @@
 
 use super::{Drawing, drawing_pipeline, vertex_layout};
 use crate::render::layout::{BodyInstance, DeformedVertex};
-use crate::render::scene::SkinBuffers;
+use crate::render::mesh_buffers::SkinBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
 

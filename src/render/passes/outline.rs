@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::lines::{Device, STRIDE_OF_SKINS};
 use super::silhouette::SilhouettePass;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use crate::render::device::Device;
 use crate::render::error::RenderError;
 use crate::render::kept::{Kept, Looks};
 use crate::render::layout::{DeformedVertex, LineSet, SegmentInstance, SolidInstance, SolidVertex};
-use crate::render::renderer::Viewport;
-use crate::render::scene::{SceneBuffers, SkinBuffers};
+use crate::render::mesh_buffers::{MeshBuffers, SkinBuffers};
+use crate::render::picture::Viewport;
 use crate::render::shader;
 use crate::render::shapes::Shapes;
 use crate::render::target::{Output, attachment};
@@ -142,7 +142,7 @@ impl OutlinePass {
         Device { device, queue }: Device<'_>,
         draw_list: &DrawList,
         size: [u32; 2],
-        scene: &SceneBuffers,
+        meshes: &MeshBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
         self.ready = None;
@@ -151,13 +151,13 @@ impl OutlinePass {
         let width = 2.0 * WIDTH * draw_list.overlay.scale;
         let mut look = LineSet { color: [r, g, b, 1.0], width, hidden: HIDDEN, ..LineSet::default() };
         let found = match draw_list.selected {
-            Some(Selected::Skin(index)) => scene.skins.get(index).map(|skin| {
-                look.stride = STRIDE_OF_SKINS;
+            Some(Selected::Skin(index)) => meshes.skins.get(index).map(|skin| {
+                look.stride = DeformedVertex::STRIDE;
                 let eye = draw_list.camera.eye;
                 self.silhouette.prepare(Device { device, queue }, skin, eye, bytes_counted)?;
                 Ok((skin.deformed.clone(), None))
             }),
-            Some(Selected::Solid(index)) => draw_list.solids.get(index).zip(scene.particles()).map(|(solid, any)| {
+            Some(Selected::Solid(index)) => draw_list.solids.get(index).zip(meshes.particles()).map(|(solid, any)| {
                 let segments = around(&mut self.around, solid, draw_list.camera.eye);
                 let bytes_of = |segments: &[Segment]| {
                     let instances: Vec<SegmentInstance> = segments.iter().map(SegmentInstance::from).collect();

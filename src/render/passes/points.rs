@@ -1,12 +1,12 @@
 //! Overlay points: particles, or places in the world.
 
 use super::all_with;
-use super::lines::Device;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use crate::render::device::Device;
 use crate::render::error::RenderError;
 use crate::render::kept::{Kept, Looks};
 use crate::render::layout::PointSet;
-use crate::render::scene::SceneBuffers;
+use crate::render::mesh_buffers::MeshBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
 use crate::view::Overlay;
@@ -67,12 +67,12 @@ impl PointsPass {
         Device { device, queue }: Device<'_>,
         overlays: [&Overlay; 2],
         colors: &OverlayColors,
-        scene: &SceneBuffers,
+        meshes: &MeshBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
         self.sets.clear();
         self.places.begin();
-        if let Some(positions) = scene.particles() {
+        if let Some(positions) = meshes.particles() {
             for (points, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.points, overlay.scale)) {
                 let Points { places, tint, size, hidden } = points;
                 let (buffer, first, count) = match places {

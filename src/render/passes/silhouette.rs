@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::lines::Device;
 use crate::render::buffer::filled;
+use crate::render::device::Device;
 use crate::render::error::RenderError;
-use crate::render::scene::SkinBuffers;
+use crate::render::mesh_buffers::SkinBuffers;
 use crate::render::shader;
 use crate::view::Skin;
 

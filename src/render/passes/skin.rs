@@ -1,22 +1,23 @@
 //! Carries skins along with their particles, on the device.
 
-use crate::render::scene::SkinBuffers;
+use crate::render::buffer::filled;
+use crate::render::device::Device;
+use crate::render::layout::SKIN_WORKGROUP;
+use crate::render::mesh_buffers::{MeshBuffers, SkinBuffers};
 use crate::render::shader;
-
-/// Invocations of a workgroup in `skin.wgsl`.
-const WORKGROUP: u32 = 64;
 
 /// Carries skins along with their particles.
 #[derive(Debug)]
 pub(in crate::render) struct SkinPass {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
+    /// One per skin; none until particles are there.
+    bind_groups: Vec<wgpu::BindGroup>,
+    /// Stands in where no scalars are shown.
+    no_scalars: Option<wgpu::Buffer>,
 }
 
 impl SkinPass {
-    /// The most vertices of a skin: 65 535 workgroups are what every device takes.
-    pub(in crate::render) const MOST_VERTICES: u32 = 65_535 * WORKGROUP;
-
     pub(in crate::render) fn new(device: &wgpu::Device) -> Self {
         let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
             binding,
@@ -45,27 +46,39 @@ impl SkinPass {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
-        Self { pipeline, layout }
+        Self { pipeline, layout, bind_groups: Vec::new(), no_scalars: None }
     }
 
-    /// Names particles, scalars, skin and deformed skin, in this order.
-    pub(in crate::render) fn bind(&self, device: &wgpu::Device, buffers: [&wgpu::Buffer; 4]) -> wgpu::BindGroup {
-        let [particles, scalars, skin, deformed] = buffers.map(wgpu::Buffer::as_entire_binding);
-        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("skin"),
-            layout: &self.layout,
-            entries: &[entry(0, particles), entry(1, scalars), entry(2, skin), entry(3, deformed)],
-        })
+    /// Names the buffers of all skins: particles, scalars, skin and deformed skin, in this order.
+    pub(in crate::render) fn bind(&mut self, Device { device, queue }: Device<'_>, meshes: &MeshBuffers) {
+        self.bind_groups.clear();
+        let Some(particles) = meshes.particles() else { return };
+        let no_scalars = self
+            .no_scalars
+            .get_or_insert_with(|| filled(device, queue, "no scalars", &[0; 4], wgpu::BufferUsages::STORAGE));
+        let scalars = meshes.scalars().unwrap_or(no_scalars);
+        let bound = meshes.skins.iter().map(|skin| {
+            let buffers = [particles, scalars, &skin.vertices, &skin.deformed];
+            let entries = [0, 1, 2, 3].map(|place| wgpu::BindGroupEntry {
+                binding: place,
+                resource: buffers[place as usize].as_entire_binding(),
+            });
+            device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("skin"),
+                layout: &self.layout,
+                entries: &entries,
+            })
+        });
+        self.bind_groups.extend(bound);
     }
 
     pub(in crate::render) fn run(&self, encoder: &mut wgpu::CommandEncoder, skins: &[SkinBuffers]) {
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("skin"), timestamp_writes: None });
         pass.set_pipeline(&self.pipeline);
-        for skin in skins {
-            pass.set_bind_group(0, skin.bind_group.as_ref(), &[]);
-            pass.dispatch_workgroups(skin.vertex_count.div_ceil(WORKGROUP), 1, 1);
+        for (skin, bind_group) in skins.iter().zip(&self.bind_groups) {
+            pass.set_bind_group(0, bind_group, &[]);
+            pass.dispatch_workgroups(skin.vertex_count.div_ceil(SKIN_WORKGROUP), 1, 1);
         }
     }
 }

@@ -5,20 +5,29 @@ use std::sync::Arc;
 
 use super::buffer::filled;
 use super::error::RenderError;
-use super::layout::{DeformedVertex, SkinVertex};
-use super::passes::skin::SkinPass;
-use super::renderer::FrameCounters;
+use super::layout::{DeformedVertex, SKIN_WORKGROUP, SkinVertex};
+use super::picture::FrameCounters;
 use crate::view::{DrawList, Skin};
+
+/// The most vertices of a skin: 65 535 workgroups are what every device takes.
+const MOST_VERTICES: u32 = 65_535 * SKIN_WORKGROUP;
 
 /// What lies on the device between frames.
 #[derive(Debug, Default)]
-pub(super) struct SceneBuffers {
+pub(super) struct MeshBuffers {
     particles: Option<Uploaded<Vec<[f32; 3]>>>,
     scalars: Option<Uploaded<Vec<f32>>>,
-    /// Stands in where no scalars are shown.
-    no_scalars: Option<wgpu::Buffer>,
     /// One per skin of the last draw list, in its order.
     pub(super) skins: Vec<SkinBuffers>,
+}
+
+/// What a draw list has changed on the device.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Changes {
+    /// Bind groups name buffers that are gone.
+    pub(super) has_new_buffers: bool,
+    /// Skins no longer lie where their particles are.
+    pub(super) needs_deforming: bool,
 }
 
 /// Data on the device, and where it came from.
@@ -35,7 +44,8 @@ pub(super) struct SkinBuffers {
     particles_needed: usize,
     /// Where the particles that carry it are among those of all bodies.
     pub(super) particles: Range<usize>,
-    vertices: wgpu::Buffer,
+    /// [`SkinVertex`] by [`SkinVertex`].
+    pub(super) vertices: wgpu::Buffer,
     /// [`DeformedVertex`] by [`DeformedVertex`].
     pub(super) deformed: wgpu::Buffer,
     /// Pairs of vertices, one an edge, and how many there are; made when they are first drawn.
@@ -46,20 +56,17 @@ pub(super) struct SkinBuffers {
     pub(super) index_count: u32,
     /// How many vertices there are.
     pub(super) vertex_count: u32,
-    /// Names the buffers to the skin pass; none until particles are there.
-    pub(super) bind_group: Option<wgpu::BindGroup>,
 }
 
-impl SceneBuffers {
-    /// Brings the device up to date with a draw list; true when skins have to be deformed anew.
+impl MeshBuffers {
+    /// Brings the device up to date with a draw list.
     pub(super) fn update(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        pass: &SkinPass,
         draw_list: &DrawList,
         counters: &mut FrameCounters,
-    ) -> Result<bool, RenderError> {
+    ) -> Result<Changes, RenderError> {
         check(device, draw_list)?;
         let new_skins = self.update_skins(device, queue, draw_list, counters)?;
         let (moved, moved_buffer) =
@@ -71,15 +78,20 @@ impl SceneBuffers {
             }
             Some(scalars) => upload(device, queue, "scalars", &mut self.scalars, scalars, &mut counters.scalar_bytes),
         };
-        if new_skins || moved_buffer || colored_buffer {
-            self.bind(device, queue, pass);
-        }
-        Ok(new_skins || moved || colored)
+        Ok(Changes {
+            has_new_buffers: new_skins || moved_buffer || colored_buffer,
+            needs_deforming: new_skins || moved || colored,
+        })
     }
 
     /// Three numbers a particle; none before the first draw list.
     pub(super) fn particles(&self) -> Option<&wgpu::Buffer> {
         self.particles.as_ref().map(|particles| &particles.buffer)
+    }
+
+    /// One number a particle; none where no scalars are shown.
+    pub(super) fn scalars(&self) -> Option<&wgpu::Buffer> {
+        self.scalars.as_ref().map(|scalars| &scalars.buffer)
     }
 
     fn update_skins(
@@ -106,19 +118,6 @@ impl SceneBuffers {
             }
         }
         Ok(changed)
-    }
-
-    fn bind(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, pass: &SkinPass) {
-        let no_scalars = self
-            .no_scalars
-            .get_or_insert_with(|| filled(device, queue, "no scalars", &[0; 4], wgpu::BufferUsages::STORAGE));
-        let scalars = self.scalars.as_ref().map_or(&*no_scalars, |scalars| &scalars.buffer);
-        for skin in &mut self.skins {
-            skin.bind_group = self
-                .particles
-                .as_ref()
-                .map(|particles| pass.bind(device, [&particles.buffer, scalars, &skin.vertices, &skin.deformed]));
-        }
     }
 }
 
@@ -159,7 +158,7 @@ impl SkinBuffers {
     ) -> Result<Self, RenderError> {
         let limit = storage_limit(device);
         let bytes = (skin.vertices().len() * size_of::<SkinVertex>()) as u64;
-        let most = u64::from(SkinPass::MOST_VERTICES) * size_of::<SkinVertex>() as u64;
+        let most = u64::from(MOST_VERTICES) * size_of::<SkinVertex>() as u64;
         let index_bytes = size_of_val(skin.triangles()) as u64;
         if bytes > limit.min(most) {
             return Err(RenderError::TooMuch { what: "vertices of a skin", bytes, limit: limit.min(most) });
@@ -191,7 +190,6 @@ impl SkinBuffers {
             indices: uploaded("triangles", bytemuck::cast_slice(skin.triangles()), wgpu::BufferUsages::INDEX),
             index_count: count(skin.triangles().len() * 3),
             vertex_count: count(skin.vertices().len()),
-            bind_group: None,
         })
     }
 }

@@ -1,0 +1,8 @@
+//! What everything that uploads is given.
+
+/// Makes buffers and fills them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Device<'a> {
+    pub(super) device: &'a wgpu::Device,
+    pub(super) queue: &'a wgpu::Queue,
+}
