@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::Free;
+use super::free::Free;
 
 /// The least of what the machine, the control groups and the limits of the process leave.
 pub(super) fn free() -> Option<Free> {

@@ -1,22 +1,16 @@
 //! What the machine has to give: memory. Asked before a scene is built, so that it is refused in words instead of the
 //! process being killed.
 
+mod free;
 #[cfg(target_os = "linux")]
 mod linux;
 
 use std::sync::OnceLock;
 
+pub use free::Free;
+
 /// What a person allows instead of what is free, bytes.
 static ALLOWED: OnceLock<u64> = OnceLock::new();
-
-/// Memory that this process may still take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Free {
-    /// How much, bytes.
-    pub bytes: u64,
-    /// Who says so, for a sentence.
-    pub whose: &'static str,
-}
 
 /// Lets this process take so many bytes, whatever is free. Counts once in a process.
 pub fn allow(bytes: u64) {

@@ -10,15 +10,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 /// One file as a module: its path in the crate, and its code.
-pub struct Module {
+pub(super) struct Module {
     /// The path from the root of the repository.
-    pub file: String,
+    pub(super) file: String,
     /// Code without comments and tests.
-    pub code: String,
+    pub(super) code: String,
 }
 
 /// Every knot of files that name each other in circles: a line for each file, with those of the knot that it names.
-pub fn circles(modules: &[Module]) -> Vec<Vec<String>> {
+pub(super) fn circles(modules: &[Module]) -> Vec<Vec<String>> {
     let tree = Tree::new(modules);
     let arrows: Vec<BTreeSet<usize>> = (0..modules.len()).map(|from| tree.arrows(from)).collect();
     let reach: Vec<BTreeSet<usize>> = (0..modules.len()).map(|from| reached(&arrows, from)).collect();
@@ -106,13 +106,20 @@ impl Scope {
     fn read(code: &str, own: &[String]) -> Self {
         let (uses, rest) = without_uses(code);
         let mut names = BTreeMap::new();
+        // Who may see a thing is no use of it.
+        let rest = rest.split("(in crate::").enumerate().map(|(part, text)| match text.split_once(')') {
+            Some((_, after)) if part > 0 => after,
+            _ => text,
+        });
+        let rest = rest.collect::<Vec<_>>().join("");
         let words: Vec<&str> = words(&rest);
         for pair in words.windows(3).filter(|three| three[0] == "mod" && three[2] == ";") {
             names.insert(pair[1].to_owned(), [own, &[pair[1].to_owned()]].concat());
         }
         let children = names.clone();
         let mut named = Vec::new();
-        let body = words.iter().copied().collect::<BTreeSet<_>>();
+        let declared = |place: usize| place > 0 && words[place - 1] == "mod";
+        let body: BTreeSet<&str> = (0..words.len()).filter(|&at| !declared(at)).map(|at| words[at]).collect();
         for Use { is_public, tree } in uses {
             for (path, name) in leaves(&tree) {
                 let Some(full) = absolute(&path, own, &children) else { continue };
@@ -294,5 +301,7 @@ mod tests {
         assert_eq!(knots(&[("src/m/mod.rs", "mod a;\npub use a::A;\npub struct P;"), child]), 0, "passes on");
         assert_eq!(knots(&[("src/m/mod.rs", "mod a;\npub use a::A;\npub struct P(A);"), child]), 1, "names it too");
         assert_eq!(knots(&[("src/m.rs", "mod a;\npub struct P;\nfn f() { a::A }"), child]), 1, "by a path");
+        let function = ("src/m/a.rs", "use super::P;\npub fn a() {}");
+        assert_eq!(knots(&[("src/m/mod.rs", "mod a;\npub use a::a;\npub struct P;"), function]), 0, "of one name");
     }
 }

@@ -1,0 +1,10 @@
+//! What is left of the memory.
+
+/// Memory that this process may still take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Free {
+    /// How much, bytes.
+    pub bytes: u64,
+    /// Who says so, for a sentence.
+    pub whose: &'static str,
+}
