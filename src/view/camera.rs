@@ -23,12 +23,6 @@ pub struct Camera {
     pub fov_rad: f32,
 }
 
-impl Default for Camera {
-    fn default() -> Self {
-        super::Orbit::default().camera()
-    }
-}
-
 impl Camera {
     /// The unit vector from the eye into the scene.
     pub fn forward(&self) -> Vec3 {

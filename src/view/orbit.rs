@@ -40,6 +40,12 @@ impl Default for Orbit {
     }
 }
 
+impl Default for Camera {
+    fn default() -> Self {
+        Orbit::default().camera()
+    }
+}
+
 impl Orbit {
     /// The same orbit with every value inside its limits and not-a-number replaced by the default.
     pub fn clamped(self) -> Self {
