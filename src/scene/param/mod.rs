@@ -1,6 +1,8 @@
 //! One definition per tunable: path, unit, range, words and help. Sliders, tooltips, file errors, `--set` and the
 //! printed list derive from this table; default values are read from the `Default` implementations, never repeated.
 
+mod default;
+mod definition;
 mod table;
 
 use std::fmt;
@@ -8,65 +10,13 @@ use std::fmt;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::body::{CellsShape, CubeShape, Inlay, MAX_INLAYS, ModelShape, PinBox};
-use super::obstacle::{Plane, Sphere};
-use super::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid};
+use super::Scene;
 use crate::text::echo;
-use table::MODEL_PATH;
+pub(super) use default::default_at;
+#[cfg(test)]
+pub(super) use default::specimen;
+pub use definition::{Kind, Param};
 pub use table::PARAMS;
-
-/// A value a person can set.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Param {
-    /// The place in a scene; `*` stands for a place in a list: `bodies.*.pose.position`.
-    pub path: &'static str,
-    /// What values it takes.
-    pub kind: Kind,
-    /// How many numbers: 1, or 2 or 3 for a vector.
-    pub len: usize,
-    /// The unit; empty for a plain number or anything that is not a number.
-    pub unit: &'static str,
-    /// Whether a slider moves it in factors rather than steps.
-    pub logarithmic: bool,
-    /// One sentence for a person.
-    pub help: &'static str,
-}
-
-/// What values a parameter takes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
-    /// A number between two ends, both included.
-    Number {
-        /// The least.
-        min: f64,
-        /// The greatest.
-        max: f64,
-    },
-    /// A number between two ends, or a word instead of it.
-    NumberOr {
-        /// The word.
-        word: &'static str,
-        /// The least number.
-        min: f64,
-        /// The greatest number.
-        max: f64,
-    },
-    /// A whole number between two ends, both included.
-    Integer {
-        /// The least.
-        min: i64,
-        /// The greatest.
-        max: i64,
-    },
-    /// True or false.
-    Flag,
-    /// Any text.
-    Text,
-    /// One of some words.
-    Word(&'static [&'static str]),
-    /// A list; what its entries hold has its own parameters.
-    List,
-}
 
 /// A value that is not allowed. Reads as one sentence: `settings.dt = 7 s is outside 1e-6 … 0.1 s`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -118,16 +68,6 @@ pub(super) fn tree_problem(path: &str, tree: &Value) -> Option<Problem> {
     first
 }
 
-/// The default of any node, a single value or a whole form; places in lists are ignored.
-pub(super) fn default_at(path: &str) -> Option<Value> {
-    if path == "view.color_range" {
-        return Some(Value::Null);
-    }
-    let is_place = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
-    let names: Vec<&str> = path.split('.').map(|name| if is_place(name) { "*" } else { name }).collect();
-    pick(&serde_json::to_value(defaults()).ok()?, &names).cloned()
-}
-
 fn not_a_setting(value: &Value) -> String {
     format!("{} is not a setting of a scene", echo(&value.to_string()))
 }
@@ -165,118 +105,6 @@ fn walk(path: &str, value: &Value, visit: &mut impl FnMut(&str, &Value, Option<&
     }
 }
 
-impl Param {
-    /// The value that the `Default` implementations give; absent where there is none (automatic).
-    pub fn default_value(&self) -> Option<Value> {
-        default_at(self.path).filter(|default| !default.is_null())
-    }
-
-    /// Whether the value may be absent, which means automatic.
-    pub fn is_optional(&self) -> bool {
-        self.path == "view.color_range"
-    }
-
-    /// The range or the words, for a person: `0 … 1e8 N`, `auto, manual`.
-    pub fn range_text(&self) -> String {
-        let unit = spaced(self.unit);
-        match self.kind {
-            Kind::Number { min, max } => format!("{} … {}{unit}", Figure(min), Figure(max)),
-            Kind::NumberOr { word, min, max } => format!("{} … {}{unit} or {word}", Figure(min), Figure(max)),
-            Kind::Integer { min, max } => format!("{min} … {max}{unit}"),
-            Kind::Flag => "true, false".to_owned(),
-            Kind::Text => "any text".to_owned(),
-            Kind::Word(words) => words.join(", "),
-            Kind::List => "a list".to_owned(),
-        }
-    }
-
-    /// What is wrong with a value, and what would be right.
-    pub fn check(&self, value: &Value) -> Option<String> {
-        if let Value::Array(entries) = value {
-            return self.check_array(entries);
-        }
-        let outside = |number: f64| format!("{}{} is outside {}", Figure(number), spaced(self.unit), self.range_text());
-        match (self.kind, value) {
-            (Kind::Number { .. } | Kind::NumberOr { .. }, Value::Null) => {
-                Some(format!("not a finite number; give one in {}", self.range_text()))
-            }
-            (Kind::Number { min, max } | Kind::NumberOr { min, max, .. }, Value::Number(number)) => {
-                let number = number.as_f64().unwrap_or(f64::NAN);
-                (!(min..=max).contains(&number)).then(|| outside(number))
-            }
-            (Kind::Integer { min, max }, Value::Number(number)) => match number.as_i64() {
-                Some(whole) if (min..=max).contains(&whole) => None,
-                _ => Some(outside(number.as_f64().unwrap_or(f64::NAN))),
-            },
-            (Kind::NumberOr { word, .. }, Value::String(text)) if text == word => None,
-            (Kind::Word(words), Value::String(text)) if words.contains(&text.as_str()) => None,
-            (Kind::Text, Value::String(text)) if self.path == MODEL_PATH && text.trim().is_empty() => {
-                Some("\"\" names no file; give a path, or builtin:NAME".to_owned())
-            }
-            (Kind::Flag, Value::Bool(_)) | (Kind::Text, Value::String(_)) => None,
-            _ => Some(format!("{} does not fit; allowed: {}", echo(&value.to_string()), self.range_text())),
-        }
-    }
-
-    /// What a whole vector or list must hold beyond what each entry must.
-    fn check_array(&self, entries: &[Value]) -> Option<String> {
-        let zero = entries.iter().all(|entry| entry.as_f64() == Some(0.0));
-        match self.path {
-            "view.light.direction" if zero => {
-                Some("(0, 0, 0) points nowhere; give a direction towards the light".to_owned())
-            }
-            "view.color_range" if entries.first().and_then(Value::as_f64) >= entries.get(1).and_then(Value::as_f64) => {
-                Some("a range whose first number is not below its second".to_owned())
-            }
-            "bodies.*.shape.cells.list" if entries.is_empty() => {
-                Some("an empty list; a body needs at least one cell".to_owned())
-            }
-            "bodies.*.inlays" if entries.len() > MAX_INLAYS => {
-                Some(format!("a list of {} boxes; a body can hold at most {MAX_INLAYS}", entries.len()))
-            }
-            _ => None,
-        }
-    }
-}
-
-/// A sound scene that holds one of everything: all defaults, and a model that exists.
-#[cfg(test)]
-pub(super) fn specimen() -> Scene {
-    let mut scene = defaults();
-    let model = ModelShape { path: "builtin:tree.obj".to_owned(), ..ModelShape::default() };
-    scene.bodies[2].shape = Shape::Model(model);
-    scene
-}
-
-/// A scene that holds one of everything, each at its default.
-fn defaults() -> Scene {
-    let body = |shape| Body { shape, pins: vec![PinBox::default()], ..Body::default() };
-    let solid =
-        |shape| Body { material: Material::Solid(Solid::default()), inlays: vec![Inlay::default()], ..body(shape) };
-    let obstacle = |shape| Obstacle { shape, ..Obstacle::default() };
-    Scene {
-        bodies: vec![
-            body(Shape::Cube(CubeShape::default())),
-            body(Shape::Cells(CellsShape::default())),
-            solid(Shape::Model(ModelShape::default())),
-        ],
-        obstacles: vec![
-            obstacle(ObstacleShape::Plane(Plane::default())),
-            obstacle(ObstacleShape::Sphere(Sphere::default())),
-        ],
-        ..Scene::default()
-    }
-}
-
-fn pick<'a>(value: &'a Value, path: &[&str]) -> Option<&'a Value> {
-    match (path, value) {
-        ([], value) => Some(value),
-        (["*", rest @ ..], Value::Array(entries)) => entries.iter().find_map(|entry| pick(entry, rest)),
-        ([name, rest @ ..], Value::Object(fields)) => fields.get(*name).and_then(|value| pick(value, rest)),
-        _ => None,
-    }
-}
-
 pub(super) fn matches(pattern: &str, path: &str) -> bool {
     let mut names = path.split('.');
     let fits = pattern.split('.').all(|wanted| match names.next() {
@@ -287,29 +115,12 @@ pub(super) fn matches(pattern: &str, path: &str) -> bool {
     fits && names.next().is_none()
 }
 
-fn spaced(unit: &str) -> String {
-    if unit.is_empty() { String::new() } else { format!(" {unit}") }
-}
-
-/// A number written shortly: 0.001, 199, 1e8.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Figure(pub(super) f64);
-
-impl fmt::Display for Figure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let magnitude = self.0.abs();
-        if magnitude == 0.0 || (1e-3..1e5).contains(&magnitude) {
-            write!(f, "{}", self.0)
-        } else {
-            write!(f, "{:e}", self.0)
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::ColorBy;
+    use crate::scene::body::{CellsShape, Inlay, MAX_INLAYS};
+    use crate::scene::{Body, Material, Shape, Solid};
 
     fn leaves_without_param(value: &Value) -> Vec<String> {
         let mut missing = Vec::new();

@@ -1,10 +1,7 @@
 //! The table of every tunable. Reads like a list; what a row means is in the module above.
 
-use super::{Kind, Param};
+use super::definition::{Kind, MODEL_PATH, Param};
 use crate::scene::VERSION;
-
-/// Where a model file is named.
-pub(super) const MODEL_PATH: &str = "bodies.*.shape.model.path";
 
 /// Metres to the edge of the world: further out a single-precision position is coarser than a millimetre.
 const FAR: f64 = 1e4;

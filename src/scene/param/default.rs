@@ -1,0 +1,63 @@
+//! The default of every tunable, read from the `Default` implementations.
+
+use serde_json::Value;
+
+use super::definition::Param;
+use crate::scene::body::{CellsShape, CubeShape, Inlay, ModelShape, PinBox};
+use crate::scene::obstacle::{Plane, Sphere};
+use crate::scene::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid};
+
+impl Param {
+    /// The value that the `Default` implementations give; absent where there is none (automatic).
+    pub fn default_value(&self) -> Option<Value> {
+        default_at(self.path).filter(|default| !default.is_null())
+    }
+}
+
+/// The default of any node, a single value or a whole form; places in lists are ignored.
+pub(in crate::scene) fn default_at(path: &str) -> Option<Value> {
+    if path == "view.color_range" {
+        return Some(Value::Null);
+    }
+    let is_place = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
+    let names: Vec<&str> = path.split('.').map(|name| if is_place(name) { "*" } else { name }).collect();
+    pick(&serde_json::to_value(defaults()).ok()?, &names).cloned()
+}
+
+/// A sound scene that holds one of everything: all defaults, and a model that exists.
+#[cfg(test)]
+pub(in crate::scene) fn specimen() -> Scene {
+    let mut scene = defaults();
+    let model = ModelShape { path: "builtin:tree.obj".to_owned(), ..ModelShape::default() };
+    scene.bodies[2].shape = Shape::Model(model);
+    scene
+}
+
+/// A scene that holds one of everything, each at its default.
+fn defaults() -> Scene {
+    let body = |shape| Body { shape, pins: vec![PinBox::default()], ..Body::default() };
+    let solid =
+        |shape| Body { material: Material::Solid(Solid::default()), inlays: vec![Inlay::default()], ..body(shape) };
+    let obstacle = |shape| Obstacle { shape, ..Obstacle::default() };
+    Scene {
+        bodies: vec![
+            body(Shape::Cube(CubeShape::default())),
+            body(Shape::Cells(CellsShape::default())),
+            solid(Shape::Model(ModelShape::default())),
+        ],
+        obstacles: vec![
+            obstacle(ObstacleShape::Plane(Plane::default())),
+            obstacle(ObstacleShape::Sphere(Sphere::default())),
+        ],
+        ..Scene::default()
+    }
+}
+
+fn pick<'a>(value: &'a Value, path: &[&str]) -> Option<&'a Value> {
+    match (path, value) {
+        ([], value) => Some(value),
+        (["*", rest @ ..], Value::Array(entries)) => entries.iter().find_map(|entry| pick(entry, rest)),
+        ([name, rest @ ..], Value::Object(fields)) => fields.get(*name).and_then(|value| pick(value, rest)),
+        _ => None,
+    }
+}
