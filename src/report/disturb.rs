@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::extremes::Draw;
+use super::draw::Draw;
 use crate::geometry::Lattice;
 use crate::math::Real;
 use crate::physics::Arrival;

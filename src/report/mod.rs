@@ -4,6 +4,7 @@
 
 pub mod cost;
 pub mod disturb;
+mod draw;
 pub mod error;
 pub mod extremes;
 pub mod judge;

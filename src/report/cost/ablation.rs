@@ -5,8 +5,8 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use cpu_time::ThreadTime;
+use serde::Serialize;
 
-use super::Ablation;
 use super::noise::{Change, median};
 use crate::geometry::Lattice;
 use crate::physics::Arrival;
@@ -22,6 +22,33 @@ const LONG_SECS: f64 = 0.02;
 
 /// The time of the substeps that are measured at once, s, about: so short that little else comes between.
 const SLICE_SECS: f64 = 2e-3;
+
+/// A feature with and without, from the same state in the same run, in turn.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
+pub struct Ablation {
+    pub feature: String,
+    /// What the times are of: a substep or a picture.
+    pub per: &'static str,
+    /// Medians.
+    pub secs_on: f64,
+    pub secs_off: f64,
+    /// What the feature changes the time by.
+    pub change: Change,
+    /// The change may be the machine's.
+    pub within_noise: bool,
+    /// Whether the motion is the same to the bit.
+    pub same_bits: bool,
+    /// Whether it must be, as the feature only saves time or there was nothing for it to do.
+    pub must_be_same: bool,
+}
+
+impl Ablation {
+    /// Whether the motion is another where it must be the same: a defect.
+    pub fn is_defect(&self) -> bool {
+        self.must_be_same && !self.same_bits
+    }
+}
 
 /// A simulation with a feature or without it, beside the one that all are compared with.
 struct Variant {

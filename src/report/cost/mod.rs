@@ -5,12 +5,13 @@ pub mod crowd;
 pub mod noise;
 pub mod words;
 
+pub use ablation::Ablation;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use self::noise::Change;
 use super::timer::WallTimer;
 use crate::geometry::Lattice;
 use crate::physics::Stage;
@@ -61,33 +62,6 @@ pub struct StageCost {
 pub struct LeftOut {
     pub name: String,
     pub why: &'static str,
-}
-
-/// A feature with and without, from the same state in the same run, in turn.
-#[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
-pub struct Ablation {
-    pub feature: String,
-    /// What the times are of: a substep or a picture.
-    pub per: &'static str,
-    /// Medians.
-    pub secs_on: f64,
-    pub secs_off: f64,
-    /// What the feature changes the time by.
-    pub change: Change,
-    /// The change may be the machine's.
-    pub within_noise: bool,
-    /// Whether the motion is the same to the bit.
-    pub same_bits: bool,
-    /// Whether it must be, as the feature only saves time or there was nothing for it to do.
-    pub must_be_same: bool,
-}
-
-impl Ablation {
-    /// Whether the motion is another where it must be the same: a defect.
-    pub fn is_defect(&self) -> bool {
-        self.must_be_same && !self.same_bits
-    }
 }
 
 /// How long a scene is run before it is measured.

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::LOOK_SECS;
 use crate::geometry::{Lattice, Watch};
 use crate::math::{Real, Vector};
 use crate::physics::Simulation;
 use crate::scene::Scene;
+
+/// Positions are compared this often, s: a multiple of every step that is measured.
+pub const LOOK_SECS: f64 = 0.04;
 
 /// A run that was looked at.
 pub(super) struct Followed {

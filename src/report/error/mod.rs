@@ -19,12 +19,11 @@ use crate::geometry::{Lattice, Watch};
 use crate::physics::Simulation;
 use crate::scene::Scene;
 use crate::scene::settings::{Integrator, Stepping};
+pub use follow::LOOK_SECS;
 use follow::{follow, mean_square, rms, size, whole};
 
 /// The scheme of the reference: of second order at one evaluation of the forces a step.
 pub const REFERENCE: Integrator = Integrator::Verlet;
-/// Positions are compared this often, s: a multiple of every step that is measured.
-pub const LOOK_SECS: f64 = 0.04;
 /// The largest step measured, s. The others are it halved again and again.
 const LARGEST_SECS: f64 = 0.008;
 /// Steps measured at least and at most.

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
+use super::fault::{Fault, GAIN, REACH};
 use super::look::Look;
 use super::rounding::Rounding;
-use super::{Fault, GAIN, REACH};
 use crate::math::{Real, Vector};
 use crate::physics::Diagnostics;
 use crate::physics::{Simulation, StepReport};

@@ -13,9 +13,11 @@
 //! Each body is judged by itself, so that a heavy one does not hide a light one.
 
 mod account;
+mod fault;
 mod look;
 mod rounding;
 
+pub use fault::{Fault, GAIN, REACH};
 pub use look::{Look, Seen};
 
 use std::sync::Arc;
@@ -30,12 +32,6 @@ use crate::math::{Real, Vector};
 use crate::physics::SOLVE_WORK;
 use crate::physics::{Simulation, StepReport};
 use crate::scene::Scene;
-
-/// The energy that may be gained from nowhere, as a share.
-pub const GAIN: f64 = 0.05;
-
-/// The reach that may be exceeded, as a factor.
-pub const REACH: f64 = 1.5;
 
 /// Energies are means over so much simulated time, s.
 const WINDOW_SECS: f64 = 1.0 / 60.0;
@@ -56,35 +52,6 @@ pub struct Patience {
     pub seconds: f64,
     /// Link forces after which a scene is cut short.
     pub most_link_forces: u64,
-}
-
-/// What is wrong with a motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Fault {
-    /// A number became infinite or NaN.
-    NotFinite,
-    /// Energy from nowhere.
-    Energy,
-    /// Further away than it could get.
-    Reach,
-    /// Far more work than was to be expected, and not a word of it.
-    Work,
-}
-
-impl Fault {
-    /// All faults.
-    pub const ALL: [Self; 4] = [Self::NotFinite, Self::Energy, Self::Reach, Self::Work];
-
-    /// The fault's words in reports.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::NotFinite => "not finite",
-            Self::Energy => "energy from nowhere",
-            Self::Reach => "out of reach",
-            Self::Work => "more work than told",
-        }
-    }
 }
 
 /// What was seen of a scene.
