@@ -2,6 +2,7 @@
 //! output, messages and progress bars to standard error; exit code 0, 1 when the work failed or a simulation exploded, 2 for
 //! wrong usage.
 
+mod arguments;
 mod cells_plot;
 mod check;
 mod cost_plot;
@@ -30,48 +31,15 @@ mod voxelize;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+use clap::Parser;
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
 
 use crate::text::echo;
+use arguments::{Arguments, Command};
 pub use failure::Failure;
 
 /// A longer word of an error is cut.
 const MOST_BYTES: usize = 800;
-
-/// What scripts go by.
-const EXIT_CODES: &str =
-    "Exit code: 0, 1 when the work failed (also where `run` or `render` explodes), 2 for wrong usage.";
-
-/// An interactive sandbox for soft bodies.
-#[derive(Debug, Parser)]
-#[command(name = "gelatin", version, args_conflicts_with_subcommands = true, after_help = EXIT_CODES)]
-struct Arguments {
-    /// A preset's name, a .ron scene or a model file to open in the window.
-    scene: Option<OsString>,
-    #[command(flatten)]
-    changes: scene_args::Changes,
-    #[command(subcommand)]
-    command: Option<Command>,
-}
-
-#[derive(Debug, Subcommand)]
-enum Command {
-    /// List the scenes that the program carries, and everything that can be set.
-    Presets(presets::PresetsArgs),
-    /// Simulate a scene without a window, as fast as possible; exit code 1 where it explodes.
-    Run(run::RunArgs),
-    /// Make pictures of a scene without a window; exit code 1 where it explodes before the last one.
-    Render(render::RenderArgs),
-    /// Fill a model with cells and say what came of it.
-    Voxelize(voxelize::VoxelizeArgs),
-    /// Parse and validate a scene, predict its stable step and what it costs.
-    Check(check::CheckArgs),
-    /// Measure: what scenes cost, what explodes.
-    Report(report::ReportArgs),
-    /// Run every combination of parameters' values: a row of figures for each, and a picture.
-    Sweep(sweep::SweepArgs),
-}
 
 /// Runs the program with its arguments, the program's name first. Reports a failure as one line on standard error.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {

@@ -6,7 +6,8 @@ use std::path::Path;
 use anyhow::anyhow;
 use clap::CommandFactory;
 
-use super::{Arguments, Failure};
+use super::arguments::Arguments;
+use super::failure::Failure;
 use crate::scene::presets;
 use crate::text::{distance, echo};
 

@@ -4,6 +4,7 @@
 mod axis;
 mod figures;
 mod plot;
+mod row;
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,7 @@ use crate::scene::Scene;
 use crate::session::Session;
 use crate::session::run::run as run_session;
 use axis::Axis;
+use row::Row;
 
 /// What this measurement is called in files.
 pub(super) const KIND: &str = "sweep";
@@ -59,16 +61,6 @@ pub(super) struct SweepArgs {
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
-}
-
-/// One run.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Row {
-    /// Of the parameters.
-    values: Vec<f64>,
-    figures: Vec<Value>,
-    /// Whether every number stayed finite.
-    finite: bool,
 }
 
 /// What a study's page needs beside the rows.

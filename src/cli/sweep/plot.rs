@@ -9,9 +9,9 @@ use plotters::element::{Circle, Cross, Rectangle, Text};
 use plotters::prelude::{BLACK, Color, IntoFont as _, LineSeries, RGBColor};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::Row;
 use super::axis::Axis;
 use super::figures::title;
+use super::row::Row;
 use crate::cli::plot::{Area, COLORS, Drawn, panels};
 use crate::view::colormap::Colormap;
 

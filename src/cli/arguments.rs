@@ -1,0 +1,41 @@
+//! The command line as it is written.
+
+use std::ffi::OsString;
+
+use clap::{Parser, Subcommand};
+
+use super::{check, presets, render, report, run, scene_args, sweep, voxelize};
+
+/// What scripts go by.
+const EXIT_CODES: &str =
+    "Exit code: 0, 1 when the work failed (also where `run` or `render` explodes), 2 for wrong usage.";
+
+/// An interactive sandbox for soft bodies.
+#[derive(Debug, Parser)]
+#[command(name = "gelatin", version, args_conflicts_with_subcommands = true, after_help = EXIT_CODES)]
+pub(super) struct Arguments {
+    /// A preset's name, a .ron scene or a model file to open in the window.
+    pub(super) scene: Option<OsString>,
+    #[command(flatten)]
+    pub(super) changes: scene_args::Changes,
+    #[command(subcommand)]
+    pub(super) command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// List the scenes that the program carries, and everything that can be set.
+    Presets(presets::PresetsArgs),
+    /// Simulate a scene without a window, as fast as possible; exit code 1 where it explodes.
+    Run(run::RunArgs),
+    /// Make pictures of a scene without a window; exit code 1 where it explodes before the last one.
+    Render(render::RenderArgs),
+    /// Fill a model with cells and say what came of it.
+    Voxelize(voxelize::VoxelizeArgs),
+    /// Parse and validate a scene, predict its stable step and what it costs.
+    Check(check::CheckArgs),
+    /// Measure: what scenes cost, what explodes.
+    Report(report::ReportArgs),
+    /// Run every combination of parameters' values: a row of figures for each, and a picture.
+    Sweep(sweep::SweepArgs),
+}

@@ -1,0 +1,14 @@
+//! What one run of a study gives.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// One run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(in crate::cli) struct Row {
+    /// Of the parameters.
+    pub(super) values: Vec<f64>,
+    pub(super) figures: Vec<Value>,
+    /// Whether every number stayed finite.
+    pub(super) finite: bool,
+}
