@@ -1,5 +1,7 @@
 //! The default of every tunable, read from the `Default` implementations.
 
+use std::sync::OnceLock;
+
 use serde_json::Value;
 
 use super::definition::Param;
@@ -21,7 +23,14 @@ pub(in crate::scene) fn default_at(path: &str) -> Option<Value> {
     }
     let is_place = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
     let names: Vec<&str> = path.split('.').map(|name| if is_place(name) { "*" } else { name }).collect();
-    pick(&serde_json::to_value(defaults()).ok()?, &names).cloned()
+    pick(tree(), &names).cloned()
+}
+
+/// All defaults as values: they are asked for in every frame, and never change.
+fn tree() -> &'static Value {
+    static TREE: OnceLock<Value> = OnceLock::new();
+    // A scene of defaults can always be written down.
+    TREE.get_or_init(|| serde_json::to_value(defaults()).unwrap_or_default())
 }
 
 /// A sound scene that holds one of everything: all defaults, and a model that exists.
