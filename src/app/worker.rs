@@ -39,8 +39,8 @@ pub trait Sandbox {
     fn note_drawing(&mut self, share: f64);
     /// What the panels show.
     fn status(&self) -> Status;
-    /// The document.
-    fn scene(&self) -> &Scene;
+    /// The document; the same allocation as before when nothing touched it.
+    fn scene(&self) -> &Arc<Scene>;
     /// The picture, but for the camera.
     fn draw_list(&mut self) -> DrawList;
 }
@@ -76,8 +76,8 @@ impl Sandbox for Session {
         self.status()
     }
 
-    fn scene(&self) -> &Scene {
-        self.scene()
+    fn scene(&self) -> &Arc<Scene> {
+        self.shared_scene()
     }
 
     fn draw_list(&mut self) -> DrawList {
@@ -270,7 +270,6 @@ struct Loop<'a, S, W> {
     publisher: &'a Publisher<W>,
     stop: &'a Arc<AtomicBool>,
     hold: &'a Arc<Hold>,
-    scene: Arc<Scene>,
     generation: u64,
     failure: Option<String>,
     visible: bool,
@@ -281,6 +280,8 @@ struct Loop<'a, S, W> {
     interval: Duration,
     /// The last snapshot was one of something at rest.
     rested: bool,
+    /// Something was asked for since the last snapshot that may have changed what it shows.
+    touched: bool,
     answers: u64,
 }
 
@@ -293,7 +294,6 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         hold: &'a Arc<Hold>,
     ) -> Self {
         sandbox.begin(stop, hold);
-        let scene = Arc::new(sandbox.scene().clone());
         let now = Instant::now();
         Self {
             sandbox,
@@ -301,7 +301,6 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
             publisher,
             stop,
             hold,
-            scene,
             generation: 0,
             failure: None,
             visible: true,
@@ -309,6 +308,7 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
             published: now,
             interval: FRAME,
             rested: false,
+            touched: false,
             answers: 0,
         }
     }
@@ -326,7 +326,11 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
             self.publisher.note_spent();
             let moves = works && !(self.rested && self.sandbox.is_at_rest());
             let stops = works && !self.sandbox.is_at_work();
-            if self.visible && (touched || stops || moves && self.published.elapsed() >= self.interval) {
+            self.touched |= touched;
+            // What runs is shown once a frame, however often a hand moves in it; what stands still waits for nothing.
+            let interval = if self.touched { FRAME } else { self.interval };
+            let is_due = self.published.elapsed() >= interval;
+            if self.visible && (stops || self.touched && !works || (self.touched || moves) && is_due) {
                 self.publish();
             }
         }
@@ -337,8 +341,9 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
     fn obey(&mut self, works: bool) -> Result<bool, WindowGone> {
         let first = if works {
             let step = FRAME.saturating_sub(self.last.elapsed());
-            let snapshot = self.interval.saturating_sub(self.published.elapsed());
-            let due = if self.rested { step } else { step.min(snapshot) };
+            let interval = if self.touched { FRAME } else { self.interval };
+            let snapshot = interval.saturating_sub(self.published.elapsed());
+            let due = if self.rested && !self.touched { step } else { step.min(snapshot) };
             match self.orders.recv_timeout(due) {
                 Ok(order) => order,
                 Err(RecvTimeoutError::Timeout) => return Ok(false),
@@ -384,9 +389,6 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
                     self.generation += 1;
                     self.sandbox.begin(self.stop, self.hold);
                 }
-                if *self.sandbox.scene() != *self.scene {
-                    self.scene = Arc::new(self.sandbox.scene().clone());
-                }
             }
         }
     }
@@ -397,8 +399,8 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
             status.message.clone_from(failure);
             status.failed = true;
         }
-        (self.published, self.rested) = (Instant::now(), self.sandbox.is_at_rest());
-        let (scene, generation, answers) = (Arc::clone(&self.scene), self.generation, self.answers);
+        (self.published, self.rested, self.touched) = (Instant::now(), self.sandbox.is_at_rest(), false);
+        let (scene, generation, answers) = (Arc::clone(self.sandbox.scene()), self.generation, self.answers);
         self.publisher.publish(Snapshot { draw_list: self.sandbox.draw_list(), status, scene, generation, answers });
     }
 }

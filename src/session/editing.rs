@@ -1,6 +1,8 @@
 //! Carrying out edits, taking them back and making them again: from an [`Impact`] to what the simulation, the skins and
 //! the picture have to do about it.
 
+use std::sync::Arc;
+
 use super::history::{Change, Undone};
 use super::words::{value_at, words};
 use super::{Bodies, Session, SessionError};
@@ -121,7 +123,7 @@ impl Session {
         let kept_bodies = kept_bodies(&edit, self.scene.bodies.len());
         let kept_obstacles = kept_obstacles(&edit, self.scene.obstacles.len());
         let edited_body = if let Edit::Body(id, _) = &edit { Some(id.0) } else { None };
-        let mut scene = self.scene.clone();
+        let mut scene = Scene::clone(&self.scene);
         let applied = scene.apply(edit).map_err(|error| self.in_words(error))?;
         match applied.impact {
             Impact::Topology => self.rebuild(&scene, &kept_bodies)?,
@@ -138,7 +140,7 @@ impl Session {
             self.forget_trouble();
             self.picture.touch();
         }
-        self.scene = scene;
+        self.scene = Arc::new(scene);
         self.find_inversion();
         self.find_notice();
         self.find_safe_values();

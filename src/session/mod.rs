@@ -140,7 +140,8 @@ pub enum SessionError {
 /// A running sandbox.
 #[derive(Debug)]
 pub struct Session {
-    scene: Scene,
+    /// Shared with who shows it; another one after every edit.
+    scene: Arc<Scene>,
     document: Document,
     library: Library,
     bodies: Bodies,
@@ -197,7 +198,7 @@ impl Session {
         bodies.dress(&scene);
         let simulation = Simulation::new(&scene, &bodies.lattices());
         let mut session = Self {
-            scene,
+            scene: Arc::new(scene),
             document,
             library,
             bodies,
@@ -435,6 +436,11 @@ impl Session {
 
     /// The document.
     pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The document; the same allocation as before when nothing touched it.
+    pub fn shared_scene(&self) -> &Arc<Scene> {
         &self.scene
     }
 

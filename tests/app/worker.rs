@@ -21,8 +21,9 @@ struct Odd {
     rests: bool,
     cost: Duration,
     panics: bool,
-    scene: Scene,
+    scene: Arc<Scene>,
     advances: Arc<AtomicUsize>,
+    statuses: Arc<AtomicUsize>,
     /// A step that never ends by itself: it looks at this after every piece of work.
     endless: Option<Arc<AtomicBool>>,
 }
@@ -63,10 +64,11 @@ impl Sandbox for Odd {
     fn note_drawing(&mut self, _share: f64) {}
 
     fn status(&self) -> Status {
+        self.statuses.fetch_add(1, Ordering::Relaxed);
         Status { playing: self.playing, time_secs: self.advances.load(Ordering::Relaxed) as f64, ..Status::default() }
     }
 
-    fn scene(&self) -> &Scene {
+    fn scene(&self) -> &Arc<Scene> {
         &self.scene
     }
 
@@ -79,30 +81,37 @@ struct Bench {
     worker: Worker,
     wakes: Receiver<()>,
     advances: Arc<AtomicUsize>,
+    statuses: Arc<AtomicUsize>,
 }
 
-fn start(playing: bool, cost: Duration, panics: bool) -> Bench {
-    start_odd(Odd {
-        playing,
+/// A sandbox in which time runs and costs nothing.
+fn playing() -> Odd {
+    Odd {
+        playing: true,
         rests: false,
-        cost,
-        panics,
-        scene: Scene::default(),
-        advances: Arc::new(AtomicUsize::new(0)),
+        cost: Duration::ZERO,
+        panics: false,
+        scene: Arc::default(),
+        advances: Arc::default(),
+        statuses: Arc::default(),
         endless: None,
-    })
+    }
+}
+
+fn start(is_playing: bool, cost: Duration, panics: bool) -> Bench {
+    start_odd(Odd { playing: is_playing, cost, panics, ..playing() })
 }
 
 fn start_odd(odd: Odd) -> Bench {
     let (wake, wakes) = channel();
-    let advances = Arc::clone(&odd.advances);
+    let (advances, statuses) = (Arc::clone(&odd.advances), Arc::clone(&odd.statuses));
     let worker = Worker::spawn(
         move || Ok(odd),
         move || {
             let _ignored = wake.send(());
         },
     );
-    Bench { worker, wakes, advances }
+    Bench { worker, wakes, advances, statuses }
 }
 
 impl Bench {
@@ -155,6 +164,21 @@ fn the_window_never_waits_for_a_dear_step() {
 }
 
 #[test]
+fn a_status_is_built_once_a_frame_however_often_a_hand_moves() {
+    let bench = start(true, Duration::ZERO, false);
+    bench.wait_for(|_| true);
+    let (begin, before) = (Instant::now(), bench.statuses.load(Ordering::Relaxed));
+    for _ in 0..300 {
+        bench.worker.send(Command::EndEdit);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let built = bench.statuses.load(Ordering::Relaxed) - before;
+    let frames = begin.elapsed().as_millis() as usize / 16;
+    assert!(built <= frames + 2, "{built} statuses in {frames} frames");
+    bench.wait_for(|snapshot| snapshot.answers == 300);
+}
+
+#[test]
 fn a_paused_sandbox_that_nobody_touches_does_nothing() {
     let bench = start(false, Duration::ZERO, false);
     bench.wait_for(|_| true);
@@ -164,10 +188,7 @@ fn a_paused_sandbox_that_nobody_touches_does_nothing() {
 
 #[test]
 fn what_is_at_rest_keeps_its_time_and_publishes_one_picture_of_it() {
-    let advances = Arc::new(AtomicUsize::new(0));
-    let cost = Duration::ZERO;
-    let scene = Scene::default();
-    let bench = start_odd(Odd { playing: true, rests: true, cost, panics: false, scene, advances, endless: None });
+    let bench = start_odd(Odd { rests: true, ..playing() });
     bench.wait_for(|_| true);
     let before = bench.advances.load(Ordering::Relaxed);
     assert!(bench.wakes.recv_timeout(Duration::from_millis(400)).is_err(), "nothing more is published");
@@ -216,9 +237,7 @@ fn a_window_that_looks_away_is_woken_once() {
 
 #[test]
 fn a_step_that_never_ends_is_given_up_for_who_waits_and_not_for_a_hand_that_moves() {
-    let (advances, endless) = (Arc::new(AtomicUsize::new(0)), Some(Arc::default()));
-    let (cost, scene) = (Duration::ZERO, Scene::default());
-    let bench = start_odd(Odd { playing: true, rests: false, cost, panics: false, scene, advances, endless });
+    let bench = start_odd(Odd { endless: Some(Arc::default()), ..playing() });
     bench.wait_for(|_| true);
     bench.worker.send(Command::EndEdit);
     assert!(bench.wakes.recv_timeout(Duration::from_millis(300)).is_err(), "the step goes on");
