@@ -8,8 +8,10 @@
 
 use std::time::{Duration, Instant};
 
-/// The shortest time between the beginnings of two frames: that of a common display.
-const SHORTEST: Duration = Duration::from_nanos(16_666_667);
+use crate::math::FRAME;
+
+/// The shortest time between the beginnings of two frames.
+const SHORTEST: Duration = FRAME;
 /// Pictures this far apart still look like a motion. What is slower is drawn with fewer pixels.
 const SMOOTH: Duration = Duration::from_millis(40);
 /// The longest rest, whatever a frame costs.

@@ -12,15 +12,12 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 use thiserror::Error;
 
+use crate::math::FRAME;
 use crate::scene::Scene;
 use crate::session::document::Opened;
 use crate::session::hold::Hold;
 use crate::session::{Command, Session, SessionError, Status};
 use crate::view::DrawList;
-
-/// Wall time between two looks at the clock of a running sandbox, and the shortest between two snapshots of it: a frame
-/// of a common display.
-const FRAME: Duration = Duration::from_nanos(16_666_667);
 
 /// What a worker runs: a [`Session`], or something simpler in a test.
 pub trait Sandbox {
@@ -273,9 +270,9 @@ struct Loop<'a, S, W> {
     generation: u64,
     failure: Option<String>,
     visible: bool,
-    /// When time was last let pass.
+    /// When time was last let pass; a frame later it is looked at again.
     last: Instant,
-    /// When a snapshot was last published, and the time between two of them.
+    /// When a snapshot was last published, and the time between two of them: a frame or more.
     published: Instant,
     interval: Duration,
     /// The last snapshot was one of something at rest.

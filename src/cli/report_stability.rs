@@ -75,7 +75,7 @@ impl Work<'_> {
     /// All pieces, in the order in which they are counted.
     fn all<'a>(about: &About, cases: &'a [Subject]) -> Vec<Work<'a>> {
         let named = cases.iter().map(Work::Case).chain((0..about.random).map(Work::Random));
-        let own = map::SCHEMES.into_iter().map(Work::Map);
+        let own = Integrator::LIMITED.into_iter().map(Work::Map);
         let own = own.chain((0..contact::count()).map(Work::Contact)).chain(failures::PRESETS.map(Work::Failure));
         named.chain(own.filter(|_| about.own)).collect()
     }

@@ -9,6 +9,7 @@ use crate::geometry::Lattice;
 use crate::math::Aabb;
 use crate::physics::BodyModel;
 use crate::physics::Simulation;
+use crate::scene::settings::EARTH_GRAVITY;
 use crate::scene::view_settings::Overlays;
 use crate::scene::{Body, Obstacle};
 use crate::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Segment};
@@ -105,8 +106,9 @@ impl OverlaySource {
 
 /// Force for each metre of an arrow, N/m: the weight that one particle carries when the body rests on one face of the
 /// box around it is a fifth of the body's size. The body's own weight in size without gravity.
+#[expect(clippy::cast_possible_truncation, reason = "a length on the screen needs no more")]
 pub fn newtons_per_metre(body: &BodyModel<f32>, gravity: Vec3) -> f32 {
-    let gravity = if gravity == Vec3::ZERO { 9.81 } else { gravity.length() };
+    let gravity = if gravity == Vec3::ZERO { EARTH_GRAVITY as f32 } else { gravity.length() };
     let count = body.particles.len().max(1) as f32;
     let weight = body.particle_mass * count * gravity;
     weight / libm::powf(count, 2.0 / 3.0) / (ARROW * body.size)

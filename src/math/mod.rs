@@ -1,10 +1,12 @@
 //! Small numeric vocabulary shared by every layer: the scalar and vector traits the physics is generic over,
-//! boxes, rotations and a seeded random generator. Knows nothing of bodies, files or pictures.
+//! boxes, rotations, the frame and a seeded random generator. Knows nothing of bodies, files or pictures.
 
 pub mod aabb;
+pub mod frame;
 pub mod real;
 pub mod rng;
 pub mod rotation;
 
 pub use aabb::Aabb;
+pub use frame::{FRAME, FRAME_SECS};
 pub use real::{Real, Vector};

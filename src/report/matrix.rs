@@ -4,7 +4,7 @@
 use crate::scene::body::{Body, CellsShape, CubeShape, Pose};
 use crate::scene::material::{Material, Spring, Springs};
 use crate::scene::obstacle::Sphere;
-use crate::scene::settings::Integrator;
+use crate::scene::settings::{EARTH_GRAVITY, Integrator};
 use crate::scene::{Obstacle, ObstacleShape, Scene, Shape};
 
 /// The cases and their names.
@@ -38,7 +38,7 @@ pub fn matrix() -> Vec<(String, Scene)> {
     for height in [10.0, 1000.0] {
         let mut scene = falling(springs(60.0, 0.05, 0.005));
         scene.bodies[0].pose.position[1] = height;
-        scene.bodies[0].velocity[1] = -(2.0f64 * 9.81 * height).sqrt();
+        scene.bodies[0].velocity[1] = -(2.0 * EARTH_GRAVITY * height).sqrt();
         scene.bodies[0].pose.position[1] = 2.0;
         add(format!("dropped from {height} m"), scene);
     }
@@ -56,7 +56,7 @@ pub fn matrix() -> Vec<(String, Scene)> {
     let heavy = cube(1.0, springs(60.0, 0.05, 5.0), [2.0, 1.0, 0.0]);
     uneven.bodies.push(heavy);
     add("masses of two bodies 1000 : 1".to_owned(), uneven);
-    for (gravity, name) in [(9.81, "put into a ball"), (0.0, "put into a ball without gravity")] {
+    for (gravity, name) in [(EARTH_GRAVITY, "put into a ball"), (0.0, "put into a ball without gravity")] {
         let mut scene = falling(springs(60.0, 0.0, 0.005));
         let shape = ObstacleShape::Sphere(Sphere { center: [0.1, 1.1, 0.05], radius: 0.4 });
         scene.obstacles.push(Obstacle { shape, ..Obstacle::default() });

@@ -203,8 +203,9 @@ mod tests {
     use crate::scene::body::CubeShape;
     use crate::scene::material::presets;
     use crate::scene::obstacle::Sphere;
+    use crate::scene::settings::EARTH_GRAVITY;
 
-    const GRAVITY: [f64; 3] = [0.0, -9.81, 0.0];
+    const GRAVITY: [f64; 3] = [0.0, -EARTH_GRAVITY, 0.0];
 
     fn cube(size: f64) -> (Body, Stature) {
         let shape = Shape::Cube(CubeShape { cells: 4, size });

@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Deserializer, Serialize, de};
 
+/// The acceleration of gravity near the ground, m/s².
+pub const EARTH_GRAVITY: f64 = 9.81;
+
 /// How a scene is simulated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -35,7 +38,7 @@ impl Default for Settings {
             allow_implicit: true,
             inversion_recovery: true,
             sleeping: true,
-            gravity: [0.0, -9.81, 0.0],
+            gravity: [0.0, -EARTH_GRAVITY, 0.0],
         }
     }
 }
@@ -63,6 +66,10 @@ pub enum Integrator {
 impl Integrator {
     /// All schemes.
     pub const ALL: [Self; 6] = [Self::SemiImplicit, Self::Explicit, Self::Verlet, Self::Rk2, Self::Rk4, Self::Implicit];
+
+    /// Those with a largest stable step, into which automatic stepping divides: explicit and RK2 have none, and of the
+    /// implicit scheme every step is stable.
+    pub const LIMITED: [Self; 3] = [Self::SemiImplicit, Self::Verlet, Self::Rk4];
 
     /// The scheme's word on the command line and in figures.
     pub fn name(self) -> &'static str {

@@ -104,6 +104,7 @@ impl Clock {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::FRAME_SECS;
 
     fn steps(clock: &mut Clock, dt_secs: f64) -> u32 {
         let mut steps = 0;
@@ -119,7 +120,7 @@ mod tests {
         let mut clock = Clock::default();
         let taken: u32 = (0..60)
             .map(|_| {
-                clock.owe(1.0 / 60.0, 1.0);
+                clock.owe(FRAME_SECS, 1.0);
                 steps(&mut clock, 0.001)
             })
             .sum();
@@ -152,8 +153,8 @@ mod tests {
         let mut clock = Clock::default();
         assert_eq!(clock.lately().real_time_factor(), None, "nothing was noted");
         for frame in 0..120 {
-            let simulated_secs = if frame < 60 { 0.0 } else { 0.5 / 60.0 };
-            clock.note(Stretch { wall_secs: 1.0 / 60.0, simulated_secs, ..Stretch::default() });
+            let simulated_secs = if frame < 60 { 0.0 } else { 0.5 * FRAME_SECS };
+            clock.note(Stretch { wall_secs: FRAME_SECS, simulated_secs, ..Stretch::default() });
         }
         let factor = clock.lately().real_time_factor().expect("something was noted");
         assert!((factor - 0.5).abs() < 0.02, "half speed lately, got {factor}");

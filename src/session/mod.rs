@@ -44,6 +44,7 @@ use thiserror::Error;
 pub use command::{Command, Pull};
 pub use costs::{StageCost, StepCost};
 pub use cures::Cure;
+pub use slowness::KEEPS_UP;
 pub use status::{BodyStatus, SafeValue, Status};
 pub use trouble::Trouble;
 

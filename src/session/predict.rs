@@ -6,6 +6,7 @@ use cpu_time::ThreadTime;
 use serde::Serialize;
 
 use super::Session;
+use crate::math::FRAME_SECS;
 use crate::physics::MOST_WORK_A_FRAME;
 use crate::physics::Simulation;
 use crate::physics::Term;
@@ -61,10 +62,10 @@ impl Prediction {
         limits.push(figure(Term::User, Some(plan.dt_secs)));
         limits.push(figure(Term::Combined, plan.limits.dt_limit_secs));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
-        let substeps_per_frame = libm::ceil(1.0 / 60.0 / plan.substep_secs()) as u64;
+        let substeps_per_frame = libm::ceil(FRAME_SECS / plan.substep_secs()) as u64;
         let Speed { factor, slowed } = measured(session.simulation());
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
-        let of_a_frame = libm::round(plan.most_work as f64 / (60.0 * plan.substep_secs())) as u64;
+        let of_a_frame = libm::round(plan.most_work as f64 * FRAME_SECS / plan.substep_secs()) as u64;
         let most = (plan.integrator == Integrator::Implicit && plan.halvings > 0).then_some(of_a_frame);
         let first = (slowed > 0).then(|| slowed_words(slowed, MEASURE_SECS));
         Self {

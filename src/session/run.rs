@@ -8,6 +8,7 @@ use super::Session;
 use super::predict::slowed_words;
 use crate::geometry::Watch;
 use crate::machine::peak_memory;
+use crate::math::FRAME_SECS;
 use crate::physics::Stage;
 use crate::physics::StepReport;
 use crate::physics::{Diagnostics, Energy};
@@ -15,7 +16,7 @@ use crate::report::timer::WallTimer;
 use crate::scene::Body;
 
 /// Extremes are looked for this often, simulated s; penetration in every substep.
-const SAMPLE_SECS: f64 = 1.0 / 60.0;
+const SAMPLE_SECS: f64 = FRAME_SECS;
 
 /// The figures of a run; the names are those of the JSON object. SI units.
 #[derive(Clone, Debug, Serialize)]

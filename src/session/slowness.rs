@@ -8,7 +8,7 @@ use crate::report::timer::WallTimer;
 use crate::scene::settings::Integrator;
 
 /// Slower than this share of the speed asked for is slower than asked.
-const KEEPS_UP: f64 = 0.95;
+pub const KEEPS_UP: f64 = 0.95;
 /// Drawing that takes less than this share of the processors is not what steps wait for.
 const DRAWING_MATTERS: f64 = 0.15;
 /// Fewer iterations of the implicit integrator than this in a substep are not worth a word.

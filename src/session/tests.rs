@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use super::state_file::StateFileError;
 use super::*;
+use crate::math::FRAME;
 use crate::physics::BodyMemory;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::presets::preset;
 use crate::scene::{Body, Material};
 use crate::view::style::Tint;
 
-const FRAME: Duration = Duration::from_nanos(16_666_667);
 const PLENTY: Duration = Duration::MAX;
 
 fn session(name: &str) -> Session {

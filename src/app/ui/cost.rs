@@ -6,8 +6,6 @@ use super::{capitalised, theme};
 use crate::app::frame_meter::DrawingCost;
 use crate::session::{Status, StepCost};
 
-/// Height of the panel, points.
-pub(super) const HEIGHT: f32 = 226.0;
 /// Size of a stage's bar, points, and how much shorter it is in a narrow window.
 const BAR: Vec2 = vec2(120.0, 8.0);
 const SHORTER: f32 = 44.0;

@@ -15,8 +15,6 @@ use crate::session::error_curve::{ErrorCurve, StepChoice};
 use crate::session::jellify::Progress;
 use crate::view::legend::three_digits;
 
-/// Height of the panel, points.
-pub(super) const HEIGHT: f32 = 226.0;
 /// Width of the words beside the plot, points.
 const WORDS: f32 = 232.0;
 /// How often the progress is looked at while the work goes on.

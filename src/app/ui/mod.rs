@@ -43,6 +43,8 @@ use files::FilesState;
 pub use inspector::own_weight::TooHeavy;
 pub use sides::Widths;
 
+/// Height of a panel above the time line, points.
+const BELOW_HEIGHT: f32 = 226.0;
 /// The most of the window's height that a panel above the time line takes: the view keeps the rest.
 const BELOW_SHARE: f32 = 0.4;
 /// The least share of the view's width and height that counts as free.
@@ -320,11 +322,12 @@ fn below_panel_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands:
         commands.push(Command::WatchCost(counted));
     }
     let Some(below) = below else { return };
-    let (name, height) = match below {
-        Below::Cost => ("cost", cost::HEIGHT),
-        Below::Error => ("error", error_panel::HEIGHT),
+    let name = match below {
+        Below::Cost => "cost",
+        Below::Error => "error",
     };
-    let panel = egui::Panel::bottom(name).resizable(false).exact_size(height.min(BELOW_SHARE * ui.available_height()));
+    let height = BELOW_HEIGHT.min(BELOW_SHARE * ui.available_height());
+    let panel = egui::Panel::bottom(name).resizable(false).exact_size(height);
     panel.frame(theme::bar_frame(ui)).show(ui, |ui| match below {
         Below::Cost => cost::cost_ui(ui, running.status, shown.drawing),
         Below::Error => error_panel::error_panel_ui(ui, running, &mut state.error_panel, commands),

@@ -10,12 +10,10 @@ use super::meter;
 use super::{Framing, Shown, UiState, menu, theme};
 use crate::scene::presets::Preset;
 use crate::session::step_words::step_text;
-use crate::session::{Command, Status};
+use crate::session::{Command, KEEPS_UP, Status};
 
 /// Speeds to choose from, simulated seconds a wall second.
 const SPEEDS: [f64; 8] = [0.01, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0];
-/// A scene this close to the speed asked for keeps up, as a share.
-const KEEPS_UP: f64 = 0.95;
 
 /// The width of the box with the scene's name, points.
 const SCENE_WIDTH: f32 = 168.0;

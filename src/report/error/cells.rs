@@ -17,13 +17,12 @@ use crate::physics::Simulation;
 use crate::report::extremes::lattices;
 use crate::report::statics::{Linear, face_load, mean_along};
 use crate::scene::body::{CellsShape, PinBox};
-use crate::scene::settings::Stepping;
+use crate::scene::settings::{EARTH_GRAVITY, Stepping};
 use crate::scene::{Body, Material, Scene, Shape, Solid};
 
 /// The bodies are 1 m long and of this density, kg/m³, and damping.
 const DENSITY: f64 = 1000.0;
 const DAMPING_RATIO: f64 = 0.05;
-const GRAVITY: f64 = 9.81;
 /// Length over thickness of the cantilever.
 const SLENDERNESS: u32 = 8;
 /// How far from the middle the patch reaches that the standing block stands on, m.
@@ -144,7 +143,7 @@ impl Case {
     /// The body under its own weight, at rest before it gives way.
     fn scene(self, divisions: u32) -> Scene {
         let mut scene = Scene { bodies: vec![self.body(divisions)], ..Scene::default() };
-        scene.settings.gravity = [0.0, -GRAVITY, 0.0];
+        scene.settings.gravity = [0.0, -EARTH_GRAVITY, 0.0];
         scene.settings.dt = STEP_SECS;
         scene.settings.stepping = Stepping::Auto;
         scene.settings.sleeping = false;
@@ -157,14 +156,14 @@ impl Case {
         let simulation = Simulation::<f64>::new(&scene, &lattices(&scene).ok()?);
         let mut body = Linear::of(&simulation.model().bodies[0]);
         let (size, cell) = (self.size(), 1.0 / f64::from(divisions));
-        let weight = DENSITY * GRAVITY * size.element_product();
+        let weight = DENSITY * EARTH_GRAVITY * size.element_product();
         let on = |body: &Linear, face: DVec3, direction: DVec3| face_load(body, size, cell, face, direction);
         let [min, max] = self.held();
         if self != Self::Tension {
             body.hold(DVec3::ONE, |start| start.cmpge(min).all() && start.cmple(max).all());
         }
         let scaled = |load: Vec<DVec3>| -> Vec<DVec3> { load.into_iter().map(|force| force * weight).collect() };
-        let own = || -> Vec<DVec3> { body.mass.iter().map(|mass| DVec3::NEG_Y * (GRAVITY * mass)).collect() };
+        let own = || -> Vec<DVec3> { body.mass.iter().map(|mass| DVec3::NEG_Y * (EARTH_GRAVITY * mass)).collect() };
         let (load, seen, theory_m) = match self {
             Self::Tension => {
                 let ends = [DVec3::Y, DVec3::NEG_Y].map(|face| on(&body, face, face));

@@ -28,13 +28,13 @@ use account::Account;
 
 use super::disturb::Disturbance;
 use crate::geometry::Lattice;
-use crate::math::{Real, Vector};
+use crate::math::{FRAME_SECS, Real, Vector};
 use crate::physics::SOLVE_WORK;
 use crate::physics::{Simulation, StepReport};
 use crate::scene::Scene;
 
 /// Energies are means over so much simulated time, s.
-const WINDOW_SECS: f64 = 1.0 / 60.0;
+const WINDOW_SECS: f64 = FRAME_SECS;
 
 /// `gelatin check` measures so much simulated time, s.
 const FORETOLD_SECS: f64 = 0.5;

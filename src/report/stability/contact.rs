@@ -12,12 +12,11 @@ use crate::scene::body::{Body, CubeShape, Pose};
 use crate::scene::material::{Material, Spring, Springs};
 use crate::scene::obstacle::{ContactStiffness, Plane};
 use crate::scene::resolve::ResolveError;
-use crate::scene::settings::{ContactRule, Stepping};
+use crate::scene::settings::{ContactRule, EARTH_GRAVITY, Stepping};
 use crate::scene::{Obstacle, ObstacleShape, Scene, Shape};
 
 const DT_SECS: f64 = 1e-3;
 const MASS_KG: f64 = 0.008;
-const GRAVITY: f64 = 9.81;
 /// What rubs where the threshold of sliding is looked for.
 const FRICTION: f64 = 0.5;
 /// Simulated time on a slope, s; and with `quick`.
@@ -214,7 +213,7 @@ fn drop_ratio(rule: Rule, share: f64) -> Result<f64, ResolveError> {
     scene.obstacles[0].stiffness = ContactStiffness::Given(share * MASS_KG / (DT_SECS * DT_SECS));
     let mut simulation = rule.simulate::<f64>(scene)?;
     let start = simulation.diagnostics();
-    let before = start.mass_kg * GRAVITY * HEIGHT;
+    let before = start.mass_kg * EARTH_GRAVITY * HEIGHT;
     let (mut has_touched, mut away) = (false, 0);
     for _ in 0..steps(3.0) {
         let report = simulation.step();

@@ -27,9 +27,6 @@ use crate::scene::resolve::ResolveError;
 use crate::scene::settings::{Integrator, Stepping};
 use crate::scene::{Scene, Shape};
 
-/// The schemes with a border: the others have no stable step without damping, or every step is stable.
-pub const SCHEMES: [Integrator; 3] = [Integrator::SemiImplicit, Integrator::Verlet, Integrator::Rk4];
-
 /// The step, s.
 pub const DT_SECS: f64 = 1e-3;
 /// The cube: cells an edge, the edge of a cell in m, the mass of a particle in kg.
@@ -189,7 +186,7 @@ mod tests {
 
     #[test]
     fn the_predicted_border_is_below_the_measured_one_and_near_it() {
-        for integrator in SCHEMES {
+        for integrator in Integrator::LIMITED {
             let map = map(integrator, true).expect("a cube");
             assert!(map.passed, "{integrator:?}: {map:?}");
             let first = &map.columns[0];

@@ -6,13 +6,11 @@ use super::material::material_ui;
 use super::{section_ui, send};
 use crate::app::ui::figure::{figure, fixed_figure};
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{LABEL_WIDTH, field_ui, vector_ui};
+use crate::app::ui::value::{AXES, LABEL_WIDTH, field_ui, vector_ui};
 use crate::app::ui::{Running, UiState, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::{Body, Shape, Skin};
 use crate::session::{BodyStatus, Command};
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The panel of a body.
 pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {

@@ -4,13 +4,12 @@ use egui::Ui;
 
 use super::{section_ui, send};
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{Touch, field_ui, slider_ui, vector_ui};
+use crate::app::ui::value::{AXES, Touch, field_ui, slider_ui, vector_ui};
 use crate::scene::edit::{Edit, ObstacleId};
 use crate::scene::obstacle::ContactStiffness;
 use crate::scene::{Obstacle, ObstacleShape, Scene};
 use crate::session::Command;
 
-const AXES: [&str; 3] = ["x", "y", "z"];
 /// What a person begins with who gives the stiffness by hand, N/m.
 const STIFFNESS: f64 = 1000.0;
 

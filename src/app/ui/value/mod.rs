@@ -20,6 +20,9 @@ pub(super) use track::note_scrolling;
 /// Width of a label, points.
 pub(super) const LABEL_WIDTH: f32 = 92.0;
 
+/// Short names of a vector's components.
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// What a person did to one or more values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Touch {

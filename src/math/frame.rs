@@ -1,0 +1,10 @@
+//! The frame: the time that a common display shows one picture, and the time over which what happens is counted, slowed
+//! and looked at, so that no answer is late by more than a person can see.
+
+use std::time::Duration;
+
+/// A sixtieth of a second, s.
+pub const FRAME_SECS: f64 = 1.0 / 60.0;
+
+/// The same as wall time, to the nearest nanosecond.
+pub const FRAME: Duration = Duration::from_nanos(16_666_667);
