@@ -70,7 +70,7 @@ mod stepping;
 pub use compile::DEPTH_SHARE;
 pub use compile::from_scene::SceneError;
 pub use compile::other_form::other_form;
-pub use compile::safe_values::{SafeValue, largest_safe};
+pub use compile::safe_values::{ContactLoad, SafeValue, largest_safe};
 pub use contact::approach::Approach;
 pub use contact::sweep::Sweep;
 pub use contact::{ContactRecord, Placed};

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Session;
 use crate::geometry::Lattice;
 use crate::physics::other_form;
-use crate::physics::{SafeValue, largest_safe};
+use crate::physics::{ContactLoad, SafeValue, largest_safe};
 use crate::scene::Material;
 use crate::scene::body::Inlay;
 use crate::scene::own_weight::Stature;
@@ -21,6 +21,7 @@ pub(super) struct Found {
     dt_secs: f64,
     integrator: Integrator,
     among_obstacles: bool,
+    contact: ContactLoad,
     /// How it is built.
     pub(super) stature: Stature,
     /// How far its values may go.
@@ -35,24 +36,29 @@ impl Session {
         let (dt_secs, integrator) = (self.scene.settings.dt, self.scene.settings.integrator);
         let among_obstacles = !self.scene.obstacles.is_empty();
         let before = std::mem::take(&mut self.safe);
-        for (body, lattice) in self.scene.bodies.iter().zip(self.bodies.lattices()) {
+        let models = &self.simulation.model().bodies;
+        for ((body, lattice), model) in self.scene.bodies.iter().zip(self.bodies.lattices()).zip(models) {
+            let contact = ContactLoad::of(model, &self.scene);
             let fits = |found: &&Found| {
                 Arc::ptr_eq(&found.lattice, &lattice)
                     && found.material == body.material
                     && found.inlays == body.inlays
                     && found.dt_secs.to_bits() == dt_secs.to_bits()
                     && (found.integrator, found.among_obstacles) == (integrator, among_obstacles)
+                    && found.contact == contact
             };
+            let of_lattice = before.iter().find(|found| Arc::ptr_eq(&found.lattice, &lattice));
             self.safe.push(before.iter().find(fits).cloned().unwrap_or_else(|| Found {
-                safe: Arc::new(largest_safe(body, &lattice, dt_secs, integrator, among_obstacles)),
+                safe: Arc::new(largest_safe(body, &lattice, dt_secs, integrator, among_obstacles, contact)),
                 other: other_form(&body.material, &lattice),
-                stature: Stature::of(&lattice),
+                stature: of_lattice.map_or_else(|| Stature::of(&lattice), |found| found.stature),
                 material: body.material.clone(),
                 lattice,
                 inlays: body.inlays.clone(),
                 dt_secs,
                 integrator,
                 among_obstacles,
+                contact,
             }));
         }
     }

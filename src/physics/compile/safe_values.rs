@@ -1,17 +1,23 @@
 //! How far each value of a material may go before the step asked for is no longer safe, the others left as they are
 //! (I6): what a slider marks on its track.
 
+use std::sync::OnceLock;
+
+use glam::DMat3;
+
 use crate::geometry::Lattice;
-use crate::math::Aabb;
+use crate::math::{Aabb, Real};
 use crate::physics::compile::assembly;
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::limits::{
     LATTICE_LIMIT, LoadShare, WaveTensors, largest, largest_eigenvalue, lattice_waves, load_shares, safety,
 };
+use crate::physics::model::BodyModel;
 use crate::scene::body::Inlay;
 use crate::scene::material::Solid;
-use crate::scene::settings::Integrator;
-use crate::scene::{Body, Family, Material, Springs};
+use crate::scene::obstacle::ContactStiffness;
+use crate::scene::settings::{ContactRule, Integrator};
+use crate::scene::{Body, Family, Material, Scene, Springs};
 
 /// Steps of a bisection: enough for any range of values to a millionth.
 const HALVINGS: usize = 60;
@@ -28,24 +34,111 @@ pub struct SafeValue {
     pub is_smallest: bool,
 }
 
+/// What the thesis's explicit contact (GC §5.2) leaves of the limit, of which it takes a share as a spring does: the
+/// stiffness of an obstacle over the mass of the lightest particle, 1/s². Nothing by the other rule.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactLoad {
+    /// Of obstacles whose stiffness follows from the mass: the same whatever that is.
+    following: f64,
+    /// Of obstacles whose stiffness is given: the less, the more mass there is.
+    given: f64,
+}
+
+impl ContactLoad {
+    /// Of a body of the scene that its model was compiled from.
+    pub fn of<R: Real>(body: &BodyModel<R>, scene: &Scene) -> Self {
+        let mut load = Self::default();
+        if scene.settings.contact != ContactRule::Thesis {
+            return load;
+        }
+        let lightest = body.masses.iter().copied().fold(body.particle_mass, R::min).to_f64();
+        for (obstacle, contact) in scene.obstacles.iter().zip(&body.contacts) {
+            let of_kind = match obstacle.stiffness {
+                ContactStiffness::Auto => &mut load.following,
+                ContactStiffness::Given(_) => &mut load.given,
+            };
+            *of_kind = of_kind.max(contact.stiffness.to_f64() / lightest);
+        }
+        load
+    }
+
+    fn now(self) -> f64 {
+        self.following.max(self.given)
+    }
+}
+
+/// One load that has to stay below [`LATTICE_LIMIT`]: what links and contact add to it.
+struct Load {
+    links: LoadShare,
+    /// As [`LoadShare::stiffness`], of the contact's.
+    contact_secs2: f64,
+    contact: ContactLoad,
+}
+
+impl Load {
+    /// What is left for the links, as contact is now.
+    fn limit(&self) -> f64 {
+        LATTICE_LIMIT - self.contact_secs2 * self.contact.now()
+    }
+
+    /// What is left for the links by obstacles whose stiffness follows from the mass.
+    fn limit_of_following(&self) -> f64 {
+        LATTICE_LIMIT - self.contact_secs2 * self.contact.following
+    }
+
+    /// What obstacles of a given stiffness add now.
+    fn of_given(&self) -> f64 {
+        self.contact_secs2 * self.contact.given
+    }
+}
+
+/// The loads of steps of `dt` (s) of a scheme.
+fn loads(integrator: Integrator, dt: f64, contact: ContactLoad) -> Vec<Load> {
+    let shares = load_shares(integrator, dt);
+    if shares.is_empty() && contact.now() > 0.0 {
+        // The implicit scheme: only contact has a limit.
+        let links = LoadShare { stiffness: 0.0, damping: 0.0 };
+        return vec![Load { links, contact_secs2: dt * dt, contact }];
+    }
+    shares.into_iter().map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect()
+}
+
 /// The bounds of all values of a body's material for steps of `dt_secs` of a scheme, at rest and with the margin that
-/// automatic stepping keeps, which may be wider among obstacles.
+/// automatic stepping keeps, which may be wider among obstacles. Where a body holds other solids, contact is taken to
+/// change with its density as if they were of it.
 pub fn largest_safe(
     body: &Body,
     lattice: &Lattice,
     dt_secs: f64,
     integrator: Integrator,
     among_obstacles: bool,
+    contact: ContactLoad,
 ) -> Vec<SafeValue> {
-    let shares = load_shares(integrator, dt_secs / safety(integrator, among_obstacles));
+    let loads = loads(integrator, dt_secs / safety(integrator, among_obstacles), contact);
     match &body.material {
-        Material::Springs(springs) => of_springs(springs, lattice, &shares),
-        Material::Solid(solid) => of_solid(solid, &body.inlays, lattice, &shares),
+        Material::Springs(springs) => of_springs(springs, lattice, &loads),
+        Material::Solid(solid) => of_solid(solid, &body.inlays, lattice, &loads),
     }
 }
 
-fn of_springs(springs: &Springs, lattice: &Lattice, shares: &[LoadShare]) -> Vec<SafeValue> {
-    let waves = lattice_waves();
+/// The waves of a lattice, each with the largest eigenvalue of every family alone.
+struct Waves {
+    tensors: Vec<WaveTensors>,
+    alone: Vec<[f64; 3]>,
+}
+
+/// They are the same for every lattice.
+fn waves() -> &'static Waves {
+    static WAVES: OnceLock<Waves> = OnceLock::new();
+    WAVES.get_or_init(|| {
+        let tensors = lattice_waves();
+        let alone = tensors.iter().map(|tensors| tensors.map(largest_eigenvalue)).collect();
+        Waves { tensors, alone }
+    })
+}
+
+fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load]) -> Vec<SafeValue> {
+    let waves = waves();
     let scale = 1.0 / (springs.particle_mass * lattice.grid.cell_size);
     let has_links = Family::ALL.map(|family| !lattice.links[family as usize].is_empty());
     let loads = |share: &LoadShare| {
@@ -59,7 +152,8 @@ fn of_springs(springs: &Springs, lattice: &Lattice, shares: &[LoadShare]) -> Vec
     for family in Family::ALL {
         for name in ["stiffness", "damping"] {
             let constants = springs.family(family);
-            let bound = |share: &LoadShare| {
+            let bound = |load: &Load| {
+                let (share, limit) = (&load.links, load.limit());
                 let (value, factor) = match name {
                     "stiffness" => (constants.stiffness, share.stiffness * scale),
                     _ => (constants.damping, share.damping * scale),
@@ -67,52 +161,69 @@ fn of_springs(springs: &Springs, lattice: &Lattice, shares: &[LoadShare]) -> Vec
                 let mut rest = loads(share);
                 rest[family as usize] -= factor * value;
                 if factor > 0.0 {
-                    largest_share(&waves, rest, family) / factor
-                } else if largest(&waves, rest) > LATTICE_LIMIT {
+                    largest_share(waves, rest, family, limit) / factor
+                } else if largest(&waves.tensors, rest) > limit {
                     0.0
                 } else {
                     f64::INFINITY
                 }
             };
-            let bound = shares.iter().map(bound).fold(f64::INFINITY, f64::min);
+            let bound = all.iter().map(bound).fold(f64::INFINITY, f64::min);
             let bound = (has_links[family as usize] && bound < f64::INFINITY).then_some(bound);
             let path = format!("material.springs.{}.{name}", family.name());
             bounds.push(SafeValue { path, bound, is_smallest: false });
         }
     }
-    let load = shares.iter().map(|share| largest(&waves, loads(share))).fold(0.0, f64::max);
-    let mass = springs.particle_mass * load / LATTICE_LIMIT;
+    // How many times the mass there must be at least.
+    let least = |load: &Load| {
+        let (links, limit) = (largest(&waves.tensors, loads(&load.links)), load.limit_of_following());
+        let by_following = if limit > 0.0 { links / limit } else { f64::INFINITY };
+        by_following.max((links + load.of_given()) / LATTICE_LIMIT)
+    };
+    let mass = springs.particle_mass * all.iter().map(least).fold(0.0, f64::max);
     let path = "material.springs.particle_mass".to_owned();
     bounds.push(SafeValue { path, bound: (mass > 0.0).then_some(mass), is_smallest: true });
     bounds
 }
 
-/// How much one family may add to the loads of the others on every wave. A family that is zero for some wave is not
-/// limited by it.
-fn largest_share(waves: &[WaveTensors], rest: [f64; 3], family: Family) -> f64 {
+/// How much one family may add to the loads of the others on every wave, up to a limit. A family that is zero for some
+/// wave is not limited by it.
+fn largest_share(waves: &Waves, rest: [f64; 3], family: Family, limit: f64) -> f64 {
     let mut share = f64::INFINITY;
-    let load = |tensors: &WaveTensors, share: f64| {
+    let fits = |tensors: &WaveTensors, share: f64| {
         let mut constants = rest.map(|load| load.max(0.0));
         constants[family as usize] += share;
-        largest_eigenvalue(tensors[0] * constants[0] + tensors[1] * constants[1] + tensors[2] * constants[2])
+        is_below(tensors[0] * constants[0] + tensors[1] * constants[1] + tensors[2] * constants[2], limit)
     };
-    for tensors in waves {
-        let own = largest_eigenvalue(tensors[family as usize]);
+    for (tensors, alone) in waves.tensors.iter().zip(&waves.alone) {
+        let own = alone[family as usize];
         if own <= 1e-9 {
-            if load(tensors, 0.0) > LATTICE_LIMIT {
+            if !fits(tensors, 0.0) {
                 return 0.0;
             }
             continue;
         }
         // Alone it may not add more than this.
-        let high = share.min(LATTICE_LIMIT / own);
-        share = if load(tensors, high) <= LATTICE_LIMIT {
-            high
-        } else {
-            bisect(0.0, high, |share| load(tensors, share) <= LATTICE_LIMIT)
-        };
+        let high = share.min(limit / own);
+        share = if fits(tensors, high) { high } else { bisect(0.0, high, |share| fits(tensors, share)) };
+        if share <= 0.0 {
+            return 0.0;
+        }
     }
     share
+}
+
+/// Whether every eigenvalue of a symmetric matrix is below a limit: the pivots of what is left are positive. A tenth of
+/// the work of an eigenvalue.
+fn is_below(a: DMat3, limit: f64) -> bool {
+    let left = DMat3::from_diagonal(glam::DVec3::splat(limit)) - a;
+    let [xx, xy, xz] = left.x_axis.to_array();
+    let [_, yy, yz] = left.y_axis.to_array();
+    if xx <= 0.0 {
+        return false;
+    }
+    let (yy, yz, zz) = (yy - xy * xy / xx, yz - xy * xz / xx, left.z_axis.z - xz * xz / xx);
+    yy > 0.0 && zz - yz * yz / yy > 0.0
 }
 
 /// The end of what is allowed between two values, the lower of which is taken to be.
@@ -131,7 +242,7 @@ fn bisect(mut low: f64, mut high: f64, is_allowed: impl Fn(f64) -> bool) -> f64 
     low
 }
 
-fn of_solid(solid: &Solid, inlays: &[Inlay], lattice: &Lattice, shares: &[LoadShare]) -> Vec<SafeValue> {
+fn of_solid(solid: &Solid, inlays: &[Inlay], lattice: &Lattice, all: &[Load]) -> Vec<SafeValue> {
     let rest: Vec<_> = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle)).collect();
     let size = Aabb::<f64>::around(rest.iter().copied()).size().max_element();
     let loads_of = |damping_ratio: f64| {
@@ -139,19 +250,21 @@ fn of_solid(solid: &Solid, inlays: &[Inlay], lattice: &Lattice, shares: &[LoadSh
         CellLoads::of(&[kind], lattice.grid.cell_size)
     };
     let (loads, critical) = (loads_of(solid.damping_ratio), loads_of(1.0));
-    let (mut times, mut damping_ratio) = (f64::INFINITY, f64::INFINITY);
+    let [mut times, mut times_lighter, mut damping_ratio] = [f64::INFINITY; 3];
     let (kinds, _) = assembly::solid_cells(solid, inlays, lattice, size, &rest);
     let others = CellLoads::of(&kinds[1..], lattice.grid.cell_size);
-    for share in shares {
-        if share.stiffness * others.stiffness + share.damping * others.damping > LATTICE_LIMIT {
-            (times, damping_ratio) = (0.0, 0.0);
+    for load in all {
+        let (share, limit) = (&load.links, load.limit());
+        if share.stiffness * others.stiffness + share.damping * others.damping > limit {
+            (times, times_lighter, damping_ratio) = (0.0, 0.0, 0.0);
         }
         let (stiff, damped) = (share.stiffness * loads.stiffness, share.damping * loads.damping);
-        // Stiffness grows with E/ρ, damping with z √(E/ρ): stiff x² + damped x = 4 for the root x of how many times E/ρ
-        // may be what it is.
-        let root = 2.0 * LATTICE_LIMIT / (damped + (damped * damped + 4.0 * LATTICE_LIMIT * stiff).sqrt());
-        times = times.min(root * root);
-        let room = LATTICE_LIMIT - stiff;
+        // How many times E, and how many times 1/ρ, may be what they are.
+        times = times.min(times_within(stiff, damped, limit));
+        let by_following = times_within(stiff, damped, load.limit_of_following());
+        times_lighter =
+            times_lighter.min(by_following.min(times_within(stiff + load.of_given(), damped, LATTICE_LIMIT)));
+        let room = limit - stiff;
         if room < 0.0 {
             damping_ratio = 0.0;
         } else if share.damping > 0.0 {
@@ -160,7 +273,7 @@ fn of_solid(solid: &Solid, inlays: &[Inlay], lattice: &Lattice, shares: &[LoadSh
     }
     [
         ("young_modulus", solid.young_modulus * times, false),
-        ("density", solid.density / times, true),
+        ("density", solid.density / times_lighter, true),
         ("damping_ratio", damping_ratio, false),
     ]
     .map(|(name, bound, is_smallest)| SafeValue {
@@ -169,6 +282,16 @@ fn of_solid(solid: &Solid, inlays: &[Inlay], lattice: &Lattice, shares: &[LoadSh
         is_smallest,
     })
     .into()
+}
+
+/// Stiffness grows with E/ρ, damping with z √(E/ρ): how many times E/ρ may be what it is until stiff x² + damped x is the
+/// limit, for the root x of that.
+fn times_within(stiff: f64, damped: f64, limit: f64) -> f64 {
+    if limit <= 0.0 {
+        return 0.0;
+    }
+    let root = 2.0 * limit / (damped + (damped * damped + 4.0 * limit * stiff).sqrt());
+    root * root
 }
 
 #[cfg(test)]
@@ -180,7 +303,7 @@ mod tests {
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
     use crate::scene::resolve::resolve;
-    use crate::scene::{Scene, path};
+    use crate::scene::{Obstacle, path};
 
     fn scene(changes: &[(&str, String)]) -> Scene {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
@@ -195,7 +318,11 @@ mod tests {
     }
 
     fn bounds(scene: &Scene) -> Vec<SafeValue> {
-        largest_safe(&scene.bodies[0], &lattice(scene), scene.settings.dt, scene.settings.integrator, false)
+        let lattice = lattice(scene);
+        let simulation = Simulation::<f64>::new(scene, std::slice::from_ref(&lattice));
+        let contact = ContactLoad::of(&simulation.model().bodies[0], scene);
+        let (dt_secs, integrator) = (scene.settings.dt, scene.settings.integrator);
+        largest_safe(&scene.bodies[0], &lattice, dt_secs, integrator, !scene.obstacles.is_empty(), contact)
     }
 
     /// The safe step over the step asked for, with a value that many times its bound on the unsafe side of it; none where
@@ -256,6 +383,35 @@ mod tests {
             let checked: usize = (0..60).map(|_| check(&random(&mut rng, is_solid))).sum();
             assert!(checked > 60, "bounds that can be set: {checked}");
         }
+    }
+
+    #[test]
+    fn the_contact_of_the_thesis_takes_its_share() {
+        let mut rng = Rng::new(29);
+        for (is_solid, is_given) in [(false, false), (false, true), (true, false), (true, true)] {
+            let mut checked = 0;
+            for _ in 0..40 {
+                let mut scene = random(&mut rng, is_solid);
+                scene.settings.contact = ContactRule::Thesis;
+                // At rest contact takes about a third of the limit: a solid's lightest particle is an eighth of a cell.
+                scene.settings.dt = if is_solid { 7e-4 } else { 2e-3 };
+                let given = ContactStiffness::Given(10f64.powf(rng.between(2.0, 6.0)));
+                let stiffness = if is_given { given } else { ContactStiffness::Auto };
+                scene.obstacles = vec![Obstacle { stiffness, ..Obstacle::default() }];
+                checked += check(&scene);
+            }
+            assert!(checked > 20, "bounds that can be set: {checked}, solid {is_solid}, given {is_given}");
+        }
+    }
+
+    #[test]
+    fn the_implicit_scheme_has_a_bound_on_the_mass_by_the_contact_of_the_thesis_alone() {
+        let mut scene = scene(&[]);
+        scene.settings.integrator = Integrator::Implicit;
+        assert!(bounds(&scene).iter().all(|safe| safe.bound.is_none()), "none without contact");
+        scene.settings.contact = ContactRule::Thesis;
+        scene.obstacles = vec![Obstacle { stiffness: ContactStiffness::Given(1e3), ..Obstacle::default() }];
+        assert_eq!(check(&scene), 1, "the mass");
     }
 
     #[test]
