@@ -17,8 +17,7 @@ use serde_json::Value;
 
 use super::out;
 use super::shard::Shard;
-use crate::disk;
-use crate::session::state_file::fnv1a;
+use crate::disk::{self, fnv1a};
 use crate::text::echo_path;
 
 /// The longest file of found pieces that is read.

@@ -11,8 +11,7 @@ use std::path::{Component, Path, PathBuf};
 
 use thiserror::Error;
 
-use super::state_file::fnv1a;
-use crate::disk::{self, folder_of};
+use crate::disk::{self, fnv1a, folder_of};
 use crate::scene::file::SceneFileError;
 use crate::scene::view_settings::CameraSettings;
 use crate::scene::{Scene, Shape, ViewSettings, builtin, presets};

@@ -9,8 +9,11 @@ pub mod command;
 mod costs;
 mod cures;
 pub mod document;
+mod draw;
 mod editing;
+mod error;
 pub mod error_curve;
+mod explain;
 mod grab;
 mod history;
 pub mod hold;
@@ -21,13 +24,17 @@ mod picture;
 pub mod predict;
 pub mod run;
 mod safe;
+mod sample;
+mod show;
 mod slowness;
+pub mod state_error;
 pub mod state_file;
 mod state_origin;
 mod state_reader;
 pub mod status;
 pub mod step_words;
 mod stop;
+mod stoppable;
 mod trials;
 pub mod trouble;
 mod warnings;
@@ -39,104 +46,34 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
-use thiserror::Error;
 
 pub use command::{Command, Pull};
 pub use costs::{StageCost, StepCost};
 pub use cures::Cure;
+pub use error::SessionError;
 pub use slowness::KEEPS_UP;
 pub use status::{BodyStatus, SafeValue, Status};
 pub use trouble::Trouble;
 
 use crate::geometry::Watch;
-use crate::machine::bytes_text;
 use crate::physics::Arrival;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
-use crate::scene::edit::EditError;
-use crate::scene::file::SceneFileError;
-use crate::scene::resolve::ResolveError;
 use bodies::Bodies;
 use clock::{Clock, Stretch};
 use costs::Costs;
-use document::{Document, Opened, SaveError};
+use document::{Document, Opened};
+use error::SPEEDS;
 use history::History;
 use hold::Hold;
 use library::Library;
 use picture::Picture;
-use slowness::Sample;
-use state_file::StateError;
-use stop::Stoppable;
+use sample::Sample;
+use stoppable::Stoppable;
 use trials::Trials;
-
-/// Speeds a person may ask for, simulated seconds a wall second.
-const SPEEDS: [f64; 2] = [0.01, 10.0];
 
 /// While time runs, one part in so many goes to looking for what helps.
 const CURES_SHARE: u32 = 4;
-
-/// Why a session refuses something.
-#[derive(Debug, Error)]
-pub enum SessionError {
-    /// A body's shape gives no lattice.
-    #[error("the shape of body {}", index + 1)]
-    Shape {
-        /// The body's place.
-        index: usize,
-        /// Why.
-        #[source]
-        source: ResolveError,
-    },
-    /// More memory than there is.
-    #[error(
-        "the scene needs about {} of memory, and {} is free {whose}; use fewer or larger cells, or start with \
-         --memory {:.0} to try all the same",
-        bytes_text(*needed), bytes_text(*free), (*needed as f64 / 1e9).ceil().max(1.0)
-    )]
-    Memory {
-        /// What it needs, bytes.
-        needed: u64,
-        /// What there is, bytes.
-        free: u64,
-        /// Who says so.
-        whose: &'static str,
-    },
-    /// An edit does not fit the scene.
-    #[error(transparent)]
-    Edit(#[from] EditError),
-    /// An edit sets a value that is not allowed.
-    #[error("{what}: {message}")]
-    Value {
-        /// The value, in words.
-        what: String,
-        /// The value and what would be right.
-        message: String,
-    },
-    /// A scene file cannot be read.
-    #[error(transparent)]
-    Open(#[from] SceneFileError),
-    /// The scene cannot be saved.
-    #[error(transparent)]
-    Save(#[from] SaveError),
-    /// A state cannot be read or written.
-    #[error("{}", file.display())]
-    State {
-        /// The file.
-        file: PathBuf,
-        /// Why.
-        #[source]
-        source: StateError,
-    },
-    /// A speed outside the range.
-    #[error("a speed of {speed} is outside {} … {}", SPEEDS[0], SPEEDS[1])]
-    Speed {
-        /// The speed asked for.
-        speed: f64,
-    },
-    /// A pull at something that is not there.
-    #[error("the pull names a body or particles that the scene does not have")]
-    Pull,
-}
 
 /// A running sandbox.
 #[derive(Debug)]
@@ -229,6 +166,11 @@ impl Session {
 
     fn find_notice(&mut self) {
         self.notice = self.warnings().into_iter().next().unwrap_or_default();
+    }
+
+    /// Finds how far values may go; what has not changed is kept.
+    fn find_safe_values(&mut self) {
+        self.safe = safe::find(&self.scene, &self.simulation.model().bodies, &self.safe);
     }
 
     /// Does what a person asked for; nothing has changed where it is refused.
@@ -378,46 +320,6 @@ impl Session {
     /// The memory that the scene needs without a window, bytes.
     pub fn memory_bytes(&self) -> u64 {
         needs::needed(&self.scene, &self.bodies.outlines())
-    }
-
-    /// What the panels show.
-    pub fn status(&self) -> Status {
-        let plan = self.simulation.plan();
-        let model = self.simulation.model();
-        let links: usize = model.link_counts().iter().sum();
-        let lately = self.clock.lately();
-        Status {
-            title: self.document.title.clone(),
-            file: self.document.file.clone(),
-            unsaved: self.document.is_unsaved(&self.scene),
-            refused_saves: self.document.refused_saves,
-            base_dir: self.document.base_dir.clone(),
-            playing: self.playing,
-            at_rest: self.simulation.is_asleep(),
-            time_secs: self.simulation.state().time_secs,
-            speed: self.speed,
-            real_time_factor: lately.real_time_factor().unwrap_or(self.speed),
-            behind: self.is_behind(),
-            stepping_share: lately.stepping_secs / lately.wall_secs.max(1e-9),
-            processor_share: self.clock.processor_share(),
-            speed_alone: lately.speed_alone(),
-            limited_by: self.slowness(links),
-            dt_secs: plan.substep_secs(),
-            dt_safe_secs: plan.limits.dt_safe_secs().unwrap_or(f64::INFINITY),
-            integrator: plan.integrator,
-            dt_limited_by: plan.limits.limited_by(plan.dt_secs).words(),
-            substeps: plan.substeps,
-            particles: model.particle_count(),
-            links,
-            contacts: self.report.last.contacts,
-            message: if self.too_slow.is_empty() { &self.notice } else { &self.too_slow }.clone(),
-            failed: false,
-            undo: self.history.undo_words().to_owned(),
-            redo: self.history.redo_words().to_owned(),
-            bodies: self.body_statuses(),
-            trouble: self.trouble_now(),
-            cost: self.costs.as_ref().map(|costs| costs.shown(plan)),
-        }
     }
 
     /// Whether time runs.

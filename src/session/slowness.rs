@@ -3,8 +3,6 @@
 
 use super::Session;
 use super::clock::Stretch;
-use crate::physics::Stage;
-use crate::report::timer::WallTimer;
 use crate::scene::settings::Integrator;
 
 /// Slower than this share of the speed asked for is slower than asked.
@@ -13,41 +11,6 @@ pub const KEEPS_UP: f64 = 0.95;
 const DRAWING_MATTERS: f64 = 0.15;
 /// Fewer iterations of the implicit integrator than this in a substep are not worth a word.
 const FEW_ITERATIONS: u64 = 20;
-/// One substep of so many is timed by stages: clocks cost next to nothing then.
-const SAMPLED: u32 = 16;
-/// Timed substeps after which older ones no longer count.
-const RECENT: u32 = 64;
-
-/// Where the time of the steps goes, from a sample of them.
-#[derive(Debug, Default)]
-pub(super) struct Sample {
-    timer: WallTimer,
-    taken: u32,
-    since: u32,
-}
-
-impl Sample {
-    /// The timer of the next substep, if it is one to be timed.
-    pub(super) fn next(&mut self) -> Option<&mut WallTimer> {
-        self.since += 1;
-        if self.since < SAMPLED {
-            return None;
-        }
-        self.since = 0;
-        self.taken += 1;
-        if self.taken > RECENT {
-            (self.timer, self.taken) = (WallTimer::default(), 1);
-        }
-        Some(&mut self.timer)
-    }
-
-    /// Whether contact takes more time than the links.
-    fn is_contact(&self) -> bool {
-        let secs = |stage| self.timer.spent(stage).0;
-        secs(Stage::Contact) + secs(Stage::BroadPhase) > secs(Stage::Links)
-    }
-}
-
 /// What is known of a simulation that is slower than asked.
 #[derive(Clone, Debug)]
 struct Facts<'a> {
@@ -204,13 +167,5 @@ mod tests {
         assert_eq!(words(&Facts { lately: Stretch::default(), ..facts(0.0, 0.0) }), "", "nothing was measured yet");
         let slow_motion = Facts { speed: 0.1, ..facts(0.1, 0.9) };
         assert_eq!(words(&slow_motion), "", "as slow as asked");
-    }
-
-    #[test]
-    fn a_sample_times_one_substep_of_many_and_forgets_old_ones() {
-        let mut sample = Sample::default();
-        let timed = (0..SAMPLED * (RECENT + 3)).filter(|_| sample.next().is_some()).count();
-        assert_eq!(timed, (RECENT + 3) as usize, "one of {SAMPLED}");
-        assert_eq!(sample.taken, 3, "the older ones are forgotten");
     }
 }

@@ -22,17 +22,16 @@
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
 
-use std::io;
 use std::path::Path;
 
 use glam::Vec3;
 use serde_json::json;
-use thiserror::Error;
 
+use super::state_error::{StateError, StateFileError};
 use super::state_origin::Origin;
 use super::state_reader::Reader;
 use super::{Session, SessionError};
-use crate::disk::{self, ReadError};
+use crate::disk::{self, fnv1a};
 use crate::physics::Approach;
 use crate::physics::Sweep;
 use crate::text::echo;
@@ -40,61 +39,6 @@ use crate::text::echo;
 /// A larger file is no state: more particles than a body may have.
 const MAX_BYTES: u64 = 4 << 30;
 const MAGIC: &[u8] = b"gelatin-state 7\n";
-
-/// Why a state cannot be used.
-#[derive(Debug, Error, PartialEq, Eq)]
-pub enum StateFileError {
-    /// Something else.
-    #[error("this is no state that Gelatin has saved")]
-    NotAState,
-    /// Written by an earlier or a later program.
-    #[error("this state was written by another version of the program (it begins with {begins:?}, version 7 is read)")]
-    OtherVersion {
-        /// The first words.
-        begins: String,
-    },
-    /// Cut short or changed.
-    #[error("the state is damaged: its checksum does not match its contents; write it anew")]
-    Damaged,
-    /// Too short or too long.
-    #[error("the state is damaged: it has not as many bytes as {field} of this scene need; write it anew")]
-    Length {
-        /// Where that is seen.
-        field: String,
-    },
-    /// A number that no simulation has.
-    #[error("the state is damaged: {field} is {value}, and {needed} is needed; write it anew")]
-    Value {
-        /// What it is of.
-        field: String,
-        /// As it was read.
-        value: String,
-        /// What would be right.
-        needed: String,
-    },
-    /// Another scene's.
-    #[error("the state was saved from {scene} and does not fit: {difference}; open the scene that it was saved from")]
-    OtherScene {
-        /// The title of its scene.
-        scene: String,
-        /// The first thing that is not alike, as half a sentence.
-        difference: String,
-    },
-}
-
-/// Why a state is not on the disk, or not from it.
-#[derive(Debug, Error)]
-pub enum StateError {
-    /// The file cannot be read.
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    /// Its contents cannot be used.
-    #[error(transparent)]
-    Contents(#[from] StateFileError),
-    /// The file cannot be written.
-    #[error("the state cannot be written; what was there is unchanged")]
-    Write(#[source] io::Error),
-}
 
 /// What a state says of itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -158,7 +102,7 @@ impl Session {
     pub fn state_bytes(&self) -> Vec<u8> {
         let state = self.simulation().state();
         let mut bytes = MAGIC.to_vec();
-        let origin = json!(Origin::of(self)).to_string();
+        let origin = json!(Origin::of(self.title(), &self.scene, self.simulation())).to_string();
         bytes.extend(origin.bytes().chain([b'\n']));
         let counts = [
             state.position.len() as u64,
@@ -211,7 +155,7 @@ impl Session {
     /// Goes on from a state that [`Session::state_bytes`] gave for the same scene.
     pub fn set_state_bytes(&mut self, bytes: &[u8]) -> Result<(), StateFileError> {
         let (origin, reader) = opened(bytes)?;
-        if let Some(difference) = origin.difference(&Origin::of(self)) {
+        if let Some(difference) = origin.difference(&Origin::of(self.title(), &self.scene, self.simulation())) {
             return Err(StateFileError::OtherScene { scene: echo(origin.scene()), difference });
         }
         let state = reader.state(self.simulation())?;
@@ -228,9 +172,4 @@ impl Session {
         self.replace_state(state);
         Ok(())
     }
-}
-
-/// A checksum.
-pub fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }

@@ -3,7 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Session;
+use crate::physics::BodyModel;
+use crate::physics::Simulation;
+use crate::scene::{Body, Scene};
 
 /// What a state says of the scene that it was saved from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,19 +23,14 @@ struct OriginBody {
 }
 
 impl Origin {
-    /// Of a session as it is now.
-    pub(super) fn of(session: &Session) -> Self {
-        let simulation = session.simulation();
-        let bodies = session.scene().bodies.iter().zip(&simulation.model().bodies);
-        let body = |(body, model): (&crate::scene::Body, &crate::physics::BodyModel<f32>)| OriginBody {
+    /// Of a scene of this title as it is now.
+    pub(super) fn of(title: &str, scene: &Scene, simulation: &Simulation<f32>) -> Self {
+        let bodies = scene.bodies.iter().zip(&simulation.model().bodies);
+        let body = |(body, model): (&Body, &BodyModel<f32>)| OriginBody {
             name: body.name.clone(),
             particles: model.particles.len(),
         };
-        Self {
-            scene: session.title().to_owned(),
-            bodies: bodies.map(body).collect(),
-            planes: simulation.state().side.len(),
-        }
+        Self { scene: title.to_owned(), bodies: bodies.map(body).collect(), planes: simulation.state().side.len() }
     }
 
     /// The scene's title.

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::state_file::StateFileError;
+use super::state_error::StateFileError;
 use crate::physics::Approach;
 use crate::physics::BodyMemory;
 use crate::physics::MOST_HALVINGS;

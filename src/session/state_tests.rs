@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::state_file::{StateFileError, fnv1a};
+use super::state_error::StateFileError;
 use super::{Command, Session};
+use crate::disk::fnv1a;
 use crate::scene::edit::{Edit, ObstacleId};
 use crate::scene::{ObstacleShape, presets};
 

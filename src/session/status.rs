@@ -3,10 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::DVec3;
-
-use super::{Session, StepCost, Trouble};
-use crate::math::{Aabb, rotation};
+use super::{StepCost, Trouble};
+use crate::math::Aabb;
 pub use crate::physics::SafeValue;
 use crate::scene::Material;
 use crate::scene::own_weight::Stature;
@@ -106,41 +104,4 @@ pub struct BodyStatus {
     pub safe: Arc<Vec<SafeValue>>,
     /// Its material in the other form: springs of a solid, a solid of springs.
     pub other_form: Material,
-}
-
-impl Session {
-    /// What there is to know of every body, in the scene's order.
-    pub(super) fn body_statuses(&self) -> Vec<BodyStatus> {
-        (0..self.scene.bodies.len()).map(|body| self.body_status(body)).collect()
-    }
-
-    fn body_status(&self, body: usize) -> BodyStatus {
-        let (model, memory) = (&self.simulation.model().bodies[body], &self.simulation.state().bodies[body]);
-        let own = &self.simulation.state().position[model.particles.clone()];
-        let sum = own.iter().fold(DVec3::ZERO, |sum, at| sum + at.as_dvec3());
-        let bounds = || Aabb::around(own.iter().map(|at| at.as_dvec3()));
-        let found = &self.safe[body];
-        BodyStatus {
-            cells: model.lattice.cells.len(),
-            particles: own.len(),
-            links: std::array::from_fn(|family| model.links[family].links.len()),
-            mass_kg: f64::from(model.particle_mass) * own.len() as f64,
-            center: (sum / own.len().max(1) as f64).to_array(),
-            bounds: if memory.gone { Aabb::empty() } else { bounds() },
-            start_size: self.start_size(body),
-            gone: memory.gone,
-            asleep: memory.asleep,
-            stature: found.stature,
-            safe: Arc::clone(&found.safe),
-            other_form: found.other.clone(),
-        }
-    }
-
-    /// The size of the box around a body at its start, m.
-    fn start_size(&self, body: usize) -> [f64; 3] {
-        let grid = self.simulation.model().bodies[body].lattice.grid;
-        let half = DVec3::from(grid.dims.map(|cells| 0.5 * f64::from(cells) * grid.cell_size));
-        let turn = rotation::from_euler_deg(self.scene.bodies[body].pose.rotation_deg);
-        (2.0 * (turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z)).to_array()
-    }
 }

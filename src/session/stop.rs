@@ -1,6 +1,5 @@
 //! Stopping a substep that takes long, and telling before time runs that it would take forever.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
@@ -10,34 +9,9 @@ use super::predict::{SLOWEST, crawl};
 use crate::physics::Simulation;
 use crate::physics::Stage;
 use crate::physics::StageTimer;
-use crate::report::timer::WallTimer;
 
 /// Processor time spent at most on finding out whether a scene is too slow to watch.
 const LONGEST_LOOK: Duration = Duration::from_secs(1);
-
-/// Takes the time of a substep, if someone wants to know it, and gives it up when it is asked to.
-pub(super) struct Stoppable<'a> {
-    pub(super) timer: Option<&'a mut WallTimer>,
-    pub(super) stop: &'a AtomicBool,
-}
-
-impl StageTimer for Stoppable<'_> {
-    fn enter(&mut self, stage: Stage) {
-        if let Some(timer) = &mut self.timer {
-            timer.enter(stage);
-        }
-    }
-
-    fn leave(&mut self) {
-        if let Some(timer) = &mut self.timer {
-            timer.leave();
-        }
-    }
-
-    fn stops(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
-}
 
 /// Gives a substep up when it has taken too long.
 struct Patience(ThreadTime);
@@ -84,7 +58,7 @@ fn too_slow(simulation: &Simulation<f32>) -> Option<String> {
 mod tests {
     use std::path::PathBuf;
     use std::sync::Arc;
-    use std::sync::atomic::AtomicU64;
+    use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
     use super::*;
     use crate::physics::StepReport;

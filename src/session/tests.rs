@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::state_file::StateFileError;
+use super::state_error::StateFileError;
 use super::*;
 use crate::math::FRAME;
 use crate::physics::BodyMemory;

@@ -1,0 +1,78 @@
+//! Why a session refuses something, in sentences.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::document::SaveError;
+use super::state_error::StateError;
+use crate::machine::bytes_text;
+use crate::scene::edit::EditError;
+use crate::scene::file::SceneFileError;
+use crate::scene::resolve::ResolveError;
+
+/// Speeds a person may ask for, simulated seconds a wall second.
+pub(super) const SPEEDS: [f64; 2] = [0.01, 10.0];
+
+/// Why a session refuses something.
+#[derive(Debug, Error)]
+pub enum SessionError {
+    /// A body's shape gives no lattice.
+    #[error("the shape of body {}", index + 1)]
+    Shape {
+        /// The body's place.
+        index: usize,
+        /// Why.
+        #[source]
+        source: ResolveError,
+    },
+    /// More memory than there is.
+    #[error(
+        "the scene needs about {} of memory, and {} is free {whose}; use fewer or larger cells, or start with \
+         --memory {:.0} to try all the same",
+        bytes_text(*needed), bytes_text(*free), (*needed as f64 / 1e9).ceil().max(1.0)
+    )]
+    Memory {
+        /// What it needs, bytes.
+        needed: u64,
+        /// What there is, bytes.
+        free: u64,
+        /// Who says so.
+        whose: &'static str,
+    },
+    /// An edit does not fit the scene.
+    #[error(transparent)]
+    Edit(#[from] EditError),
+    /// An edit sets a value that is not allowed.
+    #[error("{what}: {message}")]
+    Value {
+        /// The value, in words.
+        what: String,
+        /// The value and what would be right.
+        message: String,
+    },
+    /// A scene file cannot be read.
+    #[error(transparent)]
+    Open(#[from] SceneFileError),
+    /// The scene cannot be saved.
+    #[error(transparent)]
+    Save(#[from] SaveError),
+    /// A state cannot be read or written.
+    #[error("{}", file.display())]
+    State {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        #[source]
+        source: StateError,
+    },
+    /// A speed outside the range.
+    #[error("a speed of {speed} is outside {} … {}", SPEEDS[0], SPEEDS[1])]
+    Speed {
+        /// The speed asked for.
+        speed: f64,
+    },
+    /// A pull at something that is not there.
+    #[error("the pull names a body or particles that the scene does not have")]
+    Pull,
+}
