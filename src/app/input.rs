@@ -11,19 +11,19 @@
 //! hold    left drag on something that can be held
 //! ```
 
+mod action;
+mod event;
 mod from_winit;
 mod keys;
 
 use glam::Vec2;
 
-use super::ui::files::FileAction;
-use crate::scene::ColorBy;
-use crate::session::Command;
 use crate::view::Orbit;
 
+pub use action::{Action, CameraMove, ChosenAction, Panel};
+use event::Modifiers;
+pub use event::{Button, Event, Key, Keyboard, Situation};
 pub use from_winit::from_winit;
-pub use keys::Key;
-use keys::Modifiers;
 
 /// Turn of the eye for a pixel of dragging (at scale 1), radians.
 const ORBIT_RAD_PER_POINT: f32 = 0.007;
@@ -33,169 +33,6 @@ const ZOOM_PER_NOTCH: f32 = 0.86;
 const ZOOM_PER_POINT: f32 = 0.005;
 /// A press that moves less than this (points) before it ends is a click.
 const CLICK_RADIUS: f32 = 4.0;
-
-/// A window event, as far as it concerns the view.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Event {
-    /// The pointer is at this pixel, from the window's upper left corner.
-    PointerMoved(Vec2),
-    /// A button went down or up.
-    Button {
-        /// Which one.
-        button: Button,
-        /// Down, not up.
-        pressed: bool,
-    },
-    /// A wheel turned by this many notches; up is positive.
-    Wheel(f32),
-    /// Two fingers moved over a trackpad by this many pixels; right and down are positive.
-    Scroll(Vec2),
-    /// Two fingers spread by this share of their distance; together is negative.
-    Pinch(f32),
-    /// A key went down.
-    Key {
-        /// Which one.
-        key: Key,
-        /// It was down already and repeats.
-        repeat: bool,
-    },
-    /// The keys held beside others changed.
-    Modifiers {
-        /// Shift is down.
-        shift: bool,
-        /// Control (or command) is down.
-        control: bool,
-        /// Alt or the system key is down.
-        other: bool,
-    },
-    /// The window lost the keyboard: nothing is held any more.
-    FocusLost,
-}
-
-/// A pointer button that means something to the view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Button {
-    /// Usually the left one.
-    Primary,
-    /// The wheel, pressed.
-    Middle,
-    /// Usually the right one.
-    Secondary,
-}
-
-/// What the window must know to answer an event.
-#[derive(Clone, Copy, Debug, Default)]
-#[expect(clippy::struct_excessive_bools, reason = "four independent facts, each true or not")]
-pub struct Situation {
-    /// The pointer is over the view, not over a panel.
-    pub over_view: bool,
-    /// A dialog or a menu is open: keys and clicks are for it alone.
-    pub dialog_open: bool,
-    /// What has the keyboard.
-    pub keyboard: Keyboard,
-    /// What lies under the pointer can be held. Asked when a button goes down.
-    pub holdable: bool,
-    /// Time runs.
-    pub playing: bool,
-    /// Pixels a point of the interface.
-    pub scale: f32,
-}
-
-/// What has the keyboard.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Keyboard {
-    /// Nothing of the interface: keys are for the view.
-    #[default]
-    View,
-    /// A button or a slider, which knows space, arrows and Escape.
-    Widget,
-    /// A field with text, which has an undo of its own.
-    Text,
-}
-
-/// What an event asks for.
-#[derive(Clone, Debug)]
-pub enum Action {
-    /// Move the camera.
-    Camera(CameraMove),
-    /// Tell the session.
-    Send(Command),
-    /// Colour the jelly by this.
-    ColorBy(ColorBy),
-    /// Move with what is chosen, or no longer.
-    FollowChosen,
-    /// Show or hide the list of keys.
-    ToggleKeys,
-    /// Fill the whole screen with the window, or no longer.
-    ToggleFullScreen,
-    /// Show or hide a panel beside the view.
-    TogglePanel(Panel),
-    /// One of these, the first there is: close what lies over the view, let go, choose nothing.
-    Close,
-    /// Choose what lies under this pixel.
-    Choose(Vec2),
-    /// Take hold of what lies under this pixel.
-    Take(Vec2),
-    /// Move what is held to under this pixel.
-    Drag(Vec2),
-    /// Let go of what is held.
-    Release,
-    /// Do something with what is chosen.
-    Chosen(ChosenAction),
-    /// Something with files.
-    Files(FileAction),
-}
-
-/// A panel beside the view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Panel {
-    /// The list of bodies and obstacles.
-    Tree,
-    /// The values of what is chosen.
-    Inspector,
-    /// What a step costs.
-    Cost,
-    /// How exact the steps are.
-    Error,
-}
-
-/// Something to do with the body or obstacle that is chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ChosenAction {
-    /// Take it out of the scene.
-    Delete,
-    /// Put another one like it beside it.
-    Duplicate,
-    /// Hide it, or show it again.
-    Hide,
-    /// Give it another name.
-    Rename,
-}
-
-/// A move of the camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CameraMove {
-    /// Turn about the target, radians.
-    Orbit {
-        /// About the vertical.
-        yaw_rad: f32,
-        /// Above the horizon.
-        pitch_rad: f32,
-    },
-    /// Drag the scene by pixels.
-    Pan(Vec2),
-    /// Multiply the distance, keeping what is under the pointer.
-    Zoom {
-        /// Below 1 goes nearer.
-        factor: f32,
-        /// The pixel kept in place, from the window's upper left corner.
-        at: Vec2,
-    },
-    /// Show what is chosen, or everything.
-    Frame,
-    /// Show everything.
-    FrameAll,
-}
 
 /// The view's rectangle in the window, pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -31,8 +31,8 @@ mod native_dialog;
 mod processors;
 mod recent;
 mod shell;
+mod wake;
 
-use egui_winit::accesskit_winit;
 use thiserror::Error;
 use winit::application::ApplicationHandler;
 use winit::error::EventLoopError;
@@ -42,6 +42,7 @@ use winit::window::WindowId;
 
 use self::shell::Shell;
 pub use self::shell::ShellError;
+use self::wake::Wake;
 use self::worker::Worker;
 use crate::session::document::Opened;
 
@@ -80,23 +81,6 @@ fn cause(error: &EventLoopError) -> String {
     match words.strip_prefix("os error at ").and_then(|placed| placed.split_once(": ")) {
         Some((_, said)) => said.trim_end_matches('.').to_owned(),
         None => words,
-    }
-}
-
-/// A wake-up from another thread.
-#[derive(Debug)]
-pub(crate) enum Wake {
-    /// The worker has something to take.
-    Worker,
-    /// A dialog of the system was answered, or a model is ready.
-    Dialog,
-    /// Somebody looks at the window through its accessibility tree.
-    Accessibility(accesskit_winit::Event),
-}
-
-impl From<accesskit_winit::Event> for Wake {
-    fn from(event: accesskit_winit::Event) -> Self {
-        Self::Accessibility(event)
     }
 }
 

@@ -2,6 +2,7 @@
 //! stands in their own modules.
 
 mod camera;
+mod draw;
 mod drawing;
 mod pointing;
 
@@ -28,8 +29,9 @@ use super::pace::Reason;
 use super::preferences::PreferencesFile;
 use super::ui::files::FileAction;
 use super::ui::{self, Framing, Running, UiState};
+use super::wake::Wake;
 use super::worker::{Ended, Snapshot, Worker, sentence};
-use super::{Wake, kept_file, theme};
+use super::{kept_file, theme};
 use crate::extract;
 use crate::scene::{ColorBy, Scene, presets};
 use crate::session::Status;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use winit::dpi::PhysicalSize;
 use winit::window::Window;
 
-use super::{CanvasError, Shown};
+use super::outcome::{CanvasError, Shown};
 use crate::render::Gpu;
 
 /// Refusals in a row after which there is no hope.

@@ -4,7 +4,7 @@ use glam::Vec2;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::keyboard::{Key as WinitKey, NamedKey};
 
-use super::{Button, Event, Key};
+use super::event::{Button, Event, Key};
 
 /// The part of a window event that concerns the view.
 #[expect(clippy::cast_possible_truncation, reason = "pixels and gestures need no double precision")]

@@ -1,42 +1,10 @@
 //! What keys mean.
 
-use super::{Action, CameraMove, ChosenAction, Keyboard, Panel, Situation};
+use super::action::{Action, CameraMove, ChosenAction, Panel};
+use super::event::{Key, Keyboard, Modifiers, Situation};
 use crate::app::ui::files::FileAction;
 use crate::scene::ColorBy;
 use crate::session::Command;
-
-/// A key that means something.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Key {
-    /// The space bar.
-    Space,
-    /// The arrow to the right.
-    Right,
-    /// The first function key.
-    F1,
-    /// The second function key.
-    F2,
-    /// The eleventh function key.
-    F11,
-    /// The escape key.
-    Escape,
-    /// The key that deletes.
-    Delete,
-    /// The key for the beginning.
-    Home,
-    /// A letter (lower case), digit or sign.
-    Char(char),
-}
-
-/// The keys held beside others.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Modifiers {
-    pub(super) shift: bool,
-    /// Control, or command where that is the habit.
-    pub(super) control: bool,
-    /// Alt or the system key.
-    pub(super) other: bool,
-}
 
 /// What a key asks for when nothing lies over the view; `repeat`: it was down already.
 pub(super) fn action(key: Key, repeat: bool, held: Modifiers, situation: Situation) -> Option<Action> {

@@ -1,43 +1,28 @@
-//! When the window draws and what: the panels when something asks for them and they come out different, the picture
-//! when it looks different, both at the pace that leaves the simulation its share. Most of the time of a window in
-//! which nothing moves, nothing is drawn at all.
+//! What of the window was drawn last, and when something is to be drawn next.
 
 use std::time::{Duration, Instant};
 
+use egui::FullOutput;
 use egui::epaint::ClippedShape;
-use egui::{ClippedPrimitive, FullOutput, Rect, ViewportId};
-use winit::event_loop::ActiveEventLoop;
 
-use super::Shell;
-use crate::app::canvas::{Detail, Frame, Panels, Shown};
-use crate::app::damage::{self, damage};
 use crate::app::frame_meter::{DrawingCost, FrameMeter};
-use crate::app::pace::{Drawn, Pace, Reason};
-use crate::app::picture_rule::{self, Decision, PictureRule};
+use crate::app::pace::{Pace, Reason};
+use crate::app::picture_rule::PictureRule;
 use crate::app::processors::Processors;
-use crate::app::shell::ShellError;
-use crate::app::{hand, input::ViewRect};
-use crate::extract;
-use crate::view::axes::axes;
-use crate::view::{Change, DrawList, Overlay};
+use crate::view::DrawList;
 
 /// Figures that run with the time are written this often: faster nobody reads them.
 const FIGURES: Duration = Duration::from_millis(100);
-/// How long to wait before a frame that the surface refused is tried again.
-const RETRY: Duration = Duration::from_millis(30);
-/// How often the worker hears what drawing costs.
-const TELL: Duration = Duration::from_millis(500);
-
 /// When something is to be looked at next.
 #[derive(Clone, Copy, Debug, Default)]
-struct Due {
-    at: Option<Instant>,
+pub(super) struct Due {
+    pub(super) at: Option<Instant>,
     /// A person waits for it.
-    awaited: bool,
+    pub(super) awaited: bool,
 }
 
 impl Due {
-    fn ask(&mut self, at: Instant, reason: Reason) {
+    pub(super) fn ask(&mut self, at: Instant, reason: Reason) {
         self.at = Some(self.at.map_or(at, |earlier| earlier.min(at)));
         self.awaited |= reason == Reason::Input;
     }
@@ -45,22 +30,22 @@ impl Due {
 
 /// What was drawn last, and when something is to be drawn next.
 pub(super) struct Drawing {
-    pace: Pace,
-    meter: FrameMeter,
-    processors: Processors,
-    panels_due: Due,
-    picture_due: Due,
+    pub(super) pace: Pace,
+    pub(super) meter: FrameMeter,
+    pub(super) processors: Processors,
+    pub(super) panels_due: Due,
+    pub(super) picture_due: Due,
     /// The picture was due when the panels were drawn alone: the next frame draws it.
-    put_off: bool,
+    pub(super) put_off: bool,
     /// The window has been asked for the frame that comes next.
-    requested: bool,
-    panels_ran: Instant,
-    shapes: Vec<ClippedShape>,
-    pixels_per_point: f32,
+    pub(super) requested: bool,
+    pub(super) panels_ran: Instant,
+    pub(super) shapes: Vec<ClippedShape>,
+    pub(super) pixels_per_point: f32,
     /// The picture on the screen.
-    picture: Option<DrawList>,
-    rule: PictureRule,
-    told: Instant,
+    pub(super) picture: Option<DrawList>,
+    pub(super) rule: PictureRule,
+    pub(super) told: Instant,
 }
 
 impl Drawing {
@@ -112,250 +97,15 @@ impl Drawing {
         self.meter.cost(Instant::now(), self.pace.scale())
     }
 
-    fn due(&self) -> Option<Instant> {
+    pub(super) fn due(&self) -> Option<Instant> {
         self.panels_due.at.into_iter().chain(self.picture_due.at).min()
     }
 
     /// Whether the panels came out different from those on the screen.
     #[expect(clippy::float_cmp, reason = "a scale that is not the very same is another one")]
-    fn are_new(&self, output: &FullOutput) -> bool {
+    pub(super) fn are_new(&self, output: &FullOutput) -> bool {
         !output.textures_delta.set.is_empty()
             || output.pixels_per_point != self.pixels_per_point
             || output.shapes != self.shapes
-    }
-}
-
-/// Panels that differ from those on the screen.
-struct NewPanels {
-    primitives: Vec<ClippedPrimitive>,
-    /// Where they differ; `None` everywhere.
-    parts: Option<Vec<Rect>>,
-}
-
-/// What a frame does with the picture of the view.
-#[derive(Clone, Copy, Debug)]
-enum Picture {
-    /// It has the next frame for itself.
-    PutOff,
-    /// The one on the screen stays, and is looked at again then.
-    Keep(Option<Instant>),
-    Draw(Detail),
-}
-
-impl Shell {
-    /// When the event loop must wake by itself, if at all. Asks for the frame that is due.
-    pub(in crate::app) fn next_frame(&mut self) -> Option<Instant> {
-        if !self.visible {
-            return None;
-        }
-        if self.changed {
-            self.drawing.ask_picture(if self.input.dragging() { Reason::Input } else { Reason::Motion });
-        }
-        let due = self.drawing.due()?;
-        if due > Instant::now() {
-            return Some(due);
-        }
-        if !self.drawing.requested {
-            self.drawing.requested = true;
-            self.window.request_redraw();
-        }
-        None
-    }
-
-    /// Draws what is due; what a person waits for, with the processors to itself where a processor draws.
-    pub(super) fn draw(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
-        let Drawing { panels_due, picture_due, .. } = &self.drawing;
-        if self.canvas.is_software() && (panels_due.awaited || picture_due.awaited) {
-            self.worker.hold();
-        }
-        let drawn = self.draw_frame(event_loop);
-        self.worker.let_go();
-        drawn
-    }
-
-    fn draw_frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
-        let begin = Instant::now();
-        // A frame that the system asks for by itself shows everything again.
-        let exposed = !std::mem::take(&mut self.drawing.requested);
-        let run = exposed || self.drawing.panels_due.at.is_some_and(|at| at <= begin) || self.canvas.needs_panels();
-        let awaited = self.drawing.panels_due.awaited;
-        let mut output = run.then(|| self.run_panels(event_loop));
-        let panels = output.as_mut().and_then(|output| self.changed_panels(output));
-        let view = self.view();
-        let whole = exposed || self.canvas.needs_picture(view);
-        let picture = if panels.is_some() && awaited && !whole && self.picture_can_wait() {
-            Picture::PutOff
-        } else {
-            self.prepare_picture(view, begin)
-        };
-        let mut textures = output.map(|output| output.textures_delta).unwrap_or_default();
-        self.canvas.update_textures(&mut textures);
-        let draw_list = self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list);
-        let shown = if exposed || panels.is_some() || matches!(picture, Picture::Draw(_)) {
-            let frame = Frame {
-                picture: if let Picture::Draw(detail) = picture { draw_list.zip(Some(detail)) } else { None },
-                view,
-                panels: panels.as_ref().map(|NewPanels { primitives, parts }| Panels {
-                    primitives,
-                    pixels_per_point: self.drawing.pixels_per_point,
-                    parts: parts.as_deref(),
-                }),
-            };
-            self.canvas.show(&frame).map(Some)
-        } else {
-            Ok(None)
-        };
-        self.canvas.free_textures(&mut textures);
-        match shown {
-            Ok(Some(Shown::Presented)) => self.on_presented(begin, picture),
-            Ok(None) => self.on_picture(picture, begin),
-            Ok(Some(Shown::Again)) => {
-                self.drawing.shapes = Vec::new();
-                self.drawing.panels_due.ask(begin + RETRY, Reason::Input);
-            }
-            Ok(Some(Shown::Unseen)) => {
-                (self.drawing.panels_due, self.drawing.picture_due) = (Due::default(), Due::default());
-                (self.drawing.shapes, self.changed) = (Vec::new(), false);
-            }
-            Err(error) => self.recover(event_loop, error)?,
-        }
-        Ok(())
-    }
-
-    /// Whether panels that a person waits for are drawn without the picture, which takes longer and gets the frame after.
-    fn picture_can_wait(&self) -> bool {
-        self.canvas.is_software() && !self.drawing.picture_due.awaited && !self.drawing.put_off
-    }
-
-    fn on_presented(&mut self, begin: Instant, picture: Picture) {
-        let end = Instant::now();
-        log::trace!("a frame is on the screen after {:?}: {picture:?}", end - begin);
-        let work = self.drawing.processors.taken(self.worker.spent()).min(end - begin);
-        let frame = Drawn { begin, end, work };
-        self.drawing.meter.note(frame);
-        let moving = matches!(picture, Picture::Draw(Detail::Quick { .. }));
-        let behind = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.behind);
-        self.drawing.pace.drawn(frame, moving, behind);
-        if let Picture::Draw(_) = picture {
-            self.drawing.picture = self.snapshot.as_ref().map(|snapshot| snapshot.draw_list.clone());
-            self.drawing.rule.note_drawn(end);
-        }
-        self.on_picture(picture, end);
-        if end - self.drawing.told >= TELL {
-            self.drawing.told = end;
-            self.tell();
-        }
-    }
-
-    /// Says when to look at the picture again.
-    fn on_picture(&mut self, picture: Picture, now: Instant) {
-        self.drawing.put_off = matches!(picture, Picture::PutOff);
-        let again = match picture {
-            Picture::PutOff => return,
-            Picture::Keep(again) => again,
-            Picture::Draw(_) => self.drawing.rule.refines(self.input.dragging(), self.canvas.is_fine(), now),
-        };
-        self.drawing.picture_due = Due { at: again, awaited: false };
-        self.changed = false;
-    }
-
-    /// Tells the worker what drawing costs.
-    fn tell(&self) {
-        let cost = self.drawing.cost();
-        self.worker.set_drawing(self.drawing.pace.interval(), cost.share);
-        if let Some(snapshot) = &self.snapshot {
-            let DrawingCost { frames_per_sec, secs_per_frame, share, scale } = cost;
-            let factor = snapshot.status.real_time_factor;
-            log::debug!(
-                "{factor:.3} x real time, {frames_per_sec} frames a second of {:.1} ms, {share:.3} of the processors, at \
-                 {scale}",
-                1e3 * secs_per_frame
-            );
-        }
-    }
-
-    /// Runs the panels and does what they ask for.
-    fn run_panels(&mut self, event_loop: &ActiveEventLoop) -> FullOutput {
-        let now = Instant::now();
-        (self.drawing.panels_due, self.drawing.panels_ran) = (Due::default(), now);
-        let mut output = self.lay_out_panels();
-        self.grant_wishes(event_loop);
-        let platform_output = std::mem::take(&mut output.platform_output);
-        self.egui.handle_platform_output_with_event_loop(&self.window, event_loop, platform_output);
-        let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |root| root.repaint_delay);
-        if let Some(again) = now.checked_add(delay) {
-            let paced = self.drawing.pace.due(Reason::Motion, now).max(again);
-            self.drawing.panels_due.ask(paced, Reason::Motion);
-        }
-        output
-    }
-
-    /// What to draw of the panels where they differ from those on the screen.
-    fn changed_panels(&mut self, output: &mut FullOutput) -> Option<NewPanels> {
-        if !self.drawing.are_new(output) && !self.canvas.needs_panels() {
-            return None;
-        }
-        let shapes = std::mem::take(&mut output.shapes);
-        // Letters and pictures that came with other textures may look different though their shapes are the same.
-        let all = self.canvas.needs_panels()
-            || !output.textures_delta.set.is_empty()
-            || self.drawing.shapes.is_empty()
-            || self.drawing.pixels_per_point.to_bits() != output.pixels_per_point.to_bits();
-        let parts = (!all).then(|| damage(&self.drawing.shapes, &shapes, output.pixels_per_point));
-        self.drawing.pixels_per_point = output.pixels_per_point;
-        let again = parts.as_ref().map_or_else(|| shapes.clone(), |parts| damage::within(&shapes, parts));
-        self.drawing.shapes = shapes;
-        Some(NewPanels { primitives: self.context.tessellate(again, output.pixels_per_point), parts })
-    }
-
-    /// Makes the picture ready and decides whether and how it is drawn.
-    fn prepare_picture(&mut self, view: ViewRect, now: Instant) -> Picture {
-        let sight = self.sight(self.input.pointer());
-        let points = self.pixels_per_point();
-        let Some(snapshot) = &mut self.snapshot else { return Picture::Keep(None) };
-        let picture = &mut snapshot.draw_list;
-        picture.camera = self.orbit.camera();
-        picture.style = self.ui.theme.style();
-        picture.selected = self.ui.selection.and_then(|target| hand::place(&snapshot.scene, target));
-        // Strokes are as wide as they were in the last picture, until it is known how finely this one is drawn.
-        let last = self.drawing.picture.as_ref().map_or(points, |picture| picture.overlay.scale);
-        picture.overlay.scale = last;
-        let cross = axes(&picture.camera, &picture.style.overlay);
-        picture.tools = Overlay { lines: vec![cross], scale: last, ..Overlay::default() };
-        if let Some([grabbed, target]) = self.hand.pulled(picture) {
-            extract::overlay::add_grab(&mut picture.tools, grabbed, target);
-        }
-        let colors = picture.style.overlay;
-        self.handles.add_to(&mut picture.tools, &snapshot.scene, self.ui.selection, &sight, &colors);
-
-        let fits = !self.canvas.needs_picture(view);
-        let old = self.drawing.picture.as_ref();
-        let turned = old.is_some_and(|old| old.camera != picture.camera);
-        let sight = picture_rule::Sight {
-            change: old.filter(|_| fits).map_or(Change::Things, |old| picture.change_since(old, view.size.y)),
-            in_motion: snapshot.status.playing || turned,
-            dragging: self.input.dragging(),
-            fine: fits && self.canvas.is_fine(),
-        };
-        let (detail, pixels) = match self.drawing.rule.decide(&sight, now) {
-            Decision::Keep(again) => return Picture::Keep(again),
-            Decision::Fine => (Detail::Fine, points),
-            Decision::Quick => {
-                let scale = self.drawing.pace.scale();
-                (Detail::Quick { scale }, points * scale)
-            }
-        };
-        (picture.overlay.scale, picture.tools.scale) = (pixels, pixels);
-        Picture::Draw(detail)
-    }
-
-    /// Asks for what a new snapshot changes.
-    pub(super) fn ask_for_snapshot(&mut self, answered: bool) {
-        if answered {
-            self.drawing.ask_panels();
-        } else {
-            self.drawing.ask_figures();
-        }
-        self.changed = true;
     }
 }

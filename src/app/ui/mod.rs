@@ -15,6 +15,7 @@ mod keys;
 mod menu;
 mod message;
 mod meter;
+mod panels;
 mod sides;
 mod timeline;
 mod tip;
@@ -22,9 +23,9 @@ mod top_bar;
 mod tree;
 mod trouble;
 mod value;
+mod widths;
 
 use egui::{Align2, Area, Id, Order, Rect, RichText, Ui};
-use serde::{Deserialize, Serialize};
 
 use super::frame_meter::DrawingCost;
 use super::hand::Target;
@@ -41,7 +42,8 @@ pub use color::color_command;
 use error_panel::ErrorPanel;
 use files::FilesState;
 pub use inspector::own_weight::TooHeavy;
-pub use sides::Widths;
+pub use panels::{Below, Panels};
+pub use widths::Widths;
 
 /// Height of a panel above the time line, points.
 const BELOW_HEIGHT: f32 = 226.0;
@@ -133,41 +135,6 @@ pub enum Framing {
     Opened,
     /// What is chosen and has just been added, where it is out of sight.
     Arrived,
-}
-
-/// Which panels beside the view are open.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Panels {
-    /// The list of bodies and obstacles, on the left.
-    pub tree: bool,
-    /// The values of what is chosen, on the right.
-    pub inspector: bool,
-    /// What is open above the time line.
-    pub below: Option<Below>,
-}
-
-/// A panel above the time line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Below {
-    /// What a step costs.
-    Cost,
-    /// How exact the steps are.
-    Error,
-}
-
-impl Default for Panels {
-    fn default() -> Self {
-        Self { tree: true, inspector: true, below: None }
-    }
-}
-
-impl Panels {
-    /// Opens a panel above the time line, in the place of another one, or closes it.
-    pub fn toggle(&mut self, below: Below) {
-        self.below = if self.below == Some(below) { None } else { Some(below) };
-    }
 }
 
 impl UiState {

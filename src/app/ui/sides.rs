@@ -1,19 +1,11 @@
 //! The panels beside the view, and the edges by which a hand makes them wider.
 
 use egui::{CursorIcon, Id, Key, Panel, Rect, Sense, Stroke, Ui, WidgetInfo};
-use serde::{Deserialize, Serialize};
 
+use super::widths::{LIST, TWO_SIDES_NEED, VALUES};
 use super::{Panels, Running, UiState, inspector, theme, tree};
 use crate::session::Command;
 
-/// Widths of the list: the least, the usual, the greatest, points.
-const LIST: [f32; 3] = [150.0, 194.0, 400.0];
-/// Widths of the values.
-const VALUES: [f32; 3] = [316.0, 336.0, 620.0];
-/// The share of the window's width that the panels may take: the view keeps the rest.
-const SHARE: f32 = 0.5;
-/// Below this width of the window (points) both panels stand on one side.
-const TWO_SIDES_NEED: f32 = 1100.0;
 /// The share of that side that the list has, and its least height, points.
 const TREE_SHARE: f32 = 0.36;
 const TREE_HEIGHT: f32 = 140.0;
@@ -21,40 +13,6 @@ const TREE_HEIGHT: f32 = 140.0;
 const GRIP: f32 = theme::GRIP;
 /// What an arrow key does to a width, points.
 const NUDGE: f32 = 10.0;
-
-/// How wide a person wants the panels beside the view, points.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Widths {
-    /// The list of bodies and obstacles.
-    pub list: f32,
-    /// The values of what is chosen.
-    pub values: f32,
-}
-
-impl Default for Widths {
-    fn default() -> Self {
-        Self { list: LIST[1], values: VALUES[1] }
-    }
-}
-
-impl Widths {
-    /// The nearest widths that can be asked for.
-    pub fn allowed(self) -> Self {
-        Self { list: self.list.clamp(LIST[0], LIST[2]), values: self.values.clamp(VALUES[0], VALUES[2]) }
-    }
-
-    /// What a window of this width has room for, so that the view keeps its share.
-    fn within(self, window: f32) -> Self {
-        let Self { list, values } = self.allowed();
-        let room = SHARE * window;
-        if window < TWO_SIDES_NEED {
-            return Self { list: list.min(room), values: values.min(room).max(VALUES[0]) };
-        }
-        let values = values.min(room - LIST[1]).max(VALUES[0]);
-        Self { list: list.min(room - values).max(LIST[0]), values }
-    }
-}
 
 /// The panels beside the view. In a narrow window the list stands above the values, so that the view keeps its half.
 pub(super) fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
@@ -113,25 +71,4 @@ fn grip_ui(ui: &Ui, name: &str, grip: Rect, width_at: impl Fn(f32) -> f32, now: 
         return (way != 0.0).then_some(now + outward * way * NUDGE);
     }
     None
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_view_keeps_its_half_of_every_window() {
-        for list in LIST {
-            for values in VALUES {
-                for window in [760.0_f32, 900.0, 1100.0, 1280.0, 1920.0, 3840.0] {
-                    let shown = Widths { list, values }.within(window);
-                    let taken = if window < TWO_SIDES_NEED { shown.values } else { shown.list + shown.values };
-                    assert!(taken <= SHARE * window, "{list} and {values} in {window}: {shown:?}");
-                    assert!(shown.list >= LIST[0] && shown.values >= VALUES[0], "nothing is squeezed: {shown:?}");
-                }
-            }
-        }
-        let usual = Widths::default();
-        assert_eq!(usual.within(1280.0), usual, "there is room for the usual");
-    }
 }

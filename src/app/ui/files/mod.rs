@@ -2,6 +2,7 @@
 //! after a crash, files dropped on the window. Remembers what is open and asked; what needs a thread, the system or
 //! the disk's state folder is a [`Wish`] to the window.
 
+mod action;
 mod drop;
 mod load_model;
 mod overwrite;
@@ -21,6 +22,7 @@ use crate::scene::body::ModelShape;
 use crate::scene::view_settings::CameraSettings;
 use crate::session::{Command, Status};
 
+pub use action::FileAction;
 use load_model::LoadModel;
 pub use load_model::Work;
 use path_dialog::PathDialog;
@@ -31,31 +33,6 @@ use question::Question;
 pub const MAIN_FILL: Color32 = Color32::from_rgb(52, 95, 162);
 /// Its least size, points: the longest of the words it changes between, so that its neighbours stay where they are.
 const MAIN_SIZE: Vec2 = vec2(112.0, 0.0);
-
-/// What a menu item or a key asks for.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum FileAction {
-    /// A new scene.
-    New,
-    /// The dialog to open a scene.
-    Open,
-    /// A scene whose file is known.
-    OpenFile(PathBuf),
-    /// Save, to the scene's file or a new one.
-    Save,
-    /// The dialog to save a scene elsewhere.
-    SaveAs,
-    /// The assistant that makes a model into jelly.
-    LoadModel,
-    /// The dialog to go on from a saved state.
-    OpenState,
-    /// The dialog to save the present state.
-    SaveState,
-    /// Open what was found after a crash.
-    Recover,
-    /// Close the window.
-    Quit,
-}
 
 /// What only the window can do.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,0 +1,42 @@
+//! What became of a frame, and why there can be none.
+
+use thiserror::Error;
+
+use crate::render::{GpuError, RenderError};
+
+/// Why nothing can be drawn in the window.
+#[derive(Debug, Error)]
+pub enum CanvasError {
+    /// The window gives no surface.
+    #[error("the window cannot be drawn to: install a Vulkan driver such as `mesa-vulkan-drivers`")]
+    NoSurface(#[source] wgpu::CreateSurfaceError),
+    /// No device, or none any more.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The surface lacks what is needed.
+    #[error(
+        "the graphics driver ({adapter}) cannot show pictures in a window: it needs a surface that can be copied to; \
+         install a Vulkan driver such as `mesa-vulkan-drivers`, or use `gelatin render`"
+    )]
+    Surface {
+        /// The adapter's name, kind and interface.
+        adapter: String,
+    },
+    /// The surface refuses to give a texture, again and again.
+    #[error("the window's surface gives no picture to draw on; restarting the display or the graphics driver may help")]
+    Refused,
+    /// The picture cannot be drawn.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// What became of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// It is on the screen.
+    Presented,
+    /// It is not; the next one may be.
+    Again,
+    /// Nobody could see it: the window is minimised, empty or covered.
+    Unseen,
+}

@@ -1,0 +1,115 @@
+//! What reaches the view from outside: the pointer, keys, and what the window knows when they come.
+
+use glam::Vec2;
+
+/// A window event, as far as it concerns the view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// The pointer is at this pixel, from the window's upper left corner.
+    PointerMoved(Vec2),
+    /// A button went down or up.
+    Button {
+        /// Which one.
+        button: Button,
+        /// Down, not up.
+        pressed: bool,
+    },
+    /// A wheel turned by this many notches; up is positive.
+    Wheel(f32),
+    /// Two fingers moved over a trackpad by this many pixels; right and down are positive.
+    Scroll(Vec2),
+    /// Two fingers spread by this share of their distance; together is negative.
+    Pinch(f32),
+    /// A key went down.
+    Key {
+        /// Which one.
+        key: Key,
+        /// It was down already and repeats.
+        repeat: bool,
+    },
+    /// The keys held beside others changed.
+    Modifiers {
+        /// Shift is down.
+        shift: bool,
+        /// Control (or command) is down.
+        control: bool,
+        /// Alt or the system key is down.
+        other: bool,
+    },
+    /// The window lost the keyboard: nothing is held any more.
+    FocusLost,
+}
+
+/// A pointer button that means something to the view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Button {
+    /// Usually the left one.
+    Primary,
+    /// The wheel, pressed.
+    Middle,
+    /// Usually the right one.
+    Secondary,
+}
+
+/// What the window must know to answer an event.
+#[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "four independent facts, each true or not")]
+pub struct Situation {
+    /// The pointer is over the view, not over a panel.
+    pub over_view: bool,
+    /// A dialog or a menu is open: keys and clicks are for it alone.
+    pub dialog_open: bool,
+    /// What has the keyboard.
+    pub keyboard: Keyboard,
+    /// What lies under the pointer can be held. Asked when a button goes down.
+    pub holdable: bool,
+    /// Time runs.
+    pub playing: bool,
+    /// Pixels a point of the interface.
+    pub scale: f32,
+}
+
+/// What has the keyboard.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Keyboard {
+    /// Nothing of the interface: keys are for the view.
+    #[default]
+    View,
+    /// A button or a slider, which knows space, arrows and Escape.
+    Widget,
+    /// A field with text, which has an undo of its own.
+    Text,
+}
+
+/// A key that means something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Key {
+    /// The space bar.
+    Space,
+    /// The arrow to the right.
+    Right,
+    /// The first function key.
+    F1,
+    /// The second function key.
+    F2,
+    /// The eleventh function key.
+    F11,
+    /// The escape key.
+    Escape,
+    /// The key that deletes.
+    Delete,
+    /// The key for the beginning.
+    Home,
+    /// A letter (lower case), digit or sign.
+    Char(char),
+}
+
+/// The keys held beside others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Modifiers {
+    pub(super) shift: bool,
+    /// Control, or command where that is the habit.
+    pub(super) control: bool,
+    /// Alt or the system key.
+    pub(super) other: bool,
+}

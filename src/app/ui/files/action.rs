@@ -1,0 +1,28 @@
+//! What can be asked for about files.
+
+use std::path::PathBuf;
+
+/// What a menu item or a key asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FileAction {
+    /// A new scene.
+    New,
+    /// The dialog to open a scene.
+    Open,
+    /// A scene whose file is known.
+    OpenFile(PathBuf),
+    /// Save, to the scene's file or a new one.
+    Save,
+    /// The dialog to save a scene elsewhere.
+    SaveAs,
+    /// The assistant that makes a model into jelly.
+    LoadModel,
+    /// The dialog to go on from a saved state.
+    OpenState,
+    /// The dialog to save the present state.
+    SaveState,
+    /// Open what was found after a crash.
+    Recover,
+    /// Close the window.
+    Quit,
+}
