@@ -28,7 +28,6 @@ mod device;
 mod extents;
 mod frame;
 mod grid;
-mod kept;
 mod mesh_buffers;
 mod overlay;
 mod passes;
@@ -36,6 +35,7 @@ mod plane_parts;
 mod shadow_fit;
 mod shapes;
 mod shared;
+mod upload_cache;
 
 pub use compose::Compositor;
 pub use error::{GpuError, RenderError};

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::extremes::{extreme, lattices, patience};
-use super::judge::{Look, Seen, Verdict, judge_disturbed, judge_followed};
+use super::judge::{EnergySample, Seen, Verdict, judge_disturbed, judge_followed};
 use crate::scene::Scene;
 use crate::scene::file::SceneFileError;
 use crate::scene::resolve::ResolveError;
@@ -28,7 +28,7 @@ pub struct SceneAccount {
 #[serde(rename_all = "snake_case")]
 pub enum Event {
     /// A look at a body.
-    Look(Look),
+    Look(EnergySample),
     /// Something was done to the scene.
     Disturbed {
         /// Simulated time, s.
@@ -83,8 +83,9 @@ fn write_markdown(text: &mut String, account: &SceneAccount) -> std::fmt::Result
     for event in events {
         match event {
             Event::Look(look) => {
-                let Look { time_secs, body, kinetic, elastic, recovery, contact, own, allowed, work, .. } = look;
-                let Look { substeps, halved, contacts, depth_m, .. } = look;
+                let EnergySample { time_secs, body, kinetic, elastic, recovery, contact, own, allowed, work, .. } =
+                    look;
+                let EnergySample { substeps, halved, contacts, depth_m, .. } = look;
                 writeln!(
                     text,
                     "| {time_secs:.6} | {body} | {kinetic:.4e} | {elastic:.4e} | {recovery:.4e} | {contact:.4e} | {own:.4e} \

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicI16, Ordering};
 
 use rayon::prelude::*;
 
-use super::placed::{CELL, Placed, Point};
+use super::quantized_mesh::{CELL, Point, QuantizedMesh};
 use super::shell::CHUNK;
 use super::touch::{cross, minus};
 use super::{Cells, VoxelizeError};
@@ -24,8 +24,8 @@ pub(super) struct Parity {
 }
 
 /// Sends a ray through every column of cells.
-pub(super) fn parity(placed: &Placed, pieces: &Pieces<'_>) -> Result<Parity, VoxelizeError> {
-    let Placed { grid, padded, ref triangles } = *placed;
+pub(super) fn parity(quantized: &QuantizedMesh, pieces: &Pieces<'_>) -> Result<Parity, VoxelizeError> {
+    let QuantizedMesh { grid, padded, ref triangles } = *quantized;
     let crossings: Vec<AtomicI16> = std::iter::repeat_with(AtomicI16::default).take(padded.len()).collect();
     triangles.par_chunks(CHUNK).try_for_each(|chunk| {
         for triangle in chunk {
@@ -115,8 +115,8 @@ mod tests {
     use crate::math::rng::Rng;
 
     fn inside(mesh: &TriMesh, divisions: u32) -> Parity {
-        let placed = Placed::new(mesh, divisions).expect("a mesh");
-        parity(&placed, &Pieces::new(&(), 1, [0.0, 1.0])).expect("not cancelled")
+        let quantized = QuantizedMesh::new(mesh, divisions).expect("a mesh");
+        parity(&quantized, &Pieces::new(&(), 1, [0.0, 1.0])).expect("not cancelled")
     }
 
     #[test]

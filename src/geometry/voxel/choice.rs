@@ -2,7 +2,7 @@
 
 use super::centre::{self, Parity};
 use super::components::Components;
-use super::placed::Placed;
+use super::quantized_mesh::QuantizedMesh;
 use super::shell::{self, Shell};
 use super::{Cells, OccupancyChoice, VoxelizeError, report};
 use crate::geometry::Watch;
@@ -24,14 +24,14 @@ pub(super) struct Filled {
 
 /// Fills the cells that were asked for, or chooses.
 pub(super) fn fill(
-    placed: &Placed,
+    quantized: &QuantizedMesh,
     facts: &MeshFacts,
     occupancy: OccupancyChoice,
     watch: &dyn Watch,
 ) -> Result<Filled, VoxelizeError> {
-    let chunks = placed.triangles.len().div_ceil(shell::CHUNK);
-    let shell = |from: f64| Shell::new(placed, &Pieces::new(watch, chunks, [from, 0.9]));
-    let parity = || centre::parity(placed, &Pieces::new(watch, chunks, [0.0, 0.4]));
+    let chunks = quantized.triangles.len().div_ceil(shell::CHUNK);
+    let shell = |from: f64| Shell::new(quantized, &Pieces::new(watch, chunks, [from, 0.9]));
+    let parity = || centre::parity(quantized, &Pieces::new(watch, chunks, [0.0, 0.4]));
     let filled = |used, cells, why: String| Filled { cells, used, why, warnings: Vec::new() };
     let asked = || "asked for".to_owned();
     match occupancy {
@@ -45,7 +45,7 @@ pub(super) fn fill(
             }
             Ok(filled)
         }
-        OccupancyChoice::Auto if placed.is_flat() => {
+        OccupancyChoice::Auto if quantized.is_flat() => {
             let why = "the mesh is flat: the cells that it touches";
             Ok(filled(OccupancyChoice::Surface, shell(0.0)?.surface(), why.to_owned()))
         }
@@ -56,7 +56,7 @@ pub(super) fn fill(
         OccupancyChoice::Auto => {
             let inside = parity()?;
             let solid = shell(0.4)?.solid();
-            Ok(match centre_fails(placed, facts, &inside, &solid) {
+            Ok(match centre_fails(quantized, facts, &inside, &solid) {
                 None => {
                     let why = "the mesh is closed: the cells whose centre is inside";
                     filled(OccupancyChoice::Centre, inside.cells, why.to_owned())
@@ -71,7 +71,7 @@ pub(super) fn fill(
 }
 
 /// Why the cells whose centres are inside would misrepresent a closed mesh, if they would.
-fn centre_fails(placed: &Placed, facts: &MeshFacts, inside: &Parity, solid: &Cells) -> Option<String> {
+fn centre_fails(quantized: &QuantizedMesh, facts: &MeshFacts, inside: &Parity, solid: &Cells) -> Option<String> {
     let components = Components::new(&inside.cells);
     if components.sizes.is_empty() {
         return Some("the mesh is closed but so thin that no cell has its centre inside".to_owned());
@@ -79,7 +79,7 @@ fn centre_fails(placed: &Placed, facts: &MeshFacts, inside: &Parity, solid: &Cel
     if inside.overlaps > 0 {
         return Some("the mesh is closed but passes through itself, where counting crossings leaves holes".to_owned());
     }
-    let pairs = report::parts_in_components(placed, facts, &components);
+    let pairs = report::parts_in_components(quantized, facts, &components);
     let lost = facts.parts - pairs.chunk_by(|a, b| a[0] == b[0]).count();
     if lost > 0 {
         return Some(format!("the mesh is closed but {lost} of its {} parts hold no cell's centre", facts.parts));

@@ -1,8 +1,8 @@
 //! From a surface to the cells of a grid (GC §12, SC).
 //!
 //! ```text
-//!   mesh ─► placed ─┬─► centre: rays along x ──────────┐
-//!                   └─► shell: touched cells, flood ───┴─► components ─► cells + report
+//!   mesh ─► quantized ─┬─► centre: rays along x ──────────┐
+//!                      └─► shell: touched cells, flood ───┴─► components ─► cells + report
 //! ```
 
 mod centre;
@@ -10,7 +10,7 @@ mod choice;
 mod components;
 pub mod grid;
 mod options;
-mod placed;
+mod quantized_mesh;
 mod report;
 mod shell;
 mod touch;
@@ -21,7 +21,7 @@ use choice::Filled;
 use components::Components;
 pub use grid::{Cells, CellsError, Grid};
 pub use options::{Keep, MAX_DIVISIONS, OccupancyChoice, VoxelizeError, VoxelizeOptions};
-use placed::Placed;
+use quantized_mesh::QuantizedMesh;
 pub use report::VoxelReport;
 
 /// A mesh as cells, in the mesh's own coordinates.
@@ -47,21 +47,21 @@ pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) ->
     let distinct = mesh.without_duplicates();
     let duplicates = mesh.triangles.len() - distinct.triangles.len();
     let (whole, mesh) = (mesh, distinct.as_ref());
-    let placed = Placed::new(mesh, divisions)?;
+    let quantized = QuantizedMesh::new(mesh, divisions)?;
     if mesh.is_degenerate() {
         return Err(VoxelizeError::NoArea);
     }
     let facts = mesh.facts();
-    let Filled { mut cells, used, why, mut warnings } = choice::fill(&placed, &facts, occupancy, watch)?;
+    let Filled { mut cells, used, why, mut warnings } = choice::fill(&quantized, &facts, occupancy, watch)?;
     let mut components = Components::new(&cells);
     let found = components.sizes.len();
     if found == 0 {
         return Err(VoxelizeError::NoCells(divisions));
     }
     let dropped_cells = components.keep(keep, &mut cells);
-    let pairs = report::parts_in_components(&placed, &facts, &components);
+    let pairs = report::parts_in_components(&quantized, &facts, &components);
     let joined_parts = report::joined_parts(&pairs, facts.parts, found);
-    let thin_parts = report::thin_parts(&placed, &facts);
+    let thin_parts = report::thin_parts(&quantized, &facts);
     let absent_parts = facts.parts - pairs.chunk_by(|a, b| a[0] == b[0]).count();
     if dropped_cells > 0 {
         warnings.push(format!(
@@ -99,8 +99,8 @@ pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) ->
         closed: facts.closed,
         parts: facts.parts,
         divisions,
-        dims: placed.grid.dims,
-        cell_size_m: placed.grid.cell_size,
+        dims: quantized.grid.dims,
+        cell_size_m: quantized.grid.cell_size,
         occupancy: used,
         why,
         cells: cells.count(),

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::components::{Components, NONE};
-use super::placed::{CELL, Placed};
+use super::quantized_mesh::{CELL, QuantizedMesh};
 use super::shell::CHUNK;
 use super::{OccupancyChoice, touch};
 use crate::geometry::trimesh::MeshFacts;
@@ -53,14 +53,18 @@ pub struct VoxelReport {
 }
 
 /// Which parts of the mesh lie in which components of cells: (part, component), ascending.
-pub(super) fn parts_in_components(placed: &Placed, facts: &MeshFacts, components: &Components) -> Vec<[u32; 2]> {
-    let grid = placed.grid;
+pub(super) fn parts_in_components(
+    quantized: &QuantizedMesh,
+    facts: &MeshFacts,
+    components: &Components,
+) -> Vec<[u32; 2]> {
+    let grid = quantized.grid;
     let component = |cell: [u32; 3]| {
         let inner = cell.map(|n| n.wrapping_sub(1));
         let is_in_grid = (0..3).all(|axis| inner[axis] < grid.dims[axis]);
         if is_in_grid { components.labels[grid.index(inner)] } else { NONE }
     };
-    let chunks = placed.triangles.par_chunks(CHUNK).zip(facts.part_of_triangle.par_chunks(CHUNK));
+    let chunks = quantized.triangles.par_chunks(CHUNK).zip(facts.part_of_triangle.par_chunks(CHUNK));
     let mut pairs: Vec<[u32; 2]> = chunks
         .flat_map_iter(|(triangles, parts)| {
             let mut pairs = Vec::new();
@@ -101,9 +105,9 @@ pub(super) fn joined_parts(pairs: &[[u32; 2]], parts: usize, components: usize) 
 }
 
 /// Parts of the mesh whose box is thinner than a cell along an axis.
-pub(super) fn thin_parts(placed: &Placed, facts: &MeshFacts) -> usize {
+pub(super) fn thin_parts(quantized: &QuantizedMesh, facts: &MeshFacts) -> usize {
     let mut boxes = vec![[[i64::MAX; 3], [i64::MIN; 3]]; facts.parts];
-    for (triangle, &part) in placed.triangles.iter().zip(&facts.part_of_triangle) {
+    for (triangle, &part) in quantized.triangles.iter().zip(&facts.part_of_triangle) {
         let [low, high] = &mut boxes[part as usize];
         for corner in triangle {
             for axis in 0..3 {

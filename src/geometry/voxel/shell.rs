@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::placed::Placed;
+use super::quantized_mesh::QuantizedMesh;
 use super::{Cells, Grid, VoxelizeError, touch};
 use crate::geometry::watch::Pieces;
 
@@ -25,8 +25,8 @@ pub(super) struct Shell {
 
 impl Shell {
     /// Marks what the triangles touch and floods the rest from outside.
-    pub(super) fn new(placed: &Placed, pieces: &Pieces<'_>) -> Result<Self, VoxelizeError> {
-        let Placed { grid, padded, ref triangles } = *placed;
+    pub(super) fn new(quantized: &QuantizedMesh, pieces: &Pieces<'_>) -> Result<Self, VoxelizeError> {
+        let QuantizedMesh { grid, padded, ref triangles } = *quantized;
         let flags: Vec<AtomicU8> = std::iter::repeat_with(AtomicU8::default).take(padded.len()).collect();
         // Setting bits commutes: the result does not depend on who comes first.
         let set = |cell: [u32; 3], bit: u8| flags[padded.index(cell)].fetch_or(bit, Ordering::Relaxed);

@@ -5,7 +5,7 @@
 //! cell does not touch it. A triangle that lies in the plane between two cells touches neither; it is a wall between
 //! them ([`walls`]).
 
-use super::placed::{CELL, Point};
+use super::quantized_mesh::{CELL, Point};
 
 /// A half-open range of cells along each axis.
 type Range = [[i64; 2]; 3];

@@ -4,11 +4,11 @@ use super::all_with;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::device::Device;
 use crate::render::error::RenderError;
-use crate::render::kept::{Kept, Looks};
 use crate::render::layout::CellSet;
 use crate::render::mesh_buffers::MeshBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
+use crate::render::upload_cache::{StyleUniforms, UploadCache};
 use crate::view::Overlay;
 use crate::view::overlay::CellFrames;
 use crate::view::style::{OverlayColors, Tint};
@@ -20,21 +20,21 @@ const VERTICES: u32 = 6 * 16;
 #[derive(Debug)]
 pub(in crate::render) struct CellsPass {
     pipeline: wgpu::RenderPipeline,
-    looks: Looks,
-    cells: Kept<[u32; 8]>,
+    styles: StyleUniforms,
+    cells: UploadCache<[u32; 8]>,
     /// The cells of every look and how many they are.
     sets: Vec<(wgpu::Buffer, u32)>,
 }
 
 impl CellsPass {
     pub(in crate::render) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
-        let looks = Looks::new(device);
-        let layouts = [Some(frame), Some(looks.layout())];
+        let styles = StyleUniforms::new(device);
+        let layouts = [Some(frame), Some(styles.layout())];
         let corners = wgpu::vertex_attr_array![0 => Uint32x4, 1 => Uint32x4];
         let buffers = [Some(vertex_layout::<[u32; 8]>(wgpu::VertexStepMode::Instance, &corners))];
         let drawing = overlay_drawing(shader::CELLS, wgpu::PrimitiveTopology::TriangleList, &layouts, &buffers, true);
         let pipeline = drawing_pipeline_with(device, output, &drawing, Entries::default());
-        Self { pipeline, looks, cells: Kept::new("cells"), sets: Vec::new() }
+        Self { pipeline, styles, cells: UploadCache::new("cells"), sets: Vec::new() }
     }
 
     /// Brings the device up to date; counts what is uploaded.
@@ -59,14 +59,14 @@ impl CellsPass {
                     ..CellSet::default()
                 };
                 let content = bytemuck::bytes_of(&look);
-                self.looks.set(device, queue, self.sets.len(), content, positions, bytes_counted);
+                self.styles.set(device, queue, self.sets.len(), content, positions, bytes_counted);
                 let bytes_of = |cells: &[[u32; 8]]| bytemuck::cast_slice(cells).to_vec();
                 let buffer = self.cells.get(device, queue, cells, bytes_of, bytes_counted)?;
                 self.sets.push((buffer, u32::try_from(cells.len()).unwrap_or(u32::MAX)));
             }
         }
         self.cells.end();
-        self.looks.keep(self.sets.len());
+        self.styles.keep(self.sets.len());
         Ok(())
     }
 
@@ -74,7 +74,7 @@ impl CellsPass {
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
         for (index, (cells, count)) in self.sets.iter().enumerate() {
             pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(1, self.looks.get(index), &[]);
+            pass.set_bind_group(1, self.styles.get(index), &[]);
             pass.set_vertex_buffer(0, cells.slice(..));
             pass.draw(0..VERTICES, 0..*count);
         }

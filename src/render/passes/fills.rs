@@ -3,10 +3,10 @@
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::device::Device;
 use crate::render::error::RenderError;
-use crate::render::kept::Kept;
 use crate::render::layout::FillVertex;
 use crate::render::shader;
 use crate::render::target::Output;
+use crate::render::upload_cache::UploadCache;
 use crate::view::Overlay;
 use crate::view::overlay::Fill;
 
@@ -14,7 +14,7 @@ use crate::view::overlay::Fill;
 #[derive(Debug)]
 pub(in crate::render) struct FillsPass {
     pipeline: wgpu::RenderPipeline,
-    corners: Kept<Fill>,
+    corners: UploadCache<Fill>,
     ready: Vec<(wgpu::Buffer, u32)>,
 }
 
@@ -25,7 +25,7 @@ impl FillsPass {
         let drawing = overlay_drawing(shader::FILLS, wgpu::PrimitiveTopology::TriangleList, &layouts, &buffers, false);
         let entries = Entries { compare: wgpu::CompareFunction::Always, ..Entries::default() };
         let pipeline = drawing_pipeline_with(device, output, &drawing, entries);
-        Self { pipeline, corners: Kept::new("flat shapes"), ready: Vec::new() }
+        Self { pipeline, corners: UploadCache::new("flat shapes"), ready: Vec::new() }
     }
 
     /// Brings the device up to date; counts what is uploaded.

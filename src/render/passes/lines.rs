@@ -4,11 +4,11 @@ use super::all_with;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::device::Device;
 use crate::render::error::RenderError;
-use crate::render::kept::{Kept, Looks};
 use crate::render::layout::{DeformedVertex, LineSet, SegmentInstance};
 use crate::render::mesh_buffers::MeshBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
+use crate::render::upload_cache::{StyleUniforms, UploadCache};
 use crate::view::Overlay;
 use crate::view::overlay::{LineEnds, Segment};
 use crate::view::style::OverlayColors;
@@ -20,9 +20,9 @@ pub(in crate::render) struct LinesPass {
     carried: [wgpu::RenderPipeline; 2],
     placed: [wgpu::RenderPipeline; 2],
     screen: wgpu::RenderPipeline,
-    looks: Looks,
-    pairs: Kept<[u32; 2]>,
-    segments: Kept<Segment>,
+    styles: StyleUniforms,
+    pairs: UploadCache<[u32; 2]>,
+    segments: UploadCache<Segment>,
     sets: Vec<Prepared>,
 }
 
@@ -44,8 +44,8 @@ enum Kind {
 
 impl LinesPass {
     pub(in crate::render) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
-        let looks = Looks::new(device);
-        let layouts = [Some(frame), Some(looks.layout())];
+        let styles = StyleUniforms::new(device);
+        let layouts = [Some(frame), Some(styles.layout())];
         let instance = wgpu::VertexStepMode::Instance;
         let pair = wgpu::vertex_attr_array![0 => Uint32x2];
         let pairs = [Some(vertex_layout::<[u32; 2]>(instance, &pair))];
@@ -67,9 +67,9 @@ impl LinesPass {
             ],
             placed: [pipeline("placed", &segments, Entries::SEEN), pipeline("placed", &segments, Entries::HIDDEN)],
             screen: pipeline("screen", &segments, Entries::SEEN),
-            looks,
-            pairs: Kept::new("pairs of particles"),
-            segments: Kept::new("segments"),
+            styles,
+            pairs: UploadCache::new("pairs of particles"),
+            segments: UploadCache::new("segments"),
             sets: Vec::new(),
         }
     }
@@ -119,13 +119,13 @@ impl LinesPass {
                 }
             };
             let content = bytemuck::bytes_of(&look);
-            self.looks.set(device, queue, self.sets.len(), content, &positions, bytes_counted);
+            self.styles.set(device, queue, self.sets.len(), content, &positions, bytes_counted);
             let count = u32::try_from(count).unwrap_or(u32::MAX);
             self.sets.push(Prepared { kind, instances, count, has_hidden: lines.hidden > 0.0 });
         }
         self.pairs.end();
         self.segments.end();
-        self.looks.keep(self.sets.len());
+        self.styles.keep(self.sets.len());
         Ok(())
     }
 
@@ -148,7 +148,7 @@ impl LinesPass {
                 Kind::Placed => &self.placed,
                 Kind::Screen => std::slice::from_ref(&self.screen),
             };
-            pass.set_bind_group(1, self.looks.get(index), &[]);
+            pass.set_bind_group(1, self.styles.get(index), &[]);
             pass.set_vertex_buffer(0, set.instances.slice(..));
             // What is hidden first: lines of one look must not hide each other before they are drawn.
             for (pipeline, wanted) in pipelines.iter().zip([true, set.has_hidden]).rev() {

@@ -10,13 +10,13 @@ use super::silhouette::SilhouettePass;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::device::Device;
 use crate::render::error::RenderError;
-use crate::render::kept::{Kept, Looks};
 use crate::render::layout::{DeformedVertex, LineSet, SegmentInstance, SolidInstance, SolidVertex};
 use crate::render::mesh_buffers::{MeshBuffers, SkinBuffers};
 use crate::render::picture::Viewport;
 use crate::render::shader;
 use crate::render::shapes::Shapes;
 use crate::render::target::{Output, attachment};
+use crate::render::upload_cache::{StyleUniforms, UploadCache};
 use crate::view::overlay::Segment;
 use crate::view::{DrawList, Selected, Solid};
 
@@ -38,11 +38,11 @@ pub(in crate::render) struct OutlinePass {
     /// Each for what is hidden, then for what is seen.
     carried: [wgpu::RenderPipeline; 2],
     placed: [wgpu::RenderPipeline; 2],
-    looks: Looks,
+    styles: StyleUniforms,
     mask_layout: wgpu::BindGroupLayout,
     mask: Option<Mask>,
     silhouette: SilhouettePass,
-    segments: Kept<Segment>,
+    segments: UploadCache<Segment>,
     around: Option<Around>,
     ready: Option<Ready>,
 }
@@ -88,7 +88,7 @@ pub(in crate::render) struct Masked<'a> {
 
 impl OutlinePass {
     pub(in crate::render) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
-        let looks = Looks::new(device);
+        let styles = StyleUniforms::new(device);
         let mask_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("mask"),
             entries: &[wgpu::BindGroupLayoutEntry {
@@ -102,7 +102,7 @@ impl OutlinePass {
                 count: None,
             }],
         });
-        let layouts = [Some(frame), Some(looks.layout()), Some(&mask_layout)];
+        let layouts = [Some(frame), Some(styles.layout()), Some(&mask_layout)];
         let instance = wgpu::VertexStepMode::Instance;
         let pair = wgpu::vertex_attr_array![0 => Uint32x2];
         let pairs = [Some(vertex_layout::<[u32; 2]>(instance, &pair))];
@@ -126,11 +126,11 @@ impl OutlinePass {
             mask_obstacle: mask_pipeline(device, output, &layouts[..1], "mask_obstacle", &obstacle),
             carried: pipelines("carried", &pairs),
             placed: pipelines("placed", &segments),
-            looks,
+            styles,
             mask_layout,
             mask: None,
             silhouette: SilhouettePass::new(device),
-            segments: Kept::new("segments"),
+            segments: UploadCache::new("segments"),
             around: None,
             ready: None,
         }
@@ -176,10 +176,10 @@ impl OutlinePass {
         }
         let (Some((positions, placed)), Some(selected)) = (found.transpose()?, draw_list.selected) else {
             self.mask = None;
-            self.looks.keep(0);
+            self.styles.keep(0);
             return Ok(());
         };
-        self.looks.set(device, queue, 0, bytemuck::bytes_of(&look), &positions, bytes_counted);
+        self.styles.set(device, queue, 0, bytemuck::bytes_of(&look), &positions, bytes_counted);
         if self.mask.as_ref().is_none_or(|mask| mask.size != size) {
             self.mask = Some(Mask::new(device, &self.mask_layout, self.output.quality.samples(), size));
         }
@@ -235,7 +235,7 @@ impl OutlinePass {
     /// Draws the lines, into the picture.
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         let (Some(ready), Some(mask)) = (&self.ready, &self.mask) else { return };
-        pass.set_bind_group(1, self.looks.get(0), &[]);
+        pass.set_bind_group(1, self.styles.get(0), &[]);
         pass.set_bind_group(2, &mask.bind_group, &[]);
         match &ready.placed {
             Some((segments, count)) => {

@@ -4,11 +4,11 @@ use super::all_with;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
 use crate::render::device::Device;
 use crate::render::error::RenderError;
-use crate::render::kept::{Kept, Looks};
 use crate::render::layout::PointSet;
 use crate::render::mesh_buffers::MeshBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
+use crate::render::upload_cache::{StyleUniforms, UploadCache};
 use crate::view::Overlay;
 use crate::view::overlay::{PointPlaces, Points};
 use crate::view::style::OverlayColors;
@@ -19,8 +19,8 @@ pub(in crate::render) struct PointsPass {
     /// Each for what is seen and for what is hidden.
     carried: [wgpu::RenderPipeline; 2],
     placed: [wgpu::RenderPipeline; 2],
-    looks: Looks,
-    places: Kept<[f32; 3]>,
+    styles: StyleUniforms,
+    places: UploadCache<[f32; 3]>,
     sets: Vec<Prepared>,
 }
 
@@ -35,8 +35,8 @@ struct Prepared {
 
 impl PointsPass {
     pub(in crate::render) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
-        let looks = Looks::new(device);
-        let layouts = [Some(frame), Some(looks.layout())];
+        let styles = StyleUniforms::new(device);
+        let layouts = [Some(frame), Some(styles.layout())];
         let place = wgpu::vertex_attr_array![0 => Float32x3];
         let places = [Some(vertex_layout::<[f32; 3]>(wgpu::VertexStepMode::Instance, &place))];
         let pipeline = |vertex, buffers, entries: Entries| {
@@ -55,8 +55,8 @@ impl PointsPass {
                 pipeline("carried", &[], Entries::HIDDEN),
             ],
             placed: [pipeline("placed", &places, Entries::SEEN), pipeline("placed", &places, Entries::HIDDEN)],
-            looks,
-            places: Kept::new("points"),
+            styles,
+            places: UploadCache::new("points"),
             sets: Vec::new(),
         }
     }
@@ -91,12 +91,12 @@ impl PointsPass {
                     ..PointSet::default()
                 };
                 let content = bytemuck::bytes_of(&look);
-                self.looks.set(device, queue, self.sets.len(), content, positions, bytes_counted);
+                self.styles.set(device, queue, self.sets.len(), content, positions, bytes_counted);
                 self.sets.push(Prepared { places: buffer, count, has_hidden: *hidden > 0.0 });
             }
         }
         self.places.end();
-        self.looks.keep(self.sets.len());
+        self.styles.keep(self.sets.len());
         Ok(())
     }
 
@@ -115,7 +115,7 @@ impl PointsPass {
         let wanted = |set: &Prepared| set.places.is_some() == placed && set.count > 0;
         for (index, set) in self.sets.iter().enumerate().filter(|(_, set)| wanted(set)) {
             let pipelines = if placed { &self.placed } else { &self.carried };
-            pass.set_bind_group(1, self.looks.get(index), &[]);
+            pass.set_bind_group(1, self.styles.get(index), &[]);
             if let Some(places) = &set.places {
                 pass.set_vertex_buffer(0, places.slice(..));
             }

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use super::energy_sample::EnergySample;
 use super::fault::{Fault, GAIN, REACH};
-use super::look::Look;
 use super::rounding::Rounding;
 use crate::math::{Real, Vector};
 use crate::physics::Diagnostics;
@@ -79,7 +79,7 @@ impl Account {
         simulation: &Simulation<R>,
         now: Diagnostics,
         taken: &StepReport,
-    ) -> Option<Look> {
+    ) -> Option<EnergySample> {
         if simulation.state().bodies[self.body].gone {
             return None;
         }
@@ -92,7 +92,7 @@ impl Account {
         self.turnover = self.turnover.max(allowed);
         self.sums = [self.sums[0] + own(&self.now), self.sums[1] + allowed];
         self.looks += 1;
-        Some(Look {
+        Some(EnergySample {
             time_secs: simulation.state().time_secs,
             body: self.body,
             kinetic: self.now.energy.kinetic,

@@ -13,12 +13,12 @@
 //! Each body is judged by itself, so that a heavy one does not hide a light one.
 
 mod account;
+mod energy_sample;
 mod fault;
-mod look;
 mod rounding;
 
+pub use energy_sample::{EnergySample, Seen};
 pub use fault::{Fault, GAIN, REACH};
-pub use look::{Look, Seen};
 
 use std::sync::Arc;
 
@@ -131,7 +131,7 @@ pub struct Watch {
     between_looks: u64,
     bodies: Vec<Account>,
     /// What was looked at in the last substep.
-    looks: Vec<Look>,
+    looks: Vec<EnergySample>,
     forces: u64,
     taken: StepReport,
     /// The work that is to be expected, passes over the links in a second.

@@ -14,7 +14,7 @@ pub(super) const CELL: i64 = 1 << 10;
 pub(super) type Point = [i64; 3];
 
 /// Triangles in the whole-number coordinates of a padded grid.
-pub(super) struct Placed {
+pub(super) struct QuantizedMesh {
     /// The grid that covers the mesh.
     pub(super) grid: Grid,
     /// The grid with one more layer of cells on every side.
@@ -23,7 +23,7 @@ pub(super) struct Placed {
     pub(super) triangles: Vec<[Point; 3]>,
 }
 
-impl Placed {
+impl QuantizedMesh {
     /// Lays a mesh into cells of its longest extent / `divisions` (J2): the grid is centred on the mesh's box and
     /// covers it with as few cells as possible.
     pub(super) fn new(mesh: &TriMesh, divisions: u32) -> Result<Self, VoxelizeError> {
@@ -47,8 +47,9 @@ impl Placed {
             let steps = ((position - centre) / cell_size + middle + DVec3::ONE) * CELL as f64;
             [0, 1, 2].map(|axis| whole(steps[axis]).clamp(CELL, (i64::from(dims[axis]) + 1) * CELL))
         };
-        let placed: Vec<Point> = mesh.positions.iter().map(|&position| place(position)).collect();
-        let triangles = mesh.triangles.iter().map(|triangle| triangle.map(|vertex| placed[vertex as usize])).collect();
+        let quantized: Vec<Point> = mesh.positions.iter().map(|&position| place(position)).collect();
+        let triangles =
+            mesh.triangles.iter().map(|triangle| triangle.map(|vertex| quantized[vertex as usize])).collect();
         Ok(Self { grid, padded, triangles })
     }
 
@@ -70,17 +71,17 @@ mod tests {
     use super::*;
     use crate::geometry::trimesh::tests::boxed;
 
-    fn place(max: DVec3, divisions: u32) -> Placed {
-        Placed::new(&boxed(DVec3::ZERO, max), divisions).expect("a box")
+    fn place(max: DVec3, divisions: u32) -> QuantizedMesh {
+        QuantizedMesh::new(&boxed(DVec3::ZERO, max), divisions).expect("a box")
     }
 
     #[test]
     fn the_grid_covers_the_box_and_is_centred_on_it() {
-        let placed = place(DVec3::new(2.0, 0.9, 0.0), 4);
-        assert_eq!(placed.grid.dims, [4, 2, 1], "half a metre a cell, at least one");
+        let quantized = place(DVec3::new(2.0, 0.9, 0.0), 4);
+        assert_eq!(quantized.grid.dims, [4, 2, 1], "half a metre a cell, at least one");
         let origin = DVec3::new(0.0, -0.05, -0.25);
-        assert!((placed.grid.origin - origin).length() < 1e-15, "the rest is shared by both sides");
-        assert!(placed.is_flat(), "no thickness along z");
+        assert!((quantized.grid.origin - origin).length() < 1e-15, "the rest is shared by both sides");
+        assert!(quantized.is_flat(), "no thickness along z");
     }
 
     #[test]
@@ -93,8 +94,8 @@ mod tests {
     #[test]
     fn a_boundary_in_the_model_is_a_boundary_of_cells_at_any_scale() {
         for scale in [1e-30, 0.1, 1e30] {
-            let placed = place(DVec3::new(0.3, 0.1, 0.2) * scale, 3);
-            assert!(placed.triangles.iter().flatten().flatten().all(|step| step % CELL == 0), "on it at {scale}");
+            let quantized = place(DVec3::new(0.3, 0.1, 0.2) * scale, 3);
+            assert!(quantized.triangles.iter().flatten().flatten().all(|step| step % CELL == 0), "on it at {scale}");
         }
     }
 
@@ -102,7 +103,7 @@ mod tests {
     fn extents_that_are_no_numbers_are_refused() {
         for (low, high) in [(-1e308, 1e308), (0.0, 0.0), (0.0, 1e-320)] {
             let mesh = boxed(DVec3::splat(low), DVec3::splat(high));
-            assert!(matches!(Placed::new(&mesh, 20), Err(VoxelizeError::Extent(_))), "from {low} to {high}");
+            assert!(matches!(QuantizedMesh::new(&mesh, 20), Err(VoxelizeError::Extent(_))), "from {low} to {high}");
         }
     }
 }

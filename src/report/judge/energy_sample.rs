@@ -6,7 +6,7 @@ use crate::report::disturb::Disturbance;
 
 /// The account of one body at one time. Energies in J.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Look {
+pub struct EnergySample {
     /// Simulated time, s.
     pub time_secs: f64,
     /// Which body.
@@ -39,7 +39,7 @@ pub struct Look {
 #[derive(Clone, Copy, Debug)]
 pub enum Seen<'a> {
     /// A look at a body.
-    Look(&'a Look),
+    Look(&'a EnergySample),
     /// Something was done to the scene; the work counted for it, J.
     Disturbed(&'a Disturbance, f64),
 }

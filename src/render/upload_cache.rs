@@ -8,26 +8,26 @@ use super::error::RenderError;
 
 /// Buffers kept as long as their source is drawn every frame.
 #[derive(Debug)]
-pub(super) struct Kept<T> {
+pub(super) struct UploadCache<T> {
     what: &'static str,
-    buffers: Vec<KeptBuffer<T>>,
+    buffers: Vec<CachedBuffer<T>>,
 }
 
 /// A buffer and where it came from.
 #[derive(Debug)]
-struct KeptBuffer<T> {
+struct CachedBuffer<T> {
     source: Arc<Vec<T>>,
     buffer: wgpu::Buffer,
     used: bool,
 }
 
-impl<T> Kept<T> {
+impl<T> UploadCache<T> {
     /// Nothing yet; `what` is what errors call it.
     pub(super) fn new(what: &'static str) -> Self {
         Self { what, buffers: Vec::new() }
     }
 
-    /// Begins a frame: what nobody asks for until [`Kept::end`] is forgotten there.
+    /// Begins a frame: what nobody asks for until [`UploadCache::end`] is forgotten there.
     pub(super) fn begin(&mut self) {
         self.buffers.iter_mut().for_each(|kept| kept.used = false);
     }
@@ -53,7 +53,7 @@ impl<T> Kept<T> {
         *bytes_counted += size;
         let contents = if bytes.is_empty() { &[0; 16] } else { bytes.as_slice() };
         let buffer = filled(device, queue, self.what, contents, wgpu::BufferUsages::VERTEX);
-        self.buffers.push(KeptBuffer { source: Arc::clone(source), buffer: buffer.clone(), used: true });
+        self.buffers.push(CachedBuffer { source: Arc::clone(source), buffer: buffer.clone(), used: true });
         Ok(buffer)
     }
 
@@ -65,20 +65,20 @@ impl<T> Kept<T> {
 
 /// Uniforms of one look each, with the positions they go with, as bind groups; written only where they change.
 #[derive(Debug)]
-pub(super) struct Looks {
+pub(super) struct StyleUniforms {
     layout: wgpu::BindGroupLayout,
-    looks: Vec<Look>,
+    styles: Vec<StyleUniform>,
 }
 
 #[derive(Debug)]
-struct Look {
+struct StyleUniform {
     holds: Vec<u8>,
     uniform: wgpu::Buffer,
     positions: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
 }
 
-impl Looks {
+impl StyleUniforms {
     /// Binding 0 is a uniform, binding 1 the positions.
     pub(super) fn new(device: &wgpu::Device) -> Self {
         let entry = |binding, ty, visibility| wgpu::BindGroupLayoutEntry {
@@ -95,7 +95,7 @@ impl Looks {
                 entry(1, storage, wgpu::ShaderStages::VERTEX),
             ],
         });
-        Self { layout, looks: Vec::new() }
+        Self { layout, styles: Vec::new() }
     }
 
     pub(super) fn layout(&self) -> &wgpu::BindGroupLayout {
@@ -112,7 +112,7 @@ impl Looks {
         positions: &wgpu::Buffer,
         bytes_counted: &mut u64,
     ) {
-        let uniform = match self.looks.get(index) {
+        let uniform = match self.styles.get(index) {
             Some(look) if look.holds == content && look.positions == *positions => return,
             Some(look) if look.holds.len() == content.len() => {
                 queue.write_buffer(&look.uniform, 0, content);
@@ -129,20 +129,20 @@ impl Looks {
                 wgpu::BindGroupEntry { binding: 1, resource: positions.as_entire_binding() },
             ],
         });
-        let look = Look { holds: content.to_vec(), uniform, positions: positions.clone(), bind_group };
-        match self.looks.get_mut(index) {
+        let look = StyleUniform { holds: content.to_vec(), uniform, positions: positions.clone(), bind_group };
+        match self.styles.get_mut(index) {
             Some(old) => *old = look,
-            None => self.looks.push(look),
+            None => self.styles.push(look),
         }
     }
 
-    /// Forgets all looks but the first `count`, and the positions they hold.
+    /// Forgets all styles but the first `count`, and the positions they hold.
     pub(super) fn keep(&mut self, count: usize) {
-        self.looks.truncate(count);
+        self.styles.truncate(count);
     }
 
     /// The n-th look, if it has been set.
     pub(super) fn get(&self, index: usize) -> Option<&wgpu::BindGroup> {
-        self.looks.get(index).map(|look| &look.bind_group)
+        self.styles.get(index).map(|look| &look.bind_group)
     }
 }
