@@ -78,8 +78,8 @@ pub use interaction::Grab;
 pub use limits::{SAFETY, SceneLimits, Term};
 pub use model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, Stage};
 pub use model::{
-    BodyModel, Carry, CellKind, ContactModel, FallLimit, Link, LinkFamily, Model, ObstacleModel, ObstacleShape,
-    PlaneModel,
+    BodyModel, Carry, CellKind, ContactModel, FallLimit, Link, LinkConstants, LinkFamily, Model, ObstacleModel,
+    ObstacleShape, PlaneModel, Values,
 };
 pub use observe::diagnostics::{Diagnostics, Energy};
 pub use report::{Counters, LastSubstep, StageTimer, StepReport};

@@ -22,7 +22,7 @@ use glam::DVec3;
 
 use crate::geometry::Lattice;
 use crate::math::Real;
-use crate::physics::model::{CellKind, Link, LinkFamily};
+use crate::physics::model::{CellKind, Link, LinkConstants, LinkFamily, Values};
 use crate::scene::body::{Inlay, MAX_INLAYS};
 use crate::scene::material::Solid;
 use crate::scene::{Family, Springs};
@@ -38,12 +38,12 @@ pub(in crate::physics) const STRUCTURAL_OVER_SHEAR: f64 = 2.246_71;
 pub(in crate::physics) struct Assembled<R: Real> {
     /// Of every particle, or the mean, kg.
     pub(in crate::physics) particle_mass: f64,
-    /// Of each particle, kg; empty where all weigh alike.
-    pub(in crate::physics) masses: Vec<f64>,
+    /// Of the particles, kg.
+    pub(in crate::physics) masses: Values<f64>,
     /// The links by family.
     pub(in crate::physics) links: [LinkFamily<R>; 3],
-    /// The distinct cells; empty where nothing is shared by cell.
-    pub(in crate::physics) cell_kinds: Vec<CellKind>,
+    /// The distinct cells; none where nothing is shared by cell.
+    pub(in crate::physics) cell_kinds: Option<Vec<CellKind>>,
 }
 
 /// The thesis's seven values: every particle and every link of a family alike. `measured` are the lattice's links.
@@ -52,15 +52,10 @@ pub(in crate::physics) fn uniform<R: Real>(springs: &Springs, measured: [Arc<[Li
     let links = [(Family::Structural, structural), (Family::Shear, shear), (Family::Bending, bending)];
     let links = links.map(|(family, links)| {
         let constants = springs.family(family);
-        LinkFamily {
-            stiffness: R::from_f64(constants.stiffness),
-            damping: R::from_f64(constants.damping),
-            links,
-            classes: Vec::new(),
-            constants: Vec::new(),
-        }
+        alike(links, [constants.stiffness, constants.damping].map(R::from_f64))
     });
-    Assembled { particle_mass: springs.particle_mass, masses: Vec::new(), links, cell_kinds: Vec::new() }
+    let particle_mass = springs.particle_mass;
+    Assembled { particle_mass, masses: Values::Uniform(particle_mass), links, cell_kinds: None }
 }
 
 /// What a cell of a solid shares out. `size` is the body's longest extent, m: its slowest vibration has the damping
@@ -127,9 +122,7 @@ pub(in crate::physics) fn by_cell<R: Real>(
     let links = [(Family::Structural, structural), (Family::Shear, shear), (Family::Bending, bending)];
     let links = links.map(|(family, links)| {
         if family == Family::Bending {
-            let none = (R::ZERO, R::ZERO, Vec::new(), Vec::new());
-            let (stiffness, damping, classes, constants) = none;
-            return LinkFamily { stiffness, damping, links, classes, constants };
+            return alike(links, [R::ZERO; 2]);
         }
         let mut classes = Classes::default();
         let class = |&[low, high]: &[u32; 2]| {
@@ -137,18 +130,25 @@ pub(in crate::physics) fn by_cell<R: Real>(
             let axes = (0..3).filter(|&axis| from[axis] != to[axis]).count();
             classes.of(SHARED_BY[axes], holders(&around[low as usize], from, to).map(kind_of))
         };
-        let numbers = lattice.links[family as usize].iter().map(class).collect();
+        let of_link = lattice.links[family as usize].iter().map(class).collect();
         let constants = classes.constants(kinds, usize::from(family == Family::Shear));
         let largest = |which: usize| constants.iter().map(|c| c[which]).fold(0.0, f64::max);
         LinkFamily {
             stiffness: R::from_f64(largest(0)),
             damping: R::from_f64(largest(1)),
             links,
-            classes: numbers,
-            constants: constants.into_iter().map(|constants| constants.map(R::from_f64)).collect(),
+            constants: LinkConstants::Classes {
+                of_link,
+                constants: constants.into_iter().map(|constants| constants.map(R::from_f64)).collect(),
+            },
         }
     });
-    Assembled { particle_mass, masses, links, cell_kinds: kinds.to_vec() }
+    Assembled { particle_mass, masses: Values::Each(masses), links, cell_kinds: Some(kinds.to_vec()) }
+}
+
+/// A family whose links are all alike.
+fn alike<R: Real>(links: Arc<[Link<R>]>, [stiffness, damping]: [R; 2]) -> LinkFamily<R> {
+    LinkFamily { stiffness, damping, links, constants: LinkConstants::Uniform([stiffness, damping]) }
 }
 
 /// The links of a lattice by family; `rest` is where its particles are at rest, m.
@@ -269,8 +269,8 @@ mod tests {
             "a body diagonal is the cell's own"
         );
         assert_eq!(bending.stiffness, 0.0, "bending links have no force");
-        assert_eq!(masses.iter().sum::<f64>(), 16.0, "the masses of the cells");
-        assert_eq!((masses[0], masses[1]), (1.0, 2.0), "an eighth of each cell around a corner");
+        assert_eq!((0..12).map(|particle| masses.of(particle)).sum::<f64>(), 16.0, "the masses of the cells");
+        assert_eq!((masses.of(0), masses.of(1)), (1.0, 2.0), "an eighth of each cell around a corner");
     }
 
     #[test]
@@ -280,6 +280,6 @@ mod tests {
         assert_eq!(constant(&lattice, &edges, [1, 0, 0], [2, 0, 0]), [10.0, 1.0], "the hard cell's own edge");
         assert_eq!(constant(&lattice, &edges, [1, 0, 0], [1, 1, 0])[0], 11.0, "a quarter of each between them");
         assert_eq!(constant(&lattice, &diagonals, [1, 0, 0], [1, 1, 1])[0], 11.0, "half of each between them");
-        assert_eq!((masses[0], masses[1], masses[2]), (1.0, 11.0, 10.0), "light, shared, heavy");
+        assert_eq!((masses.of(0), masses.of(1), masses.of(2)), (1.0, 11.0, 10.0), "light, shared, heavy");
     }
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use super::model::{BodyModel, ContactModel, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel};
+use super::model::{BodyModel, ContactModel, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel, Values};
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
 use crate::physics::forces::recovery;
@@ -71,12 +71,12 @@ fn compile_body<R: Real>(
     let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
     let size = Aabb::<f64>::around(rest.iter().copied()).size().max_element();
     let pinned = if body.pins.is_empty() {
-        Vec::new()
+        Values::Uniform(false)
     } else {
         let held = |p: &DVec3| {
             body.pins.iter().any(|pin| (p.cmpge(DVec3::from(pin.min)) & p.cmple(DVec3::from(pin.max))).all())
         };
-        rest.iter().map(held).collect()
+        Values::Each(rest.iter().map(held).collect())
     };
     let known = before.iter().find(|body| Arc::ptr_eq(&body.lattice, lattice));
     let measured = known
@@ -89,19 +89,25 @@ fn compile_body<R: Real>(
             assembly::by_cell(&kinds, &kind_of_cell, lattice, measured)
         }
     };
-    let heaviest = masses.iter().copied().fold(particle_mass, f64::max);
+    let (heaviest, masses) = match masses {
+        Values::Uniform(mass) => (mass, Values::Uniform(R::from_f64(mass))),
+        Values::Each(masses) => {
+            let heaviest = masses.iter().copied().fold(particle_mass, f64::max);
+            (heaviest, Values::Each(masses.into_iter().map(R::from_f64).collect()))
+        }
+    };
     let load = heaviest_load(lattice) * heaviest * gravity;
     let [recovery_stiffness, recovery_mass] = match &body.material {
         _ if !scene.settings.inversion_recovery => [0.0, particle_mass],
         Material::Springs(springs) => recovery::of_springs(springs, lattice),
-        Material::Solid(_) => recovery::of_cells(&cell_kinds, lattice.grid.cell_size),
+        Material::Solid(_) => recovery::of_cells(cell_kinds.as_deref().unwrap_or_default(), lattice.grid.cell_size),
     };
     BodyModel {
         particles: first..first + rest.len(),
         start: rest.iter().map(|p| R::Vec3::from_dvec3(position + rotation * *p)).collect(),
         start_velocity: R::Vec3::from_dvec3(DVec3::from(body.velocity)),
         particle_mass: R::from_f64(particle_mass),
-        masses: masses.into_iter().map(R::from_f64).collect(),
+        masses,
         cell_kinds,
         pinned,
         links,

@@ -51,7 +51,7 @@ impl ContactLoad {
         if scene.settings.contact != ContactRule::Thesis {
             return load;
         }
-        let lightest = body.masses.iter().copied().fold(body.particle_mass, R::min).to_f64();
+        let lightest = body.lightest_mass().to_f64();
         for (obstacle, contact) in scene.obstacles.iter().zip(&body.contacts) {
             let of_kind = match obstacle.stiffness {
                 ContactStiffness::Auto => &mut load.following,

@@ -4,7 +4,7 @@ pub(in crate::physics) mod recovery;
 
 use glam::DVec3;
 
-use super::model::{BodyModel, Link, Model};
+use super::model::{BodyModel, Link, LinkConstants, Model, Values};
 use super::report::Recorder;
 use super::state::BodyMemory;
 use crate::math::{Real, Vector};
@@ -55,11 +55,12 @@ pub(super) fn evaluate<R: Real>(
 fn gravity<R: Real>(model: &Model<R>, memory: &[BodyMemory], force: &mut [R::Vec3]) {
     for body in awake(model, memory) {
         let force = &mut force[body.particles.clone()];
-        if body.masses.is_empty() {
-            force.fill(model.gravity * body.particle_mass);
-        } else {
-            for (force, mass) in force.iter_mut().zip(&body.masses) {
-                *force = model.gravity * *mass;
+        match &body.masses {
+            Values::Uniform(mass) => force.fill(model.gravity * *mass),
+            Values::Each(masses) => {
+                for (force, mass) in force.iter_mut().zip(masses) {
+                    *force = model.gravity * *mass;
+                }
             }
         }
     }
@@ -185,11 +186,11 @@ pub(super) fn for_each_link<R: Real>(
             if stops() {
                 return;
             }
-            match family.classes.chunks(LINKS_A_LOOK).nth(number) {
-                None => links.iter().for_each(|link| evaluate(link, [family.stiffness, family.damping])),
-                Some(classes) => {
-                    for (link, &class) in links.iter().zip(classes) {
-                        evaluate(link, family.constants[usize::from(class)]);
+            match &family.constants {
+                LinkConstants::Uniform(constants) => links.iter().for_each(|link| evaluate(link, *constants)),
+                LinkConstants::Classes { of_link, constants } => {
+                    for (link, &class) in links.iter().zip(&of_link[number * LINKS_A_LOOK..]) {
+                        evaluate(link, constants[usize::from(class)]);
                     }
                 }
             }

@@ -251,13 +251,13 @@ fn half_stencil() -> impl Iterator<Item = (Family, DVec3)> {
 }
 
 fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, waves: &[WaveTensors]) -> SceneLimits {
-    let lightest = body.masses.iter().copied().fold(body.particle_mass, R::min).to_f64();
+    let lightest = body.lightest_mass().to_f64();
     let contact = match rule {
         ContactRule::Implicit => 0.0,
         ContactRule::Thesis => body.contacts.iter().map(|c| c.stiffness.to_f64()).fold(0.0, f64::max) / lightest,
     };
-    if !body.cell_kinds.is_empty() {
-        let loads = CellLoads::of(&body.cell_kinds, body.lattice.grid.cell_size);
+    if let Some(kinds) = &body.cell_kinds {
+        let loads = CellLoads::of(kinds, body.lattice.grid.cell_size);
         return cell_limits(&loads, contact, region);
     }
     // With the cell size h the tensors scale by 1/h; mass and cell size divide every constant.

@@ -54,13 +54,13 @@ pub struct BodyModel<R: Real> {
     pub start_velocity: R::Vec3,
     /// Mass of every particle where all weigh alike, else their mean, kg: times their number the body's mass.
     pub particle_mass: R,
-    /// Mass of each particle, kg; empty where all weigh alike.
-    pub masses: Vec<R>,
-    /// What the cells share out to links and particles; empty where every link of a family is alike and every particle
+    /// Masses of the particles, kg.
+    pub masses: Values<R>,
+    /// What the cells share out to links and particles; none where every link of a family is alike and every particle
     /// weighs alike.
-    pub cell_kinds: Vec<CellKind>,
-    /// Which particles are held; empty when none is.
-    pub pinned: Vec<bool>,
+    pub cell_kinds: Option<Vec<CellKind>>,
+    /// Which particles are held.
+    pub pinned: Values<bool>,
     /// Links by family: structural, shear, bending. Particle numbers are local to the body.
     pub links: [LinkFamily<R>; 3],
     /// How crowded with links its particles are: for every different one the sums of their inverse rest lengths by
@@ -84,19 +84,47 @@ impl<R: Real> BodyModel<R> {
     /// Whether a particle (local number) is held.
     #[inline]
     pub fn is_pinned(&self, particle: usize) -> bool {
-        self.pinned.get(particle).copied().unwrap_or(false)
+        self.pinned.of(particle)
     }
 
     /// Mass of a particle (local number), kg.
     #[inline]
     pub fn mass(&self, particle: usize) -> R {
-        self.masses.get(particle).copied().unwrap_or(self.particle_mass)
+        self.masses.of(particle)
+    }
+
+    /// Mass of the lightest particle, kg.
+    pub fn lightest_mass(&self) -> R {
+        match &self.masses {
+            Values::Uniform(mass) => *mass,
+            Values::Each(masses) => masses.iter().copied().fold(self.particle_mass, R::min),
+        }
     }
 
     /// The inverse of a particle's mass (local number), 1/kg.
     #[inline]
     pub fn inverse_mass(&self, particle: usize) -> R {
         R::ONE / self.mass(particle)
+    }
+}
+
+/// A value that all have alike, or one each.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values<T> {
+    /// All the same.
+    Uniform(T),
+    /// One each, in their order.
+    Each(Vec<T>),
+}
+
+impl<T: Copy> Values<T> {
+    /// The value of one of them.
+    #[inline]
+    pub fn of(&self, place: usize) -> T {
+        match self {
+            Self::Uniform(value) => *value,
+            Self::Each(values) => values[place],
+        }
     }
 }
 
@@ -109,10 +137,22 @@ pub struct LinkFamily<R: Real> {
     pub damping: R,
     /// The links; copies of a model share them.
     pub links: Arc<[Link<R>]>,
-    /// The class of each link, a place in `constants`; empty where all links are alike.
-    pub classes: Vec<u16>,
-    /// Stiffness and damping of each class, in the units above.
-    pub constants: Vec<[R; 2]>,
+    /// Stiffness and damping of each link, in the units above.
+    pub constants: LinkConstants<R>,
+}
+
+/// Stiffness and damping of the links of a family.
+#[derive(Clone, Debug)]
+pub enum LinkConstants<R> {
+    /// All the same.
+    Uniform([R; 2]),
+    /// By class.
+    Classes {
+        /// The class of each link, a place in `constants`.
+        of_link: Vec<u16>,
+        /// Stiffness and damping of each class.
+        constants: Vec<[R; 2]>,
+    },
 }
 
 impl<R: Real> LinkFamily<R> {
@@ -124,9 +164,9 @@ impl<R: Real> LinkFamily<R> {
     /// Stiffness (N) and damping (N·s) of one link.
     #[inline]
     pub fn constants(&self, link: usize) -> [R; 2] {
-        match self.classes.get(link) {
-            Some(&class) => self.constants[usize::from(class)],
-            None => [self.stiffness, self.damping],
+        match &self.constants {
+            LinkConstants::Uniform(constants) => *constants,
+            LinkConstants::Classes { of_link, constants } => constants[usize::from(of_link[link])],
         }
     }
 }

@@ -22,7 +22,7 @@ use crate::math::{Real, Vector};
 use crate::physics::forces::recovery;
 use crate::physics::limits::{LATTICE_LIMIT, load_shares};
 use crate::physics::model::plan::Plan;
-use crate::physics::model::{BodyModel, Link, Model};
+use crate::physics::model::{BodyModel, Link, LinkConstants, LinkFamily, Model, Values};
 use crate::physics::state::State;
 use crate::scene::settings::Integrator;
 
@@ -68,7 +68,8 @@ pub(in crate::physics) fn crowds<R: Real>(particles: usize, links: &[Arc<[Link<R
 /// What the links of every particle add at most to the square of a frequency (1/s²) and to a rate of damping (1/s): of
 /// every different one, where that is known.
 fn loads<R: Real>(body: &BodyModel<R>) -> Vec<[f64; 2]> {
-    if body.masses.is_empty() && body.links.iter().all(|family| family.classes.is_empty()) {
+    let is_alike = |family: &LinkFamily<R>| matches!(family.constants, LinkConstants::Uniform(_));
+    if matches!(body.masses, Values::Uniform(_)) && body.links.iter().all(is_alike) {
         let mobility = 2.0 / body.particle_mass.to_f64();
         let constants = body.links.each_ref().map(|family| [family.stiffness, family.damping].map(Real::to_f64));
         let load = |crowd: &[f64; 3], which: usize| {

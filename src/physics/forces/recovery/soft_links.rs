@@ -129,7 +129,7 @@ fn is_calm<R: Real>(body: &BodyModel<R>, velocity: &[R::Vec3]) -> bool {
 fn softest<R: Real>(body: &BodyModel<R>) -> R {
     let [structural, shear, bending] = [0, 1, 2].map(|family: usize| body.links[family].stiffness);
     let most = structural.max(shear).max(bending);
-    if most > R::ZERO && body.cell_kinds.is_empty() {
+    if most > R::ZERO && body.cell_kinds.is_none() {
         R::from_f64(SOFTEST) * ((structural - shear).max(shear - structural) / most)
     } else {
         R::ZERO

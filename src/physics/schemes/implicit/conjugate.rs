@@ -1,5 +1,6 @@
 //! Conjugate gradients: one linear system, with the touches as they are.
 
+use crate::physics::model::Values;
 use glam::{DMat3, DVec3};
 
 use super::{Room, System};
@@ -25,7 +26,7 @@ impl<R: Real> System<'_, R> {
         let known = self.scale_residual();
         let moving = (0..count)
             .fold(0.0, |sum, local| sum + self.body.mass(local).to_f64() * self.room.velocity[local].length_squared());
-        if self.touches.is_empty() && self.body.pinned.is_empty() {
+        if self.touches.is_empty() && self.body.pinned == Values::Uniform(false) {
             let (sum, mass) = (0..count).fold((DVec3::ZERO, 0.0), |(sum, mass), local| {
                 (sum + self.room.residual[local], mass + self.body.mass(local).to_f64())
             });
