@@ -22,8 +22,8 @@ pub mod theme;
 pub mod ui;
 pub mod worker;
 
+mod background_job;
 mod damage;
-mod error_job;
 mod files;
 mod jellify_job;
 mod kept_file;

@@ -19,8 +19,8 @@ use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::window::Window;
 
 use self::drawing::Drawing;
+use super::background_job::{BackgroundJob, Beside};
 use super::canvas::{Canvas, CanvasError};
-use super::error_job::ErrorJob;
 use super::files::Files;
 use super::hand::{Hand, Target};
 use super::handles::Handles;
@@ -36,6 +36,7 @@ use crate::extract;
 use crate::scene::{ColorBy, Scene, presets};
 use crate::session::Status;
 use crate::session::document::Opened;
+use crate::session::error_curve::{ErrorCurve, error_curve};
 use crate::view::{DrawList, Orbit};
 
 /// The window's size at the start, points.
@@ -66,7 +67,7 @@ pub(super) struct Shell {
     proxy: EventLoopProxy<Wake>,
     worker: Worker,
     files: Files,
-    error_job: ErrorJob,
+    error_job: BackgroundJob<ErrorCurve>,
     preferences: PreferencesFile,
     snapshot: Option<Snapshot>,
     orbit: Orbit,
@@ -115,7 +116,7 @@ impl Shell {
             proxy,
             worker,
             files,
-            error_job: ErrorJob::default(),
+            error_job: BackgroundJob::default(),
             preferences,
             snapshot: None,
             orbit: Orbit::default(),
@@ -319,8 +320,15 @@ impl Shell {
                 log::debug!("the event loop has ended: nobody is woken");
             }
         };
-        let open = self.snapshot.as_ref().map(|snapshot| (&*snapshot.scene, snapshot.status.base_dir.as_path()));
-        self.error_job.grant(&mut self.ui.error_panel, open, wake.clone());
+        let open = || {
+            let snapshot = self.snapshot.as_ref()?;
+            Some((Arc::clone(&snapshot.scene), snapshot.status.base_dir.clone()))
+        };
+        let curve = || {
+            let (scene, base_dir) = open()?;
+            Some(move |beside: Beside<'_>| error_curve(&scene, &base_dir, beside.progress, beside.pause))
+        };
+        self.error_job.grant(&mut self.ui.error_panel, curve, wake.clone());
         let granted = self.files.grant(&mut self.ui.files, wake);
         granted.commands.into_iter().for_each(|command| self.worker.send(command));
         if granted.quit {

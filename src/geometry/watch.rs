@@ -2,16 +2,51 @@
 
 /// Someone who waits for long work. `()` waits in silence.
 pub trait Watch: Sync {
-    /// Hears how far the work is, 0..1, never falling.
+    /// Hears how far the work is, 0..1, never falling. It is told between pieces of work, so that it may take its time and
+    /// leave the processors to others.
     fn progress(&self, _fraction: f64) {}
 
-    /// Whether the work should stop; it then returns its `Cancelled` error soon.
+    /// Whether the work should stop; it then returns its `Cancelled` error soon. It answers at once.
     fn cancelled(&self) -> bool {
         false
     }
 }
 
 impl Watch for () {}
+
+/// Watches over a part of longer work.
+#[derive(Clone, Copy)]
+pub(crate) struct Portion<'a> {
+    watch: &'a dyn Watch,
+    span: [f64; 2],
+}
+
+impl<'a> Portion<'a> {
+    /// The part that leads from the first fraction of `span` to the second.
+    pub(crate) fn new(watch: &'a dyn Watch, span: [f64; 2]) -> Self {
+        Self { watch, span }
+    }
+}
+
+impl Watch for Portion<'_> {
+    fn progress(&self, fraction: f64) {
+        let [start, end] = self.span;
+        self.watch.progress(start + (end - start) * fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.watch.cancelled()
+    }
+}
+
+/// Hands on nothing but that nobody waits any more: for what runs beside work that tells how far it is.
+pub(crate) struct CancelOnly<'a>(pub(crate) &'a dyn Watch);
+
+impl Watch for CancelOnly<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
 
 /// Work in equal pieces whose order does not matter: counts them and passes the count on.
 pub(crate) struct Pieces<'a> {
@@ -62,5 +97,17 @@ mod tests {
         assert_eq!([pieces.advance(), pieces.advance()], [true, false], "cancelled after the second");
         assert_eq!(*log.0.lock().expect("no panic before"), [0.625, 0.75], "a quarter of the span each");
         assert!(Pieces::new(&(), 1, [0.0, 1.0]).advance(), "nobody cancels in silence");
+    }
+
+    #[test]
+    fn a_portion_reports_its_share_of_the_whole() {
+        let log = Log(Mutex::default());
+        let portion = Portion::new(&log, [0.2, 0.6]);
+        portion.progress(0.5);
+        CancelOnly(&portion).progress(0.75);
+        assert!(!CancelOnly(&portion).cancelled(), "not yet");
+        portion.progress(1.0);
+        assert_eq!(*log.0.lock().expect("no panic before"), [0.4, 0.6], "and nothing of what runs beside it");
+        assert!(CancelOnly(&portion).cancelled(), "a cancel is passed on");
     }
 }

@@ -11,6 +11,7 @@ use super::body::{ModelShape, Shape};
 use super::builtin;
 use crate::geometry::import::{self, ImportError, Imported};
 use crate::geometry::voxel::{Cells, CellsError, Grid, VoxelReport, VoxelizeError, VoxelizeOptions, voxelize};
+use crate::geometry::watch::CancelOnly;
 use crate::geometry::{Lattice, LatticeCounts, TriMesh, UpAxis, Watch};
 
 /// The most particles of a body: its links alone then take more than a gigabyte.
@@ -195,15 +196,6 @@ fn fill_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<
     report.cell_size_m = cells.grid.cell_size;
     warnings.extend(report.warnings.iter().cloned());
     Ok(Filled { cells, mesh: Some(Arc::new(mesh)), report: Some(report), up, warnings })
-}
-
-/// Passes a wish to stop on, but keeps the progress to itself: reading is the short part.
-struct CancelOnly<'a>(&'a dyn Watch);
-
-impl Watch for CancelOnly<'_> {
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
 }
 
 fn carried() -> String {

@@ -2,23 +2,33 @@
 //! less work than the report takes; tells how far it is and stops through [`Progress`].
 
 use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
 
-use thiserror::Error;
-
-use super::SessionError;
+use super::background::{BackgroundError, Paced};
 use super::document::Opened;
 use super::jellify::Progress;
 use super::step_words::step_text;
-use crate::geometry::Watch;
-use crate::report::error::{Effort, Row, Way, measure};
+use crate::geometry::watch::{CancelOnly, Portion};
+use crate::geometry::{Lattice, Watch};
+use crate::physics::Simulation;
+use crate::report::error::{Effort, LOOK_SECS, Row, Way, evaluations_per_second, measure};
 use crate::scene::settings::{Integrator, Stepping};
 use crate::scene::{Scene, Settings, ViewSettings};
+use crate::view::legend::three_digits;
 
-/// Simulated time, s: of bodies of up to so many links, and of larger ones.
-const SECONDS: [f64; 2] = [0.6, 0.2];
-const FEW_LINKS: usize = 6000;
-/// Runs of each, steps and the reference's fineness.
+/// Simulated time that is compared, s: at least, whatever work that is, and at most.
+const SECONDS: [f64; 2] = [0.2, 1.2];
+/// What is compared of the motion after the first contact, and of one without contact, s.
+const AFTER_CONTACT_SECS: f64 = 0.4;
+const WITHOUT_CONTACT_SECS: f64 = 0.6;
+/// Link forces that are spent at most where more than the least time is compared: about a minute of work.
+const MOST_LINK_FORCES: f64 = 6e9;
+/// The share of the work that looking for the first contact is, about.
+const LOOKING_AHEAD: f64 = 0.01;
+/// Runs of each at most, and how long they take in all when that is enough; steps and the reference's fineness.
 const REPEATS: usize = 3;
+const ENOUGH: Duration = Duration::from_millis(100);
 const MOST_RUNGS: u32 = 7;
 const FINER: f64 = 0.125;
 
@@ -65,6 +75,17 @@ pub struct CurvePoint {
     pub is_best: bool,
 }
 
+/// The stretch of the motion that is compared, from the start of the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// Its length, s.
+    pub simulated_secs: f64,
+    /// When a body first meets an obstacle, s; none where that is later than is looked ahead.
+    pub first_contact_secs: Option<f64>,
+    /// Whether a longer one was wanted and would be too much work.
+    pub cut_short: bool,
+}
+
 /// Every choice that was measured on a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorCurve {
@@ -72,69 +93,82 @@ pub struct ErrorCurve {
     scene: Scene,
     /// The choices; those of a scheme stand together, the largest step first.
     pub points: Vec<CurvePoint>,
-    /// For how long the motion was compared, s.
-    pub simulated_secs: f64,
+    /// For how long the motion was compared.
+    pub span: Span,
     /// What the reference itself is known to, m.
     pub known_m: f64,
 }
 
-/// Why there is no curve.
-#[derive(Debug, Error)]
-pub enum ErrorCurveError {
-    /// It was asked to stop.
-    #[error("cancelled")]
-    Cancelled,
-    /// Nothing moves.
-    #[error("the scene has no body: there is nothing to measure")]
-    Nothing,
-    /// The bodies cannot be made.
-    #[error(transparent)]
-    Session(#[from] SessionError),
-}
-
-/// How far the work is, with a pause before every step.
-struct Paced<'a> {
-    progress: &'a Progress,
-    pause: &'a (dyn Fn() + Sync),
-}
-
-impl Watch for Paced<'_> {
-    fn progress(&self, fraction: f64) {
-        self.progress.progress(fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        if !self.progress.is_cancelled() {
-            (self.pause)();
-        }
-        self.progress.is_cancelled()
-    }
-}
-
-/// Measures a scene from its start; relative model paths start at `base_dir`. `pause` is called before every step, for who
+/// Measures a scene from its start; relative model paths start at `base_dir`. `pause` is called between two steps, for who
 /// leaves the processors to others; its time is not measured.
 pub fn error_curve(
     scene: &Scene,
     base_dir: &Path,
     progress: &Progress,
     pause: &(dyn Fn() + Sync),
-) -> Result<ErrorCurve, ErrorCurveError> {
+) -> Result<ErrorCurve, BackgroundError> {
     if scene.bodies.is_empty() {
-        return Err(ErrorCurveError::Nothing);
+        return Err(BackgroundError::Nothing("the scene has no body"));
     }
+    let watch = Paced { progress, pause };
     let opened = Opened::without_file(scene.clone(), String::new(), base_dir.to_owned());
-    let lattices = opened.lattices(&())?;
-    let links: usize = lattices.iter().map(|lattice| lattice.counts().all_links()).sum();
-    let seconds = SECONDS[usize::from(links > FEW_LINKS)];
-    let effort = Effort { seconds, repeats: REPEATS, most_rungs: MOST_RUNGS, finer: FINER, side_by_side: false };
+    let lattices = opened.lattices(&CancelOnly(&watch))?;
+    let span = Span::of(scene, &lattices, &watch).ok_or(BackgroundError::Cancelled)?;
+    let whole = Portion::new(&watch, [LOOKING_AHEAD, 1.0]);
     let figures =
-        measure("", scene, &lattices, effort, &Paced { progress, pause }).ok_or(ErrorCurveError::Cancelled)?;
+        measure("", scene, &lattices, effort(span.simulated_secs), &whole).ok_or(BackgroundError::Cancelled)?;
     Ok(ErrorCurve {
         scene: without_choice(scene),
         points: figures.rows.iter().map(point).collect(),
-        simulated_secs: figures.simulated_secs,
+        span,
         known_m: figures.reference_error_m,
     })
+}
+
+fn effort(seconds: f64) -> Effort {
+    Effort { seconds, repeats: REPEATS, enough: ENOUGH, most_rungs: MOST_RUNGS, finer: FINER, side_by_side: false }
+}
+
+impl Span {
+    /// Long enough to hold the first contact and what follows it, where that is not too much work. None where `watch`
+    /// cancels.
+    fn of(scene: &Scene, lattices: &[Arc<Lattice>], watch: &dyn Watch) -> Option<Self> {
+        let [least, most] = SECONDS;
+        let mut ahead = Simulation::<f32>::new(scene, lattices);
+        let mut first_contact_secs = None;
+        while ahead.state().time_secs < most && !ahead.has_diverged() && first_contact_secs.is_none() {
+            watch.progress(LOOKING_AHEAD * ahead.state().time_secs / most);
+            if watch.cancelled() {
+                return None;
+            }
+            let report = ahead.step();
+            first_contact_secs = (report.last.contacts > 0).then(|| ahead.state().time_secs);
+        }
+        let links: usize = ahead.model().link_counts().iter().sum();
+        let of_a_second = links as f64 * evaluations_per_second(scene, lattices, effort(1.0));
+        Some(Self::chosen(first_contact_secs, (MOST_LINK_FORCES / of_a_second.max(1.0)).max(least)))
+    }
+
+    /// As much as is wanted, and no more than is affordable.
+    fn chosen(first_contact_secs: Option<f64>, affordable_secs: f64) -> Self {
+        let wanted = first_contact_secs.map_or(WITHOUT_CONTACT_SECS, |contact| contact + AFTER_CONTACT_SECS);
+        let wanted = wanted.clamp(WITHOUT_CONTACT_SECS, SECONDS[1]);
+        let looks = libm::floor(wanted.min(affordable_secs) / LOOK_SECS + 1e-9);
+        Self { simulated_secs: LOOK_SECS * looks, first_contact_secs, cut_short: affordable_secs < wanted }
+    }
+
+    /// What was compared, as a sentence.
+    pub fn words(&self) -> String {
+        let simulated = three_digits(self.simulated_secs);
+        let contact = match self.first_contact_secs {
+            Some(contact) if contact <= LOOK_SECS => "in contact from the start".to_owned(),
+            Some(contact) if contact < self.simulated_secs => format!("with the first contact at {contact:.2} s"),
+            Some(contact) => format!("before the first contact at {contact:.2} s"),
+            None => "without contact".to_owned(),
+        };
+        let why = if self.cut_short { "; longer would take too much work" } else { "" };
+        format!("Compared over the first {simulated} s, {contact}{why}.")
+    }
 }
 
 fn point(row: &Row) -> CurvePoint {
@@ -197,6 +231,8 @@ mod tests {
     use crate::scene::body::CubeShape;
     use crate::scene::presets;
 
+    const SPAN: Span = Span { simulated_secs: 0.6, first_contact_secs: None, cut_short: false };
+
     fn small() -> Scene {
         let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
         scene.bodies[0].shape = Shape::Cube(CubeShape { cells: 1, size: 1.0 });
@@ -228,7 +264,7 @@ mod tests {
             is_best: false,
         };
         let points = vec![point(4e-3, None, 0.1), point(2e-3, Some(4e-4), 0.2), point(1e-3, Some(1e-4), 0.4)];
-        let curve = ErrorCurve { scene: small(), points, simulated_secs: 0.6, known_m: 1e-9 };
+        let curve = ErrorCurve { scene: small(), points, span: SPAN, known_m: 1e-9 };
         let place = |dt_secs: f64| curve.place(StepChoice { integrator: Some(Integrator::Verlet), dt_secs });
         assert_eq!(place(1e-3), Some([0.4, 1e-4]), "as measured");
         let [wall_secs, error_m] = place(2e-3 / 2_f64.sqrt()).expect("between them");
@@ -240,7 +276,7 @@ mod tests {
     #[test]
     fn the_curve_is_of_the_scene_whatever_its_step_and_not_of_another_one() {
         let scene = small();
-        let curve = ErrorCurve { scene: without_choice(&scene), points: Vec::new(), simulated_secs: 0.6, known_m: 0.0 };
+        let curve = ErrorCurve { scene: without_choice(&scene), points: Vec::new(), span: SPAN, known_m: 0.0 };
         let choice = StepChoice { integrator: Some(Integrator::Rk4), dt_secs: 4e-3 };
         let chosen = Scene { settings: choice.applied(&scene.settings), ..scene.clone() };
         assert_eq!(StepChoice::of(&chosen.settings), choice, "what is applied is chosen");
@@ -256,5 +292,45 @@ mod tests {
         let refused = error_curve(&Scene::default(), Path::new(""), &Progress::default(), &|| ());
         let refused = refused.expect_err("nothing to measure");
         assert!(refused.to_string().contains("no body"), "{refused}");
+    }
+
+    #[test]
+    fn the_span_holds_the_first_contact_and_what_follows_where_that_is_affordable() {
+        let chosen = |contact, affordable| Span::chosen(contact, affordable);
+        let fall = chosen(Some(0.45), 5.0);
+        assert!((fall.simulated_secs - 0.84).abs() < 1e-9 && !fall.cut_short, "{fall:?}");
+        assert_eq!(fall.words(), "Compared over the first 0.84 s, with the first contact at 0.45 s.");
+        let expensive = chosen(Some(0.45), 0.3);
+        assert!((expensive.simulated_secs - 0.28).abs() < 1e-9 && expensive.cut_short, "{expensive:?}");
+        assert_eq!(
+            expensive.words(),
+            "Compared over the first 0.28 s, before the first contact at 0.45 s; longer would take too much work."
+        );
+        assert!((chosen(Some(1.1), 5.0).simulated_secs - 1.2).abs() < 1e-9, "never for ever");
+        assert_eq!(chosen(Some(0.001), 5.0).words(), "Compared over the first 0.6 s, in contact from the start.");
+        assert_eq!(chosen(None, 5.0).words(), "Compared over the first 0.6 s, without contact.");
+    }
+
+    #[test]
+    fn a_cube_that_falls_is_compared_until_it_has_landed() {
+        let scene = (presets::preset("cube-on-plane").expect("a preset").build)();
+        let lattices = Opened::without_file(scene.clone(), String::new(), "".into()).lattices(&()).expect("a cube");
+        let span = Span::of(&scene, &lattices, &()).expect("nobody cancels");
+        let contact = span.first_contact_secs.expect("it lands");
+        assert!(span.simulated_secs > contact + 0.3 && !span.cut_short, "{span:?}");
+    }
+
+    #[test]
+    fn progress_moves_during_the_reference() {
+        let progress = Progress::default();
+        let seen = std::sync::Mutex::new(Vec::new());
+        let look = || seen.lock().expect("no panic before").push(progress.fraction());
+        let curve = error_curve(&small(), Path::new(""), &progress, &look);
+        assert!(curve.is_ok(), "it ends");
+        let seen = seen.into_inner().expect("no panic before");
+        assert!(seen.windows(2).all(|pair| pair[0] <= pair[1]), "it never falls");
+        // The reference takes a quarter of the work and more.
+        let early = seen.iter().filter(|fraction| (0.02..0.2).contains(*fraction)).count();
+        assert!(early > 100, "{early} of {} looks", seen.len());
     }
 }

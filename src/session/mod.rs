@@ -2,6 +2,7 @@
 //! a picture come out. Deterministic in everything but how many steps fit into a stretch of wall time, so that
 //! everything a person can do is a test.
 
+pub mod background;
 mod bodies;
 mod clock;
 mod color_range;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use egui_kittest::kittest::Queryable as _;
 use gelatin::app::theme::Theme;
-use gelatin::app::ui::error_panel::{Wish, Work};
+use gelatin::app::ui::work::{Wish, Work};
 use gelatin::geometry::Watch as _;
 use gelatin::scene::body::CubeShape;
 use gelatin::scene::edit::Edit;

@@ -3,64 +3,23 @@
 
 mod plot;
 
-use std::sync::Arc;
-use std::time::Duration;
+use egui::{Color32, Label, RichText, ScrollArea, Ui, vec2};
 
-use egui::{Color32, Label, ProgressBar, RichText, ScrollArea, Ui, vec2};
-
+use super::work::{Asked, Work, progress_ui};
 use super::{Running, actions, theme};
 use crate::scene::edit::Edit;
 use crate::session::Command;
 use crate::session::error_curve::{ErrorCurve, StepChoice};
-use crate::session::jellify::Progress;
 use crate::view::legend::three_digits;
 
 /// Width of the words beside the plot, points.
 const WORDS: f32 = 232.0;
-/// How often the progress is looked at while the work goes on.
-const LOOK: Duration = Duration::from_millis(250);
 
 const WHAT: &str = "How far every scheme and step misses the motion that the scene begins with, and how long it takes. \
                     Computed in the background.";
 
-/// What the panel remembers.
-#[derive(Debug, Default)]
-pub struct ErrorPanel {
-    /// The curve, or how far it is.
-    pub work: Work,
-    /// What a person asked for.
-    pub wish: Option<Wish>,
-}
-
-/// How far the curve is.
-#[derive(Debug, Default)]
-pub enum Work {
-    /// Nobody has asked for it.
-    #[default]
-    Idle,
-    /// It is being computed.
-    Running(Arc<Progress>),
-    /// It is there.
-    Ready(Box<ErrorCurve>),
-    /// It cannot be computed; why, as a sentence.
-    Failed(String),
-}
-
-/// What a person asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wish {
-    /// Compute the curve of the present scene.
-    Begin,
-    /// Stop computing it, and forget it.
-    Stop,
-}
-
-impl ErrorPanel {
-    /// Another scene has taken the place of the old one.
-    pub(super) fn forget(&mut self) {
-        self.wish = (!matches!(self.work, Work::Idle)).then_some(Wish::Stop);
-    }
-}
+/// What the panel remembers: the curve, or how far it is.
+pub type ErrorPanel = Asked<ErrorCurve>;
 
 /// The panel.
 pub(super) fn error_panel_ui(ui: &mut Ui, running: Running<'_>, panel: &mut ErrorPanel, commands: &mut Vec<Command>) {
@@ -85,29 +44,14 @@ pub(super) fn error_panel_ui(ui: &mut Ui, running: Running<'_>, panel: &mut Erro
 
 fn words_ui(ui: &mut Ui, running: Running<'_>, present: StepChoice, panel: &mut ErrorPanel) {
     let colors = theme::of(ui);
-    ui.horizontal(|ui| {
-        ui.label(RichText::new("Error of the steps").color(colors.strong).strong());
-        let (name, wish) = match panel.work {
-            Work::Idle => ("Compute", Wish::Begin),
-            Work::Running(_) => ("Stop", Wish::Stop),
-            Work::Ready(_) | Work::Failed(_) => ("Compute again", Wish::Begin),
-        };
-        if ui.button(name).clicked() {
-            panel.wish = Some(wish);
-        }
-    });
+    panel.title_ui(ui, "Error of the steps", "Compute");
     ScrollArea::vertical().show(ui, |ui| {
         let say = |ui: &mut Ui, text: &str, color: Color32| {
             ui.add(Label::new(RichText::new(text).color(color)).wrap());
         };
         match &panel.work {
             Work::Idle => say(ui, WHAT, colors.weak),
-            Work::Running(progress) => {
-                let fraction = progress.fraction();
-                say(ui, &format!("Computing: {:.0} %", 100.0 * fraction), colors.weak);
-                ui.add(ProgressBar::new(fraction).desired_width(WORDS - 14.0));
-                ui.ctx().request_repaint_after(LOOK);
-            }
+            Work::Running(progress) => progress_ui(ui, progress, WORDS - 14.0),
             Work::Failed(why) => say(ui, &format!("Not computed: {why}."), colors.error),
             Work::Ready(curve) => {
                 if !curve.is_of(running.scene) {
@@ -115,6 +59,7 @@ fn words_ui(ui: &mut Ui, running: Running<'_>, present: StepChoice, panel: &mut 
                     say(ui, text, colors.warning);
                 }
                 say(ui, &present_words(curve, present), colors.weak);
+                say(ui, &curve.span.words(), colors.weak);
                 say(ui, "A click on a point takes its scheme and step.", colors.weak);
             }
         }
@@ -126,9 +71,8 @@ fn present_words(curve: &ErrorCurve, present: StepChoice) -> String {
     let choice = present.words();
     match curve.place(present) {
         Some([wall_secs, error_m]) => format!(
-            "Now {choice}: misses by {} in {} s, takes {} per simulated second.",
+            "Now {choice}: misses by {} (RMS), takes {} per simulated second.",
             length(error_m),
-            three_digits(curve.simulated_secs),
             duration(wall_secs)
         ),
         None => format!("Now {choice}: it diverges or was not measured."),

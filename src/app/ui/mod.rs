@@ -24,6 +24,7 @@ mod tree;
 mod trouble;
 mod value;
 mod widths;
+pub mod work;
 
 use egui::{Align2, Area, Id, Order, Rect, RichText, Ui};
 

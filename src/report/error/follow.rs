@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::geometry::{Lattice, Watch};
 use crate::math::{Real, Vector};
-use crate::physics::Simulation;
+use crate::physics::{Simulation, Stage, StageTimer};
 use crate::scene::Scene;
 
 /// Positions are compared this often, s: a multiple of every step that is measured.
@@ -24,8 +24,19 @@ pub(super) struct Followed {
 /// Whether a run has nothing to do with the scene any more, by the number of the look and the positions.
 pub(super) type Lost<'a> = &'a dyn Fn(usize, &[[f64; 3]]) -> bool;
 
-/// Runs a scene for so many looks. One that is `lost` at a look goes no further; nor does one that is cancelled, which is
-/// asked for before every step.
+/// Gives a step up when nobody waits for the run any more.
+struct Stoppable<'a>(&'a dyn Watch);
+
+impl StageTimer for Stoppable<'_> {
+    fn enter(&mut self, _: Stage) {}
+    fn leave(&mut self) {}
+    fn stops(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
+/// Runs a scene for so many looks. One that is `lost` at a look goes no further; nor does one that is cancelled, within
+/// a step too. How far it is is told before every step, whose time does not hold that.
 pub(super) fn follow<R: Real>(
     scene: &Scene,
     lattices: &[Arc<Lattice>],
@@ -37,14 +48,20 @@ pub(super) fn follow<R: Real>(
     let mut found = Followed { looks: Vec::new(), spent: Duration::ZERO, diverged: false, cancelled: false };
     let each = whole(LOOK_SECS / scene.settings.dt);
     for look in 0..looks {
-        for _ in 0..each {
+        for step in 0..each {
+            watch.progress((look * each + step) as f64 / (looks * each) as f64);
             if watch.cancelled() {
                 found.cancelled = true;
                 return found;
             }
             let begin = Instant::now();
-            found.diverged = simulation.step().diverged;
+            let report = simulation.step_timed(&mut Stoppable(watch));
             found.spent += begin.elapsed();
+            if report.stopped {
+                found.cancelled = true;
+                return found;
+            }
+            found.diverged = report.diverged;
             if found.diverged {
                 break;
             }

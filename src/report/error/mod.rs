@@ -11,10 +11,11 @@ pub mod scenes;
 pub mod words;
 
 use std::sync::Arc;
+use std::time::Duration;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::geometry::watch::{CancelOnly, Portion};
 use crate::geometry::{Lattice, Watch};
 use crate::physics::Simulation;
 use crate::scene::Scene;
@@ -34,8 +35,8 @@ const BELOW_LIMIT: f64 = 0.25;
 const FINER: f64 = 1.0 / 16.0;
 /// Runs of each.
 pub const REPEATS: usize = 5;
-/// The share of the work that the reference is.
-const REFERENCE_SHARE: f64 = 0.2;
+/// How long a step of the reference takes over one of a measured run: its numbers are in double precision.
+const REFERENCE_COST: f64 = 1.5;
 /// An error above this many times the size of the bodies is a motion that has nothing to do with the scene.
 const LOST: f64 = 1.0;
 /// A scheme whose steps are divided by `CONVERGES[0]` and whose error stays above `CONVERGES[1]` of what it was does not
@@ -73,6 +74,16 @@ impl Way {
         match self {
             Self::Manual(integrator) => integrator.words(),
             Self::Automatic => "automatic stepping",
+        }
+    }
+
+    /// What a step takes, in evaluations of the forces, about.
+    fn cost(self) -> f64 {
+        match self {
+            Self::Manual(Integrator::Rk2) => 2.0,
+            Self::Manual(Integrator::Rk4) => 4.0,
+            Self::Manual(Integrator::Implicit) => 8.0,
+            Self::Manual(_) | Self::Automatic => 1.0,
         }
     }
 
@@ -149,6 +160,8 @@ pub struct Effort {
     pub seconds: f64,
     /// Runs of each.
     pub repeats: usize,
+    /// What has run for so long in all is not repeated.
+    pub enough: Duration,
     /// Steps measured at most.
     pub most_rungs: u32,
     /// The step of the reference over the smallest one measured.
@@ -160,7 +173,8 @@ pub struct Effort {
 impl Effort {
     /// All that a report takes.
     pub fn full(seconds: f64) -> Self {
-        Self { seconds, repeats: REPEATS, most_rungs: RUNGS[1], finer: FINER, side_by_side: true }
+        let enough = Duration::MAX;
+        Self { seconds, repeats: REPEATS, enough, most_rungs: RUNGS[1], finer: FINER, side_by_side: true }
     }
 }
 
@@ -175,6 +189,23 @@ pub fn measure(
     compare(title, [scene, scene], lattices, effort, watch)
 }
 
+/// How often the forces of a scene are evaluated while it is measured, for every second of simulated time and one run of
+/// each, about.
+pub fn evaluations_per_second(scene: &Scene, lattices: &[Arc<Lattice>], effort: Effort) -> f64 {
+    let steps = steps(probe(scene, lattices).plan().limits.dt_safe_secs(), effort.most_rungs);
+    Work::new(&steps, finest(&steps, effort), 1).whole
+}
+
+/// The scene as the default integrator would take it: for its size and what limits its steps.
+fn probe(scene: &Scene, lattices: &[Arc<Lattice>]) -> Simulation<f32> {
+    Simulation::new(&Way::Manual(Integrator::SemiImplicit).applied(scene, 1e-3), lattices)
+}
+
+/// The step of the reference, s.
+fn finest(steps: &[f64], effort: Effort) -> f64 {
+    steps.last().copied().unwrap_or(LARGEST_SECS) * effort.finer
+}
+
 /// As [`measure`], of the first scene against the reference of another one with the same bodies.
 fn compare(
     title: &str,
@@ -184,30 +215,37 @@ fn compare(
     watch: &dyn Watch,
 ) -> Option<ErrorFigures> {
     let looks = whole(effort.seconds / LOOK_SECS).max(1);
-    let probe = Simulation::<f32>::new(&Way::Manual(Integrator::SemiImplicit).applied(scene, 1e-3), lattices);
+    let probe = probe(scene, lattices);
     let steps = steps(probe.plan().limits.dt_safe_secs(), effort.most_rungs);
-    let finest = steps.last().copied().unwrap_or(LARGEST_SECS) * effort.finer;
-    let reference = |dt: &f64| follow::<f64>(&Way::Manual(REFERENCE).applied(truth, *dt), lattices, looks, None, watch);
-    let both = [finest, 2.0 * finest];
-    let found: Vec<_> = if effort.side_by_side {
-        both.par_iter().map(reference).collect()
+    let finest = finest(&steps, effort);
+    let work = Work::new(&steps, finest, effort.repeats);
+    let [first, second] = work.of_reference;
+    let reference = |dt: f64, watch: &dyn Watch| {
+        follow::<f64>(&Way::Manual(REFERENCE).applied(truth, dt), lattices, looks, None, watch)
+    };
+    let found = if effort.side_by_side {
+        let whole = Portion::new(watch, [0.0, second]);
+        let (finest, check) = rayon::join(|| reference(finest, &whole), || reference(2.0 * finest, &CancelOnly(watch)));
+        [finest, check]
     } else {
-        both.iter().map(reference).collect()
+        [(finest, [0.0, first]), (2.0 * finest, [first, second])]
+            .map(|(dt, span)| reference(dt, &Portion::new(watch, span)))
     };
     if found.iter().any(|run| run.cancelled) {
         return None;
     }
     let (truth, check) = (&found[0].looks, &found[1].looks);
-    watch.progress(REFERENCE_SHARE);
     let size_m = size(truth);
     let mut rows: Vec<Measured> =
         Way::all().flat_map(|way| steps.iter().map(move |&dt| Measured::new(way, dt))).collect();
-    let (work, mut done) = (effort.repeats * rows.len(), 0_usize);
+    let mut done = second;
     for _ in 0..effort.repeats {
-        for row in rows.iter_mut().filter(|row| !row.diverged) {
-            row.run(scene, lattices, truth, LOST * size_m, watch);
-            done += 1;
-            watch.progress(REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * done as f64 / work as f64);
+        for row in &mut rows {
+            let begin = done;
+            done += work.of(row.way, row.dt);
+            if !row.diverged && row.spent < effort.enough {
+                row.run(scene, lattices, truth, LOST * size_m, &Portion::new(watch, [begin, done]));
+            }
             if watch.cancelled() {
                 return None;
             }
@@ -243,6 +281,29 @@ fn steps(safe_secs: Option<f64>, most: u32) -> Vec<f64> {
         .collect()
 }
 
+/// What shares of the work the runs are, as far as that is known before them.
+struct Work {
+    /// Where the reference and its check end, 0 to 1.
+    of_reference: [f64; 2],
+    /// All of it, in evaluations of the forces for a simulated second.
+    whole: f64,
+}
+
+impl Work {
+    fn new(steps: &[f64], finest: f64, repeats: usize) -> Self {
+        let reference = REFERENCE_COST * Way::Manual(REFERENCE).cost() / finest;
+        let of_step = |dt: &f64| Way::all().map(|way| way.cost() / dt).sum::<f64>();
+        let rows = repeats as f64 * steps.iter().map(of_step).sum::<f64>();
+        let whole = 1.5 * reference + rows;
+        Self { of_reference: [reference / whole, 1.5 * reference / whole], whole }
+    }
+
+    /// The share of a run.
+    fn of(&self, way: Way, dt: f64) -> f64 {
+        way.cost() / dt / self.whole
+    }
+}
+
 /// One way at one step, as far as it was measured.
 struct Measured {
     way: Way,
@@ -250,12 +311,14 @@ struct Measured {
     error_m: f64,
     /// Wall time of each run for a simulated second.
     wall_secs: Vec<f64>,
+    /// Of all runs.
+    spent: Duration,
     diverged: bool,
 }
 
 impl Measured {
     fn new(way: Way, dt: f64) -> Self {
-        Self { way, dt, error_m: f64::INFINITY, wall_secs: Vec::new(), diverged: false }
+        Self { way, dt, error_m: f64::INFINITY, wall_secs: Vec::new(), spent: Duration::ZERO, diverged: false }
     }
 
     fn run(
@@ -273,6 +336,7 @@ impl Measured {
         let scene = self.way.applied(scene, self.dt);
         let found = follow::<f32>(&scene, lattices, truth.len() as u64, Some(&is_lost), watch);
         self.diverged = found.diverged;
+        self.spent += found.spent;
         let looks = found.looks.len().max(1);
         self.wall_secs.push(found.spent.as_secs_f64() / (looks as f64 * LOOK_SECS));
         self.error_m = if found.diverged { f64::INFINITY } else { rms(&found.looks, truth) };

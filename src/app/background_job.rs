@@ -1,0 +1,213 @@
+//! Work that a panel asks for, done on a thread of its own that leaves the processors to the sandbox: after every stretch
+//! of work it rests for twice as long.
+
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::ui::work::{Asked, Wish, Work};
+use super::worker::sentence;
+use crate::session::background::BackgroundError;
+use crate::session::jellify::Progress;
+
+/// Work between two rests.
+const STRETCH: Duration = Duration::from_millis(4);
+/// A rest over the stretch of work before it, and the longest time in which nobody looks whether it is still wanted.
+const REST: u32 = 2;
+const NAP: Duration = Duration::from_millis(50);
+
+/// The work that goes on, if any.
+#[derive(Debug)]
+pub(super) struct BackgroundJob<T> {
+    running: Option<Running<T>>,
+}
+
+#[derive(Debug)]
+struct Running<T> {
+    progress: Arc<Progress>,
+    outcome: Receiver<Result<T, BackgroundError>>,
+}
+
+impl<T> Drop for Running<T> {
+    fn drop(&mut self) {
+        self.progress.cancel();
+    }
+}
+
+impl<T> Default for BackgroundJob<T> {
+    fn default() -> Self {
+        Self { running: None }
+    }
+}
+
+/// Who is told how far work is and asked to let others have the processors.
+pub(super) struct Beside<'a> {
+    /// How far it is, and whether it is still wanted.
+    pub(super) progress: &'a Progress,
+    /// Called between two pieces of the work.
+    pub(super) pause: &'a (dyn Fn() + Sync),
+}
+
+impl<T: Send + 'static> BackgroundJob<T> {
+    /// Does what the panel wishes: begins `work`, if there is anything to work on, or stops it. `wake` is called when the
+    /// work ends.
+    pub(super) fn grant<W>(
+        &mut self,
+        asked: &mut Asked<T>,
+        work: impl FnOnce() -> Option<W>,
+        wake: impl FnOnce() + Send + 'static,
+    ) where
+        W: FnOnce(Beside<'_>) -> Result<T, BackgroundError> + Send + 'static,
+    {
+        let Some(wish) = asked.wish.take() else { return };
+        // What went on before is not wanted any more.
+        (self.running, asked.work) = (None, Work::Idle);
+        if let Some(work) = (wish == Wish::Begin).then(work).flatten() {
+            let running = start(work, wake);
+            asked.work = Work::Running(Arc::clone(&running.progress));
+            self.running = Some(running);
+        }
+    }
+
+    /// Tells the panel what has become of the work.
+    pub(super) fn answer(&mut self, asked: &mut Asked<T>) {
+        let Some(running) = &self.running else { return };
+        asked.work = match running.outcome.try_recv() {
+            Err(TryRecvError::Empty) => return,
+            Ok(Ok(result)) => Work::Ready(Box::new(result)),
+            Ok(Err(BackgroundError::Cancelled)) => Work::Idle,
+            Ok(Err(error)) => Work::Failed(sentence(&error)),
+            Err(TryRecvError::Disconnected) => Work::Failed("an error in the program ended the work".to_owned()),
+        };
+        self.running = None;
+    }
+}
+
+fn start<T: Send + 'static>(
+    work: impl FnOnce(Beside<'_>) -> Result<T, BackgroundError> + Send + 'static,
+    wake: impl FnOnce() + Send + 'static,
+) -> Running<T> {
+    let (send, outcome) = channel();
+    let progress = Arc::new(Progress::default());
+    let watched = Arc::clone(&progress);
+    std::thread::spawn(move || {
+        let rests = Rests::new();
+        let pause = || rests.rest(&watched);
+        if send.send(work(Beside { progress: &watched, pause: &pause })).is_err() {
+            log::debug!("nobody waits for the work any more");
+        }
+        wake();
+    });
+    Running { progress, outcome }
+}
+
+/// Makes work rest.
+struct Rests {
+    /// The end of the last one.
+    since: Mutex<Instant>,
+}
+
+impl Rests {
+    fn new() -> Self {
+        Self { since: Mutex::new(Instant::now()) }
+    }
+
+    /// Rests where that is due, and no longer than the work is wanted.
+    fn rest(&self, work: &Progress) {
+        let mut since = self.since.lock().unwrap_or_else(PoisonError::into_inner);
+        let worked = since.elapsed();
+        if worked >= STRETCH {
+            let mut left = worked * REST;
+            while !left.is_zero() && !work.is_cancelled() {
+                let nap = left.min(NAP);
+                std::thread::sleep(nap);
+                left -= nap;
+            }
+            *since = Instant::now();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::mpsc::channel;
+
+    use super::*;
+    use crate::scene::body::CubeShape;
+    use crate::scene::{Scene, Shape, presets};
+    use crate::session::error_curve::{ErrorCurve, error_curve};
+
+    /// How soon work has to stop that is not wanted any more.
+    const SOON: Duration = Duration::from_millis(200);
+
+    fn scene(cells: u32) -> Scene {
+        let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
+        scene.bodies[0].shape = Shape::Cube(CubeShape { cells, size: 1.0 });
+        scene
+    }
+
+    fn curve(scene: Scene) -> impl FnOnce(Beside<'_>) -> Result<ErrorCurve, BackgroundError> + Send + 'static {
+        move |beside| error_curve(&scene, Path::new(""), beside.progress, beside.pause)
+    }
+
+    fn wanted() -> Asked<ErrorCurve> {
+        Asked { wish: Some(Wish::Begin), ..Asked::default() }
+    }
+
+    #[test]
+    fn what_is_wished_for_is_computed_and_answered() {
+        let (mut job, mut panel) = (BackgroundJob::default(), wanted());
+        let (send, woken) = channel();
+        let scene = scene(1);
+        job.grant(&mut panel, || Some(curve(scene.clone())), move || send.send(()).expect("the test waits"));
+        assert!(matches!(panel.work, Work::Running(_)), "{:?}", panel.work);
+        woken.recv_timeout(Duration::from_mins(2)).expect("it ends");
+        job.answer(&mut panel);
+        let Work::Ready(curve) = &panel.work else { panic!("{:?}", panel.work) };
+        assert!(curve.is_of(&scene), "of that scene");
+    }
+
+    #[test]
+    fn what_is_stopped_ends_within_a_fifth_of_a_second() {
+        for cells in [1, 16] {
+            let (mut job, mut panel) = (BackgroundJob::default(), wanted());
+            let (send, woken) = channel();
+            job.grant(&mut panel, || Some(curve(scene(cells))), move || send.send(()).expect("the test waits"));
+            std::thread::sleep(Duration::from_millis(300));
+            panel.wish = Some(Wish::Stop);
+            let begin = Instant::now();
+            job.grant(&mut panel, || Some(curve(scene(1))), || ());
+            assert!(matches!(panel.work, Work::Idle), "{:?}", panel.work);
+            woken.recv_timeout(Duration::from_secs(10)).expect("the thread ends");
+            assert!(begin.elapsed() < SOON, "{cells} cells: after {:?}", begin.elapsed());
+        }
+    }
+
+    #[test]
+    fn work_rests_twice_as_long_as_it_lasts() {
+        let (rests, work) = (Rests::new(), Progress::default());
+        let begin = Instant::now();
+        let mut worked = Duration::ZERO;
+        while begin.elapsed() < Duration::from_millis(300) {
+            let piece = Instant::now();
+            while piece.elapsed() < Duration::from_millis(1) {
+                std::hint::spin_loop();
+            }
+            worked += piece.elapsed();
+            rests.rest(&work);
+        }
+        let share = worked.as_secs_f64() / begin.elapsed().as_secs_f64();
+        assert!(share < 0.45, "it works {share} of the time");
+    }
+
+    #[test]
+    fn a_long_rest_ends_with_the_wish() {
+        let (rests, work) = (Rests::new(), Progress::default());
+        std::thread::sleep(Duration::from_millis(300));
+        work.cancel();
+        let begin = Instant::now();
+        rests.rest(&work);
+        assert!(begin.elapsed() < SOON, "{:?}", begin.elapsed());
+    }
+}

@@ -1,0 +1,41 @@
+//! Long work beside a running sandbox, on the caller's thread: it tells how far it is and stops through [`Progress`], and
+//! leaves the processors to others now and then.
+
+use thiserror::Error;
+
+use super::SessionError;
+use super::jellify::Progress;
+use crate::geometry::Watch;
+
+/// Why nothing came of work beside the sandbox.
+#[derive(Debug, Error)]
+pub enum BackgroundError {
+    /// It was asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// There is nothing to measure.
+    #[error("{0}")]
+    Nothing(&'static str),
+    /// The bodies cannot be made.
+    #[error(transparent)]
+    Session(#[from] SessionError),
+}
+
+/// Tells how far the work is, with a pause between two pieces of it.
+pub(super) struct Paced<'a> {
+    pub(super) progress: &'a Progress,
+    pub(super) pause: &'a (dyn Fn() + Sync),
+}
+
+impl Watch for Paced<'_> {
+    fn progress(&self, fraction: f64) {
+        self.progress.progress(fraction);
+        if !self.progress.is_cancelled() {
+            (self.pause)();
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.progress.is_cancelled()
+    }
+}
