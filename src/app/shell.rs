@@ -37,6 +37,7 @@ use crate::scene::{ColorBy, Scene, presets};
 use crate::session::Status;
 use crate::session::document::Opened;
 use crate::session::error_curve::{ErrorCurve, error_curve};
+use crate::session::stability_map::{StabilityMap, stability_map};
 use crate::view::{DrawList, Orbit};
 
 /// The window's size at the start, points.
@@ -68,6 +69,7 @@ pub(super) struct Shell {
     worker: Worker,
     files: Files,
     error_job: BackgroundJob<ErrorCurve>,
+    stability_job: BackgroundJob<StabilityMap>,
     preferences: PreferencesFile,
     snapshot: Option<Snapshot>,
     orbit: Orbit,
@@ -117,6 +119,7 @@ impl Shell {
             worker,
             files,
             error_job: BackgroundJob::default(),
+            stability_job: BackgroundJob::default(),
             preferences,
             snapshot: None,
             orbit: Orbit::default(),
@@ -181,6 +184,7 @@ impl Shell {
             Wake::Dialog => {
                 self.files.answer(&mut self.ui.files);
                 self.error_job.answer(&mut self.ui.error_panel);
+                self.stability_job.answer(&mut self.ui.stability_panel);
                 self.drawing.ask_panels();
             }
             Wake::Accessibility(event) => {
@@ -329,6 +333,12 @@ impl Shell {
             Some(move |beside: Beside<'_>| error_curve(&scene, &base_dir, beside.progress, beside.pause))
         };
         self.error_job.grant(&mut self.ui.error_panel, curve, wake.clone());
+        let map = || {
+            let (scene, base_dir) = open()?;
+            let of = self.snapshot.as_ref()?.status.stability.as_ref()?.of;
+            Some(move |beside: Beside<'_>| stability_map(&scene, &base_dir, of, beside.progress, beside.pause))
+        };
+        self.stability_job.grant(&mut self.ui.stability_panel, map, wake.clone());
         let granted = self.files.grant(&mut self.ui.files, wake);
         granted.commands.into_iter().for_each(|command| self.worker.send(command));
         if granted.quit {

@@ -71,6 +71,7 @@ pub use compile::DEPTH_SHARE;
 pub use compile::from_scene::SceneError;
 pub use compile::other_form::other_form;
 pub use compile::safe_values::{ContactLoad, SafeValue, largest_safe};
+pub use compile::stability_plane::{Place, Scheme, StabilityPlane};
 pub use contact::approach::Approach;
 pub use contact::sweep::Sweep;
 pub use contact::{ContactRecord, Placed};

@@ -188,6 +188,15 @@ impl Springs {
             Family::Bending => self.bending,
         }
     }
+
+    /// The constants of one family, to change them.
+    pub fn family_mut(&mut self, family: Family) -> &mut Spring {
+        match family {
+            Family::Structural => &mut self.structural,
+            Family::Shear => &mut self.shear,
+            Family::Bending => &mut self.bending,
+        }
+    }
 }
 
 #[cfg(test)]

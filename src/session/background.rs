@@ -3,7 +3,7 @@
 
 use thiserror::Error;
 
-use super::SessionError;
+use super::error::SessionError;
 use super::jellify::Progress;
 use crate::geometry::Watch;
 

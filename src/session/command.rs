@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::stability_map::StabilityOf;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::resolve::Jelly;
 use crate::scene::view_settings::CameraSettings;
@@ -95,6 +96,8 @@ pub enum Command {
     Grab(Option<Pull>),
     /// Measure what steps cost, or no longer.
     WatchCost(bool),
+    /// Look at the stability of a body over its stiffness and damping, or no longer.
+    WatchStability(Option<StabilityOf>),
 }
 
 /// A pull at a point of a body by a spring.
@@ -122,6 +125,7 @@ impl Command {
                 | Self::CancelEdit
                 | Self::Grab(_)
                 | Self::WatchCost(_)
+                | Self::WatchStability(_)
         )
     }
 
@@ -147,7 +151,8 @@ impl Command {
             | Self::Undo
             | Self::Redo
             | Self::Grab(_)
-            | Self::WatchCost(_) => false,
+            | Self::WatchCost(_)
+            | Self::WatchStability(_) => false,
         }
     }
 }

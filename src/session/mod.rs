@@ -20,6 +20,7 @@ mod history;
 pub mod hold;
 pub mod jellify;
 mod library;
+mod look_ahead;
 mod needs;
 mod picture;
 pub mod predict;
@@ -28,6 +29,7 @@ mod safe;
 mod sample;
 mod show;
 mod slowness;
+pub mod stability_map;
 pub mod state_error;
 pub mod state_file;
 mod state_origin;
@@ -71,6 +73,7 @@ use library::Library;
 use picture::Picture;
 use sample::Sample;
 use stoppable::Stoppable;
+use stability_map::StabilityShown;
 use trials::Trials;
 
 /// While time runs, one part in so many goes to looking for what helps.
@@ -107,6 +110,8 @@ pub struct Session {
     sample: Sample,
     /// The share of the processors that drawing takes.
     drawing: f64,
+    /// The stability of a body, while someone looks.
+    stability: Option<Arc<StabilityShown>>,
     /// Set by whoever wants a substep given up.
     stop: Arc<AtomicBool>,
     hold: Arc<Hold>,
@@ -153,6 +158,7 @@ impl Session {
             notice: String::new(),
             picture: Picture::default(),
             costs: None,
+            stability: None,
             sample: Sample::default(),
             drawing: 0.0,
             stop: Arc::default(),
@@ -172,6 +178,7 @@ impl Session {
     /// Finds how far values may go; what has not changed is kept.
     fn find_safe_values(&mut self) {
         self.safe = safe::find(&self.scene, &self.simulation.model().bodies, &self.safe);
+        self.find_stability();
     }
 
     /// Does what a person asked for; nothing has changed where it is refused.
@@ -220,6 +227,7 @@ impl Session {
             Command::Redo => self.redo()?,
             Command::Grab(pull) => self.grab(pull)?,
             Command::WatchCost(watch) => self.costs = watch.then(|| Costs::new(&self.simulation)),
+            Command::WatchStability(of) => self.watch_stability(of),
         }
         Ok(())
     }

@@ -45,6 +45,7 @@ impl Session {
             bodies: self.body_statuses(),
             trouble: self.trouble_now(),
             cost: self.costs.as_ref().map(|costs| costs.shown(plan)),
+            stability: self.stability.clone(),
         }
     }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::stability_map::StabilityShown;
 use super::{StepCost, Trouble};
 use crate::math::Aabb;
 pub use crate::physics::SafeValue;
@@ -75,6 +76,8 @@ pub struct Status {
     pub trouble: Option<Trouble>,
     /// What a step costs; none while nobody looks.
     pub cost: Option<StepCost>,
+    /// The stability of a body over its stiffness and damping; none while nobody looks.
+    pub stability: Option<Arc<StabilityShown>>,
 }
 
 /// What there is to know of a body beside what the scene says.

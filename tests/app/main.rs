@@ -14,6 +14,7 @@ mod panels_places;
 mod panels_sides;
 mod panels_sizes;
 mod panels_sliders;
+mod panels_stability;
 mod panels_things;
 mod panels_untouched;
 mod panels_values;

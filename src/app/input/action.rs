@@ -50,6 +50,8 @@ pub enum Panel {
     Cost,
     /// How exact the steps are.
     Error,
+    /// Where the step is stable.
+    Stability,
 }
 
 /// Something to do with the body or obstacle that is chosen.

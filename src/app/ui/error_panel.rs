@@ -80,7 +80,7 @@ fn present_words(curve: &ErrorCurve, present: StepChoice) -> String {
 }
 
 /// A small length.
-fn length(meters: f64) -> String {
+pub(super) fn length(meters: f64) -> String {
     let (value, unit) = if meters >= 1.0 {
         (meters, "m")
     } else if meters >= 1e-3 {

@@ -45,7 +45,8 @@ const RIGHT: [Group; 2] = [
     (
         "Window",
         &[
-            ("T,  N,  C,  E", "list of things, values, what a step costs, error of the steps"),
+            ("T,  N", "list of things, values"),
+            ("C,  E,  M", "what a step costs, error of the steps, map of stability"),
             ("Tab", "from one control to the next"),
             ("Arrows, wheel", "step a slider; with shift finely"),
             ("Esc", "put back what is dragged, close what is open, choose nothing"),

@@ -89,7 +89,11 @@ fn view_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, comma
     ui.separator();
     toggle_ui(ui, &mut state.panels.tree, "List of things", "T");
     toggle_ui(ui, &mut state.panels.inspector, "Values", "N");
-    for (below, words, key) in [(Below::Cost, "What a step costs", "C"), (Below::Error, "Error of the steps", "E")] {
+    for (below, words, key) in [
+        (Below::Cost, "What a step costs", "C"),
+        (Below::Error, "Error of the steps", "E"),
+        (Below::Stability, "Map of stability", "M"),
+    ] {
         let mut open = state.panels.below == Some(below);
         toggle_ui(ui, &mut open, words, key);
         if open != (state.panels.below == Some(below)) {

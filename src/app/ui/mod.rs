@@ -12,11 +12,13 @@ pub mod files;
 mod icon;
 mod inspector;
 mod keys;
+mod log_axes;
 mod menu;
 mod message;
 mod meter;
 mod panels;
 mod sides;
+pub mod stability_panel;
 mod timeline;
 mod tip;
 mod top_bar;
@@ -45,6 +47,7 @@ use files::FilesState;
 pub use inspector::own_weight::TooHeavy;
 pub use panels::{Below, Panels};
 pub use widths::Widths;
+use stability_panel::StabilityPanel;
 
 /// Height of a panel above the time line, points.
 const BELOW_HEIGHT: f32 = 226.0;
@@ -123,6 +126,8 @@ pub struct UiState {
     pub files: FilesState,
     /// The error curve.
     pub error_panel: ErrorPanel,
+    /// The map of stability.
+    pub stability_panel: StabilityPanel,
 }
 
 /// What the camera is to show whole.
@@ -163,6 +168,7 @@ impl UiState {
             widths: Widths::default(),
             files: FilesState::default(),
             error_panel: ErrorPanel::default(),
+            stability_panel: StabilityPanel::default(),
         }
     }
 
@@ -213,6 +219,7 @@ impl UiState {
     pub fn on_new_scene(&mut self) {
         (self.selection, self.awaited) = (None, self.comes_along.take());
         self.error_panel.forget();
+        self.stability_panel.forget();
     }
 
     /// Takes note of what comes along with a new scene.
@@ -281,7 +288,7 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     state.foresee(commands);
 }
 
-/// The panel above the time line; costs are measured only while they are shown.
+/// The panel above the time line; costs and stability are looked at only while they are shown.
 fn below_panel_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(running) = shown.running else { return };
     let below = state.panels.below;
@@ -289,16 +296,24 @@ fn below_panel_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands:
     if running.status.cost.is_some() != counted {
         commands.push(Command::WatchCost(counted));
     }
+    let stability = (below == Some(Below::Stability)).then(|| stability_panel::wanted(state.selection));
+    if running.status.stability.as_ref().map(|shown| shown.of) != stability {
+        commands.push(Command::WatchStability(stability));
+    }
     let Some(below) = below else { return };
     let name = match below {
         Below::Cost => "cost",
         Below::Error => "error",
+        Below::Stability => "stability",
     };
     let height = BELOW_HEIGHT.min(BELOW_SHARE * ui.available_height());
     let panel = egui::Panel::bottom(name).resizable(false).exact_size(height);
     panel.frame(theme::bar_frame(ui)).show(ui, |ui| match below {
         Below::Cost => cost::cost_ui(ui, running.status, shown.drawing),
         Below::Error => error_panel::error_panel_ui(ui, running, &mut state.error_panel, commands),
+        Below::Stability => {
+            stability_panel::stability_panel_ui(ui, running, &mut state.stability_panel, commands);
+        }
     });
 }
 

@@ -22,6 +22,8 @@ pub enum Below {
     Cost,
     /// How exact the steps are.
     Error,
+    /// Where the step is stable.
+    Stability,
 }
 
 impl Default for Panels {

@@ -9,9 +9,14 @@ use crate::session::{Command, Status};
 /// Below this width (points) the counts give way to the words.
 const COUNTS_NEED: f32 = 920.0;
 /// The panels above the bar, from right to left.
-const BELOW: [(Below, &str, &str); 2] = [
+const BELOW: [(Below, &str, &str); 3] = [
     (Below::Cost, "Cost", "Where the time of a step goes, and what this scene does not need  (C)"),
     (Below::Error, "Error", "How exact the steps are, and what other schemes and steps would give  (E)"),
+    (
+        Below::Stability,
+        "Stability",
+        "Where the step is stable over stiffness and damping, and where this body stands  (M)",
+    ),
 ];
 
 /// The bar along the bottom.

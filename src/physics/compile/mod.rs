@@ -4,6 +4,7 @@ mod assembly;
 pub(in crate::physics) mod from_scene;
 pub(in crate::physics) mod other_form;
 pub(in crate::physics) mod safe_values;
+pub(in crate::physics) mod stability_plane;
 
 use std::sync::Arc;
 

@@ -44,7 +44,7 @@ pub fn other_form(material: &Material, lattice: &Lattice) -> Material {
 }
 
 /// The nearest value that a parameter of a material allows.
-fn in_range(name: &str, value: f64) -> f64 {
+pub(super) fn in_range(name: &str, value: f64) -> f64 {
     match param::find(&format!("bodies.0.material.{name}")).map(|param| param.kind) {
         Some(param::Kind::Number { min, max }) => value.clamp(min, max),
         _ => value,

@@ -122,13 +122,13 @@ pub fn largest_safe(
 }
 
 /// The waves of a lattice, each with the largest eigenvalue of every family alone.
-struct Waves {
-    tensors: Vec<WaveTensors>,
+pub(super) struct Waves {
+    pub(super) tensors: Vec<WaveTensors>,
     alone: Vec<[f64; 3]>,
 }
 
 /// They are the same for every lattice.
-fn waves() -> &'static Waves {
+pub(super) fn waves() -> &'static Waves {
     static WAVES: OnceLock<Waves> = OnceLock::new();
     WAVES.get_or_init(|| {
         let tensors = lattice_waves();
@@ -144,7 +144,7 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load]) -> Vec<SafeVal
     let loads = |share: &LoadShare| {
         Family::ALL.map(|family| {
             let constants = springs.family(family);
-            let load = scale * (share.stiffness * constants.stiffness + share.damping * constants.damping);
+            let load = scale * share.of(constants);
             if has_links[family as usize] { load } else { 0.0 }
         })
     };
@@ -188,7 +188,7 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load]) -> Vec<SafeVal
 
 /// How much one family may add to the loads of the others on every wave, up to a limit. A family that is zero for some
 /// wave is not limited by it.
-fn largest_share(waves: &Waves, rest: [f64; 3], family: Family, limit: f64) -> f64 {
+pub(super) fn largest_share(waves: &Waves, rest: [f64; 3], family: Family, limit: f64) -> f64 {
     let mut share = f64::INFINITY;
     let fits = |tensors: &WaveTensors, share: f64| {
         let mut constants = rest.map(|load| load.max(0.0));
@@ -243,16 +243,14 @@ fn bisect(mut low: f64, mut high: f64, is_allowed: impl Fn(f64) -> bool) -> f64 
 }
 
 fn of_solid(solid: &Solid, inlays: &[Inlay], lattice: &Lattice, all: &[Load]) -> Vec<SafeValue> {
-    let rest: Vec<_> = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle)).collect();
-    let size = Aabb::<f64>::around(rest.iter().copied()).size().max_element();
+    let size = host_size(lattice);
     let loads_of = |damping_ratio: f64| {
         let kind = assembly::solid_cell(&Solid { damping_ratio, ..*solid }, lattice, size);
         CellLoads::of(&[kind], lattice.grid.cell_size)
     };
     let (loads, critical) = (loads_of(solid.damping_ratio), loads_of(1.0));
     let [mut times, mut times_lighter, mut damping_ratio] = [f64::INFINITY; 3];
-    let (kinds, _) = assembly::solid_cells(solid, inlays, lattice, size, &rest);
-    let others = CellLoads::of(&kinds[1..], lattice.grid.cell_size);
+    let others = inlay_loads(solid, inlays, lattice);
     for load in all {
         let (share, limit) = (&load.links, load.limit());
         if share.stiffness * others.stiffness + share.damping * others.damping > limit {
@@ -292,6 +290,19 @@ fn times_within(stiff: f64, damped: f64, limit: f64) -> f64 {
     }
     let root = 2.0 * limit / (damped + (damped * damped + 4.0 * limit * stiff).sqrt());
     root * root
+}
+
+/// The longest extent of a body at rest, m.
+pub(super) fn host_size(lattice: &Lattice) -> f64 {
+    let rest = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle));
+    Aabb::<f64>::around(rest).size().max_element()
+}
+
+/// The loads of the cells of a solid that are of other solids.
+pub(super) fn inlay_loads(solid: &Solid, inlays: &[Inlay], lattice: &Lattice) -> CellLoads {
+    let rest: Vec<_> = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle)).collect();
+    let (kinds, _) = assembly::solid_cells(solid, inlays, lattice, host_size(lattice), &rest);
+    CellLoads::of(kinds.get(1..).unwrap_or_default(), lattice.grid.cell_size)
 }
 
 #[cfg(test)]

@@ -26,6 +26,7 @@ use super::model::{BodyModel, Model};
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
 use crate::scene::Family;
+use crate::scene::material::Spring;
 use crate::scene::settings::{ContactRule, Integrator};
 
 /// Automatic stepping stays below this share of the bound at rest, which covers crumpled bodies.
@@ -78,6 +79,13 @@ pub(super) struct LoadShare {
     pub(super) stiffness: f64,
     /// s.
     pub(super) damping: f64,
+}
+
+impl LoadShare {
+    /// The load of two constants.
+    pub(super) fn of(&self, constants: Spring) -> f64 {
+        self.stiffness * constants.stiffness + self.damping * constants.damping
+    }
 }
 
 /// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::geometry::Lattice;
+use crate::geometry::{Lattice, Watch};
 use crate::math::rng::Rng;
 use crate::math::{Aabb, Vector};
 use crate::physics::Simulation;
@@ -41,7 +41,7 @@ pub(super) fn measured_limit(scene: &Scene, lattices: &[Arc<Lattice>], predicted
 }
 
 /// The scene's bodies at rest, with nothing around them.
-fn alone(scene: &Scene) -> Scene {
+pub fn alone(scene: &Scene) -> Scene {
     let mut alone = scene.clone();
     alone.obstacles.clear();
     alone.settings.gravity = [0.0; 3];
@@ -81,11 +81,11 @@ fn survives(simulation: &mut Simulation<f64>, steps: usize) -> bool {
     let links: usize = simulation.model().link_counts().iter().sum();
     let affordable = (MOST_LINK_FORCES / links.max(1)).max(200);
     let steps = steps.min(affordable);
-    steps_survived(simulation, steps) == steps
+    steps_survived(simulation, steps, &()) == steps
 }
 
-/// How many steps shaken bodies stay together for, of so many.
-pub(super) fn steps_survived(simulation: &mut Simulation<f64>, steps: usize) -> usize {
+/// How many steps shaken bodies stay together for, of so many. Meaningless where `watch` cancels.
+pub(super) fn steps_survived(simulation: &mut Simulation<f64>, steps: usize, watch: &dyn Watch) -> usize {
     let mut state = simulation.state().clone();
     let mut rng = Rng::new(3);
     for body in &simulation.model().bodies {
@@ -97,8 +97,9 @@ pub(super) fn steps_survived(simulation: &mut Simulation<f64>, steps: usize) -> 
     simulation.set_state(state);
     // What has blown up need not be watched until its numbers overflow.
     let blows_up = |step: &usize| {
+        watch.progress((*step - 1) as f64 / steps as f64);
         let look = step.is_multiple_of(BETWEEN_LOOKS) || *step == steps;
-        simulation.step().diverged || (look && !all_together(simulation))
+        watch.cancelled() || simulation.step().diverged || (look && !all_together(simulation))
     };
     (1..=steps).find(blows_up).map_or(steps, |step| step - 1)
 }

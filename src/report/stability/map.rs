@@ -17,14 +17,15 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::limit::steps_survived;
-use crate::geometry::Lattice;
+use super::limit::{alone, steps_survived};
+use crate::geometry::watch::Portion;
+use crate::geometry::{Lattice, Watch};
 use crate::physics::Simulation;
 use crate::report::extremes::lattices;
 use crate::scene::body::{Body, CubeShape};
 use crate::scene::material::{Material, Spring, Springs};
 use crate::scene::resolve::ResolveError;
-use crate::scene::settings::{Integrator, Stepping};
+use crate::scene::settings::Integrator;
 use crate::scene::{Scene, Shape};
 
 /// The step, s.
@@ -84,76 +85,101 @@ pub fn map(integrator: Integrator, quick: bool) -> Result<MapFigures, ResolveErr
 fn measured(integrator: Integrator, quick: bool, wrong: f64) -> Result<MapFigures, ResolveError> {
     let count = VALUES[usize::from(quick)];
     let [stiffness, damping] = [STIFFNESS, DAMPING].map(|ends| values(ends, count));
-    let cube = Cube::new(integrator, STEPS[usize::from(quick)], wrong)?;
+    let (scene, watched) = (cube(integrator), STEPS[usize::from(quick)]);
+    let tried = Tried { scene: &scene, lattices: &lattices(&scene)?, material: &cube_material, steps: watched };
     let columns: Vec<Column> =
-        damping.par_iter().with_max_len(1).map(|&damping| cube.column(damping, &stiffness)).collect();
+        damping.par_iter().with_max_len(1).map(|&damping| tried.column(damping, &stiffness, wrong)).collect();
     let passed = columns.iter().all(|column| column.passed);
-    Ok(MapFigures { integrator, dt_secs: DT_SECS, watched: cube.steps, stiffness, columns, passed })
+    Ok(MapFigures { integrator, dt_secs: DT_SECS, watched, stiffness, columns, passed })
 }
 
 /// So many values from one power of ten to another, evenly by their logarithm.
-fn values([from, to]: [f64; 2], count: usize) -> Vec<f64> {
+pub fn values([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count).map(|at| libm::pow(10.0, from + (to - from) * at as f64 / (count - 1) as f64)).collect()
 }
 
-/// The cube that is tried.
-struct Cube {
-    scene: Scene,
-    lattices: Vec<Arc<Lattice>>,
-    steps: usize,
-    wrong: f64,
+/// Bodies that are tried with other damping and stiffness.
+pub(crate) struct Tried<'a> {
+    /// The bodies with nothing around them, and the step.
+    pub(crate) scene: &'a Scene,
+    /// Their lattices.
+    pub(crate) lattices: &'a [Arc<Lattice>],
+    /// The material of the first one at a damping and a stiffness, both per unit mass.
+    pub(crate) material: &'a (dyn Fn(f64, f64) -> Material + Sync),
+    /// Steps that each is watched for.
+    pub(crate) steps: usize,
 }
 
-impl Cube {
-    fn new(integrator: Integrator, steps: usize, wrong: f64) -> Result<Self, ResolveError> {
-        let size = CELL_M * f64::from(CELLS);
-        let body = Body { shape: Shape::Cube(CubeShape { cells: CELLS, size }), ..Body::default() };
-        let mut scene = Scene { bodies: vec![body], ..Scene::default() };
-        scene.settings.integrator = integrator;
-        scene.settings.dt = DT_SECS;
-        scene.settings.gravity = [0.0; 3];
-        scene.settings.stepping = Stepping::Manual;
-        scene.settings.sleeping = false;
-        let lattices = lattices(&scene)?;
-        Ok(Self { scene, lattices, steps, wrong })
-    }
+/// What becomes of bodies over a row of stiffnesses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Survival {
+    /// Steps until the blow-up; all that were watched where there was none.
+    pub survived: Vec<usize>,
+    /// The largest stiffness below the first one that blows up, and that one; none where all or none do.
+    pub border: Option<[f64; 2]>,
+}
 
-    /// The cube with this stiffness and damping per unit mass.
-    fn simulation(&self, stiffness: f64, damping: f64) -> Simulation<f64> {
-        let of_mass = MASS_KG * CELL_M;
-        let spring = Spring { stiffness: stiffness * of_mass, damping: damping * of_mass };
-        let springs = Springs { structural: spring, shear: spring, bending: spring, particle_mass: MASS_KG };
-        let mut scene = self.scene.clone();
-        scene.bodies[0].material = Material::Springs(springs);
-        Simulation::new(&scene, &self.lattices)
-    }
-
-    fn survived(&self, stiffness: f64, damping: f64) -> usize {
-        steps_survived(&mut self.simulation(stiffness, damping), self.steps)
-    }
-
-    fn is_predicted(&self, stiffness: f64, damping: f64) -> bool {
-        let limit = self.simulation(stiffness, damping).plan().limits.dt_limit_secs;
-        limit.is_none_or(|limit| DT_SECS <= self.wrong * limit)
-    }
-
-    fn column(&self, damping: f64, stiffness: &[f64]) -> Column {
-        let survived: Vec<usize> = stiffness.iter().map(|&stiffness| self.survived(stiffness, damping)).collect();
-        let first = survived.iter().position(|&steps| steps < self.steps);
-        let measured = first.filter(|&first| first > 0).map(|first| {
+impl Tried<'_> {
+    /// Tries stiffnesses that rise. None where `watch` cancels.
+    pub(crate) fn survival(&self, damping: f64, stiffness: &[f64], watch: &dyn Watch) -> Option<Survival> {
+        let runs = (stiffness.len() + HALVINGS) as f64;
+        let portion = |run: usize| Portion::new(watch, [run as f64 / runs, (run + 1) as f64 / runs]);
+        let tried = |run: usize, stiffness: f64| self.survived(stiffness, damping, &portion(run));
+        let survived: Vec<usize> =
+            stiffness.iter().enumerate().map(|(run, &stiffness)| tried(run, stiffness)).collect();
+        let first = survived.iter().position(|&steps| steps < self.steps).filter(|&first| first > 0);
+        let mut run = stiffness.len();
+        let border = first.map(|first| {
             halved([stiffness[first - 1], stiffness[first]], |stiffness| {
-                self.survived(stiffness, damping) == self.steps
+                run += 1;
+                tried(run - 1, stiffness) == self.steps
             })
         });
-        let predicted = self.is_predicted(stiffness[0], damping).then(|| {
+        (!watch.cancelled()).then_some(Survival { survived, border })
+    }
+
+    /// Between which stiffnesses the border is at some damping, a good one and a bad one.
+    pub(crate) fn stiffness_border(&self, damping: f64, ends: [f64; 2], watch: &dyn Watch) -> [f64; 2] {
+        halved(ends, |stiffness| self.survived(stiffness, damping, watch) == self.steps)
+    }
+
+    /// Between which dampings the border is at some stiffness, a good one and a bad one.
+    pub(crate) fn damping_border(&self, ends: [f64; 2], stiffness: f64, watch: &dyn Watch) -> [f64; 2] {
+        halved(ends, |damping| self.survived(stiffness, damping, watch) == self.steps)
+    }
+
+    /// The bodies with this stiffness and damping per unit mass.
+    fn simulation(&self, stiffness: f64, damping: f64) -> Simulation<f64> {
+        let mut scene = self.scene.clone();
+        scene.bodies[0].material = (self.material)(damping, stiffness);
+        Simulation::new(&scene, self.lattices)
+    }
+
+    fn survived(&self, stiffness: f64, damping: f64, watch: &dyn Watch) -> usize {
+        if watch.cancelled() {
+            return 0;
+        }
+        steps_survived(&mut self.simulation(stiffness, damping), self.steps, watch)
+    }
+
+    fn is_predicted(&self, stiffness: f64, damping: f64, wrong: f64) -> bool {
+        let limit = self.simulation(stiffness, damping).plan().limits.dt_limit_secs;
+        limit.is_none_or(|limit| self.scene.settings.dt <= wrong * limit)
+    }
+
+    /// A column of the report's map, with a prediction that is wrong by a factor.
+    fn column(&self, damping: f64, stiffness: &[f64], wrong: f64) -> Column {
+        let Survival { survived, border: measured } =
+            self.survival(damping, stiffness, &()).unwrap_or(Survival { survived: Vec::new(), border: None });
+        let predicted = self.is_predicted(stiffness[0], damping, wrong).then(|| {
             let most = stiffness[stiffness.len() - 1];
-            if self.is_predicted(most, damping) {
+            if self.is_predicted(most, damping, wrong) {
                 return most;
             }
-            halved_often([stiffness[0], most], |stiffness| self.is_predicted(stiffness, damping))
+            halved_often([stiffness[0], most], |stiffness| self.is_predicted(stiffness, damping, wrong))
         });
-        let blows_up_at = match (first, measured) {
-            (Some(0), _) => stiffness[0],
+        let blows_up_at = match (survived.first(), measured) {
+            (Some(&steps), _) if steps < self.steps => stiffness[0],
             (_, Some([_, bad])) => bad,
             _ => f64::INFINITY,
         };
@@ -162,8 +188,24 @@ impl Cube {
     }
 }
 
+/// The cube of the report.
+fn cube(integrator: Integrator) -> Scene {
+    let size = CELL_M * f64::from(CELLS);
+    let body = Body { shape: Shape::Cube(CubeShape { cells: CELLS, size }), ..Body::default() };
+    let mut scene = alone(&Scene { bodies: vec![body], ..Scene::default() });
+    (scene.settings.integrator, scene.settings.dt) = (integrator, DT_SECS);
+    scene
+}
+
+/// Its material, the same for all families.
+fn cube_material(damping: f64, stiffness: f64) -> Material {
+    let of_mass = MASS_KG * CELL_M;
+    let spring = Spring { stiffness: stiffness * of_mass, damping: damping * of_mass };
+    Material::Springs(Springs { structural: spring, shear: spring, bending: spring, particle_mass: MASS_KG })
+}
+
 /// Halves the way between a good value and a bad one: the last of both.
-fn halved([mut good, mut bad]: [f64; 2], is_good: impl Fn(f64) -> bool) -> [f64; 2] {
+fn halved([mut good, mut bad]: [f64; 2], mut is_good: impl FnMut(f64) -> bool) -> [f64; 2] {
     for _ in 0..HALVINGS {
         let middle = (good * bad).sqrt();
         if is_good(middle) {

@@ -4,7 +4,7 @@
 
 pub mod contact;
 pub mod failures;
-mod limit;
+pub mod limit;
 pub mod map;
 pub mod words;
 

@@ -9,7 +9,7 @@ use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{Bound, LABEL_WIDTH, Touch, slider_ui};
 use crate::app::ui::{Running, UiState, actions, capitalised, theme};
 use crate::scene::edit::{BodyId, Edit};
-use crate::scene::material::{MaterialPreset, Spring, presets};
+use crate::scene::material::{MaterialPreset, presets};
 use crate::scene::own_weight::largest_cube;
 use crate::scene::{Body, Family, Material, Solid, Springs, param};
 use crate::session::{Command, SafeValue};
@@ -155,7 +155,7 @@ fn springs_ui(ui: &mut Ui, id: BodyId, body: &Body, mut springs: Springs, safe: 
     let mut touch = Touch::default();
     for family in Family::ALL {
         ui.label(RichText::new(family_title(family)).color(theme::of(ui).strong));
-        let spring = family_mut(&mut springs, family);
+        let spring = springs.family_mut(family);
         let path = |what: &str| format!("bodies.{}.material.springs.{}.{what}", id.0, family.name());
         for (what, label, value) in
             [("stiffness", "Stiffness", &mut spring.stiffness), ("damping", "Damping", &mut spring.damping)]
@@ -175,13 +175,5 @@ fn family_title(family: Family) -> &'static str {
         Family::Structural => "Structural springs",
         Family::Shear => "Shear springs",
         Family::Bending => "Bending springs",
-    }
-}
-
-fn family_mut(springs: &mut Springs, family: Family) -> &mut Spring {
-    match family {
-        Family::Structural => &mut springs.structural,
-        Family::Shear => &mut springs.shear,
-        Family::Bending => &mut springs.bending,
     }
 }

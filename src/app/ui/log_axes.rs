@@ -1,0 +1,137 @@
+//! Two logarithmic axes of whole decades: where values are in a plot, and what a place in it is worth.
+
+use std::ops::RangeInclusive;
+
+use egui::{Align2, FontId, Pos2, Rect, Stroke, Ui, pos2, vec2};
+
+use super::theme;
+
+/// Around a plot for numbers and titles, points: left, top, right, bottom.
+const MARGINS: [f32; 4] = [64.0, 8.0, 8.0, 34.0];
+/// Numbers along an edge at most.
+const MOST_NUMBERS: i32 = 7;
+
+/// The axes of a plot.
+pub(super) struct LogAxes {
+    /// Where they are.
+    pub(super) inner: Rect,
+    /// Exponents of ten.
+    pub(super) across: RangeInclusive<i32>,
+    /// Upwards.
+    pub(super) up: RangeInclusive<i32>,
+}
+
+/// What is written along an axis.
+pub(super) struct Written<'a> {
+    /// What the axis is.
+    pub(super) title: &'a str,
+    /// The number at a decade.
+    pub(super) number: &'a dyn Fn(i32) -> String,
+}
+
+impl LogAxes {
+    /// The room for axes in a plot with so much room beside them for names, points.
+    pub(super) fn room(whole: Rect, names: f32) -> Rect {
+        let [left, top, right, bottom] = MARGINS;
+        Rect::from_min_max(whole.min + vec2(left, top), whole.max - vec2(right + names, bottom))
+    }
+
+    /// Where two values are.
+    pub(super) fn place(&self, across: f64, up: f64) -> Pos2 {
+        let x = share(&self.across, across.log10());
+        let y = share(&self.up, up.log10());
+        pos2(self.inner.left() + self.inner.width() * x, self.inner.bottom() - self.inner.height() * y)
+    }
+
+    /// The two values at a place.
+    pub(super) fn values(&self, at: Pos2) -> [f64; 2] {
+        let exponent = |range: &RangeInclusive<i32>, share: f32| {
+            let [low, high] = [range.start(), range.end()].map(|end| f64::from(*end));
+            10_f64.powf(low + (high - low) * f64::from(share))
+        };
+        let share = (at - self.inner.left_bottom()) / self.inner.size();
+        [exponent(&self.across, share.x), exponent(&self.up, -share.y)]
+    }
+
+    /// Draws lines at the decades, with numbers and titles.
+    pub(super) fn draw(&self, ui: &Ui, below: &Written<'_>, beside: &Written<'_>) {
+        let (painter, colors, font) = (ui.painter(), theme::of(ui), FontId::proportional(11.0));
+        let line = Stroke::new(1.0, colors.line);
+        let Self { inner, across, up } = self;
+        for exponent in across.clone() {
+            let x = inner.left() + inner.width() * share(across, f64::from(exponent));
+            painter.vline(x, inner.y_range(), line);
+            if is_numbered(across, exponent) {
+                let text = (below.number)(exponent);
+                painter.text(pos2(x, inner.bottom() + 3.0), Align2::CENTER_TOP, text, font.clone(), colors.weak);
+            }
+        }
+        for exponent in up.clone() {
+            let y = inner.bottom() - inner.height() * share(up, f64::from(exponent));
+            painter.hline(inner.x_range(), y, line);
+            if is_numbered(up, exponent) {
+                let text = (beside.number)(exponent);
+                painter.text(pos2(inner.left() - 6.0, y), Align2::RIGHT_CENTER, text, font.clone(), colors.weak);
+            }
+        }
+        let under = pos2(inner.center().x, inner.bottom() + 18.0);
+        painter.text(under, Align2::CENTER_TOP, below.title, font.clone(), colors.weak);
+        let corner = inner.right_top() + vec2(-4.0, 2.0);
+        painter.text(corner, Align2::RIGHT_TOP, beside.title, font, colors.text);
+    }
+}
+
+/// Whether a number stands at this decade: at every one, or where there are many at every second.
+fn is_numbered(range: &RangeInclusive<i32>, exponent: i32) -> bool {
+    let count = range.end() - range.start();
+    count < MOST_NUMBERS || (exponent - range.start()) % 2 == 0
+}
+
+/// Whole decades around the values; none where there is no value.
+pub(super) fn decades(values: impl Iterator<Item = f64>) -> Option<RangeInclusive<i32>> {
+    let exponents = values.filter(|value| *value > 0.0 && value.is_finite()).map(f64::log10);
+    let [low, high] = exponents.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    #[expect(clippy::cast_possible_truncation, reason = "exponents of ten")]
+    (low <= high).then(|| (low.floor() as i32)..=(high.ceil() as i32).max(low.floor() as i32 + 1))
+}
+
+/// A power of ten: 10³.
+pub(super) fn power_of_ten(exponent: i32) -> String {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raise = |letter: char| match letter.to_digit(10) {
+        Some(digit) => RAISED[digit as usize],
+        None => '⁻',
+    };
+    std::iter::once("10".to_owned()).chain([exponent.to_string().chars().map(raise).collect()]).collect()
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a share of a length")]
+fn share(range: &RangeInclusive<i32>, exponent: f64) -> f32 {
+    let [low, high] = [range.start(), range.end()].map(|end| f64::from(*end));
+    ((exponent - low) / (high - low)) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_are_whole_decades_and_numbers_do_not_crowd() {
+        assert_eq!(decades([0.02, 0.5].into_iter()), Some(-2..=0));
+        assert_eq!(decades([1.0].into_iter()), Some(0..=1), "never empty");
+        assert_eq!(decades([f64::NAN, 0.0].into_iter()), None);
+        assert!(is_numbered(&(-3..=0), -2) && !is_numbered(&(-9..=0), -8), "every second of many");
+        assert!((share(&(-2..=0), -1.0) - 0.5).abs() < 1e-6, "the middle");
+        assert_eq!([3, -12, 0].map(power_of_ten), ["10³", "10⁻¹²", "10⁰"]);
+    }
+
+    #[test]
+    fn a_place_has_the_values_that_are_there() {
+        let inner = Rect::from_min_size(pos2(10.0, 20.0), vec2(300.0, 150.0));
+        let axes = LogAxes { inner, across: -2..=1, up: 3..=8 };
+        for [across, up] in [[0.01, 1e3], [0.37, 4.2e6], [10.0, 1e8]] {
+            let [x, y] = axes.values(axes.place(across, up));
+            assert!((x / across - 1.0).abs() < 1e-4 && (y / up - 1.0).abs() < 1e-4, "{x}, {y}");
+        }
+    }
+}

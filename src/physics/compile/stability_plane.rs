@@ -1,0 +1,346 @@
+//! The plane of a body's damping and stiffness, each per unit mass of a particle and length of a link, and where in it a
+//! step is stable at rest: the same bound as [`crate::physics::limits`], solved for the stiffness.
+//!
+//! ```text
+//! stiffness ▲  beyond the border vibrations grow
+//!    (1/s²) │────────────╮
+//!           │  stable    │
+//!           └────────────┴─────► damping (1/s)
+//! ```
+//!
+//! Of springs the plane is that of one family, the one that limits the step most, and the others stay as they are. Of a
+//! solid all links scale together, and the axes are those of its structural ones.
+
+use super::assembly::solid_cell;
+use super::other_form::in_range;
+use super::safe_values::{host_size, inlay_loads, largest_share, waves};
+use crate::geometry::Lattice;
+use crate::physics::limits::cells::CellLoads;
+use crate::physics::limits::{LATTICE_LIMIT, LoadShare, largest, load_shares, safety};
+use crate::scene::material::{Solid, Spring};
+use crate::scene::settings::Integrator;
+use crate::scene::{Body, Family, Material, Springs};
+
+/// A place in the plane, or a step along its axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Place {
+    /// 1/s.
+    pub damping: f64,
+    /// 1/s².
+    pub stiffness: f64,
+}
+
+/// The plane of one body.
+#[derive(Clone, Debug)]
+pub struct StabilityPlane {
+    values: Values,
+    shares: Vec<LoadShare>,
+    /// The share of the limit that automatic stepping takes.
+    safety: f64,
+    scheme: Scheme,
+}
+
+/// The step that the plane is of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scheme {
+    /// Its length, s.
+    pub dt_secs: f64,
+    /// The scheme.
+    pub integrator: Integrator,
+    /// Whether there are obstacles: automatic stepping may keep a wider margin then.
+    pub among_obstacles: bool,
+}
+
+/// Which values the axes are.
+#[derive(Clone, Debug)]
+enum Values {
+    /// Of one family of springs.
+    Springs { springs: Springs, family: Family, has_links: [bool; 3], per_value: f64 },
+    /// Of a solid: where it is, the place's damping at damping ratio 1, loads per place, and those of its inlays.
+    Solid { solid: Solid, place: Place, critical_damping: f64, load: f64, others: CellLoads },
+}
+
+impl StabilityPlane {
+    /// The plane of a body.
+    pub fn of(body: &Body, lattice: &Lattice, scheme: Scheme) -> Self {
+        let shares = load_shares(scheme.integrator, scheme.dt_secs);
+        let values = match &body.material {
+            Material::Springs(springs) => {
+                // The implicit scheme has no limit: what would limit the default one is shown.
+                let of_default = || load_shares(Integrator::SemiImplicit, scheme.dt_secs);
+                let telling = if shares.is_empty() { of_default() } else { shares.clone() };
+                Values::of_springs(springs, lattice, &telling)
+            }
+            Material::Solid(solid) => Values::of_solid(solid, body, lattice),
+        };
+        Self { values, shares, safety: safety(scheme.integrator, scheme.among_obstacles), scheme }
+    }
+
+    /// The step that it is of.
+    pub fn scheme(&self) -> Scheme {
+        self.scheme
+    }
+
+    /// The family whose values the axes are; none of a solid.
+    pub fn family(&self) -> Option<Family> {
+        match &self.values {
+            Values::Springs { family, .. } => Some(*family),
+            Values::Solid { .. } => None,
+        }
+    }
+
+    /// Where the body stands.
+    pub fn place(&self) -> Place {
+        match &self.values {
+            Values::Springs { springs, family, per_value, .. } => {
+                let Spring { stiffness, damping } = springs.family(*family);
+                Place { damping: damping * per_value, stiffness: stiffness * per_value }
+            }
+            Values::Solid { place, .. } => *place,
+        }
+    }
+
+    /// The material with these values; what would be outside a parameter's range ends at it.
+    pub fn material_at(&self, at: Place) -> Material {
+        match &self.values {
+            Values::Springs { springs, family, per_value, .. } => {
+                let name = |what: &str| format!("springs.{}.{what}", family.name());
+                let value = |what: &str, value: f64| in_range(&name(what), value / per_value);
+                let (stiffness, damping) = (value("stiffness", at.stiffness), value("damping", at.damping));
+                let mut springs = *springs;
+                *springs.family_mut(*family) = Spring { stiffness, damping };
+                Material::Springs(springs)
+            }
+            Values::Solid { solid, place, critical_damping, .. } => {
+                let times = at.stiffness / place.stiffness;
+                let young_modulus = in_range("solid.young_modulus", solid.young_modulus * times);
+                let ratio = at.damping / (critical_damping * (young_modulus / solid.young_modulus).sqrt());
+                let damping_ratio = in_range("solid.damping_ratio", ratio);
+                Material::Solid(Solid { young_modulus, damping_ratio, ..*solid })
+            }
+        }
+    }
+
+    /// The largest stiffness that is stable at rest with some damping, 1/s²: zero where none is, infinite where all are.
+    pub fn stable_stiffness(&self, damping: f64) -> f64 {
+        self.largest_stiffness(damping, &self.shares)
+    }
+
+    /// The same with the margin that automatic stepping keeps.
+    pub fn safe_stiffness(&self, damping: f64) -> f64 {
+        let Scheme { dt_secs, integrator, .. } = self.scheme;
+        self.largest_stiffness(damping, &load_shares(integrator, dt_secs / self.safety))
+    }
+
+    fn largest_stiffness(&self, damping: f64, shares: &[LoadShare]) -> f64 {
+        shares.iter().map(|share| self.values.largest_stiffness(damping, *share)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The largest damping without stiffness and the largest stiffness without damping that are stable where nothing else
+    /// limits; none where everything is stable.
+    pub fn ends(&self) -> Option<Place> {
+        let load = self.values.largest_load();
+        let of = |of: fn(&LoadShare) -> f64| self.shares.iter().map(of).fold(0.0, f64::max) * load;
+        let (stiffness, damping) = (of(|share| share.stiffness), of(|share| share.damping));
+        (stiffness > 0.0 && damping > 0.0)
+            .then(|| Place { damping: LATTICE_LIMIT / damping, stiffness: LATTICE_LIMIT / stiffness })
+    }
+
+    /// How near the whole body is to its limit, as a load of which 1 is the most: to compare bodies, whatever the scheme.
+    pub fn load(&self) -> f64 {
+        let telling = load_shares(Integrator::SemiImplicit, self.scheme.dt_secs);
+        telling.iter().map(|share| self.values.load(*share)).fold(0.0, f64::max) / LATTICE_LIMIT
+    }
+}
+
+impl Values {
+    fn of_springs(springs: &Springs, lattice: &Lattice, shares: &[LoadShare]) -> Self {
+        let per_value = 1.0 / (springs.particle_mass * lattice.grid.cell_size);
+        let has_links = Family::ALL.map(|family| !lattice.links[family as usize].is_empty());
+        let mut found = (Family::Structural, 0.0);
+        for family in Family::ALL.into_iter().filter(|family| has_links[*family as usize]) {
+            let alone = |share: &LoadShare| {
+                let mut constants = [0.0; 3];
+                constants[family as usize] = per_value * share.of(springs.family(family));
+                largest(&waves().tensors, constants)
+            };
+            let load = shares.iter().map(alone).fold(0.0, f64::max);
+            if load > found.1 {
+                found = (family, load);
+            }
+        }
+        Self::Springs { springs: *springs, family: found.0, has_links, per_value }
+    }
+
+    fn of_solid(solid: &Solid, body: &Body, lattice: &Lattice) -> Self {
+        let (size, h) = (host_size(lattice), lattice.grid.cell_size);
+        let kind_of = |damping_ratio: f64| solid_cell(&Solid { damping_ratio, ..*solid }, lattice, size);
+        let (kind, critical) = (kind_of(solid.damping_ratio), kind_of(1.0));
+        let per_value = 1.0 / (kind.mass * h);
+        let place = Place { damping: kind.damping[0] * per_value, stiffness: kind.stiffness[0] * per_value };
+        let load = CellLoads::of(&[kind], h).stiffness / place.stiffness;
+        let critical_damping = critical.damping[0] * per_value;
+        Self::Solid { solid: *solid, place, critical_damping, load, others: inlay_loads(solid, &body.inlays, lattice) }
+    }
+
+    fn largest_stiffness(&self, damping: f64, share: LoadShare) -> f64 {
+        match self {
+            Self::Springs { family, .. } => {
+                let mut rest = self.spring_loads(share);
+                rest[*family as usize] = share.damping * damping;
+                let stays = share.stiffness == 0.0 && largest(&waves().tensors, rest) <= LATTICE_LIMIT;
+                if stays {
+                    return f64::INFINITY;
+                }
+                let room = largest_share(waves(), rest, *family, LATTICE_LIMIT);
+                if share.stiffness > 0.0 { room / share.stiffness } else { 0.0 }
+            }
+            Self::Solid { load, others, .. } => {
+                let room = LATTICE_LIMIT - share.damping * load * damping;
+                if room < 0.0 || share.stiffness * others.stiffness + share.damping * others.damping > LATTICE_LIMIT {
+                    0.0
+                } else if share.stiffness > 0.0 {
+                    room / (share.stiffness * load)
+                } else {
+                    f64::INFINITY
+                }
+            }
+        }
+    }
+
+    /// What the families of springs add to the load at present.
+    fn spring_loads(&self, share: LoadShare) -> [f64; 3] {
+        let Self::Springs { springs, has_links, per_value, .. } = self else { return [0.0; 3] };
+        Family::ALL.map(
+            |family| {
+                if has_links[family as usize] { per_value * share.of(springs.family(family)) } else { 0.0 }
+            },
+        )
+    }
+
+    fn load(&self, share: LoadShare) -> f64 {
+        match self {
+            Self::Springs { .. } => largest(&waves().tensors, self.spring_loads(share)),
+            Self::Solid { place, load, others, .. } => {
+                let own = load * (share.stiffness * place.stiffness + share.damping * place.damping);
+                own.max(share.stiffness * others.stiffness + share.damping * others.damping)
+            }
+        }
+    }
+
+    /// The largest eigenvalue of the axes' links alone, for unit constants per unit mass.
+    fn largest_load(&self) -> f64 {
+        match self {
+            Self::Springs { family, .. } => {
+                let mut unit = [0.0; 3];
+                unit[*family as usize] = 1.0;
+                largest(&waves().tensors, unit)
+            }
+            Self::Solid { load, .. } => *load,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::math::rng::Rng;
+    use crate::physics::Simulation;
+    use crate::scene::Scene;
+    use crate::scene::resolve::resolve;
+    use crate::scene::settings::Stepping;
+
+    fn lattice(body: &Body) -> Arc<Lattice> {
+        resolve(&body.shape, Path::new("."), &()).expect("a cube").lattice
+    }
+
+    fn plane(body: &Body, dt_secs: f64, integrator: Integrator) -> StabilityPlane {
+        StabilityPlane::of(body, &lattice(body), Scheme { dt_secs, integrator, among_obstacles: false })
+    }
+
+    /// The largest stable and the largest safe step of a body, s.
+    fn limits(body: &Body, integrator: Integrator) -> [f64; 2] {
+        let mut scene = Scene { bodies: vec![body.clone()], ..Scene::default() };
+        (scene.settings.integrator, scene.settings.stepping) = (integrator, Stepping::Manual);
+        let limits = Simulation::<f64>::new(&scene, &[lattice(body)]).plan().limits.clone();
+        [limits.dt_limit_secs, limits.dt_safe_secs()].map(|limit| limit.expect("springs limit the step"))
+    }
+
+    fn bodies() -> [Body; 2] {
+        let solid = Material::Solid(Solid::default());
+        [Body::default(), Body { material: solid, ..Body::default() }]
+    }
+
+    #[test]
+    fn a_body_on_the_border_has_just_that_step_as_its_limit() {
+        let mut rng = Rng::new(5);
+        let dt_secs = 1e-3;
+        for body in bodies() {
+            for integrator in [Integrator::SemiImplicit, Integrator::Verlet, Integrator::Rk4] {
+                let plane = plane(&body, dt_secs, integrator);
+                let ends = plane.ends().expect("a border");
+                for _ in 0..5 {
+                    let damping = ends.damping * rng.between(0.01, 0.4);
+                    for (stiffness, which) in [(plane.stable_stiffness(damping), 0), (plane.safe_stiffness(damping), 1)]
+                    {
+                        if stiffness == 0.0 {
+                            continue;
+                        }
+                        assert!(stiffness < 1.001 * ends.stiffness, "{stiffness} of {ends:?}");
+                        let there = Body { material: plane.material_at(Place { damping, stiffness }), ..body.clone() };
+                        let limit = limits(&there, integrator)[which];
+                        assert!((limit / dt_secs - 1.0).abs() < 1e-3, "{integrator:?} {which}: {limit} s, {there:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_body_is_where_its_values_are_and_goes_where_it_is_put() {
+        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9;
+        for body in bodies() {
+            let plane_now = plane(&body, 1e-3, Integrator::SemiImplicit);
+            let at = plane_now.place();
+            assert_eq!(plane_now.family(), matches!(body.material, Material::Springs(_)).then_some(Family::Shear));
+            let wanted = Place { damping: 1.5 * at.damping, stiffness: 3.0 * at.stiffness };
+            let moved = Body { material: plane_now.material_at(wanted), ..body.clone() };
+            let found = plane(&moved, 1e-3, Integrator::SemiImplicit).place();
+            assert!(near(found.damping, wanted.damping) && near(found.stiffness, wanted.stiffness), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_solid_without_damping_can_be_given_some() {
+        let body =
+            Body { material: Material::Solid(Solid { damping_ratio: 0.0, ..Solid::default() }), ..Body::default() };
+        let plane = plane(&body, 1e-3, Integrator::SemiImplicit);
+        assert!(plane.place().damping == 0.0, "none yet: {:?}", plane.place());
+        let Material::Solid(solid) = plane.material_at(Place { damping: 1.0, ..plane.place() }) else {
+            panic!("still a solid")
+        };
+        assert!(solid.damping_ratio > 0.0 && solid.damping_ratio.is_finite(), "{solid:?}");
+    }
+
+    #[test]
+    fn the_implicit_scheme_has_no_border_and_the_stiffest_body_the_largest_load() {
+        let [soft, _] = bodies();
+        let everywhere = plane(&soft, 1e-3, Integrator::Implicit);
+        assert!(everywhere.ends().is_none() && everywhere.stable_stiffness(1.0) == f64::INFINITY, "no border");
+        let stiff = Body { material: everywhere.material_at(Place { damping: 0.0, stiffness: 1e9 }), ..soft.clone() };
+        let loads = [&soft, &stiff].map(|body| plane(body, 1e-3, Integrator::SemiImplicit).load());
+        assert!(loads[0] < 1.0 && loads[1] > 1.0, "{loads:?}");
+    }
+
+    #[test]
+    fn others_that_are_unstable_leave_no_stable_place() {
+        let mut springs = Springs::default();
+        springs.structural.stiffness = 1e8;
+        springs.shear.stiffness = 1e9;
+        let body = Body { material: Material::Springs(springs), ..Body::default() };
+        assert!(plane(&body, 1e-3, Integrator::SemiImplicit).stable_stiffness(0.0) == 0.0, "structural is too stiff");
+    }
+}
