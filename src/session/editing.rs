@@ -138,6 +138,7 @@ impl Session {
         self.bodies.dress(&scene);
         if applied.impact > Impact::Appearance {
             self.forget_trouble();
+            self.step_errors.forget();
             self.picture.touch();
         }
         self.scene = Arc::new(scene);

@@ -1,9 +1,11 @@
 //! What a session finds out of where its steps lead, while someone looks.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use super::Session;
 use super::stability_map::{StabilityOf, StabilityShown};
+use super::step_error::{SHARE, StepError};
 
 impl Session {
     /// Looks at the stability of a body, or no longer.
@@ -15,5 +17,20 @@ impl Session {
     pub(super) fn find_stability(&mut self) {
         let of = self.stability.as_ref().map(|shown| shown.of);
         self.watch_stability(of);
+    }
+
+    /// What is known of the error of the steps.
+    pub(super) fn step_error(&self) -> StepError {
+        if self.simulation.has_diverged() { StepError::Breaks } else { self.step_errors.shown() }
+    }
+
+    /// Goes on with the prediction in a small share of the time that steps have, where anything moves.
+    pub(super) fn predict_step_error(&mut self, budget: Duration) {
+        if self.simulation.is_asleep() || self.simulation.has_diverged() {
+            self.step_errors.forget();
+        } else if let Some(until) = Instant::now().checked_add(budget / SHARE) {
+            self.hold.wait();
+            self.step_errors.go_on(&self.simulation, until);
+        }
     }
 }

@@ -35,6 +35,7 @@ pub mod state_file;
 mod state_origin;
 mod state_reader;
 pub mod status;
+pub mod step_error;
 pub mod step_words;
 mod stop;
 mod stoppable;
@@ -72,8 +73,9 @@ use hold::Hold;
 use library::Library;
 use picture::Picture;
 use sample::Sample;
-use stoppable::Stoppable;
 use stability_map::StabilityShown;
+use step_error::StepErrors;
+use stoppable::Stoppable;
 use trials::Trials;
 
 /// While time runs, one part in so many goes to looking for what helps.
@@ -112,6 +114,8 @@ pub struct Session {
     drawing: f64,
     /// The stability of a body, while someone looks.
     stability: Option<Arc<StabilityShown>>,
+    /// Predictions of how far the steps miss.
+    step_errors: StepErrors,
     /// Set by whoever wants a substep given up.
     stop: Arc<AtomicBool>,
     hold: Arc<Hold>,
@@ -159,6 +163,7 @@ impl Session {
             picture: Picture::default(),
             costs: None,
             stability: None,
+            step_errors: StepErrors::default(),
             sample: Sample::default(),
             drawing: 0.0,
             stop: Arc::default(),
@@ -234,6 +239,7 @@ impl Session {
 
     fn restart(&mut self) {
         self.simulation = Simulation::new(&self.scene, &self.bodies.lattices());
+        self.step_errors.forget();
         self.clock.forgive();
         self.forget_trouble();
         self.find_inversion();
@@ -272,6 +278,7 @@ impl Session {
             stepping_secs: begin.elapsed().as_secs_f64(),
             processor_secs: processor.elapsed().as_secs_f64(),
         });
+        self.predict_step_error(budget);
         self.find_inversion();
     }
 
@@ -368,6 +375,7 @@ impl Session {
 
     fn replace_state(&mut self, state: State<f32>) {
         self.simulation.set_state(state);
+        self.step_errors.forget();
         self.picture.touch();
     }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::stability_map::StabilityShown;
+use super::step_error::StepError;
 use super::{StepCost, Trouble};
 use crate::math::Aabb;
 pub use crate::physics::SafeValue;
@@ -78,6 +79,8 @@ pub struct Status {
     pub cost: Option<StepCost>,
     /// The stability of a body over its stiffness and damping; none while nobody looks.
     pub stability: Option<Arc<StabilityShown>>,
+    /// How far the steps miss, as far as it is known.
+    pub step_error: StepError,
 }
 
 /// What there is to know of a body beside what the scene says.

@@ -2,9 +2,11 @@
 
 use egui::{Color32, Rect, Sense, Ui, WidgetInfo, vec2};
 
-use super::theme;
+use super::error_panel::length;
+use super::{capitalised, theme};
 use crate::scene::settings::Integrator;
 use crate::session::Status;
+use crate::session::step_error::{Prediction, StepError};
 use crate::session::step_words::{limit_text, step_text};
 
 /// Size of the bar, points.
@@ -52,6 +54,55 @@ pub(super) fn meter_ui(ui: &mut Ui, status: &Status) {
     let filled = bar.width() * share.clamp(0.0, 1.0) as f32;
     ui.painter().rect_filled(Rect::from_min_size(bar.min, vec2(filled, bar.height())), 3.0, color);
     response.on_hover_text(words);
+}
+
+/// How far the steps miss, beside the bar. Written from right to left.
+pub(super) fn error_ui(ui: &mut Ui, status: &Status) {
+    let text = match &status.step_error {
+        StepError::Found(found) if found.is_rounding => format!("< {}", about(found)),
+        StepError::Found(found) => format!("± {}", about(found)),
+        StepError::Unknown | StepError::TooExpensive | StepError::Breaks => "± –".to_owned(),
+    };
+    let response = theme::figures_ui(ui, &text, "± 0.00 mm", theme::of(ui).strong);
+    let (words, how) = (error_words(status), how_words(status));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, &words));
+    response.on_hover_text(format!("{}.{how}", capitalised(&words)));
+}
+
+/// How far the steps miss, as words without a full stop.
+pub(super) fn error_words(status: &Status) -> String {
+    match &status.step_error {
+        StepError::Found(found) if found.is_rounding => {
+            format!("step error below {} in {:.1} s: no more than rounding", about(found), found.ahead_secs)
+        }
+        StepError::Found(found) => format!("step error about {} in {:.1} s", about(found), found.ahead_secs),
+        StepError::TooExpensive => "step error not estimated: it would be too much work".to_owned(),
+        StepError::Breaks => "step error not estimated: the motion breaks".to_owned(),
+        StepError::Unknown if status.at_rest => "no step error: nothing moves".to_owned(),
+        StepError::Unknown if !status.playing => "step error not estimated while time stands still".to_owned(),
+        StepError::Unknown => "step error not estimated yet".to_owned(),
+    }
+}
+
+/// How that was found.
+fn how_words(status: &Status) -> String {
+    let StepError::Found(found) = &status.step_error else { return String::new() };
+    let Prediction { difference_m, order, from_secs, ahead_secs, dt_secs, .. } = found;
+    let ordinal = ["first", "second", "third", "fourth"][(*order as usize - 1).min(3)];
+    format!(
+        "\nFrom {from_secs:.2} s on, a copy of the scene went on for {ahead_secs:.1} s with steps of {}, another one with \
+         half of that. They came {} apart (RMS of all particles); for a scheme of {ordinal} order the first one is this far \
+         from the truth.",
+        step_text(*dt_secs),
+        length(*difference_m)
+    )
+}
+
+/// An error in so few digits as it is known to.
+fn about(found: &Prediction) -> String {
+    let meters = found.error_m.max(1e-12);
+    let scale = 10_f64.powf(1.0 - meters.log10().floor());
+    length((meters * scale).round() / scale)
 }
 
 /// Red where no step is safe, a warning where this one is not.
@@ -138,6 +189,29 @@ mod tests {
         assert!(is_unsafe(&explicit) && share(&explicit) >= 1.0, "a full red bar");
         let words = words(&explicit);
         assert!(words.contains("none is safe") && words.contains("explicit Euler"), "{words}");
+    }
+
+    #[test]
+    fn the_error_is_told_with_how_it_was_found() {
+        let found = Prediction {
+            error_m: 2.134e-4,
+            is_rounding: false,
+            difference_m: 1.067e-4,
+            order: 1,
+            from_secs: 1.5,
+            ahead_secs: 0.1,
+            dt_secs: 1e-3,
+        };
+        let with = |step_error| Status { step_error, ..status(0.001, 0.002) };
+        let known = with(StepError::Found(found));
+        assert_eq!(error_words(&known), "step error about 210 µm in 0.1 s");
+        let how = how_words(&known);
+        assert!(how.contains("first order") && how.contains("107 µm apart") && how.contains("1.00 ms"), "{how}");
+        let rounding = with(StepError::Found(Prediction { error_m: 2e-5, is_rounding: true, ..found }));
+        assert_eq!(error_words(&rounding), "step error below 20 µm in 0.1 s: no more than rounding");
+        assert!(error_words(&with(StepError::TooExpensive)).contains("too much work"), "it says why not");
+        assert!(error_words(&Status { at_rest: true, ..Status::default() }).contains("nothing moves"), "at rest");
+        assert_eq!(how_words(&with(StepError::Unknown)), "", "nothing was found");
     }
 
     #[test]

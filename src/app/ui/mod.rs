@@ -46,8 +46,8 @@ use error_panel::ErrorPanel;
 use files::FilesState;
 pub use inspector::own_weight::TooHeavy;
 pub use panels::{Below, Panels};
-pub use widths::Widths;
 use stability_panel::StabilityPanel;
+pub use widths::Widths;
 
 /// Height of a panel above the time line, points.
 const BELOW_HEIGHT: f32 = 226.0;

@@ -16,13 +16,15 @@ use crate::session::{Command, KEEPS_UP, Status};
 const SPEEDS: [f64; 8] = [0.01, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0];
 
 /// The width of the box with the scene's name, points.
-const SCENE_WIDTH: f32 = 168.0;
+const SCENE_WIDTH: f32 = 150.0;
 /// What is left of the window's height below the list of scenes and above it, and the least height of the list, points.
 const BELOW_LIST: f32 = 100.0;
 const LEAST_LIST: f32 = 200.0;
 /// Where summaries begin in the list of presets, points from the names.
 const SUMMARY_COLUMN: f32 = 124.0;
-/// Below these widths of the bar (points) it has no room for the step in figures, and for words beside the boxes.
+/// Below these widths of the bar (points) it has no room for the error of the step, for the step in figures, and for
+/// words beside the boxes.
+const ERROR_NEEDS: f32 = 1250.0;
 const STEP_NEEDS: f32 = 1230.0;
 const WORDS_NEED: f32 = 1000.0;
 
@@ -50,6 +52,9 @@ pub(super) fn top_bar_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, co
             ui.add_space(6.0);
             // Written from the right, so that the numbers keep their places whatever else the bar holds.
             if words {
+                if width >= ERROR_NEEDS {
+                    meter::error_ui(ui, status);
+                }
                 meter::meter_ui(ui, status);
                 if width >= STEP_NEEDS {
                     ui.add_space(2.0);

@@ -3,6 +3,7 @@
 use egui::{ComboBox, Label, RichText, Ui};
 
 use super::{section_ui, send};
+use crate::app::ui::meter::error_words;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{Touch, help, slider_ui, vector_ui};
 use crate::app::ui::{Running, actions, theme};
@@ -26,6 +27,7 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
         touch.and(slider_ui(ui, "settings.dt", "Step", &mut dt, None));
         send(touch, || Edit::Settings(Settings { dt, ..old.clone() }), commands);
         note_ui(ui, &limit_words(running.status));
+        note_ui(ui, &error_words(running.status));
         let schemes = Integrator::ALL.map(|scheme| (scheme, scheme.words()));
         let at_work = running.status.integrator;
         let words = at_work.words();

@@ -1,0 +1,359 @@
+//! How far the steps of a running scene miss, predicted from where it is now (step doubling, Richardson 1911): a copy goes
+//! on for a while with the step in use, another one with half of it, and from how far they come apart follows how far the
+//! first one is from the truth.
+//!
+//! ```text
+//!            ┌── steps of h ───● x(h)
+//! now ●──────┤                   ↕  e ≈ |x(h) − x(h/2)| 2ᵖ/(2ᵖ − 1)   for a scheme of order p, 1 in contact
+//!            └── steps of h/2 ─● x(h/2)
+//! ```
+//!
+//! It is done in slices between the steps, in a small share of their time, and not at all where it would be too much
+//! work or nothing moves. What comes out follows from the state that it began from.
+
+use std::time::{Duration, Instant};
+
+use crate::math::{Aabb, Vector};
+use crate::physics::{Plan, Simulation, StepReport};
+use crate::scene::settings::Integrator;
+
+/// How far is looked ahead, simulated s.
+const AHEAD_SECS: f64 = 0.1;
+/// Link forces that are spent on one prediction at most: half a second of work or so.
+const MOST_LINK_FORCES: u64 = 60_000_000;
+/// Wall time between the end of one prediction and the beginning of the next, and where it was too much work.
+const BETWEEN: Duration = Duration::from_millis(500);
+const BETWEEN_REFUSALS: Duration = Duration::from_secs(10);
+/// One part in so many of the time of the steps goes into it.
+pub(super) const SHARE: u32 = 20;
+/// Differences below this share of the bodies' size are rounding.
+const ROUNDING: f64 = 2e-5;
+
+/// What is known of the error of the steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum StepError {
+    /// Nothing yet, or nothing moves.
+    #[default]
+    Unknown,
+    /// It would be too much work.
+    TooExpensive,
+    /// The motion breaks, now or in one of the copies.
+    Breaks,
+    /// The prediction.
+    Found(Prediction),
+}
+
+/// A prediction of the error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prediction {
+    /// How far the particles are from where they should be, root of the mean square, m.
+    pub error_m: f64,
+    /// Whether it is no more than rounding: the true error is at most this.
+    pub is_rounding: bool,
+    /// How far the runs came apart, m.
+    pub difference_m: f64,
+    /// The order of the scheme that was counted on.
+    pub order: u32,
+    /// From when on, and for how long, simulated s.
+    pub from_secs: f64,
+    /// The length of the runs, s.
+    pub ahead_secs: f64,
+    /// The step in use, s.
+    pub dt_secs: f64,
+}
+
+/// Predictions, one after another.
+#[derive(Debug, Default)]
+pub(super) struct StepErrors {
+    running: Option<Comparison>,
+    shown: StepError,
+    /// Not before this.
+    next: Option<Instant>,
+}
+
+impl StepErrors {
+    /// Something has changed: nothing is known any more.
+    pub(super) fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// What is known.
+    pub(super) fn shown(&self) -> StepError {
+        self.shown
+    }
+
+    /// Goes on until then, from where a simulation is now if nothing is under way.
+    pub(super) fn go_on(&mut self, simulation: &Simulation<f32>, until: Instant) {
+        if self.running.is_none() {
+            let is_due = self.next.is_none_or(|next| Instant::now() >= next);
+            if !is_due || !simulation.state().is_between_steps() || !simulation.state().is_between_substeps() {
+                return;
+            }
+            if Comparison::least_work(simulation) > MOST_LINK_FORCES {
+                self.end(StepError::TooExpensive);
+                return;
+            }
+            self.running = Some(Comparison::new(simulation, 0.5));
+        }
+        while let Some(comparison) = &mut self.running
+            && Instant::now() < until
+        {
+            if let Some(found) = comparison.substep() {
+                self.end(found);
+            }
+        }
+    }
+
+    fn end(&mut self, found: StepError) {
+        let pause = if found == StepError::TooExpensive { BETWEEN_REFUSALS } else { BETWEEN };
+        *self = Self { running: None, shown: found, next: Instant::now().checked_add(pause) };
+    }
+}
+
+/// Two copies of a simulation on their way.
+#[derive(Debug)]
+struct Comparison {
+    from_secs: f64,
+    whole: Box<Simulation<f32>>,
+    halved: Box<Simulation<f32>>,
+    /// Link forces spent so far.
+    work: u64,
+    touched: bool,
+}
+
+impl Comparison {
+    /// Of copies of a simulation, the second one with this share of its substeps.
+    fn new(simulation: &Simulation<f32>, share: f64) -> Self {
+        let (whole, mut halved) = (Box::new(simulation.clone()), Box::new(simulation.clone()));
+        // As many substeps in a step and as many parts of a substep, each of them shorter.
+        halved.plan_mut().dt_secs *= share;
+        Self { from_secs: simulation.state().time_secs, whole, halved, work: 0, touched: false }
+    }
+
+    /// Link forces that a comparison takes at least.
+    fn least_work(simulation: &Simulation<f32>) -> u64 {
+        let links: usize = simulation.model().link_counts().iter().sum();
+        let substeps = 3.0 * AHEAD_SECS / simulation.plan().substep_secs();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
+        let work = (substeps * links as f64 * evaluations(simulation.plan())) as u64;
+        work
+    }
+
+    /// Takes a substep of one of the copies. Says what came out when both have arrived.
+    fn substep(&mut self) -> Option<StepError> {
+        let end_secs = self.from_secs + AHEAD_SECS - 1e-9;
+        let has_arrived = |simulation: &Simulation<f32>, at_secs: f64| {
+            simulation.state().is_between_substeps() && simulation.state().time_secs >= at_secs
+        };
+        let (simulation, is_last) =
+            if has_arrived(&self.whole, end_secs) { (&mut self.halved, true) } else { (&mut self.whole, false) };
+        let report: StepReport = simulation.substep(&mut ());
+        let links: usize = simulation.model().link_counts().iter().sum();
+        self.work += report.counters.link_forces + report.counters.implicit_work() * links as u64;
+        self.touched |= report.last.contacts > 0;
+        let arrived = is_last && has_arrived(&self.halved, self.whole.state().time_secs - 1e-9);
+        match () {
+            () if report.diverged => Some(StepError::Breaks),
+            () if arrived => Some(StepError::Found(self.found())),
+            () if self.work > MOST_LINK_FORCES => Some(StepError::TooExpensive),
+            () => None,
+        }
+    }
+
+    fn found(&self) -> Prediction {
+        let [whole, halved] = [&self.whole, &self.halved].map(|simulation| &simulation.state().position);
+        let square = |(a, b): (&<f32 as crate::math::Real>::Vec3, &<f32 as crate::math::Real>::Vec3)| {
+            (a.to_dvec3() - b.to_dvec3()).length_squared()
+        };
+        let sum: f64 = whole.iter().zip(halved).map(square).sum();
+        let difference_m = (sum / whole.len().max(1) as f64).sqrt();
+        let order = if self.touched { 1 } else { order(self.whole.plan().integrator) };
+        let raised = f64::from(1_u32 << order);
+        let size_m = Aabb::<f64>::around(whole.iter().map(|at| at.to_dvec3())).size().max_element();
+        let (predicted_m, rounding_m) = (difference_m * raised / (raised - 1.0), ROUNDING * size_m);
+        Prediction {
+            error_m: predicted_m.max(rounding_m),
+            is_rounding: predicted_m <= rounding_m,
+            difference_m,
+            order,
+            from_secs: self.from_secs,
+            ahead_secs: self.whole.state().time_secs - self.from_secs,
+            dt_secs: self.whole.plan().substep_secs(),
+        }
+    }
+}
+
+/// The order of a scheme where nothing is met.
+fn order(integrator: Integrator) -> u32 {
+    match integrator {
+        Integrator::SemiImplicit | Integrator::Explicit | Integrator::Implicit => 1,
+        Integrator::Verlet | Integrator::Rk2 => 2,
+        Integrator::Rk4 => 4,
+    }
+}
+
+/// Evaluations of the forces in a substep at least.
+fn evaluations(plan: &Plan) -> f64 {
+    match plan.integrator {
+        Integrator::Rk2 => 2.0,
+        Integrator::Rk4 => 4.0,
+        _ => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::report::error::{Effort, Row, Way, measure, scenes};
+    use crate::report::extremes::lattices;
+    use crate::scene::Scene;
+    use crate::scene::settings::Stepping;
+    use crate::session::Session;
+
+    /// How many times too large or too small a prediction may be.
+    const WITHIN: f64 = 3.0;
+
+    fn scene(name: &str) -> Scene {
+        scenes::scenes().into_iter().find(|(own, _)| own == name).expect("a scene").1
+    }
+
+    fn with(scene: &Scene, integrator: Integrator, dt: f64) -> Scene {
+        let mut scene = scene.clone();
+        (scene.settings.integrator, scene.settings.dt) = (integrator, dt);
+        (scene.settings.stepping, scene.settings.sleeping) = (Stepping::Manual, false);
+        scene
+    }
+
+    /// What is predicted from the start with substeps of this share; none where that is too much work.
+    fn predicted(scene: &Scene, share: f64) -> Option<Prediction> {
+        let simulation = Simulation::new(scene, &lattices(scene).expect("cubes"));
+        let mut comparison = Comparison::new(&simulation, share);
+        loop {
+            match comparison.substep() {
+                None => {}
+                Some(StepError::Found(found)) => return Some(found),
+                Some(StepError::TooExpensive) => return None,
+                Some(other) => panic!("{other:?}"),
+            }
+        }
+    }
+
+    /// What was measured of the first 0.12 s.
+    fn measured(name: &str) -> Vec<Row> {
+        let (scene, seconds) = (scene(name), 3.0 * crate::report::error::LOOK_SECS);
+        measure(name, &scene, &lattices(&scene).expect("cubes"), Effort { repeats: 1, ..Effort::full(seconds) }, &())
+            .expect("nobody cancels")
+            .rows
+    }
+
+    /// How many predictions were compared with a measured error that is more than rounding, and which were wrong; where
+    /// it is rounding, no more has to be predicted.
+    fn wrong(name: &str, share: f64) -> (usize, Vec<String>) {
+        let (scene, mut compared, mut wrong) = (scene(name), 0, Vec::new());
+        for row in measured(name) {
+            let Way::Manual(integrator) = row.integrator else { continue };
+            if row.diverged || row.dt_secs > 2.5e-3 {
+                continue;
+            }
+            let Some(found) = predicted(&with(&scene, integrator, row.dt_secs), share) else { continue };
+            let is_telling = row.error_rms_m > WITHIN * ROUNDING;
+            let ratio = found.error_m / row.error_rms_m;
+            compared += usize::from(is_telling);
+            if ratio > WITHIN && !found.is_rounding || is_telling && ratio < 1.0 / WITHIN {
+                wrong.push(format!("{integrator:?} {}: {} for {}", row.dt_secs, found.error_m, row.error_rms_m));
+            }
+        }
+        (compared, wrong)
+    }
+
+    #[test]
+    fn what_is_predicted_is_near_what_is_measured() {
+        for name in ["free vibration", "hanging", "incline"] {
+            let (compared, wrong) = wrong(name, 0.5);
+            assert!(compared >= 4 && wrong.is_empty(), "{name}: of {compared} {wrong:#?}");
+        }
+    }
+
+    #[test]
+    fn a_second_run_with_the_same_step_is_found_out() {
+        let (compared, wrong) = wrong("free vibration", 1.0);
+        assert!(compared >= 6 && wrong.len() * 2 > compared, "the runs do not come apart: {wrong:#?} of {compared}");
+    }
+
+    fn session(scene: Scene) -> Session {
+        Session::new(scene, PathBuf::new(), "test".into()).expect("it resolves")
+    }
+
+    /// Lets time pass until something is known.
+    fn known(session: &mut Session) -> StepError {
+        let begin = Instant::now();
+        while session.status().step_error == StepError::Unknown && begin.elapsed() < Duration::from_mins(1) {
+            session.advance(Duration::from_millis(16), Duration::from_millis(16));
+        }
+        session.status().step_error
+    }
+
+    #[test]
+    fn a_running_session_knows_it_soon_and_an_edit_makes_it_unknown() {
+        use crate::scene::edit::Edit;
+        let mut session = session(with(&scene("hanging"), Integrator::SemiImplicit, 1e-3));
+        let StepError::Found(found) = known(&mut session) else { panic!("{:?}", session.status().step_error) };
+        assert!(found.error_m > 0.0 && (found.ahead_secs - AHEAD_SECS).abs() < 2e-3, "{found:?}");
+        let mut settings = session.scene().settings.clone();
+        settings.dt = 5e-4;
+        session.handle(crate::session::Command::Edit(Edit::Settings(settings))).expect("a smaller step");
+        assert_eq!(session.status().step_error, StepError::Unknown, "of another step");
+        let StepError::Found(finer) = known(&mut session) else { panic!("{:?}", session.status().step_error) };
+        assert!(finer.difference_m < found.difference_m, "half the step misses by less: {finer:?} after {found:?}");
+    }
+
+    #[test]
+    fn a_step_that_is_divided_is_compared_with_half_of_its_parts() {
+        let mut stiff = scene("hanging");
+        (stiff.settings.stepping, stiff.settings.dt) = (Stepping::Auto, 8e-3);
+        let simulation = Simulation::<f32>::new(&stiff, &lattices(&stiff).expect("cubes"));
+        let comparison = Comparison::new(&simulation, 0.5);
+        let [whole, halved] = [&comparison.whole, &comparison.halved].map(|of| of.plan().substep_secs());
+        assert!((whole / halved - 2.0).abs() < 1e-12, "{whole} s and {halved} s");
+        let found = predicted(&stiff, 0.5).expect("little work");
+        assert!(found.difference_m > 0.0, "they come apart");
+    }
+
+    #[test]
+    fn what_is_too_much_work_is_refused_at_once_and_what_sleeps_is_left_alone() {
+        use crate::scene::body::CubeShape;
+        use crate::scene::{Shape, presets};
+        let mut large = (presets::preset("cube-on-plane").expect("a preset").build)();
+        large.bodies[0].shape = Shape::Cube(CubeShape { cells: 24, size: 1.0 });
+        large.settings.dt = 2e-4;
+        let mut large = session(large);
+        large.advance(Duration::from_millis(1), Duration::from_millis(1));
+        assert_eq!(large.status().step_error, StepError::TooExpensive);
+        assert!(large.step_errors.running.is_none(), "no copy was made");
+
+        let mut small = session(with(&scene("hanging"), Integrator::SemiImplicit, 1e-3));
+        assert!(matches!(known(&mut small), StepError::Found(_)), "it moves");
+        for body in 0..small.scene.bodies.len() {
+            let mut state = small.simulation.state().clone();
+            state.bodies[body].asleep = true;
+            small.simulation.set_state(state);
+        }
+        small.advance(Duration::from_millis(16), Duration::from_millis(16));
+        assert_eq!(small.status().step_error, StepError::Unknown, "nothing moves");
+    }
+
+    #[test]
+    fn it_takes_a_small_share_of_the_time() {
+        let mut session = session(with(&scene("hanging"), Integrator::SemiImplicit, 1e-3));
+        let slice = Duration::from_millis(20);
+        let mut longest = Duration::ZERO;
+        for _ in 0..50 {
+            let begin = Instant::now();
+            session.predict_step_error(slice);
+            longest += begin.elapsed();
+        }
+        assert!(longest < 50 * slice / 10, "{longest:?} of {:?}", 50 * slice);
+    }
+}
