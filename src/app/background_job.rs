@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::ui::work::{Asked, Wish, Work};
 use super::worker::sentence;
 use crate::session::background::BackgroundError;
-use crate::session::jellify::Progress;
+use crate::session::progress::Progress;
 
 /// Work between two rests.
 const STRETCH: Duration = Duration::from_millis(4);

@@ -7,7 +7,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use super::worker::sentence;
 use crate::scene::Settings;
 use crate::scene::body::ModelShape;
-use crate::session::jellify::{Jellified, JellifyError, Progress, jellify};
+use crate::session::jellify::{Jellified, JellifyError, jellify};
+use crate::session::progress::Progress;
 
 /// Work that goes on.
 #[derive(Debug)]

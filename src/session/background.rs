@@ -4,7 +4,7 @@
 use thiserror::Error;
 
 use super::error::SessionError;
-use super::jellify::Progress;
+use super::progress::Progress;
 use crate::geometry::Watch;
 
 /// Why nothing came of work beside the sandbox.

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::background::{BackgroundError, Paced};
 use super::document::Opened;
-use super::jellify::Progress;
+use super::progress::Progress;
 use super::step_words::step_text;
 use crate::geometry::watch::{CancelOnly, Portion};
 use crate::geometry::{Lattice, Watch};

@@ -2,13 +2,13 @@
 //! itself, so that nothing is computed twice. Works on the caller's thread; reports and stops through [`Progress`].
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use glam::DVec3;
 use thiserror::Error;
 
 use super::document::Opened;
 use super::predict::Prediction;
+use super::progress::Progress;
 use super::{Command, Document, Library, Session, SessionError, needs};
 use crate::geometry::Watch;
 use crate::geometry::voxel::{OccupancyChoice, VoxelReport, VoxelizeError};
@@ -23,41 +23,6 @@ use crate::scene::{Scene, Settings, presets};
 const FILLING: f64 = 0.8;
 /// A body is let fall from this height, as a share of its longest extent.
 const DROP: f64 = 0.4;
-
-/// How far work on another thread is, and whether it is still wanted.
-#[derive(Debug, Default)]
-pub struct Progress {
-    permille: AtomicU32,
-    cancelled: AtomicBool,
-}
-
-impl Progress {
-    /// How far the work is, 0..1.
-    pub fn fraction(&self) -> f32 {
-        self.permille.load(Ordering::Relaxed) as f32 / 1000.0
-    }
-
-    /// Asks the work to stop; it does soon.
-    pub fn cancel(&self) {
-        self.cancelled.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether the work is no longer wanted.
-    pub fn is_cancelled(&self) -> bool {
-        self.cancelled.load(Ordering::Relaxed)
-    }
-}
-
-impl Watch for Progress {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a thousand")]
-    fn progress(&self, fraction: f64) {
-        self.permille.store((fraction.clamp(0.0, 1.0) * 1000.0) as u32, Ordering::Relaxed);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.is_cancelled()
-    }
-}
 
 /// The part of the work that is the filling with cells.
 struct Filling<'a>(&'a Progress);

@@ -24,6 +24,7 @@ mod look_ahead;
 mod needs;
 mod picture;
 pub mod predict;
+pub mod progress;
 pub mod run;
 mod safe;
 mod sample;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::background::{BackgroundError, Paced};
 use super::document::Opened;
-use super::jellify::Progress;
+use super::progress::Progress;
 use crate::geometry::watch::{CancelOnly, Portion};
 use crate::geometry::{Lattice, Watch};
 use crate::physics::StabilityPlane;

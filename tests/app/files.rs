@@ -11,7 +11,8 @@ use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
 use gelatin::scene::body::UpAxis;
 use gelatin::scene::view_settings::CameraSettings;
 use gelatin::scene::{Scene, Shape, presets};
-use gelatin::session::jellify::{Progress, jellify};
+use gelatin::session::jellify::jellify;
+use gelatin::session::progress::Progress;
 use gelatin::session::{Command, Session, Status};
 
 /// What the panels show, and what came of it.

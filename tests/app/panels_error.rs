@@ -13,7 +13,7 @@ use gelatin::scene::settings::{Integrator, Stepping};
 use gelatin::scene::{Scene, Shape, presets};
 use gelatin::session::Command;
 use gelatin::session::error_curve::error_curve;
-use gelatin::session::jellify::Progress;
+use gelatin::session::progress::Progress;
 
 use crate::live::{SIZES, Window};
 

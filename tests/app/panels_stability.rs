@@ -14,7 +14,7 @@ use gelatin::scene::edit::{BodyId, Edit};
 use gelatin::scene::settings::{Integrator, Stepping};
 use gelatin::scene::{Material, Scene, Shape, Springs, presets};
 use gelatin::session::Command;
-use gelatin::session::jellify::Progress;
+use gelatin::session::progress::Progress;
 use gelatin::session::stability_map::{Place, PlaneShown, StabilityOf, stability_map};
 
 use crate::live::{SIZES, Window};

@@ -10,7 +10,8 @@ use gelatin::app::ui::files::{FileAction, Wish, Work};
 use gelatin::scene::ColorBy;
 use gelatin::scene::edit::{BodyId, ObstacleId};
 use gelatin::session::Command;
-use gelatin::session::jellify::{Progress, jellify};
+use gelatin::session::jellify::jellify;
+use gelatin::session::progress::Progress;
 
 use crate::live::Window;
 

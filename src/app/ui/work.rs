@@ -6,7 +6,7 @@ use std::time::Duration;
 use egui::{Label, ProgressBar, RichText, Ui};
 
 use super::theme;
-use crate::session::jellify::Progress;
+use crate::session::progress::Progress;
 
 /// How often the progress is looked at while the work goes on.
 const LOOK: Duration = Duration::from_millis(250);
