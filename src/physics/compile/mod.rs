@@ -15,9 +15,9 @@ use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
 use crate::physics::forces::recovery;
 use crate::physics::limits::SceneLimits;
+use crate::physics::limits::any_state;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::fallen;
-use crate::physics::stepping::strain;
 use crate::scene::obstacle::{ContactStiffness, Plane};
 use crate::scene::{self, Body, Material, Obstacle, Scene};
 use assembly::Assembled;
@@ -82,7 +82,7 @@ fn compile_body<R: Real>(
     let known = before.iter().find(|body| Arc::ptr_eq(&body.lattice, lattice));
     let measured = known
         .map_or_else(|| assembly::measured(lattice, &rest), |body| body.links.each_ref().map(LinkFamily::measured));
-    let crowds = known.map_or_else(|| strain::crowds(rest.len(), &measured), |body| Arc::clone(&body.crowds));
+    let crowds = known.map_or_else(|| any_state::crowds(rest.len(), &measured), |body| Arc::clone(&body.crowds));
     let Assembled { particle_mass, masses, links, cell_kinds } = match &body.material {
         Material::Springs(springs) => assembly::uniform(springs, measured),
         Material::Solid(solid) => {

@@ -5,13 +5,13 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::Placed;
-use crate::math::{Aabb, Real, Vector};
+use crate::math::{Aabb, FRAME_SECS, Real, Vector};
 use crate::physics::model::{Carry, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::state::State;
 
 /// Simulated time in which a moved obstacle gets to its new place, s: a frame, so that one that is dragged follows the
 /// hand, at the speed of the hand.
-const SWEEP_SECS: f64 = 1.0 / 60.0;
+const SWEEP_SECS: f64 = FRAME_SECS;
 
 /// An obstacle on its way to its place in the model.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -18,6 +18,7 @@
 //! Verlet with its predicted damping velocity counts the damping twice; RK4 has a region of stability of its own; the
 //! implicit scheme has no limit but that of the thesis's explicit contact.
 
+pub(in crate::physics) mod any_state;
 pub(in crate::physics) mod cells;
 
 use glam::{DMat3, DVec3};

@@ -1,14 +1,11 @@
 //! What a step does for this scene, and no more: which stages run, how a whole step is subdivided.
 
-use crate::math::Real;
+use crate::math::{FRAME_SECS, Real};
 use crate::physics::limits::SceneLimits;
+use crate::physics::limits::any_state;
 use crate::physics::model::{Model, ObstacleShape};
-use crate::physics::stepping::strain;
 use crate::scene::settings::{ContactRule, Integrator, Stepping};
 use crate::scene::{Family, Settings};
-
-/// The stretch of simulated time that substeps are counted over, s.
-const FRAME_SECS: f64 = 1.0 / 60.0;
 
 /// Above this many substeps in 1/60 s automatic stepping hands over to the implicit integrator, whose cost
 /// hardly grows with the stiffness.
@@ -173,7 +170,7 @@ impl Plan {
         let secs = plan.substep_secs();
         let needed = if integrator == Integrator::Implicit { halvings(model, settings.contact, secs) } else { 0 };
         let halvings = needed.min(MOST_HALVINGS);
-        let parts = strain::parts(model, integrator, secs);
+        let parts = any_state::parts(model, integrator, secs);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
         let share = (MOST_WORK_A_FRAME as f64 * secs / FRAME_SECS) as u64;
         let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len() as u64);

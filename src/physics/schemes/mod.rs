@@ -14,82 +14,24 @@
 //! implicit Euler        v' = v + dt a(x', v'), linearised       x' = x + dt v'
 //! ```
 
+mod free;
 pub(in crate::physics) mod implicit;
 mod rk2;
 mod rk4;
 mod verlet;
 
+pub(super) use free::{Free, Scratch};
 pub(super) use implicit::bytes as implicit_bytes;
 
+use free::{kick, moves_by_mean};
+
 use super::contact::Touch;
-use super::forces::{self, Configuration};
 use super::model::Model;
 use super::report::Recorder;
-use super::state::{BodyMemory, State};
-use crate::math::{Real, Vector};
-use crate::physics::forces::recovery;
-use crate::physics::model::plan::{Plan, Stage};
-use crate::physics::state::sleep::awake;
-use crate::physics::step::substep::Substep;
+use super::state::State;
+use crate::math::Real;
+use crate::physics::model::plan::Plan;
 use crate::scene::settings::Integrator;
-
-/// Room for what a scheme works out between two states; empty where a scheme needs none.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Scratch<R: Real> {
-    /// Mean velocity over the substep, m/s: what moves the particles where that is not the velocity at its end.
-    pub(super) path: Vec<R::Vec3>,
-    /// The velocities that were predicted, m/s, before contact changed them.
-    predicted: Vec<R::Vec3>,
-    /// The velocities that contact left, m/s.
-    settled: Vec<R::Vec3>,
-    /// Positions at which forces are evaluated between two states, m.
-    position: Vec<R::Vec3>,
-    /// Velocities with which forces are evaluated that are not the state's, m/s.
-    velocity: Vec<R::Vec3>,
-    /// Forces there, N.
-    force: Vec<R::Vec3>,
-    /// Of the implicit scheme.
-    room: implicit::Room<R>,
-}
-
-impl<R: Real> Scratch<R> {
-    /// Room for the scheme of a plan.
-    pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
-        let room = |needed: bool| vec![R::Vec3::ZERO; if needed { model.particle_count() } else { 0 }];
-        let has_stages = matches!(plan.integrator, Integrator::Rk2 | Integrator::Rk4);
-        Self {
-            path: room(moves_by_mean(plan.integrator)),
-            predicted: room(moves_by_mean(plan.integrator)),
-            settled: room(moves_by_mean(plan.integrator)),
-            position: room(has_stages),
-            velocity: room(has_stages || plan.integrator == Integrator::Verlet),
-            force: room(has_stages),
-            room: if plan.integrator == Integrator::Implicit {
-                implicit::Room::new(model)
-            } else {
-                implicit::Room::default()
-            },
-        }
-    }
-}
-
-impl<R: Real> Scratch<R> {
-    /// The velocities that move particles, given those at the end of the substep.
-    pub(super) fn moving<'a>(&'a self, velocity: &'a [R::Vec3]) -> &'a [R::Vec3] {
-        if self.path.is_empty() { velocity } else { &self.path }
-    }
-}
-
-/// A substep under way.
-pub(super) struct Free<'a, R: Real> {
-    pub(super) substep: Substep<'a, R>,
-    /// Forces at the state, N.
-    pub(super) force: &'a [R::Vec3],
-    /// Of these the thesis's contact, N: constant over the substep. None without that rule.
-    pub(super) held_force: Option<&'a [R::Vec3]>,
-    pub(super) scratch: &'a mut Scratch<R>,
-    pub(super) recovery: &'a mut recovery::Scratch<R>,
-}
 
 impl<R: Real> Free<'_, R> {
     /// Writes the velocities at the end of the substep as the forces at the state predict them.
@@ -146,46 +88,6 @@ impl<R: Real> Free<'_, R> {
             }
         }
     }
-
-    /// The stage that every scheme begins with: the state itself.
-    fn first_stage(&mut self) {
-        self.scratch.velocity.copy_from_slice(&self.substep.state.velocity);
-        self.scratch.force.copy_from_slice(self.force);
-        self.add_changes();
-    }
-
-    /// Goes from the state for `ahead` (s) along the slope of the last stage, and evaluates the forces there.
-    fn next_stage(&mut self, ahead: R, recorder: &mut Recorder<'_>) {
-        let Scratch { position, velocity, force, .. } = self.scratch;
-        for ((position, start), velocity) in position.iter_mut().zip(&self.substep.state.position).zip(velocity.iter())
-        {
-            *position = *start + *velocity * ahead;
-        }
-        velocity.copy_from_slice(&self.substep.state.velocity);
-        kick(self.substep.model, &self.substep.state.bodies, ahead, force, velocity);
-        let at = Configuration { position, velocity, residual: None };
-        forces::evaluate(self.substep, at, force, self.recovery, recorder);
-        for (force, held) in force.iter_mut().zip(self.held_force.into_iter().flatten()) {
-            *force += *held;
-        }
-        self.add_changes();
-        recorder.enter(Stage::Integrate);
-    }
-
-    /// Adds the mean force that made the settled velocities of the predicted ones.
-    fn add_changes(&mut self) {
-        let Scratch { predicted, settled, force, .. } = self.scratch;
-        for body in awake(self.substep.model, &self.substep.state.bodies) {
-            for (local, particle) in body.particles.clone().enumerate() {
-                force[particle] += (settled[particle] - predicted[particle]) * (body.mass(local) / self.substep.dt);
-            }
-        }
-    }
-}
-
-/// Whether particles move by another velocity than that at the end of the substep.
-pub(super) fn moves_by_mean(integrator: Integrator) -> bool {
-    matches!(integrator, Integrator::Explicit | Integrator::Rk2 | Integrator::Rk4)
 }
 
 /// Whether the state's velocity is that at the position's time.
@@ -230,18 +132,5 @@ pub(super) fn remember<R: Real>(
         // The next kick is longer or shorter where the substeps change.
         Integrator::SemiImplicit => state.velocity_lag_secs = 0.5 * dt.to_f64(),
         _ => {}
-    }
-}
-
-/// `v += dt a` for every particle that is not held, where `a` is the force over the mass; held ones stand still.
-fn kick<R: Real>(model: &Model<R>, memory: &[BodyMemory], dt: R, force: &[R::Vec3], velocity: &mut [R::Vec3]) {
-    for body in awake(model, memory) {
-        for (local, particle) in body.particles.clone().enumerate() {
-            if body.is_pinned(local) {
-                velocity[particle] = R::Vec3::ZERO;
-            } else {
-                velocity[particle] += force[particle] * (dt / body.mass(local));
-            }
-        }
     }
 }

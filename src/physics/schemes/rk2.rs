@@ -1,7 +1,7 @@
 //! The midpoint rule, a Runge–Kutta method of second order: forces at the state and half a substep ahead. An undamped
 //! vibration grows by a factor of `1 + (dt ω)⁴/8` a substep.
 
-use super::{Free, kick};
+use super::free::{Free, kick};
 use crate::math::Real;
 use crate::physics::report::Recorder;
 

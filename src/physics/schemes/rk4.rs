@@ -4,7 +4,7 @@
 //! With `y = (x, v)` and `y' = (v, a)`: slopes at the state, twice at the midpoint and at the end, in shares of 1, 2, 2
 //! and 1 sixths.
 
-use super::{Free, kick};
+use super::free::{Free, kick};
 use crate::math::Real;
 use crate::physics::report::Recorder;
 

@@ -14,7 +14,7 @@
 //! counted in substeps and kept in the [`State`], so that a saved motion goes on bit for bit, sleep included. What drifts
 //! more slowly than 2e-5 body sizes a second is stopped: no picture tells it from rest.
 
-use crate::math::{Real, Vector};
+use crate::math::{FRAME_SECS, Real, Vector};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::{BodyMemory, State};
@@ -33,7 +33,7 @@ const FARTHEST: f64 = 1e-5;
 const FALLEN_SHARE: f64 = 0.01;
 
 /// Simulated time between two looks at the way, s.
-const LOOK_SECS: f64 = 1.0 / 60.0;
+const LOOK_SECS: f64 = FRAME_SECS;
 
 /// The bodies that are awake.
 pub(in crate::physics) fn awake<'a, R: Real>(

@@ -40,7 +40,7 @@ use edges::{MeanEdges, mean_edges, spread};
 use soft_links::soften;
 
 use crate::geometry::Lattice;
-use crate::math::{Real, Vector};
+use crate::math::{FRAME_SECS, Real, Vector};
 use crate::physics::forces::Configuration;
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::model::plan::Plan;
@@ -62,7 +62,7 @@ pub(crate) const WATCH: f64 = 0.7;
 const DEEPEST: f64 = 2.0;
 
 /// Simulated time between two looks at all cells, s, in a body that is calm.
-const LOOK_SECS: f64 = 1.0 / 60.0;
+const LOOK_SECS: f64 = FRAME_SECS;
 
 /// Two particles of a body move past each other by no more than this between two looks, cell sizes: a cell that was not
 /// on the list then is still above the threshold, even if it is crushed along all its axes at once.

@@ -3,7 +3,7 @@
 use crate::physics::model::Values;
 use glam::{DMat3, DVec3};
 
-use super::{Room, System};
+use super::system::{Room, System};
 use crate::math::Real;
 
 /// Iterations of one solve: some ten times those a stiff body of 20 cells an edge takes.

@@ -11,7 +11,7 @@
 //! sends a light particle off at 1e10 m/s, and what it meets there gives worse guesses still (line search of a globalized
 //! Newton's method: Nocedal and Wright, "Numerical Optimization", 2006, 3.5).
 
-use super::{Room, System};
+use super::system::{Room, System};
 use crate::math::Real;
 use crate::physics::schemes::implicit::conjugate::dot;
 

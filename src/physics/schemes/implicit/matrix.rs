@@ -2,30 +2,13 @@
 
 use glam::DVec3;
 
-use super::{Room, System};
+use super::system::{Bond, Room, System};
 use crate::math::{Real, Vector};
 use crate::physics::forces::for_each_bond;
 use crate::physics::forces::recovery;
 use crate::physics::interaction::Grab;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::BodyMemory;
-
-/// A link in the matrix: `across I + along alongᵀ` between its ends. In the precision of the state: reading these is
-/// what an iteration takes longest for, and the matrix may be a little off as long as it is the same throughout.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bond<R: Real> {
-    ends: [u32; 2],
-    across: R,
-    along: R::Vec3,
-}
-
-impl<R: Real> Bond<R> {
-    #[inline]
-    fn times(&self, v: DVec3) -> DVec3 {
-        let along = self.along.to_dvec3();
-        v * self.across.to_f64() + along * along.dot(v)
-    }
-}
 
 impl<R: Real> System<'_, R> {
     /// The matrix and the right-hand side without touches, and the velocities now; unfinished where it `stops`.

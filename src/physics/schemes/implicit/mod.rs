@@ -17,18 +17,17 @@ pub(in crate::physics) mod balance;
 mod conjugate;
 mod line_search;
 mod matrix;
+pub(super) mod system;
 
 use glam::{DMat3, DVec3};
 
-use self::matrix::Bond;
+use self::system::{Bond, System};
 use crate::geometry::LatticeCounts;
 use crate::math::{Real, Vector};
 use crate::physics::contact::Touch;
 use crate::physics::forces::recovery::Resistance;
-use crate::physics::interaction::Grab;
-use crate::physics::model::{BodyModel, Model};
 use crate::physics::report::Recorder;
-use crate::physics::schemes::Free;
+use crate::physics::schemes::free::Free;
 use crate::physics::step::substep::Substep;
 
 /// Solves in which touches may change their minds.
@@ -37,57 +36,11 @@ const ROUNDS: usize = 16;
 /// The last of these, which end with what is safe whatever the others have come to.
 const CAREFUL_ROUNDS: usize = 2;
 
-/// Room for the largest body.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Room<R: Real> {
-    bonds: Vec<Bond<R>>,
-    /// Of cells that are pushed back from inversion.
-    resistances: Vec<Resistance>,
-    inverse_diagonal: Vec<f64>,
-    /// The inverse blocks of the touched particles, one for each touch; only the first of a particle's counts.
-    inverse_blocks: Vec<DMat3>,
-    known: Vec<DVec3>,
-    velocity: Vec<DVec3>,
-    residual: Vec<DVec3>,
-    scaled: Vec<DVec3>,
-    search: Vec<DVec3>,
-    product: Vec<DVec3>,
-    /// The velocity before a round, and the residual there.
-    before: Vec<DVec3>,
-    residual_before: Vec<DVec3>,
-}
-
 /// What the room takes in single precision where a body is the largest, bytes.
 pub(in crate::physics) fn bytes(body: &LatticeCounts) -> usize {
     let vectors = 8 * size_of::<DVec3>() + size_of::<f64>();
     let of_surface = size_of::<DMat3>() + size_of::<Resistance>();
     body.all_links() * size_of::<Bond<f32>>() + body.particles * vectors + body.surface * of_surface
-}
-
-impl<R: Real> Room<R> {
-    /// Room for the bodies of a model.
-    pub(super) fn new(model: &Model<R>) -> Self {
-        let most = |count: fn(&BodyModel<R>) -> usize| model.bodies.iter().map(count).max().unwrap_or(0);
-        let particles = most(|body| body.particles.len());
-        let links = most(|body| body.links.iter().map(|family| family.links.len()).sum());
-        // What is crushed or touched beyond a body's surface makes room for itself once.
-        let surface = most(|body| body.lattice.surface);
-        let vectors = || vec![DVec3::ZERO; particles];
-        Self {
-            bonds: Vec::with_capacity(links),
-            resistances: Vec::with_capacity(surface),
-            inverse_diagonal: vec![0.0; particles],
-            inverse_blocks: Vec::with_capacity(surface),
-            known: vectors(),
-            velocity: vectors(),
-            residual: vectors(),
-            scaled: vectors(),
-            search: vectors(),
-            product: vectors(),
-            before: vectors(),
-            residual_before: vectors(),
-        }
-    }
 }
 
 /// Writes the velocities at the end of the substep.
@@ -128,15 +81,6 @@ pub(super) fn solve<R: Real>(
         }
         system.finish(&mut velocity[range]);
     }
-}
-
-/// The equations of one body.
-struct System<'a, R: Real> {
-    body: &'a BodyModel<R>,
-    dt: f64,
-    grab: Option<&'a Grab<R>>,
-    touches: &'a mut [Touch],
-    room: &'a mut Room<R>,
 }
 
 impl<R: Real> System<'_, R> {

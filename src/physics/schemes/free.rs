@@ -1,0 +1,128 @@
+//! A substep under way, as every scheme works on it.
+
+use crate::math::{Real, Vector};
+use crate::physics::forces::recovery;
+use crate::physics::forces::{self, Configuration};
+use crate::physics::model::Model;
+use crate::physics::model::plan::{Plan, Stage};
+use crate::physics::report::Recorder;
+use crate::physics::schemes::implicit::system::Room;
+use crate::physics::state::BodyMemory;
+use crate::physics::state::sleep::awake;
+use crate::physics::step::substep::Substep;
+use crate::scene::settings::Integrator;
+
+/// Room for what a scheme works out between two states; empty where a scheme needs none.
+#[derive(Clone, Debug, Default)]
+pub(in crate::physics) struct Scratch<R: Real> {
+    /// Mean velocity over the substep, m/s: what moves the particles where that is not the velocity at its end.
+    pub(in crate::physics) path: Vec<R::Vec3>,
+    /// The velocities that were predicted, m/s, before contact changed them.
+    pub(super) predicted: Vec<R::Vec3>,
+    /// The velocities that contact left, m/s.
+    pub(super) settled: Vec<R::Vec3>,
+    /// Positions at which forces are evaluated between two states, m.
+    pub(super) position: Vec<R::Vec3>,
+    /// Velocities with which forces are evaluated that are not the state's, m/s.
+    pub(super) velocity: Vec<R::Vec3>,
+    /// Forces there, N.
+    pub(super) force: Vec<R::Vec3>,
+    /// Of the implicit scheme.
+    pub(super) room: Room<R>,
+}
+
+impl<R: Real> Scratch<R> {
+    /// Room for the scheme of a plan.
+    pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
+        let room = |needed: bool| vec![R::Vec3::ZERO; if needed { model.particle_count() } else { 0 }];
+        let has_stages = matches!(plan.integrator, Integrator::Rk2 | Integrator::Rk4);
+        Self {
+            path: room(moves_by_mean(plan.integrator)),
+            predicted: room(moves_by_mean(plan.integrator)),
+            settled: room(moves_by_mean(plan.integrator)),
+            position: room(has_stages),
+            velocity: room(has_stages || plan.integrator == Integrator::Verlet),
+            force: room(has_stages),
+            room: if plan.integrator == Integrator::Implicit { Room::new(model) } else { Room::default() },
+        }
+    }
+}
+
+impl<R: Real> Scratch<R> {
+    /// The velocities that move particles, given those at the end of the substep.
+    pub(in crate::physics) fn moving<'a>(&'a self, velocity: &'a [R::Vec3]) -> &'a [R::Vec3] {
+        if self.path.is_empty() { velocity } else { &self.path }
+    }
+}
+
+/// A substep under way.
+pub(in crate::physics) struct Free<'a, R: Real> {
+    pub(in crate::physics) substep: Substep<'a, R>,
+    /// Forces at the state, N.
+    pub(in crate::physics) force: &'a [R::Vec3],
+    /// Of these the thesis's contact, N: constant over the substep. None without that rule.
+    pub(in crate::physics) held_force: Option<&'a [R::Vec3]>,
+    pub(in crate::physics) scratch: &'a mut Scratch<R>,
+    pub(in crate::physics) recovery: &'a mut recovery::Scratch<R>,
+}
+
+impl<R: Real> Free<'_, R> {
+    /// The stage that every scheme begins with: the state itself.
+    pub(super) fn first_stage(&mut self) {
+        self.scratch.velocity.copy_from_slice(&self.substep.state.velocity);
+        self.scratch.force.copy_from_slice(self.force);
+        self.add_changes();
+    }
+
+    /// Goes from the state for `ahead` (s) along the slope of the last stage, and evaluates the forces there.
+    pub(super) fn next_stage(&mut self, ahead: R, recorder: &mut Recorder<'_>) {
+        let Scratch { position, velocity, force, .. } = self.scratch;
+        for ((position, start), velocity) in position.iter_mut().zip(&self.substep.state.position).zip(velocity.iter())
+        {
+            *position = *start + *velocity * ahead;
+        }
+        velocity.copy_from_slice(&self.substep.state.velocity);
+        kick(self.substep.model, &self.substep.state.bodies, ahead, force, velocity);
+        let at = Configuration { position, velocity, residual: None };
+        forces::evaluate(self.substep, at, force, self.recovery, recorder);
+        for (force, held) in force.iter_mut().zip(self.held_force.into_iter().flatten()) {
+            *force += *held;
+        }
+        self.add_changes();
+        recorder.enter(Stage::Integrate);
+    }
+
+    /// Adds the mean force that made the settled velocities of the predicted ones.
+    fn add_changes(&mut self) {
+        let Scratch { predicted, settled, force, .. } = self.scratch;
+        for body in awake(self.substep.model, &self.substep.state.bodies) {
+            for (local, particle) in body.particles.clone().enumerate() {
+                force[particle] += (settled[particle] - predicted[particle]) * (body.mass(local) / self.substep.dt);
+            }
+        }
+    }
+}
+
+/// Whether particles move by another velocity than that at the end of the substep.
+pub(in crate::physics) fn moves_by_mean(integrator: Integrator) -> bool {
+    matches!(integrator, Integrator::Explicit | Integrator::Rk2 | Integrator::Rk4)
+}
+
+/// `v += dt a` for every particle that is not held, where `a` is the force over the mass; held ones stand still.
+pub(super) fn kick<R: Real>(
+    model: &Model<R>,
+    memory: &[BodyMemory],
+    dt: R,
+    force: &[R::Vec3],
+    velocity: &mut [R::Vec3],
+) {
+    for body in awake(model, memory) {
+        for (local, particle) in body.particles.clone().enumerate() {
+            if body.is_pinned(local) {
+                velocity[particle] = R::Vec3::ZERO;
+            } else {
+                velocity[particle] += force[particle] * (dt / body.mass(local));
+            }
+        }
+    }
+}

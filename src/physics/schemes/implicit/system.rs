@@ -1,0 +1,81 @@
+//! The equations of one body, and the room they are solved in.
+
+use glam::{DMat3, DVec3};
+
+use crate::math::{Real, Vector};
+use crate::physics::contact::Touch;
+use crate::physics::forces::recovery::Resistance;
+use crate::physics::interaction::Grab;
+use crate::physics::model::{BodyModel, Model};
+
+/// A link in the matrix: `across I + along alongᵀ` between its ends. In the precision of the state: reading these is
+/// what an iteration takes longest for, and the matrix may be a little off as long as it is the same throughout.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bond<R: Real> {
+    pub(super) ends: [u32; 2],
+    pub(super) across: R,
+    pub(super) along: R::Vec3,
+}
+
+impl<R: Real> Bond<R> {
+    #[inline]
+    pub(super) fn times(&self, v: DVec3) -> DVec3 {
+        let along = self.along.to_dvec3();
+        v * self.across.to_f64() + along * along.dot(v)
+    }
+}
+
+/// Room for the largest body.
+#[derive(Clone, Debug, Default)]
+pub(in crate::physics::schemes) struct Room<R: Real> {
+    pub(super) bonds: Vec<Bond<R>>,
+    /// Of cells that are pushed back from inversion.
+    pub(super) resistances: Vec<Resistance>,
+    pub(super) inverse_diagonal: Vec<f64>,
+    /// The inverse blocks of the touched particles, one for each touch; only the first of a particle's counts.
+    pub(super) inverse_blocks: Vec<DMat3>,
+    pub(super) known: Vec<DVec3>,
+    pub(super) velocity: Vec<DVec3>,
+    pub(super) residual: Vec<DVec3>,
+    pub(super) scaled: Vec<DVec3>,
+    pub(super) search: Vec<DVec3>,
+    pub(super) product: Vec<DVec3>,
+    /// The velocity before a round, and the residual there.
+    pub(super) before: Vec<DVec3>,
+    pub(super) residual_before: Vec<DVec3>,
+}
+
+impl<R: Real> Room<R> {
+    /// Room for the bodies of a model.
+    pub(in crate::physics::schemes) fn new(model: &Model<R>) -> Self {
+        let most = |count: fn(&BodyModel<R>) -> usize| model.bodies.iter().map(count).max().unwrap_or(0);
+        let particles = most(|body| body.particles.len());
+        let links = most(|body| body.links.iter().map(|family| family.links.len()).sum());
+        // What is crushed or touched beyond a body's surface makes room for itself once.
+        let surface = most(|body| body.lattice.surface);
+        let vectors = || vec![DVec3::ZERO; particles];
+        Self {
+            bonds: Vec::with_capacity(links),
+            resistances: Vec::with_capacity(surface),
+            inverse_diagonal: vec![0.0; particles],
+            inverse_blocks: Vec::with_capacity(surface),
+            known: vectors(),
+            velocity: vectors(),
+            residual: vectors(),
+            scaled: vectors(),
+            search: vectors(),
+            product: vectors(),
+            before: vectors(),
+            residual_before: vectors(),
+        }
+    }
+}
+
+/// The equations of one body.
+pub(super) struct System<'a, R: Real> {
+    pub(super) body: &'a BodyModel<R>,
+    pub(super) dt: f64,
+    pub(super) grab: Option<&'a Grab<R>>,
+    pub(super) touches: &'a mut [Touch],
+    pub(super) room: &'a mut Room<R>,
+}
