@@ -54,6 +54,8 @@ pub struct Counters {
     pub slowed: u64,
     /// Work that moving obstacles did, J.
     pub obstacle_work_j: f64,
+    /// The fastest surface of an obstacle that a particle met in any of them, m/s.
+    pub fastest_surface_m_s: f64,
 }
 
 /// What holds at the end of a substep: of several, the last one's counts.
@@ -94,6 +96,7 @@ impl Counters {
         self.halved += other.halved;
         self.slowed += other.slowed;
         self.obstacle_work_j += other.obstacle_work_j;
+        self.fastest_surface_m_s = self.fastest_surface_m_s.max(other.fastest_surface_m_s);
     }
 }
 

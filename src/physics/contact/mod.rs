@@ -262,7 +262,9 @@ pub(super) fn remember_sides<R: Real>(
             deepest = deepest.max(-contact.gap);
             continue;
         }
-        recorder.counters.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
+        let counters = &mut recorder.counters;
+        counters.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
+        counters.fastest_surface_m_s = counters.fastest_surface_m_s.max(contact.surface_velocity.length().to_f64());
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
         let ObstacleShape::Plane(plane) = &obstacles.met(number, contact.obstacle).shape else {
             deepest = deepest.max(depth);
