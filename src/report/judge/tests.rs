@@ -1,0 +1,212 @@
+//! The judge sees what is wrong, and nothing else.
+
+use glam::Vec3;
+
+use super::*;
+use crate::math::rng::Rng;
+use crate::physics::Arrival;
+use crate::report::disturb::What;
+use crate::report::extremes::{extreme, extreme_scene, lattices};
+use crate::scene::body::{CubeShape, Pose};
+use crate::scene::material::{Material, Spring, Springs};
+use crate::scene::obstacle::{Plane, Sphere};
+use crate::scene::settings::Stepping;
+use crate::scene::{Body, Obstacle, ObstacleShape, Shape};
+
+const PATIENCE: Patience = Patience { seconds: 0.5, most_link_forces: 30_000_000 };
+
+fn falling_cube() -> Scene {
+    let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
+    scene.bodies[0].pose.position[1] = 2.0;
+    scene
+}
+
+fn seen(scene: &Scene, mut meddle: impl FnMut(&mut Simulation<f32>, u64)) -> Verdict {
+    let mut simulation = Simulation::new(scene, &lattices(scene).expect("sound shapes"));
+    let mut watch = Watch::open(&simulation, PATIENCE);
+    loop {
+        meddle(&mut simulation, watch.verdict.substeps);
+        if !watch.substep(&mut simulation) {
+            return watch.verdict();
+        }
+    }
+}
+
+#[test]
+fn a_sound_motion_is_left_alone() {
+    let verdict = seen(&falling_cube(), |_, _| ());
+    assert_eq!((verdict.fault, verdict.cut_short), (None, false), "{verdict:?}");
+    assert!(verdict.largest_gain < 1e-3 && (verdict.simulated_secs - 0.5).abs() < 1e-3, "{verdict:?}");
+}
+
+#[test]
+fn a_body_that_is_squeezed_may_leave_faster_than_it_is_pushed() {
+    // A ball of 300 m presses a body into the ground at 28 km/s and leaves it.
+    let (scene, disturbances) = extreme(1, 6809);
+    let lattices = lattices(&scene).expect("sound shapes");
+    let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, PATIENCE);
+    assert_eq!(verdict.fault, None, "{verdict:?}");
+}
+
+#[test]
+fn an_explosion_is_seen() {
+    let mut scene = falling_cube();
+    scene.settings.stepping = Stepping::Manual;
+    scene.settings.dt = 0.1;
+    let mut rng = Rng::new(1);
+    let verdict = seen(&scene, |simulation, substep| {
+        if substep == 0 {
+            let mut state = simulation.state().clone();
+            for v in &mut state.velocity {
+                *v += Vec3::X.lerp(Vec3::NEG_X, if rng.unit() < 0.5 { 0.4 } else { 0.6 });
+            }
+            simulation.set_state(state);
+        }
+    });
+    assert!(verdict.fault.is_some(), "a manual step far above the limit: {verdict:?}");
+}
+
+#[test]
+fn a_tenth_more_energy_is_seen_and_a_fiftieth_is_not() {
+    let gained = |share: f32| {
+        seen(&falling_cube(), |simulation, substep| {
+            if substep == 250 {
+                let mut state = simulation.state().clone();
+                state.velocity.iter_mut().for_each(|v| *v *= (1.0 + share).sqrt());
+                simulation.set_state(state);
+            }
+        })
+    };
+    let (tenth, fiftieth) = (gained(0.1), gained(0.02));
+    assert_eq!(tenth.fault, Some(Fault::Energy), "{tenth:?}");
+    assert!((0.05..0.11).contains(&tenth.largest_gain), "as soon as it is told: {tenth:?}");
+    assert_eq!(fiftieth.fault, None, "{fiftieth:?}");
+}
+
+/// A ball sweeps into a cube that floats; later the cube has `share` more kinetic energy.
+fn kicked(share: f32) -> Verdict {
+    let sphere = Sphere { center: [-1.2, 0.0, 0.0], radius: 0.5 };
+    let ball = Obstacle { shape: ObstacleShape::Sphere(sphere), ..Obstacle::default() };
+    let mut scene = Scene { bodies: vec![Body::default()], obstacles: vec![ball], ..Scene::default() };
+    scene.bodies[0].pose.position = [0.0; 3];
+    scene.settings.gravity = [0.0; 3];
+    scene.settings.dt = 2e-4;
+    let mut after = scene.clone();
+    if let ObstacleShape::Sphere(sphere) = &mut after.obstacles[0].shape {
+        sphere.center[0] = -0.7;
+    }
+    seen(&scene, |simulation, substep| match substep {
+        10 => {
+            simulation.set_parameters(&after, &lattices(&after).expect("sound shapes"), &[Some(0)], Arrival::Swept);
+        }
+        1000 => {
+            let mut state = simulation.state().clone();
+            state.velocity.iter_mut().for_each(|v| *v *= (1.0 + share).sqrt());
+            simulation.set_state(state);
+        }
+        _ => (),
+    })
+}
+
+#[test]
+fn the_work_of_an_obstacle_may_be_had_and_more_may_not() {
+    let sound = kicked(0.0);
+    assert!(sound.fault.is_none() && sound.largest_gain < GAIN && sound.substeps > 1500, "{sound:?}");
+    // The kick keeps a tenth of it, the damping takes the rest.
+    let gained = kicked(12.0);
+    assert_eq!(gained.fault, Some(Fault::Energy), "{gained:?}");
+}
+
+/// A soft cube without gravity, in steps so long that an obstacle sweeps to its place in one of them.
+fn soft_cube(velocity: [f64; 3], ground: f64) -> Scene {
+    let [structural, none] = [20.0, 0.0].map(|stiffness| Spring { stiffness, damping: 0.0 });
+    let springs = Springs { structural, shear: none, bending: none, particle_mass: 1.0 };
+    let shape = Shape::Cube(CubeShape { cells: 2, size: 0.2 });
+    let material = Material::Springs(springs);
+    let pose = Pose { position: [0.0; 3], ..Pose::default() };
+    let body = Body { shape, pose, velocity, material, ..Body::default() };
+    let mut scene = Scene { bodies: vec![body], obstacles: vec![plane_at(ground)], ..Scene::default() };
+    scene.settings.gravity = [0.0; 3];
+    scene.settings.dt = 0.05;
+    scene.settings.inversion_recovery = false;
+    scene
+}
+
+fn plane_at(height: f64) -> Obstacle {
+    let plane = Plane { center: [0.0, height, 0.0], ..Plane::default() };
+    Obstacle { shape: ObstacleShape::Plane(plane), ..Obstacle::default() }
+}
+
+#[test]
+fn a_plane_that_sweeps_away_leaves_a_thrown_body_all_its_energy() {
+    // In the coming substep the plane would stop it.
+    let scene = soft_cube([0.0, -100.0, 0.0], -0.2);
+    let away = Box::new(Scene { obstacles: vec![plane_at(-1000.0)], ..scene.clone() });
+    let sweep = What::Obstacles { scene: away, arrival: Arrival::Swept };
+    let at_once = [sweep, What::Throw(0)].map(|what| Disturbance { at_secs: 0.01, what });
+    let lattices = lattices(&scene).expect("a cube");
+    let mut works = Vec::new();
+    let verdict = judge_followed::<f32>(&scene, &at_once, &lattices, PATIENCE, |seen| {
+        if let Seen::Disturbed(_, work) = seen {
+            works.push(work);
+        }
+    });
+    let thrown = 0.5 * 27.0 * 100.0 * 100.0;
+    assert!(works.iter().sum::<f64>() > 0.9 * thrown, "{works:?} J of {thrown} J");
+    assert!(works.iter().sum::<f64>() < 1.1 * thrown, "{works:?} J of {thrown} J");
+    assert_eq!(verdict.fault, None, "{verdict:?}");
+}
+
+#[test]
+fn a_strained_body_gets_as_far_as_it_is_pushed_in_the_first_part_of_a_substep() {
+    let scene = soft_cube([0.0; 3], -1.0);
+    let lattices = lattices(&scene).expect("a cube");
+    let mut simulation = Simulation::<f32>::new(&scene, &lattices);
+    let mut state = simulation.state().clone();
+    state.position.iter_mut().for_each(|x| *x *= 3.0);
+    simulation.set_state(state);
+    let mut watch = Watch::open(&simulation, PATIENCE);
+    let after = Scene { obstacles: vec![plane_at(15.0)], ..scene.clone() };
+    simulation.set_parameters(&after, &lattices, &[Some(0)], Arrival::Swept);
+    assert!(watch.substep(&mut simulation) && watch.taken.counters.substeps > 1, "in parts: {watch:?}");
+    while watch.substep(&mut simulation) {}
+    assert!(simulation.diagnostics().center.y > 300.0, "{} m up", simulation.diagnostics().center.y);
+    assert_eq!(watch.verdict().fault, None, "it is pushed at 960 m/s");
+}
+
+#[test]
+fn a_body_that_is_suddenly_elsewhere_is_seen() {
+    let mut scene = falling_cube();
+    scene.settings.gravity = [0.0; 3];
+    let verdict = seen(&scene, |simulation, substep| {
+        if substep == 100 {
+            let mut state = simulation.state().clone();
+            state.position.iter_mut().for_each(|x| x.x += 30.0);
+            simulation.set_state(state);
+        }
+    });
+    assert_eq!(verdict.fault, Some(Fault::Reach), "{verdict:?}");
+}
+
+#[test]
+fn a_nan_is_seen() {
+    let verdict = seen(&falling_cube(), |simulation, substep| {
+        if substep == 3 {
+            let mut state = simulation.state().clone();
+            state.velocity[5].y = f32::NAN;
+            simulation.set_state(state);
+        }
+    });
+    assert_eq!(verdict.fault, Some(Fault::NotFinite), "{verdict:?}");
+}
+
+#[test]
+fn what_takes_too_long_is_cut_short_and_says_so() {
+    let hasty = Patience { most_link_forces: 100_000, ..PATIENCE };
+    let scene = extreme_scene(1, 7);
+    let verdict = judge::<f32>(&scene, &lattices(&scene).expect("sound shapes"), hasty);
+    let cut_short = seen(&scene, |_, _| ()).substeps > verdict.substeps;
+    assert_eq!(verdict.cut_short, cut_short, "{verdict:?}");
+    let cube = judge::<f32>(&falling_cube(), &lattices(&falling_cube()).expect("sound shapes"), hasty);
+    assert!(cube.cut_short && cube.simulated_secs < 0.05, "{cube:?}");
+}
