@@ -150,20 +150,21 @@ pub(in crate::physics) fn look<R: Real>(
 
 /// Adds the push of the cells on the lists of the bodies, N.
 pub(in crate::physics) fn add_forces<R: Real>(
-    Substep { model, plan, state, dt, scheme, .. }: Substep<'_, R>,
+    Substep { model, plan, state, .. }: Substep<'_, R>,
     Configuration { position, velocity, .. }: Configuration<'_, R>,
     force: &mut [R::Vec3],
     scratch: &mut Scratch<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    // What the implicit integrator solves with resists as much.
-    let flow_secs = if scheme == Integrator::Implicit { R::ZERO } else { dt };
+    // What the implicit integrator solves with resists as much. The others have links flow as in whole substeps however
+    // these are divided: with less, links that were crushed to a point stayed crushed.
+    let flow_secs = if plan.integrator == Integrator::Implicit { 0.0 } else { plan.substep_secs() };
     for (body, memory) in model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep) {
         let position = &position[body.particles.clone()];
         let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];
         recorder.counters.recovery_cells += memory.near_inversion.len() as u64;
-        soften(body, &memory.near_inversion, position, velocity, flow_secs, scratch, force);
+        soften(body, &memory.near_inversion, position, velocity, R::from_f64(flow_secs), scratch, force);
         let stiffness = bearable_stiffness(plan, body) * body.inverse_cell_size;
         let pull = memory.stuck.then(|| pull::bearable_stiffness(plan, body) * body.inverse_cell_size);
         for &cell in &memory.near_inversion {
