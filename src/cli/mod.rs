@@ -10,6 +10,8 @@ mod error_plot;
 mod failure;
 mod kept;
 mod out;
+#[cfg(feature = "peers")]
+mod peers_plot;
 mod plot;
 mod presets;
 mod render;
@@ -18,6 +20,8 @@ mod report_cost;
 mod report_error;
 mod report_merge;
 mod report_options;
+#[cfg(feature = "peers")]
+mod report_peers;
 mod report_stability;
 mod run;
 mod scene_args;
@@ -25,6 +29,7 @@ mod shard;
 mod stability_plot;
 mod sweep;
 mod tally;
+mod time_plot;
 mod unknown;
 mod voxelize;
 

@@ -1,12 +1,16 @@
 //! `gelatin report`: measurements, each next door.
 
+#[cfg(not(feature = "peers"))]
+use anyhow::anyhow;
 use clap::{Args, Subcommand};
 
 use super::Failure;
 use super::report_cost;
 use super::report_error::{self, ErrorArgs};
 use super::report_merge::{self, MergeArgs};
-use super::report_options::ReportOptions;
+use super::report_options::{ReportForm, ReportOptions};
+#[cfg(feature = "peers")]
+use super::report_peers;
 use super::report_stability::{self, StabilityArgs};
 
 /// Which measurement.
@@ -29,6 +33,9 @@ enum Report {
     /// (stability.md, .csv, .svg, the random scenes that failed); without a SCENE, on cases of its own and random scenes,
     /// with a map of the border over stiffness and damping, contact and friction, and what the thesis saw fail.
     Stability(StabilityArgs),
+    /// How fast and how exact another engine's soft body is on the same cube, as stiff as makes it hang as low as ours
+    /// (peers.md, .csv, .svg); only in a build with the feature `peers`.
+    Peers(ReportForm),
     /// Make one page of the parts that --shard divided a measurement into: of error, stability or a sweep.
     Merge(MergeArgs),
 }
@@ -39,6 +46,13 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
         Report::Cost(options) => report_cost::run(options),
         Report::Error(args) => report_error::run(args),
         Report::Stability(args) => report_stability::run(args),
+        #[cfg(feature = "peers")]
+        Report::Peers(form) => report_peers::run(form),
+        #[cfg(not(feature = "peers"))]
+        Report::Peers(_) => Err(Failure::usage(anyhow!(
+            "this build has no other engine to compare with; build one that has: \
+             cargo run --release --features peers -- report peers"
+        ))),
         Report::Merge(args) => report_merge::run(args),
     }
 }

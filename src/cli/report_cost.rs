@@ -20,14 +20,14 @@ const PATIENCE: [Patience; 2] =
 
 /// Measures, prints, and fails where leaving something out changes the motion.
 pub(super) fn run(options: &ReportOptions) -> Result<(), Failure> {
-    let folder = options.folder(&["cost.md", "cost.csv", "cost.svg"])?;
+    let folder = options.form.folder(&["cost.md", "cost.csv", "cost.svg"])?;
     if options.given.is_empty() {
         options.changes.check_nothing_is_set("without a SCENE all presets are measured")?;
     }
     options.changes.start_threads()?;
     let figures = measure(options)?;
     let crowd = if options.given.is_empty() {
-        crowd(options.quick, &Progress::new("a cube in a crowd")).context("a cube cannot be made")?
+        crowd(options.form.quick, &Progress::new("a cube in a crowd")).context("a cube cannot be made")?
     } else {
         Vec::new()
     };
@@ -37,7 +37,7 @@ pub(super) fn run(options: &ReportOptions) -> Result<(), Failure> {
         out::write(&folder.join("cost.csv"), words::csv(&figures, &crowd).as_bytes())?;
         out::write(&folder.join("cost.svg"), cost_plot::svg(&figures, &crowd)?.as_bytes())?;
     }
-    if options.json {
+    if options.form.json {
         out::json(&json!({ "scenes": figures, "crowd": crowd }))?;
     } else {
         out::figures(text.trim_end())?;
@@ -56,7 +56,7 @@ fn measure(options: &ReportOptions) -> Result<Vec<CostFigures>, Failure> {
     let progress = Progress::new("scenes");
     let mut figures = Vec::new();
     for Subject { name, scene, lattices } in &subjects {
-        figures.push(cost::cost(name, scene, lattices, options.either(PATIENCE)));
+        figures.push(cost::cost(name, scene, lattices, options.form.either(PATIENCE)));
         progress.progress(figures.len() as f64 / subjects.len() as f64);
     }
     Ok(figures)

@@ -47,18 +47,18 @@ pub(super) fn run(args: &ErrorArgs) -> Result<(), Failure> {
     let options = &args.options;
     options.changes.check_all_schemes()?;
     let rows = Measurement::file_name(KIND, args.shard);
-    let folder = options.folder(&[FILES.as_slice(), &[&rows]].concat())?;
+    let folder = options.form.folder(&[FILES.as_slice(), &[&rows]].concat())?;
     options.changes.start_threads()?;
     let subjects = options.subjects(scenes)?;
     let cases: &[Case] = if options.given.is_empty() { &Case::ALL } else { &[] };
-    let about = json!({ "seconds": options.either(SECONDS), "cases": cases.len() });
+    let about = json!({ "seconds": options.form.either(SECONDS), "cases": cases.len() });
     let measurement = Measurement::new(KIND, subjects.len() + cases.len(), about, &described(&subjects)?);
     let kept = Kept::open(folder, measurement, args.shard)?;
     measure(&subjects, cases, options, &kept)?;
     if let Some(part) = kept.part() {
-        return Ok(out::part(part, kept.found().len(), options.json)?);
+        return Ok(out::part(part, kept.found().len(), options.form.json)?);
     }
-    let told = tell(kept.found(), folder, options.json);
+    let told = tell(kept.found(), folder, options.form.json);
     kept.discard()?;
     told
 }
@@ -103,7 +103,7 @@ pub(super) fn tell(found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Resu
 
 /// Measures one scene or case after another, but for those that are kept.
 fn measure(subjects: &[Subject], cases: &[Case], options: &ReportOptions, kept: &Kept<Piece>) -> Result<(), Failure> {
-    let effort = Effort::full(options.either(SECONDS));
+    let effort = Effort::full(options.form.either(SECONDS));
     let missing = kept.missing();
     for (done, piece) in missing.iter().enumerate() {
         let progress = |name: &str| Progress::new(&format!("{name} ({} of {})", done + 1, missing.len()));
@@ -111,7 +111,7 @@ fn measure(subjects: &[Subject], cases: &[Case], options: &ReportOptions, kept: 
             (Some(Subject { name, scene, lattices }), _) => {
                 error::measure(name, scene, lattices, effort, &progress(name)).map(Piece::Scene)
             }
-            (None, Some(case)) => cells::measure(*case, options.quick, &progress(case.name())).map(Piece::Cells),
+            (None, Some(case)) => cells::measure(*case, options.form.quick, &progress(case.name())).map(Piece::Cells),
             (None, None) => None,
         };
         kept.add(*piece, found.context("the measurement did not end")?)?;

@@ -22,6 +22,13 @@ pub(super) struct ReportOptions {
     pub(super) given: Vec<OsString>,
     #[command(flatten)]
     pub(super) changes: Changes,
+    #[command(flatten)]
+    pub(super) form: ReportForm,
+}
+
+/// How a report is told and how long it measures.
+#[derive(Debug, Args)]
+pub(super) struct ReportForm {
     /// Write the report's files into this folder.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -49,13 +56,6 @@ pub(super) fn described(subjects: &[Subject]) -> Result<String, Failure> {
 }
 
 impl ReportOptions {
-    /// The folder that was asked for, made where there is none; refused where one of the files cannot be written there.
-    pub(super) fn folder(&self, files: &[&str]) -> Result<Option<&Path>, Failure> {
-        let Some(folder) = self.output.as_deref() else { return Ok(None) };
-        make_folder(folder, files)?;
-        Ok(Some(folder))
-    }
-
     /// The scenes that were named, or the report's own: what cannot be opened is told before anything is measured.
     pub(super) fn subjects(&self, own: impl FnOnce() -> Vec<(String, Scene)>) -> Result<Vec<Subject>, Failure> {
         let mut opened: Vec<Opened> =
@@ -74,6 +74,15 @@ impl ReportOptions {
             Ok(Subject { name: opened.title, scene: opened.scene, lattices })
         };
         opened.into_iter().map(subject).collect()
+    }
+}
+
+impl ReportForm {
+    /// The folder that was asked for, made where there is none; refused where one of the files cannot be written there.
+    pub(super) fn folder(&self, files: &[&str]) -> Result<Option<&Path>, Failure> {
+        let Some(folder) = self.output.as_deref() else { return Ok(None) };
+        make_folder(folder, files)?;
+        Ok(Some(folder))
     }
 
     /// The entry of a pair that holds for how long is measured: the second with `--quick`.

@@ -107,20 +107,20 @@ pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
         return one_scene(args, number);
     }
     let rows = Measurement::file_name(KIND, args.shard);
-    let folder = options.folder(&[FILES.as_slice(), &[&rows]].concat())?;
+    let folder = options.form.folder(&[FILES.as_slice(), &[&rows]].concat())?;
     options.changes.start_threads()?;
     let cases = options.subjects(matrix)?;
-    let default = if options.given.is_empty() { options.either(SCENES) } else { 0 };
+    let default = if options.given.is_empty() { options.form.either(SCENES) } else { 0 };
     let random = args.scenes.unwrap_or(default);
-    let about = About { seed: args.seed, random, quick: options.quick, own: options.given.is_empty() };
+    let about = About { seed: args.seed, random, quick: options.form.quick, own: options.given.is_empty() };
     let work = Work::all(&about, &cases);
     let measurement = Measurement::new(KIND, work.len(), serde_json::to_value(&about)?, &described(&cases)?);
     let kept = Kept::open(folder, measurement, args.shard)?;
     measure(&about, &work, &kept)?;
     if let Some(part) = kept.part() {
-        return Ok(out::part(part, kept.found().len(), options.json)?);
+        return Ok(out::part(part, kept.found().len(), options.form.json)?);
     }
-    let told = tell(&about, kept.found(), folder, options.json);
+    let told = tell(&about, kept.found(), folder, options.form.json);
     kept.discard()?;
     told
 }
@@ -167,11 +167,12 @@ pub(super) fn tell(about: &About, found: Vec<Piece>, folder: Option<&Path>, json
 /// Prints the account of one random scene, and fails if the scene does.
 fn one_scene(args: &StabilityArgs, number: u64) -> Result<(), Failure> {
     args.options.changes.start_threads()?;
-    if let Some(folder) = args.options.folder(&[])? {
+    if let Some(folder) = args.options.form.folder(&[])? {
         write_scene(folder, args.seed, number)?;
     }
-    let account = single::account(args.seed, number, args.options.quick).context("a random scene cannot be made")?;
-    if args.options.json {
+    let account =
+        single::account(args.seed, number, args.options.form.quick).context("a random scene cannot be made")?;
+    if args.options.form.json {
         out::json(&serde_json::to_value(&account)?)?;
     } else {
         out::figures(single::markdown(&account).trim_end())?;

@@ -157,12 +157,17 @@ impl Changes {
         if let Some(gigabytes) = self.memory {
             machine::allow((gigabytes * 1e9) as u64);
         }
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(self.threads))
-            .build_global()
-            .context("the worker threads cannot be started")?;
-        Ok(())
+        start_threads(self.threads)
     }
+}
+
+/// Starts the worker threads, once in a process; 0 takes all cores.
+pub(super) fn start_threads(count: u16) -> Result<(), Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(count))
+        .build_global()
+        .context("the worker threads cannot be started")?;
+    Ok(())
 }
 
 /// An amount of memory on the command line.

@@ -9,6 +9,8 @@ pub mod error;
 pub mod extremes;
 pub mod judge;
 pub mod matrix;
+#[cfg(feature = "peers")]
+pub mod peers;
 pub mod single;
 pub mod stability;
 pub mod statics;

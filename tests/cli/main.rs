@@ -7,6 +7,7 @@ mod figures;
 mod killed;
 #[cfg(target_os = "linux")]
 mod limits;
+mod peers;
 mod program;
 mod readme;
 mod report;

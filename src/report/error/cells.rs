@@ -11,6 +11,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::follow::{follow, rms, whole};
+use super::reference::fine_step;
 use super::{LOOK_SECS, REFERENCE, Way};
 use crate::geometry::Watch;
 use crate::physics::Simulation;
@@ -27,9 +28,8 @@ const DAMPING_RATIO: f64 = 0.05;
 const SLENDERNESS: u32 = 8;
 /// How far from the middle the patch reaches that the standing block stands on, m.
 const PATCH: f64 = 0.25;
-/// The step whose error is compared, s, and its reference's over the largest stable one.
+/// The step whose error is compared, s.
 pub const STEP_SECS: f64 = 1e-3;
-const FINER: f64 = 1.0 / 16.0;
 /// Simulated time in which the steps' error arises, s, and in which the wall time is measured.
 const MOTION_SECS: f64 = 0.4;
 const TIMED_SECS: f64 = 0.02;
@@ -302,9 +302,7 @@ fn extrapolated([coarse, middle, fine]: [f64; 3]) -> Option<(f64, f64)> {
 fn steps_error(case: Case, watch: &dyn Watch) -> Option<f64> {
     let scene = case.scene(case.usual());
     let lattices = lattices(&scene).ok()?;
-    let safe = Simulation::<f32>::new(&scene, &lattices).plan().limits.dt_safe_secs().unwrap_or(STEP_SECS);
-    // A whole number of steps between looks.
-    let dt = LOOK_SECS / (LOOK_SECS / (FINER * safe.min(STEP_SECS))).ceil();
+    let dt = fine_step(&scene, &lattices, STEP_SECS);
     let looks = whole(MOTION_SECS / LOOK_SECS);
     let truth = follow::<f64>(&Way::Manual(REFERENCE).applied(&scene, dt), &lattices, looks, None, watch);
     let run = follow::<f32>(&Way::Automatic.applied(&scene, STEP_SECS), &lattices, looks, None, watch);

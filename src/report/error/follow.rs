@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use cpu_time::ProcessTime;
+
 use crate::geometry::{Lattice, Watch};
 use crate::math::{Real, Vector};
 use crate::physics::{Simulation, Stage, StageTimer};
@@ -12,17 +14,19 @@ use crate::scene::Scene;
 pub const LOOK_SECS: f64 = 0.04;
 
 /// A run that was looked at.
-pub(super) struct Followed {
+pub(in crate::report) struct Followed {
     /// Positions of the particles at every look; fewer looks where the run diverged.
-    pub(super) looks: Vec<Vec<[f64; 3]>>,
-    pub(super) spent: Duration,
-    pub(super) diverged: bool,
+    pub(in crate::report) looks: Vec<Vec<[f64; 3]>>,
+    pub(in crate::report) spent: Duration,
+    /// Of all processors: what other programs take is not in it.
+    pub(in crate::report) processor: Duration,
+    pub(in crate::report) diverged: bool,
     /// Nobody waits for it any more.
-    pub(super) cancelled: bool,
+    pub(in crate::report) cancelled: bool,
 }
 
 /// Whether a run has nothing to do with the scene any more, by the number of the look and the positions.
-pub(super) type Lost<'a> = &'a dyn Fn(usize, &[[f64; 3]]) -> bool;
+pub(in crate::report) type Lost<'a> = &'a dyn Fn(usize, &[[f64; 3]]) -> bool;
 
 /// Gives a step up when nobody waits for the run any more.
 struct Stoppable<'a>(&'a dyn Watch);
@@ -35,19 +39,61 @@ impl StageTimer for Stoppable<'_> {
     }
 }
 
-/// Runs a scene for so many looks. One that is `lost` at a look goes no further; nor does one that is cancelled, within
-/// a step too. How far it is is told before every step, whose time does not hold that.
-pub(super) fn follow<R: Real>(
+/// How a step ended.
+pub(in crate::report) enum Ended {
+    Whole,
+    Diverged,
+    /// Nobody waits for it any more.
+    Stopped,
+}
+
+/// What goes on in steps and has particles.
+pub(in crate::report) trait Steps {
+    fn step(&mut self, watch: &dyn Watch) -> Ended;
+    /// Where the particles are, m.
+    fn positions(&self) -> Vec<[f64; 3]>;
+}
+
+impl<R: Real> Steps for Simulation<R> {
+    fn step(&mut self, watch: &dyn Watch) -> Ended {
+        let report = self.step_timed(&mut Stoppable(watch));
+        match (report.stopped, report.diverged) {
+            (true, _) => Ended::Stopped,
+            (false, true) => Ended::Diverged,
+            (false, false) => Ended::Whole,
+        }
+    }
+
+    fn positions(&self) -> Vec<[f64; 3]> {
+        self.state().position.iter().map(|at| at.components().map(Real::to_f64)).collect()
+    }
+}
+
+/// Runs a scene for so many looks, as [`follow_steps`] does.
+pub(in crate::report) fn follow<R: Real>(
     scene: &Scene,
     lattices: &[Arc<Lattice>],
     looks: u64,
     lost: Option<Lost<'_>>,
     watch: &dyn Watch,
 ) -> Followed {
-    let mut simulation = Simulation::<R>::new(scene, lattices);
-    let mut found = Followed { looks: Vec::new(), spent: Duration::ZERO, diverged: false, cancelled: false };
-    let each = whole(LOOK_SECS / scene.settings.dt);
+    follow_steps(&mut Simulation::<R>::new(scene, lattices), scene.settings.dt, looks, lost, watch)
+}
+
+/// Takes steps of `dt_secs` for so many looks. What is `lost` at a look goes no further; nor does what is cancelled, within
+/// a step too. How far it is is told before every step, whose time does not hold that.
+pub(in crate::report) fn follow_steps(
+    steps: &mut impl Steps,
+    dt_secs: f64,
+    looks: u64,
+    lost: Option<Lost<'_>>,
+    watch: &dyn Watch,
+) -> Followed {
+    let none = Duration::ZERO;
+    let mut found = Followed { looks: Vec::new(), spent: none, processor: none, diverged: false, cancelled: false };
+    let each = whole(LOOK_SECS / dt_secs);
     for look in 0..looks {
+        let processor = ProcessTime::now();
         for step in 0..each {
             watch.progress((look * each + step) as f64 / (looks * each) as f64);
             if watch.cancelled() {
@@ -55,18 +101,22 @@ pub(super) fn follow<R: Real>(
                 return found;
             }
             let begin = Instant::now();
-            let report = simulation.step_timed(&mut Stoppable(watch));
+            let ended = steps.step(watch);
             found.spent += begin.elapsed();
-            if report.stopped {
-                found.cancelled = true;
-                return found;
-            }
-            found.diverged = report.diverged;
-            if found.diverged {
-                break;
+            match ended {
+                Ended::Whole => {}
+                Ended::Diverged => {
+                    found.diverged = true;
+                    break;
+                }
+                Ended::Stopped => {
+                    found.cancelled = true;
+                    return found;
+                }
             }
         }
-        let now: Vec<_> = simulation.state().position.iter().map(|at| at.components().map(Real::to_f64)).collect();
+        found.processor += processor.elapsed();
+        let now = steps.positions();
         let index = usize::try_from(look).unwrap_or(usize::MAX);
         found.diverged |= lost.is_some_and(|lost| lost(index, &now));
         if found.diverged {
@@ -78,18 +128,18 @@ pub(super) fn follow<R: Real>(
 }
 
 /// The root of the mean square distance of two runs, over all particles and looks, m.
-pub(super) fn rms(run: &[Vec<[f64; 3]>], other: &[Vec<[f64; 3]>]) -> f64 {
+pub(in crate::report) fn rms(run: &[Vec<[f64; 3]>], other: &[Vec<[f64; 3]>]) -> f64 {
     let all: f64 = run.iter().zip(other).map(|(now, truth)| mean_square(now, truth)).sum();
     (all / run.len().min(other.len()).max(1) as f64).sqrt()
 }
 
-pub(super) fn mean_square(now: &[[f64; 3]], truth: &[[f64; 3]]) -> f64 {
+pub(in crate::report) fn mean_square(now: &[[f64; 3]], truth: &[[f64; 3]]) -> f64 {
     let square = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>();
     now.iter().zip(truth).map(square).sum::<f64>() / now.len().max(1) as f64
 }
 
 /// The longest side of the box around the particles at the first look, m.
-pub(super) fn size(looks: &[Vec<[f64; 3]>]) -> f64 {
+pub(in crate::report) fn size(looks: &[Vec<[f64; 3]>]) -> f64 {
     let Some(first) = looks.first() else { return f64::INFINITY };
     let side = |axis: usize| {
         let along = first.iter().map(|at| at[axis]);
@@ -100,6 +150,6 @@ pub(super) fn size(looks: &[Vec<[f64; 3]>]) -> f64 {
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count")]
-pub(super) fn whole(value: f64) -> u64 {
+pub(in crate::report) fn whole(value: f64) -> u64 {
     libm::round(value) as u64
 }

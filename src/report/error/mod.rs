@@ -6,7 +6,9 @@
 //! the second of each, so that a machine that grows slower does so for all of them.
 
 pub mod cells;
-mod follow;
+pub(super) mod follow;
+pub(super) mod measured;
+pub(super) mod reference;
 pub mod scenes;
 pub mod words;
 
@@ -15,13 +17,15 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::watch::{CancelOnly, Portion};
+use crate::geometry::watch::Portion;
 use crate::geometry::{Lattice, Watch};
 use crate::physics::Simulation;
 use crate::scene::Scene;
 use crate::scene::settings::{Integrator, Stepping};
 pub use follow::LOOK_SECS;
-use follow::{follow, mean_square, rms, size, whole};
+use follow::{follow, size, whole};
+use measured::{Measured, front};
+use reference::{FINER, Reference};
 
 /// The scheme of the reference: of second order at one evaluation of the forces a step.
 pub const REFERENCE: Integrator = Integrator::Verlet;
@@ -31,17 +35,15 @@ const LARGEST_SECS: f64 = 0.008;
 const RUNGS: [u32; 2] = [6, 12];
 /// The smallest step measured over the largest stable one, where that makes more rungs.
 const BELOW_LIMIT: f64 = 0.25;
-/// The step of the reference over the smallest one measured.
-const FINER: f64 = 1.0 / 16.0;
 /// Runs of each.
 pub const REPEATS: usize = 5;
 /// How long a step of the reference takes over one of a measured run: its numbers are in double precision.
 const REFERENCE_COST: f64 = 1.5;
 /// An error above this many times the size of the bodies is a motion that has nothing to do with the scene.
-const LOST: f64 = 1.0;
+pub(super) const LOST: f64 = 1.0;
 /// A scheme whose steps are divided by `CONVERGES[0]` and whose error stays above `CONVERGES[1]` of what it was does not
 /// converge to the reference.
-const CONVERGES: [f64; 2] = [4.0, 0.7];
+pub(super) const CONVERGES: [f64; 2] = [4.0, 0.7];
 /// Errors below this share of the bodies' size are rounding.
 const ROUNDING: f64 = 2e-5;
 
@@ -87,7 +89,7 @@ impl Way {
         }
     }
 
-    fn applied(self, scene: &Scene, dt: f64) -> Scene {
+    pub(super) fn applied(self, scene: &Scene, dt: f64) -> Scene {
         let mut scene = scene.clone();
         // What sleeps takes no time and what is asleep has no error: neither is that of a scheme.
         (scene.settings.dt, scene.settings.sleeping) = (dt, false);
@@ -219,31 +221,18 @@ fn compare(
     let steps = steps(probe.plan().limits.dt_safe_secs(), effort.most_rungs);
     let finest = finest(&steps, effort);
     let work = Work::new(&steps, finest, effort.repeats);
-    let [first, second] = work.of_reference;
-    let reference = |dt: f64, watch: &dyn Watch| {
-        follow::<f64>(&Way::Manual(REFERENCE).applied(truth, dt), lattices, looks, None, watch)
-    };
-    let found = if effort.side_by_side {
-        let whole = Portion::new(watch, [0.0, second]);
-        let (finest, check) = rayon::join(|| reference(finest, &whole), || reference(2.0 * finest, &CancelOnly(watch)));
-        [finest, check]
-    } else {
-        [(finest, [0.0, first]), (2.0 * finest, [first, second])]
-            .map(|(dt, span)| reference(dt, &Portion::new(watch, span)))
-    };
-    if found.iter().any(|run| run.cancelled) {
-        return None;
-    }
-    let (truth, check) = (&found[0].looks, &found[1].looks);
+    let both = [finest, 2.0 * finest].map(|dt| Way::Manual(REFERENCE).applied(truth, dt));
+    let reference = Reference::of(both.each_ref(), lattices, looks, effort.side_by_side, work.of_reference, watch)?;
+    let truth = &reference.looks;
     let size_m = size(truth);
-    let mut rows: Vec<Measured> =
-        Way::all().flat_map(|way| steps.iter().map(move |&dt| Measured::new(way, dt))).collect();
-    let mut done = second;
+    let mut rows: Vec<Setting> =
+        Way::all().flat_map(|way| steps.iter().map(move |&dt| Setting::new(way, dt))).collect();
+    let [_, mut done] = work.of_reference;
     for _ in 0..effort.repeats {
         for row in &mut rows {
             let begin = done;
             done += work.of(row.way, row.dt);
-            if !row.diverged && row.spent < effort.enough {
+            if !row.measured.diverged && row.measured.spent < effort.enough {
                 row.run(scene, lattices, truth, LOST * size_m, &Portion::new(watch, [begin, done]));
             }
             if watch.cancelled() {
@@ -251,9 +240,9 @@ fn compare(
             }
         }
     }
-    let mut rows: Vec<Row> = rows.into_iter().map(|measured| measured.row(looks)).collect();
+    let mut rows: Vec<Row> = rows.into_iter().map(|setting| setting.row(looks)).collect();
     mark_pareto(&mut rows);
-    let reference_error_m = rms(truth, check);
+    let reference_error_m = reference.error_m;
     let floor = (2.0 * reference_error_m).max(ROUNDING * size_m);
     Some(ErrorFigures {
         scene: title.to_owned(),
@@ -261,7 +250,7 @@ fn compare(
         links: probe.model().link_counts().iter().sum(),
         simulated_secs: looks as f64 * LOOK_SECS,
         size_m,
-        reference_dt_secs: finest,
+        reference_dt_secs: reference.dt_secs,
         reference_error_m,
         not_converging: not_converging(&rows, floor),
         rows,
@@ -305,20 +294,15 @@ impl Work {
 }
 
 /// One way at one step, as far as it was measured.
-struct Measured {
+struct Setting {
     way: Way,
     dt: f64,
-    error_m: f64,
-    /// Wall time of each run for a simulated second.
-    wall_secs: Vec<f64>,
-    /// Of all runs.
-    spent: Duration,
-    diverged: bool,
+    measured: Measured,
 }
 
-impl Measured {
+impl Setting {
     fn new(way: Way, dt: f64) -> Self {
-        Self { way, dt, error_m: f64::INFINITY, wall_secs: Vec::new(), spent: Duration::ZERO, diverged: false }
+        Self { way, dt, measured: Measured::new() }
     }
 
     fn run(
@@ -329,31 +313,22 @@ impl Measured {
         lost_m: f64,
         watch: &dyn Watch,
     ) {
-        let is_lost = |look: usize, now: &[[f64; 3]]| {
-            let error = truth.get(look).map_or(f64::NAN, |truth| mean_square(now, truth).sqrt());
-            error.is_nan() || error > lost_m
-        };
         let scene = self.way.applied(scene, self.dt);
-        let found = follow::<f32>(&scene, lattices, truth.len() as u64, Some(&is_lost), watch);
-        self.diverged = found.diverged;
-        self.spent += found.spent;
-        let looks = found.looks.len().max(1);
-        self.wall_secs.push(found.spent.as_secs_f64() / (looks as f64 * LOOK_SECS));
-        self.error_m = if found.diverged { f64::INFINITY } else { rms(&found.looks, truth) };
+        let looks = truth.len() as u64;
+        self.measured.run(truth, lost_m, |lost| follow::<f32>(&scene, lattices, looks, Some(lost), watch));
     }
 
-    fn row(mut self, looks: u64) -> Row {
-        self.wall_secs.sort_by(f64::total_cmp);
-        let at = |index: usize| self.wall_secs.get(index).copied().unwrap_or(f64::NAN);
+    fn row(self, looks: u64) -> Row {
+        let [wall_secs_median, wall_secs_min, wall_secs_max] = self.measured.wall_secs();
         Row {
             integrator: self.way,
             dt_secs: self.dt,
             steps: looks * whole(LOOK_SECS / self.dt),
-            error_rms_m: self.error_m,
-            wall_secs_median: at(self.wall_secs.len() / 2),
-            wall_secs_min: at(0),
-            wall_secs_max: at(self.wall_secs.len().saturating_sub(1)),
-            diverged: self.diverged,
+            error_rms_m: self.measured.error_m,
+            wall_secs_median,
+            wall_secs_min,
+            wall_secs_max,
+            diverged: self.measured.diverged,
             pareto: false,
         }
     }
@@ -362,13 +337,8 @@ impl Measured {
 /// Marks the rows that no other one is better than in both, by the median time.
 fn mark_pareto(rows: &mut [Row]) {
     let figures: Vec<_> = rows.iter().map(|row| (row.wall_secs_median, row.error_rms_m)).collect();
-    for (index, row) in rows.iter_mut().enumerate() {
-        let (time, error) = figures[index];
-        let is_beaten = figures.iter().enumerate().any(|(other, &(other_time, other_error))| {
-            let as_good = other_time <= time && other_error <= error;
-            as_good && (other_time < time || other_error < error || other < index)
-        });
-        row.pareto = !row.diverged && !is_beaten;
+    for (row, is_best) in rows.iter_mut().zip(front(&figures)) {
+        row.pareto = !row.diverged && is_best;
     }
 }
 

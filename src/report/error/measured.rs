@@ -1,0 +1,80 @@
+//! Something that is run again and again: how far it misses the reference, and how long it takes.
+
+use std::time::Duration;
+
+use super::follow::{Followed, LOOK_SECS, Lost, mean_square, rms};
+
+/// What was found of it so far.
+pub(in crate::report) struct Measured {
+    /// Infinite where it diverged, m.
+    pub(in crate::report) error_m: f64,
+    pub(in crate::report) diverged: bool,
+    /// Wall time of all runs.
+    pub(in crate::report) spent: Duration,
+    /// Wall time of each run for a simulated second.
+    wall_secs: Vec<f64>,
+    /// Time of the processors for the same.
+    processor_secs: Vec<f64>,
+}
+
+impl Measured {
+    pub(in crate::report) fn new() -> Self {
+        Self {
+            error_m: f64::INFINITY,
+            diverged: false,
+            spent: Duration::ZERO,
+            wall_secs: Vec::new(),
+            processor_secs: Vec::new(),
+        }
+    }
+
+    /// Takes one more run, which ends where it is further from the reference than `lost_m`.
+    pub(in crate::report) fn run(
+        &mut self,
+        truth: &[Vec<[f64; 3]>],
+        lost_m: f64,
+        run: impl FnOnce(Lost<'_>) -> Followed,
+    ) {
+        let is_lost = |look: usize, now: &[[f64; 3]]| {
+            let error = truth.get(look).map_or(f64::NAN, |truth| mean_square(now, truth).sqrt());
+            error.is_nan() || error > lost_m
+        };
+        let found = run(&is_lost);
+        self.diverged = found.diverged;
+        self.spent += found.spent;
+        let simulated_secs = found.looks.len().max(1) as f64 * LOOK_SECS;
+        self.wall_secs.push(found.spent.as_secs_f64() / simulated_secs);
+        self.processor_secs.push(found.processor.as_secs_f64() / simulated_secs);
+        self.error_m = if found.diverged { f64::INFINITY } else { rms(&found.looks, truth) };
+    }
+
+    /// Median, least and most of the wall times for a simulated second.
+    pub(in crate::report) fn wall_secs(&self) -> [f64; 3] {
+        spread(&self.wall_secs)
+    }
+
+    /// The same of the time that processors spent on it.
+    #[cfg(feature = "peers")]
+    pub(in crate::report) fn processor_secs(&self) -> [f64; 3] {
+        spread(&self.processor_secs)
+    }
+}
+
+fn spread(secs: &[f64]) -> [f64; 3] {
+    let mut secs = secs.to_vec();
+    secs.sort_by(f64::total_cmp);
+    let at = |index: usize| secs.get(index).copied().unwrap_or(f64::NAN);
+    [at(secs.len() / 2), at(0), at(secs.len().saturating_sub(1))]
+}
+
+/// Of times and errors, which no other one is better than in both.
+pub(in crate::report) fn front(figures: &[(f64, f64)]) -> Vec<bool> {
+    let is_beaten = |index: usize| {
+        let (time, error) = figures[index];
+        figures.iter().enumerate().any(|(other, &(other_time, other_error))| {
+            let as_good = other_time <= time && other_error <= error;
+            as_good && (other_time < time || other_error < error || other < index)
+        })
+    };
+    (0..figures.len()).map(|index| !is_beaten(index)).collect()
+}

@@ -1,0 +1,55 @@
+//! The converged motion that errors are measured against: the scene in double precision at a small step, and a second time
+//! at twice that. What the two differ by is all that it is known to.
+
+use std::sync::Arc;
+
+use super::follow::{LOOK_SECS, follow, rms};
+use crate::geometry::watch::{CancelOnly, Portion};
+use crate::geometry::{Lattice, Watch};
+use crate::physics::Simulation;
+use crate::scene::Scene;
+
+/// The step of the reference over the smallest one that is measured, or over the largest stable one.
+pub(in crate::report) const FINER: f64 = 1.0 / 16.0;
+
+/// The converged motion of a scene.
+pub(in crate::report) struct Reference {
+    /// Positions of the particles at every look, m.
+    pub(in crate::report) looks: Vec<Vec<[f64; 3]>>,
+    /// Its step, s.
+    pub(in crate::report) dt_secs: f64,
+    /// What it differs by from itself at twice the step, m.
+    pub(in crate::report) error_m: f64,
+}
+
+impl Reference {
+    /// Runs a scene, which is given at the small step and at twice that, at the same time where `side_by_side`; none where
+    /// `watch` cancels. The runs are the work up to the fractions of `ends`.
+    pub(in crate::report) fn of(
+        [finest, check]: [&Scene; 2],
+        lattices: &[Arc<Lattice>],
+        looks: u64,
+        side_by_side: bool,
+        ends: [f64; 2],
+        watch: &dyn Watch,
+    ) -> Option<Self> {
+        let run = |scene: &Scene, watch: &dyn Watch| follow::<f64>(scene, lattices, looks, None, watch);
+        let [first, second] = ends;
+        let (found, checked) = if side_by_side {
+            let whole = Portion::new(watch, [0.0, second]);
+            rayon::join(|| run(finest, &whole), || run(check, &CancelOnly(watch)))
+        } else {
+            let found = run(finest, &Portion::new(watch, [0.0, first]));
+            (found, run(check, &Portion::new(watch, [first, second])))
+        };
+        let is_whole = !found.cancelled && !checked.cancelled;
+        let error_m = rms(&found.looks, &checked.looks);
+        is_whole.then_some(Self { looks: found.looks, dt_secs: finest.settings.dt, error_m })
+    }
+}
+
+/// A step well below the largest stable one and below `most_secs`, of which a whole number lies between two looks, s.
+pub(in crate::report) fn fine_step(scene: &Scene, lattices: &[Arc<Lattice>], most_secs: f64) -> f64 {
+    let safe = Simulation::<f32>::new(scene, lattices).plan().limits.dt_safe_secs().unwrap_or(most_secs);
+    LOOK_SECS / (LOOK_SECS / (FINER * safe.min(most_secs))).ceil()
+}

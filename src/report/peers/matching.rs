@@ -1,0 +1,162 @@
+//! Giving a peer the stiffness with which it sags as ours does, and the damping with which it swings most like ours.
+
+use serde::Serialize;
+
+use super::contender::{Peer, Tuning};
+use super::cube::{Cube, REST_SECS, REST_STEP_SECS};
+use super::rapier::World;
+use crate::geometry::Watch;
+use crate::report::error::LOOK_SECS;
+use crate::report::error::follow::{Followed, Lost, follow_steps, rms, whole};
+
+/// Sags that differ by less than this share are the same.
+pub const SAME_SAG: f64 = 0.01;
+/// Sags closer than this to each other, as a share, are not brought nearer.
+const NEAR: f64 = 2e-4;
+/// Tries to find a stiffness, and the most that one is changed by in a try, as the logarithm of a factor.
+const TRIES: usize = 10;
+const MOST_CHANGE: f64 = 1.5;
+/// Damping ratios between which the best one is sought, and by how many swings.
+const RATIOS: [f64; 2] = [0.001, 0.5];
+const SWINGS: usize = 10;
+/// Golden section.
+const GOLDEN: f64 = 0.618_033_988_749_895;
+/// The rate at which particles lose speed on the way to rest, 1/s: near the critical one of the slowest vibration.
+const REST_DRAG: f64 = 20.0;
+
+/// A peer made to sag as ours; the names are those of the JSON object. SI units.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the names are the keys of the JSON object")]
+pub struct Matched {
+    pub peer: Peer,
+    /// Over that of our links, or Young's modulus, Pa.
+    pub stiffness: f64,
+    /// Over that of our links, or the damping ratio of the cells.
+    pub damping: f64,
+    pub sag_m: f64,
+    /// Whether the sag is that of ours.
+    pub same_sag: bool,
+}
+
+impl Matched {
+    /// What it is made of, when it swings.
+    pub(super) fn tuning(&self) -> Tuning {
+        Tuning { stiffness: self.stiffness, damping: self.damping, drag: 0.0 }
+    }
+}
+
+/// Makes a peer of `cube` sag by `sag_m` and swing like `truth`; none where `watch` cancels.
+pub(super) fn matched(
+    cube: &Cube,
+    peer: Peer,
+    sag_m: f64,
+    truth: &[Vec<[f64; 3]>],
+    watch: &dyn Watch,
+) -> Option<Matched> {
+    let start = peer.start(cube);
+    let (stiffness, found_m) = stiffness(start.stiffness, sag_m, |stiffness| {
+        Some(cube.sag(&rest(cube, peer, Tuning { stiffness, ..start }, REST_STEP_SECS, watch)?))
+    })?;
+    let swing_error = |ratio: f64| {
+        let tuning = Tuning { stiffness, damping: ratio, drag: 0.0 };
+        let swing = swing(cube, peer, tuning, REST_STEP_SECS, truth.len() as u64, None, watch);
+        (!swing.cancelled).then(|| rms(&swing.looks, truth))
+    };
+    // The same links have the same damping: there is nothing to choose.
+    let damping = if peer == Peer::Links { start.damping } else { least(RATIOS, swing_error)? };
+    Some(Matched { peer, stiffness, damping, sag_m: found_m, same_sag: is_same_sag(found_m, sag_m) })
+}
+
+/// Whether two sags are the same, for the purpose of comparing times.
+pub(super) fn is_same_sag(found_m: f64, wanted_m: f64) -> bool {
+    (found_m / wanted_m - 1.0).abs() < SAME_SAG
+}
+
+/// Where a peer's particles hang still, m; none where `watch` cancels.
+pub(super) fn rest(cube: &Cube, peer: Peer, tuning: Tuning, dt: f64, watch: &dyn Watch) -> Option<Vec<[f64; 3]>> {
+    let looks = whole(REST_SECS / LOOK_SECS);
+    let tuning = Tuning { drag: REST_DRAG, ..tuning };
+    swing(cube, peer, tuning, dt, looks, None, watch).looks.pop().filter(|_| !watch.cancelled())
+}
+
+/// Lets a peer go, unstretched.
+pub(super) fn swing(
+    cube: &Cube,
+    peer: Peer,
+    tuning: Tuning,
+    dt: f64,
+    looks: u64,
+    lost: Option<Lost<'_>>,
+    watch: &dyn Watch,
+) -> Followed {
+    follow_steps(&mut World::new(cube, peer, tuning, dt), dt, looks, lost, watch)
+}
+
+/// The stiffness whose sag is nearest to the one wanted, and that sag, by secants of the logarithms, beginning with a sag
+/// that is inverse to the stiffness; none where `sag` gives none.
+fn stiffness(start: f64, wanted: f64, mut sag: impl FnMut(f64) -> Option<f64>) -> Option<(f64, f64)> {
+    let (mut at, mut slope) = (start, -1.0);
+    let mut nearest = (start, f64::INFINITY);
+    let mut before: Option<[f64; 2]> = None;
+    for _ in 0..TRIES {
+        let found = sag(at)?;
+        let miss = libm::log(found / wanted);
+        if !miss.is_finite() {
+            break;
+        }
+        if miss.abs() < libm::log(nearest.1 / wanted).abs() {
+            nearest = (at, found);
+        }
+        if miss.abs() < NEAR {
+            break;
+        }
+        if let Some([at_before, miss_before]) = before {
+            let secant = (miss - miss_before) / (libm::log(at) - at_before);
+            slope = if secant.is_finite() && secant < 0.0 { secant } else { slope };
+        }
+        before = Some([libm::log(at), miss]);
+        at *= libm::exp((-miss / slope).clamp(-MOST_CHANGE, MOST_CHANGE));
+    }
+    Some(nearest)
+}
+
+/// Where between two values an error is least, by golden section of the logarithm; none where `error` gives none.
+fn least([low, high]: [f64; 2], mut error: impl FnMut(f64) -> Option<f64>) -> Option<f64> {
+    let [mut low, mut high] = [libm::log(low), libm::log(high)];
+    let mut at = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+    let mut found = [error(libm::exp(at[0]))?, error(libm::exp(at[1]))?];
+    for _ in 2..SWINGS {
+        if found[0] < found[1] {
+            high = at[1];
+            at = [high - GOLDEN * (high - low), at[0]];
+            found = [error(libm::exp(at[0]))?, found[0]];
+        } else {
+            low = at[0];
+            at = [at[1], low + GOLDEN * (high - low)];
+            found = [found[1], error(libm::exp(at[1]))?];
+        }
+    }
+    Some(libm::exp(if found[0] < found[1] { at[0] } else { at[1] }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stiffness_is_found_and_what_cannot_be_reached_is_not() {
+        let spring = |stiffness: f64| Some(3.0 / stiffness.powf(0.8));
+        let (found, sag) = stiffness(1.0, 0.1, spring).expect("it sags");
+        assert!((spring(found).expect("a sag") / 0.1 - 1.0).abs() < NEAR && (sag / 0.1 - 1.0).abs() < NEAR, "{found}");
+        let (_, sag) = stiffness(1.0, 0.1, |_| Some(0.2)).expect("it sags");
+        assert!(!is_same_sag(sag, 0.1), "it sags by 0.2 however stiff it is");
+        let (_, sag) = stiffness(1.0, 0.1, |_| Some(f64::NAN)).expect("tried");
+        assert!(!is_same_sag(sag, 0.1), "it is no number");
+    }
+
+    #[test]
+    fn the_least_error_is_found() {
+        let found = least([0.01, 1.0], |ratio| Some((ratio / 0.07).ln().abs())).expect("errors");
+        assert!((found / 0.07).ln().abs() < 0.2, "{found}");
+    }
+}
