@@ -72,8 +72,6 @@ pub use compile::from_scene::SceneError;
 pub use compile::other_form::other_form;
 pub use compile::safe_values::{ContactLoad, SafeValue, largest_safe};
 pub use compile::stability_plane::{Place, Scheme, StabilityPlane};
-pub use contact::approach::Approach;
-pub use contact::sweep::Sweep;
 pub use contact::{ContactRecord, Placed};
 pub use interaction::Grab;
 pub use limits::{SAFETY, SceneLimits, Term};
@@ -85,4 +83,5 @@ pub use model::{
 pub use observe::diagnostics::{Diagnostics, Energy};
 pub use report::{Counters, LastSubstep, StageTimer, StepReport};
 pub use simulation::{Arrival, BodyMotion, Simulation};
+pub use state::moving::{Approach, Sweep};
 pub use state::{BodyMemory, State};

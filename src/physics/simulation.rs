@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::compile::compile;
 use super::contact::sweep;
-use super::contact::{ContactRecord, Placed, approach};
+use super::contact::{ContactRecord, Placed, arrive};
 use super::interaction::Grab;
 use super::model::Model;
 use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
@@ -69,7 +69,7 @@ impl<R: Real> Simulation<R> {
         let sides = std::mem::take(&mut self.state.side);
         self.state.fit_sides(&model);
         sweep::keep_sides(&old, &model, kept, &sides, &mut self.state);
-        approach::begin(&old, &model, kept, &sides, &mut self.state);
+        arrive::begin(&old, &model, kept, &sides, &mut self.state);
         // The share of the step that was taken stays taken: dear steps come to an end however often they are edited.
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
         self.state.fit_scheme(&plan);
@@ -210,7 +210,7 @@ impl<R: Real> Simulation<R> {
             if ending == Ending::Diverged {
                 break;
             }
-            approach::pass(model, &scratch.contact.contacts, part.secs, state);
+            arrive::pass(model, &scratch.contact.contacts, part.secs, state);
             sweep::pass(model, part.secs, state);
             division.take();
         }

@@ -231,8 +231,8 @@ impl Classes {
     }
 }
 
-#[cfg(test)]
 #[expect(clippy::float_cmp, reason = "the shares are halves and quarters of small numbers")]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::voxel::Cells;

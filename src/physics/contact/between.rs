@@ -1,6 +1,8 @@
 //! A particle between several obstacles: the velocity that none of them forbids, and who did what to bring it there.
 
-use super::{ContactRecord, Meeting, response};
+use super::meeting::Meeting;
+use super::record::ContactRecord;
+use super::response;
 use crate::math::{Real, Vector};
 use crate::physics::model::ContactModel;
 

@@ -5,7 +5,7 @@
 //! Deviates from GC §5.2, whose force `k p + |⟨F, n⟩|` is explicit and adds energy on the way out; that rule is in
 //! [`super::thesis`].
 
-use super::Surface;
+use super::surface::Surface;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel};
 

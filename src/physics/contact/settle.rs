@@ -6,7 +6,9 @@
 //! turn being what the others leave to it (Gauss–Seidel), comes to that minimum, at which the energy is no larger than
 //! without any push.
 
-use super::{ContactRecord, Surface, response};
+use super::record::ContactRecord;
+use super::response;
+use super::surface::Surface;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel};
 

@@ -4,27 +4,15 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::Placed;
+use super::placed::Placed;
 use crate::math::{Aabb, FRAME_SECS, Real, Vector};
 use crate::physics::model::{Carry, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::state::State;
+use crate::physics::state::moving::Sweep;
 
 /// Simulated time in which a moved obstacle gets to its new place, s: a frame, so that one that is dragged follows the
 /// hand, at the speed of the hand.
 const SWEEP_SECS: f64 = FRAME_SECS;
-
-/// An obstacle on its way to its place in the model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sweep {
-    /// The obstacle.
-    pub obstacle: usize,
-    /// Where its middle is now, m.
-    pub center: DVec3,
-    /// How it is turned now, of length 1.
-    pub rotation: DQuat,
-    /// Simulated time until it is there, s.
-    pub left_secs: f64,
-}
 
 /// Place and orientation of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]

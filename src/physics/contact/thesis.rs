@@ -5,7 +5,8 @@
 //! not clamped to the force that acts, so nothing ever quite rests. Planes act on the side of their normal and see a
 //! particle only within a threshold: faster than threshold/dt it falls through.
 
-use super::{ContactRecord, Scratch};
+use super::record::ContactRecord;
+use super::scratch::Scratch;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::report::Recorder;

@@ -37,6 +37,11 @@ impl<R: Real> Model<R> {
         self.bodies.last().map_or(0, |body| body.particles.end)
     }
 
+    /// The body that a particle (in the state's arrays) is of.
+    pub fn body_of(&self, particle: usize) -> Option<usize> {
+        self.bodies.iter().position(|body| body.particles.contains(&particle))
+    }
+
     /// Links in all bodies, by family.
     pub fn link_counts(&self) -> [usize; 3] {
         self.bodies.iter().fold([0; 3], |sum, body| std::array::from_fn(|f| sum[f] + body.links[f].links.len()))

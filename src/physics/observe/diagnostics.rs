@@ -216,7 +216,7 @@ pub(in crate::physics) fn link_loads<R: Real>(
     for body in &model.bodies {
         let range = body.particles.clone();
         let (position, velocity) = (&state.position[range.clone()], &state.velocity[range.clone()]);
-        forces::for_each_link(body, plan, position, velocity, &|| false, |[i, j], on_i| {
+        forces::links::for_each_link(body, plan, position, velocity, &|| false, |[i, j], on_i| {
             let (i, j) = (range.start + i, range.start + j);
             let strength = on_i.length();
             for end in [i, j] {

@@ -1,8 +1,9 @@
 //! A substep under way, as every scheme works on it.
 
 use crate::math::{Real, Vector};
+use crate::physics::forces;
+use crate::physics::forces::links::Configuration;
 use crate::physics::forces::recovery;
-use crate::physics::forces::{self, Configuration};
 use crate::physics::model::Model;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::report::Recorder;

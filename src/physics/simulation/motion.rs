@@ -4,9 +4,10 @@ use glam::{DMat3, DVec3};
 
 use super::Simulation;
 use crate::math::{Real, Vector, rotation};
-use crate::physics::contact::approach::{self, Approach};
+use crate::physics::contact::arrive;
 use crate::physics::model::BodyModel;
 use crate::physics::state::BodyMemory;
+use crate::physics::state::moving::Approach;
 
 /// How a body moves: a copy of its part of the state.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,7 +119,7 @@ impl<R: Real> Simulation<R> {
     /// Obstacles that a body was put into come to it gently.
     fn let_obstacles_approach(&mut self, body: usize) {
         let obstacles = self.obstacles();
-        approach::begin_for(&self.model, obstacles.all(), body, &mut self.state);
+        arrive::begin_for(&self.model, obstacles.all(), body, &mut self.state);
     }
 
     fn start_velocity(&self, body: usize, local: usize) -> R::Vec3 {

@@ -2,10 +2,11 @@
 
 pub(in crate::physics) mod fallen;
 pub(in crate::physics) mod hash;
+pub(in crate::physics) mod moving;
 pub(in crate::physics) mod sleep;
 
-use super::contact::approach::Approach;
-use super::contact::sweep::Sweep;
+use moving::{Approach, Sweep};
+
 use super::model::Model;
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Plan;

@@ -18,7 +18,7 @@ use crate::math::{FRAME_SECS, Real, Vector};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::{BodyMemory, State};
-use crate::physics::stepping;
+use crate::physics::stepping::looks;
 
 /// How long a body must be still, simulated s.
 pub(crate) const STILL_SECS: f64 = 0.5;
@@ -55,7 +55,7 @@ pub(in crate::physics) fn is_quiet<R: Real>(state: &State<R>) -> bool {
 
 /// Lets every body fall asleep that has been at rest for long enough, after a substep; never one that is `held`.
 pub(in crate::physics) fn watch<R: Real>(model: &Model<R>, plan: &Plan, held: Option<usize>, state: &mut State<R>) {
-    let substeps_in = |secs: f64| stepping::substeps_in(plan, secs, libm::ceil);
+    let substeps_in = |secs: f64| looks::substeps_in(plan, secs, libm::ceil);
     let (long_enough, between_looks) = (substeps_in(STILL_SECS), substeps_in(LOOK_SECS));
     for (number, body) in model.bodies.iter().enumerate() {
         if state.bodies[number].asleep {

@@ -20,7 +20,8 @@
 pub(in crate::physics) mod substep;
 
 use super::contact::{self, ContactRecord, Placed};
-use super::forces::{self, Configuration};
+use super::forces;
+use super::forces::links::Configuration;
 use super::interaction::{self, Grab};
 use super::model::Model;
 use super::report::Recorder;

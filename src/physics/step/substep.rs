@@ -1,7 +1,7 @@
 //! What a substep begins with: read by all its stages, written by none.
 
 use crate::math::Real;
-use crate::physics::contact::Placed;
+use crate::physics::contact::placed::Placed;
 use crate::physics::interaction::Grab;
 use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;

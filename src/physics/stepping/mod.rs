@@ -11,6 +11,7 @@
 //!
 //! What is under way is in the state, so that a state saved in the middle of a divided step goes on bit for bit.
 
+pub(in crate::physics) mod looks;
 pub(in crate::physics) mod strain;
 
 use super::model::Model;
@@ -142,18 +143,4 @@ impl<R: Real> State<R> {
     fn coarsen(&mut self) {
         self.halvings = if self.part == 0 { 0 } else { MOST_HALVINGS.saturating_sub(self.part.trailing_zeros()) };
     }
-}
-
-/// How many substeps last so long, at least one: for what is counted in substeps.
-pub(super) fn substeps_in(plan: &Plan, secs: f64, round: fn(f64) -> f64) -> u64 {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
-    let count = round(secs / plan.substep_secs()).max(1.0) as u64;
-    count
-}
-
-/// Whether as many substeps were taken since the start as are a multiple of those that last so long.
-pub(super) fn is_due_every<R: Real>(plan: &Plan, state: &State<R>, secs: f64) -> bool {
-    let taken = state.steps / u64::from(plan.span);
-    let taken = taken.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep));
-    taken.is_multiple_of(substeps_in(plan, secs, libm::round))
 }

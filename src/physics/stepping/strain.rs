@@ -6,10 +6,10 @@
 //! this would be three times as dear as it need be for nothing.
 
 use crate::math::{Real, Vector};
-use crate::physics::forces::recovery;
 use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::State;
+use crate::physics::stepping::looks;
 
 /// A body is strained from the larger of these strains of any link on, stretched or compressed, until all are below the
 /// smaller: bodies that fall on the ground of their own weight are not.
@@ -20,7 +20,7 @@ pub(in crate::physics) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, stat
     if plan.parts <= 1 {
         return 1;
     }
-    if state.bodies.iter().any(|memory| memory.strained) || recovery::is_time_to_look(model, plan, state) {
+    if state.bodies.iter().any(|memory| memory.strained) || looks::is_time_to_look(model, plan, state) {
         look(model, state);
     }
     let is_strained = state.bodies.iter().any(|memory| memory.strained && !memory.asleep);

@@ -3,7 +3,7 @@
 pub(super) mod plane;
 pub(super) mod sphere;
 
-use super::Surface;
+use super::surface::Surface;
 use crate::math::Real;
 use crate::physics::model::ObstacleShape;
 

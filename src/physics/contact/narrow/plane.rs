@@ -1,7 +1,7 @@
 //! Narrow phase against a finite, two-sided plane (GC §5.1, swept instead of by a distance threshold).
 
 use crate::math::{Real, Vector};
-use crate::physics::contact::Surface;
+use crate::physics::contact::surface::Surface;
 use crate::physics::model::PlaneModel;
 
 /// How a particle at `from` that would move by `path` meets the plane.

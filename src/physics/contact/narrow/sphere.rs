@@ -1,7 +1,7 @@
 //! Narrow phase against a ball (GC §5.4, §5.5).
 
 use crate::math::{Real, Vector};
-use crate::physics::contact::Surface;
+use crate::physics::contact::surface::Surface;
 
 /// How a particle at `from` that would move by `path` meets the ball.
 ///

@@ -1,7 +1,15 @@
 //! The mean edges of a cell, its signed volume, and the push on them.
 
-use super::{DEEPEST, RETURNED, THRESHOLD};
 use crate::math::{Real, Vector};
+
+/// A cell below this signed volume is pushed back to shape.
+pub(super) const THRESHOLD: f64 = 0.3;
+
+/// The push stops growing this far below the threshold.
+pub(super) const DEEPEST: f64 = 2.0;
+
+/// The share of the push that is left while a cell is on its way back.
+pub(super) const RETURNED: f64 = 0.5;
 
 /// The differences of some quantity along a cell's three axes, the mean of the four edges each.
 #[inline]

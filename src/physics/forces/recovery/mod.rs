@@ -40,36 +40,20 @@ use edges::{MeanEdges, mean_edges, spread};
 use soft_links::soften;
 
 use crate::geometry::Lattice;
-use crate::math::{FRAME_SECS, Real, Vector};
-use crate::physics::forces::Configuration;
+use crate::math::Real;
+use crate::physics::forces::links::Configuration;
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, CellKind, Model};
 use crate::physics::report::Recorder;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
-use crate::physics::stepping;
+use crate::physics::stepping::looks;
 use crate::scene::settings::Integrator;
 use crate::scene::{Family, Springs};
 
-/// A cell below this signed volume is pushed back to shape.
-pub(crate) const THRESHOLD: f64 = 0.3;
-
 /// Cells below this signed volume are put on the list: what inverts between two looks has mostly been here before.
 pub(crate) const WATCH: f64 = 0.7;
-
-/// The push stops growing this far below the threshold.
-const DEEPEST: f64 = 2.0;
-
-/// Simulated time between two looks at all cells, s, in a body that is calm.
-const LOOK_SECS: f64 = FRAME_SECS;
-
-/// Two particles of a body move past each other by no more than this between two looks, cell sizes: a cell that was not
-/// on the list then is still above the threshold, even if it is crushed along all its axes at once.
-const UNSEEN_SHARE: f64 = 0.2;
-
-/// The share of the push that is left while a cell is on its way back.
-const RETURNED: f64 = 0.5;
 
 /// The most of `κ dt²/(m h²)`: a person's own step or an implicit one may be larger than the push could bear.
 const STIFFEST: f64 = 0.6;
@@ -99,24 +83,7 @@ pub(in crate::physics) fn of_cells(kinds: &[CellKind], cell_size: f64) -> [f64; 
 
 /// Whether all cells are looked at in this substep.
 pub(in crate::physics) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
-    !plan.lean || state.bodies.iter().any(BodyMemory::is_watched) || is_time_to_look(model, plan, state)
-}
-
-/// Whether it is time to look at bodies that were well at the last look: in every [`LOOK_SECS`], sooner the faster their
-/// particles move past each other.
-pub(in crate::physics) fn is_time_to_look<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
-    let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, state)));
-    stepping::is_due_every(plan, state, between_looks)
-}
-
-/// How long a body's cells may stay unseen as fast as its particles move past each other now, s.
-fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
-    let velocity = &state.velocity[body.particles.clone()];
-    // Bounds of the components: cheap, and no larger than the differences between particles.
-    let Some(&first) = velocity.first() else { return LOOK_SECS };
-    let (low, high) = velocity.iter().fold((first, first), |(low, high), v| (low.min(*v), high.max(*v)));
-    let fastest = (high - low).length().to_f64();
-    if fastest > 0.0 { UNSEEN_SHARE / (body.inverse_cell_size.to_f64() * fastest) } else { LOOK_SECS }
+    !plan.lean || state.bodies.iter().any(BodyMemory::is_watched) || looks::is_time_to_look(model, plan, state)
 }
 
 /// Looks at all cells before a substep of `secs`, writes down those that are near inversion, and tells which bodies are

@@ -15,7 +15,7 @@
 //! must first be so slow for a while that its motion is nothing to the energy of a single cell. From then on the pull
 //! acts, however the body moves, until none of its cells is crushed; W is nothing then.
 
-use super::{DEEPEST, RETURNED, THRESHOLD};
+use super::edges::{DEEPEST, RETURNED, THRESHOLD};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery::edges::MeanEdges;
 use crate::physics::forces::recovery::rotation::nearest_rotation;

@@ -20,9 +20,9 @@
 //! The implicit integrator needs no such damping: its matrix has the whole stiffness of softened links, which resists as
 //! a damping of `k dt` would.
 
+use super::edges::THRESHOLD;
 use crate::math::{Real, Vector};
-use crate::physics::forces::link_force;
-use crate::physics::forces::recovery::THRESHOLD;
+use crate::physics::forces::links::link_force;
 use crate::physics::forces::recovery::edges::MeanEdges;
 use crate::physics::model::{BodyModel, Model};
 

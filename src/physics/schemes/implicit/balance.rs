@@ -15,7 +15,7 @@
 
 use crate::math::{Real, Vector};
 use crate::physics::contact::ContactRecord;
-use crate::physics::forces::for_each_exact_link;
+use crate::physics::forces::links::for_each_exact_link;
 use crate::physics::forces::recovery;
 use crate::physics::interaction::Grab;
 use crate::physics::model::BodyModel;

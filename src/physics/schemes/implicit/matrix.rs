@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::system::{Bond, Room, System};
 use crate::math::{Real, Vector};
-use crate::physics::forces::for_each_bond;
+use crate::physics::forces::links::for_each_bond;
 use crate::physics::forces::recovery;
 use crate::physics::interaction::Grab;
 use crate::physics::model::plan::Plan;

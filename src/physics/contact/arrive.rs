@@ -1,0 +1,131 @@
+//! Obstacles that were put where a body is: by a typed value, by undo, by a new obstacle or a body put elsewhere.
+//!
+//! An obstacle that suddenly is inside a body would tear it apart. So the body meets it further back on a straight way,
+//! where it only just does not touch, and the obstacle comes from there to its place and moves the body out whole:
+//!
+//! ```text
+//!   put here      met there      comes            is there
+//!   ┌──┼──┐        │┌─────┐       │┌─────┐         │┌─────┐      way →
+//!   │  │  │        ││     │       └│     │        ││     │      left = how far the obstacle that the body meets
+//!   └──┼──┘        │└─────┘        │└────┘         │└─────┘             is behind the one that is drawn
+//!    left = 0.5     left = 0.5      left = 0.2      left = 0
+//! ```
+//!
+//! It is the shortest way out, where a way down counts four times as there may be a floor; a plane that carries a body
+//! goes on carrying it. The obstacle speeds up and slows down by no more than `ACCELERATION` and waits as long as it
+//! would have to press harder than `PRESS`: a body that cannot get out is left alone. All of it follows from the
+//! state, so that a saved motion goes on bit for bit.
+
+use glam::DVec3;
+
+use super::approach::ACCELERATION;
+use super::placed::Placed;
+use super::record::ContactRecord;
+use super::way_out::{Memory, WayOut, way_out};
+use crate::math::{Real, Vector};
+use crate::physics::model::{BodyModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
+use crate::physics::state::State;
+use crate::physics::state::moving::Approach;
+
+/// An obstacle presses a body no harder than with so many times the body's weight, which it has also where gravity is
+/// weaker than `ACCELERATION`.
+const PRESS: f64 = 3.0;
+
+/// The share of that at which one that waits goes on.
+const RELEASE: f64 = 0.5;
+
+/// After `state` was fitted to the obstacles of `new`: those that are elsewhere than in `old` at once come gently to the
+/// bodies they would be inside of. `kept` names, for each obstacle, the one it was. Those that sweep get there by
+/// themselves.
+pub(in crate::physics) fn begin<R: Real>(
+    old: &Placed<R>,
+    new: &Model<R>,
+    kept: &[Option<usize>],
+    sides: &[Vec<i8>],
+    state: &mut State<R>,
+) {
+    let running = std::mem::take(&mut state.approaches);
+    for (obstacle, (was, ObstacleModel { shape, .. })) in kept.iter().zip(&new.obstacles).enumerate() {
+        let sweeps = state.sweeps.iter().any(|sweep| sweep.obstacle == obstacle);
+        let stays = was.is_some_and(|was| sweeps || is_same_place(&old.all()[was].shape, shape));
+        for (number, body) in new.bodies.iter().enumerate() {
+            let before = was.and_then(|was| running.iter().find(|a| (a.body, a.obstacle) == (number, was)));
+            if stays {
+                state.approaches.extend(before.map(|approach| Approach { obstacle, ..*approach }));
+                continue;
+            }
+            let met = was.map(|was| &old.met(number, was).shape);
+            let memory = Memory { shape: met, sides, way: before.map(|approach| approach.way) };
+            if let Some(WayOut { way, length_m }) = way_out(new, body, shape, &memory, &state.position) {
+                let speed = before.map_or(0.0, |approach| approach.speed * approach.way.dot(way).max(0.0));
+                state.approaches.push(Approach { body: number, obstacle, way, left_m: length_m, speed, waits: false });
+                keep_side(body, shape, way, &memory, state);
+            }
+        }
+    }
+    state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
+}
+
+/// A body was put elsewhere: obstacles that it would be in come gently to it.
+pub(in crate::physics) fn begin_for<R: Real>(
+    model: &Model<R>,
+    obstacles: &[ObstacleModel<R>],
+    number: usize,
+    state: &mut State<R>,
+) {
+    state.approaches.retain(|approach| approach.body != number);
+    let body = &model.bodies[number];
+    for (obstacle, ObstacleModel { shape, .. }) in obstacles.iter().enumerate() {
+        let memory = Memory { shape: None, sides: &[], way: None };
+        if let Some(WayOut { way, length_m }) = way_out(model, body, shape, &memory, &state.position) {
+            state.approaches.push(Approach { body: number, obstacle, way, left_m: length_m, speed: 0.0, waits: false });
+        }
+    }
+    state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
+}
+
+/// Particles of a body go on touching a plane on the side to which it moves the body out, and on no other.
+fn keep_side<R: Real>(
+    body: &BodyModel<R>,
+    shape: &ObstacleShape<R>,
+    way: DVec3,
+    memory: &Memory<'_, R>,
+    state: &mut State<R>,
+) {
+    let ObstacleShape::Plane(plane) = shape else { return };
+    let touched = |particle: usize| memory.touched(particle).is_some_and(|side| side.dot(way) > 0.0);
+    let side = if plane.normal.to_dvec3().dot(way) > 0.0 { 1 } else { -1 };
+    for particle in body.particles.clone() {
+        state.side[plane.side_row][particle] = if touched(particle) { side } else { 0 };
+    }
+}
+
+/// Counts `secs` in which obstacles came, and made these contacts.
+pub(in crate::physics) fn pass<R: Real>(
+    model: &Model<R>,
+    contacts: &[ContactRecord<R>],
+    secs: f64,
+    state: &mut State<R>,
+) {
+    for approach in &mut state.approaches {
+        let body = &model.bodies[approach.body];
+        let (speed, way) = approach.next(body, secs);
+        approach.left_m -= way;
+        let own = |contact: &&ContactRecord<R>| {
+            contact.obstacle == approach.obstacle && body.particles.contains(&contact.particle)
+        };
+        let press: f64 = contacts.iter().filter(own).map(|c| c.force.dot(c.normal).to_f64().max(0.0)).sum();
+        let mass = body.particle_mass.to_f64() * body.particles.len() as f64;
+        let weight = mass * (ACCELERATION * body.size.to_f64()).max(model.gravity.length().to_f64());
+        approach.waits = press > PRESS * weight * if approach.waits { RELEASE } else { 1.0 };
+        approach.speed = if approach.waits { 0.0 } else { speed };
+    }
+    state.approaches.retain(|approach| approach.left_m > 0.0);
+}
+
+fn is_same_place<R: Real>(a: &ObstacleShape<R>, b: &ObstacleShape<R>) -> bool {
+    match (a, b) {
+        (ObstacleShape::Plane(a), ObstacleShape::Plane(b)) => PlaneModel { side_row: b.side_row, ..*a } == *b,
+        _ => a == b,
+    }
+}

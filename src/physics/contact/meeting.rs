@@ -1,0 +1,195 @@
+//! Particles among obstacles: who meets what, and with which velocity it goes on.
+
+use super::broad;
+use super::narrow;
+use super::record::ContactRecord;
+use super::response;
+use super::scratch::Scratch;
+use super::settle;
+use super::surface::Surface;
+use crate::math::{Real, Vector};
+use crate::physics::model::plan::Stage;
+use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape};
+use crate::physics::report::{Counters, Recorder};
+use crate::physics::step::substep::Substep;
+
+/// Changes the predicted velocities of all particles that meet an obstacle within this substep.
+pub(in crate::physics) fn respond<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &mut [R::Vec3],
+    scratch: &mut Scratch<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    scratch.keep_of_sleepers(substep.model, substep.state);
+    Meetings { substep, scratch, recorder }.of_all(velocity, |_, _| ());
+}
+
+/// Changes the velocities that move particles where those at the end of the substep are others. What has met an
+/// obstacle already moves with the velocity at the end of the substep; one that only its path leads into an obstacle, or
+/// that velocity where nothing had pushed it, is stopped there, and what stops it changes its velocity too.
+pub(in crate::physics) fn respond_to_paths<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &mut [R::Vec3],
+    path: &mut [R::Vec3],
+    scratch: &mut Scratch<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    for contact in &scratch.contacts {
+        path[contact.particle] = velocity[contact.particle];
+    }
+    scratch.forget_unpushed(substep.model, substep.state);
+    Meetings { substep, scratch, recorder }.of_all(path, |particle, change| velocity[particle] += change);
+}
+
+/// All particles among all obstacles.
+pub(super) struct Meetings<'a, 'r, R: Real> {
+    pub(super) substep: Substep<'a, R>,
+    pub(super) scratch: &'a mut Scratch<R>,
+    pub(super) recorder: &'a mut Recorder<'r>,
+}
+
+impl<R: Real> Meetings<'_, '_, R> {
+    /// Resolves all velocities but of the particles that are known to meet something, and tells of each change.
+    pub(super) fn of_all(&mut self, velocity: &mut [R::Vec3], mut changed: impl FnMut(usize, R::Vec3)) {
+        self.scratch.sort();
+        let met = self.scratch.contacts.len();
+        let Self { substep, scratch, recorder } = self;
+        let Substep { model, plan, state, .. } = *substep;
+        for (number, body) in model.bodies.iter().enumerate() {
+            if state.bodies[number].asleep {
+                continue;
+            }
+            let all_tests = (body.particles.len() * model.obstacles.len()) as u64;
+            let tests_before = recorder.counters.narrow_tests;
+            if plan.broad_phase {
+                recorder.enter(Stage::BroadPhase);
+            }
+            let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
+            broad::near_obstacles(*substep, number, velocity, touching, &mut scratch.near);
+            if !scratch.near.is_empty() {
+                recorder.enter(Stage::Contact);
+                for (local, particle) in body.particles.clone().enumerate() {
+                    // The contacts are in the order of the particles.
+                    let has_met = || scratch.contacts[..met].binary_search_by_key(&particle, |c| c.particle).is_ok();
+                    if body.is_pinned(local) || has_met() {
+                        continue;
+                    }
+                    let mut meeting = Meeting::new(*substep, number, particle);
+                    let before = velocity[particle];
+                    velocity[particle] =
+                        meeting.resolve(before, body.mass(local), &body.contacts, &scratch.near, &mut scratch.contacts);
+                    changed(particle, velocity[particle] - before);
+                    meeting.count(&mut recorder.counters);
+                }
+            }
+            let made = recorder.counters.narrow_tests - tests_before;
+            recorder.counters.narrow_tests_saved += all_tests.saturating_sub(made);
+        }
+        scratch.sort();
+        recorder.last.contacts = scratch.pushing();
+    }
+}
+
+/// One particle among the obstacles near its body.
+pub(super) struct Meeting<'a, R: Real> {
+    pub(super) substep: Substep<'a, R>,
+    /// The body's place among the bodies.
+    pub(super) body: usize,
+    pub(super) particle: usize,
+    pub(super) tests: u64,
+    pub(super) sphere_tests: u64,
+    pub(super) frictions: u64,
+}
+
+impl<'a, R: Real> Meeting<'a, R> {
+    pub(super) fn new(substep: Substep<'a, R>, body: usize, particle: usize) -> Self {
+        Self { substep, body, particle, tests: 0, sphere_tests: 0, frictions: 0 }
+    }
+
+    /// Adds what it tested.
+    pub(super) fn count(&self, counters: &mut Counters) {
+        counters.narrow_tests += self.tests;
+        counters.sphere_tests += self.sphere_tests;
+        counters.frictions += self.frictions;
+    }
+
+    /// The velocity the obstacles leave this particle; what pushed is recorded.
+    pub(super) fn resolve(
+        &mut self,
+        predicted: R::Vec3,
+        mass: R,
+        contacts: &[ContactModel<R>],
+        near: &[u32],
+        records: &mut Vec<ContactRecord<R>>,
+    ) -> R::Vec3 {
+        let mut velocity = predicted;
+        let first_record = records.len();
+        for (number, obstacle) in (0u32..).zip(0..contacts.len()) {
+            // A pushed particle leaves the motion that was found near these obstacles only: it may meet any.
+            if records.len() == first_record && !near.contains(&number) {
+                continue;
+            }
+            let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
+            let before = velocity;
+            let rubs = !self.substep.plan.lean || response::has_friction(&self.substep.model.obstacles[obstacle]);
+            velocity = response::respond(
+                &surface,
+                &contacts[obstacle],
+                &self.substep.model.obstacles[obstacle],
+                rubs,
+                mass,
+                self.substep.dt,
+                velocity - surface_velocity,
+            ) + surface_velocity;
+            self.frictions += u64::from(rubs && velocity != before);
+            // Also where nothing pushes: a particle that leaves must keep its side until it is out.
+            records.push(ContactRecord {
+                particle: self.particle,
+                obstacle,
+                normal: surface.normal,
+                gap: surface.gap,
+                surface_velocity,
+                force: (velocity - before) * (mass / self.substep.dt),
+            });
+        }
+        if records.len() > first_record + 1 {
+            let (obstacles, found) = (&self.substep.model.obstacles, &mut records[first_record..]);
+            velocity = settle::settle(predicted, contacts, obstacles, mass, self.substep.dt, found);
+        }
+        if records.len() > first_record {
+            let mut allowed = self.allowed_by_all(velocity, contacts);
+            let among_several = records.len() > first_record + 1 || allowed != velocity;
+            if among_several && self.gains(predicted, allowed, mass, contacts) {
+                allowed = R::Vec3::ZERO;
+            }
+            if allowed != velocity {
+                self.share_out(velocity, allowed, mass, contacts, &mut records[first_record..]);
+                velocity = allowed;
+            }
+        }
+        velocity
+    }
+
+    /// The narrow phase, if this particle's motion comes near the obstacle at all, and the velocity of the surface.
+    ///
+    /// Contact with an obstacle that moves is swept in the obstacle's own frame: the particle's start rides along, and
+    /// what is left of its path is its motion past the obstacle.
+    pub(super) fn surface(&mut self, obstacle: usize, velocity: R::Vec3) -> Option<(Surface<R>, R::Vec3)> {
+        let ObstacleModel { shape, bounds, carry, .. } = self.substep.obstacles.met(self.body, obstacle);
+        let from = self.substep.state.position[self.particle];
+        let path = velocity * self.substep.dt;
+        let side = match shape {
+            ObstacleShape::Plane(plane) => self.substep.state.side[plane.side_row][self.particle],
+            ObstacleShape::Sphere { .. } => 0,
+        };
+        if self.substep.plan.broad_phase && side == 0 && !broad::sweep::<R>(from, path).overlaps(bounds) {
+            return None;
+        }
+        self.tests += 1;
+        self.sphere_tests += u64::from(matches!(shape, ObstacleShape::Sphere { .. }));
+        let Some(carry) = carry else { return Some((narrow::meet(shape, side, from, path)?, R::Vec3::ZERO)) };
+        let carried = carry.apply(from);
+        let surface = narrow::meet(shape, side, carried, from + path - carried)?;
+        Some((surface, (carried - from) * (R::ONE / self.substep.dt)))
+    }
+}

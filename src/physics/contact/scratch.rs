@@ -1,0 +1,99 @@
+//! What contact found in a substep, and the room it works in.
+
+use super::record::ContactRecord;
+use super::touch::Touch;
+use crate::math::{Real, Vector};
+use crate::physics::model::Model;
+use crate::physics::model::plan::Plan;
+use crate::physics::report::Recorder;
+use crate::physics::state::State;
+use crate::physics::state::sleep;
+use crate::scene::settings::Integrator;
+
+/// Obstacles that meet in a corner.
+const CORNER: usize = 3;
+
+/// Contact's working room and what the last substep found.
+#[derive(Clone, Debug)]
+pub(crate) struct Scratch<R: Real> {
+    /// Obstacles near the body under work.
+    pub(super) near: Vec<u32>,
+    /// Particle–obstacle pairs that met in the last substep, by particle.
+    pub contacts: Vec<ContactRecord<R>>,
+    /// For every body and obstacle whether they are near without a look at boxes: planes of which a side is remembered,
+    /// and all before the first substep.
+    pub(super) touching: Vec<bool>,
+    /// What the implicit integrator solves for, by particle.
+    pub(in crate::physics) touches: Vec<Touch>,
+}
+
+impl<R: Real> Scratch<R> {
+    /// Room for a model.
+    pub(crate) fn new(model: &Model<R>, plan: &Plan) -> Self {
+        // All of every surface in a corner: what is there beyond that makes room for itself once.
+        let surface: usize = model.bodies.iter().map(|body| body.lattice.surface).sum();
+        let meetings = surface * model.obstacles.len().min(CORNER);
+        let solved_for = if plan.integrator == Integrator::Implicit { meetings } else { 0 };
+        Self {
+            near: Vec::with_capacity(model.obstacles.len()),
+            contacts: Vec::with_capacity(meetings),
+            touching: vec![true; model.bodies.len() * model.obstacles.len()],
+            touches: Vec::with_capacity(solved_for),
+        }
+    }
+
+    /// How many contacts push.
+    pub(super) fn pushing(&self) -> usize {
+        self.contacts.iter().filter(|contact| contact.force != R::Vec3::ZERO).count()
+    }
+
+    /// Forgets all contacts but those of bodies that sleep.
+    pub(in crate::physics) fn keep_of_sleepers(&mut self, model: &Model<R>, state: &State<R>) {
+        if sleep::asleep(state) == 0 {
+            self.contacts.clear();
+        } else {
+            self.contacts
+                .retain(|contact| model.body_of(contact.particle).is_some_and(|body| state.bodies[body].asleep));
+        }
+    }
+
+    /// Puts contacts in the order of particles again where some were kept or found later.
+    pub(super) fn sort(&mut self) {
+        let place = |contact: &ContactRecord<R>| (contact.particle, contact.obstacle);
+        if !self.contacts.is_sorted_by_key(place) {
+            self.contacts.sort_unstable_by_key(place);
+        }
+    }
+
+    /// Forgets the particles of bodies awake that met something which did not push them: the path they now have may need a push.
+    pub(super) fn forget_unpushed(&mut self, model: &Model<R>, state: &State<R>) {
+        let (mut kept, mut first) = (0, 0);
+        while let Some(contact) = self.contacts.get(first) {
+            let particle = contact.particle;
+            let same = self.contacts[first..].iter().take_while(|contact| contact.particle == particle);
+            let (count, pushed) = same.fold((0, false), |(n, pushed), c| (n + 1, pushed || c.force != R::Vec3::ZERO));
+            if pushed || model.body_of(contact.particle).is_some_and(|body| state.bodies[body].asleep) {
+                self.contacts.copy_within(first..first + count, kept);
+                kept += count;
+            }
+            first += count;
+        }
+        self.contacts.truncate(kept);
+    }
+
+    /// The depth of the deepest contact as it was found, m.
+    pub(super) fn deepest(&self) -> R {
+        self.contacts.iter().fold(R::ZERO, |deepest, contact| deepest.max(-contact.gap))
+    }
+
+    /// Tells of the contacts that bodies keep in their sleep.
+    pub(in crate::physics) fn report_kept(&self, recorder: &mut Recorder<'_>) {
+        recorder.last.contacts = self.pushing();
+        recorder.note_depth(self.deepest().to_f64());
+    }
+
+    /// Any particle may touch any obstacle: they have been moved.
+    pub(in crate::physics) fn touch_all(&mut self) {
+        self.touching.fill(true);
+    }
+}

@@ -1,0 +1,60 @@
+//! On which side of a plane particles touch it, from one substep to the next.
+
+use super::narrow;
+use super::placed::Placed;
+use super::scratch::Scratch;
+use crate::math::{Real, Vector};
+use crate::physics::model::{Model, ObstacleShape};
+use crate::physics::report::Recorder;
+use crate::physics::state::State;
+
+/// Writes down on which side of which plane every touching particle is once it has moved, and how deep the deepest is.
+pub(in crate::physics) fn remember_sides<R: Real>(
+    model: &Model<R>,
+    obstacles: &Placed<R>,
+    dt: R,
+    state: &mut State<R>,
+    velocity: &[R::Vec3],
+    scratch: &mut Scratch<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    let mut deepest = R::ZERO;
+    // What touched before and does not any more is forgotten; what touches is in the records.
+    for (number, body) in model.bodies.iter().enumerate() {
+        if state.bodies[number].asleep {
+            continue;
+        }
+        for (obstacle, shape) in model.obstacles.iter().map(|o| &o.shape).enumerate() {
+            let touching = &mut scratch.touching[number * model.obstacles.len() + obstacle];
+            if !*touching {
+                continue;
+            }
+            *touching = false;
+            if let ObstacleShape::Plane(plane) = shape {
+                state.side[plane.side_row][body.particles.clone()].fill(0);
+            }
+        }
+    }
+    for contact in &scratch.contacts {
+        let Some(number) = model.body_of(contact.particle) else { continue };
+        if state.bodies[number].asleep {
+            deepest = deepest.max(-contact.gap);
+            continue;
+        }
+        let counters = &mut recorder.counters;
+        counters.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
+        counters.fastest_surface_m_s = counters.fastest_surface_m_s.max(contact.surface_velocity.length().to_f64());
+        let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
+        let ObstacleShape::Plane(plane) = &obstacles.met(number, contact.obstacle).shape else {
+            deepest = deepest.max(depth);
+            continue;
+        };
+        if depth >= -narrow::plane::rounding_margin::<R>(plane, state.position[contact.particle]) {
+            let upper = contact.normal.dot(plane.normal) > R::ZERO;
+            state.side[plane.side_row][contact.particle] = if upper { 1 } else { -1 };
+            scratch.touching[number * model.obstacles.len() + contact.obstacle] = true;
+            deepest = deepest.max(depth);
+        }
+    }
+    recorder.note_depth(deepest.to_f64());
+}

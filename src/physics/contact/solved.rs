@@ -1,0 +1,142 @@
+//! Contact as part of a system of equations: what the implicit integrator solves for, and what is left to do after it.
+//!
+//! ```text
+//! find     which particles touch, or would if they fell freely: one touch for each obstacle
+//! (solve)  the normal penalty, its damping and a resistance against sliding are in the matrix, chosen anew every round
+//! settle   what met an obstacle only in the solution is answered as in an explicit step; nothing ends too deep
+//! ```
+
+use glam::{DMat3, DVec3};
+
+use super::broad;
+use super::meeting::{Meeting, Meetings};
+use super::record::ContactRecord;
+use super::response;
+use super::scratch::Scratch;
+use super::touch::Touch;
+use crate::math::{Real, Vector};
+use crate::physics::model::plan::Stage;
+use crate::physics::report::Recorder;
+use crate::physics::step::substep::Substep;
+
+/// The sliding speed at which friction has 0.7 of Coulomb's strength, as a share of the body's size in a second: what is
+/// held creeps that fast, which nobody sees.
+const CREEP_SHARE: f64 = 1e-9;
+
+/// Below this share of its body's size in a second a particle has as good as stopped.
+const STOPPED_SHARE: f64 = 1e-7;
+
+/// A particle that slides by more than this share of its body's size in a second when a substep begins feels dynamic
+/// friction all through it, others feel static friction.
+const STILL_SHARE: f64 = 1e-3;
+
+/// Finds the touches of a substep in which every particle would have the velocity `falling`, by particle.
+pub(in crate::physics) fn find<R: Real>(
+    substep: Substep<'_, R>,
+    falling: &[R::Vec3],
+    scratch: &mut Scratch<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    let Substep { model, state, dt, .. } = substep;
+    scratch.touches.clear();
+    for (number, body) in model.bodies.iter().enumerate() {
+        if state.bodies[number].asleep {
+            continue;
+        }
+        let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
+        recorder.enter(Stage::BroadPhase);
+        broad::near_obstacles(substep, number, falling, touching, &mut scratch.near);
+        if scratch.near.is_empty() {
+            continue;
+        }
+        recorder.enter(Stage::Contact);
+        for (local, particle) in body.particles.clone().enumerate() {
+            if body.is_pinned(local) {
+                continue;
+            }
+            let mut meeting = Meeting::new(substep, number, particle);
+            let size = body.size.to_f64();
+            for &near in &scratch.near {
+                let obstacle = near as usize;
+                let Some((surface, surface_velocity)) = meeting.surface(obstacle, falling[particle]) else { continue };
+                let (contact, shape) = (&body.contacts[obstacle], &model.obstacles[obstacle]);
+                let mut touch = Touch {
+                    particle,
+                    obstacle,
+                    normal: surface.normal.to_dvec3(),
+                    gap: surface.gap.to_f64(),
+                    surface_velocity: surface_velocity.to_dvec3(),
+                    resistance: (dt * (dt * contact.stiffness + contact.damping)).to_f64(),
+                    // A body put deep inside is pushed out as if it were at the limit.
+                    push: (dt * contact.stiffness * (-surface.gap).min(contact.depth_limit)).to_f64(),
+                    slowest: response::deepest_velocity(&surface, contact, dt).to_f64(),
+                    hold: 0.0,
+                    friction: shape.friction_static.to_f64(),
+                    creep: CREEP_SHARE * size,
+                    stopped: STOPPED_SHARE * size,
+                    pushes: false,
+                    is_held: false,
+                    normal_impulse: 0.0,
+                    drag: DVec3::ZERO,
+                    matrix: DMat3::ZERO,
+                    bias: DVec3::ZERO,
+                    impulse: DVec3::ZERO,
+                };
+                let velocity = state.velocity[particle].to_dvec3();
+                if touch.sliding(velocity).length() > STILL_SHARE * size {
+                    touch.friction = shape.friction_dynamic.to_f64();
+                }
+                touch.begin(velocity, falling[particle].to_dvec3());
+                scratch.touches.push(touch);
+            }
+            meeting.count(&mut recorder.counters);
+        }
+    }
+}
+
+/// Turns the touches into contacts, and answers what the solution leads into obstacles that nothing touched before.
+pub(in crate::physics) fn settle<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &mut [R::Vec3],
+    scratch: &mut Scratch<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    let Substep { model, state, dt, .. } = substep;
+    scratch.keep_of_sleepers(model, state);
+    let mut touches = scratch.touches.chunk_by(|a, b| a.particle == b.particle).peekable();
+    for (number, body) in model.bodies.iter().enumerate() {
+        while let Some(own) = touches.next_if(|own| body.particles.contains(&own[0].particle)) {
+            let particle = own[0].particle;
+            let over_dt = R::ONE / dt;
+            let mut meeting = Meeting::new(substep, number, particle);
+            let first = scratch.contacts.len();
+            for obstacle in 0..model.obstacles.len() {
+                let record = match own.iter().find(|touch| touch.obstacle == obstacle) {
+                    Some(touch) => Some(ContactRecord {
+                        particle,
+                        obstacle,
+                        normal: R::Vec3::from_dvec3(touch.normal),
+                        gap: R::from_f64(touch.gap),
+                        surface_velocity: R::Vec3::from_dvec3(touch.surface_velocity),
+                        force: R::Vec3::from_dvec3(touch.impulse) * over_dt,
+                    }),
+                    None => meeting.surface(obstacle, velocity[particle]).map(|(surface, surface_velocity)| {
+                        let (normal, gap) = (surface.normal, surface.gap);
+                        ContactRecord { particle, obstacle, normal, gap, surface_velocity, force: R::Vec3::ZERO }
+                    }),
+                };
+                scratch.contacts.extend(record);
+            }
+            let allowed = meeting.allowed_by_all(velocity[particle], &body.contacts);
+            if allowed != velocity[particle] {
+                let mass = body.mass(particle - body.particles.start);
+                let found = &mut scratch.contacts[first..];
+                meeting.share_out(velocity[particle], allowed, mass, &body.contacts, found);
+                velocity[particle] = allowed;
+            }
+            meeting.count(&mut recorder.counters);
+            recorder.counters.frictions += own.iter().filter(|touch| touch.limit() > 0.0).count() as u64;
+        }
+    }
+    Meetings { substep, scratch, recorder }.of_all(velocity, |_, _| ());
+}

@@ -1,0 +1,45 @@
+//! When something is looked at that need not be looked at in every substep: counted in substeps, so that it follows from
+//! the state.
+
+use crate::math::{FRAME_SECS, Real, Vector};
+use crate::physics::model::plan::Plan;
+use crate::physics::model::{BodyModel, Model};
+use crate::physics::state::State;
+
+/// Simulated time between two looks at all cells, s, in a body that is calm.
+const LOOK_SECS: f64 = FRAME_SECS;
+
+/// Two particles of a body move past each other by no more than this between two looks, cell sizes: a cell that was not
+/// on the list then is still above the threshold, even if it is crushed along all its axes at once.
+const UNSEEN_SHARE: f64 = 0.2;
+
+/// Whether it is time to look at bodies that were well at the last look: in every [`LOOK_SECS`], sooner the faster their
+/// particles move past each other.
+pub(in crate::physics) fn is_time_to_look<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
+    let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, state)));
+    is_due_every(plan, state, between_looks)
+}
+
+/// How long a body's cells may stay unseen as fast as its particles move past each other now, s.
+fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
+    let velocity = &state.velocity[body.particles.clone()];
+    // Bounds of the components: cheap, and no larger than the differences between particles.
+    let Some(&first) = velocity.first() else { return LOOK_SECS };
+    let (low, high) = velocity.iter().fold((first, first), |(low, high), v| (low.min(*v), high.max(*v)));
+    let fastest = (high - low).length().to_f64();
+    if fastest > 0.0 { UNSEEN_SHARE / (body.inverse_cell_size.to_f64() * fastest) } else { LOOK_SECS }
+}
+
+/// How many substeps last so long, at least one: for what is counted in substeps.
+pub(in crate::physics) fn substeps_in(plan: &Plan, secs: f64, round: fn(f64) -> f64) -> u64 {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
+    let count = round(secs / plan.substep_secs()).max(1.0) as u64;
+    count
+}
+
+/// Whether as many substeps were taken since the start as are a multiple of those that last so long.
+pub(in crate::physics) fn is_due_every<R: Real>(plan: &Plan, state: &State<R>, secs: f64) -> bool {
+    let taken = state.steps / u64::from(plan.span);
+    let taken = taken.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep));
+    taken.is_multiple_of(substeps_in(plan, secs, libm::round))
+}
