@@ -163,11 +163,32 @@ impl<'a, R: Real> Meeting<'a, R> {
                 allowed = R::Vec3::ZERO;
             }
             if allowed != velocity {
+                self.note_led_into(allowed, contacts.len(), first_record, records);
                 self.share_out(velocity, allowed, mass, contacts, &mut records[first_record..]);
                 velocity = allowed;
             }
         }
         velocity
+    }
+
+    /// Writes down obstacles that the particle meets only with the velocity that all of them `allowed`: their springs hold
+    /// what others press into them, and a plane remembers the side that the particle came from.
+    fn note_led_into(
+        &mut self,
+        allowed: R::Vec3,
+        obstacles: usize,
+        first_record: usize,
+        records: &mut Vec<ContactRecord<R>>,
+    ) {
+        for obstacle in 0..obstacles {
+            if records[first_record..].iter().any(|record| record.obstacle == obstacle) {
+                continue;
+            }
+            let Some((surface, surface_velocity)) = self.surface(obstacle, allowed) else { continue };
+            let (normal, gap) = (surface.normal, surface.gap);
+            let (particle, force) = (self.particle, R::Vec3::ZERO);
+            records.push(ContactRecord { particle, obstacle, normal, gap, surface_velocity, force });
+        }
     }
 
     /// The narrow phase, if this particle's motion comes near the obstacle at all, and the velocity of the surface.
