@@ -92,7 +92,7 @@ fn table(figures: &RunFigures) -> String {
         (
             "steps",
             format!(
-                "{} whole, {} substeps of {} ms ({safe}, limited by {})",
+                "{} whole, {} substeps, the shortest {} ms ({safe}, limited by {})",
                 figures.steps,
                 figures.substeps,
                 three_digits(figures.dt_secs * 1e3),
