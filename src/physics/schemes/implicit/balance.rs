@@ -13,9 +13,11 @@
 //! Integration", 2006, VIII.6). The work of contact is that of the surfaces, and what it stores in springs counts as the
 //! body's.
 
+use glam::DVec3;
+
 use crate::math::{Real, Vector};
 use crate::physics::contact::ContactRecord;
-use crate::physics::forces::links::for_each_exact_link;
+use crate::physics::forces::links::{ExactLink, for_each_exact_link};
 use crate::physics::forces::recovery;
 use crate::physics::interaction::Grab;
 use crate::physics::model::BodyModel;
@@ -93,18 +95,15 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
 /// each as the sum over all links with forces f. The second is the most that such a miss adds: what is linear in w and
 /// not in the balance of momentum is what damping takes, `c u² − c u w ≥ −c w²/4`.
 fn rounding<R: Real>(
-    Substep { plan, state, dt, .. }: Substep<'_, R>,
+    substep: Substep<'_, R>,
     body: &BodyModel<R>,
     velocity: &[R::Vec3],
     stops: &dyn Fn() -> bool,
 ) -> f64 {
-    let own = body.particles.clone();
-    let [position, residual] = [&state.position, &state.position_residual].map(|of| &of[own.clone()]);
-    let (velocity, dt) = (&velocity[own], dt.to_f64());
-    let epsilon = R::EPSILON.to_f64();
+    let (epsilon, dt) = (R::EPSILON.to_f64(), substep.dt.to_f64());
     let mut sum = 0.0;
-    for_each_exact_link(body, plan.families, [position, residual], stops, |[i, j], link| {
-        let speeds = velocity[i].to_dvec3().length() + velocity[j].to_dvec3().length();
+    for_each_moving_link(substep, body, velocity, stops, |[from, to], link| {
+        let speeds = from.length() + to.length();
         let force = link.stiffness * (link.d.length() * link.inverse_rest_length - 1.0).abs();
         let resistance = dt * (dt * link.stiffness + 0.5 * link.damping) * link.inverse_rest_length;
         let missed = 0.5 * epsilon * speeds;
@@ -155,17 +154,15 @@ fn of_contacts<R: Real>(
 
 /// What the links have in the end past what their forces at the beginning did not do.
 fn of_links<R: Real>(
-    Substep { plan, state, dt, .. }: Substep<'_, R>,
+    substep: Substep<'_, R>,
     body: &BodyModel<R>,
     velocity: &[R::Vec3],
     stops: &dyn Fn() -> bool,
 ) -> f64 {
-    let own = body.particles.clone();
-    let [position, residual] = [&state.position, &state.position_residual].map(|of| &of[own.clone()]);
-    let (velocity, dt) = (&velocity[own], dt.to_f64());
+    let dt = substep.dt.to_f64();
     let mut sum = 0.0;
-    for_each_exact_link(body, plan.families, [position, residual], stops, |[i, j], link| {
-        let way = (velocity[j].to_dvec3() - velocity[i].to_dvec3()) * dt;
+    for_each_moving_link(substep, body, velocity, stops, |[from, to], link| {
+        let way = (to - from) * dt;
         let [before, after] = [link.d.length(), (link.d + way).length()];
         if before == 0.0 {
             // It pulls nowhere in the beginning.
@@ -182,6 +179,23 @@ fn of_links<R: Real>(
         sum += link.stiffness * (strain * turned + 0.5 * link.inverse_rest_length * longer * longer);
     });
     sum
+}
+
+/// Calls `visit` with the velocities (m/s) at the ends of every link of a body and the link between them, until it
+/// `stops`. `velocity` is of all particles.
+fn for_each_moving_link<R: Real>(
+    Substep { plan, state, .. }: Substep<'_, R>,
+    body: &BodyModel<R>,
+    velocity: &[R::Vec3],
+    stops: &dyn Fn() -> bool,
+    mut visit: impl FnMut([DVec3; 2], ExactLink),
+) {
+    let own = body.particles.clone();
+    let [position, residual, velocity] =
+        [&state.position, &state.position_residual, velocity].map(|of| &of[own.clone()]);
+    for_each_exact_link(body, plan.families, [position, residual], stops, |ends, link| {
+        visit(ends.map(|end| velocity[end].to_dvec3()), link);
+    });
 }
 
 /// The work of a hand, J.
