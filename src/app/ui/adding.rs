@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::actions::alone;
+use super::edits::alone;
 use super::{Running, UiState};
 use crate::app::hand::Target;
 use crate::math::rotation;

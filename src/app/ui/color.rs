@@ -3,7 +3,7 @@
 use egui::{ComboBox, FontId, Mesh, Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Ui, WidgetInfo, vec2};
 
 use super::value::vector_ui;
-use super::{actions, colored, theme};
+use super::{edits, theme};
 use crate::scene::edit::Edit;
 use crate::scene::{ColorBy, ViewSettings};
 use crate::session::Command;
@@ -20,6 +20,13 @@ const STOPS: u8 = 64;
 /// Colours the jelly by another scalar.
 pub fn color_command(view: &ViewSettings, color: ColorBy) -> Command {
     Command::Edit(Edit::View(colored(view, color)))
+}
+
+/// The view settings with another scalar for the colours.
+fn colored(view: &ViewSettings, color: ColorBy) -> ViewSettings {
+    // A fixed range belongs to the scalar it was chosen for.
+    let color_range = if view.color == color { view.color_range } else { None };
+    ViewSettings { color, color_range, ..view.clone() }
 }
 
 /// The choice of what the colour shows, with its legend.
@@ -56,7 +63,7 @@ fn range_ui(ui: &mut Ui, view: &ViewSettings, now: [f32; 2], commands: &mut Vec<
     let help = "Keeps the colours of the values; otherwise the ends follow the motion";
     if ui.checkbox(&mut stands, "Fixed range").on_hover_text(help).changed() {
         let ends = now.map(|end| three_digits(f64::from(end)).parse().unwrap_or_else(|_error| f64::from(end)));
-        commands.extend(actions::alone(fixed(stands.then_some(ends))));
+        commands.extend(edits::alone(fixed(stands.then_some(ends))));
     }
     if let Some(mut ends) = view.color_range {
         let touch = vector_ui(ui, "view.color_range", "Range", &["from", "to"], &mut ends);

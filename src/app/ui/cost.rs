@@ -2,7 +2,8 @@
 
 use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, WidgetInfo, vec2};
 
-use super::{capitalised, theme};
+use super::theme;
+use super::words::capitalised;
 use crate::app::frame_meter::DrawingCost;
 use crate::session::{Status, StepCost};
 

@@ -1,5 +1,7 @@
 //! Numbers as text: short where they are read, whole where they are typed, and back. Knows nothing of widgets.
 
+use crate::view::legend::three_digits;
+
 /// Significant digits of a number that is read, where there is room for them.
 const DIGITS: i32 = 5;
 
@@ -43,6 +45,30 @@ pub(super) fn fixed_figure(value: f64, digits: usize) -> String {
 /// Rounded to the three significant digits that a hand on a track can mean.
 pub(super) fn rounded(value: f64) -> f64 {
     rounded_to(value, 3)
+}
+
+/// A number in the three digits that a hand on a track can mean.
+pub(super) fn rounded_figure(value: f64) -> String {
+    figure(rounded(value))
+}
+
+/// A small length.
+pub(super) fn length(meters: f64) -> String {
+    let (value, unit) = if meters >= 1.0 {
+        (meters, "m")
+    } else if meters >= 1e-3 {
+        (meters * 1e3, "mm")
+    } else if meters >= 1e-6 {
+        (meters * 1e6, "µm")
+    } else {
+        (meters * 1e9, "nm")
+    };
+    format!("{} {unit}", three_digits(value))
+}
+
+/// A short time.
+pub(super) fn duration(secs: f64) -> String {
+    if secs >= 1.0 { format!("{} s", three_digits(secs)) } else { format!("{} ms", three_digits(secs * 1e3)) }
 }
 
 /// Rounded to some significant digits.
@@ -116,5 +142,11 @@ mod tests {
         for (value, text) in [(-0.004, "0.00"), (-0.006, "-0.01"), (0.0, "0.00"), (-1234.567, "-1234.57")] {
             assert_eq!(fixed_figure(value, 2), text);
         }
+    }
+
+    #[test]
+    fn lengths_and_times_have_units_that_keep_them_short() {
+        assert_eq!([2.0, 0.0123, 4.5e-5, 3e-9].map(length), ["2 m", "12.3 mm", "45 µm", "3 nm"]);
+        assert_eq!([1.5, 0.0421].map(duration), ["1.5 s", "42.1 ms"]);
     }
 }

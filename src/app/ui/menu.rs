@@ -3,7 +3,8 @@
 use egui::containers::menu::{MenuButton, MenuConfig, menu_style};
 use egui::{Button, PopupCloseBehavior, RichText, Ui, WidgetInfo};
 
-use super::{Below, Framing, Running, Shown, UiState, actions, capitalised, color, file_menu, theme};
+use super::words::capitalised;
+use super::{Below, Framing, Running, Shown, UiState, actions, color, edits, file_menu, theme, things};
 use crate::app::input::ChosenAction;
 use crate::app::theme::Theme;
 use crate::scene::edit::Edit;
@@ -59,9 +60,8 @@ fn history_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
 
 fn chosen_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, commands: &mut Vec<Command>) {
     let chosen = running.and_then(|running| Some((running, state.selection?)));
-    let name =
-        chosen.map_or_else(String::new, |(running, target)| format!(" {}", actions::name(running.scene, target)));
-    let hidden = chosen.is_some_and(|(running, target)| actions::is_hidden(running.scene, target));
+    let name = chosen.map_or_else(String::new, |(running, target)| format!(" {}", things::name(running.scene, target)));
+    let hidden = chosen.is_some_and(|(running, target)| things::is_hidden(running.scene, target));
     for (verb, key, action) in [
         ("Rename", "F2", ChosenAction::Rename),
         ("Duplicate", "Shift+D", ChosenAction::Duplicate),
@@ -117,7 +117,7 @@ fn view_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, comma
 fn colors_ui(ui: &mut Ui, view: &ViewSettings, commands: &mut Vec<Command>) {
     for color in ColorBy::ALL {
         if ui.radio(view.color == color, capitalised(&color::words(color))).clicked() && view.color != color {
-            commands.push(super::color_command(view, color));
+            commands.push(color::color_command(view, color));
         }
     }
 }
@@ -131,7 +131,7 @@ fn overlays_ui(ui: &mut Ui, view: &ViewSettings, commands: &mut Vec<Command>) {
         changed |= ui.checkbox(flag, name).on_hover_text(help).changed();
     }
     if changed {
-        commands.extend(actions::alone(Edit::View(ViewSettings { overlays, ..view.clone() })));
+        commands.extend(edits::alone(Edit::View(ViewSettings { overlays, ..view.clone() })));
     }
 }
 

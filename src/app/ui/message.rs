@@ -3,7 +3,8 @@
 use egui::{RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
-use super::{UiState, capitalised, card_over_view, theme};
+use super::words::capitalised;
+use super::{UiState, card, theme};
 use crate::session::Status;
 
 /// What a person should know, if it was not put away: red where something went wrong. A `failure` of the program offers a new start.
@@ -19,7 +20,7 @@ pub(super) fn message_ui(ui: &Ui, status: &Status, failure: &str, state: &mut Ui
     }
     let view = state.view_rect;
     let mut free = state.free_rect;
-    card_over_view(ui, "message", &mut free, |ui| {
+    card::card_over_view(ui, "message", &mut free, |ui| {
         theme::float_frame(ui).show(ui, |ui| {
             ui.set_max_width((view.width() - 80.0).clamp(200.0, 640.0));
             ui.horizontal(|ui| {

@@ -2,8 +2,9 @@
 
 use egui::{Color32, Rect, Sense, Ui, WidgetInfo, vec2};
 
-use super::error_panel::length;
-use super::{capitalised, theme};
+use super::figure::length;
+use super::theme;
+use super::words::capitalised;
 use crate::scene::settings::Integrator;
 use crate::session::Status;
 use crate::session::step_error::{Prediction, StepError};

@@ -3,9 +3,11 @@
 
 pub mod actions;
 mod adding;
+mod card;
 mod color;
 mod cost;
-pub mod error_panel;
+mod edits;
+mod error_panel;
 mod figure;
 mod file_menu;
 pub mod files;
@@ -17,8 +19,12 @@ mod menu;
 mod message;
 mod meter;
 mod panels;
+mod plot_panel;
+mod shown;
 mod sides;
-pub mod stability_panel;
+mod stability_panel;
+mod state;
+mod things;
 mod timeline;
 mod tip;
 mod top_bar;
@@ -26,223 +32,25 @@ mod tree;
 mod trouble;
 mod value;
 mod widths;
+mod words;
 pub mod work;
 
-use egui::{Align2, Area, Id, Order, Rect, RichText, Ui};
+use egui::{Align2, Area, Id, Order, RichText, Ui};
 
-use super::frame_meter::DrawingCost;
-use super::hand::Target;
-use super::preferences::Preferences;
-use super::theme::{self, Theme};
-use crate::scene::edit::BodyId;
-use crate::scene::placement::Look;
-use crate::scene::presets::Preset;
-use crate::scene::{ColorBy, Scene, ViewSettings};
+use super::theme;
 use crate::session::{Command, Status};
-use crate::view::{Colormap, SafeArea};
+use card::{beside_corner_card, over_view};
 
 pub use color::color_command;
-use error_panel::ErrorPanel;
-use files::FilesState;
-pub use inspector::own_weight::TooHeavy;
 pub use panels::{Below, Panels};
-use stability_panel::StabilityPanel;
+pub use shown::{Running, Shown};
+pub use state::{Framing, TooHeavy, UiState};
 pub use widths::Widths;
 
 /// Height of a panel above the time line, points.
 const BELOW_HEIGHT: f32 = 226.0;
 /// The most of the window's height that a panel above the time line takes: the view keeps the rest.
 const BELOW_SHARE: f32 = 0.4;
-/// The least share of the view's width and height that counts as free.
-const LEAST_FREE: f32 = 0.25;
-
-/// What the panels show.
-#[derive(Clone, Copy, Debug)]
-pub struct Shown<'a> {
-    /// The running sandbox; `None` until there is one.
-    pub running: Option<Running<'a>>,
-    /// A failure of the program itself, as a sentence; empty when all is well.
-    pub failure: &'a str,
-    /// The value under the pointer with its unit; empty when there is none.
-    pub value: &'a str,
-    /// What drawing costs.
-    pub drawing: DrawingCost,
-}
-
-/// What the panels show of a running sandbox.
-#[derive(Clone, Copy, Debug)]
-pub struct Running<'a> {
-    /// The state of the session.
-    pub status: &'a Status,
-    /// The document.
-    pub scene: &'a Scene,
-    /// The colours of the scalar shown and its values at their two ends; `None` where nothing is shown.
-    pub color_key: Option<(Colormap, [f32; 2])>,
-}
-
-/// What the panels remember between frames and the session need not know.
-#[derive(Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "independent wishes and choices, each made or not")]
-pub struct UiState {
-    /// The scenes to choose from.
-    pub presets: &'static [Preset],
-    /// Whether the list of keys is open.
-    pub keys_open: bool,
-    /// The message a person has read and closed.
-    pub dismissed: String,
-    /// The part of the window that no panel covers, points.
-    pub view_rect: Rect,
-    /// The part of it that no card covers, points.
-    pub free_rect: Rect,
-    /// Where a person looks: where new things come.
-    pub look: Look,
-    /// The eye moves with what is chosen.
-    pub follow_chosen: bool,
-    /// A person asked for a new start after a failure.
-    pub revive: bool,
-    /// What a person asked to see whole.
-    pub frame: Option<Framing>,
-    /// The colours of the interface and the view.
-    pub theme: Theme,
-    /// What is chosen.
-    pub selection: Option<Target>,
-    /// What will be chosen as soon as it is there: the sandbox answers a few frames later.
-    pub awaited: Option<Target>,
-    /// What will be chosen in a new scene that was asked for.
-    pub comes_along: Option<Target>,
-    /// What is being renamed, and the name so far.
-    pub renaming: Option<(Target, String)>,
-    /// Where the next teleport goes, m.
-    pub origin: [f64; 3],
-    /// A material that was chosen for a body that is too large for it.
-    pub too_heavy: Option<TooHeavy>,
-    /// A person asked to load a model.
-    pub load_model: bool,
-    /// Which panels are open.
-    pub panels: Panels,
-    /// How wide the panels beside the view are.
-    pub widths: Widths,
-    /// The dialogs about files.
-    pub files: FilesState,
-    /// The error curve.
-    pub error_panel: ErrorPanel,
-    /// The map of stability.
-    pub stability_panel: StabilityPanel,
-}
-
-/// What the camera is to show whole.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Framing {
-    /// All bodies and obstacles.
-    Everything,
-    /// What is chosen; everything where nothing is.
-    Chosen,
-    /// Everything in a scene that has just been opened, from its own camera; farther away where it must be.
-    Opened,
-    /// What is chosen and has just been added, where it is out of sight.
-    Arrived,
-}
-
-impl UiState {
-    /// The state of a fresh window.
-    pub fn new(presets: &'static [Preset]) -> Self {
-        Self {
-            presets,
-            keys_open: false,
-            dismissed: String::new(),
-            view_rect: Rect::NOTHING,
-            free_rect: Rect::NOTHING,
-            look: Look::default(),
-            follow_chosen: false,
-            revive: false,
-            frame: None,
-            theme: Theme::default(),
-            selection: None,
-            awaited: None,
-            comes_along: None,
-            renaming: None,
-            origin: [0.0, 1.0, 0.0],
-            too_heavy: None,
-            load_model: false,
-            panels: Panels::default(),
-            widths: Widths::default(),
-            files: FilesState::default(),
-            error_panel: ErrorPanel::default(),
-            stability_panel: StabilityPanel::default(),
-        }
-    }
-
-    /// Arranges everything as it was at the last start.
-    pub fn arrange(&mut self, preferences: &Preferences) {
-        let Preferences { theme, panels, widths, zoom: _, folders } = preferences.clone();
-        (self.theme, self.panels, self.widths, self.files.folders) = (theme, panels, widths, folders);
-    }
-
-    /// How everything is arranged, with text of this size.
-    pub fn arrangement(&self, zoom: f32) -> Preferences {
-        let Self { theme, panels, widths, .. } = *self;
-        Preferences { theme, panels, widths, zoom, folders: self.files.folders.clone() }
-    }
-
-    /// Closes the uppermost thing over the view that Escape closes: the list of keys, then the message there is. Says
-    /// whether there was one.
-    pub fn close_uppermost(&mut self, message: &str) -> bool {
-        if self.keys_open {
-            self.keys_open = false;
-            return true;
-        }
-        let shown = !message.is_empty() && self.dismissed != message;
-        if shown {
-            message.clone_into(&mut self.dismissed);
-        }
-        shown
-    }
-
-    /// The part of the view that no card covers; all of it where cards leave hardly anything.
-    pub fn safe_area(&self) -> SafeArea {
-        let (view, free) = (self.view_rect, self.free_rect);
-        if !view.is_positive() {
-            return SafeArea::whole(1.0);
-        }
-        let whole = SafeArea::whole(view.aspect_ratio());
-        if free.width() < LEAST_FREE * view.width() || free.height() < LEAST_FREE * view.height() {
-            return whole;
-        }
-        let place = |at: egui::Pos2| {
-            let half = view.size() * 0.5;
-            glam::Vec2::new((at.x - view.center().x) / half.x, (view.center().y - at.y) / half.y)
-        };
-        SafeArea { min: place(free.left_bottom()), max: place(free.right_top()), ..whole }
-    }
-
-    /// Another scene has taken the place of the old one: what came along with it is chosen.
-    pub fn on_new_scene(&mut self) {
-        (self.selection, self.awaited) = (None, self.comes_along.take());
-        self.error_panel.forget();
-        self.stability_panel.forget();
-    }
-
-    /// Takes note of what comes along with a new scene.
-    fn foresee(&mut self, commands: &[Command]) {
-        if commands.iter().any(Command::replaces_scene) {
-            let brings_body = commands.iter().any(|command| matches!(command, Command::AddBody { .. }));
-            self.comes_along = brings_body.then_some(Target::Body(BodyId(0)));
-        }
-    }
-
-    /// Chooses what has come, and nothing that is not there.
-    fn follow(&mut self, scene: &Scene) {
-        let there = |target: &Target| actions::exists(scene, *target);
-        let arrived = self.awaited.take_if(|awaited| there(awaited));
-        if arrived.is_some() {
-            self.frame = Some(Framing::Arrived);
-        }
-        self.selection = arrived.or(self.selection.filter(there));
-        if self.renaming.as_ref().is_some_and(|(target, _)| !there(target)) {
-            self.renaming = None;
-        }
-    }
-}
 
 /// All panels, around and over the view.
 pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
@@ -331,48 +139,4 @@ fn value_under_pointer_ui(ui: &Ui, value: &str) {
                 ui.add(egui::Label::new(RichText::new(value).color(theme::of(ui).strong)).extend());
             });
         });
-}
-
-/// The view settings with another scalar for the colours.
-fn colored(view: &ViewSettings, color: ColorBy) -> ViewSettings {
-    // A fixed range belongs to the scalar it was chosen for.
-    let color_range = if view.color == color { view.color_range } else { None };
-    ViewSettings { color, color_range, ..view.clone() }
-}
-
-/// A text with a capital letter at its start.
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// A card at the top of the view, below those that are there.
-fn card_over_view(ui: &Ui, name: &str, free: &mut Rect, contents: impl FnOnce(&mut Ui)) {
-    let card = over_view(ui, name, *free, Align2::CENTER_TOP, contents);
-    free.min.y = card.max.y.clamp(free.min.y, free.max.y);
-}
-
-/// What a card in the lower left corner leaves free: what lies above it or what lies on its right, whichever is larger.
-fn beside_corner_card(free: Rect, card: Rect) -> Rect {
-    let mut above = free;
-    above.max.y = card.min.y.clamp(free.min.y, free.max.y);
-    let mut right = free;
-    right.min.x = card.max.x.clamp(free.min.x, free.max.x);
-    if above.area() >= right.area() { above } else { right }
-}
-
-/// Something that floats over the view, at one of its corners. Tells where.
-fn over_view(ui: &Ui, name: &str, view: Rect, corner: Align2, contents: impl FnOnce(&mut Ui)) -> Rect {
-    let inner = view.shrink(14.0);
-    Area::new(Id::unique(name))
-        .order(Order::Middle)
-        .movable(false)
-        .pivot(corner)
-        .fixed_pos(corner.pos_in_rect(&inner))
-        .constrain_to(view)
-        .fade_in(false)
-        .accessible_name(name)
-        .show(ui.ctx(), contents)
-        .response
-        .rect
 }

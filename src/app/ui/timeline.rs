@@ -3,7 +3,8 @@
 use egui::{Align, Layout, RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
-use super::{Below, Panels, capitalised, theme};
+use super::words::capitalised;
+use super::{Below, Panels, theme};
 use crate::session::{Command, Status};
 
 /// Below this width (points) the counts give way to the words.

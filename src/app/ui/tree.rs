@@ -2,10 +2,9 @@
 
 use egui::{Align, Button, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 
-use super::actions;
 use super::adding::{self, New};
 use super::icon::{Icon, small_button_ui};
-use super::{Running, UiState, theme};
+use super::{Running, UiState, actions, edits, theme, things};
 use crate::app::hand::Target;
 use crate::app::input::ChosenAction;
 use crate::scene::Scene;
@@ -69,7 +68,7 @@ fn row_ui(ui: &mut Ui, running: Running<'_>, target: Target, state: &mut UiState
         rename_ui(ui, scene, target, state, commands);
         return;
     }
-    let (hidden, name) = (actions::is_hidden(scene, target), actions::name(scene, target));
+    let (hidden, name) = (things::is_hidden(scene, target), things::name(scene, target));
     let gone = is_gone(running, target);
     let chosen = state.selection == Some(target);
     ui.horizontal(|ui| {
@@ -138,8 +137,8 @@ fn rename_ui(ui: &mut Ui, scene: &Scene, target: Target, state: &mut UiState, co
         let name = std::mem::take(name);
         state.renaming = None;
         let given_up = ui.input(|input| input.key_pressed(Key::Escape));
-        if let Some(edit) = actions::rename(scene, target, name).filter(|_| !given_up) {
-            commands.extend(actions::alone(edit));
+        if let Some(edit) = edits::rename(scene, target, name).filter(|_| !given_up) {
+            commands.extend(edits::alone(edit));
         }
     } else {
         response.request_focus();

@@ -2,7 +2,7 @@
 
 use egui::{RichText, Ui};
 
-use super::{UiState, card_over_view, theme};
+use super::{UiState, card, theme};
 use crate::session::{Command, Status, Trouble};
 
 /// Width of the card, points.
@@ -12,7 +12,7 @@ const WIDTH: f32 = 430.0;
 pub(super) fn trouble_ui(ui: &Ui, status: &Status, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(trouble) = &status.trouble else { return };
     let view = state.view_rect;
-    card_over_view(ui, "trouble", &mut state.free_rect, |ui| {
+    card::card_over_view(ui, "trouble", &mut state.free_rect, |ui| {
         theme::float_frame(ui).stroke(egui::Stroke::new(1.0, theme::of(ui).warning)).show(ui, |ui| {
             ui.set_max_width(WIDTH.min(view.width() - 60.0));
             ui.label(RichText::new(&trouble.title).color(theme::of(ui).warning).size(15.0).strong());

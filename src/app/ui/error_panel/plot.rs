@@ -3,8 +3,9 @@
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
-use super::{duration, length, theme};
+use crate::app::ui::figure::{duration, length};
 use crate::app::ui::log_axes::{LogAxes, Written, decades};
+use crate::app::ui::theme;
 use crate::scene::settings::Integrator;
 use crate::session::error_curve::{CurvePoint, ErrorCurve, StepChoice};
 use crate::view::colormap::SERIES;

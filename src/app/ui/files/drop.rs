@@ -2,7 +2,8 @@
 
 use egui::{Align2, CornerRadius, Id, LayerId, Order, Stroke, StrokeKind, Ui};
 
-use super::{FileAction, UiState, theme};
+use super::{FileAction, UiState};
+use crate::app::ui::theme;
 use crate::session::document::is_scene_path;
 
 /// Lights the view up under a file and takes what was dropped.

@@ -1,107 +1,30 @@
 //! The assistant that makes a model into jelly (J7): which file, how finely, and what will come of it before anything
 //! is changed. A value that changes starts the work anew; the work itself is done elsewhere.
 
-use std::path::Path;
-use std::sync::Arc;
-
 use egui::{ComboBox, DragValue, Grid, ProgressBar, RichText, ScrollArea, Ui};
 
-use super::path_field::{PathField, PathUse, Verdict};
-use super::{Running, UiState, Wish, buttons_ui, dialog_ui, main_button_ui, theme};
+use super::assistant::{LoadModel, Work};
+use super::dialog::{buttons_ui, dialog_ui, main_button_ui};
+use super::path_field::PathUse;
+use super::{Running, UiState, Wish};
 use crate::app::hand::Target;
-use crate::app::ui::adding;
+use crate::app::ui::words::capitalised;
+use crate::app::ui::{adding, theme};
 use crate::machine::bytes_text;
-use crate::scene::Settings;
 use crate::scene::body::{Keep, MAX_DIVISIONS, ModelShape, OccupancyChoice, UpAxis};
 use crate::scene::edit::BodyId;
-use crate::session::jellify::{Jellified, Preview, occupancy_word, up_axis_word};
+use crate::session::jellify::{Preview, occupancy_word, up_axis_word};
 use crate::session::predict::speed_in_window;
-use crate::session::progress::Progress;
 use crate::session::step_words::limit_text;
 use crate::session::{Command, Status};
 use crate::view::legend::three_digits;
 
-/// How long a value must stand before the work begins, s.
-const PAUSE_SECS: f64 = 0.3;
 /// The heights of the list of files and of what the model becomes, and what the rest of the dialog needs beside them,
 /// points.
 const HEIGHTS: [f32; 2] = [140.0, 236.0];
 const REST: f32 = 350.0;
 /// How often the progress is looked at while the work goes on.
 const LOOK: std::time::Duration = std::time::Duration::from_millis(60);
-
-/// The assistant.
-#[derive(Debug)]
-pub(super) struct LoadModel {
-    field: PathField,
-    shape: ModelShape,
-    /// What was last asked for, and since when it has been waited for, s.
-    asked: Option<ModelShape>,
-    changed_secs: f64,
-    work: Work,
-}
-
-/// How far the work is.
-#[derive(Debug, Default)]
-pub enum Work {
-    /// There is nothing to do.
-    #[default]
-    Idle,
-    /// It goes on.
-    Running(Arc<Progress>),
-    /// The body is ready.
-    Ready(Box<Jellified>),
-    /// It cannot be made; why, as a sentence.
-    Failed(String),
-}
-
-impl LoadModel {
-    /// An assistant that starts from a path.
-    pub(super) fn new(start: &Path) -> Self {
-        let field = PathField::new(PathUse::OpenModel, start);
-        let shape = ModelShape { up: UpAxis::Auto, ..ModelShape::default() };
-        Self { field, shape, asked: None, changed_secs: f64::NEG_INFINITY, work: Work::Idle }
-    }
-
-    /// Puts another path into the field.
-    pub(super) fn set(&mut self, path: &Path) {
-        self.field.set(path);
-    }
-
-    /// The work has begun, ended or failed.
-    pub(super) fn set_work(&mut self, work: Work) {
-        self.work = work;
-    }
-
-    /// The shape that the values stand for, once the path leads to a file.
-    fn wanted(&mut self) -> Option<ModelShape> {
-        let Verdict::Usable(path, _) = self.field.verdict() else { return None };
-        let path = std::path::absolute(path).ok()?;
-        Some(ModelShape { path: path.to_str()?.to_owned(), ..self.shape.clone() })
-    }
-
-    /// Starts the work anew once the values have stood for a while.
-    fn follow(&mut self, ui: &Ui, settings: &Settings, wishes: &mut Vec<Wish>) {
-        let wanted = self.wanted();
-        let now = ui.input(|input| input.time);
-        if wanted != self.asked {
-            self.asked = wanted;
-            self.changed_secs = now;
-            self.work = Work::Idle;
-            wishes.push(Wish::StopJellifying);
-        }
-        if self.changed_secs.is_finite() && self.asked.is_some() {
-            let rest = self.changed_secs + PAUSE_SECS - now;
-            if rest <= 0.0 {
-                self.changed_secs = f64::NEG_INFINITY;
-                wishes
-                    .extend(self.asked.clone().map(|shape| Wish::Jellify(Box::new(shape), Box::new(settings.clone()))));
-            } else {
-                ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(rest));
-            }
-        }
-    }
-}
 
 /// The assistant, when it is open.
 pub(super) fn load_model_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
@@ -229,7 +152,7 @@ fn preview_ui(ui: &mut Ui, preview: &Preview, status: &Status) {
         }
     });
     for warning in &preview.warnings {
-        let text = RichText::new(super::super::capitalised(warning)).color(theme::of(ui).warning);
+        let text = RichText::new(capitalised(warning)).color(theme::of(ui).warning);
         ui.add(egui::Label::new(text).wrap());
     }
 }

@@ -2,7 +2,8 @@
 
 use egui::{Align, Layout, Ui, vec2};
 
-use super::{FileAction, FilesState, dialog_ui, main_button_ui};
+use super::dialog::{dialog_ui, main_button_ui};
+use super::{FileAction, FilesState};
 use crate::session::{Command, Status};
 
 /// The question, when saving was refused and nobody has answered yet.

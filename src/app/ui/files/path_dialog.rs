@@ -1,11 +1,13 @@
 //! The dialogs that ask for a path: open a scene or a state, save one.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use egui::{RichText, Ui};
 
+use super::dialog::{buttons_ui, dialog_ui, main_button_ui};
 use super::path_field::{PathField, PathUse, Verdict};
-use super::{FileAction, UiState, Wish, buttons_ui, dialog_ui, main_button_ui, theme};
+use super::{FileAction, FilesState, Wish};
+use crate::app::ui::theme;
 use crate::session::Command;
 
 /// Recent files offered in the dialog; the menu has all.
@@ -14,33 +16,9 @@ const RECENT: usize = 4;
 const LIST_HEIGHT: f32 = 168.0;
 const REST: f32 = 340.0;
 
-/// A dialog that asks for a path.
-#[derive(Debug)]
-pub(super) struct PathDialog {
-    purpose: PathUse,
-    field: PathField,
-}
-
-impl PathDialog {
-    /// A dialog that starts from a path.
-    pub(super) fn new(purpose: PathUse, start: &Path) -> Self {
-        Self { purpose, field: PathField::new(purpose, start) }
-    }
-
-    /// What the path is for.
-    pub(super) fn purpose(&self) -> PathUse {
-        self.purpose
-    }
-
-    /// Puts another path into the field.
-    pub(super) fn set(&mut self, path: &Path) {
-        self.field.set(path);
-    }
-}
-
 /// The dialog that asks for a path, when one is open.
-pub(super) fn path_dialog_ui(ui: &mut Ui, state: &mut UiState, commands: &mut Vec<Command>) {
-    let Some(mut dialog) = state.files.dialog.take() else { return };
+pub(super) fn path_dialog_ui(ui: &mut Ui, files: &mut FilesState, commands: &mut Vec<Command>) {
+    let Some(mut dialog) = files.dialog.take() else { return };
     let name = match dialog.purpose {
         PathUse::SaveScene => "Save scene as",
         PathUse::OpenScene | PathUse::OpenModel => "Open scene",
@@ -51,13 +29,13 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, state: &mut UiState, commands: &mut Ve
     let mut done = false;
     let escaped = dialog_ui(ui, name, 560.0, |ui| {
         let height = (ui.ctx().content_rect().height() - REST).clamp(60.0, LIST_HEIGHT);
-        let response = dialog.field.ui(ui, "Path", !state.files.no_browser, height);
+        let response = dialog.field.ui(ui, "Path", !files.no_browser, height);
         if dialog.purpose == PathUse::OpenScene {
-            recent_ui(ui, &state.files.recent, &mut dialog.field);
+            recent_ui(ui, &files.recent, &mut dialog.field);
         }
         if response.browse {
             let start = dialog.field.folder();
-            state.files.wishes.push(Wish::Browse(dialog.purpose, start));
+            files.wishes.push(Wish::Browse(dialog.purpose, start));
         }
         ui.add_space(6.0);
         buttons_ui(ui, |ui| {
@@ -71,27 +49,27 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, state: &mut UiState, commands: &mut Ve
             let confirmed = main_button_ui(ui, label, ready).clicked() || (response.entered && ready);
             let cancelled = ui.button("Cancel").clicked();
             if confirmed {
-                confirm(verdict, dialog.purpose, state, commands);
+                confirm(verdict, dialog.purpose, files, commands);
             }
             done = confirmed || cancelled;
         });
     });
     if !escaped && !done {
-        state.files.dialog = Some(dialog);
+        files.dialog = Some(dialog);
     }
 }
 
-fn confirm(verdict: Verdict, purpose: PathUse, state: &mut UiState, commands: &mut Vec<Command>) {
+fn confirm(verdict: Verdict, purpose: PathUse, files: &mut FilesState, commands: &mut Vec<Command>) {
     match (verdict, purpose) {
         (Verdict::Usable(path, _) | Verdict::Replaces(path), PathUse::SaveScene) => {
-            commands.push(Command::SaveAs { path, camera: state.files.camera });
+            commands.push(Command::SaveAs { path, camera: files.camera });
         }
         (Verdict::Usable(path, _) | Verdict::Replaces(path), PathUse::SaveState) => {
             commands.push(Command::SaveState { path });
         }
         (Verdict::Usable(path, _), PathUse::OpenState) => commands.push(Command::OpenState { path }),
-        (Verdict::Model(path), _) => state.files.load_model(&path),
-        (Verdict::Usable(path, _), _) => state.files.ask(FileAction::OpenFile(path)),
+        (Verdict::Model(path), _) => files.load_model(&path),
+        (Verdict::Usable(path, _), _) => files.ask(FileAction::OpenFile(path)),
         (Verdict::Unfinished | Verdict::Unusable(_) | Verdict::Replaces(_), _) => {}
     }
 }

@@ -2,22 +2,10 @@
 
 use egui::Ui;
 
-use super::{FileAction, FilesState, Wish, buttons_ui, dialog_ui, main_button_ui};
+use super::dialog::{buttons_ui, dialog_ui, main_button_ui};
+use super::state::{Question, Then};
+use super::{FileAction, FilesState, Wish};
 use crate::session::{Command, Status};
-
-/// What waits for the answer.
-#[derive(Debug)]
-pub(super) struct Question {
-    then: Then,
-    /// A person chose to save: once everything is saved, it goes on.
-    saving: bool,
-}
-
-#[derive(Debug)]
-enum Then {
-    Grant(Wish),
-    Do(Vec<Command>),
-}
 
 /// A wish that would lose unsaved changes: it waits where there are some.
 pub(super) fn wish(wish: Wish, status: &Status, files: &mut FilesState) {

@@ -2,8 +2,10 @@
 
 use egui::{Align2, RichText, Ui};
 
-use super::super::over_view;
-use super::{FileAction, UiState, Wish, main_button_ui, theme};
+use super::dialog::main_button_ui;
+use super::{FileAction, UiState, Wish};
+use crate::app::ui::card::over_view;
+use crate::app::ui::theme;
 
 /// The offer, while there is one.
 pub(super) fn recovery_card_ui(ui: &Ui, state: &mut UiState) {

@@ -3,11 +3,11 @@
 use egui::{Button, ComboBox, Response, RichText, Ui, vec2};
 
 use super::material::material_ui;
-use super::{section_ui, send};
+use super::section::{section_ui, send};
 use crate::app::ui::figure::{figure, fixed_figure};
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, LABEL_WIDTH, field_ui, vector_ui};
-use crate::app::ui::{Running, UiState, theme};
+use crate::app::ui::{Running, UiState, edits, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::{Body, Shape, Skin};
 use crate::session::{BodyStatus, Command};
@@ -99,7 +99,7 @@ fn skin_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
             for skin in [Skin::Auto, Skin::Cells] {
                 if ui.selectable_label(skin == body.skin, words(skin)).clicked() && skin != body.skin {
                     let changed = Body { skin, ..body.clone() };
-                    commands.extend(crate::app::ui::actions::alone(Edit::Body(id, Box::new(changed))));
+                    commands.extend(edits::alone(Edit::Body(id, Box::new(changed))));
                 }
             }
         });

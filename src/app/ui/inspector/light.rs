@@ -8,7 +8,7 @@ use egui::{
 };
 use glam::DVec3;
 
-use super::send;
+use super::section::send;
 use crate::app::ui::theme;
 use crate::app::ui::value::{LABEL_WIDTH, Touch, slider_ui};
 use crate::scene::edit::Edit;

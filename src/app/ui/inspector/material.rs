@@ -3,11 +3,12 @@
 use egui::{ComboBox, RichText, Ui};
 
 use super::own_weight::{self, length};
-use super::send;
+use super::section::send;
 use crate::app::ui::figure::figure;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{Bound, LABEL_WIDTH, Touch, slider_ui};
-use crate::app::ui::{Running, UiState, actions, capitalised, theme};
+use crate::app::ui::words::capitalised;
+use crate::app::ui::{Running, UiState, edits, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::material::{MaterialPreset, presets};
 use crate::scene::own_weight::largest_cube;
@@ -31,7 +32,7 @@ pub(super) fn material_ui(
     match choice_ui(ui, &body.material, running.scene.settings.gravity) {
         Some(Choice::OtherForm) => {
             let material = known.other_form.clone();
-            commands.extend(actions::alone(Edit::Body(id, Box::new(Body { material, ..body.clone() }))));
+            commands.extend(edits::alone(Edit::Body(id, Box::new(Body { material, ..body.clone() }))));
         }
         Some(Choice::Named(preset)) => {
             own_weight::choose(id, preset, running.scene, &known.stature, state, commands);

@@ -5,24 +5,25 @@ mod body;
 mod light;
 mod material;
 mod obstacle;
-pub(super) mod own_weight;
+mod own_weight;
+mod section;
 mod settings;
 
-use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
+use egui::{RichText, ScrollArea, Ui};
 
-use super::value::{Touch, note_scrolling};
-use super::{Running, UiState, actions, theme};
+use super::value::note_scrolling;
+use super::{Running, UiState, theme, things};
 use crate::app::hand::Target;
-use crate::scene::edit::Edit;
 use crate::session::Command;
+use section::section_ui;
 
 /// The panel.
 pub(super) fn inspector_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
-        let chosen = state.selection.filter(|target| actions::exists(running.scene, *target));
+        let chosen = state.selection.filter(|target| things::exists(running.scene, *target));
         own_weight::forget_unless(chosen, state);
-        let title = chosen.map_or_else(|| "The scene".to_owned(), |target| actions::name(running.scene, target));
+        let title = chosen.map_or_else(|| "The scene".to_owned(), |target| things::name(running.scene, target));
         ui.label(RichText::new(title).color(theme::of(ui).strong).size(15.0).strong());
         ui.add_space(2.0);
         match chosen {
@@ -34,22 +35,4 @@ pub(super) fn inspector_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiStat
         section_ui(ui, "Light and camera", false, |ui| light::light_ui(ui, running.scene, commands));
         note_scrolling(ui);
     });
-}
-
-/// A part of the panel that can be folded away.
-fn section_ui(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
-    ui.separator();
-    CollapsingHeader::new(RichText::new(title).color(theme::of(ui).strong))
-        .default_open(open)
-        .show_unindented(ui, contents);
-}
-
-/// Sends an edit where something has changed, and its end where that is finished.
-fn send(touch: Touch, edit: impl FnOnce() -> Edit, commands: &mut Vec<Command>) {
-    if touch.changed {
-        commands.push(Command::Edit(edit()));
-    }
-    if touch.ended {
-        commands.push(Command::EndEdit);
-    }
 }

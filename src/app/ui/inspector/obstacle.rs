@@ -2,7 +2,7 @@
 
 use egui::Ui;
 
-use super::{section_ui, send};
+use super::section::{section_ui, send};
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, Touch, field_ui, slider_ui, vector_ui};
 use crate::scene::edit::{Edit, ObstacleId};

@@ -6,21 +6,13 @@ use egui::{Button, RichText, Ui, vec2};
 use crate::app::hand::Target;
 use crate::app::ui::figure::{figure, rounded};
 use crate::app::ui::icon::{Icon, icon_button_ui};
-use crate::app::ui::{Framing, UiState, actions, capitalised, theme};
+use crate::app::ui::words::capitalised;
+use crate::app::ui::{Framing, TooHeavy, UiState, edits, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::material::MaterialPreset;
 use crate::scene::own_weight::Stature;
-use crate::scene::{Body, Material, Scene, Shape};
+use crate::scene::{Body, Material, Scene};
 use crate::session::{BodyStatus, Command};
-
-/// A material that was chosen for a body that is too large for it.
-#[derive(Clone, Debug)]
-pub struct TooHeavy {
-    body: BodyId,
-    preset: &'static MaterialPreset,
-    /// The size that was chosen, until the sandbox has made it.
-    resized: Option<Shape>,
-}
 
 /// Gives a body a named material; asks first where the body would collapse.
 pub(super) fn choose(
@@ -87,7 +79,7 @@ pub(super) fn own_weight_ui(
             let small = status.stature.set_down(body, stands_m, status.center, &scene.obstacles, gravity);
             let small = Body { material: Material::Solid(preset.material), ..small };
             state.too_heavy = Some(TooHeavy { body: id, preset, resized: Some(small.shape.clone()) });
-            commands.extend(actions::alone(Edit::Body(id, Box::new(small))));
+            commands.extend(edits::alone(Edit::Body(id, Box::new(small))));
         }
         let keep = format!("Keep {now}: it will collapse under its own weight");
         if ui.add(Button::new(keep).wrap().min_size(width)).clicked() {
@@ -99,7 +91,7 @@ pub(super) fn own_weight_ui(
 
 fn take(id: BodyId, preset: &MaterialPreset, body: &Body) -> [Command; 3] {
     let material = Material::Solid(preset.material);
-    actions::alone(Edit::Body(id, Box::new(Body { material, ..body.clone() })))
+    edits::alone(Edit::Body(id, Box::new(Body { material, ..body.clone() })))
 }
 
 /// A length in the unit that people use for it: 2 m, 10 cm, 4 mm.

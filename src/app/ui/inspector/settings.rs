@@ -2,11 +2,11 @@
 
 use egui::{ComboBox, Label, RichText, Ui};
 
-use super::{section_ui, send};
+use super::section::{section_ui, send};
 use crate::app::ui::meter::error_words;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{Touch, help, slider_ui, vector_ui};
-use crate::app::ui::{Running, actions, theme};
+use crate::app::ui::{Running, edits, theme};
 use crate::scene::edit::Edit;
 use crate::scene::param;
 use crate::scene::settings::{ContactRule, Integrator, Settings, Stepping};
@@ -32,7 +32,7 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
         let at_work = running.status.integrator;
         let words = at_work.words();
         if let Some(integrator) = choice_ui(ui, "settings.integrator", "Scheme", old.integrator, words, &schemes) {
-            commands.extend(actions::alone(Edit::Settings(Settings { integrator, ..old.clone() })));
+            commands.extend(edits::alone(Edit::Settings(Settings { integrator, ..old.clone() })));
         }
         if at_work != old.integrator {
             note_ui(ui, &format!("chosen automatically instead of {}", old.integrator.words()));
@@ -40,7 +40,7 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
         let stepping = [(Stepping::Auto, "automatic"), (Stepping::Manual, "manual")];
         let words = words_of(old.stepping, &stepping);
         if let Some(stepping) = choice_ui(ui, "settings.stepping", "Stepping", old.stepping, words, &stepping) {
-            commands.extend(actions::alone(Edit::Settings(Settings { stepping, ..old.clone() })));
+            commands.extend(edits::alone(Edit::Settings(Settings { stepping, ..old.clone() })));
         }
         let mut settings = old.clone();
         let mut changed = flag_ui(ui, "settings.allow_implicit", "Implicit where stiff", &mut settings.allow_implicit);
@@ -48,12 +48,12 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
         changed |=
             flag_ui(ui, "settings.inversion_recovery", "Turn crushed cells back", &mut settings.inversion_recovery);
         if changed {
-            commands.extend(actions::alone(Edit::Settings(settings)));
+            commands.extend(edits::alone(Edit::Settings(settings)));
         }
         let contact = [(ContactRule::Implicit, "implicit"), (ContactRule::Thesis, "as in the thesis")];
         let words = words_of(old.contact, &contact);
         if let Some(contact) = choice_ui(ui, "settings.contact", "Contact", old.contact, words, &contact) {
-            commands.extend(actions::alone(Edit::Settings(Settings { contact, ..old.clone() })));
+            commands.extend(edits::alone(Edit::Settings(Settings { contact, ..old.clone() })));
         }
     });
     ui.add_space(4.0);

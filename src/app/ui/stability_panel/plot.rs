@@ -4,8 +4,10 @@
 use egui::epaint::{Mesh, Vertex};
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
-use super::{rounded_figure, theme, values_words};
+use super::words::values_words;
+use crate::app::ui::figure::rounded_figure;
 use crate::app::ui::log_axes::{LogAxes, Written, power_of_ten};
+use crate::app::ui::theme;
 use crate::scene::Body;
 use crate::session::stability_map::{Place, PlaneShown, StabilityMap, Zone};
 

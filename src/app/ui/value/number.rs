@@ -6,8 +6,9 @@ use egui::{Color32, Direction, DragValue, Id, Layout, Sense, TextStyle, Ui, UiBu
 
 use super::super::figure::{figure, parse, rounded, short_figure, whole_figure};
 use super::super::tip::tip_ui;
+use super::help::{help, hint};
 use super::scale::ends;
-use super::{Touch, differs, held, help, hint, hold};
+use super::touch::{Touch, differs, held, hold};
 use crate::scene::param::{Kind, Param};
 
 /// Width of a typed number, points.

@@ -9,8 +9,10 @@ use egui::{
 
 use super::super::figure::{figure, rounded};
 use super::super::tip::tip_ui;
+use super::help::help;
 use super::scale::{Scale, Window};
-use super::{Bound, Touch, differs, help, hold, theme};
+use super::touch::{Touch, differs, hold};
+use crate::app::ui::theme;
 use crate::scene::param::Param;
 
 /// With shift held the hand moves a value this much more slowly.
@@ -25,6 +27,21 @@ const QUIET_SECS: f64 = 0.4;
 const POINTS_A_STEP: f32 = 40.0;
 /// The window of a track moves to where it belongs within this time, s.
 const GLIDE_SECS: f32 = 0.15;
+
+/// How far a value may go so that the step asked for is safe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::app::ui) enum Bound {
+    AtMost(f64),
+    AtLeast(f64),
+}
+
+impl Bound {
+    /// The last value that is safe.
+    fn at(self) -> f64 {
+        let (Self::AtMost(at) | Self::AtLeast(at)) = self;
+        at
+    }
+}
 
 /// A track and what stands beside it in its row.
 pub(super) struct Track<'a> {

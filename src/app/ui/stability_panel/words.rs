@@ -1,0 +1,70 @@
+//! What the stability panel says of a body's place on the map.
+
+use crate::app::ui::figure::rounded_figure;
+use crate::scene::{Body, Family, Material};
+use crate::session::stability_map::{PlaneShown, StabilityMap, Zone};
+use crate::session::step_words::step_text;
+
+/// Whose values the axes are.
+pub(super) fn whose_words(name: &str, family: Option<Family>) -> String {
+    match family {
+        Some(family) => {
+            format!("On the axes the {} springs of {name}, which limit the step most.", family.name())
+        }
+        None => format!("On the axes the structural links of {name}, a solid: the others go with them."),
+    }
+}
+
+/// Where the body stands, and what becomes of it.
+pub(super) fn now_words(shown: &PlaneShown, body: &Body, zone: Zone, is_manual: bool) -> String {
+    let scheme = shown.scheme();
+    let step = format!("{}, {}", scheme.integrator.words(), step_text(scheme.dt_secs));
+    let becomes = match (zone, is_manual) {
+        (Zone::Safe, _) if shown.border.is_empty() => "stable at any step",
+        (Zone::Safe, _) => "stable, with the margin that automatic stepping keeps",
+        (Zone::Stable, true) => "stable at rest, with less margin than automatic stepping keeps",
+        (Zone::Stable, false) => "stable at rest; automatic stepping divides the step to keep its margin",
+        (Zone::Unstable, true) => "not stable: it may explode",
+        (Zone::Unstable, false) => "not stable with whole steps: automatic stepping divides them",
+    };
+    format!("Now {} with {step}: {becomes}.", values_words(body, shown.family()))
+}
+
+/// The values on the axes.
+pub(super) fn values_words(body: &Body, family: Option<Family>) -> String {
+    match (&body.material, family) {
+        (Material::Springs(springs), Some(family)) => {
+            let spring = springs.family(family);
+            format!("{} N, {} N·s", rounded_figure(spring.stiffness), rounded_figure(spring.damping))
+        }
+        (Material::Solid(solid), _) => {
+            let (modulus, ratio) = (rounded_figure(solid.young_modulus), rounded_figure(solid.damping_ratio));
+            format!("{modulus} Pa, damping ratio {ratio}")
+        }
+        (Material::Springs(_), None) => String::new(),
+    }
+}
+
+pub(super) fn measured_words(map: &StabilityMap) -> String {
+    let what = match map.stand_in {
+        Some(cells) => format!("a cube of {cells} such cells an edge instead of this large body"),
+        None => "the body alone".to_owned(),
+    };
+    format!("Measured: {} steps of {what}, shaken.", map.watched)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Solid;
+
+    #[test]
+    fn the_words_name_the_family_and_the_values() {
+        let body = Body::default();
+        assert_eq!(values_words(&body, Some(Family::Shear)), "25 N, 0.12 N·s");
+        let solid = Body { material: Material::Solid(Solid::default()), ..Body::default() };
+        assert_eq!(values_words(&solid, None), "100000 Pa, damping ratio 0.05");
+        assert!(whose_words("Cube", Some(Family::Shear)).contains("the shear springs of Cube"), "which family");
+        assert!(whose_words("Cube", None).contains("a solid"), "a solid has none");
+    }
+}

@@ -1,0 +1,197 @@
+//! What the panels remember between frames and the session need not know.
+
+use egui::{Pos2, Rect};
+
+use super::files::FilesState;
+use super::panels::Panels;
+use super::things;
+use super::widths::Widths;
+use super::work::Asked;
+use crate::app::hand::Target;
+use crate::app::preferences::Preferences;
+use crate::app::theme::Theme;
+use crate::scene::edit::BodyId;
+use crate::scene::material::MaterialPreset;
+use crate::scene::placement::Look;
+use crate::scene::presets::Preset;
+use crate::scene::{Scene, Shape};
+use crate::session::Command;
+use crate::session::error_curve::ErrorCurve;
+use crate::session::stability_map::StabilityMap;
+use crate::view::SafeArea;
+
+/// The least share of the view's width and height that counts as free.
+const LEAST_FREE: f32 = 0.25;
+
+/// What the panels remember between frames and the session need not know.
+#[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "independent wishes and choices, each made or not")]
+pub struct UiState {
+    /// The scenes to choose from.
+    pub presets: &'static [Preset],
+    /// Whether the list of keys is open.
+    pub keys_open: bool,
+    /// The message a person has read and closed.
+    pub dismissed: String,
+    /// The part of the window that no panel covers, points.
+    pub view_rect: Rect,
+    /// The part of it that no card covers, points.
+    pub free_rect: Rect,
+    /// Where a person looks: where new things come.
+    pub look: Look,
+    /// The eye moves with what is chosen.
+    pub follow_chosen: bool,
+    /// A person asked for a new start after a failure.
+    pub revive: bool,
+    /// What a person asked to see whole.
+    pub frame: Option<Framing>,
+    /// The colours of the interface and the view.
+    pub theme: Theme,
+    /// What is chosen.
+    pub selection: Option<Target>,
+    /// What will be chosen as soon as it is there: the sandbox answers a few frames later.
+    pub awaited: Option<Target>,
+    /// What will be chosen in a new scene that was asked for.
+    pub comes_along: Option<Target>,
+    /// What is being renamed, and the name so far.
+    pub renaming: Option<(Target, String)>,
+    /// Where the next teleport goes, m.
+    pub origin: [f64; 3],
+    /// A material that was chosen for a body that is too large for it.
+    pub too_heavy: Option<TooHeavy>,
+    /// A person asked to load a model.
+    pub load_model: bool,
+    /// Which panels are open.
+    pub panels: Panels,
+    /// How wide the panels beside the view are.
+    pub widths: Widths,
+    /// The dialogs about files.
+    pub files: FilesState,
+    /// The error curve.
+    pub error_panel: Asked<ErrorCurve>,
+    /// The map of stability.
+    pub stability_panel: Asked<StabilityMap>,
+}
+
+/// A material that was chosen for a body that is too large for it.
+#[derive(Clone, Debug)]
+pub struct TooHeavy {
+    pub(super) body: BodyId,
+    pub(super) preset: &'static MaterialPreset,
+    /// The size that was chosen, until the sandbox has made it.
+    pub(super) resized: Option<Shape>,
+}
+
+/// What the camera is to show whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Framing {
+    /// All bodies and obstacles.
+    Everything,
+    /// What is chosen; everything where nothing is.
+    Chosen,
+    /// Everything in a scene that has just been opened, from its own camera; farther away where it must be.
+    Opened,
+    /// What is chosen and has just been added, where it is out of sight.
+    Arrived,
+}
+
+impl UiState {
+    /// The state of a fresh window.
+    pub fn new(presets: &'static [Preset]) -> Self {
+        Self {
+            presets,
+            keys_open: false,
+            dismissed: String::new(),
+            view_rect: Rect::NOTHING,
+            free_rect: Rect::NOTHING,
+            look: Look::default(),
+            follow_chosen: false,
+            revive: false,
+            frame: None,
+            theme: Theme::default(),
+            selection: None,
+            awaited: None,
+            comes_along: None,
+            renaming: None,
+            origin: [0.0, 1.0, 0.0],
+            too_heavy: None,
+            load_model: false,
+            panels: Panels::default(),
+            widths: Widths::default(),
+            files: FilesState::default(),
+            error_panel: Asked::default(),
+            stability_panel: Asked::default(),
+        }
+    }
+
+    /// Arranges everything as it was at the last start.
+    pub fn arrange(&mut self, preferences: &Preferences) {
+        let Preferences { theme, panels, widths, zoom: _, folders } = preferences.clone();
+        (self.theme, self.panels, self.widths, self.files.folders) = (theme, panels, widths, folders);
+    }
+
+    /// How everything is arranged, with text of this size.
+    pub fn arrangement(&self, zoom: f32) -> Preferences {
+        let Self { theme, panels, widths, .. } = *self;
+        Preferences { theme, panels, widths, zoom, folders: self.files.folders.clone() }
+    }
+
+    /// Closes the uppermost thing over the view that Escape closes: the list of keys, then the message there is. Says
+    /// whether there was one.
+    pub fn close_uppermost(&mut self, message: &str) -> bool {
+        if self.keys_open {
+            self.keys_open = false;
+            return true;
+        }
+        let shown = !message.is_empty() && self.dismissed != message;
+        if shown {
+            message.clone_into(&mut self.dismissed);
+        }
+        shown
+    }
+
+    /// The part of the view that no card covers; all of it where cards leave hardly anything.
+    pub fn safe_area(&self) -> SafeArea {
+        let (view, free) = (self.view_rect, self.free_rect);
+        if !view.is_positive() {
+            return SafeArea::whole(1.0);
+        }
+        let whole = SafeArea::whole(view.aspect_ratio());
+        if free.width() < LEAST_FREE * view.width() || free.height() < LEAST_FREE * view.height() {
+            return whole;
+        }
+        let place = |at: Pos2| {
+            let half = view.size() * 0.5;
+            glam::Vec2::new((at.x - view.center().x) / half.x, (view.center().y - at.y) / half.y)
+        };
+        SafeArea { min: place(free.left_bottom()), max: place(free.right_top()), ..whole }
+    }
+
+    /// Another scene has taken the place of the old one: what came along with it is chosen.
+    pub fn on_new_scene(&mut self) {
+        (self.selection, self.awaited) = (None, self.comes_along.take());
+        self.error_panel.forget();
+        self.stability_panel.forget();
+    }
+
+    /// Takes note of what comes along with a new scene.
+    pub(super) fn foresee(&mut self, commands: &[Command]) {
+        if commands.iter().any(Command::replaces_scene) {
+            let brings_body = commands.iter().any(|command| matches!(command, Command::AddBody { .. }));
+            self.comes_along = brings_body.then_some(Target::Body(BodyId(0)));
+        }
+    }
+
+    /// Chooses what has come, and nothing that is not there.
+    pub(super) fn follow(&mut self, scene: &Scene) {
+        let there = |target: &Target| things::exists(scene, *target);
+        let arrived = self.awaited.take_if(|awaited| there(awaited));
+        if arrived.is_some() {
+            self.frame = Some(Framing::Arrived);
+        }
+        self.selection = arrived.or(self.selection.filter(there));
+        if self.renaming.as_ref().is_some_and(|(target, _)| !there(target)) {
+            self.renaming = None;
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! What is said of a parameter: its name with its help, and a hint where a typed value is wrong.
+
+use egui::{Id, Response, RichText, Ui, WidgetText, vec2};
+
+use crate::app::ui::figure::figure;
+use crate::app::ui::theme;
+use crate::app::ui::tip::tip_ui;
+use crate::scene::param::Param;
+
+/// Width of a label, points.
+pub(in crate::app::ui) const LABEL_WIDTH: f32 = 92.0;
+
+/// A label that says what the parameter is when the pointer rests on it.
+pub(in crate::app::ui) fn label_ui(ui: &mut Ui, label: &str, param: &Param) -> Response {
+    let size = vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
+    let text = egui::Label::new(RichText::new(label).color(theme::of(ui).weak)).truncate();
+    let label = |ui: &mut Ui| {
+        ui.set_min_width(LABEL_WIDTH);
+        ui.add(text)
+    };
+    let response = ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), label).inner;
+    tip_ui(ui, &response, || help(param));
+    response
+}
+
+/// What a parameter is, what it may be, and what it is by default.
+pub(in crate::app::ui) fn help(param: &Param) -> String {
+    let default = param.default_value().map_or_else(String::new, |default| {
+        let text = default.as_f64().map_or_else(|| default.to_string(), figure);
+        let unit = if param.unit.is_empty() { String::new() } else { format!(" {}", param.unit) };
+        format!("\nDefault {}{unit}. Double-click brings it back.", text.trim_matches('"'))
+    });
+    format!("{}\n{}{default}", param.help, param.range_text())
+}
+
+/// Writes or forgets what is wrong with a typed value.
+pub(super) fn hint(ui: &Ui, id: Id, text: Option<String>) {
+    ui.data_mut(|data| match text {
+        Some(text) => _ = data.insert_temp(id.with("hint"), text),
+        None => data.remove::<String>(id.with("hint")),
+    });
+}
+
+pub(super) fn hint_ui(ui: &mut Ui, id: Id) {
+    if let Some(text) = ui.data(|data| data.get_temp::<String>(id.with("hint"))) {
+        ui.label(WidgetText::from(RichText::new(text).small().color(theme::of(ui).warning)));
+    }
+}

@@ -1,0 +1,36 @@
+//! What a person did to a value, and what a widget keeps of it until the sandbox answers.
+
+use egui::{Id, Ui};
+
+/// What a person did to one or more values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::app::ui) struct Touch {
+    /// A value has changed.
+    pub(in crate::app::ui) changed: bool,
+    /// A change is finished: what comes next is another one.
+    pub(in crate::app::ui) ended: bool,
+}
+
+impl Touch {
+    /// Also what another widget saw.
+    pub(in crate::app::ui) fn and(&mut self, other: Self) {
+        self.changed |= other.changed;
+        self.ended |= other.ended;
+    }
+}
+
+/// The value under the pointer while it is dragged: the sandbox answers a frame later, and must not pull it back.
+pub(super) fn held(ui: &Ui, id: Id) -> Option<f64> {
+    ui.data(|data| data.get_temp(id.with("held")))
+}
+
+pub(super) fn hold(ui: &Ui, id: Id, value: Option<f64>) {
+    ui.data_mut(|data| match value {
+        Some(value) => _ = data.insert_temp(id.with("held"), value),
+        None => data.remove::<f64>(id.with("held")),
+    });
+}
+
+pub(super) fn differs(a: f64, b: f64) -> bool {
+    a.to_bits() != b.to_bits()
+}
