@@ -152,12 +152,15 @@ impl<'a, R: Real> Meeting<'a, R> {
                 force: (velocity - before) * (mass / self.substep.dt),
             });
         }
+        let mut is_pinched = false;
         if records.len() > first_record + 1 {
             let (obstacles, found) = (&self.substep.model.obstacles, &mut records[first_record..]);
-            velocity = settle::settle(predicted, contacts, obstacles, mass, self.substep.dt, found);
+            let settled = settle::settle(predicted, contacts, obstacles, mass, self.substep.dt, found);
+            is_pinched = settled.is_none();
+            velocity = settled.unwrap_or(predicted);
         }
         if records.len() > first_record {
-            let mut allowed = self.allowed_by_all(velocity, contacts);
+            let mut allowed = if is_pinched { R::Vec3::ZERO } else { self.allowed_by_all(velocity, contacts) };
             let among_several = records.len() > first_record + 1 || allowed != velocity;
             if among_several && self.gains(predicted, allowed, mass, contacts) {
                 allowed = R::Vec3::ZERO;
