@@ -13,7 +13,7 @@ pub enum StateFileError {
     #[error("this is no state that Gelatin has saved")]
     NotAState,
     /// Written by an earlier or a later program.
-    #[error("this state was written by another version of the program (it begins with {begins:?}, version 7 is read)")]
+    #[error("this state was written by another version of the program (it begins with {begins:?}, version 8 is read)")]
     OtherVersion {
         /// The first words.
         begins: String,

@@ -144,9 +144,10 @@ impl<'a> Reader<'a> {
         let last = near_inversion.last().copied().unwrap_or_default();
         need(last == 0 || (last as usize) < cells, &field, format!("one with cell {last}"), "a cell of the body")?;
         let field = of_body("the memory");
-        let [flags, knotted_nanos] = [self.u32(&field)?, self.u32(&field)?];
+        let [flags, knotted_nanos, calm_substeps] = [self.u32(&field)?, self.u32(&field)?, self.u32(&field)?];
         need(flags < 16, &field, flags, "a sum of 1, 2, 4 and 8")?;
         let [asleep, strained, stuck, gone] = [1, 2, 4, 8].map(|flag| flags & flag != 0);
+        need(strained || calm_substeps == 0, &field, "one that is calm after no strain", "0 substeps")?;
         need(asleep || !gone, &field, "one of a body that has fallen out and is awake", "one that sleeps")?;
         let field = of_body("the count of still substeps");
         let still_substeps = self.u64(&field)?;
@@ -155,7 +156,7 @@ impl<'a> Reader<'a> {
             let was = self.vectors(anchor.len(), &of_body("the place at rest"), "m")?;
             anchor.copy_from_slice(&was);
         }
-        Ok(BodyMemory { near_inversion, strained, knotted_nanos, stuck, still_substeps, asleep, gone })
+        Ok(BodyMemory { near_inversion, strained, calm_substeps, knotted_nanos, stuck, still_substeps, asleep, gone })
     }
 
     /// The obstacles on their way to bodies.

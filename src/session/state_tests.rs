@@ -70,9 +70,10 @@ fn every_number_of_a_state_is_checked() {
         (word(CELLS, 1 << 60), "the list of cells that may invert of body 0 is 1152921504606846976 long"),
         (refused(CELLS + 8, &99_u32.to_le_bytes()), "the memory of body 0 is 99"),
         (refused(CELLS + 8, &8_u32.to_le_bytes()), "fallen out and is awake"),
-        (word(CELLS + 16, u64::MAX), "the count of still substeps of body 0 is"),
-        (word(CELLS + 24, 3), "not as many bytes as the obstacles on their way"),
-        (word(CELLS + 32, 3), "not as many bytes as the obstacles that sweep"),
+        (refused(CELLS + 16, &7_u32.to_le_bytes()), "calm after no strain, and 0 substeps"),
+        (word(CELLS + 20, u64::MAX), "the count of still substeps of body 0 is"),
+        (word(CELLS + 28, 3), "not as many bytes as the obstacles on their way"),
+        (word(CELLS + 36, 3), "not as many bytes as the obstacles that sweep"),
     ];
     for (said, words) in said {
         assert!(said.starts_with("the state is damaged: ") && said.contains(words), "{words:?} in {said:?}");

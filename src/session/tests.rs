@@ -116,8 +116,9 @@ fn what_is_remembered_of_a_body_goes_to_bytes_and_back() {
     let mut session_a = session("cube-on-plane");
     let mut state = session_a.simulation().state().clone();
     for (strained, stuck, knotted_nanos) in [(true, false, 0), (false, true, 0), (true, true, 98_765_432)] {
-        let before = &state.bodies[0];
-        state.bodies[0] = BodyMemory { near_inversion: vec![1, 5], strained, stuck, knotted_nanos, ..before.clone() };
+        let (before, near_inversion) = (state.bodies[0].clone(), vec![1, 5]);
+        let calm_substeps = if strained { 77 } else { 0 };
+        state.bodies[0] = BodyMemory { near_inversion, strained, calm_substeps, knotted_nanos, stuck, ..before };
         session_a.replace_state(state.clone());
         let mut session_b = session("cube-on-plane");
         session_b.set_state_bytes(&session_a.state_bytes()).expect("a state of the same scene");

@@ -69,6 +69,8 @@ pub struct BodyMemory {
     pub near_inversion: Vec<u32>,
     /// Whether links are far longer than at rest, so that substeps are taken in parts.
     pub strained: bool,
+    /// For how many substeps a strained body's links have been near their length again.
+    pub calm_substeps: u32,
     /// For how long the body has been slow while cells of it were inverted, ns.
     pub knotted_nanos: u32,
     /// Whether it has been so for long enough to be stuck: its cells are pulled to shape until none is crushed.
@@ -93,8 +95,9 @@ impl BodyMemory {
         let mut near_inversion = std::mem::take(&mut self.near_inversion);
         near_inversion.clear();
         near_inversion.extend_from_slice(&of.near_inversion);
-        let Self { near_inversion: _, strained, knotted_nanos, stuck, still_substeps, asleep, gone } = *of;
-        *self = Self { near_inversion, strained, knotted_nanos, stuck, still_substeps, asleep, gone };
+        let Self { near_inversion: _, strained, calm_substeps, knotted_nanos, stuck, still_substeps, asleep, gone } =
+            *of;
+        *self = Self { near_inversion, strained, calm_substeps, knotted_nanos, stuck, still_substeps, asleep, gone };
     }
 
     /// Whether cells of a body that is awake are watched as they may invert.

@@ -4,6 +4,10 @@
 //! The bound at rest does not hold there. While any link is longer or shorter by far than at rest a substep is taken in
 //! parts that stay below a share of the step that is bounded in any state ([`crate::physics::limits::any_state`]). At rest
 //! this would be three times as dear as it need be for nothing.
+//!
+//! Each length of step conserves an energy of its own, so a change of it gives or takes some; a body that swings across the
+//! limit would change it at the same place of every swing, and gain a little each time. So a body has to be calm for a
+//! while before its substeps are whole again.
 
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
@@ -15,30 +19,45 @@ use crate::physics::stepping::looks;
 /// smaller: bodies that fall on the ground of their own weight are not.
 pub(crate) const STRAINS: [f64; 2] = [0.5, 0.7];
 
+/// For so long all links have to be below the smaller of them, s, ...
+const CALM_SECS: f64 = 0.25;
+
+/// ... and for so many substeps, where these are long.
+const CALM_SUBSTEPS: u64 = 100;
+
 /// Looks at the links where it is due, and tells into how many parts the coming substep is divided.
 pub(in crate::physics) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> u32 {
     if plan.parts <= 1 {
         return 1;
     }
     if state.bodies.iter().any(|memory| memory.strained) || looks::is_time_to_look(model, plan, state) {
-        look(model, state);
+        look(model, plan, state);
     }
     let is_strained = state.bodies.iter().any(|memory| memory.strained && !memory.asleep);
     if is_strained { plan.parts } else { 1 }
 }
 
-fn look<R: Real>(model: &Model<R>, state: &mut State<R>) {
+fn look<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) {
+    let calm_substeps = looks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
     for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
         let strain = STRAINS[usize::from(!memory.strained)];
         let [shortest, longest] = [1.0 - strain, 1.0 + strain].map(R::from_f64);
         let position = &state.position[body.particles.clone()];
         // Links without a force, too: their length tells of the angles between others.
-        memory.strained = body.links.iter().flat_map(|family| family.links.iter()).any(|link| {
+        let is_beyond = body.links.iter().flat_map(|family| family.links.iter()).any(|link| {
             let [i, j] = link.ends.map(|end| end as usize);
             let d = (position[j] - position[i]) * link.inverse_rest_length;
             let squared = d.dot(d);
             squared > longest * longest || squared < shortest * shortest
         });
+        if is_beyond {
+            (memory.strained, memory.calm_substeps) = (true, 0);
+        } else if memory.strained {
+            memory.calm_substeps += 1;
+            if u64::from(memory.calm_substeps) >= calm_substeps {
+                (memory.strained, memory.calm_substeps) = (false, 0);
+            }
+        }
     }
 }
 
@@ -115,6 +134,54 @@ mod tests {
         let begin = mean(&mut simulation);
         let is_finite = (0..1000).all(|_| !simulation.substep(&mut ()).diverged);
         if is_finite { mean(&mut simulation) / begin } else { f64::INFINITY }
+    }
+
+    /// The energy of a cube that swings across the limit of strain, undamped, over that at the start.
+    fn swung(mut change: impl FnMut(&mut Simulation<f64>)) -> f64 {
+        let (mut scene, _) = cube(0.02);
+        scene.settings.allow_implicit = false;
+        scene.settings.inversion_recovery = false;
+        scene.obstacles.clear();
+        scene.bodies[0].shape = Shape::Cube(CubeShape { cells: 4, size: 0.0072 });
+        let [structural, shear, bending] = [10.7, 145.4, 163.9].map(|stiffness| Spring { stiffness, damping: 0.0 });
+        scene.bodies[0].material = Material::Springs(Springs { structural, shear, bending, particle_mass: 0.14 });
+        let lattices = vec![resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice];
+        let mut simulation = Simulation::<f64>::new(&scene, &lattices);
+        let mut state = simulation.state().clone();
+        let mut rng = Rng::new(3);
+        for v in &mut state.velocity {
+            *v = DVec3::from([0; 3].map(|_| rng.between(-0.7, 0.7)));
+        }
+        simulation.set_state(state);
+        let mean = |simulation: &mut Simulation<f64>, change: &mut dyn FnMut(&mut Simulation<f64>)| {
+            let energies = (0..300).map(|_| {
+                change(simulation);
+                assert!(!simulation.substep(&mut ()).diverged, "it stays finite");
+                simulation.diagnostics().energy.total()
+            });
+            energies.sum::<f64>() / 300.0
+        };
+        let begin = mean(&mut simulation, &mut change);
+        for _ in 0..6000 {
+            change(&mut simulation);
+            simulation.substep(&mut ());
+        }
+        mean(&mut simulation, &mut change) / begin
+    }
+
+    #[test]
+    fn what_swings_across_the_limit_gains_no_energy_and_would_if_it_changed_its_step_every_time() {
+        let mut strained = 0;
+        let kept = swung(|simulation| strained += usize::from(simulation.state().bodies[0].strained));
+        assert!(strained > 1000, "it swings across: strained in {strained} substeps");
+        assert!(kept < 1.01, "{kept} of the energy");
+        let hasty = swung(|simulation| {
+            let mut state = simulation.state().clone();
+            // One calm look is enough.
+            state.bodies[0].calm_substeps = if state.bodies[0].strained { u32::MAX - 1 } else { 0 };
+            simulation.set_state(state);
+        });
+        assert!(hasty > 1.05, "{hasty} of the energy: to wait is for nothing");
     }
 
     #[test]
