@@ -23,6 +23,8 @@ pub(super) struct Account {
     fastest_push: f64,
     /// The most that its springs and those of contact held since then, J.
     squeezed: f64,
+    /// The fastest that the spring of one contact made its particle then, had the particle no links, m/s.
+    released: f64,
     gravity: DVec3,
     dt: f64,
     rounding: Rounding,
@@ -49,6 +51,7 @@ impl Account {
             meddling: 0.0,
             fastest_push: 0.0,
             squeezed: 0.0,
+            released: 0.0,
             gravity,
             dt: simulation.plan().substep_secs(),
             rounding: Rounding::of(&simulation.model().bodies[body]),
@@ -87,6 +90,9 @@ impl Account {
         self.rounding.see(self.now.bounds);
         if self.fastest_push > 0.0 {
             self.squeezed = self.squeezed.max(own(&self.now) - self.now.energy.kinetic);
+        }
+        if self.fastest_push > 0.0 || self.looks == 0 && self.substeps == 0 {
+            self.released = self.released.max(fastest_release(simulation, self.body));
         }
         let allowed = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity + self.work;
         self.turnover = self.turnover.max(allowed);
@@ -143,10 +149,12 @@ impl Account {
 
     /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with, by
     /// obstacles that push it and its own size, m. A body that is squeezed between obstacles leaves faster than they move,
-    /// like a pip between fingers: by what its springs held.
+    /// like a pip between fingers: by what its springs held. Where links are next to nothing, one particle leaves with all
+    /// that the spring of its own contact held.
     fn reach(&self, seconds: f64) -> f64 {
         let stored = (self.own_at_start - self.start.energy.kinetic).max(self.squeezed) + self.meddling;
-        let speed = self.start.max_speed + self.fastest_push + (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
+        let whole = (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
+        let speed = self.start.max_speed + self.fastest_push + whole.max(self.released);
         let size = self.start.bounds.size().length();
         speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
     }
@@ -157,6 +165,17 @@ impl Account {
         let middle = self.start.bounds.center();
         (bounds.min - middle).abs().max((bounds.max - middle).abs()).length()
     }
+}
+
+/// The fastest that the spring of a contact in the last substep could make its particle, m/s.
+fn fastest_release<R: Real>(simulation: &Simulation<R>, body: usize) -> f64 {
+    let body = &simulation.model().bodies[body];
+    let own = simulation.contacts().iter().filter(|contact| body.particles.contains(&contact.particle));
+    let speeds = own.map(|contact| {
+        let stored = body.contacts[contact.obstacle].to_f64().energy(-contact.gap.to_f64());
+        (2.0 * stored / body.mass(contact.particle - body.particles.start).to_f64()).sqrt()
+    });
+    speeds.fold(0.0, f64::max)
 }
 
 /// Energy without that of height, J.

@@ -1,6 +1,6 @@
 //! The judge sees what is wrong, and nothing else.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::*;
 use crate::math::rng::Rng;
@@ -9,11 +9,11 @@ use crate::report::disturb::What;
 use crate::report::extremes::{extreme, extreme_scene, lattices};
 use crate::scene::body::{CubeShape, Pose};
 use crate::scene::material::{Material, Spring, Springs};
-use crate::scene::obstacle::{Plane, Sphere};
+use crate::scene::obstacle::{ContactStiffness, Plane, Sphere};
 use crate::scene::settings::Stepping;
 use crate::scene::{Body, Obstacle, ObstacleShape, Shape};
 
-const PATIENCE: Patience = Patience { seconds: 0.5, most_link_forces: 30_000_000 };
+const PATIENCE: Patience = Patience { seconds: 0.5, most_link_forces: 60_000_000 };
 
 fn falling_cube() -> Scene {
     let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
@@ -172,6 +172,28 @@ fn a_strained_body_gets_as_far_as_it_is_pushed_in_the_first_part_of_a_substep() 
     while watch.substep(&mut simulation) {}
     assert!(simulation.diagnostics().center.y > 300.0, "{} m up", simulation.diagnostics().center.y);
     assert_eq!(watch.verdict().fault, None, "it is pushed at 960 m/s");
+}
+
+#[test]
+fn a_particle_without_links_to_speak_of_gets_as_far_as_its_own_contact_throws_it() {
+    let mut scene = falling_cube();
+    scene.settings.gravity = [0.0; 3];
+    scene.bodies[0].material = Material::Springs(Springs {
+        structural: Spring { stiffness: 1e-6, damping: 0.0 },
+        shear: Spring { stiffness: 1e-6, damping: 0.0 },
+        bending: Spring { stiffness: 1e-6, damping: 0.0 },
+        particle_mass: 1.0,
+    });
+    // A ball around one corner of the cube.
+    let corner = Simulation::<f32>::new(&scene, &lattices(&scene).expect("a cube")).state().position[0].as_dvec3();
+    let ball = Sphere { center: (corner + DVec3::splat(-0.001)).to_array(), radius: 0.02 };
+    let (shape, stiffness) = (ObstacleShape::Sphere(ball), ContactStiffness::Given(1e7));
+    scene.obstacles = vec![Obstacle { shape, stiffness, ..Obstacle::default() }];
+    let mut furthest = 0.0_f64;
+    let verdict =
+        seen(&scene, |simulation, _| furthest = simulation.diagnostics().bounds.size().length().max(furthest));
+    assert!(furthest > 4.0, "it flies away from the others: {furthest} m");
+    assert_eq!(verdict.fault, None, "{verdict:?}");
 }
 
 #[test]
