@@ -4,11 +4,10 @@
 use std::path::Path;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use gelatin::physics::Simulation;
+use gelatin::physics::{Scheme, Simulation};
 use gelatin::scene::Scene;
 use gelatin::scene::presets::preset;
 use gelatin::scene::resolve::resolve;
-use gelatin::scene::settings::Integrator;
 
 /// Whole steps of 1 ms: as many as one of the implicit integrator covers.
 const STEPS: usize = 4;
@@ -37,7 +36,7 @@ fn step(criterion: &mut Criterion) {
             });
         };
         time("reference_f32", &reference);
-        if landed.plan().integrator == Integrator::Implicit {
+        if landed.plan().scheme == Scheme::Implicit {
             time("implicit", &landed);
         }
         group.finish();

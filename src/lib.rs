@@ -61,7 +61,7 @@
 //! | [`text`] | – | texts of strangers, fit for a message |
 //! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells |
 //! | [`scene`] | math, disk, text, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
-//! | [`physics`] | math, geometry, scene (to compile it) | the core: forces, contact, stability limits, the step; no input, output or clock |
+//! | [`physics`] | math, geometry, scene (in `compile` alone) | the core: forces, contact, stability limits, the step; no input, output or clock |
 //! | [`view`] | math | camera, draw list, colours, legend: a picture as plain data |
 //! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; what explains them (links, contacts, boxes) → overlays |
 //! | `render` | math, view | wgpu: draws a draw list to a window's surface or an image; has never heard of a spring |

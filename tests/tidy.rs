@@ -33,6 +33,9 @@ const LAYERS: [(&str, &[&str]); 15] = [
     ("app", &["math", "disk", "machine", "text", "scene", "view", "extract", "session", "export", "render"]),
 ];
 
+/// Modules that one layer may name in one of its rooms alone.
+const ROOMS: [(&str, &str, &str); 1] = [("src/physics/", "scene", "src/physics/compile/")];
+
 /// Words that may stand only in files below these places, and why not elsewhere.
 const PLACES: [(&str, &[&str]); 5] = [
     ("wgpu::", &["src/render/", "src/app/canvas/"]),
@@ -98,16 +101,30 @@ fn wrong_layers(source: &Source) -> Vec<String> {
     let Some((layer, allowed)) = LAYERS.iter().find(|(layer, _)| inside.starts_with(&format!("{layer}/"))) else {
         return Vec::new();
     };
+    let named = modules_named(source);
+    let named = named.iter().filter(|module| LAYERS.iter().any(|(known, _)| known == module));
+    named
+        .filter(|module| module != layer && !allowed.contains(&module.as_str()))
+        .map(|module| format!("{}: {layer} must not name {module}", source.path))
+        .collect()
+}
+
+/// Modules that a file names outside the room of its layer that may.
+fn wrong_rooms(source: &Source) -> Vec<String> {
+    let here = ROOMS.iter().filter(|(layer, _, room)| source.path.starts_with(layer) && !source.path.starts_with(room));
+    here.filter(|(_, module, _)| modules_named(source).iter().any(|named| named == module))
+        .map(|(_, module, room)| format!("{}: only {room} names {module}", source.path))
+        .collect()
+}
+
+/// The crate's own modules that a file names, each as often as it does.
+fn modules_named(source: &Source) -> Vec<String> {
     let code = source.code();
     let named = code.match_indices("crate::").map(|(at, word)| {
         let rest = &code[at + word.len()..];
-        rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default()
+        rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default().to_owned()
     });
-    named
-        .filter(|module| LAYERS.iter().any(|(known, _)| known == module))
-        .filter(|module| module != layer && !allowed.contains(module))
-        .map(|module| format!("{}: {layer} must not name {module}", source.path))
-        .collect()
+    named.collect()
 }
 
 fn wrong_places(source: &Source) -> Vec<String> {
@@ -178,6 +195,7 @@ fn check(rule: impl Fn(&Source) -> Vec<String>) {
 #[test]
 fn layers_go_down_only() {
     check(wrong_layers);
+    check(wrong_rooms);
 }
 
 #[test]
@@ -224,6 +242,11 @@ fn the_rules_can_fail() {
     assert_eq!(one(wrong_layers, "src/render/x.rs", "use crate::physics::Model;"), 1, "render knows no physics");
     assert_eq!(one(wrong_layers, "src/app/ui/x.rs", "let s = crate::physics::step();"), 1, "nor does the window");
     assert_eq!(one(wrong_layers, "src/app/x.rs", "// crate::physics\nuse crate::session::Status;"), 0, "comments may");
+    let naming = "use crate::scene::Scene;\nfn f(_: &crate::scene::Body) {}\n#[cfg(test)]\nmod tests {\n";
+    assert_eq!(one(wrong_rooms, "src/physics/forces/x.rs", naming), 1, "only what compiles it names the document");
+    assert_eq!(one(wrong_rooms, "src/physics/compile/x.rs", naming), 0, "here it may");
+    let in_tests = "#[cfg(test)]\nmod tests {\nuse crate::scene::Scene;";
+    assert_eq!(one(wrong_rooms, "src/physics/x.rs", in_tests), 0, "tests may");
     assert_eq!(one(wrong_places, "src/view/x.rs", "use wgpu::Device;"), 1, "only render names wgpu");
     assert_eq!(one(wrong_places, "src/physics/x.rs", "let t = Instant::now(); a.mul_add(b, c);"), 2, "clock and fma");
     assert_eq!(one(wrong_places, "src/scene/x.rs", "#[cfg(test)]\nmod tests {\nx.unwrap()"), 0, "tests may unwrap");

@@ -4,6 +4,31 @@ use glam::DVec3;
 
 use super::voxel::{Cells, Grid};
 
+/// The three families of links (GC §3.1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Family {
+    /// The 6 nearest neighbours along the axes.
+    Structural,
+    /// The 12 face-diagonal and 8 body-diagonal neighbours.
+    Shear,
+    /// The 6 second neighbours along the axes.
+    Bending,
+}
+
+impl Family {
+    /// All families, in the order in which arrays by family hold them.
+    pub const ALL: [Self; 3] = [Self::Structural, Self::Shear, Self::Bending];
+
+    /// The family's word in files, figures and on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Structural => "structural",
+            Self::Shear => "shear",
+            Self::Bending => "bending",
+        }
+    }
+}
+
 /// The particles and links of a body at rest. A grid corner is one particle however many cells meet there; no link
 /// exists twice.
 ///

@@ -9,7 +9,7 @@ pub mod up_axis;
 pub mod voxel;
 pub mod watch;
 
-pub use lattice::{Lattice, LatticeCounts};
+pub use lattice::{Family, Lattice, LatticeCounts};
 pub use trimesh::TriMesh;
 pub use up_axis::UpAxis;
 pub use watch::Watch;

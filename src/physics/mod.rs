@@ -8,7 +8,8 @@
 //!
 //! ```text
 //! simulation   the owner: of a scene, steps, edits while it runs, the motion of a body taken out and put in
-//! compile      scene → model and plan: materials to constants, obstacles, how far a value may safely go
+//! compile      scene → model and plan: materials to constants, obstacles, how far a value may safely go; the only room
+//!              that names the document, as `tests/tidy.rs` sees to
 //! model        bodies, links, obstacles, and the plan: constant from one compilation to the next
 //! state        what changes: positions, velocities, what is remembered; sleep, fallen bodies, the fingerprint
 //! stepping     how a step is divided in time
@@ -17,7 +18,7 @@
 //! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
 //! contact      obstacles: where they are, who meets them, what they do to velocities
 //! limits       how large a step may be: waves, cells
-//! observe      energies, colours, whether a step ran away
+//! observe      energies, a number for every particle, whether a step ran away
 //! report       what a step tells
 //! ```
 //!
@@ -70,17 +71,18 @@ mod stepping;
 pub use compile::DEPTH_SHARE;
 pub use compile::from_scene::SceneError;
 pub use compile::other_form::other_form;
-pub use compile::safe_values::{ContactLoad, SafeValue, largest_safe};
-pub use compile::stability_plane::{Place, Scheme, StabilityPlane};
+pub use compile::safe_values::{ContactLoad, SafeValue, StepSettings, largest_safe};
+pub use compile::stability_plane::{Place, StabilityPlane};
 pub use contact::{ContactRecord, Placed};
 pub use interaction::Grab;
 pub use limits::{SAFETY, SceneLimits, Term};
 pub use model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, Stage};
 pub use model::{
-    BodyModel, Carry, CellKind, ContactModel, FallLimit, Link, LinkConstants, LinkFamily, Model, ObstacleModel,
-    ObstacleShape, PlaneModel, Values,
+    BodyModel, Carry, CellKind, ContactModel, ContactRule, FallLimit, Link, LinkConstants, LinkFamily, Model,
+    ObstacleModel, ObstacleShape, PlaneModel, Scheme, Values,
 };
 pub use observe::diagnostics::{Diagnostics, Energy};
+pub use observe::scalars::Quantity;
 pub use report::{Counters, LastSubstep, StageTimer, StepReport};
 pub use simulation::{Arrival, BodyMotion, Simulation};
 pub use state::moving::{Approach, Sweep};

@@ -4,9 +4,6 @@ mod motion;
 
 pub use motion::BodyMotion;
 
-use std::sync::Arc;
-
-use super::compile::compile;
 use super::contact::sweep;
 use super::contact::{ContactRecord, Placed, arrive};
 use super::interaction::Grab;
@@ -15,13 +12,11 @@ use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
 use super::state::{BodyMemory, State};
 use super::step::{self, Ending, Inputs, Scratch};
 use super::stepping::{Division, Part};
-use crate::geometry::Lattice;
 use crate::math::Real;
 use crate::physics::model::plan::Plan;
 use crate::physics::observe::diagnostics::Diagnostics;
 use crate::physics::state::hash::state_hash;
 use crate::physics::state::sleep;
-use crate::scene::Scene;
 
 /// A scene in motion.
 #[derive(Clone, Debug)]
@@ -39,9 +34,8 @@ pub struct Simulation<R: Real = f32> {
 }
 
 impl<R: Real> Simulation<R> {
-    /// A scene at its start. `lattices` are those of the scene's bodies, in their order.
-    pub fn new(scene: &Scene, lattices: &[Arc<Lattice>]) -> Self {
-        let (model, plan) = compile(scene, lattices, None);
+    /// A model at its start.
+    pub(super) fn start(model: Model<R>, plan: Plan) -> Self {
         let mut state = State::start(&model);
         state.fit_scheme(&plan);
         state.fit_sleep(&plan);
@@ -50,16 +44,9 @@ impl<R: Real> Simulation<R> {
         Self { model, plan, state, scratch, obstacles, grab: None, last: LastSubstep::default(), diverged: false }
     }
 
-    /// Takes new parameters, obstacles and settings while everything keeps moving: the scene must have the bodies
-    /// and lattices it had. `kept` names, for each obstacle of the scene, the one it was.
-    pub fn set_parameters(
-        &mut self,
-        scene: &Scene,
-        lattices: &[Arc<Lattice>],
-        kept: &[Option<usize>],
-        arrival: Arrival,
-    ) {
-        let (model, plan) = compile(scene, lattices, Some(&self.model));
+    /// Goes on with another model of the same bodies and another plan, while everything keeps moving. `kept` names, for
+    /// each obstacle of the model, the one it was.
+    pub(super) fn replace_model(&mut self, model: Model<R>, plan: Plan, kept: &[Option<usize>], arrival: Arrival) {
         debug_assert_eq!(model.particle_count(), self.model.particle_count(), "the bodies must be the same");
         let old = Placed::now(&self.model, &self.state);
         self.state.sweeps = match arrival {

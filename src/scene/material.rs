@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::geometry::Family;
+
 /// The material of a body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -151,32 +153,6 @@ pub struct Spring {
     pub stiffness: f64,
     /// Force at a relative speed of one rest length per second along the link, N·s.
     pub damping: f64,
-}
-
-/// The three families of links (GC §3.1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Family {
-    /// The 6 nearest neighbours along the axes.
-    Structural,
-    /// The 12 face-diagonal and 8 body-diagonal neighbours.
-    Shear,
-    /// The 6 second neighbours along the axes.
-    Bending,
-}
-
-impl Family {
-    /// All families, in the order in which arrays by family hold them.
-    pub const ALL: [Self; 3] = [Self::Structural, Self::Shear, Self::Bending];
-
-    /// The family's word in files, figures and on screen.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Structural => "structural",
-            Self::Shear => "shear",
-            Self::Bending => "bending",
-        }
-    }
 }
 
 impl Springs {

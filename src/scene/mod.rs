@@ -22,8 +22,9 @@ mod warnings;
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::geometry::Family;
 pub use body::{Body, Pose, Shape, Skin};
-pub use material::{Family, Material, Solid, Springs};
+pub use material::{Material, Solid, Springs};
 pub use obstacle::{Obstacle, ObstacleShape};
 pub use settings::Settings;
 pub use view_settings::{ColorBy, ViewSettings};

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use super::{Session, color_range};
 use crate::extract;
-use crate::scene::ColorBy;
 use crate::view::DrawList;
 
 impl Session {
@@ -17,9 +16,10 @@ impl Session {
         if self.picture.drawn != Some(now) {
             let positions = self.simulation.state().position.iter().map(glam::Vec3::to_array);
             self.picture.particles = Arc::new(positions.collect());
-            let scalars = self.simulation.scalars(view.color);
-            self.picture.automatic_range = color_range::automatic(&self.simulation, view.color, &scalars);
-            self.picture.scalars = (view.color != ColorBy::Plain).then(|| Arc::new(scalars));
+            let scalars = extract::scalars::scalars(&self.simulation, view.color);
+            let shown = scalars.as_deref().unwrap_or_default();
+            self.picture.automatic_range = color_range::automatic(&self.simulation, view.color, shown);
+            self.picture.scalars = scalars.map(Arc::new);
             let (simulation, bodies) = (&self.simulation, &self.scene.bodies);
             let source = &mut self.picture.overlay_source;
             self.picture.overlay = source.fill(simulation, bodies, view.overlays);

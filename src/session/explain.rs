@@ -9,7 +9,7 @@ use super::trials::Trials;
 use super::{Session, Trouble};
 use crate::extract;
 use crate::math::Vector;
-use crate::physics::Term;
+use crate::physics::{Scheme, Term};
 use crate::scene::settings::Integrator;
 use crate::scene::{Body, Family, Material, Springs};
 use crate::view::legend::three_digits;
@@ -79,7 +79,7 @@ impl Session {
         self.trouble = Some(self.explain_divergence());
         let plan = self.simulation.plan();
         let excess = match plan.limits.dt_safe_secs() {
-            Some(safe_secs) if plan.integrator != Integrator::Implicit => plan.substep_secs() / safe_secs,
+            Some(safe_secs) if plan.scheme != Scheme::Implicit => plan.substep_secs() / safe_secs,
             _ => 0.0,
         };
         let body = self.fastest_body();
@@ -103,12 +103,12 @@ impl Session {
     /// Explains why the simulation has just been stopped.
     pub(super) fn explain_divergence(&self) -> Trouble {
         let plan = self.simulation.plan();
-        if !plan.integrator.has_stable_step() {
+        if !Integrator::from(plan.scheme).has_stable_step() {
             return self.without_stable_step();
         }
         let (dt_secs, limits) = (plan.substep_secs(), &plan.limits);
         let safe_secs = limits.dt_safe_secs().unwrap_or(f64::INFINITY);
-        if dt_secs <= safe_secs || plan.integrator == Integrator::Implicit {
+        if dt_secs <= safe_secs || plan.scheme == Scheme::Implicit {
             return self.told(EXPLODED, format!("{STOPPED}. Nothing in the scene is known to be the reason."));
         }
         let guilty = limits.limited_by(plan.dt_secs);
@@ -124,7 +124,7 @@ impl Session {
     }
 
     fn without_stable_step(&self) -> Trouble {
-        let scheme = self.simulation.plan().integrator.words();
+        let scheme = Integrator::from(self.simulation.plan().scheme).words();
         let words = format!(
             "{STOPPED}: {scheme} has no stable step. It gives every vibration energy, less in smaller steps but always \
              some."

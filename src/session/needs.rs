@@ -3,11 +3,10 @@
 
 use super::SessionError;
 use crate::machine::free_memory;
-use crate::physics::Simulation;
 use crate::physics::memory::{Size, bytes};
+use crate::physics::{Scheme, Simulation};
 use crate::scene::body::CubeShape;
 use crate::scene::resolve::{Outline, resolve};
-use crate::scene::settings::Integrator;
 use crate::scene::{Material, ObstacleShape, Scene, Shape};
 use crate::view::SkinVertex;
 
@@ -54,5 +53,5 @@ fn is_implicit(scene: &Scene, outlines: &[Outline]) -> bool {
     // A cube of a few cells can be made.
     lattices
         .collect::<Result<Vec<_>, _>>()
-        .is_ok_and(|lattices| Simulation::<f32>::new(&sample, &lattices).plan().integrator == Integrator::Implicit)
+        .is_ok_and(|lattices| Simulation::<f32>::new(&sample, &lattices).plan().scheme == Scheme::Implicit)
 }

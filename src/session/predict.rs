@@ -8,8 +8,7 @@ use serde::Serialize;
 use super::Session;
 use crate::math::FRAME_SECS;
 use crate::physics::MOST_WORK_A_FRAME;
-use crate::physics::Simulation;
-use crate::physics::Term;
+use crate::physics::{Scheme, Simulation, Term};
 use crate::scene::settings::Integrator;
 
 /// Simulated time that is measured, s: long enough to fall on something, for what falls freely costs the implicit
@@ -66,7 +65,7 @@ impl Prediction {
         let Speed { factor, slowed } = measured(session.simulation());
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
         let of_a_frame = libm::round(plan.most_work as f64 * FRAME_SECS / plan.substep_secs()) as u64;
-        let most = (plan.integrator == Integrator::Implicit && plan.halvings > 0).then_some(of_a_frame);
+        let most = (plan.scheme == Scheme::Implicit && plan.halvings > 0).then_some(of_a_frame);
         let first = (slowed > 0).then(|| slowed_words(slowed, MEASURE_SECS));
         Self {
             ok: true,
@@ -79,7 +78,7 @@ impl Prediction {
             dt_limit_secs: plan.limits.dt_limit_secs,
             dt_safe_secs: plan.limits.dt_safe_secs(),
             limited_by: plan.limits.limited_by(plan.dt_secs).name(),
-            integrator: plan.integrator.name(),
+            integrator: Integrator::from(plan.scheme).name(),
             limits,
             substeps_per_frame,
             most_iterations_per_frame: most,

@@ -14,6 +14,7 @@ use crate::physics::StepReport;
 use crate::physics::{Diagnostics, Energy};
 use crate::report::timer::WallTimer;
 use crate::scene::Body;
+use crate::scene::settings::Integrator;
 
 /// Extremes are looked for this often, simulated s; penetration in every substep.
 const SAMPLE_SECS: f64 = FRAME_SECS;
@@ -214,7 +215,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         dt_limit_secs: plan.limits.dt_limit_secs,
         dt_safe_secs: plan.limits.dt_safe_secs(),
         limited_by: plan.limits.limited_by(plan.dt_secs).name(),
-        integrator: plan.integrator.name(),
+        integrator: Integrator::from(plan.scheme).name(),
         simd: "portable",
         threads: 1,
         finite: last.finite && !report.diverged,

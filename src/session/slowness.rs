@@ -3,7 +3,7 @@
 
 use super::Session;
 use super::clock::Stretch;
-use crate::scene::settings::Integrator;
+use crate::physics::Scheme;
 
 /// Slower than this share of the speed asked for is slower than asked.
 pub const KEEPS_UP: f64 = 0.95;
@@ -46,7 +46,7 @@ impl Session {
     pub(super) fn slowness(&self, links: usize) -> String {
         let plan = self.simulation.plan();
         let limit = plan.limits.limited_by(plan.dt_secs).words();
-        let is_divided = plan.substeps > 1 && plan.integrator != Integrator::Implicit;
+        let is_divided = plan.substeps > 1 && plan.scheme != Scheme::Implicit;
         let facts = Facts {
             speed: self.speed,
             lately: self.clock.lately(),

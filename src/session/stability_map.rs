@@ -11,7 +11,7 @@ use super::progress::Progress;
 use crate::geometry::watch::{CancelOnly, Portion};
 use crate::geometry::{Lattice, Watch};
 use crate::physics::StabilityPlane;
-pub use crate::physics::{Place, Scheme};
+pub use crate::physics::{Place, StepSettings};
 use crate::report::stability::limit::alone;
 use crate::report::stability::map::{Survival, Tried, values};
 use crate::scene::body::CubeShape;
@@ -113,9 +113,7 @@ impl StabilityShown {
 }
 
 fn plane(scene: &Scene, index: usize, lattice: &Lattice) -> StabilityPlane {
-    let (dt_secs, integrator) = (scene.settings.dt, scene.settings.integrator);
-    let among_obstacles = !scene.obstacles.is_empty();
-    StabilityPlane::of(&scene.bodies[index], lattice, Scheme { dt_secs, integrator, among_obstacles })
+    StabilityPlane::of(&scene.bodies[index], lattice, StepSettings::of(scene))
 }
 
 impl PlaneShown {
@@ -134,8 +132,8 @@ impl PlaneShown {
     }
 
     /// The step that is looked at.
-    pub fn scheme(&self) -> Scheme {
-        self.plane.scheme()
+    pub fn step(&self) -> StepSettings {
+        self.plane.step()
     }
 
     /// The family of springs whose values the axes are; none of a solid.
@@ -179,7 +177,7 @@ pub struct StabilityMap {
     /// The body, but for the values of the axes.
     body: Body,
     id: BodyId,
-    scheme: Scheme,
+    step: StepSettings,
     family: Option<Family>,
     /// The damping of every column and the stiffness of every row, per unit mass.
     pub damping: Vec<f64>,
@@ -199,7 +197,7 @@ impl StabilityMap {
     /// Whether it was measured for what is shown, whatever the values of its axes are now.
     pub fn is_of(&self, scene: &Scene, shown: &PlaneShown) -> bool {
         let body = scene.bodies.get(shown.body.0);
-        (self.id, self.scheme, self.family) == (shown.body, shown.scheme(), shown.family())
+        (self.id, self.step, self.family) == (shown.body, shown.step(), shown.family())
             && body.is_some_and(|body| self.body == without_values(body, shown.family()))
     }
 }
@@ -263,7 +261,7 @@ pub fn stability_map(
     Ok(StabilityMap {
         body: without_values(&scene.bodies[index], shown.family()),
         id: shown.body,
-        scheme: shown.scheme(),
+        step: shown.step(),
         family: shown.family(),
         watched: tried.steps,
         columns,

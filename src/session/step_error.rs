@@ -14,8 +14,7 @@
 use std::time::{Duration, Instant};
 
 use crate::math::{Aabb, Vector};
-use crate::physics::{Plan, Simulation, StepReport};
-use crate::scene::settings::Integrator;
+use crate::physics::{Plan, Scheme, Simulation, StepReport};
 
 /// How far is looked ahead, simulated s.
 const AHEAD_SECS: f64 = 0.1;
@@ -167,7 +166,7 @@ impl Comparison {
         };
         let sum: f64 = whole.iter().zip(halved).map(square).sum();
         let difference_m = (sum / whole.len().max(1) as f64).sqrt();
-        let order = if self.touched { 1 } else { order(self.whole.plan().integrator) };
+        let order = if self.touched { 1 } else { order(self.whole.plan().scheme) };
         let raised = f64::from(1_u32 << order);
         let size_m = Aabb::<f64>::around(whole.iter().map(|at| at.to_dvec3())).size().max_element();
         let (predicted_m, rounding_m) = (difference_m * raised / (raised - 1.0), ROUNDING * size_m);
@@ -184,19 +183,19 @@ impl Comparison {
 }
 
 /// The order of a scheme where nothing is met.
-fn order(integrator: Integrator) -> u32 {
-    match integrator {
-        Integrator::SemiImplicit | Integrator::Explicit | Integrator::Implicit => 1,
-        Integrator::Verlet | Integrator::Rk2 => 2,
-        Integrator::Rk4 => 4,
+fn order(scheme: Scheme) -> u32 {
+    match scheme {
+        Scheme::SemiImplicit | Scheme::Explicit | Scheme::Implicit => 1,
+        Scheme::Verlet | Scheme::Rk2 => 2,
+        Scheme::Rk4 => 4,
     }
 }
 
 /// Evaluations of the forces in a substep at least.
 fn evaluations(plan: &Plan) -> f64 {
-    match plan.integrator {
-        Integrator::Rk2 => 2.0,
-        Integrator::Rk4 => 4.0,
+    match plan.scheme {
+        Scheme::Rk2 => 2.0,
+        Scheme::Rk4 => 4.0,
         _ => 1.0,
     }
 }
@@ -209,6 +208,7 @@ mod tests {
     use crate::report::error::{Effort, Row, Way, measure, scenes};
     use crate::report::extremes::lattices;
     use crate::scene::Scene;
+    use crate::scene::settings::Integrator;
     use crate::scene::settings::Stepping;
     use crate::session::Session;
 

@@ -6,7 +6,7 @@ use crate::math::{Aabb, Real, Vector};
 use crate::physics::BodyMemory;
 use crate::physics::{BodyModel, Model, ObstacleModel, ObstacleShape};
 use crate::physics::{Plan, State};
-use crate::scene::settings::{Settings, Stepping};
+use crate::scene::settings::{Integrator, Settings, Stepping};
 use crate::scene::{self, Scene, named};
 use crate::view::legend::three_digits;
 
@@ -39,7 +39,8 @@ fn never_stable(settings: &Settings) -> Option<String> {
 
 /// The implicit integrator quiets vibrations: who did not choose it should know.
 fn taken_over(settings: &Settings, plan: &Plan) -> Option<String> {
-    (plan.integrator != settings.integrator).then(|| {
+    let taken = Integrator::from(plan.scheme);
+    (taken != settings.integrator).then(|| {
         format!(
             "{} would need {} substeps in every step of {} with {}: {} has taken over, with steps of {}; it quiets \
              vibrations sooner (without “Implicit where stiff” they stay, in slow motion)",
@@ -47,7 +48,7 @@ fn taken_over(settings: &Settings, plan: &Plan) -> Option<String> {
             plan.limits.substeps(settings.dt),
             step_text(settings.dt),
             settings.integrator.words(),
-            plan.integrator.words(),
+            taken.words(),
             step_text(plan.substep_secs())
         )
     })
@@ -109,7 +110,6 @@ mod tests {
 
     use super::*;
     use crate::scene::obstacle::Sphere;
-    use crate::scene::settings::Integrator;
     use crate::scene::{Body, Material, Obstacle, ObstacleShape};
 
     fn warnings(change: impl FnOnce(&mut Scene)) -> Vec<String> {

@@ -3,7 +3,7 @@
 use gelatin::math::Real;
 use gelatin::physics::Arrival;
 use gelatin::physics::Grab;
-use gelatin::physics::{Simulation, StepReport};
+use gelatin::physics::{Quantity, Simulation, StepReport};
 use gelatin::scene::body::PinBox;
 use gelatin::scene::settings::{Integrator, Stepping};
 use gelatin::scene::{Material, ObstacleShape, Scene};
@@ -79,7 +79,7 @@ fn a_sleeping_body_costs_nothing_and_stays_as_it_is() {
     let mut simulation = asleep(&resting());
     let (hash, shown) = (simulation.hash(), simulation.diagnostics());
     let contacts = simulation.contacts().to_vec();
-    let load = simulation.scalars(gelatin::scene::ColorBy::Contact);
+    let load = simulation.scalars(Quantity::ContactForce);
     let time = simulation.state().time_secs;
     let mut report = StepReport::default();
     (0..100).for_each(|_| report.add(&simulation.step()));

@@ -69,8 +69,8 @@ fn words_ui(ui: &mut Ui, running: Running<'_>, shown: Option<(&PlaneShown, &Body
     say(ui, &now_words(shown, body, zone, is_manual), color);
     let name = things::name(running.scene, Target::Body(shown.body));
     say(ui, &whose_words(&name, shown.family()), colors.weak);
-    if !shown.scheme().integrator.has_stable_step() {
-        let scheme = shown.scheme().integrator.words();
+    if !shown.step().integrator.has_stable_step() {
+        let scheme = shown.step().integrator.words();
         let text = format!("Undamped vibrations grow with {scheme} at any step; beyond the border all do, at once.");
         say(ui, &text, colors.weak);
     }

@@ -20,12 +20,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::geometry::Lattice;
+use crate::geometry::{Family, Lattice};
 use crate::math::Real;
 use crate::physics::model::{CellKind, Link, LinkConstants, LinkFamily, Values};
+use crate::scene::Springs;
 use crate::scene::body::{Inlay, MAX_INLAYS};
 use crate::scene::material::Solid;
-use crate::scene::{Family, Springs};
 
 /// `E h²` over the constant of diagonal links: 2.5 (√2/2 + 4√3/9) isotropic constants.
 pub(in crate::physics) const MODULUS_OVER_SHEAR: f64 = 3.692_27;

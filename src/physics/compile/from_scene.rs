@@ -1,11 +1,14 @@
-//! From a document to a running simulation in one call.
+//! From a document to a running simulation, and from the document as it was edited to one that goes on.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::compile;
+use crate::geometry::Lattice;
 use crate::math::Real;
-use crate::physics::simulation::Simulation;
+use crate::physics::simulation::{Arrival, Simulation};
 use crate::scene::Scene;
 use crate::scene::param::{self, Problem};
 use crate::scene::resolve::{ResolveError, resolve};
@@ -40,6 +43,25 @@ impl<R: Real> Simulation<R> {
             jelly.map(|jelly| jelly.lattice).map_err(|source| SceneError::Shape { body, source })
         });
         Ok(Self::new(scene, &lattices.collect::<Result<Vec<_>, _>>()?))
+    }
+
+    /// A scene at its start. `lattices` are those of the scene's bodies, in their order.
+    pub fn new(scene: &Scene, lattices: &[Arc<Lattice>]) -> Self {
+        let (model, plan) = compile(scene, lattices, None);
+        Self::start(model, plan)
+    }
+
+    /// Takes new parameters, obstacles and settings while everything keeps moving: the scene must have the bodies
+    /// and lattices it had. `kept` names, for each obstacle of the scene, the one it was.
+    pub fn set_parameters(
+        &mut self,
+        scene: &Scene,
+        lattices: &[Arc<Lattice>],
+        kept: &[Option<usize>],
+        arrival: Arrival,
+    ) {
+        let (model, plan) = compile(scene, lattices, Some(self.model()));
+        self.replace_model(model, plan, kept, arrival);
     }
 }
 

@@ -3,7 +3,10 @@
 mod assembly;
 pub(in crate::physics) mod from_scene;
 pub(in crate::physics) mod other_form;
+mod plan;
+mod recovery;
 pub(in crate::physics) mod safe_values;
+mod scheme;
 pub(in crate::physics) mod stability_plane;
 
 use std::sync::Arc;
@@ -13,8 +16,6 @@ use glam::{DMat3, DVec3};
 use super::model::{BodyModel, ContactModel, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel, Values};
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
-use crate::physics::forces::recovery;
-use crate::physics::limits::SceneLimits;
 use crate::physics::limits::any_state;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::fallen;
@@ -54,8 +55,7 @@ pub(super) fn compile<R: Real>(
         model.bodies.push(compiled);
     }
     model.fall_limit = fallen::limit(&model);
-    let limits = SceneLimits::of(&model, scene.settings.contact, scene.settings.integrator);
-    let plan = Plan::new(&scene.settings, &model, limits);
+    let plan = plan::plan(&scene.settings, &model);
     (model, plan)
 }
 

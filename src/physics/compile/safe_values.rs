@@ -5,22 +5,57 @@ use std::sync::OnceLock;
 
 use glam::DMat3;
 
-use crate::geometry::Lattice;
+use crate::geometry::{Family, Lattice};
 use crate::math::{Aabb, Real};
 use crate::physics::compile::assembly;
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::limits::{
     LATTICE_LIMIT, LoadShare, WaveTensors, largest, largest_eigenvalue, lattice_waves, load_shares, safety,
 };
-use crate::physics::model::BodyModel;
+use crate::physics::model::{BodyModel, Scheme};
 use crate::scene::body::Inlay;
-use crate::scene::material::Solid;
+use crate::scene::material::{Solid, Spring};
 use crate::scene::obstacle::ContactStiffness;
 use crate::scene::settings::{ContactRule, Integrator};
-use crate::scene::{Body, Family, Material, Scene, Springs};
+use crate::scene::{Body, Material, Scene, Springs};
 
 /// Steps of a bisection: enough for any range of values to a millionth.
 const HALVINGS: usize = 60;
+
+/// The step that bounds are asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepSettings {
+    /// Its length, s.
+    pub dt_secs: f64,
+    /// What takes it.
+    pub integrator: Integrator,
+    /// Whether there are obstacles: automatic stepping may keep a wider margin then.
+    pub among_obstacles: bool,
+}
+
+impl StepSettings {
+    /// The step that a scene asks for.
+    pub fn of(scene: &Scene) -> Self {
+        let (dt_secs, integrator) = (scene.settings.dt, scene.settings.integrator);
+        Self { dt_secs, integrator, among_obstacles: !scene.obstacles.is_empty() }
+    }
+
+    pub(super) fn scheme(self) -> Scheme {
+        self.integrator.into()
+    }
+
+    /// The share of the limit that automatic stepping takes.
+    pub(super) fn safety(self) -> f64 {
+        safety(self.scheme(), self.among_obstacles)
+    }
+}
+
+impl LoadShare {
+    /// The load of a family's constants.
+    pub(super) fn of(&self, constants: Spring) -> f64 {
+        self.stiffness * constants.stiffness + self.damping * constants.damping
+    }
+}
 
 /// How far one value of a body's material may go.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,8 +128,8 @@ impl Load {
 }
 
 /// The loads of steps of `dt` (s) of a scheme.
-fn loads(integrator: Integrator, dt: f64, contact: ContactLoad) -> Vec<Load> {
-    let shares = load_shares(integrator, dt);
+fn loads(scheme: Scheme, dt: f64, contact: ContactLoad) -> Vec<Load> {
+    let shares = load_shares(scheme, dt);
     if shares.is_empty() && contact.now() > 0.0 {
         // The implicit scheme: only contact has a limit.
         let links = LoadShare { stiffness: 0.0, damping: 0.0 };
@@ -103,18 +138,10 @@ fn loads(integrator: Integrator, dt: f64, contact: ContactLoad) -> Vec<Load> {
     shares.into_iter().map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect()
 }
 
-/// The bounds of all values of a body's material for steps of `dt_secs` of a scheme, at rest and with the margin that
-/// automatic stepping keeps, which may be wider among obstacles. Where a body holds other solids, contact is taken to
+/// The bounds of all values of a body's material, at rest and with the margin that automatic stepping keeps. Where a body holds other solids, contact is taken to
 /// change with its density as if they were of it.
-pub fn largest_safe(
-    body: &Body,
-    lattice: &Lattice,
-    dt_secs: f64,
-    integrator: Integrator,
-    among_obstacles: bool,
-    contact: ContactLoad,
-) -> Vec<SafeValue> {
-    let loads = loads(integrator, dt_secs / safety(integrator, among_obstacles), contact);
+pub fn largest_safe(body: &Body, lattice: &Lattice, step: StepSettings, contact: ContactLoad) -> Vec<SafeValue> {
+    let loads = loads(step.scheme(), step.dt_secs / step.safety(), contact);
     match &body.material {
         Material::Springs(springs) => of_springs(springs, lattice, &loads),
         Material::Solid(solid) => of_solid(solid, &body.inlays, lattice, &loads),
@@ -332,8 +359,7 @@ mod tests {
         let lattice = lattice(scene);
         let simulation = Simulation::<f64>::new(scene, std::slice::from_ref(&lattice));
         let contact = ContactLoad::of(&simulation.model().bodies[0], scene);
-        let (dt_secs, integrator) = (scene.settings.dt, scene.settings.integrator);
-        largest_safe(&scene.bodies[0], &lattice, dt_secs, integrator, !scene.obstacles.is_empty(), contact)
+        largest_safe(&scene.bodies[0], &lattice, StepSettings::of(scene), contact)
     }
 
     /// The safe step over the step asked for, with a value that many times its bound on the unsafe side of it; none where

@@ -13,13 +13,13 @@
 
 use super::assembly::solid_cell;
 use super::other_form::in_range;
-use super::safe_values::{host_size, inlay_loads, largest_share, waves};
-use crate::geometry::Lattice;
+use super::safe_values::{StepSettings, host_size, inlay_loads, largest_share, waves};
+use crate::geometry::{Family, Lattice};
 use crate::physics::limits::cells::CellLoads;
-use crate::physics::limits::{LATTICE_LIMIT, LoadShare, largest, load_shares, safety};
+use crate::physics::limits::{LATTICE_LIMIT, LoadShare, largest, load_shares};
+use crate::physics::model::Scheme;
 use crate::scene::material::{Solid, Spring};
-use crate::scene::settings::Integrator;
-use crate::scene::{Body, Family, Material, Springs};
+use crate::scene::{Body, Material, Springs};
 
 /// A place in the plane, or a step along its axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,20 +35,7 @@ pub struct Place {
 pub struct StabilityPlane {
     values: Values,
     shares: Vec<LoadShare>,
-    /// The share of the limit that automatic stepping takes.
-    safety: f64,
-    scheme: Scheme,
-}
-
-/// The step that the plane is of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scheme {
-    /// Its length, s.
-    pub dt_secs: f64,
-    /// The scheme.
-    pub integrator: Integrator,
-    /// Whether there are obstacles: automatic stepping may keep a wider margin then.
-    pub among_obstacles: bool,
+    step: StepSettings,
 }
 
 /// Which values the axes are.
@@ -62,23 +49,23 @@ enum Values {
 
 impl StabilityPlane {
     /// The plane of a body.
-    pub fn of(body: &Body, lattice: &Lattice, scheme: Scheme) -> Self {
-        let shares = load_shares(scheme.integrator, scheme.dt_secs);
+    pub fn of(body: &Body, lattice: &Lattice, step: StepSettings) -> Self {
+        let shares = load_shares(step.scheme(), step.dt_secs);
         let values = match &body.material {
             Material::Springs(springs) => {
                 // The implicit scheme has no limit: what would limit the default one is shown.
-                let of_default = || load_shares(Integrator::SemiImplicit, scheme.dt_secs);
+                let of_default = || load_shares(Scheme::SemiImplicit, step.dt_secs);
                 let telling = if shares.is_empty() { of_default() } else { shares.clone() };
                 Values::of_springs(springs, lattice, &telling)
             }
             Material::Solid(solid) => Values::of_solid(solid, body, lattice),
         };
-        Self { values, shares, safety: safety(scheme.integrator, scheme.among_obstacles), scheme }
+        Self { values, shares, step }
     }
 
     /// The step that it is of.
-    pub fn scheme(&self) -> Scheme {
-        self.scheme
+    pub fn step(&self) -> StepSettings {
+        self.step
     }
 
     /// The family whose values the axes are; none of a solid.
@@ -128,8 +115,7 @@ impl StabilityPlane {
 
     /// The same with the margin that automatic stepping keeps.
     pub fn safe_stiffness(&self, damping: f64) -> f64 {
-        let Scheme { dt_secs, integrator, .. } = self.scheme;
-        self.largest_stiffness(damping, &load_shares(integrator, dt_secs / self.safety))
+        self.largest_stiffness(damping, &load_shares(self.step.scheme(), self.step.dt_secs / self.step.safety()))
     }
 
     fn largest_stiffness(&self, damping: f64, shares: &[LoadShare]) -> f64 {
@@ -148,7 +134,7 @@ impl StabilityPlane {
 
     /// How near the whole body is to its limit, as a load of which 1 is the most: to compare bodies, whatever the scheme.
     pub fn load(&self) -> f64 {
-        let telling = load_shares(Integrator::SemiImplicit, self.scheme.dt_secs);
+        let telling = load_shares(Scheme::SemiImplicit, self.step.dt_secs);
         telling.iter().map(|share| self.values.load(*share)).fold(0.0, f64::max) / LATTICE_LIMIT
     }
 }
@@ -251,14 +237,14 @@ mod tests {
     use crate::physics::Simulation;
     use crate::scene::Scene;
     use crate::scene::resolve::resolve;
-    use crate::scene::settings::Stepping;
+    use crate::scene::settings::{Integrator, Stepping};
 
     fn lattice(body: &Body) -> Arc<Lattice> {
         resolve(&body.shape, Path::new("."), &()).expect("a cube").lattice
     }
 
     fn plane(body: &Body, dt_secs: f64, integrator: Integrator) -> StabilityPlane {
-        StabilityPlane::of(body, &lattice(body), Scheme { dt_secs, integrator, among_obstacles: false })
+        StabilityPlane::of(body, &lattice(body), StepSettings { dt_secs, integrator, among_obstacles: false })
     }
 
     /// The largest stable and the largest safe step of a body, s.

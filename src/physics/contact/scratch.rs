@@ -4,11 +4,11 @@ use super::record::ContactRecord;
 use super::touch::Touch;
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
+use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
 use crate::physics::report::Recorder;
 use crate::physics::state::State;
 use crate::physics::state::sleep;
-use crate::scene::settings::Integrator;
 
 /// Obstacles that meet in a corner.
 const CORNER: usize = 3;
@@ -33,7 +33,7 @@ impl<R: Real> Scratch<R> {
         // All of every surface in a corner: what is there beyond that makes room for itself once.
         let surface: usize = model.bodies.iter().map(|body| body.lattice.surface).sum();
         let meetings = surface * model.obstacles.len().min(CORNER);
-        let solved_for = if plan.integrator == Integrator::Implicit { meetings } else { 0 };
+        let solved_for = if plan.scheme == Scheme::Implicit { meetings } else { 0 };
         Self {
             near: Vec::with_capacity(model.obstacles.len()),
             contacts: Vec::with_capacity(meetings),

@@ -17,17 +17,17 @@ use std::sync::Arc;
 
 use super::{LATTICE_LIMIT, load_shares};
 use crate::math::Real;
+use crate::physics::model::Scheme;
 use crate::physics::model::{BodyModel, Link, LinkConstants, LinkFamily, Model, Values};
-use crate::scene::settings::Integrator;
 
 /// Parts stay below this share of the step that is bounded in any state.
 pub(crate) const SHARE: f64 = 0.4;
 
 /// Into how many parts a substep of `dt_secs` is divided while a body is strained.
-pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, integrator: Integrator, dt_secs: f64) -> u32 {
+pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, scheme: Scheme, dt_secs: f64) -> u32 {
     let loads: Vec<[f64; 2]> = model.bodies.iter().flat_map(|body| loads(body)).collect();
     let is_bearable = |parts: u32| {
-        let shares = load_shares(integrator, dt_secs / (SHARE * f64::from(parts)));
+        let shares = load_shares(scheme, dt_secs / (SHARE * f64::from(parts)));
         shares.iter().all(|share| {
             let bearable = |[k, d]: &[f64; 2]| k * share.stiffness + d * share.damping <= LATTICE_LIMIT;
             loads.iter().all(bearable)

@@ -24,11 +24,10 @@ pub(in crate::physics) mod cells;
 use glam::{DMat3, DVec3};
 
 use super::model::{BodyModel, Model};
+use crate::geometry::Family;
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
-use crate::scene::Family;
-use crate::scene::material::Spring;
-use crate::scene::settings::{ContactRule, Integrator};
+use crate::physics::model::{ContactRule, Scheme};
 
 /// Automatic stepping stays below this share of the bound at rest, which covers crumpled bodies.
 pub const SAFETY: f64 = 0.55;
@@ -59,15 +58,15 @@ enum Region {
 }
 
 impl Region {
-    fn of(integrator: Integrator) -> Self {
-        match integrator {
-            Integrator::SemiImplicit => Self::Leapfrog(1.0),
-            Integrator::Verlet => Self::Leapfrog(2.0),
+    fn of(scheme: Scheme) -> Self {
+        match scheme {
+            Scheme::SemiImplicit => Self::Leapfrog(1.0),
+            Scheme::Verlet => Self::Leapfrog(2.0),
             // Largest half disc within |1 + z + z²/2 + z³/6 + z⁴/24| ≤ 1, whose ends are 2.828 i and −2.785.
-            Integrator::Rk4 => Self::HalfDisc(2.61),
+            Scheme::Rk4 => Self::HalfDisc(2.61),
             // Beyond −2 both blow up for certain; below, undamped vibrations still grow, slowly.
-            Integrator::Explicit | Integrator::Rk2 => Self::HalfDisc(2.0),
-            Integrator::Implicit => Self::Everywhere,
+            Scheme::Explicit | Scheme::Rk2 => Self::HalfDisc(2.0),
+            Scheme::Implicit => Self::Everywhere,
         }
     }
 }
@@ -82,16 +81,9 @@ pub(super) struct LoadShare {
     pub(super) damping: f64,
 }
 
-impl LoadShare {
-    /// The load of two constants.
-    pub(super) fn of(&self, constants: Spring) -> f64 {
-        self.stiffness * constants.stiffness + self.damping * constants.damping
-    }
-}
-
 /// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme.
-pub(super) fn load_shares(integrator: Integrator, dt: f64) -> Vec<LoadShare> {
-    match Region::of(integrator) {
+pub(super) fn load_shares(scheme: Scheme, dt: f64) -> Vec<LoadShare> {
+    match Region::of(scheme) {
         Region::Leapfrog(share) => vec![LoadShare { stiffness: dt * dt, damping: 2.0 * share * dt }],
         Region::HalfDisc(radius) => vec![
             LoadShare { stiffness: LATTICE_LIMIT * (dt / radius) * (dt / radius), damping: 0.0 },
@@ -152,20 +144,20 @@ pub struct SceneLimits {
 }
 
 /// The share of the bound at rest that automatic stepping takes, among obstacles or not.
-pub(super) fn safety(integrator: Integrator, among_obstacles: bool) -> f64 {
-    if among_obstacles && integrator == Integrator::Rk4 { RK4_CONTACT_SHARE * SAFETY } else { SAFETY }
+pub(super) fn safety(scheme: Scheme, among_obstacles: bool) -> f64 {
+    if among_obstacles && scheme == Scheme::Rk4 { RK4_CONTACT_SHARE * SAFETY } else { SAFETY }
 }
 
 impl SceneLimits {
     /// The limits of a model that a scheme advances. Explicit Euler and RK2 have no stable step for an undamped
     /// vibration: theirs are the steps beyond which every vibration blows up at once.
-    pub fn of<R: Real>(model: &Model<R>, rule: ContactRule, integrator: Integrator) -> Self {
+    pub fn of<R: Real>(model: &Model<R>, rule: ContactRule, scheme: Scheme) -> Self {
         let waves = lattice_waves();
         let mut limits = Self::default();
         for body in &model.bodies {
-            limits.tighten(&body_limits(body, rule, Region::of(integrator), &waves));
+            limits.tighten(&body_limits(body, rule, Region::of(scheme), &waves));
         }
-        limits.safety = safety(integrator, !model.obstacles.is_empty());
+        limits.safety = safety(scheme, !model.obstacles.is_empty());
         limits
     }
 

@@ -2,6 +2,9 @@
 //! one compilation to the next; live parameter changes replace it and keep the [`super::State`].
 
 pub(in crate::physics) mod plan;
+mod scheme;
+
+pub use scheme::Scheme;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -260,6 +263,15 @@ pub struct PlaneModel<R: Real> {
     pub normal: R::Vec3,
     /// Which of the state's rows of sides belongs to this plane.
     pub side_row: usize,
+}
+
+/// How obstacles push back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactRule {
+    /// A stiff, critically damped spring taken implicitly, with Coulomb friction.
+    Implicit,
+    /// The thesis's own (GC §5.2, §6).
+    Thesis,
 }
 
 /// How one body meets one obstacle.

@@ -1,19 +1,9 @@
 //! What a step does for this scene, and no more: which stages run, how a whole step is subdivided.
 
-use crate::math::{FRAME_SECS, Real};
+use crate::geometry::Family;
+use crate::math::Real;
 use crate::physics::limits::SceneLimits;
-use crate::physics::limits::any_state;
-use crate::physics::model::{Model, ObstacleShape};
-use crate::scene::settings::{ContactRule, Integrator, Stepping};
-use crate::scene::{Family, Settings};
-
-/// Above this many substeps in 1/60 s automatic stepping hands over to the implicit integrator, whose cost
-/// hardly grows with the stiffness.
-const IMPLICIT_ABOVE: f64 = 100.0;
-
-/// The longest step of the implicit integrator where it takes over, s: four a frame. Longer ones are cheaper for the same
-/// simulated time, and quiet a vibration of 5 Hz in one period instead of three.
-const LONGEST_IMPLICIT_SECS: f64 = 0.25 * FRAME_SECS;
+use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
 
 /// The most halvings of a substep of the implicit integrator.
 pub const MOST_HALVINGS: u32 = 24;
@@ -24,12 +14,6 @@ pub const MOST_WORK_A_FRAME: u64 = 100_000;
 
 /// The work of a solve beside its iterations: forces, matrix, contact and balance.
 pub const SOLVE_WORK: u64 = 10;
-
-/// The least limit of the work of a substep: one try in which every round takes all iterations.
-const LEAST_WORK: u64 = 6_560;
-
-/// Halvings beyond the step that is safe at rest: strained bodies are stiffer (see [`strain`]).
-const STRAINED_HALVINGS: f64 = 3.0;
 
 /// The stages of a substep in their order (GC Algorithm 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -74,7 +58,7 @@ impl Stage {
 #[expect(clippy::struct_excessive_bools, reason = "each is a stage that runs or does not, and any mixture is a plan")]
 pub struct Plan {
     /// The scheme in use.
-    pub integrator: Integrator,
+    pub scheme: Scheme,
     /// The whole step, s: what the person asked for, or as much of it as can be counted in substeps that are safe.
     pub dt_secs: f64,
     /// Substeps in a whole step.
@@ -121,62 +105,6 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan of a model under some settings.
-    pub fn new<R: Real>(settings: &Settings, model: &Model<R>, limits: SceneLimits) -> Self {
-        let has_force = |family: usize| {
-            model.bodies.iter().any(|body| {
-                let links = &body.links[family];
-                !links.links.is_empty() && (links.stiffness > R::ZERO || links.damping > R::ZERO)
-            })
-        };
-        let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
-        let substeps = if divided { limits.substeps(settings.dt) } else { 1 };
-        let contact = !model.obstacles.is_empty() && !model.bodies.is_empty();
-        let by_thesis = contact && settings.contact == ContactRule::Thesis;
-        let taken_over =
-            divided && settings.integrator != Integrator::Implicit && !by_thesis && needs_implicit(settings, &limits);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of at least one")]
-        let [span, implicit_substeps] =
-            [LONGEST_IMPLICIT_SECS / settings.dt, libm::ceil(settings.dt / LONGEST_IMPLICIT_SECS)]
-                .map(|count| count.max(1.0) as u32);
-        let integrator = if taken_over { Integrator::Implicit } else { settings.integrator };
-        let plan = Self {
-            integrator,
-            dt_secs: if divided && !taken_over { settings.dt.min(limits.longest_step_secs()) } else { settings.dt },
-            substeps: if taken_over { implicit_substeps } else { substeps },
-            span: if taken_over { span } else { 1 },
-            halvings: 0,
-            ends_explicitly: false,
-            most_work: u64::MAX,
-            parts: 1,
-            limits,
-            families: Family::ALL.map(|family| has_force(family as usize)),
-            damped: Family::ALL
-                .map(|family| model.bodies.iter().any(|body| body.links[family as usize].damping > R::ZERO)),
-            spheres: model.obstacles.iter().any(|o| matches!(o.shape, ObstacleShape::Sphere { .. })),
-            friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
-            recovery: model.bodies.iter().any(|body| body.recovery_stiffness > R::ZERO),
-            contact,
-            contact_rule: settings.contact,
-            pressing_force: true,
-            watched: !divided,
-            broad_phase: true,
-            sleeping: settings.sleeping,
-            lean: true,
-        };
-        if !divided {
-            return plan;
-        }
-        let secs = plan.substep_secs();
-        let needed = if integrator == Integrator::Implicit { halvings(model, settings.contact, secs) } else { 0 };
-        let halvings = needed.min(MOST_HALVINGS);
-        let parts = any_state::parts(model, integrator, secs);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
-        let share = (MOST_WORK_A_FRAME as f64 * secs / FRAME_SECS) as u64;
-        let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len() as u64);
-        Self { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
-    }
-
     /// The step in use, s.
     pub fn substep_secs(&self) -> f64 {
         self.dt_secs * f64::from(self.span) / f64::from(self.substeps)
@@ -227,21 +155,6 @@ impl Plan {
             Stage::Rest => self.sleeping,
         }
     }
-}
-
-/// Whether steps would have to be divided so finely that the implicit integrator may take over.
-fn needs_implicit(settings: &Settings, limits: &SceneLimits) -> bool {
-    settings.allow_implicit
-        && limits.dt_safe_secs().is_some_and(|safe| safe < settings.dt && FRAME_SECS / safe > IMPLICIT_ABOVE)
-}
-
-/// How often a step is to be halved until the default integrator could take it.
-fn halvings<R: Real>(model: &Model<R>, rule: ContactRule, step_secs: f64) -> u32 {
-    let safe = SceneLimits::of(model, rule, Integrator::SemiImplicit).dt_safe_secs();
-    let parts = safe.map_or(1.0, |safe| (step_secs / safe).max(1.0));
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero up, saturating")]
-    let halvings = (libm::ceil(libm::log2(parts)) + STRAINED_HALVINGS) as u32;
-    halvings
 }
 
 /// Planes among the obstacles of a model.

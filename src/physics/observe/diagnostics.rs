@@ -10,6 +10,7 @@ use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::{ContactRecord, Placed};
 use crate::physics::forces;
 use crate::physics::forces::recovery;
+use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::report::Recorder;
@@ -18,7 +19,6 @@ use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::{Ending, Inputs, Scratch, substep};
 use crate::physics::stepping::Part;
 use crate::physics::stepping::strain;
-use crate::scene::settings::Integrator;
 
 /// So little of a substep that nothing moves in it.
 const INSTANT: f64 = 1e-6;
@@ -123,8 +123,8 @@ impl<'a, R: Real> Ahead<'a, R> {
         let (way, part) = if is_on_time {
             // Only what touches is asked for: any scheme finds it, at the least cost.
             let whole = Part::one_of(plan, 1);
-            let way = Plan { integrator: Integrator::SemiImplicit, halvings: 0, ..plan.clone() };
-            (Cow::Owned(way), Part { secs: whole.secs * INSTANT, scheme: Integrator::SemiImplicit, ..whole })
+            let way = Plan { scheme: Scheme::SemiImplicit, halvings: 0, ..plan.clone() };
+            (Cow::Owned(way), Part { secs: whole.secs * INSTANT, scheme: Scheme::SemiImplicit, ..whole })
         } else {
             (Cow::Borrowed(plan), Part::one_of(plan, strain::parts_now(model, plan, &mut next)))
         };
@@ -203,7 +203,7 @@ fn inverted_cells<R: Real>(body: &BodyModel<R>, state: &State<R>) -> usize {
     body.lattice.cells.iter().filter(|cell| recovery::volume(body, position, cell) <= 0.0).count()
 }
 
-/// Mean magnitude of the link forces on every particle of the scene, and their sum: what `load` and `force` show, N.
+/// Mean magnitude of the link forces on every particle of the scene, and their sum, N.
 pub(in crate::physics) fn link_loads<R: Real>(
     model: &Model<R>,
     plan: &Plan,

@@ -1,5 +1,5 @@
-//! What is to be seen of a simulation: energies, loads for colours, whether a step ran away.
+//! What is to be seen of a simulation: energies, what particles can be coloured by, whether a step ran away.
 
 pub(in crate::physics) mod diagnostics;
 pub(in crate::physics) mod runaway;
-mod scalars;
+pub(in crate::physics) mod scalars;

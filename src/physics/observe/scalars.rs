@@ -1,23 +1,37 @@
-//! One number per particle to colour a body by (V3; GC §9).
+//! One number per particle: what a body can be coloured by (V3; GC §9).
 
 use crate::math::{Real, Vector};
 use crate::physics::observe::diagnostics::link_loads;
 use crate::physics::simulation::Simulation;
-use crate::scene::ColorBy;
+
+/// What every particle has a number of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The mean magnitude of the forces of its links, N.
+    MeanLinkForce,
+    /// The magnitude of their sum, N.
+    LinkForce,
+    /// The magnitude of weight, link and contact forces together, N.
+    NetForce,
+    /// The largest magnitude of strain among its links, %.
+    Strain,
+    /// m/s.
+    Speed,
+    /// The magnitude of the force of obstacles, N.
+    ContactForce,
+}
 
 impl<R: Real> Simulation<R> {
-    /// The scalar of every particle in the unit of [`ColorBy::unit`]; empty for [`ColorBy::Plain`]: nothing is
-    /// computed that is not looked at.
-    pub fn scalars(&self, color: ColorBy) -> Vec<f32> {
+    /// A quantity of every particle, in its unit.
+    pub fn scalars(&self, quantity: Quantity) -> Vec<f32> {
         let (model, plan, state) = (self.model(), self.plan(), self.state());
-        let shown: Vec<R> = match color {
-            ColorBy::Plain => Vec::new(),
-            ColorBy::Load => link_loads(model, plan, state).0,
-            ColorBy::Force => link_loads(model, plan, state).1.into_iter().map(Vector::length).collect(),
-            ColorBy::Net => self.net_forces().into_iter().map(Vector::length).collect(),
-            ColorBy::Strain => self.strains(),
-            ColorBy::Speed => state.velocity.iter().map(|v| v.length()).collect(),
-            ColorBy::Contact => {
+        let shown: Vec<R> = match quantity {
+            Quantity::MeanLinkForce => link_loads(model, plan, state).0,
+            Quantity::LinkForce => link_loads(model, plan, state).1.into_iter().map(Vector::length).collect(),
+            Quantity::NetForce => self.net_forces().into_iter().map(Vector::length).collect(),
+            Quantity::Strain => self.strains(),
+            Quantity::Speed => state.velocity.iter().map(|v| v.length()).collect(),
+            Quantity::ContactForce => {
                 let mut force = vec![R::Vec3::ZERO; state.position.len()];
                 for contact in self.contacts() {
                     force[contact.particle] += contact.force;
@@ -25,7 +39,7 @@ impl<R: Real> Simulation<R> {
                 force.into_iter().map(Vector::length).collect()
             }
         };
-        #[expect(clippy::cast_possible_truncation, reason = "colours need no more than f32")]
+        #[expect(clippy::cast_possible_truncation, reason = "what is shown needs no more than f32")]
         shown.into_iter().map(|x| x.to_f64() as f32).collect()
     }
 

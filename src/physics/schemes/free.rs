@@ -5,13 +5,13 @@ use crate::physics::forces;
 use crate::physics::forces::links::Configuration;
 use crate::physics::forces::recovery;
 use crate::physics::model::Model;
+use crate::physics::model::Scheme;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::report::Recorder;
 use crate::physics::schemes::implicit::system::Room;
 use crate::physics::state::BodyMemory;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::substep::Substep;
-use crate::scene::settings::Integrator;
 
 /// Room for what a scheme works out between two states; empty where a scheme needs none.
 #[derive(Clone, Debug, Default)]
@@ -36,15 +36,15 @@ impl<R: Real> Scratch<R> {
     /// Room for the scheme of a plan.
     pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
         let room = |needed: bool| vec![R::Vec3::ZERO; if needed { model.particle_count() } else { 0 }];
-        let has_stages = matches!(plan.integrator, Integrator::Rk2 | Integrator::Rk4);
+        let has_stages = matches!(plan.scheme, Scheme::Rk2 | Scheme::Rk4);
         Self {
-            path: room(moves_by_mean(plan.integrator)),
-            predicted: room(moves_by_mean(plan.integrator)),
-            settled: room(moves_by_mean(plan.integrator)),
+            path: room(moves_by_mean(plan.scheme)),
+            predicted: room(moves_by_mean(plan.scheme)),
+            settled: room(moves_by_mean(plan.scheme)),
             position: room(has_stages),
-            velocity: room(has_stages || plan.integrator == Integrator::Verlet),
+            velocity: room(has_stages || plan.scheme == Scheme::Verlet),
             force: room(has_stages),
-            room: if plan.integrator == Integrator::Implicit { Room::new(model) } else { Room::default() },
+            room: if plan.scheme == Scheme::Implicit { Room::new(model) } else { Room::default() },
         }
     }
 }
@@ -105,8 +105,8 @@ impl<R: Real> Free<'_, R> {
 }
 
 /// Whether particles move by another velocity than that at the end of the substep.
-pub(in crate::physics) fn moves_by_mean(integrator: Integrator) -> bool {
-    matches!(integrator, Integrator::Explicit | Integrator::Rk2 | Integrator::Rk4)
+pub(in crate::physics) fn moves_by_mean(scheme: Scheme) -> bool {
+    matches!(scheme, Scheme::Explicit | Scheme::Rk2 | Scheme::Rk4)
 }
 
 /// `v += dt a` for every particle that is not held, where `a` is the force over the mass; held ones stand still.

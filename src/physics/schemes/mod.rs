@@ -30,16 +30,16 @@ use super::model::Model;
 use super::report::Recorder;
 use super::state::State;
 use crate::math::Real;
+use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
-use crate::scene::settings::Integrator;
 
 impl<R: Real> Free<'_, R> {
     /// Writes the velocities at the end of the substep as the forces at the state predict them.
     pub(super) fn predict(&mut self, velocity: &mut [R::Vec3]) {
         velocity.copy_from_slice(&self.substep.state.velocity);
         let kicked_for = match self.substep.scheme {
-            Integrator::Verlet => verlet::kicked_for(self.substep.dt, self.substep.state),
-            Integrator::SemiImplicit if self.substep.state.velocity_lag_secs > 0.0 => {
+            Scheme::Verlet => verlet::kicked_for(self.substep.dt, self.substep.state),
+            Scheme::SemiImplicit if self.substep.state.velocity_lag_secs > 0.0 => {
                 verlet::kicked_for(self.substep.dt, self.substep.state)
             }
             _ => self.substep.dt,
@@ -76,8 +76,8 @@ impl<R: Real> Free<'_, R> {
         }
         self.scratch.settled.copy_from_slice(velocity);
         match self.substep.scheme {
-            Integrator::Rk2 => rk2::refine(self, velocity, recorder),
-            Integrator::Rk4 => rk4::refine(self, velocity, recorder),
+            Scheme::Rk2 => rk2::refine(self, velocity, recorder),
+            Scheme::Rk4 => rk4::refine(self, velocity, recorder),
             _ => self.scratch.path.copy_from_slice(&self.substep.state.velocity),
         }
         let Scratch { path, predicted, settled, .. } = self.scratch;
@@ -92,10 +92,10 @@ impl<R: Real> Free<'_, R> {
 
 /// Whether the state's velocity is that at the position's time.
 pub(super) fn is_on_time<R: Real>(plan: &Plan, state: &State<R>) -> bool {
-    match plan.integrator {
-        Integrator::SemiImplicit => false,
-        Integrator::Verlet => state.velocity_lag_secs <= 0.0,
-        Integrator::Explicit | Integrator::Rk2 | Integrator::Rk4 | Integrator::Implicit => true,
+    match plan.scheme {
+        Scheme::SemiImplicit => false,
+        Scheme::Verlet => state.velocity_lag_secs <= 0.0,
+        Scheme::Explicit | Scheme::Rk2 | Scheme::Rk4 | Scheme::Implicit => true,
     }
 }
 
@@ -107,12 +107,12 @@ pub(super) fn share_to_center<R: Real>(state: &State<R>, ahead: &State<R>) -> f6
 
 /// The velocities with which the damping at the state is evaluated.
 pub(super) fn damping_velocity<'a, R: Real>(
-    scheme: Integrator,
+    scheme: Scheme,
     state: &'a State<R>,
     scratch: &'a mut Scratch<R>,
 ) -> &'a [R::Vec3] {
     match scheme {
-        Integrator::Verlet => verlet::predicted_velocity(state, &mut scratch.velocity),
+        Scheme::Verlet => verlet::predicted_velocity(state, &mut scratch.velocity),
         _ => &state.velocity,
     }
 }
@@ -127,10 +127,10 @@ pub(super) fn remember<R: Real>(
     held_force: Option<&[R::Vec3]>,
     state: &mut State<R>,
 ) {
-    match plan.integrator {
-        Integrator::Verlet => verlet::remember(model, dt, force, held_force, state),
+    match plan.scheme {
+        Scheme::Verlet => verlet::remember(model, dt, force, held_force, state),
         // The next kick is longer or shorter where the substeps change.
-        Integrator::SemiImplicit => state.velocity_lag_secs = 0.5 * dt.to_f64(),
+        Scheme::SemiImplicit => state.velocity_lag_secs = 0.5 * dt.to_f64(),
         _ => {}
     }
 }

@@ -9,8 +9,8 @@ use moving::{Approach, Sweep};
 
 use super::model::Model;
 use crate::math::{Real, Vector};
+use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
-use crate::scene::settings::Integrator;
 
 /// The [`State::work`] of a substep whose limit is reached.
 pub(super) const SPENT: u64 = u64::MAX;
@@ -164,10 +164,10 @@ impl<R: Real> State<R> {
         if plan.halvings == 0 {
             (self.part, self.halvings, self.work) = (0, 0, 0);
         }
-        if !matches!(plan.integrator, Integrator::Verlet | Integrator::SemiImplicit) {
+        if !matches!(plan.scheme, Scheme::Verlet | Scheme::SemiImplicit) {
             self.velocity_lag_secs = 0.0;
         }
-        let count = if plan.integrator == Integrator::Verlet { self.position.len() } else { 0 };
+        let count = if plan.scheme == Scheme::Verlet { self.position.len() } else { 0 };
         if self.acceleration.len() != count {
             self.acceleration = vec![R::Vec3::ZERO; count];
             self.velocity_lag_secs = 0.0;

@@ -30,13 +30,13 @@ use super::stepping::{Gain, Part};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery;
 use crate::physics::model::plan::{Plan, Stage};
+use crate::physics::model::{ContactRule, Scheme};
 use crate::physics::observe::runaway::runs_away;
 use crate::physics::schemes::implicit::balance::{End, body_gains_energy, gains_energy};
 use crate::physics::schemes::{self, Free};
 use crate::physics::state::fallen;
 use crate::physics::state::sleep;
 use crate::physics::step::substep::Substep;
-use crate::scene::settings::{ContactRule, Integrator};
 
 /// Room a substep works in: allocated once, meaningless between substeps except for reading the last one's forces.
 #[derive(Clone, Debug)]
@@ -176,7 +176,7 @@ fn find_forces<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorde
     let at = Configuration {
         position: &state.position,
         velocity: schemes::damping_velocity(begun.scheme, state, scheme),
-        residual: (begun.scheme == Integrator::Implicit).then_some(&state.position_residual),
+        residual: (begun.scheme == Scheme::Implicit).then_some(&state.position_residual),
     };
     forces::evaluate(begun, at, force, recovery, recorder);
     if let Some(thesis_force) = thesis_force {
@@ -194,7 +194,7 @@ fn find_velocities<R: Real>(
     recorder: &mut Recorder<'_>,
 ) -> bool {
     recorder.enter(Stage::Integrate);
-    if begun.scheme != Integrator::Implicit {
+    if begun.scheme != Scheme::Implicit {
         predicted_velocities(begun, scratch, recorder);
         return true;
     }

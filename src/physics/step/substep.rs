@@ -4,9 +4,9 @@ use crate::math::Real;
 use crate::physics::contact::placed::Placed;
 use crate::physics::interaction::Grab;
 use crate::physics::model::Model;
+use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::State;
-use crate::scene::settings::Integrator;
 
 /// A substep, or a part of one, as it begins.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +20,7 @@ pub(in crate::physics) struct Substep<'a, R: Real> {
     /// Its length, s.
     pub(in crate::physics) dt: R,
     /// What takes it.
-    pub(in crate::physics) scheme: Integrator,
+    pub(in crate::physics) scheme: Scheme,
     /// A hand that pulls.
     pub(in crate::physics) grab: Option<&'a Grab<R>>,
 }

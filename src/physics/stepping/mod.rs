@@ -19,7 +19,7 @@ use super::model::plan::{MOST_HALVINGS, Plan};
 use super::report::Counters;
 use super::state::{SPENT, State};
 use crate::math::Real;
-use crate::scene::settings::Integrator;
+use crate::physics::model::Scheme;
 
 /// The stretch of time that one evaluation of a scheme covers: a substep or a part of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +27,7 @@ pub(super) struct Part {
     /// Its length, s.
     pub(super) secs: f64,
     /// What takes it.
-    pub(super) scheme: Integrator,
+    pub(super) scheme: Scheme,
     /// What becomes of it where the implicit scheme would give energy from nowhere.
     pub(super) gain: Gain,
     /// Whether the substep begins with it: what is under way is not given up.
@@ -51,7 +51,7 @@ impl Part {
     /// A whole substep, come what may, in one of so many equal parts.
     pub(super) fn one_of(plan: &Plan, parts: u32) -> Self {
         let secs = plan.substep_secs() / f64::from(parts);
-        Self { secs, scheme: plan.integrator, gain: Gain::Take, is_first: true, is_last: true }
+        Self { secs, scheme: plan.scheme, gain: Gain::Take, is_first: true, is_last: true }
     }
 }
 
@@ -95,7 +95,7 @@ impl Division {
         };
         Some(Part {
             secs: plan.substep_secs() / f64::from(self.parts) * (length as f64 / whole as f64),
-            scheme: if self.is_explicit { Integrator::SemiImplicit } else { plan.integrator },
+            scheme: if self.is_explicit { Scheme::SemiImplicit } else { plan.scheme },
             gain,
             is_first: self.left == self.parts,
             is_last: self.left == 1 && state.part + length == whole,

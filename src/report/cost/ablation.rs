@@ -10,9 +10,8 @@ use serde::Serialize;
 use super::noise::{Change, median};
 use crate::geometry::Lattice;
 use crate::physics::Arrival;
-use crate::physics::Plan;
-use crate::physics::Simulation;
-use crate::scene::{ColorBy, Family, Material, Scene};
+use crate::physics::{Plan, Quantity, Simulation};
+use crate::scene::{Family, Material, Scene};
 
 /// Times every variant is measured; and where a substep takes long.
 const ROUNDS: [usize; 2] = [15, 7];
@@ -225,9 +224,9 @@ fn colours(simulation: &Simulation<f32>) -> Ablation {
     let before = simulation.hash();
     let mut times = [Vec::new(), Vec::new()];
     for _ in 0..ROUNDS[0] {
-        for (times, color) in times.iter_mut().zip([ColorBy::Load, ColorBy::Plain]) {
+        for (times, quantity) in times.iter_mut().zip([Some(Quantity::MeanLinkForce), None]) {
             let begin = ThreadTime::now();
-            black_box(simulation.scalars(color));
+            black_box(quantity.map(|quantity| simulation.scalars(quantity)));
             times.push(begin.elapsed().as_secs_f64());
         }
     }

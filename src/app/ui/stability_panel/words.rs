@@ -17,8 +17,8 @@ pub(super) fn whose_words(name: &str, family: Option<Family>) -> String {
 
 /// Where the body stands, and what becomes of it.
 pub(super) fn now_words(shown: &PlaneShown, body: &Body, zone: Zone, is_manual: bool) -> String {
-    let scheme = shown.scheme();
-    let step = format!("{}, {}", scheme.integrator.words(), step_text(scheme.dt_secs));
+    let asked = shown.step();
+    let step = format!("{}, {}", asked.integrator.words(), step_text(asked.dt_secs));
     let becomes = match (zone, is_manual) {
         (Zone::Safe, _) if shown.border.is_empty() => "stable at any step",
         (Zone::Safe, _) => "stable, with the margin that automatic stepping keeps",

@@ -16,7 +16,7 @@
 //! One common cap for all three keeps momentum and angular momentum; without it the push would grow with the fourth
 //! power of an edge. A cell that is on its way back is pushed half as hard as one on its way in: what it takes from
 //! a blow it does not give back in full, so that crushed bodies come to rest rather than gain energy. The size of κ
-//! follows from the links (`of_springs`, `of_cells`), so that the term costs no smaller step.
+//! follows from the links (`compile::recovery`), so that the term costs no smaller step.
 //!
 //! Only the cells of a list are pushed: those below [`WATCH`]. All cells are looked at once in every 1/60 s of simulated
 //! time, sooner where particles move past each other fast enough to crush a cell in that time, and in every substep while
@@ -39,47 +39,20 @@ pub(in crate::physics) use soft_links::Scratch;
 use edges::{MeanEdges, mean_edges, spread};
 use soft_links::soften;
 
-use crate::geometry::Lattice;
 use crate::math::Real;
 use crate::physics::forces::links::Configuration;
-use crate::physics::limits::cells::CellLoads;
 use crate::physics::model::plan::Plan;
-use crate::physics::model::{BodyModel, CellKind, Model};
+use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::report::Recorder;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
 use crate::physics::stepping::looks;
-use crate::scene::settings::Integrator;
-use crate::scene::{Family, Springs};
 
 /// Cells below this signed volume are put on the list: what inverts between two looks has mostly been here before.
 pub(crate) const WATCH: f64 = 0.7;
 
 /// The most of `κ dt²/(m h²)`: a person's own step or an implicit one may be larger than the push could bear.
 const STIFFEST: f64 = 0.6;
-
-/// A cell's stiffness against inversion, N·m, and the mass against it, kg, from the constants of links that are alike.
-///
-/// A mode of wave number q along an axis changes V by `2 sin(q/2)/h` of its amplitude, so the term adds at most
-/// `4 κ/(m h²)` to the square of a frequency, and the links at most `(4 k1 + 8.74 k2 + 2 k3)/(m h)`. Half of the latter
-/// keeps the sum below the limit at the share of it that automatic stepping takes. For equal constants it is 7.4 k h;
-/// from half of that on every crushed cube came back, at more than twice of it crumpled ones gained energy. A family
-/// without links in `lattice` limits no step and so has no share.
-pub(in crate::physics) fn of_springs(springs: &Springs, lattice: &Lattice) -> [f64; 2] {
-    let share = |family: Family, share: f64| {
-        let has_links = !lattice.links[family as usize].is_empty();
-        if has_links { share * springs.family(family).stiffness } else { 0.0 }
-    };
-    let links = share(Family::Structural, 4.0) + share(Family::Shear, 8.736) + share(Family::Bending, 2.0);
-    [0.5 * links * lattice.grid.cell_size, springs.particle_mass]
-}
-
-/// The same from cells that share out their links and masses. On its own a cell of mass M moves with `12 κ/(M h²)`, as if
-/// its particles weighed a third of it; its links add at most `loads.stiffness`.
-pub(in crate::physics) fn of_cells(kinds: &[CellKind], cell_size: f64) -> [f64; 2] {
-    let lightest = kinds.iter().map(|kind| kind.mass).fold(f64::INFINITY, f64::min) / 3.0;
-    [0.5 * CellLoads::of(kinds, cell_size).stiffness * lightest * cell_size * cell_size, lightest]
-}
 
 /// Whether all cells are looked at in this substep.
 pub(in crate::physics) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
@@ -125,7 +98,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
 ) {
     // What the implicit integrator solves with resists as much. The others have links flow as in whole substeps however
     // these are divided: with less, links that were crushed to a point stayed crushed.
-    let flow_secs = if plan.integrator == Integrator::Implicit { 0.0 } else { plan.substep_secs() };
+    let flow_secs = if plan.scheme == Scheme::Implicit { 0.0 } else { plan.substep_secs() };
     for (body, memory) in model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep) {
         let position = &position[body.particles.clone()];
         let velocity = &velocity[body.particles.clone()];
@@ -150,7 +123,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
 /// The stiffness of a body's cells as far as a whole substep bears it, N·m: all of it where it is solved for. Parts of
 /// substeps could bear more, but a stiffness that changes from one to the next gives energy.
 fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
-    if plan.integrator == Integrator::Implicit {
+    if plan.scheme == Scheme::Implicit {
         return body.recovery_stiffness;
     }
     let dt = R::from_f64(plan.substep_secs());

@@ -20,9 +20,9 @@ use crate::math::{Real, Vector};
 use crate::physics::forces::recovery::edges::MeanEdges;
 use crate::physics::forces::recovery::rotation::nearest_rotation;
 use crate::physics::model::BodyModel;
+use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::BodyMemory;
-use crate::scene::settings::Integrator;
 
 /// The stiffness of the pull over that of the push, at most.
 const SHARE: f64 = 1.0;
@@ -127,13 +127,13 @@ fn is_slow<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], velocity: &[R::Ve
 /// With `x = κ dt²/(m h²)` for a stiffness κ of the push, links are 2 x of the limit, 4, at most, the push on cells whose
 /// neighbours are well less than as much, and a pull of stiffness p κ adds 4 p x.
 pub(super) fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
-    if plan.integrator == Integrator::Implicit {
+    if plan.scheme == Scheme::Implicit {
         return body.recovery_stiffness * R::from_f64(SHARE);
     }
     let inverse = body.inverse_cell_size.to_f64() * plan.substep_secs();
     let load = body.recovery_stiffness.to_f64() * inverse * inverse / body.recovery_mass.to_f64();
     // RK4 bears twice as much: its limit is 8.
-    let limit = if plan.integrator == Integrator::Rk4 { 2.0 } else { 1.0 };
+    let limit = if plan.scheme == Scheme::Rk4 { 2.0 } else { 1.0 };
     body.recovery_stiffness * R::from_f64((limit / load - 1.0).clamp(0.0, SHARE))
 }
 

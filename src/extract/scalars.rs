@@ -1,0 +1,20 @@
+//! What a body is coloured by: the quantity of the simulation that a colour map of the document shows.
+
+use crate::math::Real;
+use crate::physics::{Quantity, Simulation};
+use crate::scene::ColorBy;
+
+/// The scalar of every particle in the unit of [`ColorBy::unit`]; none where no map is shown: nothing is computed that is
+/// not looked at.
+pub fn scalars<R: Real>(simulation: &Simulation<R>, color: ColorBy) -> Option<Vec<f32>> {
+    let quantity = match color {
+        ColorBy::Plain => return None,
+        ColorBy::Load => Quantity::MeanLinkForce,
+        ColorBy::Force => Quantity::LinkForce,
+        ColorBy::Net => Quantity::NetForce,
+        ColorBy::Strain => Quantity::Strain,
+        ColorBy::Speed => Quantity::Speed,
+        ColorBy::Contact => Quantity::ContactForce,
+    };
+    Some(simulation.scalars(quantity))
+}

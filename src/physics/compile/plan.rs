@@ -1,0 +1,94 @@
+//! From settings and a model to the plan of a step: which scheme takes it, and how it is divided.
+
+use crate::geometry::Family;
+use crate::math::{FRAME_SECS, Real};
+use crate::physics::limits::{SceneLimits, any_state};
+use crate::physics::model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan};
+use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
+use crate::scene::Settings;
+use crate::scene::settings::Stepping;
+
+/// Above this many substeps in 1/60 s automatic stepping hands over to the implicit integrator, whose cost
+/// hardly grows with the stiffness.
+const IMPLICIT_ABOVE: f64 = 100.0;
+
+/// The longest step of the implicit integrator where it takes over, s: four a frame. Longer ones are cheaper for the same
+/// simulated time, and quiet a vibration of 5 Hz in one period instead of three.
+const LONGEST_IMPLICIT_SECS: f64 = 0.25 * FRAME_SECS;
+
+/// The least limit of the work of a substep: one try in which every round takes all iterations.
+const LEAST_WORK: u64 = 6_560;
+
+/// Halvings beyond the step that is safe at rest: strained bodies are stiffer (see [`crate::physics::stepping::strain`]).
+const STRAINED_HALVINGS: f64 = 3.0;
+
+/// The plan of a model under some settings.
+pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
+    let (chosen, contact_rule) = (Scheme::from(settings.integrator), ContactRule::from(settings.contact));
+    let limits = SceneLimits::of(model, contact_rule, chosen);
+    let has_force = |family: usize| {
+        model.bodies.iter().any(|body| {
+            let links = &body.links[family];
+            !links.links.is_empty() && (links.stiffness > R::ZERO || links.damping > R::ZERO)
+        })
+    };
+    let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
+    let substeps = if divided { limits.substeps(settings.dt) } else { 1 };
+    let contact = !model.obstacles.is_empty() && !model.bodies.is_empty();
+    let by_thesis = contact && contact_rule == ContactRule::Thesis;
+    let taken_over = divided && chosen != Scheme::Implicit && !by_thesis && needs_implicit(settings, &limits);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of at least one")]
+    let [span, implicit_substeps] =
+        [LONGEST_IMPLICIT_SECS / settings.dt, libm::ceil(settings.dt / LONGEST_IMPLICIT_SECS)]
+            .map(|count| count.max(1.0) as u32);
+    let scheme = if taken_over { Scheme::Implicit } else { chosen };
+    let plan = Plan {
+        scheme,
+        dt_secs: if divided && !taken_over { settings.dt.min(limits.longest_step_secs()) } else { settings.dt },
+        substeps: if taken_over { implicit_substeps } else { substeps },
+        span: if taken_over { span } else { 1 },
+        halvings: 0,
+        ends_explicitly: false,
+        most_work: u64::MAX,
+        parts: 1,
+        limits,
+        families: Family::ALL.map(|family| has_force(family as usize)),
+        damped: Family::ALL.map(|family| model.bodies.iter().any(|body| body.links[family as usize].damping > R::ZERO)),
+        spheres: model.obstacles.iter().any(|o| matches!(o.shape, ObstacleShape::Sphere { .. })),
+        friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
+        recovery: model.bodies.iter().any(|body| body.recovery_stiffness > R::ZERO),
+        contact,
+        contact_rule,
+        pressing_force: true,
+        watched: !divided,
+        broad_phase: true,
+        sleeping: settings.sleeping,
+        lean: true,
+    };
+    if !divided {
+        return plan;
+    }
+    let secs = plan.substep_secs();
+    let needed = if scheme == Scheme::Implicit { halvings(model, contact_rule, secs) } else { 0 };
+    let halvings = needed.min(MOST_HALVINGS);
+    let parts = any_state::parts(model, scheme, secs);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
+    let share = (MOST_WORK_A_FRAME as f64 * secs / FRAME_SECS) as u64;
+    let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len() as u64);
+    Plan { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
+}
+
+/// Whether steps would have to be divided so finely that the implicit integrator may take over.
+fn needs_implicit(settings: &Settings, limits: &SceneLimits) -> bool {
+    settings.allow_implicit
+        && limits.dt_safe_secs().is_some_and(|safe| safe < settings.dt && FRAME_SECS / safe > IMPLICIT_ABOVE)
+}
+
+/// How often a step is to be halved until the default integrator could take it.
+fn halvings<R: Real>(model: &Model<R>, rule: ContactRule, step_secs: f64) -> u32 {
+    let safe = SceneLimits::of(model, rule, Scheme::SemiImplicit).dt_safe_secs();
+    let parts = safe.map_or(1.0, |safe| (step_secs / safe).max(1.0));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero up, saturating")]
+    let halvings = (libm::ceil(libm::log2(parts)) + STRAINED_HALVINGS) as u32;
+    halvings
+}
