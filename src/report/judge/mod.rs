@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! own energy   motion (centred velocity), links, recovery, and the penalty springs of contact; mean over 1/60 s
+//!              and no fewer than eight substeps
 //! work         what gravity did to the body since the start, moving obstacles (force × velocity of the surface) and what
 //!              else was done to it from outside: obstacles that stand still do none, as what they give back was
 //!              stored in their penalty springs, at the start too where a body was put into them
@@ -35,8 +36,11 @@ use crate::physics::SOLVE_WORK;
 use crate::physics::{Simulation, StepReport};
 use crate::scene::Scene;
 
-/// Energies are means over so much simulated time, s.
+/// Energies are means over so much simulated time, s, ...
 const WINDOW_SECS: f64 = FRAME_SECS;
+
+/// ... and over no fewer substeps: the energy of the highest mode swings within a period of some six of them.
+const WINDOW_SUBSTEPS: u64 = 8;
 
 /// `gelatin check` measures so much simulated time, s.
 const FORETOLD_SECS: f64 = 0.5;
@@ -166,7 +170,7 @@ impl Watch {
         let affordable = patience.most_link_forces / links.max(1);
         let wanted = count(patience.seconds / dt);
         let substeps = wanted.min(affordable.max(1));
-        let window = count(WINDOW_SECS / dt).min(substeps);
+        let window = count(WINDOW_SECS / dt).max(WINDOW_SUBSTEPS).min(substeps);
         let verdict = Verdict {
             fault: None,
             words: String::new(),
