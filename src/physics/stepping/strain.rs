@@ -25,7 +25,7 @@ const CALM_SECS: f64 = 0.25;
 /// ... and for so many substeps, where these are long.
 const CALM_SUBSTEPS: u64 = 100;
 
-/// Looks at the links where it is due, and tells into how many parts the coming substep is divided.
+/// Looks at the links where it is due, as they are and as they would be after the substep, and tells into how many parts the coming substep is divided.
 pub(in crate::physics) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> u32 {
     if plan.parts <= 1 {
         return 1;
@@ -39,16 +39,21 @@ pub(in crate::physics) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, stat
 
 fn look<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) {
     let calm_substeps = looks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
+    let secs = R::from_f64(plan.substep_secs());
     for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
         let strain = STRAINS[usize::from(!memory.strained)];
         let [shortest, longest] = [1.0 - strain, 1.0 + strain].map(R::from_f64);
-        let position = &state.position[body.particles.clone()];
+        let is_beyond = |d: R::Vec3| {
+            let squared = d.dot(d);
+            squared > longest * longest || squared < shortest * shortest
+        };
+        let [position, velocity] = [&state.position, &state.velocity].map(|of| &of[body.particles.clone()]);
         // Links without a force, too: their length tells of the angles between others.
         let is_beyond = body.links.iter().flat_map(|family| family.links.iter()).any(|link| {
             let [i, j] = link.ends.map(|end| end as usize);
             let d = (position[j] - position[i]) * link.inverse_rest_length;
-            let squared = d.dot(d);
-            squared > longest * longest || squared < shortest * shortest
+            let dv = (velocity[j] - velocity[i]) * link.inverse_rest_length;
+            is_beyond(d) || is_beyond(d + dv * secs)
         });
         if is_beyond {
             (memory.strained, memory.calm_substeps) = (true, 0);
@@ -150,7 +155,7 @@ mod tests {
         let mut state = simulation.state().clone();
         let mut rng = Rng::new(3);
         for v in &mut state.velocity {
-            *v = DVec3::from([0; 3].map(|_| rng.between(-0.7, 0.7)));
+            *v = DVec3::from([0; 3].map(|_| rng.between(-0.5, 0.5)));
         }
         simulation.set_state(state);
         let mean = |simulation: &mut Simulation<f64>, change: &mut dyn FnMut(&mut Simulation<f64>)| {
@@ -182,6 +187,17 @@ mod tests {
             simulation.set_state(state);
         });
         assert!(hasty > 1.05, "{hasty} of the energy: to wait is for nothing");
+    }
+
+    #[test]
+    fn a_body_that_is_about_to_be_torn_takes_its_first_substep_in_parts() {
+        let (scene, lattices) = cube(1e-3);
+        let mut simulation = Simulation::<f64>::new(&scene, &lattices);
+        let mut state = simulation.state().clone();
+        state.velocity[0] = DVec3::X * 1e3;
+        simulation.set_state(state);
+        let parts = u64::from(simulation.plan().parts);
+        assert_eq!(simulation.substep(&mut ()).counters.substeps, parts, "a corner leaves it at 1000 m/s");
     }
 
     #[test]
