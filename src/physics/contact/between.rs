@@ -62,21 +62,22 @@ impl<R: Real> Meeting<'_, R> {
         riding
     }
 
-    /// Shares out what brought a particle from the velocity that the springs of its obstacles leave it to the one that
+    /// Shares out what brought a particle from the `velocity` that the springs of its obstacles leave it to the one that
     /// all of them allow, among the forces in `found`.
     ///
-    /// An obstacle that moves carries the particle along. What particle and springs have more for it, that obstacle gave:
-    /// one that stands still holds against and does no work. So where its push does less work than that, it presses the
-    /// particle harder against what stands.
+    /// An obstacle that moves carries the particle along. What particle and springs have more than they `had`, J, that
+    /// obstacle gave: one that stands still holds against and does no work. So where its push does less work than that, it
+    /// presses the particle harder against what stands.
     pub(super) fn share_out(
         &self,
-        velocity: R::Vec3,
-        allowed: R::Vec3,
+        had: R,
+        [velocity, allowed]: [R::Vec3; 2],
         mass: R,
         contacts: &[ContactModel<R>],
         found: &mut [ContactRecord<R>],
     ) {
-        let change = (allowed - velocity) * (mass / self.substep.dt);
+        let dt = self.substep.dt;
+        let change = (allowed - velocity) * (mass / dt);
         let moves = |record: &ContactRecord<R>| record.surface_velocity != R::Vec3::ZERO;
         let Some(moving) = found.iter().position(moves) else {
             if let Some(last) = found.last_mut() {
@@ -84,22 +85,34 @@ impl<R: Real> Meeting<'_, R> {
             }
             return;
         };
-        let energy = |velocity: R::Vec3| {
-            let springs = found.iter().fold(R::ZERO, |sum, record| {
-                let along = (velocity - record.surface_velocity).dot(record.normal);
-                sum + contacts[record.obstacle].energy(-(record.gap + along * self.substep.dt))
-            });
-            springs + R::from_f64(0.5) * mass * velocity.dot(velocity)
-        };
         let surface = found[moving].surface_velocity;
-        let missing = energy(allowed) - energy(velocity) - change.dot(surface) * self.substep.dt;
+        let missing = energy(allowed, dt, mass, contacts, found) - had - change.dot(surface) * dt;
         found[moving].force += change;
         if missing > R::ZERO {
-            let press = surface * (missing / (surface.dot(surface) * self.substep.dt));
+            let press = surface * (missing / (surface.dot(surface) * dt));
             found[moving].force += press;
             if let Some(standing) = found.iter().position(|record| !moves(record)) {
                 found[standing].force -= press;
             }
         }
     }
+}
+
+/// The energy of a particle with a velocity and of the springs of its contacts after `secs` with it, J.
+pub(super) fn energy<R: Real>(
+    velocity: R::Vec3,
+    secs: R,
+    mass: R,
+    contacts: &[ContactModel<R>],
+    found: &[ContactRecord<R>],
+) -> R {
+    found.iter().fold(R::from_f64(0.5) * mass * velocity.dot(velocity), |sum, record| {
+        let along = (velocity - record.surface_velocity).dot(record.normal);
+        sum + contacts[record.obstacle].energy(-(record.gap + along * secs))
+    })
+}
+
+/// What moving obstacles do to a particle with the forces found so far, J.
+pub(super) fn work<R: Real>(dt: R, found: &[ContactRecord<R>]) -> R {
+    found.iter().fold(R::ZERO, |sum, record| sum + record.force.dot(record.surface_velocity) * dt)
 }

@@ -1,5 +1,6 @@
 //! Particles among obstacles: who meets what, and with which velocity it goes on.
 
+use super::between;
 use super::broad;
 use super::narrow;
 use super::record::ContactRecord;
@@ -167,7 +168,9 @@ impl<'a, R: Real> Meeting<'a, R> {
             }
             if allowed != velocity {
                 self.note_led_into(allowed, contacts.len(), first_record, records);
-                self.share_out(velocity, allowed, mass, contacts, &mut records[first_record..]);
+                let (dt, found) = (self.substep.dt, &mut records[first_record..]);
+                let had = between::energy(predicted, R::ZERO, mass, contacts, found) + between::work(dt, found);
+                self.share_out(had, [velocity, allowed], mass, contacts, found);
                 velocity = allowed;
             }
         }

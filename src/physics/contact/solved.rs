@@ -8,6 +8,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::between;
 use super::broad;
 use super::meeting::{Meeting, Meetings};
 use super::record::ContactRecord;
@@ -131,7 +132,9 @@ pub(in crate::physics) fn settle<R: Real>(
             if allowed != velocity[particle] {
                 let mass = body.mass(particle - body.particles.start);
                 let found = &mut scratch.contacts[first..];
-                meeting.share_out(velocity[particle], allowed, mass, &body.contacts, found);
+                let solved = velocity[particle];
+                let has = between::energy(solved, dt, mass, &body.contacts, found);
+                meeting.share_out(has, [solved, allowed], mass, &body.contacts, found);
                 velocity[particle] = allowed;
             }
             meeting.count(&mut recorder.counters);
