@@ -44,6 +44,7 @@ fn scenes_that_once_exploded_do_not() {
         (3_860_054_719, 3884),
         (2_041_115_181, 2280),
         (2_041_115_181, 7760),
+        (2_312_345_692, 293),
     ];
     for (seed, number) in scenes {
         let (scene, disturbances) = extreme(seed, number);

@@ -169,7 +169,12 @@ impl<'a, R: Real> Meeting<'a, R> {
             if allowed != velocity {
                 self.note_led_into(allowed, contacts.len(), first_record, records);
                 let (dt, found) = (self.substep.dt, &mut records[first_record..]);
-                let had = between::energy(predicted, R::ZERO, mass, contacts, found) + between::work(dt, found);
+                // At the start, without what forces are about to give a particle that is held; or after the springs had
+                // their way, which takes some of it.
+                let began = [predicted, self.substep.state.velocity[self.particle]]
+                    .map(|velocity| between::energy(velocity, R::ZERO, mass, contacts, found));
+                let began = began[0].min(began[1]) + between::work(dt, found);
+                let had = began.min(between::energy(velocity, dt, mass, contacts, found));
                 self.share_out(had, [velocity, allowed], mass, contacts, found);
                 velocity = allowed;
             }
