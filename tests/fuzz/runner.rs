@@ -16,7 +16,8 @@ use crate::targets::Target;
 const MEBIBYTES: u64 = 1500;
 /// How often a child looks whether its case has taken too much processor time.
 const LOOK: Duration = Duration::from_millis(100);
-/// Wall time after which a child is not waited for any more: it waits for something itself.
+/// Wall time after which a child is not waited for any more where it waits for something itself: on a busy machine one
+/// that works may get next to no processor time.
 const WALL: Duration = Duration::from_mins(5);
 
 /// Where a child finds what it is to do, and where it says which case it is at.
@@ -91,7 +92,7 @@ fn spawn(folder: &Path, target: Target, seed: u64, cases: Range<u64>) -> (u64, R
 
 fn wait(mut child: Child) -> Option<ExitStatus> {
     let begin = Instant::now();
-    while begin.elapsed() < WALL {
+    while begin.elapsed() < WALL || is_at_work(child.id()) {
         if let Some(status) = child.try_wait().unwrap() {
             return Some(status);
         }
@@ -100,6 +101,28 @@ fn wait(mut child: Child) -> Option<ExitStatus> {
     child.kill().unwrap();
     child.wait().unwrap();
     None
+}
+
+/// Whether a thread of a process runs or would if it were let: the third field of its `stat`, after its name in brackets.
+fn is_at_work(process: u32) -> bool {
+    let Ok(threads) = fs::read_dir(format!("/proc/{process}/task")) else { return false };
+    threads.flatten().filter_map(|thread| fs::read_to_string(thread.path().join("stat")).ok()).any(|stat| {
+        let after_name = stat.rsplit(") ").next().unwrap_or_default();
+        after_name.starts_with('R') || after_name.starts_with('D')
+    })
+}
+
+#[test]
+fn a_child_that_waits_is_not_at_work_and_one_that_counts_is() {
+    let sleeps = Command::new("sleep").arg("60").spawn().unwrap();
+    let counts = Command::new("sh").args(["-c", "while :; do :; done"]).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(200));
+    let seen = [&sleeps, &counts].map(|child| is_at_work(child.id()));
+    for mut child in [sleeps, counts] {
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    assert_eq!(seen, [false, true]);
 }
 
 /// What a child does.
