@@ -30,6 +30,8 @@ const MOST_BETWEEN: usize = 6;
 const STEEP: f64 = 2.0;
 /// Points of a border that is predicted.
 const POINTS: usize = 96;
+/// How often the way between two of them is halved where a border falls steeply.
+const HALVINGS: usize = 6;
 /// Steps that are watched, at most and at least.
 const STEPS: [usize; 2] = [600, 200];
 /// Link forces that are spent on a map at most, about: ten seconds of work.
@@ -123,9 +125,11 @@ impl PlaneShown {
         let [[from, to], _] = decades.map(|ends| ends.map(f64::from));
         let (mut border, mut safe) = (Vec::new(), Vec::new());
         if ends.is_some() {
-            for damping in values([from, to], POINTS) {
-                border.push(Place { damping, stiffness: plane.stable_stiffness(damping) });
-                safe.push(Place { damping, stiffness: plane.safe_stiffness(damping) });
+            let both = |damping| [plane.stable_stiffness(damping), plane.safe_stiffness(damping)];
+            let least = libm::pow(10.0, f64::from(decades[1][0]));
+            for (damping, [stable, margin]) in closer_where_steep(values([from, to], POINTS), least, both) {
+                border.push(Place { damping, stiffness: stable });
+                safe.push(Place { damping, stiffness: margin });
             }
         }
         Self { body, now, border, safe, decades, plane: Arc::new(plane) }
@@ -156,6 +160,24 @@ impl PlaneShown {
             Zone::Unstable
         }
     }
+}
+
+/// Two borders at these values and at more between them where one falls steeply above the least value that is shown.
+fn closer_where_steep(across: Vec<f64>, least: f64, of: impl Fn(f64) -> [f64; 2]) -> Vec<(f64, [f64; 2])> {
+    let at = |x: f64| (x, of(x));
+    let mut points: Vec<(f64, [f64; 2])> = across.into_iter().map(at).collect();
+    for _ in 0..HALVINGS {
+        let mut closer = Vec::with_capacity(2 * points.len());
+        for pair in points.windows(2) {
+            let [(from, before), (to, after)] = [pair[0], pair[1]];
+            let falls = |border: usize| before[border].max(least) > STEEP * after[border].max(least);
+            closer.push(pair[0]);
+            closer.extend((falls(0) || falls(1)).then(|| at(libm::sqrt(from * to))));
+        }
+        closer.extend(points.last());
+        points = closer;
+    }
+    points
 }
 
 /// Whole decades around the end of the border and the place, on both axes.
@@ -440,5 +462,17 @@ mod tests {
         progress.cancel();
         let cancelled = stability_map(&scene(), Path::new(""), StabilityOf::Limiting, &progress, &|| ());
         assert!(matches!(cancelled, Err(BackgroundError::Cancelled | BackgroundError::Session(_))), "{cancelled:?}");
+    }
+
+    #[test]
+    fn a_border_is_looked_at_closely_where_it_falls_and_only_there() {
+        // It falls to nothing at 2, as those of a damping that is too large do.
+        let border = |x: f64| [(4.0 - x * x).max(0.0), 1.0];
+        let points = closer_where_steep(vec![0.5, 1.0, 3.0], 1e-3, border);
+        let far = |pair: &[(f64, [f64; 2])]| pair[1].0 / pair[0].0;
+        let falls = points.windows(2).filter(|pair| pair[0].1[0] > 2.0 * pair[1].1[0].max(1e-3));
+        let widest = falls.map(far).fold(1.0, f64::max);
+        assert!(widest < 1.05, "the fall is seen to {widest}");
+        assert!((far(&points[..2]) - 2.0).abs() < 1e-9 && points.len() < 20, "and nothing else: {}", points.len());
     }
 }

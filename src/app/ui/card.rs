@@ -20,7 +20,7 @@ pub(super) fn beside_corner_card(free: Rect, card: Rect) -> Rect {
 /// Something that floats over the view, at one of its corners. Tells where.
 pub(super) fn over_view(ui: &Ui, name: &str, view: Rect, corner: Align2, contents: impl FnOnce(&mut Ui)) -> Rect {
     let inner = view.shrink(14.0);
-    Area::new(Id::unique(name))
+    let card = Area::new(Id::unique(name))
         .order(Order::Middle)
         .movable(false)
         .pivot(corner)
@@ -30,5 +30,10 @@ pub(super) fn over_view(ui: &Ui, name: &str, view: Rect, corner: Align2, content
         .accessible_name(name)
         .show(ui.ctx(), contents)
         .response
-        .rect
+        .rect;
+    // A card stands where its size of the last frame had room: one that has grown since is laid out anew.
+    if !view.expand(0.5).contains_rect(card) {
+        ui.ctx().request_discard("a card has outgrown the view");
+    }
+    card
 }

@@ -22,7 +22,7 @@ const LONG_BARS_NEED: f32 = 840.0;
 
 /// The panel; empty columns until the first stretch of time was measured.
 pub(super) fn cost_ui(ui: &mut Ui, status: &Status, drawing: DrawingCost) {
-    let (Some(cost), playing) = (&status.cost, status.playing) else { return };
+    let Some(cost) = &status.cost else { return };
     ui.spacing_mut().interact_size.y = 18.0;
     let width = ui.available_width() - theme::SCROLL_BAR;
     let shorter = if width < LONG_BARS_NEED { SHORTER } else { 0.0 };
@@ -33,7 +33,7 @@ pub(super) fn cost_ui(ui: &mut Ui, status: &Status, drawing: DrawingCost) {
         ui.horizontal_top(|ui| {
             ui.spacing_mut().item_spacing.x = GAP;
             let bar = BAR - vec2(shorter, 0.0);
-            column_ui(ui, "A step", stages, |ui| stages_ui(ui, cost, playing, bar));
+            column_ui(ui, "A step", stages, |ui| stages_ui(ui, status, cost, bar));
             column_ui(ui, "In every step", counts, |ui| counts_ui(ui, cost));
             column_ui(ui, "The window", reasons, |ui| {
                 window_ui(ui, status, drawing, WINDOW_BAR);
@@ -55,9 +55,13 @@ fn column_ui(ui: &mut Ui, title: &str, width: f32, contents: impl FnOnce(&mut Ui
     });
 }
 
-fn stages_ui(ui: &mut Ui, cost: &StepCost, playing: bool, bar: Vec2) {
+fn stages_ui(ui: &mut Ui, status: &Status, cost: &StepCost, bar: Vec2) {
     if cost.stages.is_empty() {
-        let words = if playing { "Measuring…" } else { "Nothing is measured while time stands still." };
+        let words = match () {
+            () if !status.playing => "Nothing is measured while time stands still.",
+            () if status.at_rest => "Nothing is measured while nothing moves.",
+            () => "Measuring…",
+        };
         ui.label(RichText::new(words).color(theme::of(ui).weak));
         return;
     }
@@ -105,7 +109,8 @@ fn frames_text(drawing: DrawingCost) -> String {
         return "Nothing changes: nothing is drawn.".to_owned();
     }
     let coarse = if scale < 1.0 { format!(", {:.0} % of the pixels", 100.0 * scale * scale) } else { String::new() };
-    format!("{frames_per_sec:.0} frames a second, {:.1} ms each{coarse}", 1e3 * secs_per_frame)
+    let frames = if frames_per_sec < 1.5 { "1 frame".to_owned() } else { format!("{frames_per_sec:.0} frames") };
+    format!("{frames} a second, {:.1} ms each{coarse}", 1e3 * secs_per_frame)
 }
 
 fn bar_ui(ui: &mut Ui, words: &str, share: f64, size: Vec2) {
@@ -179,6 +184,8 @@ mod tests {
         assert_eq!(frames_text(drawing), "24 frames a second, 12.3 ms each");
         let coarse = frames_text(DrawingCost { scale: 0.5, ..drawing });
         assert_eq!(coarse, "24 frames a second, 12.3 ms each, 25 % of the pixels");
+        let seldom = frames_text(DrawingCost { frames_per_sec: 1.2, ..drawing });
+        assert_eq!(seldom, "1 frame a second, 12.3 ms each");
         assert_eq!(frames_text(DrawingCost::default()), "Nothing changes: nothing is drawn.");
     }
 }

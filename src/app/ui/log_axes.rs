@@ -7,7 +7,9 @@ use egui::{Align2, FontId, Pos2, Rect, Stroke, Ui, pos2, vec2};
 use super::theme;
 
 /// Around a plot for numbers and titles, points: left, top, right, bottom.
-const MARGINS: [f32; 4] = [64.0, 8.0, 8.0, 34.0];
+const MARGINS: [f32; 4] = [64.0, 8.0, 8.0, 36.0];
+/// From the lower edge down to the numbers, and to the title, points.
+const BELOW: [f32; 2] = [5.0, 20.0];
 /// Numbers along an edge at most.
 const MOST_NUMBERS: i32 = 7;
 
@@ -63,7 +65,7 @@ impl LogAxes {
             painter.vline(x, inner.y_range(), line);
             if is_numbered(across, exponent) {
                 let text = (below.number)(exponent);
-                painter.text(pos2(x, inner.bottom() + 3.0), Align2::CENTER_TOP, text, font.clone(), colors.weak);
+                painter.text(pos2(x, inner.bottom() + BELOW[0]), Align2::CENTER_TOP, text, font.clone(), colors.weak);
             }
         }
         for exponent in up.clone() {
@@ -74,10 +76,14 @@ impl LogAxes {
                 painter.text(pos2(inner.left() - 6.0, y), Align2::RIGHT_CENTER, text, font.clone(), colors.weak);
             }
         }
-        let under = pos2(inner.center().x, inner.bottom() + 18.0);
+        let under = pos2(inner.center().x, inner.bottom() + BELOW[1]);
         painter.text(under, Align2::CENTER_TOP, below.title, font.clone(), colors.weak);
         let corner = inner.right_top() + vec2(-4.0, 2.0);
-        painter.text(corner, Align2::RIGHT_TOP, beside.title, font, colors.text);
+        // It stands in the plot, which may have any colour.
+        let title = painter.layout_no_wrap(beside.title.to_owned(), font, colors.text);
+        let place = Align2::RIGHT_TOP.anchor_size(corner, title.size());
+        painter.rect_filled(place.expand2(vec2(4.0, 1.0)), 2.0, colors.panel.gamma_multiply(0.75));
+        painter.galley(place.min, title, colors.text);
     }
 }
 

@@ -8,7 +8,9 @@ use crate::session::Command;
 
 /// The share of that side that the list has, and its least height, points.
 const TREE_SHARE: f32 = 0.36;
-const TREE_HEIGHT: f32 = 140.0;
+const TREE_HEIGHT: f32 = 150.0;
+/// Between the rows of a list that stands above the values, and their height, points.
+const DENSE: [f32; 2] = [2.0, 24.0];
 /// How far from its edge a panel is taken hold of, points: nothing else is there, and the view begins beyond it.
 const GRIP: f32 = theme::GRIP;
 /// What an arrow key does to a width, points.
@@ -33,9 +35,15 @@ pub(super) fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiSt
         let panel = right.frame(theme::side_frame(ui, theme::Side::Right)).show(ui, |ui| {
             if tree && !wide {
                 let height = (TREE_SHARE * ui.available_height()).max(TREE_HEIGHT);
-                let above = Panel::top("tree above").resizable(false).exact_size(height);
-                let frame = egui::Frame::new().inner_margin(egui::Margin { bottom: 6, ..egui::Margin::ZERO });
-                above.frame(frame).show(ui, |ui| tree::tree_ui(ui, running, state, commands));
+                let above = Panel::top("tree above").resizable(false).exact_size(height).show_separator_line(false);
+                above.frame(egui::Frame::new()).show(ui, |ui| {
+                    [ui.spacing_mut().item_spacing.y, ui.spacing_mut().interact_size.y] = DENSE;
+                    tree::tree_ui(ui, running, state, commands);
+                });
+                ui.scope(|ui| {
+                    ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
+                    ui.separator();
+                });
             }
             inspector::inspector_ui(ui, running, state, commands);
         });

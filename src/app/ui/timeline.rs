@@ -8,7 +8,7 @@ use super::{Below, Panels, theme};
 use crate::session::{Command, Status};
 
 /// Below this width (points) the counts give way to the words.
-const COUNTS_NEED: f32 = 920.0;
+const COUNTS_NEED: f32 = 1100.0;
 /// The panels above the bar, from right to left.
 const BELOW: [(Below, &str, &str); 3] = [
     (Below::Cost, "Cost", "Where the time of a step goes, and what this scene does not need  (C)"),

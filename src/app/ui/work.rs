@@ -10,6 +10,8 @@ use crate::session::progress::Progress;
 
 /// How often the progress is looked at while the work goes on.
 const LOOK: Duration = Duration::from_millis(250);
+/// Height of the bar, points.
+const BAR: f32 = 6.0;
 
 /// Work that can be asked for, and how far it is.
 #[derive(Debug)]
@@ -75,6 +77,11 @@ pub(super) fn progress_ui(ui: &mut Ui, progress: &Progress, width: f32) {
     let fraction = progress.fraction();
     let text = format!("Computing: {:.0} %", 100.0 * fraction);
     ui.add(Label::new(RichText::new(text).color(theme::of(ui).weak)).wrap());
-    ui.add(ProgressBar::new(fraction).desired_width(width));
+    ui.scope(|ui| {
+        let colors = theme::of(ui);
+        ui.visuals_mut().extreme_bg_color = colors.rail;
+        let bar = ProgressBar::new(fraction).fill(colors.accent).corner_radius(0.5 * BAR);
+        ui.add(bar.desired_width(width).desired_height(BAR));
+    });
     ui.ctx().request_repaint_after(LOOK);
 }

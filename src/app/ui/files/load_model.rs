@@ -159,6 +159,7 @@ fn preview_ui(ui: &mut Ui, preview: &Preview, status: &Status) {
 
 fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
     let Preview { triangles, parts, joined_parts, thin_parts, components, dropped_cells, .. } = preview;
+    let parts_word = if *parts == 1 { "1 part".to_owned() } else { format!("{parts} parts") };
     let closed = if preview.closed { "closed" } else { "open" };
     let [occupancy, why] = &preview.occupancy;
     let [x, y, z] = preview.size_m.map(three_digits);
@@ -171,7 +172,7 @@ fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
         word => word.to_owned(),
     };
     vec![
-        ("Mesh", format!("{triangles} triangles, {closed}, {parts} parts ({joined_parts} joined, {thin_parts} thin)")),
+        ("Mesh", format!("{triangles} triangles, {closed}, {parts_word} ({joined_parts} joined, {thin_parts} thin)")),
         ("Up axis", up),
         ("Filled", format!("{occupancy}: {why}")),
         ("Cells", format!("{} of {} m", preview.cells, three_digits(preview.cell_size_m))),
