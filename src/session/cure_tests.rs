@@ -75,6 +75,27 @@ fn every_cure_that_is_offered_holds_and_no_step_cures_a_scheme_without_a_stable_
 }
 
 #[test]
+fn trials_that_are_stopped_do_nothing_and_go_on_to_the_same_cures() {
+    let scene = exploding(|_| ());
+    let straight = explode(&scene).cures;
+    let mut session = open(scene);
+    while session.step() {}
+    let stop = Arc::new(AtomicBool::new(true));
+    session.set_stop(Arc::clone(&stop));
+    session.find_cures();
+    assert!(session.is_looking_for_cures() && session.status().trouble.expect("trouble").cures.is_empty(), "stopped");
+    let mut stopped = 0;
+    while let Some(trials) = session.trials.as_mut().filter(|trials| !trials.are_over()) {
+        stopped += u64::from(trials.given_up(&stop));
+        trials.go_on(Instant::now().checked_add(Duration::from_millis(1)), &AtomicBool::new(false));
+    }
+    assert!(stopped > 10, "{stopped} substeps were given up");
+    let cures = session.status().trouble.expect("trouble").cures;
+    assert_eq!(cures.len(), straight.len(), "{cures:?}");
+    assert!(cures.iter().zip(&straight).all(|(a, b)| a.words == b.words), "{cures:?}");
+}
+
+#[test]
 fn a_step_or_a_material_that_is_offered_ends_below_the_limit_it_names() {
     let scene = exploding(|_| ());
     let trouble = check(&scene, "as it is");

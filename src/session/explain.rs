@@ -89,7 +89,7 @@ impl Session {
     /// Goes on looking for what helps until then, or until it is known.
     pub(super) fn look_for_cures(&mut self, until: Option<Instant>) {
         if let Some(trials) = &mut self.trials {
-            trials.go_on(until);
+            trials.go_on(until, &self.stop);
         }
     }
 

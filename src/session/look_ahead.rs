@@ -30,7 +30,7 @@ impl Session {
             self.step_errors.forget();
         } else if let Some(until) = Instant::now().checked_add(budget / SHARE) {
             self.hold.wait();
-            self.step_errors.go_on(&self.simulation, until);
+            self.step_errors.go_on(&self.simulation, until, &self.stop);
         }
     }
 }

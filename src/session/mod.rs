@@ -122,6 +122,8 @@ pub struct Session {
     hold: Arc<Hold>,
     /// Why time stands still until a person lets it run; empty where it does not.
     too_slow: String,
+    /// That is still to be found out.
+    may_be_too_slow: bool,
 }
 
 impl Session {
@@ -170,6 +172,7 @@ impl Session {
             stop: Arc::default(),
             hold: Arc::default(),
             too_slow: String::new(),
+            may_be_too_slow: false,
             safe: Vec::new(),
         };
         session.find_notice();
@@ -258,6 +261,9 @@ impl Session {
         let (begin, processor) = (Instant::now(), ThreadTime::now());
         let share = if self.playing { budget / CURES_SHARE } else { budget };
         self.look_for_cures(begin.checked_add(share));
+        if self.playing && self.may_be_too_slow {
+            self.hold_if_too_slow();
+        }
         if !self.playing {
             return;
         }

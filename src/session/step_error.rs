@@ -11,8 +11,10 @@
 //! It is done in slices between the steps, in a small share of their time, and not at all where it would be too much
 //! work or nothing moves. What comes out follows from the state that it began from.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::stoppable::Stoppable;
 use crate::math::{Aabb, Vector};
 use crate::physics::{Plan, Scheme, Simulation, StepReport};
 
@@ -81,8 +83,8 @@ impl StepErrors {
         self.shown
     }
 
-    /// Goes on until then, from where a simulation is now if nothing is under way.
-    pub(super) fn go_on(&mut self, simulation: &Simulation<f32>, until: Instant) {
+    /// Goes on until then or until `stop` is set, from where a simulation is now if nothing is under way.
+    pub(super) fn go_on(&mut self, simulation: &Simulation<f32>, until: Instant, stop: &AtomicBool) {
         if self.running.is_none() {
             let is_due = self.next.is_none_or(|next| Instant::now() >= next);
             if !is_due || !simulation.state().is_between_steps() || !simulation.state().is_between_substeps() {
@@ -96,8 +98,9 @@ impl StepErrors {
         }
         while let Some(comparison) = &mut self.running
             && Instant::now() < until
+            && !stop.load(Ordering::Relaxed)
         {
-            if let Some(found) = comparison.substep() {
+            if let Some(found) = comparison.substep(stop) {
                 self.end(found);
             }
         }
@@ -138,15 +141,19 @@ impl Comparison {
         work
     }
 
-    /// Takes a substep of one of the copies. Says what came out when both have arrived.
-    fn substep(&mut self) -> Option<StepError> {
+    /// Takes a substep of one of the copies; one that is given up is taken at the next call. Says what came out when both
+    /// have arrived.
+    fn substep(&mut self, stop: &AtomicBool) -> Option<StepError> {
         let end_secs = self.from_secs + AHEAD_SECS - 1e-9;
         let has_arrived = |simulation: &Simulation<f32>, at_secs: f64| {
             simulation.state().is_between_substeps() && simulation.state().time_secs >= at_secs
         };
         let (simulation, is_last) =
             if has_arrived(&self.whole, end_secs) { (&mut self.halved, true) } else { (&mut self.whole, false) };
-        let report: StepReport = simulation.substep(&mut ());
+        let report: StepReport = simulation.substep(&mut Stoppable { timer: None, stop });
+        if report.stopped {
+            return None;
+        }
         let links: usize = simulation.model().link_counts().iter().sum();
         self.work += report.counters.link_forces + report.counters.implicit_work() * links as u64;
         self.touched |= report.last.contacts > 0;
@@ -231,7 +238,7 @@ mod tests {
         let simulation = Simulation::new(scene, &lattices(scene).expect("cubes"));
         let mut comparison = Comparison::new(&simulation, share);
         loop {
-            match comparison.substep() {
+            match comparison.substep(&AtomicBool::new(false)) {
                 None => {}
                 Some(StepError::Found(found)) => return Some(found),
                 Some(StepError::TooExpensive) => return None,
@@ -307,6 +314,22 @@ mod tests {
         assert_eq!(session.status().step_error, StepError::Unknown, "of another step");
         let StepError::Found(finer) = known(&mut session) else { panic!("{:?}", session.status().step_error) };
         assert!(finer.difference_m < found.difference_m, "half the step misses by less: {finer:?} after {found:?}");
+    }
+
+    #[test]
+    fn substeps_that_are_given_up_leave_no_trace_in_what_is_predicted() {
+        let scene = with(&scene("hanging"), Integrator::Implicit, 8e-3);
+        let simulation = Simulation::new(&scene, &lattices(&scene).expect("cubes"));
+        let mut comparison = Comparison::new(&simulation, 0.5);
+        let found = loop {
+            let before = [&comparison.whole, &comparison.halved].map(|of| of.hash());
+            assert_eq!(comparison.substep(&AtomicBool::new(true)), None, "it is given up");
+            assert_eq!([&comparison.whole, &comparison.halved].map(|of| of.hash()), before, "nothing has happened");
+            if let Some(found) = comparison.substep(&AtomicBool::new(false)) {
+                break found;
+            }
+        };
+        assert_eq!(Some(found), predicted(&scene, 0.5).map(StepError::Found), "the same to the bit");
     }
 
     #[test]

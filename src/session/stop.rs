@@ -1,5 +1,6 @@
 //! Stopping a substep that takes long, and telling before time runs that it would take forever.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
@@ -13,33 +14,41 @@ use crate::physics::StageTimer;
 /// Processor time spent at most on finding out whether a scene is too slow to watch.
 const LONGEST_LOOK: Duration = Duration::from_secs(1);
 
-/// Gives a substep up when it has taken too long.
-struct Patience(ThreadTime);
+/// Gives a substep up when it has taken too long or someone waits.
+struct Patience<'a> {
+    since: ThreadTime,
+    stop: &'a AtomicBool,
+}
 
-impl StageTimer for Patience {
+impl StageTimer for Patience<'_> {
     fn enter(&mut self, _: Stage) {}
     fn leave(&mut self) {}
     fn stops(&self) -> bool {
-        self.0.elapsed() >= LONGEST_LOOK
+        self.since.elapsed() >= LONGEST_LOOK || self.stop.load(Ordering::Relaxed)
     }
 }
 
 impl Session {
-    /// Lets time stand still, with the reason, where it would run slower than anyone can watch.
+    /// Lets time stand still, with the reason, where it would run slower than anyone can watch. When someone stops that,
+    /// it is found out before time goes on.
     pub fn hold_if_too_slow(&mut self) {
-        self.too_slow = too_slow(&self.simulation).unwrap_or_default();
+        self.too_slow = too_slow(&self.simulation, &self.stop).unwrap_or_default();
         self.playing &= self.too_slow.is_empty();
+        self.may_be_too_slow = self.stop.load(Ordering::Relaxed);
     }
 }
 
 /// What a person should know before time runs, where it is certain within [`LONGEST_LOOK`]. On a copy.
-fn too_slow(simulation: &Simulation<f32>) -> Option<String> {
+fn too_slow(simulation: &Simulation<f32>, stop: &AtomicBool) -> Option<String> {
     let mut copy = simulation.clone();
     let start_secs = copy.state().time_secs;
-    let mut patience = Patience(ThreadTime::now());
+    let mut patience = Patience { since: ThreadTime::now(), stop };
     loop {
         let report = copy.substep(&mut patience);
-        let elapsed_secs = patience.0.elapsed().as_secs_f64();
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        let elapsed_secs = patience.since.elapsed().as_secs_f64();
         let simulated_secs = copy.state().time_secs - start_secs;
         let fast_enough = simulated_secs >= SLOWEST * LONGEST_LOOK.as_secs_f64();
         if report.diverged || fast_enough {
@@ -68,6 +77,9 @@ mod tests {
     /// A stiff cube that falls on the ground: the implicit integrator has taken over.
     const STIFF: &str = "(version: 1, bodies: [(shape: cube(cells: 6), pose: (position: (0, 0.6, 0)), \
                          material: solid(young_modulus: 1e8))], obstacles: [(plane: ())])";
+
+    /// A cube in steps so short that nobody can wait for a second of its motion.
+    const SLOW: &str = "(version: 1, settings: (dt: 1e-6, stepping: manual), bodies: [(shape: cube(cells: 30))])";
 
     fn session(text: &str) -> Session {
         let scene = Scene::from_ron(text, "a.ron").expect("a scene");
@@ -150,9 +162,25 @@ mod tests {
     }
 
     #[test]
+    fn who_stops_the_look_at_a_slow_scene_does_not_wait_for_it_and_is_told_later() {
+        let mut slow = session(SLOW);
+        let stop = Arc::new(AtomicBool::new(true));
+        slow.set_stop(Arc::clone(&stop));
+        let before = ThreadTime::now();
+        slow.hold_if_too_slow();
+        assert!(before.elapsed() < LONGEST_LOOK / 5, "after {:?}", before.elapsed());
+        assert!(slow.is_playing(), "it is not known yet");
+        stop.store(false, Ordering::Relaxed);
+        slow.advance(Duration::from_millis(1), Duration::from_millis(1));
+        assert!(!slow.is_playing() && slow.status().message.contains("slower than a thousandth"), "now it is");
+        slow.handle(crate::session::Command::Play).expect("always possible");
+        slow.advance(Duration::from_millis(1), Duration::from_millis(1));
+        assert!(slow.is_playing(), "as asked for");
+    }
+
+    #[test]
     fn a_scene_that_nobody_can_watch_waits_for_play() {
-        let mut slow =
-            session("(version: 1, settings: (dt: 1e-6, stepping: manual), bodies: [(shape: cube(cells: 30))])");
+        let mut slow = session(SLOW);
         slow.hold_if_too_slow();
         let status = slow.status();
         assert!(!status.playing && status.message.contains("slower than a thousandth"), "{}", status.message);

@@ -4,9 +4,11 @@
 
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use super::cures::Cure;
+use super::stoppable::Stoppable;
 use crate::extract::overlay::inverted_cells;
 use crate::geometry::Lattice;
 use crate::physics::Arrival;
@@ -77,18 +79,26 @@ impl Trials {
         self.from.state().time_secs
     }
 
-    /// Goes on until then, or until all have been tried.
-    pub(super) fn go_on(&mut self, until: Option<Instant>) {
-        while !self.are_over() && until.is_none_or(|until| Instant::now() < until) {
+    /// Goes on until then, until all have been tried, or until `stop` is set.
+    pub(super) fn go_on(&mut self, until: Option<Instant>, stop: &AtomicBool) {
+        let goes_on = || until.is_none_or(|until| Instant::now() < until) && !stop.load(Ordering::Relaxed);
+        while !self.are_over() && goes_on() {
             match &mut self.running {
                 None => self.running = self.waiting.pop_front().and_then(|cure| self.begin(cure)),
                 Some(trial) => {
-                    if !trial.substep(self.from.state().time_secs) {
+                    if !trial.substep(self.from.state().time_secs, stop) {
                         self.end();
                     }
                 }
             }
         }
+    }
+
+    /// Tries the next substep of the cure under trial and gives it up. Says whether there was one.
+    #[cfg(test)]
+    pub(super) fn given_up(&mut self, stop: &AtomicBool) -> bool {
+        let begin_secs = self.began_at_secs();
+        self.running.as_mut().is_some_and(|trial| trial.substep(begin_secs, stop))
     }
 
     /// None where the change is not allowed.
@@ -127,12 +137,17 @@ impl Trials {
 }
 
 impl Trial {
-    /// Takes a substep of a motion that began at `begin_secs`, if it goes on. Says whether there is more to see.
-    fn substep(&mut self, begin_secs: f64) -> bool {
+    /// Takes a substep of a motion that began at `begin_secs`, if it goes on; one that is given up is taken at the next
+    /// call. Says whether there is more to see.
+    fn substep(&mut self, begin_secs: f64, stop: &AtomicBool) -> bool {
+        let mut timer = Stoppable { timer: None, stop };
         match &mut self.test {
-            Test::Stand(watch) => watch.substep(&mut self.simulation),
+            Test::Stand(watch) => watch.substep_unless(&mut self.simulation, &mut timer),
             Test::Heal { link_forces, diverged } => {
-                let report = self.simulation.substep(&mut ());
+                let report = self.simulation.substep(&mut timer);
+                if report.stopped {
+                    return true;
+                }
                 *link_forces += report.counters.link_forces;
                 *diverged = report.diverged;
                 let passed = self.simulation.state().time_secs - begin_secs;

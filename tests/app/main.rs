@@ -25,3 +25,4 @@ mod window_killed;
 mod window_places;
 mod window_speed;
 mod worker;
+mod worker_stop;

@@ -33,7 +33,7 @@ use super::disturb::Disturbance;
 use crate::geometry::Lattice;
 use crate::math::{FRAME_SECS, Real};
 use crate::physics::SOLVE_WORK;
-use crate::physics::{Simulation, StepReport};
+use crate::physics::{Simulation, StageTimer, StepReport};
 use crate::scene::Scene;
 
 /// Energies are means over so much simulated time, s, ...
@@ -58,6 +58,15 @@ pub struct Patience {
     pub seconds: f64,
     /// Link forces after which a scene is cut short.
     pub most_link_forces: u64,
+}
+
+/// What became of a substep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Advance {
+    Taken,
+    /// Nothing has happened in its last part.
+    GivenUp,
+    Diverged,
 }
 
 /// What was seen of a scene.
@@ -205,6 +214,11 @@ impl Watch {
 
     /// Takes one substep and looks at it. Says whether there is more to see.
     pub fn substep<R: Real>(&mut self, simulation: &mut Simulation<R>) -> bool {
+        self.substep_unless(simulation, &mut ())
+    }
+
+    /// The same, but a substep that `timer` gives up is taken at the next call, with the same outcome.
+    pub fn substep_unless<R: Real>(&mut self, simulation: &mut Simulation<R>, timer: &mut impl StageTimer) -> bool {
         if self.forces > self.patience.most_link_forces {
             self.verdict.cut_short = true;
             return false;
@@ -212,10 +226,13 @@ impl Watch {
         self.looks.clear();
         let substep = self.verdict.substeps;
         let begin_secs = simulation.state().time_secs;
-        let diverged = self.advance(simulation);
-        self.verdict.substeps = substep + 1;
+        let advance = self.advance(simulation, timer);
         self.verdict.simulated_secs += simulation.state().time_secs - begin_secs;
-        if diverged {
+        if advance == Advance::GivenUp {
+            return true;
+        }
+        self.verdict.substeps = substep + 1;
+        if advance == Advance::Diverged {
             self.condemn(Fault::NotFinite, format!("after {} s", self.verdict.simulated_secs));
             return false;
         }
@@ -248,18 +265,24 @@ impl Watch {
         self.verdict
     }
 
-    /// Takes a whole substep, in parts where it is halved. Says whether it diverged.
-    fn advance<R: Real>(&mut self, simulation: &mut Simulation<R>) -> bool {
+    /// Takes a whole substep, in parts where it is halved; what was given up leaves no trace.
+    fn advance<R: Real>(&mut self, simulation: &mut Simulation<R>, timer: &mut impl StageTimer) -> Advance {
         loop {
-            let report = simulation.substep(&mut ());
+            let report = simulation.substep(timer);
+            if report.stopped {
+                return Advance::GivenUp;
+            }
             self.taken.add(&report);
             self.forces += report.counters.link_forces + report.counters.iterations * self.links;
             for account in &mut self.bodies {
                 account.push(report.counters.fastest_surface_m_s, report.counters.obstacle_work_j);
             }
             let is_whole = simulation.state().is_between_substeps();
-            if report.diverged || is_whole || self.forces > self.patience.most_link_forces {
-                return report.diverged;
+            if report.diverged {
+                return Advance::Diverged;
+            }
+            if is_whole || self.forces > self.patience.most_link_forces {
+                return Advance::Taken;
             }
         }
     }
