@@ -79,7 +79,7 @@ pub use limits::{SAFETY, SceneLimits, Term};
 pub use model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, Stage};
 pub use model::{
     BodyModel, Carry, CellKind, ContactModel, ContactRule, FallLimit, Link, LinkConstants, LinkFamily, Model,
-    ObstacleModel, ObstacleShape, PlaneModel, Scheme, Values,
+    ObstacleModel, ObstacleShape, PlaneModel, RecoveryModel, Scheme, Values,
 };
 pub use observe::diagnostics::{Diagnostics, Energy};
 pub use observe::scalars::Quantity;

@@ -243,7 +243,7 @@ fn stuck() -> Simulation<f32> {
 fn only_slow_bodies_are_pulled_and_gain_what_a_few_cells_could_hold() {
     let mut simulation = stuck();
     let body = &simulation.model().bodies[0];
-    let a_cell = 3.0 * f64::from(body.recovery_stiffness);
+    let a_cell = 3.0 * f64::from(body.recovery.stiffness);
     let crushed = simulation.state().bodies[0].near_inversion.len() as f64;
     let mut before = simulation.state().clone();
     let pulled = simulation.diagnostics().energy.total();

@@ -56,6 +56,9 @@ pub(super) fn compile<R: Real>(
     }
     model.fall_limit = fallen::limit(&model);
     let plan = plan::plan(&scene.settings, &model);
+    for body in &mut model.bodies {
+        recovery::bear(body, &plan);
+    }
     (model, plan)
 }
 
@@ -116,8 +119,7 @@ fn compile_body<R: Real>(
         lattice: Arc::clone(lattice),
         size: R::from_f64(size),
         inverse_cell_size: R::from_f64(1.0 / lattice.grid.cell_size),
-        recovery_stiffness: R::from_f64(recovery_stiffness),
-        recovery_mass: R::from_f64(recovery_mass),
+        recovery: recovery::unlimited([recovery_stiffness, recovery_mass]),
         contacts: scene
             .obstacles
             .iter()

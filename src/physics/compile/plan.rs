@@ -56,7 +56,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         damped: Family::ALL.map(|family| model.bodies.iter().any(|body| body.links[family as usize].damping > R::ZERO)),
         spheres: model.obstacles.iter().any(|o| matches!(o.shape, ObstacleShape::Sphere { .. })),
         friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
-        recovery: model.bodies.iter().any(|body| body.recovery_stiffness > R::ZERO),
+        recovery: model.bodies.iter().any(|body| body.recovery.stiffness > R::ZERO),
         contact,
         contact_rule,
         pressing_force: true,

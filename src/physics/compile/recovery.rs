@@ -1,9 +1,45 @@
 //! How strongly cells resist inversion: the constants of [`crate::physics::forces::recovery`], from those of the links.
 
 use crate::geometry::{Family, Lattice};
+use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
-use crate::physics::model::CellKind;
+use crate::physics::model::plan::Plan;
+use crate::physics::model::{BodyModel, CellKind, RecoveryModel, Scheme};
 use crate::scene::Springs;
+
+/// The most of `κ dt²/(m h²)`: a person's own step may be larger than the push could bear.
+const STIFFEST: f64 = 0.6;
+
+/// The stiffness of the pull over that of the push, at most.
+const PULL_SHARE: f64 = 1.0;
+
+/// Cells of a stiffness (N·m) and a mass (kg) against inversion, whatever a substep bears: as they are where they are
+/// part of the equations that are solved, which give links as much resistance as flowing would.
+pub(super) fn unlimited<R: Real>([stiffness, mass]: [f64; 2]) -> RecoveryModel<R> {
+    let stiffness = R::from_f64(stiffness);
+    let pull = stiffness * R::from_f64(PULL_SHARE);
+    RecoveryModel { stiffness, mass: R::from_f64(mass), push: stiffness, pull, flow_secs: R::ZERO }
+}
+
+/// Limits push and pull of a body to what whole substeps of an explicit scheme bear.
+///
+/// With `x = κ dt²/(m h²)` for a stiffness κ of the push, links are 2 x of the limit, 4, at most, the push on cells whose
+/// neighbours are well less than as much, and a pull of stiffness p κ adds 4 p x.
+pub(super) fn bear<R: Real>(body: &mut BodyModel<R>, plan: &Plan) {
+    if plan.scheme == Scheme::Implicit {
+        return;
+    }
+    let RecoveryModel { stiffness, mass, .. } = body.recovery;
+    let dt = R::from_f64(plan.substep_secs());
+    let inverse = body.inverse_cell_size * dt;
+    let push = stiffness.min(R::from_f64(STIFFEST) * mass / (inverse * inverse));
+    let inverse = body.inverse_cell_size.to_f64() * plan.substep_secs();
+    let load = stiffness.to_f64() * inverse * inverse / mass.to_f64();
+    // RK4 bears twice as much: its limit is 8.
+    let limit = if plan.scheme == Scheme::Rk4 { 2.0 } else { 1.0 };
+    let pull = stiffness * R::from_f64((limit / load - 1.0).clamp(0.0, PULL_SHARE));
+    body.recovery = RecoveryModel { stiffness, mass, push, pull, flow_secs: dt };
+}
 
 /// A cell's stiffness against inversion, N·m, and the mass against it, kg, from the constants of links that are alike.
 ///

@@ -80,10 +80,8 @@ pub struct BodyModel<R: Real> {
     pub size: R,
     /// The inverse of its cells' size at rest, 1/m.
     pub inverse_cell_size: R,
-    /// How strongly a cell resists inversion, N·m; zero where recovery is off.
-    pub recovery_stiffness: R,
-    /// The mass that a particle of the lightest cell has against that push, kg.
-    pub recovery_mass: R,
+    /// How its cells resist inversion.
+    pub recovery: RecoveryModel<R>,
     /// How it meets each obstacle, in the obstacles' order.
     pub contacts: Vec<ContactModel<R>>,
 }
@@ -199,6 +197,22 @@ pub struct Link<R> {
     pub rest_length: R,
     /// Its inverse, 1/m: a division saved in every step.
     pub inverse_rest_length: R,
+}
+
+/// How the cells of a body resist inversion, in substeps of one length whatever parts these are taken in: parts could
+/// bear more, but a stiffness that changes from one to the next gives energy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RecoveryModel<R> {
+    /// The stiffness of a cell against inversion, N·m; zero where recovery is off.
+    pub stiffness: R,
+    /// The mass that a particle of the lightest cell has against that push, kg.
+    pub mass: R,
+    /// The stiffness of the push, N·m: as much of it as a substep bears.
+    pub push: R,
+    /// The stiffness of the pull on the cells of a body that is stuck, N·m: as much as a substep bears beside the push.
+    pub pull: R,
+    /// For how long soft links flow in a substep, s; not at all where they are part of the equations that are solved.
+    pub flow_secs: R,
 }
 
 /// An obstacle as the narrow phase sees it.

@@ -103,7 +103,6 @@ impl Diagnostics {
 /// one on time, and contact is found on the way.
 struct Ahead<'a, R: Real> {
     model: &'a Model<R>,
-    plan: &'a Plan,
     state: &'a State<R>,
     next: State<R>,
     contacts: Vec<ContactRecord<R>>,
@@ -134,7 +133,7 @@ impl<'a, R: Real> Ahead<'a, R> {
         let ending = substep(model, &way, part, inputs, &mut next, &mut scratch, &mut Recorder::new(timer));
         let share = schemes::share_to_center(state, &next);
         let is_on_time = is_on_time || ending == Ending::Diverged;
-        Self { model, plan, state, next, contacts: scratch.contact.contacts, is_on_time, share }
+        Self { model, state, next, contacts: scratch.contact.contacts, is_on_time, share }
     }
 
     fn centred_velocity(&self, particle: usize, asleep: bool) -> DVec3 {
@@ -143,7 +142,7 @@ impl<'a, R: Real> Ahead<'a, R> {
     }
 
     fn diagnostics(&self, bodies: Range<usize>) -> Diagnostics {
-        let Self { model, plan, state, ref contacts, .. } = *self;
+        let Self { model, state, ref contacts, .. } = *self;
         let mut sum = Diagnostics {
             energy: Energy::default(),
             mass_kg: 0.0,
@@ -178,7 +177,7 @@ impl<'a, R: Real> Ahead<'a, R> {
                 sum.max_speed = sum.max_speed.max(state.velocity[particle].to_dvec3().length());
             }
             sum.add_links(body, state);
-            sum.energy.recovery += recovery::energy(plan, body, memory, state);
+            sum.energy.recovery += recovery::energy(body, memory, state);
             sum.inverted_cells += inverted_cells(body, state);
         }
         if sum.mass_kg > 0.0 {

@@ -42,7 +42,7 @@ use soft_links::soften;
 use crate::math::Real;
 use crate::physics::forces::links::Configuration;
 use crate::physics::model::plan::Plan;
-use crate::physics::model::{BodyModel, Model, Scheme};
+use crate::physics::model::{BodyModel, Model};
 use crate::physics::report::Recorder;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
@@ -50,9 +50,6 @@ use crate::physics::stepping::looks;
 
 /// Cells below this signed volume are put on the list: what inverts between two looks has mostly been here before.
 pub(crate) const WATCH: f64 = 0.7;
-
-/// The most of `κ dt²/(m h²)`: a person's own step or an implicit one may be larger than the push could bear.
-const STIFFEST: f64 = 0.6;
 
 /// Whether all cells are looked at in this substep.
 pub(in crate::physics) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
@@ -70,7 +67,7 @@ pub(in crate::physics) fn look<R: Real>(
     let watch = R::from_f64(WATCH);
     for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
         memory.near_inversion.clear();
-        if body.recovery_stiffness <= R::ZERO {
+        if body.recovery.stiffness <= R::ZERO {
             pull::forget(memory);
             continue;
         }
@@ -90,23 +87,20 @@ pub(in crate::physics) fn look<R: Real>(
 
 /// Adds the push of the cells on the lists of the bodies, N.
 pub(in crate::physics) fn add_forces<R: Real>(
-    Substep { model, plan, state, .. }: Substep<'_, R>,
+    Substep { model, state, .. }: Substep<'_, R>,
     Configuration { position, velocity, .. }: Configuration<'_, R>,
     force: &mut [R::Vec3],
     scratch: &mut Scratch<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    // What the implicit integrator solves with resists as much. The others have links flow as in whole substeps however
-    // these are divided: with less, links that were crushed to a point stayed crushed.
-    let flow_secs = if plan.scheme == Scheme::Implicit { 0.0 } else { plan.substep_secs() };
     for (body, memory) in model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep) {
         let position = &position[body.particles.clone()];
         let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];
         recorder.counters.recovery_cells += memory.near_inversion.len() as u64;
-        soften(body, &memory.near_inversion, position, velocity, R::from_f64(flow_secs), scratch, force);
-        let stiffness = bearable_stiffness(plan, body) * body.inverse_cell_size;
-        let pull = memory.stuck.then(|| pull::bearable_stiffness(plan, body) * body.inverse_cell_size);
+        soften(body, &memory.near_inversion, position, velocity, scratch, force);
+        let stiffness = body.recovery.push * body.inverse_cell_size;
+        let pull = memory.stuck.then(|| body.recovery.pull * body.inverse_cell_size);
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
             let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
@@ -120,28 +114,12 @@ pub(in crate::physics) fn add_forces<R: Real>(
     }
 }
 
-/// The stiffness of a body's cells as far as a whole substep bears it, N·m: all of it where it is solved for. Parts of
-/// substeps could bear more, but a stiffness that changes from one to the next gives energy.
-fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
-    if plan.scheme == Scheme::Implicit {
-        return body.recovery_stiffness;
-    }
-    let dt = R::from_f64(plan.substep_secs());
-    let inverse = body.inverse_cell_size * dt;
-    body.recovery_stiffness.min(R::from_f64(STIFFEST) * body.recovery_mass / (inverse * inverse))
-}
-
 /// Energy of the push of a body's cells, J, and of the pull where it is stuck. The cap on far-stretched cells follows no
 /// potential: their share is the work that the present push would do.
-pub(in crate::physics) fn energy<R: Real>(
-    plan: &Plan,
-    body: &BodyModel<R>,
-    memory: &BodyMemory,
-    state: &State<R>,
-) -> f64 {
+pub(in crate::physics) fn energy<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, state: &State<R>) -> f64 {
     let position = &state.position[body.particles.clone()];
-    let stiffness = bearable_stiffness(plan, body).to_f64();
-    let pull = if memory.stuck { pull::bearable_stiffness(plan, body).to_f64() } else { 0.0 };
+    let stiffness = body.recovery.push.to_f64();
+    let pull = if memory.stuck { body.recovery.pull.to_f64() } else { 0.0 };
     let energy_of = |corners: &[u32; 8]| {
         let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
         let pulled = if pull > 0.0 { pull * pull::cell_energy(&edges) } else { 0.0 };

@@ -20,12 +20,7 @@ use crate::math::{Real, Vector};
 use crate::physics::forces::recovery::edges::MeanEdges;
 use crate::physics::forces::recovery::rotation::nearest_rotation;
 use crate::physics::model::BodyModel;
-use crate::physics::model::Scheme;
-use crate::physics::model::plan::Plan;
 use crate::physics::state::BodyMemory;
-
-/// The stiffness of the pull over that of the push, at most.
-const SHARE: f64 = 1.0;
 
 /// So far below the threshold the whole pull acts: it grows from nothing, so that no cell that comes or goes is given
 /// energy.
@@ -88,7 +83,7 @@ pub(super) fn forget(memory: &mut BodyMemory) {
 
 /// About how fast the push turns cells over, m/s.
 fn turning_speed<R: Real>(body: &BodyModel<R>) -> f64 {
-    (body.recovery_stiffness.to_f64() / body.recovery_mass.to_f64()).sqrt()
+    (body.recovery.stiffness.to_f64() / body.recovery.mass.to_f64()).sqrt()
 }
 
 /// How many times the mass of a particle of the lightest cells the ends of a link weigh in the mean, at least once. A
@@ -97,7 +92,7 @@ fn heaviness<R: Real>(body: &BodyModel<R>, [i, j]: [usize; 2]) -> R {
     if body.cell_kinds.is_none() {
         return R::ONE;
     }
-    ((body.mass(i) + body.mass(j)) / (body.recovery_mass * R::from_f64(6.0))).max(R::ONE)
+    ((body.mass(i) + body.mass(j)) / (body.recovery.mass * R::from_f64(6.0))).max(R::ONE)
 }
 
 /// Whether the links change their lengths slowly, however the body moves and turns as a whole.
@@ -120,21 +115,6 @@ fn is_slow<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], velocity: &[R::Ve
         count += R::ONE;
     }
     sum <= R::from_f64(SLOW * SLOW * speed * speed) * count
-}
-
-/// The stiffness of the pull as far as the substep bears it, N·m.
-///
-/// With `x = κ dt²/(m h²)` for a stiffness κ of the push, links are 2 x of the limit, 4, at most, the push on cells whose
-/// neighbours are well less than as much, and a pull of stiffness p κ adds 4 p x.
-pub(super) fn bearable_stiffness<R: Real>(plan: &Plan, body: &BodyModel<R>) -> R {
-    if plan.scheme == Scheme::Implicit {
-        return body.recovery_stiffness * R::from_f64(SHARE);
-    }
-    let inverse = body.inverse_cell_size.to_f64() * plan.substep_secs();
-    let load = body.recovery_stiffness.to_f64() * inverse * inverse / body.recovery_mass.to_f64();
-    // RK4 bears twice as much: its limit is 8.
-    let limit = if plan.scheme == Scheme::Rk4 { 2.0 } else { 1.0 };
-    body.recovery_stiffness * R::from_f64((limit / load - 1.0).clamp(0.0, SHARE))
 }
 
 /// The forces of the pull on the three mean edges of a cell for a stiffness over the cell size, N; none above the

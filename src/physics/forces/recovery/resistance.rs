@@ -3,11 +3,9 @@
 use glam::DVec3;
 
 use crate::math::{Real, Vector};
-use crate::physics::forces::recovery::bearable_stiffness;
 use crate::physics::forces::recovery::edges::{MeanEdges, mean_edges};
 use crate::physics::forces::recovery::pull;
 use crate::physics::model::BodyModel;
-use crate::physics::model::plan::Plan;
 use crate::physics::state::BodyMemory;
 
 /// What a cell that is pushed resists while it moves: its part of the equations of the implicit integrator.
@@ -54,15 +52,14 @@ fn quarters(edges: &[DVec3; 3], place: usize) -> DVec3 {
 
 /// The resistances of the cells on a body's list that are pushed. `position` is the body's own.
 pub(in crate::physics) fn resistances<R: Real>(
-    plan: &Plan,
     body: &BodyModel<R>,
     memory: &BodyMemory,
     position: &[R::Vec3],
 ) -> impl Iterator<Item = Resistance> {
-    let stiffness = bearable_stiffness(plan, body).to_f64();
+    let stiffness = body.recovery.push.to_f64();
     let inverse_cell_size = body.inverse_cell_size;
     let per_size = inverse_cell_size.to_f64();
-    let pull = if memory.stuck { pull::bearable_stiffness(plan, body).to_f64() * per_size * per_size } else { 0.0 };
+    let pull = if memory.stuck { body.recovery.pull.to_f64() * per_size * per_size } else { 0.0 };
     memory.near_inversion.iter().filter_map(move |&cell| {
         let corners = body.lattice.cells[cell as usize];
         let edges = MeanEdges::of(position, &corners, inverse_cell_size);
@@ -78,14 +75,13 @@ pub(in crate::physics) fn resistances<R: Real>(
 /// What the pushed cells of a body have of energy past the work of their forces, J, when its particles, that had one
 /// velocity, go on with another (m/s) for `dt` (s): see [`crate::physics::schemes::implicit::balance`].
 pub(in crate::physics) fn energy_past_work<R: Real>(
-    plan: &Plan,
     body: &BodyModel<R>,
     memory: &BodyMemory,
     [position, velocity, path]: [&[R::Vec3]; 3],
     dt: R,
 ) -> f64 {
-    let stiffness = bearable_stiffness(plan, body);
-    let pull = memory.stuck.then(|| pull::bearable_stiffness(plan, body));
+    let stiffness = body.recovery.push;
+    let pull = memory.stuck.then_some(body.recovery.pull);
     let energy_of = |edges: &MeanEdges<R>| {
         let pulled = pull.map_or(0.0, |pull| pull::cell_energy(edges) * pull.to_f64());
         edges.energy() * stiffness.to_f64() + pulled

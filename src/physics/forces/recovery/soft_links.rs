@@ -60,13 +60,13 @@ impl<R: Real> Scratch<R> {
 
 /// Takes from the links between particles of crushed cells most of their elastic force and lets them flow instead: the
 /// links of a mirrored cell would hold it in its mirror image, and springs that are only weakened would give back more
-/// than they took when they strengthen again. They flow as in substeps of `flow_secs`.
+/// than they took when they strengthen again. They flow as in whole
+/// substeps, however these are divided: with less, links that were crushed to a point stayed crushed.
 pub(super) fn soften<R: Real>(
     body: &BodyModel<R>,
     cells: &[u32],
     position: &[R::Vec3],
     velocity: &[R::Vec3],
-    flow_secs: R,
     scratch: &mut Scratch<R>,
     force: &mut [R::Vec3],
 ) {
@@ -95,7 +95,7 @@ pub(super) fn soften<R: Real>(
         }
     }
     for family in &body.links {
-        let flow = family.stiffness * flow_secs * R::from_f64(FLOW);
+        let flow = family.stiffness * body.recovery.flow_secs * R::from_f64(FLOW);
         for link in family.links.iter() {
             let [i, j] = link.ends.map(|end| end as usize);
             let softness = softness[i].min(softness[j]);
@@ -120,7 +120,7 @@ fn is_calm<R: Real>(body: &BodyModel<R>, velocity: &[R::Vec3]) -> bool {
         let past = *v - mean;
         sum + body.mass(local).to_f64() * past.dot(past).to_f64()
     });
-    0.5 * twice < CALM * count * body.recovery_stiffness.to_f64()
+    0.5 * twice < CALM * count * body.recovery.stiffness.to_f64()
 }
 
 /// The share of their elastic force that links between inverted cells' particles lose: it grows with how far structural

@@ -64,7 +64,7 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     end: End<'_, R>,
     stops: &dyn Fn() -> bool,
 ) -> bool {
-    let Substep { model, plan, state, dt, grab, .. } = substep;
+    let Substep { model, state, dt, grab, .. } = substep;
     let End { velocity, force, contacts } = end;
     let body = &model.bodies[number];
     let [first, after] = [body.particles.start, body.particles.end]
@@ -76,7 +76,7 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     let pulled =
         grab.filter(|grab| grab.body == number).map_or(0.0, |grab| work_of(grab, body, dt.to_f64(), state, velocity));
     let own = [&state.position[..], &state.velocity, velocity].map(|of| &of[body.particles.clone()]);
-    let unfolded = recovery::energy_past_work(plan, body, &state.bodies[number], own, dt);
+    let unfolded = recovery::energy_past_work(body, &state.bodies[number], own, dt);
     let from_nowhere = gained + of_links(substep, body, velocity, stops) + unfolded + stored - carried - pulled;
     let bearable = ROUNDING * kinetic + UNSOLVED * turned_over.min(there);
     // What is no number is no balance either.

@@ -41,7 +41,7 @@ impl<R: Real> System<'_, R> {
             bonds.push(Bond { ends: [i, j], across: R::from_f64(across), along });
         });
         self.room.resistances.clear();
-        self.room.resistances.extend(recovery::resistances(plan, self.body, memory, position));
+        self.room.resistances.extend(recovery::resistances(self.body, memory, position));
         let Room { resistances, inverse_diagonal, .. } = &mut *self.room;
         for resistance in resistances {
             resistance.for_each_diagonal(|corner, diagonal| inverse_diagonal[corner] += dt * dt * diagonal);
