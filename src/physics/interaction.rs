@@ -28,8 +28,7 @@ impl<R: Real> Grab<R> {
 
     /// Damping of the pull, N·s/m.
     pub(super) fn damping(&self, body: &BodyModel<R>) -> R {
-        let mass = (0..body.particles.len()).fold(R::ZERO, |sum, local| sum + body.mass(local));
-        (self.stiffness * mass).sqrt()
+        (self.stiffness * body.total_mass()).sqrt()
     }
 
     /// The point pulled at, m.
@@ -46,10 +45,8 @@ pub(super) fn pull<R: Real>(model: &Model<R>, dt: R, grab: &Grab<R>, position: &
         if body.is_pinned(local) { R::ZERO } else { body.inverse_mass(local) }
     };
     let inverse_mass = grab.weights.iter().fold(R::ZERO, |sum, &(particle, w)| sum + w * w * mobility(particle));
-    let mass = body.particle_mass * R::from_f64(body.particles.len() as f64);
-    let damping = (grab.stiffness * mass).sqrt();
     let speed = grab.point(velocity);
-    let resistance = dt * (dt * grab.stiffness + damping);
+    let resistance = dt * (dt * grab.stiffness + grab.damping(body));
     let pulling = (grab.target - grab.point(position)) * (dt * grab.stiffness) - speed * resistance;
     let impulse = pulling * (R::ONE / (R::ONE + resistance * inverse_mass));
     for &(particle, weight) in &grab.weights {

@@ -99,6 +99,11 @@ impl<R: Real> BodyModel<R> {
         self.masses.of(particle)
     }
 
+    /// Mass of all of it, kg.
+    pub fn total_mass(&self) -> R {
+        self.particle_mass * R::from_f64(self.particles.len() as f64)
+    }
+
     /// Mass of the lightest particle, kg.
     pub fn lightest_mass(&self) -> R {
         match &self.masses {
