@@ -114,21 +114,6 @@ pub fn newtons_per_metre(body: &BodyModel<f32>, gravity: Vec3) -> f32 {
     weight / libm::powf(count, 2.0 / 3.0) / (ARROW * body.size)
 }
 
-/// The cells of a simulation that are turned inside out at a corner at least.
-pub fn inverted_cells(simulation: &Simulation<f32>) -> usize {
-    let position = &simulation.state().position;
-    let is_inverted = |body: &BodyModel<f32>, cell: &[u32; 8]| {
-        let corners = cell.map(|particle| position[body.particles.start + particle as usize]);
-        (0..8_usize).any(|corner| {
-            let edge = |bit: usize| corners[corner ^ bit] - corners[corner];
-            let volume = edge(1).cross(edge(2)).dot(edge(4));
-            (if corner.count_ones() % 2 == 1 { -volume } else { volume }) < 0.0
-        })
-    };
-    let of_body = |body: &BodyModel<f32>| body.lattice.cells.iter().filter(|cell| is_inverted(body, cell)).count();
-    simulation.model().bodies.iter().map(of_body).sum()
-}
-
 /// The draw list's name for a body of the scene; `None` where it is hidden or not there.
 pub fn selected_body(bodies: &[Body], index: usize) -> Option<Selected> {
     bodies.get(index).filter(|body| !body.hidden)?;

@@ -110,20 +110,6 @@ fn boxes_fit_their_bodies_and_are_strong_where_they_meet() {
 }
 
 #[test]
-fn a_cell_turned_inside_out_is_counted_and_a_turned_one_is_not() {
-    let (_, mut simulation) = cube(1.0);
-    let change = |simulation: &mut Simulation<f32>, change: &dyn Fn(Vec3) -> Vec3| {
-        let mut state = simulation.state().clone();
-        state.position.iter_mut().for_each(|place| *place = change(*place));
-        simulation.set_state(state);
-        inverted_cells(simulation)
-    };
-    assert_eq!(change(&mut simulation, &|place| place), 0, "at rest");
-    assert_eq!(change(&mut simulation, &|place| Vec3::new(-place.x, place.y, -place.z)), 0, "half a turn");
-    assert_eq!(change(&mut simulation, &|place| place * Vec3::new(-1.0, 1.0, 1.0)), 8, "a mirror image");
-}
-
-#[test]
 fn a_pull_begins_where_it_was_grabbed() {
     let mut overlay = Overlay::default();
     add_grab(&mut overlay, Vec3::X, Vec3::Y);

@@ -13,6 +13,7 @@ use super::state::{BodyMemory, State};
 use super::step::{self, Ending, Inputs, Scratch};
 use super::stepping::{Division, Part};
 use crate::math::Real;
+use crate::physics::forces::recovery;
 use crate::physics::model::plan::Plan;
 use crate::physics::observe::diagnostics::Diagnostics;
 use crate::physics::state::hash::state_hash;
@@ -293,6 +294,12 @@ impl<R: Real> Simulation<R> {
     /// The same of every body by itself.
     pub fn diagnostics_of_each(&self) -> Vec<Diagnostics> {
         Diagnostics::of_each(&self.model, &self.plan, &self.state)
+    }
+
+    /// Cells that are turned inside out, as [`Diagnostics::inverted_cells`] counts them.
+    pub fn inverted_cells(&self) -> usize {
+        let position = &self.state.position;
+        self.model.bodies.iter().map(|body| recovery::inverted_cells(body, &position[body.particles.clone()])).sum()
     }
 
     /// Where obstacles are now, in their order: on their way to their places in the model, if they were moved.

@@ -52,7 +52,7 @@ impl Session {
     /// Looks for cells that are turned inside out, where nothing turns them back.
     pub(super) fn find_inversion(&mut self) {
         let left_broken = !self.scene.settings.inversion_recovery;
-        self.inverted_cells = if left_broken { extract::overlay::inverted_cells(&self.simulation) } else { 0 };
+        self.inverted_cells = if left_broken { self.simulation.inverted_cells() } else { 0 };
         if self.trouble.is_some() {
             return;
         }

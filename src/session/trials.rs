@@ -9,7 +9,6 @@ use std::time::Instant;
 
 use super::cures::Cure;
 use super::stoppable::Stoppable;
-use crate::extract::overlay::inverted_cells;
 use crate::geometry::Lattice;
 use crate::physics::Arrival;
 use crate::physics::Simulation;
@@ -128,7 +127,7 @@ impl Trials {
                 let verdict = watch.verdict();
                 verdict.fault.is_none() && (!verdict.cut_short || verdict.simulated_secs >= LEAST_SECS)
             }
-            Test::Heal { diverged, .. } => !diverged && inverted_cells(&simulation) < inverted_cells(&self.from),
+            Test::Heal { diverged, .. } => !diverged && simulation.inverted_cells() < self.from.inverted_cells(),
         };
         if helps {
             self.holds.push(cure);

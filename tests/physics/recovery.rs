@@ -374,3 +374,17 @@ fn a_state_taken_in_the_middle_goes_on_alike() {
     run(&mut other, 0.1);
     assert_eq!(simulation.hash(), other.hash(), "the list of cells is part of the state");
 }
+
+#[test]
+fn a_cell_turned_inside_out_is_counted_and_a_turned_one_is_not() {
+    let mut simulation = simulate::<f64>(&falling(cube(2, 1.0, springs(60.0, 0.1, 0.008), [0.0; 3])));
+    let mut counted = |change: DVec3| {
+        let mut state = simulation.state().clone();
+        state.position.iter_mut().for_each(|place| *place *= change);
+        simulation.set_state(state);
+        [simulation.inverted_cells(), simulation.diagnostics().inverted_cells]
+    };
+    assert_eq!(counted(DVec3::ONE), [0, 0], "at rest");
+    assert_eq!(counted(DVec3::new(-1.0, 1.0, -1.0)), [0, 0], "half a turn");
+    assert_eq!(counted(DVec3::new(-1.0, 1.0, 1.0)), [8, 8], "a mirror image");
+}

@@ -178,7 +178,7 @@ impl<'a, R: Real> Ahead<'a, R> {
             }
             sum.add_links(body, state);
             sum.energy.recovery += recovery::energy(body, memory, state);
-            sum.inverted_cells += inverted_cells(body, state);
+            sum.inverted_cells += recovery::inverted_cells(body, &state.position[body.particles.clone()]);
         }
         if sum.mass_kg > 0.0 {
             sum.center /= sum.mass_kg;
@@ -194,12 +194,6 @@ impl<'a, R: Real> Ahead<'a, R> {
         sum.finite &= sum.energy.total().is_finite() && sum.momentum.is_finite() && sum.center.is_finite();
         sum
     }
-}
-
-/// Cells whose mean edges along the three axes span no positive volume.
-fn inverted_cells<R: Real>(body: &BodyModel<R>, state: &State<R>) -> usize {
-    let position = &state.position[body.particles.clone()];
-    body.lattice.cells.iter().filter(|cell| recovery::volume(body, position, cell) <= 0.0).count()
 }
 
 /// Mean magnitude of the link forces on every particle of the scene, and their sum, N.

@@ -11,6 +11,11 @@ pub(super) const DEEPEST: f64 = 2.0;
 /// The share of the push that is left while a cell is on its way back.
 pub(super) const RETURNED: f64 = 0.5;
 
+/// Whether a cell of this signed volume is inverted.
+pub(super) fn is_inverted(volume: f64) -> bool {
+    volume <= 0.0
+}
+
 /// The differences of some quantity along a cell's three axes, the mean of the four edges each.
 #[inline]
 pub(super) fn mean_edges<R: Real>(of: &[R::Vec3], corners: &[u32; 8], scale: R) -> [R::Vec3; 3] {

@@ -36,7 +36,7 @@ mod soft_links;
 pub(in crate::physics) use resistance::{Resistance, energy_past_work, resistances};
 pub(in crate::physics) use soft_links::Scratch;
 
-use edges::{MeanEdges, mean_edges, spread};
+use edges::{MeanEdges, is_inverted, mean_edges, spread};
 use soft_links::soften;
 
 use crate::math::Real;
@@ -128,7 +128,9 @@ pub(in crate::physics) fn energy<R: Real>(body: &BodyModel<R>, memory: &BodyMemo
     body.lattice.cells.iter().map(energy_of).sum()
 }
 
-/// The signed volume of a cell over that at rest; not above zero where it is inverted.
-pub(in crate::physics) fn volume<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], corners: &[u32; 8]) -> f64 {
-    MeanEdges::of(position, corners, body.inverse_cell_size).volume().to_f64()
+/// How many cells of a body are inverted: their mean edges along the three axes span no positive volume. `position` is
+/// the body's own.
+pub(in crate::physics) fn inverted_cells<R: Real>(body: &BodyModel<R>, position: &[R::Vec3]) -> usize {
+    let volume = |corners: &[u32; 8]| MeanEdges::of(position, corners, body.inverse_cell_size).volume().to_f64();
+    body.lattice.cells.iter().filter(|corners| is_inverted(volume(corners))).count()
 }

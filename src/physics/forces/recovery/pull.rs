@@ -15,7 +15,7 @@
 //! must first be so slow for a while that its motion is nothing to the energy of a single cell. From then on the pull
 //! acts, however the body moves, until none of its cells is crushed; W is nothing then.
 
-use super::edges::{DEEPEST, RETURNED, THRESHOLD};
+use super::edges::{DEEPEST, RETURNED, THRESHOLD, is_inverted};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery::edges::MeanEdges;
 use crate::physics::forces::recovery::rotation::nearest_rotation;
@@ -63,7 +63,7 @@ pub(super) fn judge<R: Real>(
         return;
     }
     // A cell that trembles about no volume is inverted half of the time.
-    if smallest > 0.0 {
+    if !is_inverted(smallest) {
         return;
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a time of at least one, saturating")]
