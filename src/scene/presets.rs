@@ -3,10 +3,9 @@
 use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin, UpAxis};
 use super::material::{Material, Solid, Spring, Springs};
 use super::obstacle::{Obstacle, ObstacleShape, Plane, Sphere};
-use super::param::{self, Kind};
 use super::settings::Stepping;
 use super::view_settings::{CameraSettings, ViewSettings};
-use super::{Scene, builtin};
+use super::{Family, MaterialValue, Scene, builtin};
 
 /// The preset that opens when none is asked for.
 pub const DEFAULT: &str = "cube-on-plane";
@@ -246,22 +245,15 @@ pub fn jelly(cell_size: f64) -> Material {
     let ratio = cell_size / (1.0 / 9.0);
     let (area, volume) = (DENSER * ratio * ratio, DENSER * ratio * ratio * ratio);
     // Cells of a millimetre or of ten metres have no such material: they get the nearest one that there is.
-    let within = |name: &str, value: f64| {
-        let path = format!("bodies.0.material.springs.{name}");
-        match param::find(&path).map(|param| param.kind) {
-            Some(Kind::Number { min, max }) => value.clamp(min, max),
-            _ => value,
-        }
-    };
-    let spring = |of: Spring| Spring {
-        stiffness: within("structural.stiffness", of.stiffness * area),
-        damping: within("structural.damping", of.damping * volume),
+    let spring = |family: Family| Spring {
+        stiffness: MaterialValue::Stiffness(family).in_range(default.family(family).stiffness * area),
+        damping: MaterialValue::Damping(family).in_range(default.family(family).damping * volume),
     };
     Material::Springs(Springs {
-        structural: spring(default.structural),
-        shear: spring(default.shear),
-        bending: spring(default.bending),
-        particle_mass: within("particle_mass", default.particle_mass * volume),
+        structural: spring(Family::Structural),
+        shear: spring(Family::Shear),
+        bending: spring(Family::Bending),
+        particle_mass: MaterialValue::ParticleMass.in_range(default.particle_mass * volume),
     })
 }
 

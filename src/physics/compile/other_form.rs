@@ -1,10 +1,10 @@
 //! A material in its other form, so that a person who switches between springs and solid keeps the body they had.
 
-use crate::geometry::Lattice;
+use crate::geometry::{Family, Lattice};
 use crate::math::Aabb;
 use crate::physics::compile::assembly::{MODULUS_OVER_SHEAR, STRUCTURAL_OVER_SHEAR, solid_cell};
 use crate::scene::material::{Solid, Spring};
-use crate::scene::{Material, Springs, param};
+use crate::scene::{Material, MaterialValue, Springs};
 
 /// The same body in the other form: of a solid the constants that its links have inside it, of springs the isotropic
 /// solid that comes nearest to them. What would be outside a parameter's range ends at it.
@@ -21,33 +21,29 @@ pub fn other_form(material: &Material, lattice: &Lattice) -> Material {
                 0.5 * (of(&springs.shear) + along / STRUCTURAL_OVER_SHEAR)
             };
             let (stiffness, damping) = (mean(|spring| spring.stiffness), mean(|spring| spring.damping));
-            let young_modulus = in_range("solid.young_modulus", MODULUS_OVER_SHEAR * stiffness / (h * h));
-            let density = in_range("solid.density", springs.particle_mass * particles / (cells * h * h * h));
+            let young_modulus = MaterialValue::YoungModulus.in_range(MODULUS_OVER_SHEAR * stiffness / (h * h));
+            let density = MaterialValue::Density.in_range(springs.particle_mass * particles / (cells * h * h * h));
             let slowest = std::f64::consts::PI / size * (young_modulus / density).sqrt();
             let ratio = if stiffness > 0.0 { 0.5 * damping / stiffness * slowest } else { 0.0 };
-            Material::Solid(Solid { young_modulus, density, damping_ratio: in_range("solid.damping_ratio", ratio) })
+            Material::Solid(Solid {
+                young_modulus,
+                density,
+                damping_ratio: MaterialValue::DampingRatio.in_range(ratio),
+            })
         }
         Material::Solid(solid) => {
             let kind = solid_cell(solid, lattice, size);
-            let spring = |family: usize, name: &str| Spring {
-                stiffness: in_range(&format!("springs.{name}.stiffness"), kind.stiffness[family]),
-                damping: in_range(&format!("springs.{name}.damping"), kind.damping[family]),
+            let spring = |family: Family| Spring {
+                stiffness: MaterialValue::Stiffness(family).in_range(kind.stiffness[family as usize]),
+                damping: MaterialValue::Damping(family).in_range(kind.damping[family as usize]),
             };
             Material::Springs(Springs {
-                structural: spring(0, "structural"),
-                shear: spring(1, "shear"),
+                structural: spring(Family::Structural),
+                shear: spring(Family::Shear),
                 bending: Spring { stiffness: 0.0, damping: 0.0 },
-                particle_mass: in_range("springs.particle_mass", kind.mass * cells / particles),
+                particle_mass: MaterialValue::ParticleMass.in_range(kind.mass * cells / particles),
             })
         }
-    }
-}
-
-/// The nearest value that a parameter of a material allows.
-pub(super) fn in_range(name: &str, value: f64) -> f64 {
-    match param::find(&format!("bodies.0.material.{name}")).map(|param| param.kind) {
-        Some(param::Kind::Number { min, max }) => value.clamp(min, max),
-        _ => value,
     }
 }
 
@@ -55,6 +51,7 @@ pub(super) fn in_range(name: &str, value: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::geometry::voxel::Cells;
+    use crate::scene::param;
 
     fn lattice() -> Lattice {
         Lattice::new(&Cells::cube(4, 0.25).expect("a small cube"))

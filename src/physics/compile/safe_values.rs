@@ -17,7 +17,7 @@ use crate::scene::body::Inlay;
 use crate::scene::material::{Solid, Spring};
 use crate::scene::obstacle::ContactStiffness;
 use crate::scene::settings::{ContactRule, Integrator};
-use crate::scene::{Body, Material, Scene, Springs};
+use crate::scene::{Body, Material, MaterialValue, Scene, Springs};
 
 /// Steps of a bisection: enough for any range of values to a millionth.
 const HALVINGS: usize = 60;
@@ -60,8 +60,8 @@ impl LoadShare {
 /// How far one value of a body's material may go.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SafeValue {
-    /// The value's path below the body: `material.springs.shear.stiffness`.
-    pub path: String,
+    /// The value.
+    pub value: MaterialValue,
     /// The bound in the value's unit; absent where every value is safe. Zero where no value is: the others have to
     /// change first; for a smallest value infinity.
     pub bound: Option<f64>,
@@ -175,18 +175,18 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load]) -> Vec<SafeVal
             if has_links[family as usize] { load } else { 0.0 }
         })
     };
+    let [of_stiffness, of_damping]: [fn(&LoadShare) -> f64; 2] = [|share| share.stiffness, |share| share.damping];
     let mut bounds = Vec::new();
     for family in Family::ALL {
-        for name in ["stiffness", "damping"] {
-            let constants = springs.family(family);
+        let constants = springs.family(family);
+        let stiffness = (MaterialValue::Stiffness(family), constants.stiffness, of_stiffness);
+        let damping = (MaterialValue::Damping(family), constants.damping, of_damping);
+        for (value, now, factor) in [stiffness, damping] {
             let bound = |load: &Load| {
                 let (share, limit) = (&load.links, load.limit());
-                let (value, factor) = match name {
-                    "stiffness" => (constants.stiffness, share.stiffness * scale),
-                    _ => (constants.damping, share.damping * scale),
-                };
+                let factor = factor(share) * scale;
                 let mut rest = loads(share);
-                rest[family as usize] -= factor * value;
+                rest[family as usize] -= factor * now;
                 if factor > 0.0 {
                     largest_share(waves, rest, family, limit) / factor
                 } else if largest(&waves.tensors, rest) > limit {
@@ -197,8 +197,7 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load]) -> Vec<SafeVal
             };
             let bound = all.iter().map(bound).fold(f64::INFINITY, f64::min);
             let bound = (has_links[family as usize] && bound < f64::INFINITY).then_some(bound);
-            let path = format!("material.springs.{}.{name}", family.name());
-            bounds.push(SafeValue { path, bound, is_smallest: false });
+            bounds.push(SafeValue { value, bound, is_smallest: false });
         }
     }
     // How many times the mass there must be at least.
@@ -208,8 +207,8 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load]) -> Vec<SafeVal
         by_following.max((links + load.of_given()) / LATTICE_LIMIT)
     };
     let mass = springs.particle_mass * all.iter().map(least).fold(0.0, f64::max);
-    let path = "material.springs.particle_mass".to_owned();
-    bounds.push(SafeValue { path, bound: (mass > 0.0).then_some(mass), is_smallest: true });
+    let bound = (mass > 0.0).then_some(mass);
+    bounds.push(SafeValue { value: MaterialValue::ParticleMass, bound, is_smallest: true });
     bounds
 }
 
@@ -297,15 +296,11 @@ fn of_solid(solid: &Solid, inlays: &[Inlay], lattice: &Lattice, all: &[Load]) ->
         }
     }
     [
-        ("young_modulus", solid.young_modulus * times, false),
-        ("density", solid.density / times_lighter, true),
-        ("damping_ratio", damping_ratio, false),
+        (MaterialValue::YoungModulus, solid.young_modulus * times, false),
+        (MaterialValue::Density, solid.density / times_lighter, true),
+        (MaterialValue::DampingRatio, damping_ratio, false),
     ]
-    .map(|(name, bound, is_smallest)| SafeValue {
-        path: format!("material.solid.{name}"),
-        bound: Some(bound),
-        is_smallest,
-    })
+    .map(|(value, bound, is_smallest)| SafeValue { value, bound: Some(bound), is_smallest })
     .into()
 }
 
@@ -367,7 +362,7 @@ mod tests {
     fn room(scene: &Scene, safe: &SafeValue, bound: f64, excess: f64) -> Option<f64> {
         let mut changed = scene.clone();
         let value = if safe.is_smallest { bound / excess } else { bound * excess };
-        path::set(&mut changed, &format!("bodies.0.{}", safe.path), &format!("{value:e}")).ok()?;
+        path::set(&mut changed, &format!("bodies.0.{}", safe.value.path()), &format!("{value:e}")).ok()?;
         let simulation = Simulation::<f64>::new(&changed, &[lattice(&changed)]);
         simulation.plan().limits.dt_safe_secs().map(|safe| safe / scene.settings.dt)
     }
@@ -463,7 +458,7 @@ mod tests {
         let mut scene = scene(&[("material.springs.structural.stiffness", "1e8".to_owned())]);
         scene.settings.dt = 3e-4;
         let bounds = bounds(&scene);
-        let of = |end: &str| bounds.iter().find(|safe| safe.path.ends_with(end)).and_then(|safe| safe.bound);
+        let of = |end: &str| bounds.iter().find(|safe| safe.value.path().ends_with(end)).and_then(|safe| safe.bound);
         assert_eq!(of("shear.stiffness"), Some(0.0), "no shear stiffness is small enough");
         assert!(of("structural.stiffness").is_some_and(|bound| bound > 1.0), "the guilty one can be taken back");
         assert!(of("particle_mass").is_some_and(|mass| mass > 1.0), "or the particles made heavier");
@@ -472,6 +467,6 @@ mod tests {
     #[test]
     fn a_family_without_links_has_no_bound() {
         let bounds = bounds(&scene(&[("shape.cube.cells", "1".to_owned())]));
-        assert!(bounds.iter().all(|safe| safe.path.contains("bending") == safe.bound.is_none()), "{bounds:?}");
+        assert!(bounds.iter().all(|safe| safe.value.path().contains("bending") == safe.bound.is_none()), "{bounds:?}");
     }
 }

@@ -12,14 +12,13 @@
 //! solid all links scale together, and the axes are those of its structural ones.
 
 use super::assembly::solid_cell;
-use super::other_form::in_range;
 use super::safe_values::{StepSettings, host_size, inlay_loads, largest_share, waves};
 use crate::geometry::{Family, Lattice};
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::limits::{LATTICE_LIMIT, LoadShare, largest, load_shares};
 use crate::physics::model::Scheme;
 use crate::scene::material::{Solid, Spring};
-use crate::scene::{Body, Material, Springs};
+use crate::scene::{Body, Material, MaterialValue, Springs};
 
 /// A place in the plane, or a step along its axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,18 +90,17 @@ impl StabilityPlane {
     pub fn material_at(&self, at: Place) -> Material {
         match &self.values {
             Values::Springs { springs, family, per_value, .. } => {
-                let name = |what: &str| format!("springs.{}.{what}", family.name());
-                let value = |what: &str, value: f64| in_range(&name(what), value / per_value);
-                let (stiffness, damping) = (value("stiffness", at.stiffness), value("damping", at.damping));
+                let stiffness = MaterialValue::Stiffness(*family).in_range(at.stiffness / per_value);
+                let damping = MaterialValue::Damping(*family).in_range(at.damping / per_value);
                 let mut springs = *springs;
                 *springs.family_mut(*family) = Spring { stiffness, damping };
                 Material::Springs(springs)
             }
             Values::Solid { solid, place, critical_damping, .. } => {
                 let times = at.stiffness / place.stiffness;
-                let young_modulus = in_range("solid.young_modulus", solid.young_modulus * times);
+                let young_modulus = MaterialValue::YoungModulus.in_range(solid.young_modulus * times);
                 let ratio = at.damping / (critical_damping * (young_modulus / solid.young_modulus).sqrt());
-                let damping_ratio = in_range("solid.damping_ratio", ratio);
+                let damping_ratio = MaterialValue::DampingRatio.in_range(ratio);
                 Material::Solid(Solid { young_modulus, damping_ratio, ..*solid })
             }
         }

@@ -126,7 +126,7 @@ impl Safe<'_> {
     /// blame, whose track shows it.
     fn bound(self, path: &str) -> Option<Bound> {
         let own = path.splitn(3, '.').nth(2)?;
-        let safe = self.of.iter().find(|safe| safe.path == own)?;
+        let safe = self.of.iter().find(|safe| safe.value.path() == own)?;
         let Some(param::Kind::Number { min, max }) = param::find(path).map(|param| param.kind) else { return None };
         let bound = safe.bound?;
         if safe.is_smallest {
