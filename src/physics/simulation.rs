@@ -86,7 +86,7 @@ impl<R: Real> Simulation<R> {
         self.state.fit_scheme(&self.plan);
         self.state.time_secs = before.state.time_secs;
         // Verlet begins anew, as the accelerations it remembers are not taken over.
-        if self.state.acceleration.is_empty() && before.state.acceleration.is_empty() {
+        if self.state.acceleration.is_none() && before.state.acceleration.is_none() {
             self.state.velocity_lag_secs = before.state.velocity_lag_secs;
             self.state.fit_scheme(&self.plan);
         }

@@ -112,14 +112,15 @@ impl Session {
             u64::from(state.substep),
             state.time_secs.to_bits(),
             state.velocity_lag_secs.to_bits(),
-            state.acceleration.len() as u64,
+            state.acceleration.as_ref().map_or(0, Vec::len) as u64,
             u64::from(state.held_steps),
             state.part,
             u64::from(state.halvings),
             state.work,
         ];
         bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
-        for vectors in [&state.position, &state.position_residual, &state.velocity, &state.acceleration] {
+        let vectors = [&state.position, &state.position_residual, &state.velocity];
+        for vectors in vectors.into_iter().chain(&state.acceleration) {
             bytes.extend(vectors.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes));
         }
         bytes.extend(state.side.iter().flatten().flat_map(|side| side.to_le_bytes()));

@@ -99,7 +99,7 @@ impl<'a> Reader<'a> {
             position,
             position_residual,
             velocity,
-            acceleration,
+            acceleration: (accelerated > 0).then_some(acceleration),
             velocity_lag_secs: counts.velocity_lag_secs,
             held_steps: counts.held_steps,
             side,

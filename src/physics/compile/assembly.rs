@@ -73,24 +73,28 @@ pub(in crate::physics) fn solid_cell(solid: &Solid, lattice: &Lattice, size: f64
     }
 }
 
-/// The kinds of the cells of a solid with inlays, and of which kind each cell is; none where all are of the first.
+/// The kinds of the cells of a solid with inlays, and the place among them of each cell's.
 pub(in crate::physics) fn solid_cells(
     solid: &Solid,
     inlays: &[Inlay],
     lattice: &Lattice,
     size: f64,
     rest: &[DVec3],
-) -> (Vec<CellKind>, Vec<u8>) {
+) -> (Vec<CellKind>, Values<u8>) {
     let mut kinds = vec![solid_cell(solid, lattice, size)];
-    let mut kind_of_cell = Vec::new();
+    let mut kind_of_cell = Values::Uniform(0);
     for inlay in inlays.iter().take(MAX_INLAYS) {
         let number = u8::try_from(kinds.len()).unwrap_or(0);
         let mut is_used = false;
         for (cell, corners) in lattice.cells.iter().enumerate() {
             let middle = 0.5 * (rest[corners[0] as usize] + rest[corners[7] as usize]);
             if (middle.cmpge(DVec3::from(inlay.min)) & middle.cmple(DVec3::from(inlay.max))).all() {
-                kind_of_cell.resize(lattice.cells.len(), 0);
-                kind_of_cell[cell] = number;
+                if let Values::Uniform(first) = kind_of_cell {
+                    kind_of_cell = Values::Each(vec![first; lattice.cells.len()]);
+                }
+                if let Values::Each(kinds) = &mut kind_of_cell {
+                    kinds[cell] = number;
+                }
                 is_used = true;
             }
         }
@@ -101,15 +105,15 @@ pub(in crate::physics) fn solid_cells(
     (kinds, kind_of_cell)
 }
 
-/// Sums the shares of the cells. `measured` are the lattice's links; `kind_of_cell` holds a place in `kinds` for every cell of the lattice; empty: all are
-/// of the first kind.
+/// Sums the shares of the cells. `measured` are the lattice's links; `kind_of_cell` holds a place in `kinds` for every
+/// cell of the lattice.
 pub(in crate::physics) fn by_cell<R: Real>(
     kinds: &[CellKind],
-    kind_of_cell: &[u8],
+    kind_of_cell: &Values<u8>,
     lattice: &Lattice,
     measured: [Arc<[Link<R>]>; 3],
 ) -> Assembled<R> {
-    let kind_of = |cell: u32| kind_of_cell.get(cell as usize).copied().unwrap_or(0);
+    let kind_of = |cell: u32| kind_of_cell.of(cell as usize);
     let around = cells_around(lattice);
     let mut masses = vec![0.0; lattice.corners.len()];
     for (mass, around) in masses.iter_mut().zip(&around) {
@@ -241,7 +245,7 @@ mod tests {
     const HARD: CellKind = CellKind { stiffness: [40.0, 20.0], damping: [4.0, 2.0], mass: 80.0 };
 
     /// Two cells side by side along x.
-    fn pair(kind_of_cell: &[u8]) -> (Lattice, Assembled<f64>) {
+    fn pair(kind_of_cell: &Values<u8>) -> (Lattice, Assembled<f64>) {
         let lattice = Lattice::new(&Cells::from_list(&[[0, 0, 0], [1, 0, 0]], 1.0).expect("two cells"));
         let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
         let assembled = by_cell(&[SOFT, HARD], kind_of_cell, &lattice, measured(&lattice, &rest));
@@ -258,7 +262,7 @@ mod tests {
 
     #[test]
     fn every_cell_gives_its_links_a_share_and_its_corners_an_eighth() {
-        let (lattice, Assembled { masses, links: [edges, diagonals, bending], .. }) = pair(&[]);
+        let (lattice, Assembled { masses, links: [edges, diagonals, bending], .. }) = pair(&Values::Uniform(0));
         assert_eq!(constant(&lattice, &edges, [0, 0, 0], [1, 0, 0]), [1.0, 0.1], "a lonely edge has a quarter");
         assert_eq!(constant(&lattice, &edges, [1, 0, 0], [1, 1, 0]), [2.0, 0.2], "an edge of two cells has half");
         assert_eq!(constant(&lattice, &diagonals, [0, 0, 0], [1, 1, 0]), [1.0, 0.1], "half on a surface");
@@ -275,7 +279,7 @@ mod tests {
 
     #[test]
     fn a_body_may_be_of_two_materials() {
-        let (lattice, Assembled { masses, links: [edges, diagonals, _], .. }) = pair(&[0, 1]);
+        let (lattice, Assembled { masses, links: [edges, diagonals, _], .. }) = pair(&Values::Each(vec![0, 1]));
         assert_eq!(constant(&lattice, &edges, [0, 0, 0], [1, 0, 0]), [1.0, 0.1], "the soft cell's own edge");
         assert_eq!(constant(&lattice, &edges, [1, 0, 0], [2, 0, 0]), [10.0, 1.0], "the hard cell's own edge");
         assert_eq!(constant(&lattice, &edges, [1, 0, 0], [1, 1, 0])[0], 11.0, "a quarter of each between them");

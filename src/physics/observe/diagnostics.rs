@@ -152,8 +152,9 @@ impl<'a, R: Real> Ahead<'a, R> {
             max_speed: 0.0,
             max_strain: 0.0,
             inverted_cells: 0,
-            finite: [&state.position, &state.position_residual, &state.velocity, &state.acceleration]
+            finite: [&state.position, &state.position_residual, &state.velocity]
                 .into_iter()
+                .chain(&state.acceleration)
                 .flatten()
                 .all(|v| v.is_finite())
                 && state.time_secs.is_finite()

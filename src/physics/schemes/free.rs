@@ -13,11 +13,11 @@ use crate::physics::state::BodyMemory;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::substep::Substep;
 
-/// Room for what a scheme works out between two states; empty where a scheme needs none.
+/// Room for what a scheme works out between two states; of no length where a scheme needs none.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct Scratch<R: Real> {
-    /// Mean velocity over the substep, m/s: what moves the particles where that is not the velocity at its end.
-    pub(in crate::physics) path: Vec<R::Vec3>,
+    /// Mean velocity over the substep, m/s, with schemes that move particles by it rather than by that at its end.
+    pub(in crate::physics) path: Option<Vec<R::Vec3>>,
     /// The velocities that were predicted, m/s, before contact changed them.
     pub(super) predicted: Vec<R::Vec3>,
     /// The velocities that contact left, m/s.
@@ -38,7 +38,7 @@ impl<R: Real> Scratch<R> {
         let room = |needed: bool| vec![R::Vec3::ZERO; if needed { model.particle_count() } else { 0 }];
         let has_stages = matches!(plan.scheme, Scheme::Rk2 | Scheme::Rk4);
         Self {
-            path: room(moves_by_mean(plan.scheme)),
+            path: moves_by_mean(plan.scheme).then(|| room(true)),
             predicted: room(moves_by_mean(plan.scheme)),
             settled: room(moves_by_mean(plan.scheme)),
             position: room(has_stages),
@@ -52,7 +52,7 @@ impl<R: Real> Scratch<R> {
 impl<R: Real> Scratch<R> {
     /// The velocities that move particles, given those at the end of the substep.
     pub(in crate::physics) fn moving<'a>(&'a self, velocity: &'a [R::Vec3]) -> &'a [R::Vec3] {
-        if self.path.is_empty() { velocity } else { &self.path }
+        self.path.as_deref().unwrap_or(velocity)
     }
 }
 

@@ -78,9 +78,12 @@ impl<R: Real> Free<'_, R> {
         match self.substep.scheme {
             Scheme::Rk2 => rk2::refine(self, velocity, recorder),
             Scheme::Rk4 => rk4::refine(self, velocity, recorder),
-            _ => self.scratch.path.copy_from_slice(&self.substep.state.velocity),
+            _ => {}
         }
-        let Scratch { path, predicted, settled, .. } = self.scratch;
+        let Scratch { path: Some(path), predicted, settled, .. } = self.scratch else { return };
+        if self.substep.scheme == Scheme::Explicit {
+            path.copy_from_slice(&self.substep.state.velocity);
+        }
         for (particle, settled) in settled.iter().enumerate() {
             if *settled != predicted[particle] {
                 velocity[particle] = *settled;

@@ -9,7 +9,9 @@ use crate::physics::report::Recorder;
 pub(super) fn refine<R: Real>(free: &mut Free<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
     free.first_stage();
     free.next_stage(free.substep.dt * R::from_f64(0.5), recorder);
-    free.scratch.path.copy_from_slice(&free.scratch.velocity);
+    if let Some(path) = &mut free.scratch.path {
+        path.copy_from_slice(&free.scratch.velocity);
+    }
     velocity.copy_from_slice(&free.substep.state.velocity);
     kick(free.substep.model, &free.substep.state.bodies, free.substep.dt, &free.scratch.force, velocity);
 }

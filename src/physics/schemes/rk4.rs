@@ -11,7 +11,9 @@ use crate::physics::report::Recorder;
 /// Four evaluations. The shares are summed on the way.
 pub(super) fn refine<R: Real>(free: &mut Free<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
     free.first_stage();
-    free.scratch.path.fill(R::Vec3::default());
+    if let Some(path) = &mut free.scratch.path {
+        path.fill(R::Vec3::default());
+    }
     velocity.copy_from_slice(&free.substep.state.velocity);
     add_share(free, 1.0 / 6.0, velocity);
     for (ahead, share) in [(0.5, 1.0 / 3.0), (0.5, 1.0 / 3.0), (1.0, 1.0 / 6.0)] {
@@ -22,7 +24,7 @@ pub(super) fn refine<R: Real>(free: &mut Free<'_, R>, velocity: &mut [R::Vec3], 
 
 fn add_share<R: Real>(free: &mut Free<'_, R>, share: f64, velocity: &mut [R::Vec3]) {
     let share = R::from_f64(share);
-    for (path, stage) in free.scratch.path.iter_mut().zip(&free.scratch.velocity) {
+    for (path, stage) in free.scratch.path.iter_mut().flatten().zip(&free.scratch.velocity) {
         *path += *stage * share;
     }
     kick(free.substep.model, &free.substep.state.bodies, free.substep.dt * share, &free.scratch.force, velocity);

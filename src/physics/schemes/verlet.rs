@@ -9,6 +9,7 @@
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
 use crate::physics::state::State;
+use crate::physics::state::sleep::awake;
 
 /// How long the velocity is kicked by the present forces, s: `v½ = v₋½ + dt a`, or half of it from a velocity that is
 /// not behind.
@@ -19,8 +20,9 @@ pub(super) fn kicked_for<R: Real>(dt: R, state: &State<R>) -> R {
 /// The velocity at the position's time, as far as the last acceleration tells.
 pub(super) fn predicted_velocity<'a, R: Real>(state: &State<R>, predicted: &'a mut [R::Vec3]) -> &'a [R::Vec3] {
     let lag = lag(state);
-    for (particle, predicted) in predicted.iter_mut().enumerate() {
-        *predicted = state.velocity[particle] + state.acceleration[particle] * lag;
+    predicted.copy_from_slice(&state.velocity);
+    for (predicted, acceleration) in predicted.iter_mut().zip(state.acceleration.iter().flatten()) {
+        *predicted += *acceleration * lag;
     }
     predicted
 }
@@ -33,20 +35,18 @@ pub(super) fn remember<R: Real>(
     held_force: Option<&[R::Vec3]>,
     state: &mut State<R>,
 ) {
-    for (number, body) in model.bodies.iter().enumerate() {
-        if state.bodies[number].asleep {
-            continue;
-        }
+    state.velocity_lag_secs = 0.5 * dt.to_f64();
+    let Some(acceleration) = &mut state.acceleration else { return };
+    for body in awake(model, &state.bodies) {
         for (local, particle) in body.particles.clone().enumerate() {
             let held = held_force.map_or(R::Vec3::ZERO, |held| held[particle]);
-            state.acceleration[particle] = if body.is_pinned(local) {
+            acceleration[particle] = if body.is_pinned(local) {
                 R::Vec3::ZERO
             } else {
                 (force[particle] - held) * (R::ONE / body.mass(local))
             };
         }
     }
-    state.velocity_lag_secs = 0.5 * dt.to_f64();
 }
 
 fn lag<R: Real>(state: &State<R>) -> R {

@@ -25,9 +25,9 @@ pub struct State<R: Real> {
     /// m/s; half a step behind the position's time with semi-implicit Euler, [`State::velocity_lag_secs`] behind it with
     /// Verlet.
     pub velocity: Vec<R::Vec3>,
-    /// Acceleration of the last substep without contact, m/s²: with it Verlet predicts the velocity of the damping. Empty
+    /// Acceleration of the last substep without contact, m/s²: with it Verlet predicts the velocity of the damping. None
     /// with other schemes.
-    pub acceleration: Vec<R::Vec3>,
+    pub acceleration: Option<Vec<R::Vec3>>,
     /// How far the velocity is behind the position's time, s: nothing at the start, then half a substep with Verlet and
     /// semi-implicit Euler.
     pub velocity_lag_secs: f64,
@@ -124,7 +124,7 @@ impl<R: Real> State<R> {
             position: Vec::with_capacity(count),
             position_residual: vec![R::Vec3::ZERO; count],
             velocity: Vec::with_capacity(count),
-            acceleration: Vec::new(),
+            acceleration: None,
             velocity_lag_secs: 0.0,
             side: Vec::new(),
             anchor: Vec::new(),
@@ -167,9 +167,9 @@ impl<R: Real> State<R> {
         if !matches!(plan.scheme, Scheme::Verlet | Scheme::SemiImplicit) {
             self.velocity_lag_secs = 0.0;
         }
-        let count = if plan.scheme == Scheme::Verlet { self.position.len() } else { 0 };
-        if self.acceleration.len() != count {
-            self.acceleration = vec![R::Vec3::ZERO; count];
+        let predicts = plan.scheme == Scheme::Verlet;
+        if self.acceleration.is_some() != predicts {
+            self.acceleration = predicts.then(|| vec![R::Vec3::ZERO; self.position.len()]);
             self.velocity_lag_secs = 0.0;
         }
     }

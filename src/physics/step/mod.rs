@@ -269,8 +269,9 @@ fn predicted_velocities<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>
         recorder.enter(Stage::Integrate);
     }
     free.refine(velocity, recorder);
-    let path = &mut scratch.scheme.path;
-    if meets_implicitly(begun.plan) && !path.is_empty() {
+    if let Some(path) = &mut scratch.scheme.path
+        && meets_implicitly(begun.plan)
+    {
         contact::respond_to_paths(begun, &mut scratch.velocity, path, &mut scratch.contact, recorder);
         recorder.enter(Stage::Integrate);
     }
