@@ -8,7 +8,7 @@ use crate::physics::model::Model;
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::report::Recorder;
-use crate::physics::schemes::implicit::system::Room;
+use crate::physics::schemes::implicit::system::ImplicitWorkspace;
 use crate::physics::state::BodyMemory;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::substep::Substep;
@@ -29,7 +29,7 @@ pub(in crate::physics) struct Scratch<R: Real> {
     /// Forces there, N.
     pub(super) force: Vec<R::Vec3>,
     /// Of the implicit scheme.
-    pub(super) room: Room<R>,
+    pub(super) implicit: ImplicitWorkspace<R>,
 }
 
 impl<R: Real> Scratch<R> {
@@ -44,7 +44,10 @@ impl<R: Real> Scratch<R> {
             position: room(has_stages),
             velocity: room(has_stages || plan.scheme == Scheme::Verlet),
             force: room(has_stages),
-            room: if plan.scheme == Scheme::Implicit { Room::new(model) } else { Room::default() },
+            implicit: match plan.scheme {
+                Scheme::Implicit => ImplicitWorkspace::new(model),
+                _ => ImplicitWorkspace::default(),
+            },
         }
     }
 }

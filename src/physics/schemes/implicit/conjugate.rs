@@ -3,7 +3,7 @@
 use crate::physics::model::Values;
 use glam::{DMat3, DVec3};
 
-use super::system::{Room, System};
+use super::system::{ImplicitWorkspace, System};
 use crate::math::Real;
 
 /// Iterations of one solve: some ten times those a stiff body of 20 cells an edge takes.
@@ -22,32 +22,33 @@ impl<R: Real> System<'_, R> {
     pub(super) fn start(&mut self) -> f64 {
         let count = self.body.particles.len();
         self.find_residual(false);
-        self.room.inverse_blocks.clear();
+        self.workspace.inverse_blocks.clear();
         let known = self.scale_residual();
-        let moving = (0..count)
-            .fold(0.0, |sum, local| sum + self.body.mass(local).to_f64() * self.room.velocity[local].length_squared());
+        let moving = (0..count).fold(0.0, |sum, local| {
+            sum + self.body.mass(local).to_f64() * self.workspace.velocity[local].length_squared()
+        });
         if self.touches.is_empty() && self.body.pinned == Values::Uniform(false) {
             let (sum, mass) = (0..count).fold((DVec3::ZERO, 0.0), |(sum, mass), local| {
-                (sum + self.room.residual[local], mass + self.body.mass(local).to_f64())
+                (sum + self.workspace.residual[local], mass + self.body.mass(local).to_f64())
             });
-            for velocity in &mut self.room.velocity[..count] {
+            for velocity in &mut self.workspace.velocity[..count] {
                 *velocity += sum / mass;
             }
         }
         for touch in &mut *self.touches {
-            touch.hold_against(1.0 / self.room.inverse_diagonal[touch.particle - self.body.particles.start]);
+            touch.hold_against(1.0 / self.workspace.inverse_diagonal[touch.particle - self.body.particles.start]);
         }
         (moving.min(known) * TOLERANCE * TOLERANCE).max(known * FINEST_TOLERANCE * FINEST_TOLERANCE)
     }
 
     /// What the equations miss of being fulfilled.
     fn find_residual(&mut self, touched: bool) {
-        let mut product = std::mem::take(&mut self.room.product);
-        self.times(&self.room.velocity, &mut product);
-        self.room.product = product;
-        let Room { residual, known, product, velocity, .. } = &mut *self.room;
+        let mut product = std::mem::take(&mut self.workspace.product);
+        self.times(&self.workspace.velocity, &mut product);
+        self.workspace.product = product;
+        let ImplicitWorkspace { residual, right_hand_side, product, velocity, .. } = &mut *self.workspace;
         for (local, residual) in residual[..self.body.particles.len()].iter_mut().enumerate() {
-            *residual = known[local] - product[local];
+            *residual = right_hand_side[local] - product[local];
         }
         if touched {
             for touch in &*self.touches {
@@ -63,24 +64,24 @@ impl<R: Real> System<'_, R> {
         let count = self.body.particles.len();
         self.find_residual(true);
         self.precondition();
-        self.room.before[..count].copy_from_slice(&self.room.velocity[..count]);
-        self.room.residual_before[..count].copy_from_slice(&self.room.residual[..count]);
+        self.workspace.before[..count].copy_from_slice(&self.workspace.velocity[..count]);
+        self.workspace.residual_before[..count].copy_from_slice(&self.workspace.residual[..count]);
         let mut missed = self.scale_residual();
-        let mut size = dot(&self.room.residual[..count], &self.room.scaled[..count]);
-        self.room.search[..count].copy_from_slice(&self.room.scaled[..count]);
+        let mut size = dot(&self.workspace.residual[..count], &self.workspace.scaled[..count]);
+        self.workspace.search[..count].copy_from_slice(&self.workspace.scaled[..count]);
         let mut iterations = 0;
         while iterations < MOST_ITERATIONS && missed > enough {
             if stops() {
                 break;
             }
-            let mut product = std::mem::take(&mut self.room.product);
-            self.times(&self.room.search, &mut product);
+            let mut product = std::mem::take(&mut self.workspace.product);
+            self.times(&self.workspace.search, &mut product);
             for touch in &*self.touches {
                 let local = touch.particle - self.body.particles.start;
-                product[local] += *touch.matrix() * self.room.search[local];
+                product[local] += *touch.matrix() * self.workspace.search[local];
             }
-            self.room.product = product;
-            let Room { search, product, velocity, residual, .. } = &mut *self.room;
+            self.workspace.product = product;
+            let ImplicitWorkspace { search, product, velocity, residual, .. } = &mut *self.workspace;
             let curvature = dot(&search[..count], &product[..count]);
             if curvature.is_nan() || curvature <= 0.0 {
                 break;
@@ -91,9 +92,9 @@ impl<R: Real> System<'_, R> {
                 residual[local] -= product[local] * length;
             }
             missed = self.scale_residual();
-            let smaller = dot(&self.room.residual[..count], &self.room.scaled[..count]);
+            let smaller = dot(&self.workspace.residual[..count], &self.workspace.scaled[..count]);
             let keep = smaller / size;
-            let Room { search, scaled, .. } = &mut *self.room;
+            let ImplicitWorkspace { search, scaled, .. } = &mut *self.workspace;
             for (search, scaled) in search[..count].iter_mut().zip(&scaled[..count]) {
                 *search = *scaled + *search * keep;
             }
@@ -105,7 +106,7 @@ impl<R: Real> System<'_, R> {
 
     /// The inverse blocks of touched particles.
     fn precondition(&mut self) {
-        let Room { inverse_blocks, inverse_diagonal, .. } = &mut *self.room;
+        let ImplicitWorkspace { inverse_blocks, inverse_diagonal, .. } = &mut *self.workspace;
         inverse_blocks.clear();
         for own in self.touches.chunk_by(|a, b| a.particle == b.particle) {
             let diagonal = 1.0 / inverse_diagonal[own[0].particle - self.body.particles.start];
@@ -118,7 +119,7 @@ impl<R: Real> System<'_, R> {
     /// The residual over the diagonal. Returns its size in that norm: over the diagonal without touches, or what is held
     /// would hardly count.
     fn scale_residual(&mut self) -> f64 {
-        let Room { residual, scaled, inverse_diagonal, inverse_blocks, .. } = &mut *self.room;
+        let ImplicitWorkspace { residual, scaled, inverse_diagonal, inverse_blocks, .. } = &mut *self.workspace;
         let mut sum = 0.0;
         for local in 0..self.body.particles.len() {
             if self.body.is_pinned(local) {

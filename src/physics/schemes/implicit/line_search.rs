@@ -11,7 +11,7 @@
 //! sends a light particle off at 1e10 m/s, and what it meets there gives worse guesses still (line search of a globalized
 //! Newton's method: Nocedal and Wright, "Numerical Optimization", 2006, 3.5).
 
-use super::system::{Room, System};
+use super::system::{ImplicitWorkspace, System};
 use crate::math::Real;
 use crate::physics::schemes::implicit::conjugate::dot;
 
@@ -28,7 +28,7 @@ impl<R: Real> System<'_, R> {
         if self.touches.is_empty() {
             return true;
         }
-        let Room { before, velocity, residual_before, residual, search, .. } = &mut *self.room;
+        let ImplicitWorkspace { before, velocity, residual_before, residual, search, .. } = &mut *self.workspace;
         let count = self.body.particles.len();
         let first = self.body.particles.start;
         for (way, (after, before)) in search[..count].iter_mut().zip(velocity[..count].iter().zip(before.iter())) {

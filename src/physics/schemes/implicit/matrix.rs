@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::system::{Bond, Room, System};
+use super::system::{ImplicitWorkspace, LinkBlock, System};
 use crate::math::{Real, Vector};
 use crate::physics::forces::links::for_each_bond;
 use crate::physics::forces::recovery;
@@ -20,14 +20,14 @@ impl<R: Real> System<'_, R> {
         stops: &dyn Fn() -> bool,
     ) {
         let dt = self.dt;
-        let Room { bonds, known, inverse_diagonal, velocity: now, .. } = &mut *self.room;
+        let ImplicitWorkspace { blocks, right_hand_side, inverse_diagonal, velocity: now, .. } = &mut *self.workspace;
         for (local, force) in force.iter().enumerate() {
             let mass = self.body.mass(local).to_f64();
             now[local] = velocity[local].to_dvec3();
-            known[local] = now[local] * mass + force.to_dvec3() * dt;
+            right_hand_side[local] = now[local] * mass + force.to_dvec3() * dt;
             inverse_diagonal[local] = mass;
         }
-        bonds.clear();
+        blocks.clear();
         for_each_bond(self.body, plan.families, position, stops, |[i, j], bond| {
             let stiff = dt * dt * bond.stiffness.to_f64();
             let across = stiff * bond.slack.to_f64();
@@ -38,11 +38,11 @@ impl<R: Real> System<'_, R> {
             inverse_diagonal[i as usize] += diagonal;
             inverse_diagonal[j as usize] += diagonal;
             let along = R::Vec3::from_dvec3(direction * along.sqrt());
-            bonds.push(Bond { ends: [i, j], across: R::from_f64(across), along });
+            blocks.push(LinkBlock { ends: [i, j], across: R::from_f64(across), along });
         });
-        self.room.resistances.clear();
-        self.room.resistances.extend(recovery::resistances(self.body, memory, position));
-        let Room { resistances, inverse_diagonal, .. } = &mut *self.room;
+        self.workspace.resistances.clear();
+        self.workspace.resistances.extend(recovery::resistances(self.body, memory, position));
+        let ImplicitWorkspace { resistances, inverse_diagonal, .. } = &mut *self.workspace;
         for resistance in resistances {
             resistance.for_each_diagonal(|corner, diagonal| inverse_diagonal[corner] += dt * dt * diagonal);
         }
@@ -52,11 +52,11 @@ impl<R: Real> System<'_, R> {
             let resistance = self.grab_resistance(grab);
             for &(particle, weight) in &grab.weights {
                 let (local, weight) = (particle - first, weight.to_f64());
-                self.room.known[local] += away * (dt * grab.stiffness.to_f64() * weight);
-                self.room.inverse_diagonal[local] += resistance * weight * weight;
+                self.workspace.right_hand_side[local] += away * (dt * grab.stiffness.to_f64() * weight);
+                self.workspace.inverse_diagonal[local] += resistance * weight * weight;
             }
         }
-        for diagonal in &mut self.room.inverse_diagonal[..self.body.particles.len()] {
+        for diagonal in &mut self.workspace.inverse_diagonal[..self.body.particles.len()] {
             *diagonal = 1.0 / *diagonal;
         }
     }
@@ -70,13 +70,13 @@ impl<R: Real> System<'_, R> {
         for (local, of) in of[..self.body.particles.len()].iter().enumerate() {
             product[local] = *of * self.body.mass(local).to_f64();
         }
-        for bond in &self.room.bonds {
-            let [i, j] = bond.ends.map(|end| end as usize);
-            let part = bond.times(of[i] - of[j]);
+        for block in &self.workspace.blocks {
+            let [i, j] = block.ends.map(|end| end as usize);
+            let part = block.times(of[i] - of[j]);
             product[i] += part;
             product[j] -= part;
         }
-        for resistance in &self.room.resistances {
+        for resistance in &self.workspace.resistances {
             resistance.add_product(self.dt * self.dt, of, product);
         }
         if let Some(grab) = self.grab {

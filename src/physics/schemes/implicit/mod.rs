@@ -21,7 +21,7 @@ pub(super) mod system;
 
 use glam::{DMat3, DVec3};
 
-use self::system::{Bond, System};
+use self::system::{LinkBlock, System};
 use crate::geometry::LatticeCounts;
 use crate::math::{Real, Vector};
 use crate::physics::contact::Touch;
@@ -36,11 +36,11 @@ const ROUNDS: usize = 16;
 /// The last of these, which end with what is safe whatever the others have come to.
 const CAREFUL_ROUNDS: usize = 2;
 
-/// What the room takes in single precision where a body is the largest, bytes.
+/// What the workspace takes in single precision where a body is the largest, bytes.
 pub(in crate::physics) fn bytes(body: &LatticeCounts) -> usize {
     let vectors = 8 * size_of::<DVec3>() + size_of::<f64>();
     let of_surface = size_of::<DMat3>() + size_of::<Resistance>();
-    body.all_links() * size_of::<Bond<f32>>() + body.particles * vectors + body.surface * of_surface
+    body.all_links() * size_of::<LinkBlock<f32>>() + body.particles * vectors + body.surface * of_surface
 }
 
 /// Writes the velocities at the end of the substep.
@@ -51,7 +51,7 @@ pub(super) fn solve<R: Real>(
     recorder: &mut Recorder<'_>,
 ) {
     let Free { substep: Substep { model, plan, dt, state, grab, .. }, force, .. } = *free;
-    let room = &mut free.scratch.room;
+    let workspace = &mut free.scratch.implicit;
     let mut touches = touches;
     for (number, body) in model.bodies.iter().enumerate() {
         // Nothing touches what sleeps.
@@ -63,7 +63,7 @@ pub(super) fn solve<R: Real>(
         touches = others;
         let range = body.particles.clone();
         let grab = grab.filter(|grab| grab.body == number);
-        let mut system = System { body, dt: dt.to_f64(), grab, touches: own, room };
+        let mut system = System { body, dt: dt.to_f64(), grab, touches: own, workspace };
         let own = [&state.position[..], &state.velocity, force].map(|of| &of[range.clone()]);
         system.assemble(plan, &state.bodies[number], own, &|| recorder.stops());
         let enough = system.start();
@@ -89,7 +89,7 @@ impl<R: Real> System<'_, R> {
         let mut again = false;
         for touch in &mut *self.touches {
             let local = touch.particle - self.body.particles.start;
-            again |= touch.reconsider(self.room.velocity[local], carefully);
+            again |= touch.reconsider(self.workspace.velocity[local], carefully);
         }
         again
     }
@@ -97,7 +97,7 @@ impl<R: Real> System<'_, R> {
     fn finish(&self, velocity: &mut [R::Vec3]) {
         for (local, velocity) in velocity.iter_mut().enumerate() {
             let pinned = self.body.is_pinned(local);
-            *velocity = if pinned { R::Vec3::ZERO } else { R::Vec3::from_dvec3(self.room.velocity[local]) };
+            *velocity = if pinned { R::Vec3::ZERO } else { R::Vec3::from_dvec3(self.workspace.velocity[local]) };
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The equations of one body, and the room they are solved in.
+//! The equations of one body, and the workspace that they are solved in.
 
 use glam::{DMat3, DVec3};
 
@@ -8,16 +8,16 @@ use crate::physics::forces::recovery::Resistance;
 use crate::physics::interaction::Grab;
 use crate::physics::model::{BodyModel, Model};
 
-/// A link in the matrix: `across I + along alongᵀ` between its ends. In the precision of the state: reading these is
-/// what an iteration takes longest for, and the matrix may be a little off as long as it is the same throughout.
+/// A link's block of the matrix: `across I + along alongᵀ` between its ends. In the precision of the state: reading these
+/// is what an iteration takes longest for, and the matrix may be a little off as long as it is the same throughout.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bond<R: Real> {
+pub(super) struct LinkBlock<R: Real> {
     pub(super) ends: [u32; 2],
     pub(super) across: R,
     pub(super) along: R::Vec3,
 }
 
-impl<R: Real> Bond<R> {
+impl<R: Real> LinkBlock<R> {
     #[inline]
     pub(super) fn times(&self, v: DVec3) -> DVec3 {
         let along = self.along.to_dvec3();
@@ -25,16 +25,16 @@ impl<R: Real> Bond<R> {
     }
 }
 
-/// Room for the largest body.
+/// What the equations of the largest body are solved in.
 #[derive(Clone, Debug, Default)]
-pub(in crate::physics::schemes) struct Room<R: Real> {
-    pub(super) bonds: Vec<Bond<R>>,
+pub(in crate::physics::schemes) struct ImplicitWorkspace<R: Real> {
+    pub(super) blocks: Vec<LinkBlock<R>>,
     /// Of cells that are pushed back from inversion.
     pub(super) resistances: Vec<Resistance>,
     pub(super) inverse_diagonal: Vec<f64>,
     /// The inverse blocks of the touched particles, one for each touch; only the first of a particle's counts.
     pub(super) inverse_blocks: Vec<DMat3>,
-    pub(super) known: Vec<DVec3>,
+    pub(super) right_hand_side: Vec<DVec3>,
     pub(super) velocity: Vec<DVec3>,
     pub(super) residual: Vec<DVec3>,
     pub(super) scaled: Vec<DVec3>,
@@ -45,7 +45,7 @@ pub(in crate::physics::schemes) struct Room<R: Real> {
     pub(super) residual_before: Vec<DVec3>,
 }
 
-impl<R: Real> Room<R> {
+impl<R: Real> ImplicitWorkspace<R> {
     /// Room for the bodies of a model.
     pub(in crate::physics::schemes) fn new(model: &Model<R>) -> Self {
         let most = |count: fn(&BodyModel<R>) -> usize| model.bodies.iter().map(count).max().unwrap_or(0);
@@ -55,11 +55,11 @@ impl<R: Real> Room<R> {
         let surface = most(|body| body.lattice.surface);
         let vectors = || vec![DVec3::ZERO; particles];
         Self {
-            bonds: Vec::with_capacity(links),
+            blocks: Vec::with_capacity(links),
             resistances: Vec::with_capacity(surface),
             inverse_diagonal: vec![0.0; particles],
             inverse_blocks: Vec::with_capacity(surface),
-            known: vectors(),
+            right_hand_side: vectors(),
             velocity: vectors(),
             residual: vectors(),
             scaled: vectors(),
@@ -77,5 +77,5 @@ pub(super) struct System<'a, R: Real> {
     pub(super) dt: f64,
     pub(super) grab: Option<&'a Grab<R>>,
     pub(super) touches: &'a mut [Touch],
-    pub(super) room: &'a mut Room<R>,
+    pub(super) workspace: &'a mut ImplicitWorkspace<R>,
 }
