@@ -1,6 +1,6 @@
 //! Particles among obstacles: who meets what, and with which velocity it goes on.
 
-use super::between;
+use super::account;
 use super::broad;
 use super::narrow;
 use super::record::ContactRecord;
@@ -172,9 +172,9 @@ impl<'a, R: Real> Meeting<'a, R> {
                 // At the start, without what forces are about to give a particle that is held; or after the springs had
                 // their way, which takes some of it.
                 let began = [predicted, self.substep.state.velocity[self.particle]]
-                    .map(|velocity| between::energy(velocity, R::ZERO, mass, contacts, found));
-                let began = began[0].min(began[1]) + between::work(dt, found);
-                let had = began.min(between::energy(velocity, dt, mass, contacts, found));
+                    .map(|velocity| account::energy(velocity, R::ZERO, mass, contacts, found));
+                let began = began[0].min(began[1]) + account::work(dt, found);
+                let had = began.min(account::energy(velocity, dt, mass, contacts, found));
                 self.share_out(had, [velocity, allowed], mass, contacts, found);
                 velocity = allowed;
             }

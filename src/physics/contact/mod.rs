@@ -9,6 +9,7 @@
 //! Particles do not meet each other. What several obstacles do to one particle is found together (settle), and it is
 //! brought to a velocity that none of them forbids.
 
+mod account;
 mod approach;
 pub(super) mod arrive;
 mod between;

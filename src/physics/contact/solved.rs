@@ -8,7 +8,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::between;
+use super::account;
 use super::broad;
 use super::meeting::{Meeting, Meetings};
 use super::record::ContactRecord;
@@ -133,7 +133,7 @@ pub(in crate::physics) fn settle<R: Real>(
                 let mass = body.mass(particle - body.particles.start);
                 let found = &mut scratch.contacts[first..];
                 let solved = velocity[particle];
-                let has = between::energy(solved, dt, mass, &body.contacts, found);
+                let has = account::energy(solved, dt, mass, &body.contacts, found);
                 meeting.share_out(has, [solved, allowed], mass, &body.contacts, found);
                 velocity[particle] = allowed;
             }
