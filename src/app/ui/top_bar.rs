@@ -16,7 +16,7 @@ use crate::session::{Command, KEEPS_UP, Status};
 const SPEEDS: [f64; 8] = [0.01, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0];
 
 /// The width of the box with the scene's name, points.
-const SCENE_WIDTH: f32 = 150.0;
+const SCENE_WIDTH: f32 = 136.0;
 /// What is left of the window's height below the list of scenes and above it, and the least height of the list, points.
 const BELOW_LIST: f32 = 100.0;
 const LEAST_LIST: f32 = 200.0;
