@@ -10,7 +10,8 @@ use super::step_error::{SHARE, StepError};
 impl Session {
     /// Looks at the stability of a body, or no longer.
     pub(super) fn watch_stability(&mut self, of: Option<StabilityOf>) {
-        self.stability = of.map(|of| Arc::new(StabilityShown::of_body(of, &self.scene, &self.bodies.lattices())));
+        self.stability =
+            of.map(|of| Arc::new(StabilityShown::of_body(of, &self.scene, &self.simulation.model().bodies)));
     }
 
     /// Looks anew, where someone looks: something has changed.

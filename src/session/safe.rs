@@ -40,7 +40,7 @@ pub(super) fn find(scene: &Scene, models: &[BodyModel<f32>], before: &[Found]) -
         };
         let of_lattice = before.iter().find(|found| Arc::ptr_eq(&found.lattice, &lattice));
         before.iter().find(fits).cloned().unwrap_or_else(|| Found {
-            safe: Arc::new(largest_safe(body, &lattice, step, contact)),
+            safe: Arc::new(largest_safe(body, model, step, contact)),
             other: other_form(&body.material, &lattice),
             stature: of_lattice.map_or_else(|| Stature::of(&lattice), |found| found.stature),
             material: body.material.clone(),

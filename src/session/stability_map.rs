@@ -10,7 +10,7 @@ use super::document::Opened;
 use super::progress::Progress;
 use crate::geometry::watch::{CancelOnly, Portion};
 use crate::geometry::{Lattice, Watch};
-use crate::physics::StabilityPlane;
+use crate::physics::{BodyModel, Simulation, StabilityPlane};
 pub use crate::physics::{Place, StepSettings};
 use crate::report::stability::limit::alone;
 use crate::report::stability::map::{Survival, Tried, values};
@@ -100,9 +100,9 @@ pub enum Zone {
 }
 
 impl StabilityShown {
-    /// Of a body of a scene; `lattices` are those of its bodies.
-    pub(super) fn of_body(of: StabilityOf, scene: &Scene, lattices: &[Arc<Lattice>]) -> Self {
-        let plane_of = |index: usize| Some((index, plane(scene, index, lattices.get(index)?)));
+    /// Of a body of a scene whose bodies were compiled to `models`.
+    pub(super) fn of_body(of: StabilityOf, scene: &Scene, models: &[BodyModel<f32>]) -> Self {
+        let plane_of = |index: usize| Some((index, plane(scene, index, models.get(index)?)));
         let chosen = match of {
             StabilityOf::Chosen(id) if id.0 < scene.bodies.len() => plane_of(id.0),
             _ => {
@@ -114,8 +114,8 @@ impl StabilityShown {
     }
 }
 
-fn plane(scene: &Scene, index: usize, lattice: &Lattice) -> StabilityPlane {
-    StabilityPlane::of(&scene.bodies[index], lattice, StepSettings::of(scene))
+fn plane(scene: &Scene, index: usize, model: &BodyModel<f32>) -> StabilityPlane {
+    StabilityPlane::of(&scene.bodies[index], model, StepSettings::of(scene))
 }
 
 impl PlaneShown {
@@ -251,7 +251,8 @@ pub fn stability_map(
     let watch = Paced { progress, pause };
     let opened = Opened::without_file(scene.clone(), String::new(), base_dir.to_owned());
     let lattices = opened.lattices(&CancelOnly(&watch))?;
-    let shown = StabilityShown::of_body(of, scene, &lattices).plane;
+    let simulation = Simulation::new(scene, &lattices);
+    let shown = StabilityShown::of_body(of, scene, &simulation.model().bodies).plane;
     let shown = shown.ok_or(BackgroundError::Nothing("the scene has no body"))?;
     if shown.border.is_empty() {
         return Err(BackgroundError::Nothing("every step of this scheme is stable: there is no border"));
@@ -261,7 +262,7 @@ pub fn stability_map(
     if subject.steps < STEPS[1] {
         subject = subject.stand_in(scene)?;
     }
-    let own = plane(&subject.scene, 0, &subject.lattices[0]);
+    let own = plane(&subject.scene, 0, &Simulation::new(&subject.scene, &subject.lattices).model().bodies[0]);
     let material = |damping: f64, stiffness: f64| own.material_at(Place { damping, stiffness });
     let tried = Tried {
         scene: &subject.scene,

@@ -5,7 +5,7 @@
 
 use gelatin::math::rng::Rng;
 use gelatin::physics::BodyModel;
-use gelatin::scene::body::{CellsShape, CubeShape};
+use gelatin::scene::body::{CellsShape, CubeShape, Inlay};
 use gelatin::scene::material::Spring;
 use gelatin::scene::settings::Integrator;
 use gelatin::scene::{Body, Material, Scene, Shape, Solid, Springs};
@@ -196,6 +196,24 @@ fn the_limit_of_springs_is_never_above_that_of_the_body_and_near_it() {
 fn the_limit_of_solids_is_never_above_that_of_the_body() {
     let ratios = ratios(&cases(100, 29, solid));
     let [median, most] = [ratios[50], ratios[99]];
+    assert!(most <= 1.0 + 1e-6, "predicted is above measured: {most}");
+    assert!(median >= 0.97, "predicted is far below measured: {median}");
+}
+
+#[test]
+fn the_limit_of_two_solids_in_one_body_is_that_of_the_stiffest_cell() {
+    let mut rng = Rng::new(41);
+    let cases: Vec<Case> = (0..30)
+        .map(|number| {
+            let mut case = case(&mut rng, solid, number % 4 == 3);
+            let Material::Solid(inside) = solid(&mut rng) else { panic!("a solid") };
+            let end = rng.between(-0.1, 0.1);
+            case.scene.bodies[0].inlays = vec![Inlay { min: [-20.0; 3], max: [end, 20.0, 20.0], solid: inside }];
+            case
+        })
+        .collect();
+    let ratios = ratios(&cases);
+    let [median, most] = [ratios[15], ratios[29]];
     assert!(most <= 1.0 + 1e-6, "predicted is above measured: {most}");
     assert!(median >= 0.75, "predicted is far below measured: {median}");
 }

@@ -16,7 +16,7 @@ use glam::{DMat3, DVec3};
 use super::model::{BodyModel, ContactModel, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel, Values};
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
-use crate::physics::limits::any_state;
+use crate::physics::limits::{any_state, lattice};
 use crate::physics::model::plan::Plan;
 use crate::physics::state::fallen;
 use crate::scene::obstacle::{ContactStiffness, Plane};
@@ -93,6 +93,11 @@ fn compile_body<R: Real>(
             assembly::by_cell(&kinds, &kind_of_cell, lattice, measured)
         }
     };
+    let load_share = match cell_kinds.as_deref() {
+        Some([_]) => known_load_share(before, lattice)
+            .unwrap_or_else(|| lattice::load_share(lattice, [assembly::STRUCTURAL_OVER_SHEAR, 1.0])),
+        _ => 1.0,
+    };
     let (heaviest, masses) = match masses {
         Values::Uniform(mass) => (mass, Values::Uniform(R::from_f64(mass))),
         Values::Each(masses) => {
@@ -113,6 +118,7 @@ fn compile_body<R: Real>(
         particle_mass: R::from_f64(particle_mass),
         masses,
         cell_kinds,
+        load_share,
         pinned,
         links,
         crowds,
@@ -126,6 +132,13 @@ fn compile_body<R: Real>(
             .map(|obstacle| contact(obstacle, heaviest, size, load, lattice.grid.cell_size))
             .collect(),
     }
+}
+
+/// That of a body of one solid with this lattice, where there is one.
+fn known_load_share<R: Real>(bodies: &[BodyModel<R>], lattice: &Arc<Lattice>) -> Option<f64> {
+    let is_alike = |body: &&BodyModel<R>| matches!(body.cell_kinds.as_deref(), Some([_]));
+    let alike = bodies.iter().find(|body| Arc::ptr_eq(&body.lattice, lattice) && is_alike(body));
+    alike.map(|body| body.load_share)
 }
 
 /// Particles that one particle in contact may have to carry at rest: the tallest column, or all of them on the

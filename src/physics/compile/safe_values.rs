@@ -138,13 +138,19 @@ fn loads(scheme: Scheme, dt: f64, contact: ContactLoad) -> Vec<Load> {
     shares.into_iter().map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect()
 }
 
-/// The bounds of all values of a body's material, at rest and with the margin that automatic stepping keeps. Where a body holds other solids, contact is taken to
-/// change with its density as if they were of it.
-pub fn largest_safe(body: &Body, lattice: &Lattice, step: StepSettings, contact: ContactLoad) -> Vec<SafeValue> {
+/// The bounds of all values of a body's material, at rest and with the margin that automatic stepping keeps. Where a body
+/// holds other solids, contact is taken to change with its density as if they were of it. `model` is what the body was
+/// compiled to.
+pub fn largest_safe<R: Real>(
+    body: &Body,
+    model: &BodyModel<R>,
+    step: StepSettings,
+    contact: ContactLoad,
+) -> Vec<SafeValue> {
     let loads = loads(step.scheme(), step.dt_secs / step.safety(), contact);
     match &body.material {
-        Material::Springs(springs) => of_springs(springs, lattice, &loads),
-        Material::Solid(solid) => of_solid(solid, &body.inlays, lattice, &loads),
+        Material::Springs(springs) => of_springs(springs, &model.lattice, &loads),
+        Material::Solid(solid) => of_solid(solid, &body.inlays, model, &loads),
     }
 }
 
@@ -268,11 +274,12 @@ fn bisect(mut low: f64, mut high: f64, is_allowed: impl Fn(f64) -> bool) -> f64 
     low
 }
 
-fn of_solid(solid: &Solid, inlays: &[Inlay], lattice: &Lattice, all: &[Load]) -> Vec<SafeValue> {
+fn of_solid<R: Real>(solid: &Solid, inlays: &[Inlay], model: &BodyModel<R>, all: &[Load]) -> Vec<SafeValue> {
+    let lattice = &model.lattice;
     let size = host_size(lattice);
     let loads_of = |damping_ratio: f64| {
         let kind = assembly::solid_cell(&Solid { damping_ratio, ..*solid }, lattice, size);
-        CellLoads::of(&[kind], lattice.grid.cell_size)
+        CellLoads::of(&[kind], lattice.grid.cell_size).shared(model.load_share)
     };
     let (loads, critical) = (loads_of(solid.damping_ratio), loads_of(1.0));
     let [mut times, mut times_lighter, mut damping_ratio] = [f64::INFINITY; 3];
@@ -353,8 +360,8 @@ mod tests {
     fn bounds(scene: &Scene) -> Vec<SafeValue> {
         let lattice = lattice(scene);
         let simulation = Simulation::<f64>::new(scene, std::slice::from_ref(&lattice));
-        let contact = ContactLoad::of(&simulation.model().bodies[0], scene);
-        largest_safe(&scene.bodies[0], &lattice, StepSettings::of(scene), contact)
+        let body = &simulation.model().bodies[0];
+        largest_safe(&scene.bodies[0], body, StepSettings::of(scene), ContactLoad::of(body, scene))
     }
 
     /// The safe step over the step asked for, with a value that many times its bound on the unsafe side of it; none where

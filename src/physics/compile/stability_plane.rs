@@ -14,9 +14,10 @@
 use super::assembly::solid_cell;
 use super::safe_values::{StepSettings, host_size, inlay_loads, largest_share, waves};
 use crate::geometry::{Family, Lattice};
+use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::limits::{LATTICE_LIMIT, LoadShare, largest, load_shares};
-use crate::physics::model::Scheme;
+use crate::physics::model::{BodyModel, Scheme};
 use crate::scene::material::{Solid, Spring};
 use crate::scene::{Body, Material, MaterialValue, Springs};
 
@@ -47,17 +48,17 @@ enum Values {
 }
 
 impl StabilityPlane {
-    /// The plane of a body.
-    pub fn of(body: &Body, lattice: &Lattice, step: StepSettings) -> Self {
+    /// The plane of a body that was compiled to `model`.
+    pub fn of<R: Real>(body: &Body, model: &BodyModel<R>, step: StepSettings) -> Self {
         let shares = load_shares(step.scheme(), step.dt_secs);
         let values = match &body.material {
             Material::Springs(springs) => {
                 // The implicit scheme has no limit: what would limit the default one is shown.
                 let of_default = || load_shares(Scheme::SemiImplicit, step.dt_secs);
                 let telling = if shares.is_empty() { of_default() } else { shares.clone() };
-                Values::of_springs(springs, lattice, &telling)
+                Values::of_springs(springs, &model.lattice, &telling)
             }
-            Material::Solid(solid) => Values::of_solid(solid, body, lattice),
+            Material::Solid(solid) => Values::of_solid(solid, body, model),
         };
         Self { values, shares, step }
     }
@@ -156,13 +157,14 @@ impl Values {
         Self::Springs { springs: *springs, family: found.0, has_links, per_value }
     }
 
-    fn of_solid(solid: &Solid, body: &Body, lattice: &Lattice) -> Self {
+    fn of_solid<R: Real>(solid: &Solid, body: &Body, model: &BodyModel<R>) -> Self {
+        let lattice = &model.lattice;
         let (size, h) = (host_size(lattice), lattice.grid.cell_size);
         let kind_of = |damping_ratio: f64| solid_cell(&Solid { damping_ratio, ..*solid }, lattice, size);
         let (kind, critical) = (kind_of(solid.damping_ratio), kind_of(1.0));
         let per_value = 1.0 / (kind.mass * h);
         let place = Place { damping: kind.damping[0] * per_value, stiffness: kind.stiffness[0] * per_value };
-        let load = CellLoads::of(&[kind], h).stiffness / place.stiffness;
+        let load = CellLoads::of(&[kind], h).shared(model.load_share).stiffness / place.stiffness;
         let critical_damping = critical.damping[0] * per_value;
         Self::Solid { solid: *solid, place, critical_damping, load, others: inlay_loads(solid, &body.inlays, lattice) }
     }
@@ -242,7 +244,10 @@ mod tests {
     }
 
     fn plane(body: &Body, dt_secs: f64, integrator: Integrator) -> StabilityPlane {
-        StabilityPlane::of(body, &lattice(body), StepSettings { dt_secs, integrator, among_obstacles: false })
+        let scene = Scene { bodies: vec![body.clone()], ..Scene::default() };
+        let simulation = Simulation::<f32>::new(&scene, &[lattice(body)]);
+        let step = StepSettings { dt_secs, integrator, among_obstacles: false };
+        StabilityPlane::of(body, &simulation.model().bodies[0], step)
     }
 
     /// The largest stable and the largest safe step of a body, s.

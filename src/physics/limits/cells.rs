@@ -9,12 +9,12 @@
 //! ```
 //!
 //! It holds for every set of cells, mixed materials and pinned particles, where the bound by plane waves does not:
-//! particles at a surface weigh less than those inside.
+//! particles at a surface weigh less than those inside. Of a body of one solid less is known to be enough (`lattice`).
 
 use crate::physics::model::CellKind;
 
 /// Three components for each of the eight corners of a cell.
-const SIZE: usize = 24;
+pub(super) const SIZE: usize = 24;
 
 type Matrix = [[f64; SIZE]; SIZE];
 
@@ -56,6 +56,17 @@ impl CellLoads {
         loads
     }
 
+    /// Those of a lattice that bears a share of what its cells would alone. No family alone bears more than all.
+    pub(in crate::physics) fn shared(self, share: f64) -> Self {
+        let (stiffness, damping) = (self.stiffness * share, self.damping * share);
+        Self {
+            stiffness_alone: self.stiffness_alone.map(|alone| alone.min(stiffness)),
+            damping_alone: self.damping_alone.map(|alone| alone.min(damping)),
+            stiffness,
+            damping,
+        }
+    }
+
     /// The largest dt with `dt² stiffness + 2 dt damping ≤ 4`, s. The sum of two largest eigenvalues is no smaller than
     /// that of the sum, and equal where damping is in proportion to stiffness.
     pub(in crate::physics) fn dt_limit_secs(stiffness: f64, damping: f64) -> Option<f64> {
@@ -65,7 +76,7 @@ impl CellLoads {
 }
 
 /// The matrix of one cell of edge 1 whose links have their shares of these structural and shear constants.
-fn unit_cell([structural, shear]: [f64; 2]) -> Matrix {
+pub(super) fn unit_cell([structural, shear]: [f64; 2]) -> Matrix {
     let mut matrix = [[0.0; SIZE]; SIZE];
     for a in 0..8_usize {
         for b in a + 1..8 {
@@ -96,7 +107,7 @@ fn unit_cell([structural, shear]: [f64; 2]) -> Matrix {
 }
 
 /// Of a symmetric matrix, by cyclic Jacobi rotations (Golub and Van Loan, *Matrix Computations*, §8.5).
-fn largest_eigenvalue(mut a: Matrix) -> f64 {
+pub(super) fn largest_eigenvalue(mut a: Matrix) -> f64 {
     let norm: f64 = a.iter().flatten().map(|x| x * x).sum();
     for _ in 0..30 {
         let mut off = 0.0;

@@ -9,7 +9,8 @@
 //! λ(dt) = max_q λ_max( Σ over 16 half links of 2 κ (1 − cos q·δ) d̂ d̂ᵀ ) / m   ≤   4
 //! ```
 //!
-//! Where links and masses are shared out by cells the bound is that of the stiffest cell (`cell_bound`).
+//! Where links and masses are shared out by cells the bound is that of the stiffest cell (`cells`), or of all of them
+//! together where they are alike (`lattice`).
 //!
 //! Removing links only lowers the quadratic form, so the bound holds for every subset of cells with the same mass
 //! per particle, whatever its size. It is a bound at rest; crumpled states were seen to blow up from about 0.58 of
@@ -20,6 +21,7 @@
 
 pub(in crate::physics) mod any_state;
 pub(in crate::physics) mod cells;
+pub(in crate::physics) mod lattice;
 
 use glam::{DMat3, DVec3};
 
@@ -258,7 +260,7 @@ fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, 
         ContactRule::Thesis => body.contacts.iter().map(|c| c.stiffness.to_f64()).fold(0.0, f64::max) / lightest,
     };
     if let Some(kinds) = &body.cell_kinds {
-        let loads = CellLoads::of(kinds, body.lattice.grid.cell_size);
+        let loads = CellLoads::of(kinds, body.lattice.grid.cell_size).shared(body.load_share);
         return cell_limits(&loads, contact, region);
     }
     // With the cell size h the tensors scale by 1/h; mass and cell size divide every constant.

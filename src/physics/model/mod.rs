@@ -67,6 +67,9 @@ pub struct BodyModel<R: Real> {
     /// What the cells share out to links and particles; none where every link of a family is alike and every particle
     /// weighs alike.
     pub cell_kinds: Option<Vec<CellKind>>,
+    /// The largest load of its cells together over that of one of them alone, at most 1: below it only where all cells
+    /// are of one kind and not too many.
+    pub load_share: f64,
     /// Which particles are held.
     pub pinned: Values<bool>,
     /// Links by family: structural, shear, bending. Particle numbers are local to the body.
