@@ -37,7 +37,7 @@ use crate::scene::{ColorBy, Scene, presets};
 use crate::session::Status;
 use crate::session::document::Opened;
 use crate::session::error_curve::{ErrorCurve, error_curve};
-use crate::session::stability_map::{StabilityMap, stability_map};
+use crate::session::stability_map::{MapOf, PlaneShown, StabilityMap, stability_map};
 use crate::view::{DrawList, Orbit};
 
 /// The window's size at the start, points.
@@ -335,7 +335,9 @@ impl Shell {
         self.error_job.grant(&mut self.ui.error_panel, curve, wake.clone());
         let map = || {
             let (scene, base_dir) = open()?;
-            let of = self.snapshot.as_ref()?.status.stability.as_ref()?.of;
+            let shown = self.snapshot.as_ref()?.status.stability.as_ref()?;
+            let family = shown.plane.as_ref().and_then(PlaneShown::family);
+            let of = MapOf { body: shown.of, family };
             Some(move |beside: Beside<'_>| stability_map(&scene, &base_dir, of, beside.progress, beside.pause))
         };
         self.stability_job.grant(&mut self.ui.stability_panel, map, wake.clone());

@@ -10,8 +10,9 @@ use super::step_error::{SHARE, StepError};
 impl Session {
     /// Looks at the stability of a body, or no longer.
     pub(super) fn watch_stability(&mut self, of: Option<StabilityOf>) {
-        self.stability =
-            of.map(|of| Arc::new(StabilityShown::of_body(of, &self.scene, &self.simulation.model().bodies)));
+        let before = self.stability.as_ref().and_then(|shown| shown.plane.as_ref());
+        let models = &self.simulation.model().bodies;
+        self.stability = of.map(|of| Arc::new(StabilityShown::of_body(of, &self.scene, models, before)));
     }
 
     /// Looks anew, where someone looks: something has changed.

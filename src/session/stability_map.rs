@@ -73,6 +73,7 @@ pub struct PlaneShown {
     /// From which power of ten to which the axes go: damping, stiffness.
     pub decades: [[i32; 2]; 2],
     plane: Arc<StabilityPlane>,
+    lattice: Arc<Lattice>,
 }
 
 impl PartialEq for StabilityShown {
@@ -100,9 +101,21 @@ pub enum Zone {
 }
 
 impl StabilityShown {
-    /// Of a body of a scene whose bodies were compiled to `models`.
-    pub(super) fn of_body(of: StabilityOf, scene: &Scene, models: &[BodyModel<f32>]) -> Self {
-        let plane_of = |index: usize| Some((index, plane(scene, index, models.get(index)?)));
+    /// Of a body of a scene whose bodies were compiled to `models`. While a body that was shown `before` keeps its lattice
+    /// the axes stay those of the same family of springs until another one's values change, so that the dot moves as far
+    /// as its slider and never jumps.
+    pub(super) fn of_body(
+        of: StabilityOf,
+        scene: &Scene,
+        models: &[BodyModel<f32>],
+        before: Option<&PlaneShown>,
+    ) -> Self {
+        let plane_of = |index: usize| {
+            let model = models.get(index)?;
+            let same = before.filter(|before| before.body.0 == index && Arc::ptr_eq(&before.lattice, &model.lattice));
+            let family = same.and_then(|before| before.plane.family_after(&scene.bodies[index].material));
+            Some((index, plane(scene, index, model, family)))
+        };
         let chosen = match of {
             StabilityOf::Chosen(id) if id.0 < scene.bodies.len() => plane_of(id.0),
             _ => {
@@ -110,16 +123,18 @@ impl StabilityShown {
                 planes.max_by(|(_, a), (_, b)| a.load().total_cmp(&b.load()))
             }
         };
-        Self { of, plane: chosen.map(|(index, plane)| PlaneShown::new(BodyId(index), plane)) }
+        let shown =
+            chosen.map(|(index, plane)| PlaneShown::new(BodyId(index), plane, Arc::clone(&models[index].lattice)));
+        Self { of, plane: shown }
     }
 }
 
-fn plane(scene: &Scene, index: usize, model: &BodyModel<f32>) -> StabilityPlane {
-    StabilityPlane::of(&scene.bodies[index], model, StepSettings::of(scene))
+fn plane(scene: &Scene, index: usize, model: &BodyModel<f32>, family: Option<Family>) -> StabilityPlane {
+    StabilityPlane::of(&scene.bodies[index], model, StepSettings::of(scene), family)
 }
 
 impl PlaneShown {
-    fn new(body: BodyId, plane: StabilityPlane) -> Self {
+    fn new(body: BodyId, plane: StabilityPlane, lattice: Arc<Lattice>) -> Self {
         let (now, ends) = (plane.place(), plane.ends());
         let decades = decades(now, ends);
         let [[from, to], _] = decades.map(|ends| ends.map(f64::from));
@@ -132,7 +147,7 @@ impl PlaneShown {
                 safe.push(Place { damping, stiffness: margin });
             }
         }
-        Self { body, now, border, safe, decades, plane: Arc::new(plane) }
+        Self { body, now, border, safe, decades, plane: Arc::new(plane), lattice }
     }
 
     /// The step that is looked at.
@@ -143,6 +158,11 @@ impl PlaneShown {
     /// The family of springs whose values the axes are; none of a solid.
     pub fn family(&self) -> Option<Family> {
         self.plane.family()
+    }
+
+    /// The family of springs that limits the step most; none of a solid.
+    pub fn limiting_family(&self) -> Option<Family> {
+        self.plane.limiting_family()
     }
 
     /// The body with the values of a place, as near as its parameters go.
@@ -239,12 +259,21 @@ fn without_values(body: &Body, family: Option<Family>) -> Body {
     Body { shape, material, inlays, pins, ..Body::default() }
 }
 
+/// What a map is measured of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MapOf {
+    /// The body.
+    pub body: StabilityOf,
+    /// Of springs the family whose values the axes are; without one that which limits the step most.
+    pub family: Option<Family>,
+}
+
 /// Measures the map of a body of a scene; relative model paths start at `base_dir`. `pause` is called between two steps,
 /// for who leaves the processors to others.
 pub fn stability_map(
     scene: &Scene,
     base_dir: &Path,
-    of: StabilityOf,
+    of: MapOf,
     progress: &Progress,
     pause: &(dyn Fn() + Sync),
 ) -> Result<StabilityMap, BackgroundError> {
@@ -252,17 +281,22 @@ pub fn stability_map(
     let opened = Opened::without_file(scene.clone(), String::new(), base_dir.to_owned());
     let lattices = opened.lattices(&CancelOnly(&watch))?;
     let simulation = Simulation::new(scene, &lattices);
-    let shown = StabilityShown::of_body(of, scene, &simulation.model().bodies).plane;
-    let shown = shown.ok_or(BackgroundError::Nothing("the scene has no body"))?;
+    let models = &simulation.model().bodies;
+    let shown = StabilityShown::of_body(of.body, scene, models, None).plane;
+    let mut shown = shown.ok_or(BackgroundError::Nothing("the scene has no body"))?;
+    let index = shown.body.0;
+    if of.family.is_some() && of.family != shown.family() {
+        shown = PlaneShown::new(shown.body, plane(scene, index, &models[index], of.family), shown.lattice);
+    }
     if shown.border.is_empty() {
         return Err(BackgroundError::Nothing("every step of this scheme is stable: there is no border"));
     }
-    let index = shown.body.0;
     let mut subject = Subject::new(scene, index, Arc::clone(&lattices[index]));
     if subject.steps < STEPS[1] {
         subject = subject.stand_in(scene)?;
     }
-    let own = plane(&subject.scene, 0, &Simulation::new(&subject.scene, &subject.lattices).model().bodies[0]);
+    let of_own = Simulation::new(&subject.scene, &subject.lattices);
+    let own = plane(&subject.scene, 0, &of_own.model().bodies[0], shown.family());
     let material = |damping: f64, stiffness: f64| own.material_at(Place { damping, stiffness });
     let tried = Tried {
         scene: &subject.scene,
@@ -357,123 +391,4 @@ impl Subject {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::path::PathBuf;
-
-    use super::*;
-    use crate::scene::edit::Edit;
-    use crate::scene::presets;
-    use crate::session::{Command, Session};
-
-    fn scene() -> Scene {
-        let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
-        scene.bodies[0].shape = Shape::Cube(CubeShape { cells: 3, size: 1.0 });
-        scene
-    }
-
-    fn watched(scene: &Scene) -> Session {
-        let mut session = Session::new(scene.clone(), PathBuf::new(), "test".into()).expect("it resolves");
-        session.handle(Command::WatchStability(Some(StabilityOf::Limiting))).expect("it looks");
-        session
-    }
-
-    fn shown(session: &Session) -> PlaneShown {
-        session.status().stability.and_then(|shown| shown.plane.clone()).expect("a body is looked at")
-    }
-
-    fn measured(scene: &Scene) -> StabilityMap {
-        stability_map(scene, Path::new(""), StabilityOf::Limiting, &Progress::default(), &|| ()).expect("a map")
-    }
-
-    /// How often what is predicted to be stable blew up, and stable places in all.
-    fn broken_promises(map: &StabilityMap, border: impl Fn(f64) -> f64) -> [usize; 2] {
-        let mut found = [0, 0];
-        for (column, &damping) in map.columns.iter().zip(&map.damping) {
-            for (&survived, &stiffness) in column.survived.iter().zip(&map.stiffness) {
-                if stiffness <= border(damping) {
-                    found[0] += usize::from(survived < map.watched);
-                    found[1] += 1;
-                }
-            }
-        }
-        found
-    }
-
-    #[test]
-    fn what_is_predicted_to_be_stable_stays_and_a_border_that_promises_too_much_is_found_out() {
-        let scene = scene();
-        let map = measured(&scene);
-        let plane = shown(&watched(&scene)).plane;
-        let [broken, stable] = broken_promises(&map, |damping| plane.stable_stiffness(damping));
-        assert!(broken == 0 && stable > 20, "{broken} of {stable}");
-        let [broken, _] = broken_promises(&map, |damping| 6.0 * plane.stable_stiffness(damping));
-        assert!(broken > 0, "six times the stiffness is not stable");
-        let nearest = map
-            .border
-            .iter()
-            .take_while(|at| at.stiffness > map.stiffness[1])
-            .map(|at| plane.stable_stiffness(at.damping) / at.stiffness)
-            .fold(0.0, f64::max);
-        assert!((0.5..=1.0).contains(&nearest), "the borders come near each other: {nearest}");
-    }
-
-    #[test]
-    fn an_edit_moves_the_dot_and_a_map_stays_that_of_its_scene() {
-        let scene = scene();
-        let mut session = watched(&scene);
-        let (before, map) = (shown(&session), measured(&scene));
-        assert!(map.is_of(&scene, &before), "just measured");
-        let wanted = Place { damping: 2.0 * before.now.damping, stiffness: 0.5 * before.now.stiffness };
-        let moved = before.moved(&scene.bodies[0], wanted);
-        session.handle(Command::Edit(Edit::Body(BodyId(0), Box::new(moved)))).expect("it is moved");
-        let after = shown(&session);
-        assert!((after.now.stiffness / wanted.stiffness - 1.0).abs() < 1e-9, "{:?} for {wanted:?}", after.now);
-        assert!(map.is_of(session.scene(), &after), "whatever the values of the axes");
-        let mut other = session.scene().clone();
-        other.settings.dt *= 2.0;
-        assert!(!map.is_of(&other, &shown(&watched(&other))), "of another step");
-        session.handle(Command::WatchStability(None)).expect("it looks away");
-        assert!(session.status().stability.is_none(), "nobody looks");
-    }
-
-    #[test]
-    fn a_large_body_is_measured_on_a_small_cube_of_its_cells() {
-        let mut large = scene();
-        large.bodies[0].shape = Shape::Cube(CubeShape { cells: 24, size: 1.0 });
-        let lattice = crate::report::extremes::lattices(&large).expect("a cube").swap_remove(0);
-        let cell_m = lattice.grid.cell_size;
-        let subject = Subject::new(&large, 0, lattice);
-        assert!(subject.steps < STEPS[1], "too much work: {} steps", subject.steps);
-        let cube = subject.stand_in(&large).expect("a cube");
-        assert!(cube.steps > STEPS[1] && cube.stand_in == Some(5), "{} steps", cube.steps);
-        assert!((cube.lattices[0].grid.cell_size - cell_m).abs() < 1e-12, "the same cells");
-    }
-
-    #[test]
-    fn what_has_no_border_is_refused_in_words() {
-        let refused = |scene: &Scene| {
-            let map = stability_map(scene, Path::new(""), StabilityOf::Limiting, &Progress::default(), &|| ());
-            map.expect_err("nothing to measure").to_string()
-        };
-        assert_eq!(refused(&Scene::default()), "the scene has no body");
-        let mut implicit = scene();
-        implicit.settings.integrator = Integrator::Implicit;
-        assert!(refused(&implicit).contains("every step of this scheme is stable"), "the implicit scheme");
-        let progress = Progress::default();
-        progress.cancel();
-        let cancelled = stability_map(&scene(), Path::new(""), StabilityOf::Limiting, &progress, &|| ());
-        assert!(matches!(cancelled, Err(BackgroundError::Cancelled | BackgroundError::Session(_))), "{cancelled:?}");
-    }
-
-    #[test]
-    fn a_border_is_looked_at_closely_where_it_falls_and_only_there() {
-        // It falls to nothing at 2, as those of a damping that is too large do.
-        let border = |x: f64| [(4.0 - x * x).max(0.0), 1.0];
-        let points = closer_where_steep(vec![0.5, 1.0, 3.0], 1e-3, border);
-        let far = |pair: &[(f64, [f64; 2])]| pair[1].0 / pair[0].0;
-        let falls = points.windows(2).filter(|pair| pair[0].1[0] > 2.0 * pair[1].1[0].max(1e-3));
-        let widest = falls.map(far).fold(1.0, f64::max);
-        assert!(widest < 1.05, "the fall is seen to {widest}");
-        assert!((far(&points[..2]) - 2.0).abs() < 1e-9 && points.len() < 20, "and nothing else: {}", points.len());
-    }
-}
+mod tests;

@@ -15,7 +15,7 @@ use gelatin::scene::settings::{Integrator, Stepping};
 use gelatin::scene::{Material, Scene, Shape, Springs, presets};
 use gelatin::session::Command;
 use gelatin::session::progress::Progress;
-use gelatin::session::stability_map::{Place, PlaneShown, StabilityOf, stability_map};
+use gelatin::session::stability_map::{MapOf, Place, PlaneShown, StabilityOf, stability_map};
 
 use crate::live::{SIZES, Window};
 
@@ -37,7 +37,8 @@ fn open(scene: Scene, size: [f32; 2], theme: Theme) -> Window {
 /// A window in which the map has been measured.
 fn measured(size: [f32; 2], theme: Theme) -> Window {
     let mut window = open(scene(), size, theme);
-    let map = stability_map(&scene(), Path::new(""), StabilityOf::Limiting, &Progress::default(), &|| ());
+    let of = MapOf { body: StabilityOf::Limiting, family: None };
+    let map = stability_map(&scene(), Path::new(""), of, &Progress::default(), &|| ());
     window.harness.state_mut().ui.stability_panel.work = Work::Ready(Box::new(map.expect("a map")));
     window.wait();
     window

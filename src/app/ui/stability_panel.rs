@@ -68,7 +68,7 @@ fn words_ui(ui: &mut Ui, running: Running<'_>, shown: Option<(&PlaneShown, &Body
     let color = if zone == Zone::Unstable && is_manual { colors.warning } else { colors.text };
     say(ui, &now_words(shown, body, zone, is_manual), color);
     let name = things::name(running.scene, Target::Body(shown.body));
-    say(ui, &whose_words(&name, shown.family()), colors.weak);
+    say(ui, &whose_words(&name, shown.family(), shown.limiting_family()), colors.weak);
     if !shown.step().integrator.has_stable_step() {
         let scheme = shown.step().integrator.words();
         let text = format!("Undamped vibrations grow with {scheme} at any step; beyond the border all do, at once.");

@@ -8,8 +8,8 @@
 //!           └────────────┴─────► damping (1/s)
 //! ```
 //!
-//! Of springs the plane is that of one family, the one that limits the step most, and the others stay as they are. Of a
-//! solid all links scale together, and the axes are those of its structural ones.
+//! Of springs the plane is that of one family, where none is asked for the one that limits the step most, and the others
+//! stay as they are. Of a solid all links scale together, and the axes are those of its structural ones.
 
 use super::assembly::solid_cell;
 use super::safe_values::{StepSettings, host_size, inlay_loads, largest_share, waves};
@@ -41,22 +41,22 @@ pub struct StabilityPlane {
 /// Which values the axes are.
 #[derive(Clone, Debug)]
 enum Values {
-    /// Of one family of springs.
-    Springs { springs: Springs, family: Family, has_links: [bool; 3], per_value: f64 },
+    /// Of one family of springs, and the family that limits the step most.
+    Springs { springs: Springs, family: Family, limiting: Family, has_links: [bool; 3], per_value: f64 },
     /// Of a solid: where it is, the place's damping at damping ratio 1, loads per place, and those of its inlays.
     Solid { solid: Solid, place: Place, critical_damping: f64, load: f64, others: CellLoads },
 }
 
 impl StabilityPlane {
-    /// The plane of a body that was compiled to `model`.
-    pub fn of<R: Real>(body: &Body, model: &BodyModel<R>, step: StepSettings) -> Self {
+    /// The plane of a body that was compiled to `model`; of springs that of `family`, where it has links.
+    pub fn of<R: Real>(body: &Body, model: &BodyModel<R>, step: StepSettings, family: Option<Family>) -> Self {
         let shares = load_shares(step.scheme(), step.dt_secs);
         let values = match &body.material {
             Material::Springs(springs) => {
                 // The implicit scheme has no limit: what would limit the default one is shown.
                 let of_default = || load_shares(Scheme::SemiImplicit, step.dt_secs);
                 let telling = if shares.is_empty() { of_default() } else { shares.clone() };
-                Values::of_springs(springs, &model.lattice, &telling)
+                Values::of_springs(springs, &model.lattice, &telling, family)
             }
             Material::Solid(solid) => Values::of_solid(solid, body, model),
         };
@@ -74,6 +74,25 @@ impl StabilityPlane {
             Values::Springs { family, .. } => Some(*family),
             Values::Solid { .. } => None,
         }
+    }
+
+    /// The family of springs that limits the step most; none of a solid.
+    pub fn limiting_family(&self) -> Option<Family> {
+        match &self.values {
+            Values::Springs { limiting, .. } => Some(*limiting),
+            Values::Solid { .. } => None,
+        }
+    }
+
+    /// Whose plane to show once the body has another material: that of the same family, unless a person has turned to
+    /// another one.
+    pub fn family_after(&self, material: &Material) -> Option<Family> {
+        let (Values::Springs { springs, family, .. }, Material::Springs(now)) = (&self.values, material) else {
+            return None;
+        };
+        let has_changed = |family: &Family| springs.family(*family) != now.family(*family);
+        let other = Family::ALL.into_iter().find(has_changed);
+        Some(other.filter(|_| !has_changed(family)).unwrap_or(*family))
     }
 
     /// Where the body stands.
@@ -139,7 +158,7 @@ impl StabilityPlane {
 }
 
 impl Values {
-    fn of_springs(springs: &Springs, lattice: &Lattice, shares: &[LoadShare]) -> Self {
+    fn of_springs(springs: &Springs, lattice: &Lattice, shares: &[LoadShare], wanted: Option<Family>) -> Self {
         let per_value = 1.0 / (springs.particle_mass * lattice.grid.cell_size);
         let has_links = Family::ALL.map(|family| !lattice.links[family as usize].is_empty());
         let mut found = (Family::Structural, 0.0);
@@ -154,7 +173,9 @@ impl Values {
                 found = (family, load);
             }
         }
-        Self::Springs { springs: *springs, family: found.0, has_links, per_value }
+        let limiting = found.0;
+        let family = wanted.filter(|family| has_links[*family as usize]).unwrap_or(limiting);
+        Self::Springs { springs: *springs, family, limiting, has_links, per_value }
     }
 
     fn of_solid<R: Real>(solid: &Solid, body: &Body, model: &BodyModel<R>) -> Self {
@@ -247,7 +268,7 @@ mod tests {
         let scene = Scene { bodies: vec![body.clone()], ..Scene::default() };
         let simulation = Simulation::<f32>::new(&scene, &[lattice(body)]);
         let step = StepSettings { dt_secs, integrator, among_obstacles: false };
-        StabilityPlane::of(body, &simulation.model().bodies[0], step)
+        StabilityPlane::of(body, &simulation.model().bodies[0], step, None)
     }
 
     /// The largest stable and the largest safe step of a body, s.
@@ -322,6 +343,23 @@ mod tests {
         let stiff = Body { material: everywhere.material_at(Place { damping: 0.0, stiffness: 1e9 }), ..soft.clone() };
         let loads = [&soft, &stiff].map(|body| plane(body, 1e-3, Integrator::SemiImplicit).load());
         assert!(loads[0] < 1.0 && loads[1] > 1.0, "{loads:?}");
+    }
+
+    #[test]
+    fn the_family_stays_until_a_person_turns_to_another() {
+        let body = Body::default();
+        let Material::Springs(springs) = body.material else { panic!("springs") };
+        let plane = plane(&body, 1e-3, Integrator::SemiImplicit);
+        assert_eq!((plane.family(), plane.limiting_family()), (Some(Family::Shear), Some(Family::Shear)));
+        let after = |change: &dyn Fn(&mut Springs)| {
+            let mut springs = springs;
+            change(&mut springs);
+            plane.family_after(&Material::Springs(springs))
+        };
+        assert_eq!(after(&|springs| springs.shear.damping = 1e-3), Some(Family::Shear), "its own slider");
+        assert_eq!(after(&|springs| springs.particle_mass *= 2.0), Some(Family::Shear), "no family's");
+        assert_eq!(after(&|springs| springs.bending.stiffness = 1.0), Some(Family::Bending), "another one's");
+        assert_eq!(plane.family_after(&Material::Solid(Solid::default())), None, "a solid has none");
     }
 
     #[test]

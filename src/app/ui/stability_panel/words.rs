@@ -6,12 +6,16 @@ use crate::session::stability_map::{PlaneShown, StabilityMap, Zone};
 use crate::session::step_words::step_text;
 
 /// Whose values the axes are.
-pub(super) fn whose_words(name: &str, family: Option<Family>) -> String {
-    match family {
-        Some(family) => {
+pub(super) fn whose_words(name: &str, family: Option<Family>, limiting: Option<Family>) -> String {
+    match (family, limiting) {
+        (Some(family), Some(limiting)) if family != limiting => {
+            let (family, limiting) = (family.name(), limiting.name());
+            format!("On the axes the {family} springs of {name}; its {limiting} springs limit the step more.")
+        }
+        (Some(family), _) => {
             format!("On the axes the {} springs of {name}, which limit the step most.", family.name())
         }
-        None => format!("On the axes the structural links of {name}, a solid: the others go with them."),
+        (None, _) => format!("On the axes the structural links of {name}, a solid: the others go with them."),
     }
 }
 
@@ -64,7 +68,12 @@ mod tests {
         assert_eq!(values_words(&body, Some(Family::Shear)), "25 N, 0.12 N·s");
         let solid = Body { material: Material::Solid(Solid::default()), ..Body::default() };
         assert_eq!(values_words(&solid, None), "100000 Pa, damping ratio 0.05");
-        assert!(whose_words("Cube", Some(Family::Shear)).contains("the shear springs of Cube"), "which family");
-        assert!(whose_words("Cube", None).contains("a solid"), "a solid has none");
+        let [shear, bending] = [Some(Family::Shear), Some(Family::Bending)];
+        assert!(whose_words("Cube", shear, shear).contains("the shear springs of Cube, which limit"), "which family");
+        assert!(
+            whose_words("Cube", shear, bending).ends_with("its bending springs limit the step more."),
+            "which limits"
+        );
+        assert!(whose_words("Cube", None, None).contains("a solid"), "a solid has none");
     }
 }
