@@ -4,6 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::map::PARTICLE_KG;
 use crate::math::rotation::from_euler_deg;
 use crate::math::{Real, Vector};
 use crate::physics::Simulation;
@@ -16,7 +17,6 @@ use crate::scene::settings::{ContactRule, EARTH_GRAVITY, Stepping};
 use crate::scene::{Obstacle, ObstacleShape, Scene, Shape};
 
 const DT_SECS: f64 = 1e-3;
-const MASS_KG: f64 = 0.008;
 /// What rubs where the threshold of sliding is looked for.
 const FRICTION: f64 = 0.5;
 /// Simulated time on a slope, s; and with `quick`.
@@ -175,7 +175,7 @@ fn measured(case: Case, rule: Rule, is_judged: bool, quick: bool) -> Result<Cont
 /// A cube of a metre, four cells an edge, with its middle somewhere, and a plane through the origin tilted about z.
 fn cube_and_plane(middle: [f64; 3], damping: f64, tilt_deg: f64, friction: [f64; 2]) -> Scene {
     let spring = Spring { stiffness: 60.0, damping };
-    let springs = Springs { structural: spring, shear: spring, bending: spring, particle_mass: MASS_KG };
+    let springs = Springs { structural: spring, shear: spring, bending: spring, particle_mass: PARTICLE_KG };
     let rotation_deg = [0.0, 0.0, tilt_deg];
     let body = Body {
         shape: Shape::Cube(CubeShape { cells: 4, size: 1.0 }),
@@ -210,7 +210,7 @@ fn drop_ratio(rule: Rule, share: f64) -> Result<f64, ResolveError> {
     let mut scene = cube_and_plane([0.0, 0.5 + HEIGHT, 0.0], 0.0, 0.0, [0.0; 2]);
     // As the thesis steps: no contact is too stiff for a step that is divided.
     scene.settings.stepping = Stepping::Manual;
-    scene.obstacles[0].stiffness = ContactStiffness::Given(share * MASS_KG / (DT_SECS * DT_SECS));
+    scene.obstacles[0].stiffness = ContactStiffness::Given(share * PARTICLE_KG / (DT_SECS * DT_SECS));
     let mut simulation = rule.simulate::<f64>(scene)?;
     let start = simulation.diagnostics();
     let before = start.mass_kg * EARTH_GRAVITY * HEIGHT;

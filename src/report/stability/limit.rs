@@ -25,8 +25,8 @@ const BETWEEN_LOOKS: usize = 50;
 const STRIDES_PER_OCTAVE: f64 = 3.0;
 const STRIDES: [i32; 2] = [3, 6];
 
-/// Halvings of the stride in which the limit lies: to 0.4 %.
-const HALVINGS: usize = 6;
+/// Halvings of the stride in which a border lies: for the largest step to 0.4 %.
+pub(super) const HALVINGS: usize = 6;
 
 /// The largest step with which the scene's shaken bodies stay together when nothing else happens to them, s; `None`
 /// where no step of those that are looked at does, or all of them do.
@@ -59,13 +59,18 @@ pub fn alone(scene: &Scene) -> Scene {
 fn edge(start: f64, mut is_good: impl FnMut(f64) -> bool) -> Option<f64> {
     let at = |stride: i32| start * libm::exp2(f64::from(stride) / STRIDES_PER_OCTAVE);
     let [down, up] = STRIDES;
-    let (mut good, mut bad) = if is_good(start) {
+    let ends = if is_good(start) {
         let bad = (1..=up).find(|stride| !is_good(at(*stride)))?;
-        (at(bad - 1), at(bad))
+        [at(bad - 1), at(bad)]
     } else {
         let good = (1..=down).find(|stride| is_good(at(-stride)))?;
-        (at(-good), at(1 - good))
+        [at(-good), at(1 - good)]
     };
+    Some(halved(ends, is_good)[0])
+}
+
+/// Halves the way between a good value and a bad one: the last of both.
+pub(super) fn halved([mut good, mut bad]: [f64; 2], mut is_good: impl FnMut(f64) -> bool) -> [f64; 2] {
     for _ in 0..HALVINGS {
         let middle = (good * bad).sqrt();
         if is_good(middle) {
@@ -74,7 +79,7 @@ fn edge(start: f64, mut is_good: impl FnMut(f64) -> bool) -> Option<f64> {
             bad = middle;
         }
     }
-    Some(good)
+    [good, bad]
 }
 
 fn survives(simulation: &mut Simulation<f64>, steps: usize) -> bool {

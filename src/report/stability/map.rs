@@ -17,7 +17,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::limit::{alone, steps_survived};
+use super::limit::{HALVINGS, alone, halved, steps_survived};
 use crate::geometry::watch::Portion;
 use crate::geometry::{Lattice, Watch};
 use crate::physics::Simulation;
@@ -30,10 +30,11 @@ use crate::scene::{Scene, Shape};
 
 /// The step, s.
 pub const DT_SECS: f64 = 1e-3;
-/// The cube: cells an edge, the edge of a cell in m, the mass of a particle in kg.
+/// The cube: cells an edge, the edge of a cell in m.
 const CELLS: u32 = 5;
 const CELL_M: f64 = 0.2;
-const MASS_KG: f64 = 0.008;
+/// The mass of a particle of the report's own cubes, kg.
+pub(super) const PARTICLE_KG: f64 = 0.008;
 
 /// From where to where the axes go, as powers of ten: stiffness per unit mass 1/s², damping per unit mass 1/s.
 const STIFFNESS: [f64; 2] = [3.0, 6.0];
@@ -42,8 +43,6 @@ const DAMPING: [f64; 2] = [0.0, 3.0];
 const VALUES: [usize; 2] = [25, 9];
 /// Steps that are watched; and with `quick`.
 const STEPS: [usize; 2] = [1500, 300];
-/// Halvings of the way between two values of the stiffness in which the border lies.
-const HALVINGS: usize = 6;
 
 /// The map of one scheme. SI units; both axes per unit mass of a particle, of the stiffness and damping of all links.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -199,22 +198,9 @@ fn cube(integrator: Integrator) -> Scene {
 
 /// Its material, the same for all families.
 fn cube_material(damping: f64, stiffness: f64) -> Material {
-    let of_mass = MASS_KG * CELL_M;
+    let of_mass = PARTICLE_KG * CELL_M;
     let spring = Spring { stiffness: stiffness * of_mass, damping: damping * of_mass };
-    Material::Springs(Springs { structural: spring, shear: spring, bending: spring, particle_mass: MASS_KG })
-}
-
-/// Halves the way between a good value and a bad one: the last of both.
-fn halved([mut good, mut bad]: [f64; 2], mut is_good: impl FnMut(f64) -> bool) -> [f64; 2] {
-    for _ in 0..HALVINGS {
-        let middle = (good * bad).sqrt();
-        if is_good(middle) {
-            good = middle;
-        } else {
-            bad = middle;
-        }
-    }
-    [good, bad]
+    Material::Springs(Springs { structural: spring, shear: spring, bending: spring, particle_mass: PARTICLE_KG })
 }
 
 /// The last good value, to a thousandth or so.
