@@ -1,8 +1,8 @@
 //! The named cases of the stability report (R2): stiffness, damping, mass and size over many decades, steps, heights,
-//! thin bodies, mass ratios, bodies in obstacles, no gravity, every scheme that has a stable step.
+//! thin bodies, mass ratios, solids, bodies in obstacles, no gravity, every scheme that has a stable step.
 
-use crate::scene::body::{Body, CellsShape, CubeShape, Pose};
-use crate::scene::material::{Material, Spring, Springs};
+use crate::scene::body::{Body, CellsShape, CubeShape, Inlay, Pose};
+use crate::scene::material::{Material, Solid, Spring, Springs};
 use crate::scene::obstacle::Sphere;
 use crate::scene::settings::{EARTH_GRAVITY, Integrator};
 use crate::scene::{Obstacle, ObstacleShape, Scene, Shape};
@@ -56,6 +56,15 @@ pub fn matrix() -> Vec<(String, Scene)> {
     let heavy = cube(1.0, springs(60.0, 0.05, 5.0), [2.0, 1.0, 0.0]);
     uneven.bodies.push(heavy);
     add("masses of two bodies 1000 : 1".to_owned(), uneven);
+    for (young_modulus, damping_ratio) in [(1e4, 0.0), (1e5, 0.05), (1e7, 0.5)] {
+        let solid = Solid { young_modulus, density: 200.0, damping_ratio };
+        add(format!("a solid of {young_modulus:e} Pa, damping ratio {damping_ratio}"), falling_solid(solid));
+    }
+    let soft = Solid { young_modulus: 1e4, density: 200.0, damping_ratio: 0.05 };
+    let mut two = falling_solid(soft);
+    let stiff = Solid { young_modulus: 1e7, ..soft };
+    two.bodies[0].inlays = vec![Inlay { min: [-1.0; 3], max: [0.0, 1.0, 1.0], solid: stiff }];
+    add("a soft solid, half of it a thousand times stiffer".to_owned(), two);
     for (gravity, name) in [(EARTH_GRAVITY, "put into a ball"), (0.0, "put into a ball without gravity")] {
         let mut scene = falling(springs(60.0, 0.0, 0.005));
         let shape = ObstacleShape::Sphere(Sphere { center: [0.1, 1.1, 0.05], radius: 0.4 });
@@ -98,6 +107,13 @@ fn falling(springs: Springs) -> Scene {
         obstacles: vec![Obstacle::default()],
         ..Scene::default()
     }
+}
+
+/// The same of a solid.
+fn falling_solid(solid: Solid) -> Scene {
+    let mut scene = falling(Springs::default());
+    scene.bodies[0].material = Material::Solid(solid);
+    scene
 }
 
 /// A cube of another size, everything else scaled with it: as stiff and heavy for its size as the one of a metre.
