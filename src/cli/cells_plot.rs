@@ -5,14 +5,11 @@ use anyhow::Result;
 use plotters::chart::{ChartBuilder, SeriesLabelPosition};
 use plotters::coord::combinators::IntoLogRange as _;
 use plotters::element::{Circle, PathElement};
-use plotters::prelude::{BLACK, BindKeyPoints as _, Color, DashedLineSeries, LineSeries, WHITE};
+use plotters::prelude::{BindKeyPoints as _, Color, DashedLineSeries, LineSeries};
 
-use super::plot::{Area, COLORS, Drawn, decades, panels};
+use super::plot::{Area, AxisWords, COLORS, COLUMNS, Drawn, PLOT, decades, legend, mesh, panels, power, whole_number};
 use crate::report::error::cells::{CellsFigures, CellsRow};
 
-/// The size of one case's plot, pixels, and how many stand beside each other.
-const PLOT: [u32; 2] = [740, 420];
-const COLUMNS: usize = 2;
 /// The axis of the cells.
 const DIVISIONS: [f64; 2] = [6.0, 48.0];
 /// The resolutions written beside it.
@@ -34,15 +31,9 @@ fn plot(area: &Area<'_>, figures: &CellsFigures) -> Drawn {
         .x_label_area_size(42)
         .y_label_area_size(62)
         .build_cartesian_2d((low..high).log_scale().with_key_points(TICKS.to_vec()), errors.log_scale())?;
-    chart
-        .configure_mesh()
-        .x_desc("divisions of the longest side")
-        .y_desc("error, m")
-        .x_label_formatter(&|value| format!("{value:.0}"))
-        .y_label_formatter(&|value| format!("{value:.0e}"))
-        .light_line_style(BLACK.mix(0.04))
-        .bold_line_style(BLACK.mix(0.15))
-        .draw()?;
+    let across = AxisWords { name: "divisions of the longest side".to_owned(), number: &whole_number };
+    let up = AxisWords { name: "error, m".to_owned(), number: &power };
+    mesh(&mut chart, &across, &up)?;
     let place = |row: &CellsRow| (f64::from(row.divisions), row.error_m);
     let (cells, steps) = (COLORS[0], COLORS[4]);
     chart
@@ -57,10 +48,5 @@ fn plot(area: &Area<'_>, figures: &CellsFigures) -> Drawn {
             .label(format!("of steps of {} ms, {steps_divisions} divisions", step_secs * 1e3))
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], steps.stroke_width(2)));
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::LowerLeft)
-        .background_style(WHITE.mix(0.85))
-        .label_font(("sans-serif", 12))
-        .draw()
+    legend(&mut chart, SeriesLabelPosition::LowerLeft)
 }

@@ -3,11 +3,11 @@
 use anyhow::Result;
 use plotters::chart::{ChartBuilder, SeriesLabelPosition};
 use plotters::element::{PathElement, Rectangle, Text};
-use plotters::prelude::{BLACK, Color, LineSeries, WHITE};
+use plotters::prelude::{BLACK, Color, LineSeries};
 use plotters::style::IntoFont;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::plot::{Area, COLORS, Drawn, panels};
+use super::plot::{Area, AxisWords, COLORS, Drawn, legend, mesh, panels, whole_number};
 use crate::report::cost::CostFigures;
 use crate::report::cost::crowd::CrowdRow;
 use crate::view::legend::three_digits;
@@ -79,15 +79,9 @@ fn crowded(area: &Area<'_>, rows: &[CrowdRow]) -> Drawn {
         .x_label_area_size(42)
         .y_label_area_size(62)
         .build_cartesian_2d(0.0..most + 1.0, 0.0..highest * 1.35)?;
-    chart
-        .configure_mesh()
-        .x_desc("obstacles")
-        .y_desc("processor time of a substep, µs (median of 15)")
-        .x_label_formatter(&|value| format!("{value:.0}"))
-        .y_label_formatter(&|value| format!("{value:.0}"))
-        .light_line_style(BLACK.mix(0.04))
-        .bold_line_style(BLACK.mix(0.15))
-        .draw()?;
+    let across = AxisWords { name: "obstacles".to_owned(), number: &whole_number };
+    let up = AxisWords { name: "processor time of a substep, µs (median of 15)".to_owned(), number: &whole_number };
+    mesh(&mut chart, &across, &up)?;
     let mut sizes: Vec<usize> = rows.iter().map(|row| row.particles).collect();
     sizes.dedup();
     let cases = sizes.iter().flat_map(|&size| [(size, true), (size, false)]);
@@ -101,12 +95,7 @@ fn crowded(area: &Area<'_>, rows: &[CrowdRow]) -> Drawn {
             .label(label)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color.stroke_width(2)));
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.85))
-        .label_font(("sans-serif", 12))
-        .draw()
+    legend(&mut chart, SeriesLabelPosition::UpperLeft)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a place within a picture")]

@@ -3,8 +3,8 @@
 
 use anyhow::Result;
 
-use super::plot::panels;
-use super::time_plot::{COLUMNS, Curve, PLOT, Point, TimePlot, draw};
+use super::plot::{COLUMNS, PLOT, panels};
+use super::time_plot::{Curve, Point, TimePlot, draw};
 use crate::report::peers::{Contender, PeersFigures, Row};
 
 /// The picture.

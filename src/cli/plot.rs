@@ -5,8 +5,11 @@ use std::fmt::Display;
 use std::ops::Range;
 
 use anyhow::{Result, anyhow};
+use plotters::chart::{ChartContext, SeriesLabelPosition};
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
-use plotters::prelude::{RGBColor, SVGBackend, WHITE};
+use plotters::prelude::{BLACK, Color as _, RGBColor, SVGBackend, WHITE};
 
 use crate::view::colormap::SERIES;
 
@@ -22,6 +25,61 @@ const fn color(index: usize) -> RGBColor {
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 /// What drawing comes to.
 pub(super) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+
+/// The size of a plot in pixels, and how many stand beside each other.
+pub(super) const PLOT: [u32; 2] = [740, 460];
+pub(super) const COLUMNS: usize = 2;
+
+/// A chart whose axes are numbers.
+pub(super) type Chart<'a, 'b, X, Y> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<X, Y>>;
+
+/// What stands beside an axis: its name with the unit, and how its numbers are written.
+pub(super) struct AxisWords<'a> {
+    pub(super) name: String,
+    pub(super) number: &'a dyn Fn(f64) -> String,
+}
+
+/// A power of ten and a digit.
+pub(super) fn power(value: f64) -> String {
+    format!("{value:.0e}")
+}
+
+/// Without decimals.
+pub(super) fn whole_number(value: f64) -> String {
+    format!("{value:.0}")
+}
+
+/// The faint mesh of a chart, with what stands beside its axes.
+pub(super) fn mesh<X, Y>(chart: &mut Chart<'_, '_, X, Y>, across: &AxisWords<'_>, up: &AxisWords<'_>) -> Drawn
+where
+    X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    chart
+        .configure_mesh()
+        .x_desc(across.name.as_str())
+        .y_desc(up.name.as_str())
+        .x_label_formatter(&|value| (across.number)(*value))
+        .y_label_formatter(&|value| (up.number)(*value))
+        .light_line_style(BLACK.mix(0.04))
+        .bold_line_style(BLACK.mix(0.15))
+        .draw()
+}
+
+/// The legend of a chart's series.
+pub(super) fn legend<'a, 'b: 'a, X, Y>(chart: &mut Chart<'a, 'b, X, Y>, position: SeriesLabelPosition) -> Drawn
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
+    chart
+        .configure_series_labels()
+        .position(position)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.3))
+        .label_font(("sans-serif", 12))
+        .draw()
+}
 
 /// A picture of panels of this size in pixels beside and below each other, one for each thing.
 pub(super) fn panels<T>(

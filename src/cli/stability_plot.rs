@@ -7,7 +7,7 @@ use plotters::coord::combinators::IntoLogRange as _;
 use plotters::element::{Circle, PathElement, Rectangle};
 use plotters::prelude::{BLACK, Color, LineSeries, RGBColor, WHITE};
 
-use super::plot::{Area, COLORS, Drawn, panels};
+use super::plot::{Area, COLORS, Drawn, legend, panels, power};
 use crate::report::stability::map::MapFigures;
 use crate::view::Colormap;
 
@@ -35,8 +35,8 @@ fn plot(area: &Area<'_>, map: &MapFigures) -> Drawn {
         .disable_mesh()
         .x_desc("damping per unit mass, 1/s")
         .y_desc("stiffness per unit mass, 1/s²")
-        .x_label_formatter(&|value| format!("{value:.0e}"))
-        .y_label_formatter(&|value| format!("{value:.0e}"))
+        .x_label_formatter(&|value| power(*value))
+        .y_label_formatter(&|value| power(*value))
         .draw()?;
     for (column, x) in columns.iter().zip(across.windows(2)) {
         let tiles = column.survived.iter().zip(up.windows(2)).map(|(&steps, y)| {
@@ -61,13 +61,7 @@ fn plot(area: &Area<'_>, map: &MapFigures) -> Drawn {
         let square = move |(x, y)| Rectangle::new([(x + 3, y - 5), (x + 13, y + 5)], color.filled());
         chart.draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?.label(words).legend(square);
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::LowerRight)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.3))
-        .label_font(("sans-serif", 12))
-        .draw()
+    legend(&mut chart, SeriesLabelPosition::LowerRight)
 }
 
 /// The edges of the cells around values that grow by the same factor.

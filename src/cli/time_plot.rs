@@ -4,13 +4,10 @@
 use plotters::chart::{ChartBuilder, SeriesLabelPosition};
 use plotters::coord::combinators::IntoLogRange as _;
 use plotters::element::{Circle, PathElement};
-use plotters::prelude::{BLACK, Color, DashedLineSeries, LineSeries, ShapeStyle, WHITE};
+use plotters::prelude::{BLACK, Color, DashedLineSeries, LineSeries, ShapeStyle};
 
-use super::plot::{Area, COLORS, Drawn, decades};
+use super::plot::{Area, AxisWords, COLORS, Drawn, decades, legend, mesh, power};
 
-/// The size of a plot, pixels, and how many stand beside each other.
-pub(super) const PLOT: [u32; 2] = [740, 460];
-pub(super) const COLUMNS: usize = 2;
 /// How much further than the slowest run the axis of times goes: the legend stands there.
 const FOR_LEGEND: f64 = 30.0;
 
@@ -57,15 +54,9 @@ pub(super) fn draw(area: &Area<'_>, plot: &TimePlot) -> Drawn {
         .x_label_area_size(42)
         .y_label_area_size(62)
         .build_cartesian_2d((times.start..times.end * FOR_LEGEND).log_scale(), errors.log_scale())?;
-    chart
-        .configure_mesh()
-        .x_desc(format!("{}, s per simulated second", plot.time))
-        .y_desc("error, m (root mean square)")
-        .x_label_formatter(&|value| format!("{value:.0e}"))
-        .y_label_formatter(&|value| format!("{value:.0e}"))
-        .light_line_style(BLACK.mix(0.04))
-        .bold_line_style(BLACK.mix(0.15))
-        .draw()?;
+    let across = AxisWords { name: format!("{}, s per simulated second", plot.time), number: &power };
+    let up = AxisWords { name: "error, m (root mean square)".to_owned(), number: &power };
+    mesh(&mut chart, &across, &up)?;
     let ends = [(times.start, known), (times.end * FOR_LEGEND, known)];
     chart
         .draw_series(DashedLineSeries::new(ends, 4, 4, BLACK.mix(0.6).stroke_width(1)))?
@@ -90,10 +81,5 @@ pub(super) fn draw(area: &Area<'_>, plot: &TimePlot) -> Drawn {
         chart.draw_series(points().map(spread))?;
         chart.draw_series(points().map(|point| Circle::new(point.place(), 3, color.filled())))?;
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .background_style(WHITE.mix(0.85))
-        .label_font(("sans-serif", 12))
-        .draw()
+    legend(&mut chart, SeriesLabelPosition::UpperRight)
 }

@@ -12,12 +12,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::axis::Axis;
 use super::figures::title;
 use super::row::Row;
-use crate::cli::plot::{Area, COLORS, Drawn, panels};
+use crate::cli::plot::{Area, AxisWords, COLORS, COLUMNS, Drawn, PLOT, mesh, panels};
 use crate::view::colormap::Colormap;
 
-/// The size of one figure's plot, pixels, and how many stand beside each other.
-const PLOT: [u32; 2] = [740, 420];
-const COLUMNS: usize = 2;
 /// Values that span more than this factor stand on a logarithmic scale.
 const LOGARITHMIC: f64 = 100.0;
 /// The width of a heat map's legend, pixels.
@@ -113,15 +110,9 @@ fn line(area: &Area<'_>, axis: &Axis, curve: &Curve) -> Drawn {
         .x_label_area_size(42)
         .y_label_area_size(72)
         .build_cartesian_2d(across, up)?;
-    chart
-        .configure_mesh()
-        .x_desc(axis.title())
-        .y_desc(title(&curve.name))
-        .x_label_formatter(&|place| x.label(*place))
-        .y_label_formatter(&|place| y.label(*place))
-        .light_line_style(BLACK.mix(0.04))
-        .bold_line_style(BLACK.mix(0.15))
-        .draw()?;
+    let across = AxisWords { name: axis.title(), number: &|place| x.label(place) };
+    let up = AxisWords { name: title(&curve.name), number: &|place| y.label(place) };
+    mesh(&mut chart, &across, &up)?;
     let places: Vec<_> = axis.values.iter().map(|value| x.place(*value)).zip(&curve.values).collect();
     // What diverged parts the curve.
     for part in places.split(|(_, value)| value.is_none()) {
