@@ -1,9 +1,5 @@
 //! What the report of error against run time tells, writes, goes on with and refuses.
 
-use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
-
 use serde_json::Value;
 
 use crate::bad_input::{FAILED, USAGE, refused};
@@ -65,24 +61,7 @@ fn without_a_scene_cells_are_weighed_against_steps() {
 fn a_report_that_was_interrupted_goes_on_and_does_nothing_twice() {
     let folder = Folder::new();
     let line = format!("report error cube-on-plane incline --quick {SMALL} -o made");
-    let mut first = Command::new(env!("CARGO_BIN_EXE_gelatin"))
-        .args(line.split_whitespace())
-        .current_dir(folder.path(""))
-        .stdout(Stdio::null())
-        .spawn()
-        .expect("the program starts");
-    let kept = folder.path("made/error.partial.jsonl");
-    let until = Instant::now() + Duration::from_mins(2);
-    // A line of what is measured, and one of each scene.
-    let scenes_in = |path: &Path| std::fs::read_to_string(path).map_or(0, |text| text.lines().count().max(1) - 1);
-    while scenes_in(&kept) == 0 {
-        assert!(first.try_wait().expect("it can be asked").is_none(), "it ended before it was interrupted");
-        assert!(Instant::now() < until, "the first scene takes too long");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    first.kill().expect("it is interrupted");
-    first.wait().expect("it ends");
-    let kept = std::fs::read_to_string(&kept).expect("kept");
+    let kept = folder.interrupted(&line, "made/error.partial.jsonl", 1);
     let first: Value = serde_json::from_str(kept.lines().nth(1).expect("a scene")).expect("JSON");
     // Wall times are never the same twice.
     let are_kept = |report: &Value| report["scenes"][0] == first["found"]["scene"];

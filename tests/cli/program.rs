@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
@@ -74,6 +75,27 @@ impl Folder {
             figures: String::from_utf8_lossy(&output.stdout).into_owned(),
             notes: String::from_utf8_lossy(&output.stderr).into_owned(),
         }
+    }
+
+    /// Interrupts the program as soon as it has kept a number of pieces in a file, and returns that file.
+    pub(crate) fn interrupted(&self, line: &str, kept: &str, pieces: usize) -> String {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_gelatin"))
+            .args(line.split_whitespace())
+            .current_dir(self.0.path())
+            .stdout(Stdio::null())
+            .spawn()
+            .expect("the program starts");
+        let kept = || fs::read_to_string(self.path(kept)).unwrap_or_default();
+        let until = Instant::now() + Duration::from_mins(2);
+        // The first line says what is measured.
+        while kept().lines().count() < 1 + pieces {
+            assert!(program.try_wait().expect("it can be asked").is_none(), "it ended before it was interrupted");
+            assert!(Instant::now() < until, "the first pieces take too long");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        program.kill().expect("it is interrupted");
+        program.wait().expect("it ends");
+        kept()
     }
 
     /// Runs the program, which must succeed with one JSON object.

@@ -1,8 +1,6 @@
 //! Parameter studies: a row for every combination, a picture, nothing done twice, what is refused.
 
 use std::collections::BTreeSet;
-use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -84,26 +82,12 @@ fn two_parameters_are_a_heat_map_in_which_what_diverged_is_marked() {
 fn a_study_that_was_interrupted_goes_on_and_does_nothing_twice() {
     let folder = Folder::new();
     let line = "sweep cube-on-plane --over settings.gravity=1..10:6 --seconds 0.5 --figures wall_secs,hash -o made";
-    let mut first = Command::new(env!("CARGO_BIN_EXE_gelatin"))
-        .args(line.split_whitespace())
-        .current_dir(folder.path(""))
-        .stdout(Stdio::null())
-        .spawn()
-        .expect("the program starts");
-    let kept = || std::fs::read_to_string(folder.path("made/sweep.partial.jsonl")).unwrap_or_default();
-    let until = Instant::now() + Duration::from_mins(2);
-    while kept().lines().count() < 3 {
-        assert!(first.try_wait().expect("it can be asked").is_none(), "it ended before it was interrupted");
-        assert!(Instant::now() < until, "two runs take too long");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    first.kill().expect("it is interrupted");
-    first.wait().expect("it ends");
+    let kept = folder.interrupted(line, "made/sweep.partial.jsonl", 2);
     let times = |text: &str| -> Vec<Value> {
         let lines = text.lines().skip(1).filter_map(|line| serde_json::from_str::<Value>(line).ok());
         lines.map(|line| line["found"]["figures"][0].clone()).collect()
     };
-    let done = times(&kept());
+    let done = times(&kept);
     let report = folder.json(&format!("{line} --json"));
     let all: Vec<&Value> = report["rows"].as_array().expect("rows").iter().map(|row| &row["wall_secs"]).collect();
     assert_eq!(all.len(), 6, "{report}");
