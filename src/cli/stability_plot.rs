@@ -4,7 +4,7 @@
 use anyhow::Result;
 use plotters::chart::{ChartBuilder, SeriesLabelPosition};
 use plotters::coord::combinators::IntoLogRange as _;
-use plotters::element::{Circle, PathElement, Rectangle};
+use plotters::element::{Circle, EmptyElement, PathElement, Rectangle};
 use plotters::prelude::{BLACK, Color, LineSeries, RGBColor, WHITE};
 
 use super::plot::{Area, COLORS, Drawn, legend, panels, power};
@@ -46,11 +46,13 @@ fn plot(area: &Area<'_>, map: &MapFigures) -> Drawn {
         chart.draw_series(tiles)?;
     }
     let measured = columns.iter().filter_map(|column| Some((column.damping, column.measured?[0])));
+    let measured = measured.chain(map.measured_fall.map(|damping| (damping, stiffness[0])));
     chart
         .draw_series(measured.map(|place| Circle::new(place, 4, BLACK.stroke_width(2))))?
         .label("measured border")
         .legend(|(x, y)| Circle::new((x + 8, y), 4, BLACK.stroke_width(2)));
     let predicted = columns.iter().filter_map(|column| Some((column.damping, column.predicted?)));
+    let predicted = predicted.chain(map.predicted_fall.iter().map(|[damping, stiffness]| (*damping, *stiffness)));
     let line = COLORS[4].stroke_width(3);
     chart
         .draw_series(LineSeries::new(predicted, line))?
@@ -58,7 +60,13 @@ fn plot(area: &Area<'_>, map: &MapFigures) -> Drawn {
         .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], line));
     for (words, steps) in [("stable", map.watched), ("blows up late", map.watched / 2), ("at once", 1)] {
         let color = color(steps, map.watched);
-        let square = move |(x, y)| Rectangle::new([(x + 3, y - 5), (x + 13, y + 5)], color.filled());
+        // White needs an edge to be seen.
+        let square = move |(x, y): (i32, i32)| {
+            let corners = [(x + 3, y - 5), (x + 13, y + 5)];
+            EmptyElement::at((0, 0))
+                + Rectangle::new(corners, color.filled())
+                + Rectangle::new(corners, BLACK.mix(0.5).stroke_width(1))
+        };
         chart.draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?.label(words).legend(square);
     }
     legend(&mut chart, SeriesLabelPosition::LowerRight)

@@ -44,6 +44,9 @@ const VALUES: [usize; 2] = [25, 9];
 /// Steps that are watched; and with `quick`.
 const STEPS: [usize; 2] = [1500, 300];
 
+/// Places of the predicted border between the columns where it falls off the map.
+const FALL_POINTS: u32 = 6;
+
 /// The map of one scheme. SI units; both axes per unit mass of a particle, of the stiffness and damping of all links.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
@@ -54,6 +57,11 @@ pub struct MapFigures {
     pub watched: usize,
     pub stiffness: Vec<f64>,
     pub columns: Vec<Column>,
+    /// Damping and stiffness of the predicted border where it falls off the map, the damping rising; the last is at the
+    /// least stiffness. Empty where it does not.
+    pub predicted_fall: Vec<[f64; 2]>,
+    /// The largest damping that is stable at the least stiffness; none where all or none of the map are.
+    pub measured_fall: Option<f64>,
     pub passed: bool,
 }
 
@@ -88,8 +96,18 @@ fn measured(integrator: Integrator, quick: bool, wrong: f64) -> Result<MapFigure
     let tried = Tried { scene: &scene, lattices: &lattices(&scene)?, material: &cube_material, steps: watched };
     let columns: Vec<Column> =
         damping.par_iter().with_max_len(1).map(|&damping| tried.column(damping, &stiffness, wrong)).collect();
-    let passed = columns.iter().all(|column| column.passed);
-    Ok(MapFigures { integrator, dt_secs: DT_SECS, watched, stiffness, columns, passed })
+    let predicted_fall = tried.predicted_fall(&columns, &stiffness, wrong);
+    let stays = |column: &Column| column.survived.first() == Some(&watched);
+    let measured_fall = between(&columns, stays).map(|ends| tried.damping_border(ends, stiffness[0], &())[0]);
+    let too_far = predicted_fall.last().zip(measured_fall).is_some_and(|([predicted, _], most)| *predicted > most);
+    let passed = columns.iter().all(|column| column.passed) && !too_far;
+    Ok(MapFigures { integrator, dt_secs: DT_SECS, watched, stiffness, columns, predicted_fall, measured_fall, passed })
+}
+
+/// The dampings of the last column of which something holds and of the next one.
+fn between(columns: &[Column], holds: impl Fn(&Column) -> bool) -> Option<[f64; 2]> {
+    let pair = columns.windows(2).find(|pair| holds(&pair[0]) && !holds(&pair[1]))?;
+    Some([pair[0].damping, pair[1].damping])
 }
 
 /// So many values from one power of ten to another, evenly by their logarithm.
@@ -166,17 +184,28 @@ impl Tried<'_> {
         limit.is_none_or(|limit| self.scene.settings.dt <= wrong * limit)
     }
 
+    /// The largest of the stiffnesses that is predicted to be stable, found between the least and the most of them.
+    fn predicted(&self, damping: f64, stiffness: &[f64], wrong: f64) -> Option<f64> {
+        let (least, most) = (*stiffness.first()?, *stiffness.last()?);
+        let is_predicted = |stiffness: f64| self.is_predicted(stiffness, damping, wrong);
+        is_predicted(least).then(|| if is_predicted(most) { most } else { halved_often([least, most], is_predicted) })
+    }
+
+    /// The predicted border between the last column that it crosses and the next.
+    fn predicted_fall(&self, columns: &[Column], stiffness: &[f64], wrong: f64) -> Vec<[f64; 2]> {
+        let Some(ends @ [last, _]) = between(columns, |column| column.predicted.is_some()) else { return Vec::new() };
+        let end = halved_often(ends, |damping| self.is_predicted(stiffness[0], damping, wrong));
+        // It falls ever more steeply.
+        let dampings = (1..=FALL_POINTS).map(|part| end - (end - last) * libm::exp2(-f64::from(part)));
+        let place = |damping: f64| Some([damping, self.predicted(damping, stiffness, wrong)?]);
+        dampings.filter_map(place).chain([[end, stiffness[0]]]).collect()
+    }
+
     /// A column of the report's map, with a prediction that is wrong by a factor.
     fn column(&self, damping: f64, stiffness: &[f64], wrong: f64) -> Column {
         let Survival { survived, border: measured } =
             self.survival(damping, stiffness, &()).unwrap_or(Survival { survived: Vec::new(), border: None });
-        let predicted = self.is_predicted(stiffness[0], damping, wrong).then(|| {
-            let most = stiffness[stiffness.len() - 1];
-            if self.is_predicted(most, damping, wrong) {
-                return most;
-            }
-            halved_often([stiffness[0], most], |stiffness| self.is_predicted(stiffness, damping, wrong))
-        });
+        let predicted = self.predicted(damping, stiffness, wrong);
         let blows_up_at = match (survived.first(), measured) {
             (Some(&steps), _) if steps < self.steps => stiffness[0],
             (_, Some([_, bad])) => bad,
@@ -222,6 +251,9 @@ mod tests {
             let ratio = predicted / good;
             assert!((0.6..=1.0).contains(&ratio), "{integrator:?} next to undamped: {ratio}");
             let last = map.columns.last().expect("a column");
+            let (end, most) = (map.predicted_fall.last().expect("an end"), map.measured_fall.expect("an end"));
+            assert!(end[0] <= most && end[0] > 0.6 * most, "{integrator:?} next to no stiffness: {end:?} of {most}");
+            assert!(map.predicted_fall.is_sorted_by(|a, b| a[0] <= b[0] && a[1] >= b[1]), "{:?}", map.predicted_fall);
             assert_eq!(
                 (last.predicted, last.survived[0] < map.watched),
                 (None, true),

@@ -84,6 +84,15 @@ fn write_maps(text: &mut String, maps: &[MapFigures]) -> std::fmt::Result {
                 number(measured)
             )?;
         }
+        if let (Some([predicted, _]), Some(measured)) = (map.predicted_fall.last(), map.measured_fall) {
+            let ratio = predicted / measured;
+            let least = map.stiffness.first().copied().unwrap_or(0.0);
+            writeln!(
+                text,
+                "\nAt {least:.0e} 1/s² the largest stable damping is {predicted:.1} 1/s predicted and {measured:.1} 1/s \
+                 measured, a ratio of {ratio:.3}."
+            )?;
+        }
     }
     Ok(())
 }
