@@ -69,7 +69,7 @@ fn plot(area: &Area<'_>, map: &MapFigures) -> Drawn {
         };
         chart.draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?.label(words).legend(square);
     }
-    legend(&mut chart, SeriesLabelPosition::LowerRight)
+    legend(&mut chart, SeriesLabelPosition::LowerLeft)
 }
 
 /// The edges of the cells around values that grow by the same factor.
