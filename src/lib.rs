@@ -100,8 +100,8 @@
 //! 2. Only `app` names egui and winit; only `render` and `app::canvas` name wgpu (`tests/tidy.rs`).
 //! 3. A step cannot fail, allocate, read a clock or log; it abandons a step that would make a number infinite and
 //!    keeps the last good state (`tests/physics/determinism.rs`, `stability.rs`).
-//! 4. The same scene gives the same bits; what a plan leaves out changes nothing but time (`tests/physics/determinism.rs`,
-//!    `economy.rs`). Sleep does: what rests has stopped, and what fell out of the scene, as a function of
+//! 4. The same scene gives the same bits at every level of vector instructions; what a plan leaves out changes nothing but
+//!    time (`tests/physics/determinism.rs`, `economy.rs`). Sleep does: what rests has stopped, and what fell out of the scene, as a function of
 //!    the state alone (`tests/physics/sleep.rs`, `fallen.rs`).
 //! 5. In automatic stepping no value of a parameter within its range makes a body explode
 //!    (`tests/physics/stability.rs`).

@@ -82,9 +82,10 @@ impl Lattice {
 
     /// How large it is.
     pub fn counts(&self) -> LatticeCounts {
-        let Self { corners, links, cells, surface, .. } = self;
+        let Self { grid, corners, links, cells, surface } = self;
         let links = std::array::from_fn(|family| links[family].len());
-        LatticeCounts { particles: corners.len(), links, cells: cells.len(), surface: *surface }
+        let grid_corners = grid_corners(grid);
+        LatticeCounts { particles: corners.len(), links, cells: cells.len(), surface: *surface, grid_corners }
     }
 
     /// The position of a particle at rest, in the grid's coordinates, m.
@@ -104,6 +105,12 @@ pub struct LatticeCounts {
     pub cells: usize,
     /// Particles at which fewer than eight cells meet.
     pub surface: usize,
+    /// Corners of the whole grid, with a particle or without.
+    pub grid_corners: usize,
+}
+
+fn grid_corners(grid: &Grid) -> usize {
+    grid.dims.iter().map(|&n| n as usize + 1).product()
 }
 
 impl LatticeCounts {
@@ -189,7 +196,7 @@ impl CornerTable {
     }
 
     fn counts(&self) -> LatticeCounts {
-        let mut counts = LatticeCounts::default();
+        let mut counts = LatticeCounts { grid_corners: self.corners.len(), ..LatticeCounts::default() };
         for corner in self.corners.iter().filter(|&corner| self.particle(corner).is_some()) {
             counts.particles += 1;
             let around = self.around[self.corners.index(corner)];
@@ -281,7 +288,8 @@ mod tests {
             |particle: usize| lattice.cells.iter().flatten().filter(|&&corner| corner as usize == particle).count();
         let surface = (0..lattice.corners.len()).filter(|&particle| meeting(particle) < 8).count();
         let (particles, links, cells) = (lattice.corners.len(), counts(lattice), lattice.cells.len());
-        assert_eq!(counted, LatticeCounts { particles, links, cells, surface }, "counted");
+        let grid_corners = lattice.grid.dims.iter().map(|&n| n as usize + 1).product();
+        assert_eq!(counted, LatticeCounts { particles, links, cells, surface, grid_corners }, "counted");
         assert_eq!(lattice.counts(), counted, "built");
         let low = [0, 1, 2].map(|axis| list.iter().map(|cell| cell[axis]).min().expect("not empty"));
         let place = |particle: u32| {

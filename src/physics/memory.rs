@@ -3,6 +3,7 @@
 use super::contact::{ContactRecord, Touch};
 use super::model::Link;
 use crate::geometry::LatticeCounts;
+use crate::physics::kernels::{BYTES_A_CORNER, MOST_CORNERS_A_PARTICLE};
 use crate::physics::schemes::implicit_bytes;
 
 /// What a simulation is to be made of.
@@ -46,7 +47,9 @@ fn of_body(body: &LatticeCounts) -> usize {
 fn of_motion(body: &LatticeCounts, size: Size) -> usize {
     let touch = if size.implicit { size_of::<Touch>() } else { 0 };
     let meetings = body.surface * size.obstacles.min(3);
+    let boxed = body.grid_corners.min(MOST_CORNERS_A_PARTICLE * body.particles);
     body.particles * (OF_A_STATE + OF_A_STEP + size.planes)
+        + boxed * BYTES_A_CORNER
         + 2 * body.cells * size_of::<u32>()
         + meetings * (size_of::<ContactRecord<f32>>() + touch)
 }

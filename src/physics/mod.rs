@@ -15,6 +15,7 @@
 //! stepping     how a step is divided in time
 //! step         a substep: its stages, one function each, in the order of GC Algorithm 1
 //! forces       gravity, links, recovery from inversion
+//! kernels      the forces of links again, many at a time; what the links of `forces` are compared with
 //! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
 //! contact      obstacles: where they are, who meets them, what they do to velocities
 //! limits       how large a step may be: waves, cells
@@ -57,6 +58,7 @@ mod compile;
 mod contact;
 mod forces;
 mod interaction;
+mod kernels;
 mod limits;
 pub mod memory;
 mod model;
@@ -75,6 +77,7 @@ pub use compile::safe_values::{ContactLoad, SafeValue, StepSettings, largest_saf
 pub use compile::stability_plane::{Place, StabilityPlane};
 pub use contact::{ContactRecord, Placed};
 pub use interaction::Grab;
+pub use kernels::SimdLevel;
 pub use limits::{SAFETY, SceneLimits, Term};
 pub use model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, Stage};
 pub use model::{

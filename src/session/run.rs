@@ -9,6 +9,7 @@ use super::predict::slowed_words;
 use crate::geometry::Watch;
 use crate::machine::peak_memory;
 use crate::math::FRAME_SECS;
+use crate::physics::SimdLevel;
 use crate::physics::Stage;
 use crate::physics::StepReport;
 use crate::physics::{Diagnostics, Energy};
@@ -187,6 +188,17 @@ pub fn whole_steps(seconds: f64, dt_secs: f64) -> u64 {
     libm::round(seconds / dt_secs) as u64
 }
 
+/// The vector instructions that the machine has for forces, by name.
+pub fn simd_levels() -> Vec<&'static str> {
+    SimdLevel::ALL.into_iter().filter(|level| level.is_available()).map(SimdLevel::name).collect()
+}
+
+/// Has every simulation of the process from now on use the vector instructions of this name. Says whether they do: not
+/// where the machine lacks them, nor after another choice or a simulation.
+pub fn choose_simd_level(name: &str) -> bool {
+    SimdLevel::ALL.into_iter().find(|level| level.name() == name).is_some_and(SimdLevel::choose)
+}
+
 struct Outcome {
     report: StepReport,
     timer: WallTimer,
@@ -216,7 +228,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         dt_safe_secs: plan.limits.dt_safe_secs(),
         limited_by: plan.limits.limited_by(plan.dt_secs).name(),
         integrator: Integrator::from(plan.scheme).name(),
-        simd: "portable",
+        simd: plan.simd.name(),
         threads: 1,
         finite: last.finite && !report.diverged,
         particles: simulation.model().particle_count(),

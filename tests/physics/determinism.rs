@@ -3,7 +3,8 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use gelatin::physics::Arrival;
+use gelatin::physics::{Arrival, SimdLevel};
+use gelatin::scene::material::Solid;
 use gelatin::scene::{Material, Scene};
 
 use crate::support::{ball, cube, falling, lattices, plane, run, simulate, springs};
@@ -26,6 +27,23 @@ fn the_same_scene_gives_the_same_bits_and_another_one_does_not() {
     let mut other = landing();
     other.bodies[0].velocity[0] = 1e-6;
     assert_ne!(hash(&landing()), hash(&other), "a breath of wind is another motion");
+}
+
+#[test]
+fn every_level_of_vector_instructions_gives_the_same_bits() {
+    let mut solid = landing();
+    solid.bodies[0].material = Material::Solid(Solid { young_modulus: 2e4, ..Solid::default() });
+    for scene in [landing(), solid] {
+        let hash = |level: SimdLevel| {
+            let mut simulation = simulate::<f32>(&scene);
+            simulation.plan_mut().simd = level;
+            run(&mut simulation, 1.0);
+            simulation.hash()
+        };
+        let levels = SimdLevel::ALL.into_iter().filter(|level| level.is_available());
+        let hashes: Vec<_> = levels.map(|level| (level.name(), hash(level))).collect();
+        assert!(hashes.iter().all(|(_, hash)| *hash == hashes[0].1), "{hashes:x?}");
+    }
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Ways to break a cube, and that it comes back (S7; the "broken cube" of GC §10).
 
+use std::ops::Range;
+
 use gelatin::math::Real;
 use gelatin::math::Vector;
 use gelatin::math::rng::Rng;
@@ -183,7 +185,10 @@ fn families_far_apart_come_back() {
     let far_apart =
         [[high, low, low], [low, high, low], [low, low, high], [high, high, low], [high, low, high], [low, high, high]];
     for stiffness in far_apart.into_iter().chain([[4.0, 0.0, 0.0], [40.0, 4.0, 0.4], [30.0, 25.0, 12.0]]) {
-        for way in WAYS {
+        // Shear links alone make a knot of a point, which comes undone most of the time: see below.
+        let [structural, shear, bending] = stiffness;
+        let is_knotted = |way: Break| matches!(way, Break::Collapsed) && shear > 100.0 * (structural + bending);
+        for way in WAYS.into_iter().filter(|way| !is_knotted(*way)) {
             assert_eq!(left_broken(broken::<f32>(5, families(5, stiffness), way, |_| ())), 0, "{way:?}, {stiffness:?}");
         }
     }
@@ -201,16 +206,18 @@ fn left_knotted(n: u32, stiffness: [f64; 3], seed: u64, secs: f64, change: impl 
     now.inverted_cells
 }
 
+/// A knot comes undone or not by chance: which start does changes with the rounding of a force. Of 600 such cubes, 5 to 8
+/// particles an edge, about one in ten keeps one to three cells inverted.
 #[test]
-fn shear_links_crushed_to_a_point_come_back() {
-    for (n, seeds) in [(5, &[17, 18][..]), (6, &[17]), (7, &[19]), (8, &[17])] {
-        for stiffness in KNOTTED {
-            for &seed in seeds {
-                let left = left_knotted(n, stiffness, seed, 0.5, |_| ());
-                assert_eq!(left, 0, "cells stay inverted at n = {n}, {stiffness:?}, start {seed}");
-            }
-        }
-    }
+fn most_shear_links_crushed_to_a_point_come_back() {
+    let broken_with = |starts: Range<u64>, change: fn(&mut Scene)| {
+        let cubes = starts.flat_map(|start| KNOTTED.map(|stiffness| left_knotted(5, stiffness, start, 0.5, change)));
+        cubes.filter(|left| *left > 0).count()
+    };
+    let left = broken_with(100..140, |_| ());
+    assert!(left <= 16, "{left} of 80 keep cells inverted");
+    let unhelped = broken_with(100..110, |scene| scene.settings.inversion_recovery = false);
+    assert!(unhelped >= 10, "only {unhelped} of 20 would keep cells inverted without help");
 }
 
 #[test]

@@ -16,6 +16,7 @@ use glam::{DMat3, DVec3};
 use super::model::{BodyModel, ContactModel, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel, Values};
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
+use crate::physics::kernels::{BoxedLinks, Layout};
 use crate::physics::limits::{any_state, lattice};
 use crate::physics::model::plan::Plan;
 use crate::physics::state::fallen;
@@ -105,6 +106,11 @@ fn compile_body<R: Real>(
             (heaviest, Values::Each(masses.into_iter().map(R::from_f64).collect()))
         }
     };
+    let layout = known.map_or_else(
+        || Layout::new(lattice).map(Arc::new),
+        |body| body.boxed_links.as_ref().map(|boxed| Arc::clone(&boxed.layout)),
+    );
+    let boxed_links = layout.map(|layout| BoxedLinks::new(layout, lattice, &links));
     let load = heaviest_load(lattice) * heaviest * gravity;
     let [recovery_stiffness, recovery_mass] = match &body.material {
         _ if !scene.settings.inversion_recovery => [0.0, particle_mass],
@@ -121,6 +127,7 @@ fn compile_body<R: Real>(
         load_share,
         pinned,
         links,
+        boxed_links,
         crowds,
         lattice: Arc::clone(lattice),
         size: R::from_f64(size),

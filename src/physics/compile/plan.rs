@@ -2,6 +2,7 @@
 
 use crate::geometry::Family;
 use crate::math::{FRAME_SECS, Real};
+use crate::physics::kernels::SimdLevel;
 use crate::physics::limits::{SceneLimits, any_state};
 use crate::physics::model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan};
 use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
@@ -54,6 +55,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         limits,
         families: Family::ALL.map(|family| has_force(family as usize)),
         damped: Family::ALL.map(|family| model.bodies.iter().any(|body| body.links[family as usize].damping > R::ZERO)),
+        simd: SimdLevel::chosen(),
         spheres: model.obstacles.iter().any(|o| matches!(o.shape, ObstacleShape::Sphere { .. })),
         friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
         recovery: model.bodies.iter().any(|body| body.recovery.stiffness > R::ZERO),

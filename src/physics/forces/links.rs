@@ -1,4 +1,5 @@
-//! The law of a link (GC §2), and the walks over the links of a body.
+//! The law of a link (GC §2), and the walks over the links of a body. [`crate::physics::kernels`] has the same law for many
+//! links at a time; here is what it is compared with.
 
 use glam::DVec3;
 

@@ -6,19 +6,36 @@ pub(in crate::physics) mod recovery;
 use links::{Configuration, elastic_force, for_each_exact_link, for_each_link};
 
 use crate::math::{Real, Vector};
+use crate::physics::kernels;
 use crate::physics::model::plan::{Plan, Stage};
-use crate::physics::model::{Model, Values};
+use crate::physics::model::{LinkFamily, Model, Values};
 use crate::physics::report::Recorder;
 use crate::physics::state::BodyMemory;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::substep::Substep;
+
+/// Room that forces are worked out in.
+#[derive(Clone, Debug)]
+pub(super) struct Workspace<R: Real> {
+    recovery: recovery::Scratch<R>,
+    /// Of each body whose links are in a box.
+    boxes: Vec<Option<kernels::Workspace<R>>>,
+}
+
+impl<R: Real> Workspace<R> {
+    /// Room for a model.
+    pub(super) fn new(model: &Model<R>) -> Self {
+        let boxes = model.bodies.iter().map(|body| body.boxed_links.as_ref().map(kernels::Workspace::new));
+        Self { recovery: recovery::Scratch::new(model), boxes: boxes.collect() }
+    }
+}
 
 /// Writes all forces on the particles of bodies that are awake but those of contact, N.
 pub(super) fn evaluate<R: Real>(
     substep: Substep<'_, R>,
     at: Configuration<'_, R>,
     force: &mut [R::Vec3],
-    scratch: &mut recovery::Scratch<R>,
+    workspace: &mut Workspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, plan, state, .. } = substep;
@@ -27,13 +44,13 @@ pub(super) fn evaluate<R: Real>(
     if plan.runs(Stage::Links) {
         recorder.enter(Stage::Links);
         match at.residual {
-            None => links(substep, at, force, recorder),
+            None => links(substep, at, force, &mut workspace.boxes, recorder),
             Some(residual) => exact_links(substep, at.position, residual, force, recorder),
         }
     }
     if plan.recovery && state.bodies.iter().any(BodyMemory::is_watched) {
         recorder.enter(Stage::Recovery);
-        recovery::add_forces(substep, at, force, scratch, recorder);
+        recovery::add_forces(substep, at, force, &mut workspace.recovery, recorder);
     }
 }
 
@@ -52,19 +69,28 @@ fn gravity<R: Real>(model: &Model<R>, memory: &[BodyMemory], force: &mut [R::Vec
     }
 }
 
-/// Adds the forces of all links, N.
+/// Adds the forces of all links, N: over the box of a body where it has one, else along the list of its links.
 fn links<R: Real>(
     Substep { model, plan, state, .. }: Substep<'_, R>,
     at: Configuration<'_, R>,
     force: &mut [R::Vec3],
+    boxes: &mut [Option<kernels::Workspace<R>>],
     recorder: &mut Recorder<'_>,
 ) {
     let mut evaluated = 0;
-    for body in awake(model, &state.bodies) {
+    let stops = || recorder.stops();
+    let rooms = model.bodies.iter().zip(&state.bodies).zip(boxes).filter(|((_, memory), _)| !memory.asleep);
+    for ((body, _), room) in rooms {
         let particles = body.particles.clone();
         let (position, velocity) = (&at.position[particles.clone()], &at.velocity[particles.clone()]);
         let force = &mut force[particles];
-        for_each_link(body, plan, position, velocity, &|| recorder.stops(), |[i, j], on_i| {
+        if let (Some(boxed), Some(room)) = (&body.boxed_links, room) {
+            let damped = [0, 1, 2].map(|family| plan.families[family] && is_damped(plan, &body.links[family]));
+            let pass = kernels::Pass { level: plan.simd, families: plan.families, damped, stops: &stops };
+            evaluated += kernels::add_forces(boxed, pass, [position, velocity], force, room);
+            continue;
+        }
+        for_each_link(body, plan, position, velocity, &stops, |[i, j], on_i| {
             force[i] += on_i;
             force[j] -= on_i;
             evaluated += 1;
@@ -104,7 +130,12 @@ fn exact_links<R: Real>(
 fn damped_links<R: Real>(model: &Model<R>, plan: &Plan, memory: &[BodyMemory]) -> u64 {
     let families = awake(model, memory).flat_map(|body| body.links.iter().zip(plan.families));
     families
-        .filter(|(family, chosen)| *chosen && (family.damping > R::ZERO || !plan.lean))
+        .filter(|(family, chosen)| *chosen && is_damped(plan, family))
         .map(|(family, _)| family.links.len() as u64)
         .sum()
+}
+
+/// Whether the damping of a family is worked out.
+fn is_damped<R: Real>(plan: &Plan, family: &LinkFamily<R>) -> bool {
+    family.damping > R::ZERO || !plan.lean
 }

@@ -1,16 +1,20 @@
 //! The constant side of a scene: particles, links and obstacles with their numbers, ready for the step. It lives from
 //! one compilation to the next; live parameter changes replace it and keep the [`super::State`].
 
+pub(in crate::physics) mod link;
 pub(in crate::physics) mod plan;
 mod scheme;
 
 pub use scheme::Scheme;
+
+pub use link::{Link, LinkConstants, LinkFamily};
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector};
+use crate::physics::kernels::BoxedLinks;
 
 /// Everything about a scene that a step reads and never writes.
 #[derive(Clone, Debug)]
@@ -74,6 +78,8 @@ pub struct BodyModel<R: Real> {
     pub pinned: Values<bool>,
     /// Links by family: structural, shear, bending. Particle numbers are local to the body.
     pub links: [LinkFamily<R>; 3],
+    /// The same links in the box of the body's grid corners; none where it is mostly empty.
+    pub(in crate::physics) boxed_links: Option<BoxedLinks<R>>,
     /// How crowded with links its particles are: for every different one the sums of their inverse rest lengths by
     /// family, 1/m.
     pub crowds: Arc<[[f64; 3]]>,
@@ -142,49 +148,6 @@ impl<T: Copy> Values<T> {
     }
 }
 
-/// The links of one family in one body.
-#[derive(Clone, Debug)]
-pub struct LinkFamily<R: Real> {
-    /// Force at 100 % strain, N; the largest where links differ.
-    pub stiffness: R,
-    /// Force at a relative speed of one rest length a second, N·s; the largest where links differ.
-    pub damping: R,
-    /// The links; copies of a model share them.
-    pub links: Arc<[Link<R>]>,
-    /// Stiffness and damping of each link, in the units above.
-    pub constants: LinkConstants<R>,
-}
-
-/// Stiffness and damping of the links of a family.
-#[derive(Clone, Debug)]
-pub enum LinkConstants<R> {
-    /// All the same.
-    Uniform([R; 2]),
-    /// By class.
-    Classes {
-        /// The class of each link, a place in `constants`.
-        of_link: Vec<u16>,
-        /// Stiffness and damping of each class.
-        constants: Vec<[R; 2]>,
-    },
-}
-
-impl<R: Real> LinkFamily<R> {
-    /// The links themselves, shared.
-    pub(super) fn measured(&self) -> Arc<[Link<R>]> {
-        Arc::clone(&self.links)
-    }
-
-    /// Stiffness (N) and damping (N·s) of one link.
-    #[inline]
-    pub fn constants(&self, link: usize) -> [R; 2] {
-        match &self.constants {
-            LinkConstants::Uniform(constants) => *constants,
-            LinkConstants::Classes { of_link, constants } => constants[usize::from(of_link[link])],
-        }
-    }
-}
-
 /// What a cell of one material gives to its links and corners, shares of neighbours not counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellKind {
@@ -194,17 +157,6 @@ pub struct CellKind {
     pub damping: [f64; 2],
     /// Mass of the cell, kg.
     pub mass: f64,
-}
-
-/// A spring between two particles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Link<R> {
-    /// The particles, local to the body.
-    pub ends: [u32; 2],
-    /// Length without force, m.
-    pub rest_length: R,
-    /// Its inverse, 1/m: a division saved in every step.
-    pub inverse_rest_length: R,
 }
 
 /// How the cells of a body resist inversion, in substeps of one length whatever parts these are taken in: parts could

@@ -2,6 +2,7 @@
 
 use crate::geometry::Family;
 use crate::math::Real;
+use crate::physics::kernels::SimdLevel;
 use crate::physics::limits::SceneLimits;
 use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
 
@@ -82,6 +83,8 @@ pub struct Plan {
     pub families: [bool; 3],
     /// Which families have a damping to work out, in any body.
     pub damped: [bool; 3],
+    /// The instructions that work out the forces of links; the result is the same with all of them.
+    pub simd: SimdLevel,
     /// Whether crushed cells are pushed back to shape.
     pub recovery: bool,
     /// Whether anything can be met.

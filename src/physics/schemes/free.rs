@@ -3,7 +3,6 @@
 use crate::math::{Real, Vector};
 use crate::physics::forces;
 use crate::physics::forces::links::Configuration;
-use crate::physics::forces::recovery;
 use crate::physics::model::Model;
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::{Plan, Stage};
@@ -67,7 +66,7 @@ pub(in crate::physics) struct Free<'a, R: Real> {
     /// Of these the thesis's contact, N: constant over the substep. None without that rule.
     pub(in crate::physics) held_force: Option<&'a [R::Vec3]>,
     pub(in crate::physics) scratch: &'a mut Scratch<R>,
-    pub(in crate::physics) recovery: &'a mut recovery::Scratch<R>,
+    pub(in crate::physics) forces: &'a mut forces::Workspace<R>,
 }
 
 impl<R: Real> Free<'_, R> {
@@ -88,7 +87,7 @@ impl<R: Real> Free<'_, R> {
         velocity.copy_from_slice(&self.substep.state.velocity);
         kick(self.substep.model, &self.substep.state.bodies, ahead, force, velocity);
         let at = Configuration { position, velocity, residual: None };
-        forces::evaluate(self.substep, at, force, self.recovery, recorder);
+        forces::evaluate(self.substep, at, force, self.forces, recorder);
         for (force, held) in force.iter_mut().zip(self.held_force.into_iter().flatten()) {
             *force += *held;
         }

@@ -50,7 +50,7 @@ pub(super) struct Scratch<R: Real> {
     /// Contact's working room and what it found.
     pub contact: contact::Scratch<R>,
     scheme: schemes::Scratch<R>,
-    recovery: recovery::Scratch<R>,
+    forces: forces::Workspace<R>,
     /// What was remembered of every body before the substep, where one may be given up.
     remembered: Vec<BodyMemory>,
 }
@@ -66,15 +66,15 @@ impl<R: Real> Scratch<R> {
             velocity: vec![R::Vec3::ZERO; count],
             contact: contact::Scratch::new(model, plan),
             scheme: schemes::Scratch::new(model, plan),
-            recovery: recovery::Scratch::new(model),
+            forces: forces::Workspace::new(model),
             remembered: remembered(model),
         }
     }
 
     /// Makes room for a model of the same bodies with other constants or obstacles.
     pub(super) fn fit(&mut self, model: &Model<R>, plan: &Plan) {
-        let Self { contact, thesis_force, scheme, recovery, remembered, .. } = Self::new(model, plan);
-        (self.contact, self.thesis_force, self.scheme, self.recovery) = (contact, thesis_force, scheme, recovery);
+        let Self { contact, thesis_force, scheme, forces, remembered, .. } = Self::new(model, plan);
+        (self.contact, self.thesis_force, self.scheme, self.forces) = (contact, thesis_force, scheme, forces);
         self.remembered = remembered;
     }
 
@@ -83,8 +83,8 @@ impl<R: Real> Scratch<R> {
         &'a mut self,
         substep: Substep<'a, R>,
     ) -> (Free<'a, R>, &'a mut contact::Scratch<R>, &'a mut [R::Vec3]) {
-        let Self { force, thesis_force, velocity, contact, scheme, recovery, .. } = self;
-        let free = Free { substep, force, held_force: thesis_force.as_deref(), scratch: scheme, recovery };
+        let Self { force, thesis_force, velocity, contact, scheme, forces, .. } = self;
+        let free = Free { substep, force, held_force: thesis_force.as_deref(), scratch: scheme, forces };
         (free, contact, velocity)
     }
 }
@@ -172,13 +172,13 @@ pub(super) fn substep<R: Real>(
 /// Forces at the state: gravity, links, cells near inversion, and contact by the thesis's rule.
 fn find_forces<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorder: &mut Recorder<'_>) {
     let Substep { state, .. } = begun;
-    let Scratch { force, thesis_force, contact, scheme, recovery, .. } = scratch;
+    let Scratch { force, thesis_force, contact, scheme, forces: workspace, .. } = scratch;
     let at = Configuration {
         position: &state.position,
         velocity: schemes::damping_velocity(begun.scheme, state, scheme),
         residual: (begun.scheme == Scheme::Implicit).then_some(&state.position_residual),
     };
-    forces::evaluate(begun, at, force, recovery, recorder);
+    forces::evaluate(begun, at, force, workspace, recorder);
     if let Some(thesis_force) = thesis_force {
         recorder.enter(Stage::Contact);
         contact::thesis::add_forces(begun, force, thesis_force, contact, recorder);

@@ -1,0 +1,140 @@
+//! The links of a body in its box, and what they are made of.
+
+use std::sync::Arc;
+
+use crate::geometry::Lattice;
+use crate::math::Real;
+use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, STENCIL};
+use crate::physics::model::link::{LinkConstants, LinkFamily};
+
+/// The constants of a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Law<R> {
+    /// Force at 100 % strain, N.
+    pub(super) stiffness: R,
+    /// The same over the rest length, N/m.
+    pub(super) slope: R,
+    /// Force at a relative speed of 1 m/s, N·s/m.
+    pub(super) damping: R,
+}
+
+/// The constants of links that differ, one for each corner of a block; zero where no link starts.
+#[derive(Clone, Debug)]
+pub(super) struct EachLaw<R> {
+    /// The law of a link with a stiffness of 1 N and a damping of 1 N·s.
+    pub(super) unit: Law<R>,
+    /// Force at 100 % strain, N.
+    pub(super) stiffness: [R; BLOCK],
+    /// Force at a relative speed of one rest length a second, N·s.
+    pub(super) damping: [R; BLOCK],
+}
+
+impl<R: Real> Law<R> {
+    fn new([stiffness, damping]: [R; 2], inverse_rest_length: R) -> Self {
+        Self { stiffness, slope: stiffness * inverse_rest_length, damping: damping * inverse_rest_length }
+    }
+}
+
+/// What the links of a term are made of.
+#[derive(Clone, Debug)]
+pub(super) enum TermLaw<R> {
+    /// All the same.
+    Alike(Law<R>),
+    /// One each.
+    Each(Box<EachLaw<R>>),
+}
+
+#[derive(Clone, Debug)]
+enum Laws<R> {
+    /// All links of a direction are alike.
+    OfSlot([TermLaw<R>; 16]),
+    /// By term.
+    OfTerm(Vec<TermLaw<R>>),
+}
+
+/// The links of a body in its box.
+#[derive(Clone, Debug)]
+pub(in crate::physics) struct BoxedLinks<R> {
+    /// Where they are.
+    pub(in crate::physics) layout: Arc<Layout>,
+    laws: Laws<R>,
+}
+
+impl<R: Real> BoxedLinks<R> {
+    /// The links of a lattice in its box.
+    pub(in crate::physics) fn new(layout: Arc<Layout>, lattice: &Lattice, families: &[LinkFamily<R>; 3]) -> Self {
+        let inverse_rest_length: [R; 16] = STENCIL.map(|step| {
+            let squared: i32 = step.iter().map(|d| d * d).sum();
+            R::from_f64(1.0 / (lattice.grid.cell_size * f64::from(squared).sqrt()))
+        });
+        let largest = |slot: usize| {
+            let LinkFamily { stiffness, damping, .. } = families[FAMILY[slot]];
+            Law::new([stiffness, damping], inverse_rest_length[slot])
+        };
+        if families.iter().all(|family| matches!(family.constants, LinkConstants::Uniform(_))) {
+            return Self { layout, laws: Laws::OfSlot(std::array::from_fn(|slot| TermLaw::Alike(largest(slot)))) };
+        }
+        let mut laws: Vec<_> = layout.terms.iter().map(|term| TermLaw::Alike(largest(term.slot))).collect();
+        for (number, family) in families.iter().enumerate() {
+            if let LinkConstants::Classes { of_link, constants } = &family.constants {
+                let constants = of_link.iter().map(|class| constants[usize::from(*class)]);
+                share_out(&layout, layout.starts_of(lattice, number).zip(constants), inverse_rest_length, &mut laws);
+            }
+        }
+        for block in &layout.blocks {
+            let masks = &layout.masks[block.first..block.first + BLOCK];
+            for term in block.terms.clone() {
+                if let TermLaw::Each(each) = &laws[term]
+                    && let Some(law) = common(each, layout.terms[term].slot, masks)
+                {
+                    laws[term] = TermLaw::Alike(law);
+                }
+            }
+        }
+        Self { layout, laws: Laws::OfTerm(laws) }
+    }
+
+    /// What the links of a term are made of.
+    #[inline(always)]
+    pub(super) fn law(&self, term: usize, slot: usize) -> &TermLaw<R> {
+        match &self.laws {
+            Laws::OfSlot(laws) => &laws[slot],
+            Laws::OfTerm(laws) => &laws[term],
+        }
+    }
+}
+
+/// Gives the links of one family, with the corners they start at ascending, the constants of each.
+fn share_out<R: Real>(
+    layout: &Layout,
+    links: impl Iterator<Item = ((usize, usize), [R; 2])>,
+    inverse_rest_length: [R; 16],
+    laws: &mut [TermLaw<R>],
+) {
+    let mut block = 0;
+    for ((from, slot), [stiffness, damping]) in links {
+        while from >= layout.blocks[block].first + BLOCK {
+            block += 1;
+        }
+        let mut terms = layout.blocks[block].terms.clone();
+        let lane = from - layout.blocks[block].first;
+        let Some(term) = terms.find(|term| layout.terms[*term].slot == slot) else { continue };
+        if let TermLaw::Alike(_) = laws[term] {
+            let zeros = [R::ZERO; BLOCK];
+            let unit = Law::new([R::ONE; 2], inverse_rest_length[slot]);
+            laws[term] = TermLaw::Each(Box::new(EachLaw { unit, stiffness: zeros, damping: zeros }));
+        }
+        if let TermLaw::Each(each) = &mut laws[term] {
+            (each.stiffness[lane], each.damping[lane]) = (stiffness, damping);
+        }
+    }
+}
+
+/// The law of the links of one direction in a block, where they are all alike.
+fn common<R: Real>(each: &EachLaw<R>, slot: usize, masks: &[u16]) -> Option<Law<R>> {
+    let EachLaw { unit, stiffness, damping } = each;
+    let lanes = (0..BLOCK).filter(|lane| masks[*lane] >> slot & 1 == 1);
+    let mut constants = lanes.map(|lane| [stiffness[lane], damping[lane]]);
+    let first = constants.next()?;
+    constants.all(|constants| constants == first).then(|| Law::new(first, unit.slope))
+}

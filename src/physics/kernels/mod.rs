@@ -1,0 +1,43 @@
+//! The forces of links, many at a time: the law of [`crate::physics::forces::links`], worked out over the grid that a
+//! body was cut from.
+//!
+//! # Theory
+//!
+//! Every link of a lattice leads from a particle to one of 16 higher neighbours: 13 corners of the cells around it, and
+//! the next but one along each axis. In a dense box of grid corners, numbered `x + nx (y + ny z)`, each of these 16 is
+//! one constant distance between numbers, so the links of one direction need no list: where they start is one bit a
+//! corner, and what they are made of is one law, or a value a corner where the material differs.
+//!
+//! ```text
+//!   block of 64 corners    i ──────────────────►        positions, velocities and forces each as
+//!   its ends               i + offset ─────────────►    x x x x …   y y y y …   z z z z …
+//!   mask                   1 1 0 1 1 …                  bit of the direction
+//! ```
+//!
+//! The loop over a block has no branch and reads what follows one another in memory: compilers make vector instructions
+//! of it as wide as the machine has. It is written once, in safe code, and compiled for every level
+//! ([`SimdLevel`]); it adds, multiplies, divides and takes square roots as IEEE 754 says, without fused operations, and
+//! the order of the sums is that of blocks and directions alone. So every level gives the same bits.
+//!
+//! # Practice
+//!
+//! [`Layout`] follows from the lattice alone and is shared between compilations; [`BoxedLinks`] adds the constants of the
+//! links; both are constant. [`Workspace`] is what a sweep works in, one a body. A body that fills so little of its box
+//! that going through the list of its links is cheaper has no layout: what counts is the number of places in blocks for
+//! each link, which is the same on every machine.
+
+#![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
+
+mod block;
+mod boxed;
+mod layout;
+mod level;
+mod sweep;
+
+pub(in crate::physics) use boxed::BoxedLinks;
+pub(in crate::physics) use layout::{BYTES_A_CORNER, Layout, MOST_CORNERS_A_PARTICLE};
+pub use level::SimdLevel;
+pub(in crate::physics) use sweep::{Pass, Workspace, add_forces};
+
+#[cfg(test)]
+mod oracle_tests;

@@ -1,0 +1,230 @@
+//! Every kernel is compared with the readable loop over the list of links: on bodies of all shapes and materials, with and
+//! without damping and bending, at every level and in both precisions.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::{BoxedLinks, Layout, Pass, SimdLevel, Workspace, add_forces};
+use crate::geometry::Lattice;
+use crate::geometry::voxel::Cells;
+use crate::math::rng::Rng;
+use crate::math::{Real, Vector};
+use crate::physics::forces::links::link_force;
+use crate::physics::model::link::{Link, LinkConstants, LinkFamily};
+
+/// A body at rest, by name.
+struct Shape {
+    name: String,
+    lattice: Lattice,
+}
+
+fn shape(name: &str, dims: [i32; 3], mut keep: impl FnMut([i32; 3]) -> bool) -> Shape {
+    let all = (0..dims[2]).flat_map(|z| (0..dims[1]).flat_map(move |y| (0..dims[0]).map(move |x| [x, y, z])));
+    let cells: Vec<[i32; 3]> = all.filter(|cell| keep(*cell)).collect();
+    let lattice = Lattice::new(&Cells::from_list(&cells, 0.1).expect("some cells"));
+    Shape { name: format!("{name} {dims:?}"), lattice }
+}
+
+fn shapes() -> Vec<Shape> {
+    let full = |_: [i32; 3]| true;
+    let mut shapes: Vec<_> = [[1, 1, 1], [2, 1, 1], [1, 1, 2], [3, 5, 7], [8, 8, 8], [11, 9, 13]]
+        .map(|dims| shape("block", dims, full))
+        .into();
+    shapes.extend([[70, 1, 1], [1, 70, 1], [1, 1, 70]].map(|dims| shape("rod", dims, full)));
+    shapes.extend([[30, 30, 1], [30, 1, 30], [1, 30, 30]].map(|dims| shape("sheet", dims, full)));
+    let mut rng = Rng::new(11);
+    shapes.extend([0.5, 0.8].map(|share| shape("subset", [9, 8, 7], |_| rng.between(0.0, 1.0) < share)));
+    shapes.push(shape("shell", [12, 12, 12], |cell| cell.iter().any(|c| [0, 11].contains(c))));
+    shapes
+}
+
+/// How the links of a family are made.
+#[derive(Clone, Copy, Debug)]
+enum Material {
+    /// All alike, as springs are.
+    Alike,
+    /// Two values each in no order, as in bodies of two materials.
+    Mixed,
+}
+
+fn families<R: Real>(lattice: &Lattice, material: Material, damping: [f64; 3]) -> [LinkFamily<R>; 3] {
+    let mut rng = Rng::new(3);
+    [0, 1, 2].map(|number| {
+        let measure = |ends: &[u32; 2]| {
+            let [from, to] = ends.map(|end| DVec3::from(lattice.corners[end as usize].map(f64::from)));
+            let rest_length = from.distance(to) * lattice.grid.cell_size;
+            let [rest_length, inverse_rest_length] = [rest_length, 1.0 / rest_length].map(R::from_f64);
+            Link { ends: *ends, rest_length, inverse_rest_length }
+        };
+        let links: Arc<[Link<R>]> = lattice.links[number].iter().map(measure).collect();
+        let [stiffness, damping] = [[30.0, 25.0, 12.0][number], damping[number]].map(R::from_f64);
+        let constants = match material {
+            Material::Alike => LinkConstants::Uniform([stiffness, damping]),
+            Material::Mixed => LinkConstants::Classes {
+                of_link: links.iter().map(|_| u16::from(rng.between(0.0, 1.0) < 0.3)).collect(),
+                constants: vec![[stiffness, damping], [stiffness, damping].map(|c| c * R::from_f64(0.3))],
+            },
+        };
+        LinkFamily { stiffness, damping, links, constants }
+    })
+}
+
+/// Crumpled and in motion, with two particles in one place.
+fn motion<R: Real>(lattice: &Lattice) -> [Vec<R::Vec3>; 2] {
+    let mut rng = Rng::new(7);
+    let mut noise = |size: f64| DVec3::from([0; 3].map(|_| rng.between(-size, size)));
+    let place = |particle: usize| lattice.rest_position(particle);
+    let mut position: Vec<_> = (0..lattice.corners.len()).map(|p| place(p) + noise(0.03)).collect();
+    position[1] = position[0];
+    let velocity = position.iter().map(|_| R::Vec3::from_dvec3(noise(1.0))).collect();
+    [position.into_iter().map(R::Vec3::from_dvec3).collect(), velocity]
+}
+
+/// The sum of forces on every particle, and of the magnitudes of what it is made of: what its rounding is measured by.
+fn listed<R: Real>(
+    families: &[LinkFamily<R>; 3],
+    [position, velocity]: &[Vec<R::Vec3>; 2],
+    chosen: [bool; 3],
+) -> (Vec<R::Vec3>, Vec<f64>) {
+    let (mut force, mut scale) = (vec![R::Vec3::ZERO; position.len()], vec![0.0; position.len()]);
+    for (family, _) in families.iter().zip(chosen).filter(|(_, chosen)| *chosen) {
+        for (number, link) in family.links.iter().enumerate() {
+            let [i, j] = link.ends.map(|end| end as usize);
+            let (d, dv) = (position[j] - position[i], velocity[j] - velocity[i]);
+            let [stiffness, damping] = family.constants(number);
+            let on_i = link_force(d, dv, link.inverse_rest_length, stiffness, damping);
+            force[i] += on_i;
+            force[j] -= on_i;
+            let stretch = (d.length() * link.inverse_rest_length).to_f64();
+            let rate = (dv.length() * link.inverse_rest_length).to_f64();
+            for end in [i, j] {
+                scale[end] += stiffness.to_f64() * (1.0 + stretch) + damping.to_f64() * rate;
+            }
+        }
+    }
+    (force, scale)
+}
+
+/// The links in their box, whether it pays or not.
+fn in_box<R: Real>(lattice: &Lattice, families: &[LinkFamily<R>; 3]) -> BoxedLinks<R> {
+    let layout = Layout::bounding(lattice).expect("a body is not empty").filled(lattice);
+    BoxedLinks::new(Arc::new(layout), lattice, families)
+}
+
+/// The same forces from the kernel.
+fn boxed<R: Real>(
+    links: &BoxedLinks<R>,
+    [position, velocity]: &[Vec<R::Vec3>; 2],
+    [chosen, damped]: [[bool; 3]; 2],
+    level: SimdLevel,
+) -> (Vec<R::Vec3>, u64) {
+    let mut workspace = Workspace::new(links);
+    let mut force = vec![R::Vec3::ZERO; position.len()];
+    let pass = Pass { level, families: chosen, damped, stops: &|| false };
+    let count = add_forces(links, pass, [position, velocity], &mut force, &mut workspace);
+    (force, count)
+}
+
+/// The largest difference between two sets of forces, in roundings of what they are sums of.
+fn largest_difference<R: Real>(a: &[R::Vec3], b: &[R::Vec3], scale: &[f64]) -> f64 {
+    let differences = a.iter().zip(b).zip(scale).map(|((a, b), scale)| {
+        let difference = (a.to_dvec3() - b.to_dvec3()).length();
+        if difference == 0.0 { 0.0 } else { difference / (scale * R::EPSILON.to_f64()) }
+    });
+    differences.fold(0.0, f64::max)
+}
+
+fn levels() -> impl Iterator<Item = SimdLevel> {
+    SimdLevel::ALL.into_iter().filter(|level| level.is_available())
+}
+
+/// Roundings of the sum of all magnitudes by which a force may differ from the sum along the list: those of 32 links, and
+/// of their other order, mostly cancel.
+const ROUNDINGS: f64 = 1.0;
+
+fn compare<R: Real>() -> usize {
+    let mut compared = 0;
+    let mut farthest = 0.0_f64;
+    for Shape { name, lattice } in &shapes() {
+        let motion = motion::<R>(lattice);
+        for material in [Material::Alike, Material::Mixed] {
+            for damping in [[0.1, 0.12, 0.3], [0.0, 0.12, 0.0], [0.0; 3]] {
+                let families = families::<R>(lattice, material, damping);
+                let links = in_box(lattice, &families);
+                for chosen in [[true; 3], [true, true, false], [false, true, false]] {
+                    let (expected, scale) = listed(&families, &motion, chosen);
+                    let damped = [0, 1, 2].map(|family| damping[family] > 0.0);
+                    let [first, all_damped] =
+                        [damped, [true; 3]].map(|damped| boxed(&links, &motion, [chosen, damped], SimdLevel::Portable));
+                    let off = largest_difference::<R>(&first.0, &expected, &scale);
+                    farthest = farthest.max(off);
+                    assert!(off <= ROUNDINGS, "{name} {material:?} {damping:?} {chosen:?}: {off} roundings off");
+                    assert_eq!(first, all_damped, "{name}: damping of nothing changes no bit");
+                    let count: usize = (0..3).filter(|f| chosen[*f]).map(|f| families[f].links.len()).sum();
+                    assert_eq!(first.1, count as u64, "{name}: every link is counted");
+                    for level in levels() {
+                        let at_level = boxed(&links, &motion, [chosen, damped], level);
+                        assert!(at_level == first, "{name} {material:?} {damping:?}: other bits at {}", level.name());
+                        compared += 1;
+                    }
+                }
+            }
+        }
+    }
+    eprintln!("largest difference from the list: {farthest:.3} roundings");
+    compared
+}
+
+#[test]
+fn every_kernel_gives_what_the_list_of_links_gives() {
+    let levels: Vec<_> = levels().map(SimdLevel::name).collect();
+    let compared = [compare::<f32>(), compare::<f64>()];
+    assert_eq!(compared, [shapes().len() * 18 * levels.len(); 2], "compared at {levels:?}");
+}
+
+#[test]
+fn a_wrong_constant_of_one_family_is_seen() {
+    let Shape { lattice, .. } = shape("block", [8, 8, 8], |_| true);
+    let motion = motion::<f32>(&lattice);
+    let right = families::<f32>(&lattice, Material::Alike, [0.1; 3]);
+    let mut wrong = right.clone();
+    wrong[2].stiffness *= 1.0 + 1e-3;
+    wrong[2].constants = LinkConstants::Uniform([wrong[2].stiffness, wrong[2].damping]);
+    let links = in_box(&lattice, &wrong);
+    let (expected, scale) = listed(&right, &motion, [true; 3]);
+    let (force, _) = boxed(&links, &motion, [[true; 3]; 2], SimdLevel::best());
+    let off = largest_difference::<f32>(&force, &expected, &scale);
+    assert!(off > ROUNDINGS, "a constant that is off by 1e-3: {off} roundings");
+}
+
+#[test]
+fn links_without_length_have_no_force() {
+    let Shape { lattice, .. } = shape("block", [3, 3, 3], |_| true);
+    let families = families::<f32>(&lattice, Material::Alike, [0.1; 3]);
+    let links = in_box(&lattice, &families);
+    let [_, velocity] = motion::<f32>(&lattice);
+    let point = vec![glam::Vec3::new(0.3, 0.2, 0.1); lattice.corners.len()];
+    for level in levels() {
+        let (force, _) = boxed(&links, &[point.clone(), velocity.clone()], [[true; 3]; 2], level);
+        assert!(force.iter().all(|force| *force == glam::Vec3::ZERO), "all particles in one place");
+    }
+}
+
+#[test]
+fn a_pass_that_is_given_up_looks_at_no_more_links() {
+    let Shape { lattice, .. } = shape("block", [30, 30, 30], |_| true);
+    let families = families::<f32>(&lattice, Material::Alike, [0.1; 3]);
+    let links = in_box(&lattice, &families);
+    let [position, velocity] = motion::<f32>(&lattice);
+    let looks = std::cell::Cell::new(0);
+    let stops = || {
+        looks.set(looks.get() + 1);
+        looks.get() > 2
+    };
+    let pass = Pass { level: SimdLevel::best(), families: [true; 3], damped: [true; 3], stops: &stops };
+    let mut force = vec![glam::Vec3::ZERO; position.len()];
+    let count = add_forces(&links, pass, [&position, &velocity], &mut force, &mut Workspace::new(&links));
+    let all: usize = families.iter().map(|family| family.links.len()).sum();
+    assert!((2 << 16..3 << 16).contains(&count) && count < all as u64, "{count} of {all}");
+}
