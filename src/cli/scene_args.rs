@@ -14,6 +14,7 @@ use crate::scene::body::{MAX_DIVISIONS, ModelShape, UpAxis};
 use crate::scene::{Scene, Shape, param, path, presets};
 use crate::session::Session;
 use crate::session::document::{Opened, differs, is_scene_path};
+use crate::session::run::{choose_simd_level, simd_levels};
 use crate::text::{echo, echo_path};
 
 /// The scene and what is set on it.
@@ -53,6 +54,10 @@ pub(super) struct Changes {
     /// Worker threads; 0 takes all cores.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
+    /// The vector instructions that work out forces; auto takes the widest that the machine has. The results are the
+    /// same with all of them.
+    #[arg(long, value_name = "LEVEL", default_value = "auto", value_parser = ["auto", "portable", "avx2", "avx512"])]
+    simd: String,
 }
 
 impl SceneArgs {
@@ -151,12 +156,13 @@ impl Changes {
         }
     }
 
-    /// Sets how much memory may be taken and starts the worker threads, once in a process.
+    /// Sets how much memory may be taken, chooses the vector instructions and starts the worker threads, once in a process.
     pub(super) fn start_threads(&self) -> Result<(), Failure> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the range of the option")]
         if let Some(gigabytes) = self.memory {
             machine::allow((gigabytes * 1e9) as u64);
         }
+        choose_simd(&self.simd)?;
         start_threads(self.threads)
     }
 }
@@ -168,6 +174,15 @@ pub(super) fn start_threads(count: u16) -> Result<(), Failure> {
         .build_global()
         .context("the worker threads cannot be started")?;
     Ok(())
+}
+
+/// Has forces worked out by these vector instructions, or refuses in words.
+fn choose_simd(name: &str) -> Result<(), Failure> {
+    if name == "auto" || choose_simd_level(name) {
+        return Ok(());
+    }
+    let has = simd_levels().join(" and ");
+    Err(Failure::usage(anyhow!("this machine has no {name} instructions for --simd; it has {has}")))
 }
 
 /// An amount of memory on the command line.

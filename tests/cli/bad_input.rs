@@ -86,6 +86,7 @@ fn unknown_names_and_paths_are_refused_with_the_nearest() {
     refused(&folder, "check cube-on-plane --dt -1", USAGE, &["settings.dt", "1e-6 … 0.1 s"]);
     refused(&folder, "check cube-on-plane --integrator rk5", USAGE, &["semi-implicit", "rk4", "implicit"]);
     refused(&folder, "check cube-on-plane --threads -2", USAGE, &["threads"]);
+    refused(&folder, "check cube-on-plane --simd mmx", USAGE, &["auto", "portable", "avx2", "avx512"]);
     refused(&folder, "check spot --up w", USAGE, &["auto, y, z, x, -y, -z or -x"]);
     refused(&folder, "check spot --divisions 0", USAGE, &["1..=256"]);
     refused(&folder, "check cube-on-plane --divisions 5", USAGE, &["--divisions", "the scene has none"]);

@@ -192,11 +192,20 @@ fn run_and_check_print_every_key() {
 }
 
 #[test]
-fn a_run_repeats_bit_for_bit_on_any_number_of_threads_and_goes_on_from_a_state() {
+fn a_run_repeats_bit_for_bit_with_any_threads_and_instructions_and_goes_on_from_a_state() {
     let folder = Folder::new();
     let hash = |line: &str| folder.json(line)["hash"].as_str().expect("sixteen digits").to_owned();
     let whole = hash("run tree --seconds 0.4 --json --threads 1");
     assert_eq!(whole, hash("run tree --seconds 0.4 --json --threads 2"), "one thread, two threads");
+    for simd in ["portable", "avx2", "avx512"] {
+        let run = folder.run(&format!("run tree --seconds 0.4 --json --simd {simd}"));
+        let words = format!("this machine has no {simd} instructions for --simd; it has portable");
+        assert!(run.code == Some(0) || run.code == Some(2) && run.notes.contains(&words), "{run:?}");
+        if run.code == Some(0) {
+            let figures = folder.json(&format!("run tree --seconds 0.4 --json --simd {simd}"));
+            assert_eq!((figures["simd"].as_str(), figures["hash"].as_str()), (Some(simd), Some(&*whole)), "{simd}");
+        }
+    }
     hash("run tree --seconds 0.15 --json --save-state half.state");
     assert_eq!(whole, hash("run tree --seconds 0.25 --json --from-state half.state"), "in two halves");
     assert_ne!(whole, hash("run tree --seconds 0.4 --json --set bodies.0.velocity.0=0.001"), "another motion");
