@@ -79,7 +79,7 @@ mod tests {
                          material: solid(young_modulus: 1e8))], obstacles: [(plane: ())])";
 
     /// A cube in steps so short that nobody can wait for a second of its motion.
-    const SLOW: &str = "(version: 1, settings: (dt: 1e-6, stepping: manual), bodies: [(shape: cube(cells: 30))])";
+    const SLOW: &str = "(version: 1, settings: (dt: 1e-6, stepping: manual), bodies: [(shape: cube(cells: 60))])";
 
     fn session(text: &str) -> Session {
         let scene = Scene::from_ron(text, "a.ron").expect("a scene");
