@@ -4,10 +4,10 @@
 use std::fs;
 use std::path::Path;
 
-use super::free::Free;
+use super::free_memory::FreeMemory;
 
 /// The least of what the machine, the control groups and the limits of the process leave.
-pub(super) fn free() -> Option<Free> {
+pub(super) fn free() -> Option<FreeMemory> {
     let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
     let (status, limits) = (read("/proc/self/status"), read("/proc/self/limits"));
     let machine = kibibytes(&read("/proc/meminfo"), "MemAvailable:").map(|bytes| (bytes, "on this machine"));
@@ -16,7 +16,7 @@ pub(super) fn free() -> Option<Free> {
     let group = left_in_groups(&read("/proc/self/cgroup"), Path::new("/sys/fs/cgroup"));
     let group = group.map(|bytes| (bytes, "in its control group"));
     let least = [machine, address_space, data, group].into_iter().flatten().min_by_key(|(bytes, _)| *bytes);
-    least.map(|(bytes, whose)| Free { bytes, whose })
+    least.map(|(bytes, whose)| FreeMemory { bytes, whose })
 }
 
 /// The most memory that the process has had in use, bytes.

@@ -1,13 +1,13 @@
 //! What the machine has to give: memory. Asked before a scene is built, so that it is refused in words instead of the
 //! process being killed.
 
-mod free;
+mod free_memory;
 #[cfg(target_os = "linux")]
 mod linux;
 
 use std::sync::OnceLock;
 
-pub use free::Free;
+pub use free_memory::FreeMemory;
 
 /// What a person allows instead of what is free, bytes.
 static ALLOWED: OnceLock<u64> = OnceLock::new();
@@ -20,9 +20,9 @@ pub fn allow(bytes: u64) {
 }
 
 /// The memory that this process may still take; none where the system does not tell.
-pub fn free_memory() -> Option<Free> {
+pub fn free_memory() -> Option<FreeMemory> {
     match ALLOWED.get() {
-        Some(&bytes) => Some(Free { bytes, whose: "as --memory says" }),
+        Some(&bytes) => Some(FreeMemory { bytes, whose: "as --memory says" }),
         None => free_of_system(),
     }
 }
@@ -35,7 +35,7 @@ pub fn peak_memory() -> Option<u64> {
     None
 }
 
-fn free_of_system() -> Option<Free> {
+fn free_of_system() -> Option<FreeMemory> {
     #[cfg(target_os = "linux")]
     return linux::free();
     #[cfg(not(target_os = "linux"))]

@@ -1,6 +1,6 @@
 //! How much memory a simulation takes, before there is one: by the sizes of what it is made of.
 
-use super::contact::{ContactRecord, Touch};
+use super::contact::{ContactConstraint, ContactRecord};
 use super::model::Link;
 use crate::geometry::LatticeCounts;
 use crate::physics::kernels::{BYTES_A_CORNER, MOST_CORNERS_A_PARTICLE};
@@ -45,11 +45,11 @@ fn of_body(body: &LatticeCounts) -> usize {
 }
 
 fn of_motion(body: &LatticeCounts, size: Size) -> usize {
-    let touch = if size.implicit { size_of::<Touch>() } else { 0 };
-    let meetings = body.surface * size.obstacles.min(3);
+    let constraint = if size.implicit { size_of::<ContactConstraint>() } else { 0 };
+    let pairs = body.surface * size.obstacles.min(3);
     let boxed = body.grid_corners.min(MOST_CORNERS_A_PARTICLE * body.particles);
     body.particles * (OF_A_STATE + OF_A_STEP + size.planes)
         + boxed * BYTES_A_CORNER
         + 2 * body.cells * size_of::<u32>()
-        + meetings * (size_of::<ContactRecord<f32>>() + touch)
+        + pairs * (size_of::<ContactRecord<f32>>() + constraint)
 }

@@ -10,7 +10,7 @@ use super::interaction::Grab;
 use super::model::Model;
 use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
 use super::state::{BodyMemory, State};
-use super::step::{self, Ending, Inputs, Scratch};
+use super::step::{self, Ending, Inputs, StepWorkspace};
 use super::stepping::{Division, Part};
 use crate::math::Real;
 use crate::physics::forces::recovery;
@@ -25,7 +25,7 @@ pub struct Simulation<R: Real = f32> {
     model: Model<R>,
     plan: Plan,
     state: State<R>,
-    scratch: Scratch<R>,
+    workspace: StepWorkspace<R>,
     /// Where obstacles are: follows from model and state.
     obstacles: Placed<R>,
     grab: Option<Grab<R>>,
@@ -40,9 +40,9 @@ impl<R: Real> Simulation<R> {
         let mut state = State::start(&model);
         state.fit_scheme(&plan);
         state.fit_sleep(&plan);
-        let scratch = Scratch::new(&model, &plan);
+        let workspace = StepWorkspace::new(&model, &plan);
         let obstacles = Placed::now(&model, &state);
-        Self { model, plan, state, scratch, obstacles, grab: None, last: LastSubstep::default(), diverged: false }
+        Self { model, plan, state, workspace, obstacles, grab: None, last: LastSubstep::default(), diverged: false }
     }
 
     /// Goes on with another model of the same bodies and another plan, while everything keeps moving. `kept` names, for
@@ -58,12 +58,13 @@ impl<R: Real> Simulation<R> {
         self.state.fit_sides(&model);
         sweep::keep_sides(&old, &model, kept, &sides, &mut self.state);
         arrive::begin(&old, &model, kept, &sides, &mut self.state);
-        // The share of the step that was taken stays taken: dear steps come to an end however often they are edited.
+        // The share of the step that was taken stays taken: expensive steps come to an end however often they are
+        // edited.
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
         self.state.fit_scheme(&plan);
         self.state.fit_sleep(&plan);
         self.wake_all();
-        self.scratch.fit(&model, &plan);
+        self.workspace.fit(&model, &plan);
         self.model = model;
         self.plan = plan;
         self.diverged = false;
@@ -123,8 +124,8 @@ impl<R: Real> Simulation<R> {
         }
     }
 
-    /// Advances by as many whole steps as last so long, at least one where it is more than half a step, s. Ends early where
-    /// a step diverges.
+    /// Advances by as many whole steps as last so long, at least one where it is more than half a step, s. Ends early
+    /// where a step diverges.
     pub fn run_for(&mut self, secs: f64) -> StepReport {
         let mut report = StepReport::default();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
@@ -138,8 +139,8 @@ impl<R: Real> Simulation<R> {
         report
     }
 
-    /// Advances by one substep, or a part of one where the implicit integrator halves it. A simulation that has diverged
-    /// stays where it was last good. Where `timer` stops it, the substep is yet to be taken.
+    /// Advances by one substep, or a part of one where the implicit integrator halves it. A simulation that has
+    /// diverged stays where it was last good. Where `timer` stops it, the substep is yet to be taken.
     pub fn substep(&mut self, timer: &mut impl StageTimer) -> StepReport {
         if self.diverged {
             return StepReport { diverged: true, ..StepReport::default() };
@@ -178,7 +179,7 @@ impl<R: Real> Simulation<R> {
     /// Advances by a part of a substep that the linear equations of the implicit integrator hold for; with other
     /// integrators by all of it, in parts while a body is strained.
     fn advance(&mut self, timer: &mut impl StageTimer) -> StepReport {
-        let Self { model, plan, state, scratch, obstacles, grab, .. } = self;
+        let Self { model, plan, state, workspace, obstacles, grab, .. } = self;
         let mut recorder = Recorder::new(timer);
         let mut division = Division::of(model, plan, state);
         let mut ending = Ending::Taken;
@@ -186,7 +187,7 @@ impl<R: Real> Simulation<R> {
             obstacles.place(model, state, part.secs);
             let work_before = recorder.counters.implicit_work();
             let inputs = Inputs { obstacles, grab: grab.as_ref().filter(|grab| !state.bodies[grab.body].gone) };
-            ending = step::substep(model, plan, part, inputs, state, scratch, &mut recorder);
+            ending = step::substep(model, plan, part, inputs, state, workspace, &mut recorder);
             if ending == Ending::Stopped {
                 break;
             }
@@ -198,7 +199,7 @@ impl<R: Real> Simulation<R> {
             if ending == Ending::Diverged {
                 break;
             }
-            arrive::pass(model, &scratch.contact.contacts, part.secs, state);
+            arrive::pass(model, &workspace.contact.contacts, part.secs, state);
             sweep::pass(model, part.secs, state);
             division.take();
         }
@@ -240,7 +241,7 @@ impl<R: Real> Simulation<R> {
         self.state.reserve(&self.model);
         self.state.fit_scheme(&self.plan);
         self.state.fit_sleep(&self.plan);
-        self.scratch = Scratch::new(&self.model, &self.plan);
+        self.workspace = StepWorkspace::new(&self.model, &self.plan);
         self.diverged = false;
         self.find_contacts_of_sleepers();
     }
@@ -252,13 +253,13 @@ impl<R: Real> Simulation<R> {
         }
         let mut awake = self.state.clone();
         awake.bodies.iter_mut().for_each(BodyMemory::wake);
-        let mut found = Scratch::new(&self.model, &self.plan);
+        let mut found = StepWorkspace::new(&self.model, &self.plan);
         let obstacles = Placed::now(&self.model, &self.state);
         let inputs = Inputs { obstacles: &obstacles, grab: None };
         let (whole, timer) = (Part::one_of(&self.plan, 1), &mut ());
         step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut Recorder::new(timer));
-        self.scratch.contact.contacts = found.contact.contacts;
-        self.scratch.contact.keep_of_sleepers(&self.model, &self.state);
+        self.workspace.contact.contacts = found.contact.contacts;
+        self.workspace.contact.keep_of_sleepers(&self.model, &self.state);
     }
 
     /// Wakes a body, if it sleeps: it must rest anew before it sleeps again.
@@ -278,7 +279,7 @@ impl<R: Real> Simulation<R> {
 
     /// What the last substep found of contact, by particle; of bodies asleep what they keep.
     pub fn contacts(&self) -> &[ContactRecord<R>] {
-        &self.scratch.contact.contacts
+        &self.workspace.contact.contacts
     }
 
     /// Energies, momentum, extremes.

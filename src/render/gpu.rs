@@ -77,7 +77,7 @@ impl Gpu {
         describe(&self.adapter)
     }
 
-    /// Whether a processor does the drawing: antialiasing is dear then.
+    /// Whether a processor does the drawing: antialiasing is expensive then.
     pub fn is_software(&self) -> bool {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
     }

@@ -256,7 +256,8 @@ impl Session {
     }
 
     /// Lets `wall` time pass: takes the steps that are owed, and returns after about `budget` even if some are not
-    /// taken; a dear step is left half done and goes on at the next call. Looks for what helps where something is wrong.
+    /// taken; an expensive step is left half done and goes on at the next call. Looks for what helps where something is
+    /// wrong.
     pub fn advance(&mut self, wall: Duration, budget: Duration) {
         let (begin, processor) = (Instant::now(), ThreadTime::now());
         let share = if self.playing { budget / CURES_SHARE } else { budget };

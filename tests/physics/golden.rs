@@ -30,7 +30,7 @@ fn case(name: &str, change: impl FnOnce(&mut Scene)) -> Scene {
 }
 
 fn cases() -> Vec<Case> {
-    // What is dear is followed for as long as takes some seconds: until it has landed, or for a few steps.
+    // What is expensive is followed for as long as takes some seconds: until it has landed, or for a few steps.
     let seconds = |name: &str| match name {
         "coupler-40" => 0.04,
         "coupler-20" | "spot" => 1.0,

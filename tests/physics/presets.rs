@@ -1,4 +1,4 @@
-//! What the presets promise, run for eight simulated seconds. The three dear ones (coupler-20, coupler-40, spot) are
+//! What the presets promise, run for eight simulated seconds. The three expensive ones (coupler-20, coupler-40, spot) are
 //! left out for time; `gelatin run NAME --seconds 8` shows the same figures for them.
 
 use std::path::PathBuf;

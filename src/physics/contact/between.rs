@@ -1,7 +1,7 @@
 //! A particle between several obstacles: the velocity that none of them forbids, and who did what to bring it there.
 
 use super::account::energy;
-use super::meeting::Meeting;
+use super::candidate::Candidate;
 use super::record::ContactRecord;
 use super::response;
 use crate::math::{Real, Vector};
@@ -10,7 +10,7 @@ use crate::physics::model::ContactModel;
 /// Rounds in which a particle between several obstacles may look for a velocity; then it stops dead.
 const ROUNDS: usize = 4;
 
-impl<R: Real> Meeting<'_, R> {
+impl<R: Real> Candidate<'_, R> {
     /// Whether the particle and the springs of obstacles that stand still would have more energy with this velocity than
     /// with the `predicted` one before them. Where the limit of one obstacle leads into a stiff other one, no velocity is
     /// a minimum of the springs' energy; standing still gives neither more than it has.

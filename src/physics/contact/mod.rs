@@ -6,33 +6,33 @@
 //! response      a stiff, critically damped spring taken implicitly, then Coulomb friction (response)
 //! ```
 //!
-//! Particles do not meet each other. What several obstacles do to one particle is found together (settle), and it is
-//! brought to a velocity that none of them forbids.
+//! Particles do not meet each other. What several obstacles do to one particle is found together (`gauss_seidel`), and
+//! it is brought to a velocity that none of them forbids.
 
 mod account;
 mod approach;
 pub(super) mod arrive;
 mod between;
 mod broad;
-mod meeting;
+mod candidate;
+mod constraint;
+mod gauss_seidel;
 mod narrow;
 pub(super) mod placed;
 mod record;
 mod response;
-mod scratch;
-mod settle;
 mod sides;
 mod solved;
 mod surface;
 pub(super) mod sweep;
 pub(super) mod thesis;
-mod touch;
 mod way_out;
+mod workspace;
 
-pub(super) use meeting::{respond, respond_to_paths};
+pub(super) use candidate::{respond, respond_to_paths};
+pub(super) use constraint::ContactConstraint;
 pub use placed::Placed;
 pub use record::ContactRecord;
-pub(super) use scratch::Scratch;
 pub(super) use sides::remember_sides;
-pub(super) use solved::{find as find_touches, settle as settle_touches};
-pub(super) use touch::Touch;
+pub(super) use solved::{find as find_constraints, finish as finish_constraints};
+pub(super) use workspace::ContactWorkspace;

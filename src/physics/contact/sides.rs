@@ -2,7 +2,7 @@
 
 use super::narrow;
 use super::placed::Placed;
-use super::scratch::Scratch;
+use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::{Model, ObstacleShape};
 use crate::physics::report::Recorder;
@@ -15,7 +15,7 @@ pub(in crate::physics) fn remember_sides<R: Real>(
     dt: R,
     state: &mut State<R>,
     velocity: &[R::Vec3],
-    scratch: &mut Scratch<R>,
+    workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     let mut deepest = R::ZERO;
@@ -25,7 +25,7 @@ pub(in crate::physics) fn remember_sides<R: Real>(
             continue;
         }
         for (obstacle, shape) in model.obstacles.iter().map(|o| &o.shape).enumerate() {
-            let touching = &mut scratch.touching[number * model.obstacles.len() + obstacle];
+            let touching = &mut workspace.touching[number * model.obstacles.len() + obstacle];
             if !*touching {
                 continue;
             }
@@ -35,7 +35,7 @@ pub(in crate::physics) fn remember_sides<R: Real>(
             }
         }
     }
-    for contact in &scratch.contacts {
+    for contact in &workspace.contacts {
         let Some(number) = model.body_of(contact.particle) else { continue };
         if state.bodies[number].asleep {
             deepest = deepest.max(-contact.gap);
@@ -52,7 +52,7 @@ pub(in crate::physics) fn remember_sides<R: Real>(
         if depth >= -narrow::plane::rounding_margin::<R>(plane, state.position[contact.particle]) {
             let upper = contact.normal.dot(plane.normal) > R::ZERO;
             state.side[plane.side_row][contact.particle] = if upper { 1 } else { -1 };
-            scratch.touching[number * model.obstacles.len() + contact.obstacle] = true;
+            workspace.touching[number * model.obstacles.len() + contact.obstacle] = true;
             deepest = deepest.max(depth);
         }
     }

@@ -1,20 +1,20 @@
 //! Contact as part of a system of equations: what the implicit integrator solves for, and what is left to do after it.
 //!
 //! ```text
-//! find     which particles touch, or would if they fell freely: one touch for each obstacle
+//! find     which particles touch, or would if they fell freely: one constraint for each obstacle
 //! (solve)  the normal penalty, its damping and a resistance against sliding are in the matrix, chosen anew every round
-//! settle   what met an obstacle only in the solution is answered as in an explicit step; nothing ends too deep
+//! finish   what met an obstacle only in the solution is answered as in an explicit step; nothing ends too deep
 //! ```
 
 use glam::{DMat3, DVec3};
 
 use super::account;
 use super::broad;
-use super::meeting::{Meeting, Meetings};
+use super::candidate::{Candidate, Candidates};
+use super::constraint::ContactConstraint;
 use super::record::ContactRecord;
 use super::response;
-use super::scratch::Scratch;
-use super::touch::Touch;
+use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
@@ -31,23 +31,23 @@ const STOPPED_SHARE: f64 = 1e-7;
 /// friction all through it, others feel static friction.
 const STILL_SHARE: f64 = 1e-3;
 
-/// Finds the touches of a substep in which every particle would have the velocity `falling`, by particle.
+/// Finds the constraints of a substep in which every particle would have the velocity `falling`, by particle.
 pub(in crate::physics) fn find<R: Real>(
     substep: Substep<'_, R>,
     falling: &[R::Vec3],
-    scratch: &mut Scratch<R>,
+    workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, state, dt, .. } = substep;
-    scratch.touches.clear();
+    workspace.constraints.clear();
     for (number, body) in model.bodies.iter().enumerate() {
         if state.bodies[number].asleep {
             continue;
         }
-        let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
+        let touching = &workspace.touching[number * model.obstacles.len()..][..model.obstacles.len()];
         recorder.enter(Stage::BroadPhase);
-        broad::near_obstacles(substep, number, falling, touching, &mut scratch.near);
-        if scratch.near.is_empty() {
+        broad::near_obstacles(substep, number, falling, touching, &mut workspace.near);
+        if workspace.near.is_empty() {
             continue;
         }
         recorder.enter(Stage::Contact);
@@ -55,13 +55,15 @@ pub(in crate::physics) fn find<R: Real>(
             if body.is_pinned(local) {
                 continue;
             }
-            let mut meeting = Meeting::new(substep, number, particle);
+            let mut candidate = Candidate::new(substep, number, particle);
             let size = body.size.to_f64();
-            for &near in &scratch.near {
+            for &near in &workspace.near {
                 let obstacle = near as usize;
-                let Some((surface, surface_velocity)) = meeting.surface(obstacle, falling[particle]) else { continue };
+                let Some((surface, surface_velocity)) = candidate.surface(obstacle, falling[particle]) else {
+                    continue;
+                };
                 let (contact, shape) = (&body.contacts[obstacle], &model.obstacles[obstacle]);
-                let mut touch = Touch {
+                let mut constraint = ContactConstraint {
                     particle,
                     obstacle,
                     normal: surface.normal.to_dvec3(),
@@ -84,62 +86,62 @@ pub(in crate::physics) fn find<R: Real>(
                     impulse: DVec3::ZERO,
                 };
                 let velocity = state.velocity[particle].to_dvec3();
-                if touch.sliding(velocity).length() > STILL_SHARE * size {
-                    touch.friction = shape.friction_dynamic.to_f64();
+                if constraint.sliding(velocity).length() > STILL_SHARE * size {
+                    constraint.friction = shape.friction_dynamic.to_f64();
                 }
-                touch.begin(velocity, falling[particle].to_dvec3());
-                scratch.touches.push(touch);
+                constraint.begin(velocity, falling[particle].to_dvec3());
+                workspace.constraints.push(constraint);
             }
-            meeting.count(&mut recorder.counters);
+            candidate.count(&mut recorder.counters);
         }
     }
 }
 
-/// Turns the touches into contacts, and answers what the solution leads into obstacles that nothing touched before.
-pub(in crate::physics) fn settle<R: Real>(
+/// Turns the constraints into contacts, and answers what the solution leads into obstacles that nothing touched before.
+pub(in crate::physics) fn finish<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
-    scratch: &mut Scratch<R>,
+    workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, state, dt, .. } = substep;
-    scratch.keep_of_sleepers(model, state);
-    let mut touches = scratch.touches.chunk_by(|a, b| a.particle == b.particle).peekable();
+    workspace.keep_of_sleepers(model, state);
+    let mut constraints = workspace.constraints.chunk_by(|a, b| a.particle == b.particle).peekable();
     for (number, body) in model.bodies.iter().enumerate() {
-        while let Some(own) = touches.next_if(|own| body.particles.contains(&own[0].particle)) {
+        while let Some(own) = constraints.next_if(|own| body.particles.contains(&own[0].particle)) {
             let particle = own[0].particle;
             let over_dt = R::ONE / dt;
-            let mut meeting = Meeting::new(substep, number, particle);
-            let first = scratch.contacts.len();
+            let mut candidate = Candidate::new(substep, number, particle);
+            let first = workspace.contacts.len();
             for obstacle in 0..model.obstacles.len() {
-                let record = match own.iter().find(|touch| touch.obstacle == obstacle) {
-                    Some(touch) => Some(ContactRecord {
+                let record = match own.iter().find(|constraint| constraint.obstacle == obstacle) {
+                    Some(constraint) => Some(ContactRecord {
                         particle,
                         obstacle,
-                        normal: R::Vec3::from_dvec3(touch.normal),
-                        gap: R::from_f64(touch.gap),
-                        surface_velocity: R::Vec3::from_dvec3(touch.surface_velocity),
-                        force: R::Vec3::from_dvec3(touch.impulse) * over_dt,
+                        normal: R::Vec3::from_dvec3(constraint.normal),
+                        gap: R::from_f64(constraint.gap),
+                        surface_velocity: R::Vec3::from_dvec3(constraint.surface_velocity),
+                        force: R::Vec3::from_dvec3(constraint.impulse) * over_dt,
                     }),
-                    None => meeting.surface(obstacle, velocity[particle]).map(|(surface, surface_velocity)| {
+                    None => candidate.surface(obstacle, velocity[particle]).map(|(surface, surface_velocity)| {
                         let (normal, gap) = (surface.normal, surface.gap);
                         ContactRecord { particle, obstacle, normal, gap, surface_velocity, force: R::Vec3::ZERO }
                     }),
                 };
-                scratch.contacts.extend(record);
+                workspace.contacts.extend(record);
             }
-            let allowed = meeting.allowed_by_all(velocity[particle], &body.contacts);
+            let allowed = candidate.allowed_by_all(velocity[particle], &body.contacts);
             if allowed != velocity[particle] {
                 let mass = body.mass(particle - body.particles.start);
-                let found = &mut scratch.contacts[first..];
+                let found = &mut workspace.contacts[first..];
                 let solved = velocity[particle];
                 let has = account::energy(solved, dt, mass, &body.contacts, found);
-                meeting.share_out(has, [solved, allowed], mass, &body.contacts, found);
+                candidate.share_out(has, [solved, allowed], mass, &body.contacts, found);
                 velocity[particle] = allowed;
             }
-            meeting.count(&mut recorder.counters);
-            recorder.counters.frictions += own.iter().filter(|touch| touch.limit() > 0.0).count() as u64;
+            candidate.count(&mut recorder.counters);
+            recorder.counters.frictions += own.iter().filter(|constraint| constraint.limit() > 0.0).count() as u64;
         }
     }
-    Meetings { substep, scratch, recorder }.of_all(velocity, |_, _| ());
+    Candidates { substep, workspace, recorder }.resolve_all(velocity, |_, _| ());
 }

@@ -6,7 +6,7 @@
 //! particle only within a threshold: faster than threshold/dt it falls through.
 
 use super::record::ContactRecord;
-use super::scratch::Scratch;
+use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::report::Recorder;
@@ -21,12 +21,12 @@ pub(in crate::physics) fn add_forces<R: Real>(
     Substep { model, plan, state, obstacles, dt, .. }: Substep<'_, R>,
     force: &mut [R::Vec3],
     thesis_force: &mut [R::Vec3],
-    scratch: &mut Scratch<R>,
+    workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    scratch.keep_of_sleepers(model, state);
+    workspace.keep_of_sleepers(model, state);
     thesis_force.fill(R::Vec3::ZERO);
-    let mut deepest = scratch.deepest();
+    let mut deepest = workspace.deepest();
     for (place, body) in model.bodies.iter().enumerate().filter(|(place, _)| !state.bodies[*place].asleep) {
         for particle in body.particles.clone() {
             for number in 0..model.obstacles.len() {
@@ -47,7 +47,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
                 force[particle] += reaction;
                 thesis_force[particle] += reaction;
                 deepest = deepest.max(depth);
-                scratch.contacts.push(ContactRecord {
+                workspace.contacts.push(ContactRecord {
                     particle,
                     obstacle: number,
                     normal,
@@ -58,8 +58,8 @@ pub(in crate::physics) fn add_forces<R: Real>(
             }
         }
     }
-    scratch.sort();
-    recorder.last.contacts = scratch.contacts.len();
+    workspace.sort();
+    recorder.last.contacts = workspace.contacts.len();
     recorder.note_depth(deepest.to_f64());
 }
 

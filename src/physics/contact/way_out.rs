@@ -1,5 +1,5 @@
-//! The way on which a body gets out of an obstacle that was put into it: the direction in which the obstacle pushes all
-//! of it, and how far back it has to start so that nothing of the body is inside.
+//! The way on which a body gets out of an obstacle that was put into it (its minimum translation): the direction in
+//! which the obstacle pushes all of it, and how far back it has to start so that nothing of the body is inside.
 
 use glam::DVec3;
 

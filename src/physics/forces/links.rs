@@ -97,27 +97,27 @@ pub(in crate::physics) fn for_each_link<R: Real>(
     }
 }
 
-/// A link as a stiff coupling of its ends: what a small change of their distance does.
+/// The tangent of a link's force: how it changes with a small change of the distance and of the speed of its ends.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct Bond<R: Real> {
+pub(in crate::physics) struct LinkTangent<R: Real> {
     /// Unit vector from the first end to the second.
     pub(in crate::physics) direction: R::Vec3,
     /// Stiffness along the direction, N/m.
     pub(in crate::physics) stiffness: R,
-    /// The share of it across the direction: what tension holds against, nothing in a squashed link.
-    pub(in crate::physics) slack: R,
+    /// The share of it across the direction, the geometric stiffness of a link under tension; nothing in a squashed one.
+    pub(in crate::physics) geometric_share: R,
     /// Damping along the direction, N·s/m.
     pub(in crate::physics) damping: R,
 }
 
-/// Calls `visit` with the ends (local numbers) of every link of the chosen families that has a direction, and its bond,
-/// until it `stops`. `position` is the body's own.
-pub(in crate::physics) fn for_each_bond<R: Real>(
+/// Calls `visit` with the ends (local numbers) of every link of the chosen families that has a direction, and its
+/// tangent, until it `stops`. `position` is the body's own.
+pub(in crate::physics) fn for_each_tangent<R: Real>(
     body: &BodyModel<R>,
     families: [bool; 3],
     position: &[R::Vec3],
     stops: &dyn Fn() -> bool,
-    mut visit: impl FnMut([u32; 2], Bond<R>),
+    mut visit: impl FnMut([u32; 2], LinkTangent<R>),
 ) {
     for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
         for (number, link) in family.links.iter().enumerate() {
@@ -129,13 +129,13 @@ pub(in crate::physics) fn for_each_bond<R: Real>(
             if length > R::ZERO {
                 let inverse = R::ONE / length;
                 let [stiffness, damping] = family.constants(number);
-                let bond = Bond {
+                let tangent = LinkTangent {
                     direction: d * inverse,
                     stiffness: stiffness * link.inverse_rest_length,
-                    slack: (R::ONE - link.rest_length * inverse).max(R::ZERO),
+                    geometric_share: (R::ONE - link.rest_length * inverse).max(R::ZERO),
                     damping: damping * link.inverse_rest_length,
                 };
-                visit(link.ends, bond);
+                visit(link.ends, tangent);
             }
         }
     }

@@ -16,17 +16,17 @@ use crate::physics::step::substep::Substep;
 
 /// Room that forces are worked out in.
 #[derive(Clone, Debug)]
-pub(super) struct Workspace<R: Real> {
-    recovery: recovery::Scratch<R>,
+pub(super) struct ForceWorkspace<R: Real> {
+    recovery: recovery::RecoveryWorkspace<R>,
     /// Of each body whose links are in a box.
-    boxes: Vec<Option<kernels::Workspace<R>>>,
+    boxes: Vec<Option<kernels::KernelWorkspace<R>>>,
 }
 
-impl<R: Real> Workspace<R> {
+impl<R: Real> ForceWorkspace<R> {
     /// Room for a model.
     pub(super) fn new(model: &Model<R>) -> Self {
-        let boxes = model.bodies.iter().map(|body| body.boxed_links.as_ref().map(kernels::Workspace::new));
-        Self { recovery: recovery::Scratch::new(model), boxes: boxes.collect() }
+        let boxes = model.bodies.iter().map(|body| body.boxed_links.as_ref().map(kernels::KernelWorkspace::new));
+        Self { recovery: recovery::RecoveryWorkspace::new(model), boxes: boxes.collect() }
     }
 }
 
@@ -35,7 +35,7 @@ pub(super) fn evaluate<R: Real>(
     substep: Substep<'_, R>,
     at: Configuration<'_, R>,
     force: &mut [R::Vec3],
-    workspace: &mut Workspace<R>,
+    workspace: &mut ForceWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, plan, state, .. } = substep;
@@ -74,7 +74,7 @@ fn links<R: Real>(
     Substep { model, plan, state, .. }: Substep<'_, R>,
     at: Configuration<'_, R>,
     force: &mut [R::Vec3],
-    boxes: &mut [Option<kernels::Workspace<R>>],
+    boxes: &mut [Option<kernels::KernelWorkspace<R>>],
     recorder: &mut Recorder<'_>,
 ) {
     let mut evaluated = 0;

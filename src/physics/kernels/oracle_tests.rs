@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{BoxedLinks, Layout, Pass, SimdLevel, Workspace, add_forces};
+use super::{BoxedLinks, KernelWorkspace, Layout, Pass, SimdLevel, add_forces};
 use crate::geometry::Lattice;
 use crate::geometry::voxel::Cells;
 use crate::math::rng::Rng;
@@ -119,7 +119,7 @@ fn boxed<R: Real>(
     [chosen, damped]: [[bool; 3]; 2],
     level: SimdLevel,
 ) -> (Vec<R::Vec3>, u64) {
-    let mut workspace = Workspace::new(links);
+    let mut workspace = KernelWorkspace::new(links);
     let mut force = vec![R::Vec3::ZERO; position.len()];
     let pass = Pass { level, families: chosen, damped, stops: &|| false };
     let count = add_forces(links, pass, [position, velocity], &mut force, &mut workspace);
@@ -224,7 +224,7 @@ fn a_pass_that_is_given_up_looks_at_no_more_links() {
     };
     let pass = Pass { level: SimdLevel::best(), families: [true; 3], damped: [true; 3], stops: &stops };
     let mut force = vec![glam::Vec3::ZERO; position.len()];
-    let count = add_forces(&links, pass, [&position, &velocity], &mut force, &mut Workspace::new(&links));
+    let count = add_forces(&links, pass, [&position, &velocity], &mut force, &mut KernelWorkspace::new(&links));
     let all: usize = families.iter().map(|family| family.links.len()).sum();
     assert!((2 << 16..3 << 16).contains(&count) && count < all as u64, "{count} of {all}");
 }

@@ -13,13 +13,13 @@ const LINKS_A_LOOK: u64 = 1 << 16;
 /// Positions, velocities and forces of a body over its box, component by component. Corners without a particle stay
 /// where they are put at first.
 #[derive(Clone, Debug)]
-pub(in crate::physics) struct Workspace<R> {
+pub(in crate::physics) struct KernelWorkspace<R> {
     position: [Vec<R>; 3],
     velocity: [Vec<R>; 3],
     force: [Vec<R>; 3],
 }
 
-impl<R: Real> Workspace<R> {
+impl<R: Real> KernelWorkspace<R> {
     /// Room for the links of a body.
     pub(in crate::physics) fn new(links: &BoxedLinks<R>) -> Self {
         let room = || [(); 3].map(|()| vec![R::ZERO; links.layout.corners]);
@@ -47,7 +47,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
     pass: Pass<'_>,
     motion: [&[R::Vec3]; 2],
     force: &mut [R::Vec3],
-    workspace: &mut Workspace<R>,
+    workspace: &mut KernelWorkspace<R>,
 ) -> u64 {
     pass.level.run(
         #[inline(always)]
@@ -67,8 +67,8 @@ pub(in crate::physics) fn add_forces<R: Real>(
 
 /// Works through all blocks.
 #[inline(always)]
-fn sweep<R: Real>(links: &BoxedLinks<R>, pass: Pass<'_>, workspace: &mut Workspace<R>) -> u64 {
-    let Workspace { position, velocity, force } = workspace;
+fn sweep<R: Real>(links: &BoxedLinks<R>, pass: Pass<'_>, workspace: &mut KernelWorkspace<R>) -> u64 {
+    let KernelWorkspace { position, velocity, force } = workspace;
     let Layout { offsets, masks, blocks, terms, .. } = &*links.layout;
     let [position, velocity] = [position, velocity].map(|of| of.each_ref().map(Vec::as_slice));
     let (mut evaluated, mut looked_at) = (0, None);

@@ -16,7 +16,7 @@ use crate::physics::model::{BodyModel, Model};
 use crate::physics::report::Recorder;
 use crate::physics::schemes;
 use crate::physics::state::{BodyMemory, State};
-use crate::physics::step::{Ending, Inputs, Scratch, substep};
+use crate::physics::step::{Ending, Inputs, StepWorkspace, substep};
 use crate::physics::stepping::Part;
 use crate::physics::stepping::strain;
 
@@ -129,11 +129,11 @@ impl<'a, R: Real> Ahead<'a, R> {
         };
         let obstacles = Placed::now(model, state);
         let inputs = Inputs { obstacles: &obstacles, grab: None };
-        let (timer, mut scratch) = (&mut (), Scratch::new(model, &way));
-        let ending = substep(model, &way, part, inputs, &mut next, &mut scratch, &mut Recorder::new(timer));
+        let (timer, mut workspace) = (&mut (), StepWorkspace::new(model, &way));
+        let ending = substep(model, &way, part, inputs, &mut next, &mut workspace, &mut Recorder::new(timer));
         let share = schemes::share_to_center(state, &next);
         let is_on_time = is_on_time || ending == Ending::Diverged;
-        Self { model, state, next, contacts: scratch.contact.contacts, is_on_time, share }
+        Self { model, state, next, contacts: workspace.contact.contacts, is_on_time, share }
     }
 
     fn centred_velocity(&self, particle: usize, asleep: bool) -> DVec3 {

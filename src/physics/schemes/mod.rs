@@ -14,18 +14,18 @@
 //! implicit Euler        v' = v + dt a(x', v'), linearised       x' = x + dt v'
 //! ```
 
-mod free;
 pub(in crate::physics) mod implicit;
 mod rk2;
 mod rk4;
+mod stepper;
 mod verlet;
 
-pub(super) use free::{Free, Scratch};
 pub(super) use implicit::bytes as implicit_bytes;
+pub(super) use stepper::{SchemeWorkspace, Stepper};
 
-use free::{kick, moves_by_mean};
+use stepper::{kick, moves_by_mean};
 
-use super::contact::Touch;
+use super::contact::ContactConstraint;
 use super::model::Model;
 use super::report::Recorder;
 use super::state::State;
@@ -33,7 +33,7 @@ use crate::math::Real;
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
 
-impl<R: Real> Free<'_, R> {
+impl<R: Real> Stepper<'_, R> {
     /// Writes the velocities at the end of the substep as the forces at the state predict them.
     pub(super) fn predict(&mut self, velocity: &mut [R::Vec3]) {
         velocity.copy_from_slice(&self.substep.state.velocity);
@@ -46,7 +46,7 @@ impl<R: Real> Free<'_, R> {
         };
         kick(self.substep.model, &self.substep.state.bodies, kicked_for, self.force, velocity);
         if moves_by_mean(self.substep.scheme) {
-            self.scratch.predicted.copy_from_slice(velocity);
+            self.workspace.predicted.copy_from_slice(velocity);
         }
     }
 
@@ -64,8 +64,13 @@ impl<R: Real> Free<'_, R> {
 
     /// Writes the velocities at the end of the substep as the implicit scheme solves for them, contact and pull included;
     /// gives up where it is asked to.
-    pub(super) fn solve(&mut self, touches: &mut [Touch], velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
-        implicit::solve(self, touches, velocity, recorder);
+    pub(super) fn solve(
+        &mut self,
+        constraints: &mut [ContactConstraint],
+        velocity: &mut [R::Vec3],
+        recorder: &mut Recorder<'_>,
+    ) {
+        implicit::solve(self, constraints, velocity, recorder);
     }
 
     /// Goes through the substep once more for the schemes that move particles by another velocity than that at its end:
@@ -74,20 +79,20 @@ impl<R: Real> Free<'_, R> {
         if !moves_by_mean(self.substep.scheme) {
             return;
         }
-        self.scratch.settled.copy_from_slice(velocity);
+        self.workspace.after_contact.copy_from_slice(velocity);
         match self.substep.scheme {
             Scheme::Rk2 => rk2::refine(self, velocity, recorder),
             Scheme::Rk4 => rk4::refine(self, velocity, recorder),
             _ => {}
         }
-        let Scratch { path: Some(path), predicted, settled, .. } = self.scratch else { return };
+        let SchemeWorkspace { path: Some(path), predicted, after_contact, .. } = self.workspace else { return };
         if self.substep.scheme == Scheme::Explicit {
             path.copy_from_slice(&self.substep.state.velocity);
         }
-        for (particle, settled) in settled.iter().enumerate() {
-            if *settled != predicted[particle] {
-                velocity[particle] = *settled;
-                path[particle] = *settled;
+        for (particle, after_contact) in after_contact.iter().enumerate() {
+            if *after_contact != predicted[particle] {
+                velocity[particle] = *after_contact;
+                path[particle] = *after_contact;
             }
         }
     }
@@ -112,10 +117,10 @@ pub(super) fn share_to_center<R: Real>(state: &State<R>, ahead: &State<R>) -> f6
 pub(super) fn damping_velocity<'a, R: Real>(
     scheme: Scheme,
     state: &'a State<R>,
-    scratch: &'a mut Scratch<R>,
+    workspace: &'a mut SchemeWorkspace<R>,
 ) -> &'a [R::Vec3] {
     match scheme {
-        Scheme::Verlet => verlet::predicted_velocity(state, &mut scratch.velocity),
+        Scheme::Verlet => verlet::predicted_velocity(state, &mut workspace.velocity),
         _ => &state.velocity,
     }
 }

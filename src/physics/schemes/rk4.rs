@@ -4,28 +4,34 @@
 //! With `y = (x, v)` and `y' = (v, a)`: slopes at the state, twice at the midpoint and at the end, in shares of 1, 2, 2
 //! and 1 sixths.
 
-use super::free::{Free, kick};
+use super::stepper::{Stepper, kick};
 use crate::math::Real;
 use crate::physics::report::Recorder;
 
 /// Four evaluations. The shares are summed on the way.
-pub(super) fn refine<R: Real>(free: &mut Free<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
-    free.first_stage();
-    if let Some(path) = &mut free.scratch.path {
+pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
+    stepper.first_stage();
+    if let Some(path) = &mut stepper.workspace.path {
         path.fill(R::Vec3::default());
     }
-    velocity.copy_from_slice(&free.substep.state.velocity);
-    add_share(free, 1.0 / 6.0, velocity);
+    velocity.copy_from_slice(&stepper.substep.state.velocity);
+    add_share(stepper, 1.0 / 6.0, velocity);
     for (ahead, share) in [(0.5, 1.0 / 3.0), (0.5, 1.0 / 3.0), (1.0, 1.0 / 6.0)] {
-        free.next_stage(free.substep.dt * R::from_f64(ahead), recorder);
-        add_share(free, share, velocity);
+        stepper.next_stage(stepper.substep.dt * R::from_f64(ahead), recorder);
+        add_share(stepper, share, velocity);
     }
 }
 
-fn add_share<R: Real>(free: &mut Free<'_, R>, share: f64, velocity: &mut [R::Vec3]) {
+fn add_share<R: Real>(stepper: &mut Stepper<'_, R>, share: f64, velocity: &mut [R::Vec3]) {
     let share = R::from_f64(share);
-    for (path, stage) in free.scratch.path.iter_mut().flatten().zip(&free.scratch.velocity) {
+    for (path, stage) in stepper.workspace.path.iter_mut().flatten().zip(&stepper.workspace.velocity) {
         *path += *stage * share;
     }
-    kick(free.substep.model, &free.substep.state.bodies, free.substep.dt * share, &free.scratch.force, velocity);
+    kick(
+        stepper.substep.model,
+        &stepper.substep.state.bodies,
+        stepper.substep.dt * share,
+        &stepper.workspace.force,
+        velocity,
+    );
 }

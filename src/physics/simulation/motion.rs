@@ -57,7 +57,7 @@ impl<R: Real> Simulation<R> {
         self.state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
         self.wake(body);
         self.state.reserve(&self.model);
-        self.scratch.contact.touch_all();
+        self.workspace.contact.touch_all();
         self.diverged = false;
     }
 

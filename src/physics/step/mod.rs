@@ -10,8 +10,8 @@
 //! rest     bodies that have been at rest for long enough, or have fallen out of the scene, fall asleep and are left out
 //!          of all this
 //!
-//! The implicit scheme solves for pull, contact and v' at once: find touches, solve, settle. Where that would give energy
-//! it is taken again in halves, and in the smallest of them as the other schemes do.
+//! The implicit scheme solves for pull, contact and v' at once: find constraints, solve, finish. Where that would give
+//! energy it is taken again in halves, and in the smallest of them as the other schemes do.
 //! ```
 //!
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
@@ -33,29 +33,29 @@ use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{ContactRule, Scheme};
 use crate::physics::observe::runaway::runs_away;
 use crate::physics::schemes::implicit::balance::{End, body_gains_energy, gains_energy};
-use crate::physics::schemes::{self, Free};
+use crate::physics::schemes::{self, Stepper};
 use crate::physics::state::fallen;
 use crate::physics::state::sleep;
 use crate::physics::step::substep::Substep;
 
-/// Room a substep works in: allocated once, meaningless between substeps except for reading the last one's forces.
+/// What a substep works in: allocated once, meaningless between substeps except for reading the last one's forces.
 #[derive(Clone, Debug)]
-pub(super) struct Scratch<R: Real> {
+pub(super) struct StepWorkspace<R: Real> {
     /// Net force on every particle without implicit contact, N.
     pub force: Vec<R::Vec3>,
     /// Of it the thesis's contact, N; none without that rule.
     thesis_force: Option<Vec<R::Vec3>>,
     /// The velocity at the end of the substep, m/s.
     pub velocity: Vec<R::Vec3>,
-    /// Contact's working room and what it found.
-    pub contact: contact::Scratch<R>,
-    scheme: schemes::Scratch<R>,
-    forces: forces::Workspace<R>,
+    /// What contact works in and what it found.
+    pub contact: contact::ContactWorkspace<R>,
+    scheme: schemes::SchemeWorkspace<R>,
+    forces: forces::ForceWorkspace<R>,
     /// What was remembered of every body before the substep, where one may be given up.
     remembered: Vec<BodyMemory>,
 }
 
-impl<R: Real> Scratch<R> {
+impl<R: Real> StepWorkspace<R> {
     /// Room for a model under a plan.
     pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
         let count = model.particle_count();
@@ -64,9 +64,9 @@ impl<R: Real> Scratch<R> {
             force: vec![R::Vec3::ZERO; count],
             thesis_force: has_thesis_force.then(|| vec![R::Vec3::ZERO; count]),
             velocity: vec![R::Vec3::ZERO; count],
-            contact: contact::Scratch::new(model, plan),
-            scheme: schemes::Scratch::new(model, plan),
-            forces: forces::Workspace::new(model),
+            contact: contact::ContactWorkspace::new(model, plan),
+            scheme: schemes::SchemeWorkspace::new(model, plan),
+            forces: forces::ForceWorkspace::new(model),
             remembered: remembered(model),
         }
     }
@@ -78,14 +78,15 @@ impl<R: Real> Scratch<R> {
         self.remembered = remembered;
     }
 
-    /// The scheme at work on a substep whose forces are known, contact's room, and where the velocities are written.
-    fn free<'a>(
+    /// The scheme at work on a substep whose forces are known, contact's workspace, and where the velocities are
+    /// written.
+    fn stepper<'a>(
         &'a mut self,
         substep: Substep<'a, R>,
-    ) -> (Free<'a, R>, &'a mut contact::Scratch<R>, &'a mut [R::Vec3]) {
+    ) -> (Stepper<'a, R>, &'a mut contact::ContactWorkspace<R>, &'a mut [R::Vec3]) {
         let Self { force, thesis_force, velocity, contact, scheme, forces, .. } = self;
-        let free = Free { substep, force, held_force: thesis_force.as_deref(), scratch: scheme, forces };
-        (free, contact, velocity)
+        let stepper = Stepper { substep, force, held_force: thesis_force.as_deref(), workspace: scheme, forces };
+        (stepper, contact, velocity)
     }
 }
 
@@ -127,16 +128,16 @@ pub(super) fn substep<R: Real>(
     part: Part,
     Inputs { obstacles, grab }: Inputs<'_, R>,
     state: &mut State<R>,
-    scratch: &mut Scratch<R>,
+    workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) -> Ending {
     if sleep::is_quiet(state) {
-        scratch.contact.report_kept(recorder);
+        workspace.contact.report_kept(recorder);
         state.time_secs += part.secs;
         recorder.took(part.secs, state.bodies.len());
         return Ending::Taken;
     }
-    let remembered = &mut scratch.remembered;
+    let remembered = &mut workspace.remembered;
     remembered.iter_mut().zip(&state.bodies).for_each(|(copy, memory)| copy.copy(memory));
     if plan.recovery && recovery::is_due(model, plan, state) {
         recorder.enter(Stage::Recovery);
@@ -144,11 +145,11 @@ pub(super) fn substep<R: Real>(
     }
     let dt = R::from_f64(part.secs);
     let begun = Substep { model, plan, state, obstacles, dt, scheme: part.scheme, grab };
-    find_forces(begun, scratch, recorder);
-    let is_found = find_velocities(begun, part.gain, scratch, recorder);
-    let is_sound = is_found && is_sound(begun, scratch);
+    find_forces(begun, workspace, recorder);
+    let is_found = find_velocities(begun, part.gain, workspace, recorder);
+    let is_sound = is_found && is_sound(begun, workspace);
     if recorder.has_stopped() || !is_found {
-        state.bodies.iter_mut().zip(&scratch.remembered).for_each(|(memory, copy)| memory.copy(copy));
+        state.bodies.iter_mut().zip(&workspace.remembered).for_each(|(memory, copy)| memory.copy(copy));
         return if recorder.has_stopped() { Ending::Stopped } else { Ending::Refused };
     }
     if !is_sound {
@@ -156,10 +157,10 @@ pub(super) fn substep<R: Real>(
         return Ending::Diverged;
     }
     if meets_implicitly(plan) {
-        let moving = scratch.scheme.moving(&scratch.velocity);
-        contact::remember_sides(model, obstacles, dt, state, moving, &mut scratch.contact, recorder);
+        let moving = workspace.scheme.moving(&workspace.velocity);
+        contact::remember_sides(model, obstacles, dt, state, moving, &mut workspace.contact, recorder);
     }
-    accept(model, plan, part, state, scratch);
+    accept(model, plan, part, state, workspace);
     if plan.sleeping && part.is_last {
         recorder.enter(Stage::Rest);
         fallen::watch(model, state);
@@ -170,39 +171,39 @@ pub(super) fn substep<R: Real>(
 }
 
 /// Forces at the state: gravity, links, cells near inversion, and contact by the thesis's rule.
-fn find_forces<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorder: &mut Recorder<'_>) {
+fn find_forces<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let Substep { state, .. } = begun;
-    let Scratch { force, thesis_force, contact, scheme, forces: workspace, .. } = scratch;
+    let StepWorkspace { force, thesis_force, contact, scheme, forces: of_forces, .. } = workspace;
     let at = Configuration {
         position: &state.position,
         velocity: schemes::damping_velocity(begun.scheme, state, scheme),
         residual: (begun.scheme == Scheme::Implicit).then_some(&state.position_residual),
     };
-    forces::evaluate(begun, at, force, workspace, recorder);
+    forces::evaluate(begun, at, force, of_forces, recorder);
     if let Some(thesis_force) = thesis_force {
         recorder.enter(Stage::Contact);
         contact::thesis::add_forces(begun, force, thesis_force, contact, recorder);
     }
 }
 
-/// The velocities at the end, contact and hand included. Says whether there are any: the implicit scheme finds none where
-/// its equations would give energy from nowhere and the part is to be refused then.
+/// The velocities at the end, contact and hand included. Says whether there are any: the implicit scheme finds none
+/// where its equations would give energy from nowhere and the part is to be refused then.
 fn find_velocities<R: Real>(
     begun: Substep<'_, R>,
     gain: Gain,
-    scratch: &mut Scratch<R>,
+    workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) -> bool {
     recorder.enter(Stage::Integrate);
     if begun.scheme != Scheme::Implicit {
-        predicted_velocities(begun, scratch, recorder);
+        predicted_velocities(begun, workspace, recorder);
         return true;
     }
-    solved_velocities(begun, scratch, recorder);
+    solved_velocities(begun, workspace, recorder);
     if gain == Gain::Take || recorder.has_stopped() {
         return true;
     }
-    let Scratch { velocity, force, contact, .. } = scratch;
+    let StepWorkspace { velocity, force, contact, .. } = workspace;
     let end = End { velocity, force, contacts: &contact.contacts };
     let stops = || recorder.stops();
     if stays_finite(begun, velocity, velocity) && !gains_energy(begun, end, &stops) {
@@ -214,18 +215,18 @@ fn find_velocities<R: Real>(
     gain == Gain::Slow
 }
 
-/// Whether the velocities that were found lead to finite places and, where nobody vouches for the step, tear no body
-/// apart. Contact may still change the paths of schemes that move particles by a mean velocity.
-fn is_sound<R: Real>(begun: Substep<'_, R>, scratch: &Scratch<R>) -> bool {
-    let Scratch { velocity, scheme, .. } = scratch;
+/// Whether the velocities that were found lead to finite places and, in manual stepping, tear no body apart. Contact
+/// may still change the paths of schemes that move particles by a mean velocity.
+fn is_sound<R: Real>(begun: Substep<'_, R>, workspace: &StepWorkspace<R>) -> bool {
+    let StepWorkspace { velocity, scheme, .. } = workspace;
     let moving = scheme.moving(velocity);
     !(begun.plan.watched && runs_away(begun.model, begun.dt, moving)) && stays_finite(begun, moving, velocity)
 }
 
 /// Moves everything, and remembers what the next substep of the scheme needs of this one.
-fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<R>, scratch: &Scratch<R>) {
+fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<R>, workspace: &StepWorkspace<R>) {
     let dt = R::from_f64(part.secs);
-    let Scratch { force, thesis_force, velocity, scheme, .. } = scratch;
+    let StepWorkspace { force, thesis_force, velocity, scheme, .. } = workspace;
     schemes::remember(model, plan, dt, force, thesis_force.as_deref(), state);
     move_particles(model, dt, state, scheme.moving(velocity), velocity);
     state.time_secs += part.secs;
@@ -258,9 +259,9 @@ fn slow<R: Real>(
 
 /// Writes the velocities at the end of a substep from those that the forces predict, and the paths of schemes that move
 /// particles by others.
-fn predicted_velocities<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorder: &mut Recorder<'_>) {
-    let (mut free, contact, velocity) = scratch.free(begun);
-    free.predict(velocity);
+fn predicted_velocities<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let (mut stepper, contact, velocity) = workspace.stepper(begun);
+    stepper.predict(velocity);
     if let Some(grab) = begun.grab {
         interaction::pull(begun.model, begun.dt, grab, &begun.state.position, velocity);
     }
@@ -268,26 +269,26 @@ fn predicted_velocities<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>
         contact::respond(begun, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
     }
-    free.refine(velocity, recorder);
-    if let Some(path) = &mut scratch.scheme.path
+    stepper.refine(velocity, recorder);
+    if let Some(path) = &mut workspace.scheme.path
         && meets_implicitly(begun.plan)
     {
-        contact::respond_to_paths(begun, &mut scratch.velocity, path, &mut scratch.contact, recorder);
+        contact::respond_to_paths(begun, &mut workspace.velocity, path, &mut workspace.contact, recorder);
         recorder.enter(Stage::Integrate);
     }
 }
 
 /// Writes the velocities at the end of a substep as the implicit scheme solves for them.
-fn solved_velocities<R: Real>(begun: Substep<'_, R>, scratch: &mut Scratch<R>, recorder: &mut Recorder<'_>) {
-    let (mut free, contact, velocity) = scratch.free(begun);
+fn solved_velocities<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let (mut stepper, contact, velocity) = workspace.stepper(begun);
     if meets_implicitly(begun.plan) {
-        free.fall(velocity);
-        contact::find_touches(begun, velocity, contact, recorder);
+        stepper.fall(velocity);
+        contact::find_constraints(begun, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
     }
-    free.solve(&mut contact.touches, velocity, recorder);
+    stepper.solve(&mut contact.constraints, velocity, recorder);
     if meets_implicitly(begun.plan) && !recorder.has_stopped() {
-        contact::settle_touches(begun, velocity, contact, recorder);
+        contact::finish_constraints(begun, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
     }
 }

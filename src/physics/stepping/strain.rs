@@ -3,7 +3,7 @@
 //!
 //! The bound at rest does not hold there. While any link is longer or shorter by far than at rest a substep is taken in
 //! parts that stay below a share of the step that is bounded in any state ([`crate::physics::limits::any_state`]). At rest
-//! this would be three times as dear as it need be for nothing.
+//! this would cost three times as much for nothing.
 //!
 //! Each length of step conserves an energy of its own, so a change of it gives or takes some; a body that swings across the
 //! limit would change it at the same place of every swing, and gain a little each time. So a body has to be calm for a
@@ -25,7 +25,8 @@ const CALM_SECS: f64 = 0.25;
 /// ... and for so many substeps, where these are long.
 const CALM_SUBSTEPS: u64 = 100;
 
-/// Looks at the links where it is due, as they are and as they would be after the substep, and tells into how many parts the coming substep is divided.
+/// Looks at the links where it is due, as they are and as they would be after the substep, and tells into how many parts
+/// the coming substep is divided.
 pub(in crate::physics) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> u32 {
     if plan.parts <= 1 {
         return 1;

@@ -34,7 +34,7 @@ mod rotation;
 mod soft_links;
 
 pub(in crate::physics) use resistance::{Resistance, energy_past_work, resistances};
-pub(in crate::physics) use soft_links::Scratch;
+pub(in crate::physics) use soft_links::RecoveryWorkspace;
 
 use edges::{MeanEdges, is_inverted, mean_edges, spread};
 use soft_links::soften;
@@ -90,7 +90,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
     Substep { model, state, .. }: Substep<'_, R>,
     Configuration { position, velocity, .. }: Configuration<'_, R>,
     force: &mut [R::Vec3],
-    scratch: &mut Scratch<R>,
+    workspace: &mut RecoveryWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     for (body, memory) in model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep) {
@@ -98,7 +98,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
         let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];
         recorder.counters.recovery_cells += memory.near_inversion.len() as u64;
-        soften(body, &memory.near_inversion, position, velocity, scratch, force);
+        soften(body, &memory.near_inversion, position, velocity, workspace, force);
         let stiffness = body.recovery.push * body.inverse_cell_size;
         let pull = memory.stuck.then(|| body.recovery.pull * body.inverse_cell_size);
         for &cell in &memory.near_inversion {

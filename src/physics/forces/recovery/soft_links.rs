@@ -2,7 +2,7 @@
 //!
 //! The push of [`super`] alone does not turn every body back whose families are far apart: the two sublattices that shear links
 //! alone make of it, for one, hold their mirror images against any push that the step could bear. There
-//! the links between particles of crushed cells lose their elastic force by and by, all but 1 % where V ≤ 0 and the
+//! the links between particles of crushed cells lose their elastic force gradually, all but 1 % where V ≤ 0 and the
 //! families are furthest apart, and get a damping of `k dt/2` in its place: they flow while the volume turns over and
 //! are springs again as soon as it has. Link forces act in pairs along the link: momentum and angular momentum stay.
 //! A body in violent motion keeps its links as they are.
@@ -44,14 +44,14 @@ const TAUT: [f64; 2] = [0.5, 2.0];
 /// gained energy; at a ten thousandth, crumpled cubes stayed broken.
 const CALM: f64 = 1e-3;
 
-/// Room that links of crushed cells are softened in; empty where no body's links are.
+/// What links of crushed cells are softened with; empty where no body's links are.
 #[derive(Clone, Debug)]
-pub(in crate::physics) struct Scratch<R: Real> {
+pub(in crate::physics) struct RecoveryWorkspace<R: Real> {
     /// For each particle of the body at hand the share of elastic force that its links lose.
     softness: Vec<R>,
 }
 
-impl<R: Real> Scratch<R> {
+impl<R: Real> RecoveryWorkspace<R> {
     /// Room for the largest body of a model whose links may be softened.
     pub(in crate::physics) fn new(model: &Model<R>) -> Self {
         let soft = model.bodies.iter().filter(|body| softest(body) > R::ZERO);
@@ -68,7 +68,7 @@ pub(super) fn soften<R: Real>(
     cells: &[u32],
     position: &[R::Vec3],
     velocity: &[R::Vec3],
-    scratch: &mut Scratch<R>,
+    workspace: &mut RecoveryWorkspace<R>,
     force: &mut [R::Vec3],
 ) {
     let softest = softest(body);
@@ -88,7 +88,7 @@ pub(super) fn soften<R: Real>(
     if !is_calm(body, velocity) {
         return;
     }
-    let softness = &mut scratch.softness[..position.len()];
+    let softness = &mut workspace.softness[..position.len()];
     softness.fill(R::ZERO);
     for (corners, share) in crushed {
         for &corner in corners {

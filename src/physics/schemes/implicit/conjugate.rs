@@ -1,4 +1,4 @@
-//! Conjugate gradients: one linear system, with the touches as they are.
+//! Conjugate gradients: one linear system, with the constraints as they are.
 
 use crate::physics::model::Values;
 use glam::{DMat3, DVec3};
@@ -27,7 +27,7 @@ impl<R: Real> System<'_, R> {
         let moving = (0..count).fold(0.0, |sum, local| {
             sum + self.body.mass(local).to_f64() * self.workspace.velocity[local].length_squared()
         });
-        if self.touches.is_empty() && self.body.pinned == Values::Uniform(false) {
+        if self.constraints.is_empty() && self.body.pinned == Values::Uniform(false) {
             let (sum, mass) = (0..count).fold((DVec3::ZERO, 0.0), |(sum, mass), local| {
                 (sum + self.workspace.residual[local], mass + self.body.mass(local).to_f64())
             });
@@ -35,8 +35,9 @@ impl<R: Real> System<'_, R> {
                 *velocity += sum / mass;
             }
         }
-        for touch in &mut *self.touches {
-            touch.hold_against(1.0 / self.workspace.inverse_diagonal[touch.particle - self.body.particles.start]);
+        for constraint in &mut *self.constraints {
+            constraint
+                .hold_against(1.0 / self.workspace.inverse_diagonal[constraint.particle - self.body.particles.start]);
         }
         (moving.min(known) * TOLERANCE * TOLERANCE).max(known * FINEST_TOLERANCE * FINEST_TOLERANCE)
     }
@@ -51,14 +52,14 @@ impl<R: Real> System<'_, R> {
             *residual = right_hand_side[local] - product[local];
         }
         if touched {
-            for touch in &*self.touches {
-                let local = touch.particle - self.body.particles.start;
-                residual[local] += touch.impulse(velocity[local]);
+            for constraint in &*self.constraints {
+                let local = constraint.particle - self.body.particles.start;
+                residual[local] += constraint.impulse(velocity[local]);
             }
         }
     }
 
-    /// Conjugate gradients with the touches as they are, until they are solved or it `stops`. Returns how many iterations
+    /// Conjugate gradients with the constraints as they are, until they are solved or it `stops`. Returns how many iterations
     /// it took.
     pub(super) fn iterate(&mut self, enough: f64, stops: &dyn Fn() -> bool) -> u64 {
         let count = self.body.particles.len();
@@ -76,9 +77,9 @@ impl<R: Real> System<'_, R> {
             }
             let mut product = std::mem::take(&mut self.workspace.product);
             self.times(&self.workspace.search, &mut product);
-            for touch in &*self.touches {
-                let local = touch.particle - self.body.particles.start;
-                product[local] += *touch.matrix() * self.workspace.search[local];
+            for constraint in &*self.constraints {
+                let local = constraint.particle - self.body.particles.start;
+                product[local] += *constraint.matrix() * self.workspace.search[local];
             }
             self.workspace.product = product;
             let ImplicitWorkspace { search, product, velocity, residual, .. } = &mut *self.workspace;
@@ -108,15 +109,16 @@ impl<R: Real> System<'_, R> {
     fn precondition(&mut self) {
         let ImplicitWorkspace { inverse_blocks, inverse_diagonal, .. } = &mut *self.workspace;
         inverse_blocks.clear();
-        for own in self.touches.chunk_by(|a, b| a.particle == b.particle) {
+        for own in self.constraints.chunk_by(|a, b| a.particle == b.particle) {
             let diagonal = 1.0 / inverse_diagonal[own[0].particle - self.body.particles.start];
-            let block =
-                own.iter().fold(DMat3::from_diagonal(DVec3::splat(diagonal)), |sum, touch| sum + *touch.matrix());
+            let block = own
+                .iter()
+                .fold(DMat3::from_diagonal(DVec3::splat(diagonal)), |sum, constraint| sum + *constraint.matrix());
             inverse_blocks.push(block.inverse());
         }
     }
 
-    /// The residual over the diagonal. Returns its size in that norm: over the diagonal without touches, or what is held
+    /// The residual over the diagonal. Returns its size in that norm: over the diagonal without constraints, or what is held
     /// would hardly count.
     fn scale_residual(&mut self) -> f64 {
         let ImplicitWorkspace { residual, scaled, inverse_diagonal, inverse_blocks, .. } = &mut *self.workspace;
@@ -129,7 +131,7 @@ impl<R: Real> System<'_, R> {
                 sum += residual[local].dot(scaled[local]);
             }
         }
-        let touched = self.touches.chunk_by(|a, b| a.particle == b.particle);
+        let touched = self.constraints.chunk_by(|a, b| a.particle == b.particle);
         for (own, block) in touched.zip(inverse_blocks) {
             let local = own[0].particle - self.body.particles.start;
             scaled[local] = *block * residual[local];

@@ -3,11 +3,11 @@
 //! With Coulomb's limits L as they are, the velocities sought are those where
 //!
 //! ```text
-//! ½ vᵀ A v − b·v + Σ touches [ Σ (normal impulse)² / 2 resistance + L √(s² + creep²) ]
+//! ½ vᵀ A v − b·v + Σ constraints [ Σ (normal impulse)² / 2 resistance + L √(s² + creep²) ]
 //! ```
 //!
-//! is least, over the spring of a touch and what holds it at the limit of its depth. That is convex; a round goes to
-//! where its slope along the way is nought. Without that, a first guess of L from an obstacle that has just begun to move
+//! is least, over the spring of a constraint and what holds it at the limit of its depth. That is convex; a round goes to
+//! where its slope along the way is zero. Without that, a first guess of L from an obstacle that has just begun to move
 //! sends a light particle off at 1e10 m/s, and what it meets there gives worse guesses still (line search of a globalized
 //! Newton's method: Nocedal and Wright, "Numerical Optimization", 2006, 3.5).
 
@@ -25,7 +25,7 @@ impl<R: Real> System<'_, R> {
     /// Goes back from where the last solve led to the least of the potential on the way there, if that is not near the
     /// end. Says whether it is.
     pub(super) fn hold_back(&mut self) -> bool {
-        if self.touches.is_empty() {
+        if self.constraints.is_empty() {
             return true;
         }
         let ImplicitWorkspace { before, velocity, residual_before, residual, search, .. } = &mut *self.workspace;
@@ -35,16 +35,16 @@ impl<R: Real> System<'_, R> {
             *way = *after - *before;
         }
         let ends = [(&*before, residual_before), (&*velocity, residual)].map(|(at, residual)| {
-            let touched = self.touches.iter().map(|touch| {
-                let local = touch.particle - first;
-                touch.impulse(at[local]).dot(search[local])
+            let touched = self.constraints.iter().map(|constraint| {
+                let local = constraint.particle - first;
+                constraint.impulse(at[local]).dot(search[local])
             });
             touched.sum::<f64>() - dot(&residual[..count], &search[..count])
         });
         let slope = |share: f64| {
-            let touched = self.touches.iter().map(|touch| {
-                let local = touch.particle - first;
-                touch.lawful_impulse(before[local] + search[local] * share).dot(search[local])
+            let touched = self.constraints.iter().map(|constraint| {
+                let local = constraint.particle - first;
+                constraint.lawful_impulse(before[local] + search[local] * share).dot(search[local])
             });
             ends[0] + share * (ends[1] - ends[0]) - touched.sum::<f64>()
         };

@@ -1,17 +1,17 @@
-//! The matrix of a body's equations without touches, and its product with a vector.
+//! The matrix of a body's equations without constraints, and its product with a vector.
 
 use glam::DVec3;
 
 use super::system::{ImplicitWorkspace, LinkBlock, System};
 use crate::math::{Real, Vector};
-use crate::physics::forces::links::for_each_bond;
+use crate::physics::forces::links::for_each_tangent;
 use crate::physics::forces::recovery;
 use crate::physics::interaction::Grab;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::BodyMemory;
 
 impl<R: Real> System<'_, R> {
-    /// The matrix and the right-hand side without touches, and the velocities now; unfinished where it `stops`.
+    /// The matrix and the right-hand side without constraints, and the velocities now; unfinished where it `stops`.
     pub(super) fn assemble(
         &mut self,
         plan: &Plan,
@@ -28,12 +28,12 @@ impl<R: Real> System<'_, R> {
             inverse_diagonal[local] = mass;
         }
         blocks.clear();
-        for_each_bond(self.body, plan.families, position, stops, |[i, j], bond| {
-            let stiff = dt * dt * bond.stiffness.to_f64();
-            let across = stiff * bond.slack.to_f64();
-            let damping = dt * bond.damping.to_f64();
+        for_each_tangent(self.body, plan.families, position, stops, |[i, j], tangent| {
+            let stiff = dt * dt * tangent.stiffness.to_f64();
+            let across = stiff * tangent.geometric_share.to_f64();
+            let damping = dt * tangent.damping.to_f64();
             let along = stiff - across + damping;
-            let direction = bond.direction.to_dvec3();
+            let direction = tangent.direction.to_dvec3();
             let diagonal = across + along / 3.0;
             inverse_diagonal[i as usize] += diagonal;
             inverse_diagonal[j as usize] += diagonal;
@@ -65,7 +65,7 @@ impl<R: Real> System<'_, R> {
         self.dt * (self.dt * grab.stiffness.to_f64() + grab.damping(self.body).to_f64())
     }
 
-    /// The matrix without touches times a vector.
+    /// The matrix without constraints times a vector.
     pub(super) fn times(&self, of: &[DVec3], product: &mut [DVec3]) {
         for (local, of) in of[..self.body.particles.len()].iter().enumerate() {
             product[local] = *of * self.body.mass(local).to_f64();

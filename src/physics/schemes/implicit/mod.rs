@@ -8,10 +8,11 @@
 //!
 //! K⁺ leaves out what a squashed link does across its direction, which could push outwards: so the matrix is positive
 //! definite whatever the state. Contact is in it as `(dt² k + dt d) n nᵀ`, friction as a resistance `c (I − n nᵀ)`;
-//! which touches push and how much each resists is found by solving again, from the last solution or from where on the
-//! way to it the potential was least. Conjugate gradients from scratch in double precision, whatever the state is in: what is held by friction is a million times stiffer than
-//! what is not. Preconditioned by the diagonal, and by its whole 3×3 block where a particle touches something; sums in
-//! a fixed order, body by body: the result is a function of the state alone.
+//! which of its constraints push and how much each resists is found by solving again, from the last solution or from
+//! where on the way to it the potential was least. Conjugate gradients in double precision, whatever the state is in:
+//! what is held by friction is a million times stiffer than what is not. Preconditioned by the diagonal, and by its
+//! whole 3×3 block where a particle touches something; sums in a fixed order, body by body: the result is a function of
+//! the state alone.
 
 pub(in crate::physics) mod balance;
 mod conjugate;
@@ -24,13 +25,13 @@ use glam::{DMat3, DVec3};
 use self::system::{LinkBlock, System};
 use crate::geometry::LatticeCounts;
 use crate::math::{Real, Vector};
-use crate::physics::contact::Touch;
+use crate::physics::contact::ContactConstraint;
 use crate::physics::forces::recovery::Resistance;
 use crate::physics::report::Recorder;
-use crate::physics::schemes::free::Free;
+use crate::physics::schemes::stepper::Stepper;
 use crate::physics::step::substep::Substep;
 
-/// Solves in which touches may change their minds.
+/// Solves in which contact constraints may change between pushing, holding and leaving.
 const ROUNDS: usize = 16;
 
 /// The last of these, which end with what is safe whatever the others have come to.
@@ -45,25 +46,25 @@ pub(in crate::physics) fn bytes(body: &LatticeCounts) -> usize {
 
 /// Writes the velocities at the end of the substep.
 pub(super) fn solve<R: Real>(
-    free: &mut Free<'_, R>,
-    touches: &mut [Touch],
+    stepper: &mut Stepper<'_, R>,
+    constraints: &mut [ContactConstraint],
     velocity: &mut [R::Vec3],
     recorder: &mut Recorder<'_>,
 ) {
-    let Free { substep: Substep { model, plan, dt, state, grab, .. }, force, .. } = *free;
-    let workspace = &mut free.scratch.implicit;
-    let mut touches = touches;
+    let Stepper { substep: Substep { model, plan, dt, state, grab, .. }, force, .. } = *stepper;
+    let workspace = &mut stepper.workspace.implicit;
+    let mut constraints = constraints;
     for (number, body) in model.bodies.iter().enumerate() {
         // Nothing touches what sleeps.
         if state.bodies[number].asleep {
             continue;
         }
-        let own = touches.partition_point(|touch| touch.particle < body.particles.end);
-        let (own, others) = touches.split_at_mut(own);
-        touches = others;
+        let own = constraints.partition_point(|constraint| constraint.particle < body.particles.end);
+        let (own, others) = constraints.split_at_mut(own);
+        constraints = others;
         let range = body.particles.clone();
         let grab = grab.filter(|grab| grab.body == number);
-        let mut system = System { body, dt: dt.to_f64(), grab, touches: own, workspace };
+        let mut system = System { body, dt: dt.to_f64(), grab, constraints: own, workspace };
         let own = [&state.position[..], &state.velocity, force].map(|of| &of[range.clone()]);
         system.assemble(plan, &state.bodies[number], own, &|| recorder.stops());
         let enough = system.start();
@@ -84,12 +85,12 @@ pub(super) fn solve<R: Real>(
 }
 
 impl<R: Real> System<'_, R> {
-    /// Lets every touch decide again. Says whether it has to be solved again.
+    /// Adapts every constraint to the solution. Says whether it has to be solved again.
     fn reconsider(&mut self, carefully: bool) -> bool {
         let mut again = false;
-        for touch in &mut *self.touches {
-            let local = touch.particle - self.body.particles.start;
-            again |= touch.reconsider(self.workspace.velocity[local], carefully);
+        for constraint in &mut *self.constraints {
+            let local = constraint.particle - self.body.particles.start;
+            again |= constraint.reconsider(self.workspace.velocity[local], carefully);
         }
         again
     }

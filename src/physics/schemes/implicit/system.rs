@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::math::{Real, Vector};
-use crate::physics::contact::Touch;
+use crate::physics::contact::ContactConstraint;
 use crate::physics::forces::recovery::Resistance;
 use crate::physics::interaction::Grab;
 use crate::physics::model::{BodyModel, Model};
@@ -32,7 +32,7 @@ pub(in crate::physics::schemes) struct ImplicitWorkspace<R: Real> {
     /// Of cells that are pushed back from inversion.
     pub(super) resistances: Vec<Resistance>,
     pub(super) inverse_diagonal: Vec<f64>,
-    /// The inverse blocks of the touched particles, one for each touch; only the first of a particle's counts.
+    /// The inverse blocks of the touched particles, one for each constraint; only the first of a particle's counts.
     pub(super) inverse_blocks: Vec<DMat3>,
     pub(super) right_hand_side: Vec<DVec3>,
     pub(super) velocity: Vec<DVec3>,
@@ -76,6 +76,6 @@ pub(super) struct System<'a, R: Real> {
     pub(super) body: &'a BodyModel<R>,
     pub(super) dt: f64,
     pub(super) grab: Option<&'a Grab<R>>,
-    pub(super) touches: &'a mut [Touch],
+    pub(super) constraints: &'a mut [ContactConstraint],
     pub(super) workspace: &'a mut ImplicitWorkspace<R>,
 }

@@ -1,7 +1,7 @@
-//! What contact found in a substep, and the room it works in.
+//! What contact found in a substep, and the workspace it was found in.
 
+use super::constraint::ContactConstraint;
 use super::record::ContactRecord;
-use super::touch::Touch;
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
 use crate::physics::model::Scheme;
@@ -13,9 +13,9 @@ use crate::physics::state::sleep;
 /// Obstacles that meet in a corner.
 const CORNER: usize = 3;
 
-/// Contact's working room and what the last substep found.
+/// What contact works in, and what the last substep found.
 #[derive(Clone, Debug)]
-pub(crate) struct Scratch<R: Real> {
+pub(crate) struct ContactWorkspace<R: Real> {
     /// Obstacles near the body under work.
     pub(super) near: Vec<u32>,
     /// Particle–obstacle pairs that met in the last substep, by particle.
@@ -24,21 +24,21 @@ pub(crate) struct Scratch<R: Real> {
     /// and all before the first substep.
     pub(super) touching: Vec<bool>,
     /// What the implicit integrator solves for, by particle.
-    pub(in crate::physics) touches: Vec<Touch>,
+    pub(in crate::physics) constraints: Vec<ContactConstraint>,
 }
 
-impl<R: Real> Scratch<R> {
+impl<R: Real> ContactWorkspace<R> {
     /// Room for a model.
     pub(crate) fn new(model: &Model<R>, plan: &Plan) -> Self {
         // All of every surface in a corner: what is there beyond that makes room for itself once.
         let surface: usize = model.bodies.iter().map(|body| body.lattice.surface).sum();
-        let meetings = surface * model.obstacles.len().min(CORNER);
-        let solved_for = if plan.scheme == Scheme::Implicit { meetings } else { 0 };
+        let pairs = surface * model.obstacles.len().min(CORNER);
+        let solved_for = if plan.scheme == Scheme::Implicit { pairs } else { 0 };
         Self {
             near: Vec::with_capacity(model.obstacles.len()),
-            contacts: Vec::with_capacity(meetings),
+            contacts: Vec::with_capacity(pairs),
             touching: vec![true; model.bodies.len() * model.obstacles.len()],
-            touches: Vec::with_capacity(solved_for),
+            constraints: Vec::with_capacity(solved_for),
         }
     }
 
@@ -65,7 +65,8 @@ impl<R: Real> Scratch<R> {
         }
     }
 
-    /// Forgets the particles of bodies awake that met something which did not push them: the path they now have may need a push.
+    /// Forgets the particles of bodies awake that met something which did not push them: the path they now have may
+    /// need a push.
     pub(super) fn forget_unpushed(&mut self, model: &Model<R>, state: &State<R>) {
         let (mut kept, mut first) = (0, 0);
         while let Some(contact) = self.contacts.get(first) {

@@ -1,4 +1,4 @@
-//! A substep under way, as every scheme works on it.
+//! A scheme at work on a substep: what every one of them begins with and steps through.
 
 use crate::math::{Real, Vector};
 use crate::physics::forces;
@@ -12,15 +12,15 @@ use crate::physics::state::BodyMemory;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::substep::Substep;
 
-/// Room for what a scheme works out between two states; of no length where a scheme needs none.
+/// What a scheme works out between two states; of no length where a scheme needs none.
 #[derive(Clone, Debug, Default)]
-pub(in crate::physics) struct Scratch<R: Real> {
+pub(in crate::physics) struct SchemeWorkspace<R: Real> {
     /// Mean velocity over the substep, m/s, with schemes that move particles by it rather than by that at its end.
     pub(in crate::physics) path: Option<Vec<R::Vec3>>,
     /// The velocities that were predicted, m/s, before contact changed them.
     pub(super) predicted: Vec<R::Vec3>,
     /// The velocities that contact left, m/s.
-    pub(super) settled: Vec<R::Vec3>,
+    pub(super) after_contact: Vec<R::Vec3>,
     /// Positions at which forces are evaluated between two states, m.
     pub(super) position: Vec<R::Vec3>,
     /// Velocities with which forces are evaluated that are not the state's, m/s.
@@ -31,7 +31,7 @@ pub(in crate::physics) struct Scratch<R: Real> {
     pub(super) implicit: ImplicitWorkspace<R>,
 }
 
-impl<R: Real> Scratch<R> {
+impl<R: Real> SchemeWorkspace<R> {
     /// Room for the scheme of a plan.
     pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
         let room = |needed: bool| vec![R::Vec3::ZERO; if needed { model.particle_count() } else { 0 }];
@@ -39,7 +39,7 @@ impl<R: Real> Scratch<R> {
         Self {
             path: moves_by_mean(plan.scheme).then(|| room(true)),
             predicted: room(moves_by_mean(plan.scheme)),
-            settled: room(moves_by_mean(plan.scheme)),
+            after_contact: room(moves_by_mean(plan.scheme)),
             position: room(has_stages),
             velocity: room(has_stages || plan.scheme == Scheme::Verlet),
             force: room(has_stages),
@@ -51,35 +51,35 @@ impl<R: Real> Scratch<R> {
     }
 }
 
-impl<R: Real> Scratch<R> {
+impl<R: Real> SchemeWorkspace<R> {
     /// The velocities that move particles, given those at the end of the substep.
     pub(in crate::physics) fn moving<'a>(&'a self, velocity: &'a [R::Vec3]) -> &'a [R::Vec3] {
         self.path.as_deref().unwrap_or(velocity)
     }
 }
 
-/// A substep under way.
-pub(in crate::physics) struct Free<'a, R: Real> {
+/// A scheme at work on a substep whose forces are known.
+pub(in crate::physics) struct Stepper<'a, R: Real> {
     pub(in crate::physics) substep: Substep<'a, R>,
     /// Forces at the state, N.
     pub(in crate::physics) force: &'a [R::Vec3],
     /// Of these the thesis's contact, N: constant over the substep. None without that rule.
     pub(in crate::physics) held_force: Option<&'a [R::Vec3]>,
-    pub(in crate::physics) scratch: &'a mut Scratch<R>,
-    pub(in crate::physics) forces: &'a mut forces::Workspace<R>,
+    pub(in crate::physics) workspace: &'a mut SchemeWorkspace<R>,
+    pub(in crate::physics) forces: &'a mut forces::ForceWorkspace<R>,
 }
 
-impl<R: Real> Free<'_, R> {
+impl<R: Real> Stepper<'_, R> {
     /// The stage that every scheme begins with: the state itself.
     pub(super) fn first_stage(&mut self) {
-        self.scratch.velocity.copy_from_slice(&self.substep.state.velocity);
-        self.scratch.force.copy_from_slice(self.force);
+        self.workspace.velocity.copy_from_slice(&self.substep.state.velocity);
+        self.workspace.force.copy_from_slice(self.force);
         self.add_changes();
     }
 
     /// Goes from the state for `ahead` (s) along the slope of the last stage, and evaluates the forces there.
     pub(super) fn next_stage(&mut self, ahead: R, recorder: &mut Recorder<'_>) {
-        let Scratch { position, velocity, force, .. } = self.scratch;
+        let SchemeWorkspace { position, velocity, force, .. } = self.workspace;
         for ((position, start), velocity) in position.iter_mut().zip(&self.substep.state.position).zip(velocity.iter())
         {
             *position = *start + *velocity * ahead;
@@ -95,12 +95,13 @@ impl<R: Real> Free<'_, R> {
         recorder.enter(Stage::Integrate);
     }
 
-    /// Adds the mean force that made the settled velocities of the predicted ones.
+    /// Adds the mean force by which contact changed the predicted velocities.
     fn add_changes(&mut self) {
-        let Scratch { predicted, settled, force, .. } = self.scratch;
+        let SchemeWorkspace { predicted, after_contact, force, .. } = self.workspace;
         for body in awake(self.substep.model, &self.substep.state.bodies) {
             for (local, particle) in body.particles.clone().enumerate() {
-                force[particle] += (settled[particle] - predicted[particle]) * (body.mass(local) / self.substep.dt);
+                force[particle] +=
+                    (after_contact[particle] - predicted[particle]) * (body.mass(local) / self.substep.dt);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 /// Memory that this process may still take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Free {
+pub struct FreeMemory {
     /// How much, bytes.
     pub bytes: u64,
     /// Who says so, for a sentence.

@@ -1,13 +1,14 @@
-//! Particles among obstacles: who meets what, and with which velocity it goes on.
+//! Contact candidates: the particles of a body that is near an obstacle, what each of them meets, and with which velocity
+//! it goes on.
 
 use super::account;
 use super::broad;
+use super::gauss_seidel;
 use super::narrow;
 use super::record::ContactRecord;
 use super::response;
-use super::scratch::Scratch;
-use super::settle;
 use super::surface::Surface;
+use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape};
@@ -18,11 +19,11 @@ use crate::physics::step::substep::Substep;
 pub(in crate::physics) fn respond<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
-    scratch: &mut Scratch<R>,
+    workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    scratch.keep_of_sleepers(substep.model, substep.state);
-    Meetings { substep, scratch, recorder }.of_all(velocity, |_, _| ());
+    workspace.keep_of_sleepers(substep.model, substep.state);
+    Candidates { substep, workspace, recorder }.resolve_all(velocity, |_, _| ());
 }
 
 /// Changes the velocities that move particles where those at the end of the substep are others. What has met an
@@ -32,29 +33,29 @@ pub(in crate::physics) fn respond_to_paths<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
     path: &mut [R::Vec3],
-    scratch: &mut Scratch<R>,
+    workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    for contact in &scratch.contacts {
+    for contact in &workspace.contacts {
         path[contact.particle] = velocity[contact.particle];
     }
-    scratch.forget_unpushed(substep.model, substep.state);
-    Meetings { substep, scratch, recorder }.of_all(path, |particle, change| velocity[particle] += change);
+    workspace.forget_unpushed(substep.model, substep.state);
+    Candidates { substep, workspace, recorder }.resolve_all(path, |particle, change| velocity[particle] += change);
 }
 
-/// All particles among all obstacles.
-pub(super) struct Meetings<'a, 'r, R: Real> {
+/// All particles that may meet an obstacle.
+pub(super) struct Candidates<'a, 'r, R: Real> {
     pub(super) substep: Substep<'a, R>,
-    pub(super) scratch: &'a mut Scratch<R>,
+    pub(super) workspace: &'a mut ContactWorkspace<R>,
     pub(super) recorder: &'a mut Recorder<'r>,
 }
 
-impl<R: Real> Meetings<'_, '_, R> {
+impl<R: Real> Candidates<'_, '_, R> {
     /// Resolves all velocities but of the particles that are known to meet something, and tells of each change.
-    pub(super) fn of_all(&mut self, velocity: &mut [R::Vec3], mut changed: impl FnMut(usize, R::Vec3)) {
-        self.scratch.sort();
-        let met = self.scratch.contacts.len();
-        let Self { substep, scratch, recorder } = self;
+    pub(super) fn resolve_all(&mut self, velocity: &mut [R::Vec3], mut changed: impl FnMut(usize, R::Vec3)) {
+        self.workspace.sort();
+        let met = self.workspace.contacts.len();
+        let Self { substep, workspace, recorder } = self;
         let Substep { model, plan, state, .. } = *substep;
         for (number, body) in model.bodies.iter().enumerate() {
             if state.bodies[number].asleep {
@@ -65,34 +66,39 @@ impl<R: Real> Meetings<'_, '_, R> {
             if plan.broad_phase {
                 recorder.enter(Stage::BroadPhase);
             }
-            let touching = &scratch.touching[number * model.obstacles.len()..][..model.obstacles.len()];
-            broad::near_obstacles(*substep, number, velocity, touching, &mut scratch.near);
-            if !scratch.near.is_empty() {
+            let touching = &workspace.touching[number * model.obstacles.len()..][..model.obstacles.len()];
+            broad::near_obstacles(*substep, number, velocity, touching, &mut workspace.near);
+            if !workspace.near.is_empty() {
                 recorder.enter(Stage::Contact);
                 for (local, particle) in body.particles.clone().enumerate() {
                     // The contacts are in the order of the particles.
-                    let has_met = || scratch.contacts[..met].binary_search_by_key(&particle, |c| c.particle).is_ok();
+                    let has_met = || workspace.contacts[..met].binary_search_by_key(&particle, |c| c.particle).is_ok();
                     if body.is_pinned(local) || has_met() {
                         continue;
                     }
-                    let mut meeting = Meeting::new(*substep, number, particle);
+                    let mut candidate = Candidate::new(*substep, number, particle);
                     let before = velocity[particle];
-                    velocity[particle] =
-                        meeting.resolve(before, body.mass(local), &body.contacts, &scratch.near, &mut scratch.contacts);
+                    velocity[particle] = candidate.resolve(
+                        before,
+                        body.mass(local),
+                        &body.contacts,
+                        &workspace.near,
+                        &mut workspace.contacts,
+                    );
                     changed(particle, velocity[particle] - before);
-                    meeting.count(&mut recorder.counters);
+                    candidate.count(&mut recorder.counters);
                 }
             }
             let made = recorder.counters.narrow_tests - tests_before;
             recorder.counters.narrow_tests_saved += all_tests.saturating_sub(made);
         }
-        scratch.sort();
-        recorder.last.contacts = scratch.pushing();
+        workspace.sort();
+        recorder.last.contacts = workspace.pushing();
     }
 }
 
-/// One particle among the obstacles near its body.
-pub(super) struct Meeting<'a, R: Real> {
+/// A contact candidate: one particle, with the obstacles near its body.
+pub(super) struct Candidate<'a, R: Real> {
     pub(super) substep: Substep<'a, R>,
     /// The body's place among the bodies.
     pub(super) body: usize,
@@ -102,7 +108,7 @@ pub(super) struct Meeting<'a, R: Real> {
     pub(super) frictions: u64,
 }
 
-impl<'a, R: Real> Meeting<'a, R> {
+impl<'a, R: Real> Candidate<'a, R> {
     pub(super) fn new(substep: Substep<'a, R>, body: usize, particle: usize) -> Self {
         Self { substep, body, particle, tests: 0, sphere_tests: 0, frictions: 0 }
     }
@@ -156,7 +162,7 @@ impl<'a, R: Real> Meeting<'a, R> {
         let mut is_pinched = false;
         if records.len() > first_record + 1 {
             let (obstacles, found) = (&self.substep.model.obstacles, &mut records[first_record..]);
-            let settled = settle::settle(predicted, contacts, obstacles, mass, self.substep.dt, found);
+            let settled = gauss_seidel::solve(predicted, contacts, obstacles, mass, self.substep.dt, found);
             is_pinched = settled.is_none();
             velocity = settled.unwrap_or(predicted);
         }

@@ -1,10 +1,11 @@
-//! A particle between several obstacles: what pushes it out of one may push it into the next, and a soft push into a
-//! stiff obstacle would store energy there that nobody had. So the pushes are found together.
+//! A particle between several obstacles, by projected Gauss–Seidel: what pushes it out of one may push it into the
+//! next, and a soft push into a stiff obstacle would store energy there that nobody had. So the pushes are found
+//! together.
 //!
-//! The pushes are those of [`super::response`], each a spring taken implicitly; together they minimise
-//! `½ |v − v*|² + Σ energy of the springs at the end of the step`, which is convex. Going round the contacts, each push in
-//! turn being what the others leave to it (Gauss–Seidel), comes to that minimum, at which the energy is no larger than
-//! without any push.
+//! The pushes are those of [`super::response`], each a spring taken implicitly; together they minimise `½ |v − v*|² + Σ
+//! energy of the springs at the end of the step`, which is convex. Going round the contacts, each push in turn being
+//! what the others leave to it (Gauss–Seidel), comes to that minimum, at which the energy is no larger than without any
+//! push.
 
 use super::record::ContactRecord;
 use super::response;
@@ -24,7 +25,7 @@ const SETTLED_SHARE: f64 = 1e-5;
 
 /// The velocity that the contacts in `records` together leave a particle that would have `predicted`; their forces are
 /// written anew. None where they do not agree on one: the particle is pinched between surfaces that all but meet.
-pub(super) fn settle<R: Real>(
+pub(super) fn solve<R: Real>(
     predicted: R::Vec3,
     contacts: &[ContactModel<R>],
     obstacles: &[ObstacleModel<R>],
@@ -127,7 +128,7 @@ mod tests {
             let obstacles = [obstacle(friction), obstacle(friction)];
             let aslant = DVec3::new(0.6, -0.8, 0.0);
             let mut records = [record(0, DVec3::Y, 0.0), record(1, aslant, -0.5)];
-            let settled = settle(DVec3::ZERO, &contacts, &obstacles, MASS, DT, &mut records);
+            let settled = solve(DVec3::ZERO, &contacts, &obstacles, MASS, DT, &mut records);
             let velocity = settled.expect("they agree");
             let depth = -velocity.y * DT;
             let stored = 0.5 * 1e9 * depth * depth.max(0.0);
@@ -144,7 +145,7 @@ mod tests {
         let plate = ContactRecord { surface_velocity: down * 60.0, ..record(1, down, 0.0) };
         let mut records = [record(0, DVec3::Y, 0.0), plate];
         let (contacts, obstacles) = ([contact(1e9), contact(1e4)], [obstacle(0.0), obstacle(0.0)]);
-        (settle(DVec3::ZERO, &contacts, &obstacles, MASS, DT, &mut records), records)
+        (solve(DVec3::ZERO, &contacts, &obstacles, MASS, DT, &mut records), records)
     }
 
     #[test]
@@ -183,7 +184,7 @@ mod tests {
             predicted,
         );
         let mut records = [record(0, DVec3::Y, -0.01)];
-        let settled = settle(predicted, &contacts, &obstacles, MASS, DT, &mut records);
+        let settled = solve(predicted, &contacts, &obstacles, MASS, DT, &mut records);
         let settled = settled.expect("it is alone");
         assert!((alone - settled).length() < 1e-12, "{alone} and {settled}");
     }

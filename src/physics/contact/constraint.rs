@@ -1,23 +1,24 @@
-//! The law of a touch: what an obstacle does to a particle within a system of equations that is solved again and again.
+//! The contact constraint of the implicit scheme: what an obstacle does to a particle within a system of equations that
+//! is solved again and again.
 
 use glam::{DMat3, DVec3};
 
 /// A friction that misses Coulomb's by no more than this share of it is right.
 const FRICTION_TOLERANCE: f64 = 1e-3;
 
-/// How many times what a particle and its links resist with the limit of its depth does: what it misses of it is that much
-/// less than what it was in the way of, and is taken away after the solve.
+/// How many times what a particle and its links resist with the limit of its depth does: what it misses of it is that
+/// much less than what it was in the way of, and is taken away after the solve.
 const HOLD: f64 = 1e4;
 
 /// A particle at an obstacle within one implicit substep, in double precision.
 ///
-/// With the sliding velocity s and the limit `L = μ N`, the impulse of friction −λ is to fulfil `λ r = L s` with
-/// `r² = s² + creep²`: Coulomb's law but for a creep. Newton's method on that equation with both s and λ as unknowns, made
+/// With the sliding velocity s and the limit `L = μ N`, the impulse of friction −λ is to fulfil `λ r = L s` with `r² =
+/// s² + creep²`: Coulomb's law but for a creep. Newton's method on that equation with both s and λ as unknowns, made
 /// symmetric, finds its way over many decades of s where Newton's method on s alone loses it, and is positive definite
 /// as long as no λ is longer than L (Chan, Golub and Mulet, "A nonlinear primal-dual method for total variation-based
 /// image restoration", 1999).
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct Touch {
+pub(in crate::physics) struct ContactConstraint {
     /// The particle, in the state's arrays.
     pub(in crate::physics) particle: usize,
     pub(super) obstacle: usize,
@@ -55,7 +56,7 @@ pub(in crate::physics) struct Touch {
     pub(super) impulse: DVec3,
 }
 
-impl Touch {
+impl ContactConstraint {
     /// What it takes from a particle's momentum per velocity, kg: symmetric, not negative.
     pub(in crate::physics) fn matrix(&self) -> &DMat3 {
         &self.matrix
@@ -78,8 +79,8 @@ impl Touch {
         relative - self.normal * relative.dot(self.normal)
     }
 
-    /// Makes the limit of the depth one that a particle heeds which resists to a change of its velocity with `resistance`,
-    /// kg.
+    /// Makes what holds the particle at the limit of its depth much stiffer than the particle itself, whose velocity
+    /// changes by one over `resistance` (kg) for every N·s.
     pub(in crate::physics) fn hold_against(&mut self, resistance: f64) {
         self.hold = HOLD * resistance;
     }
@@ -107,8 +108,8 @@ impl Touch {
         self.friction * self.normal_impulse
     }
 
-    /// What it does at first, to a particle that has this velocity and would fall with another. What is only expected to
-    /// push does not rub yet: nobody knows how hard it will push.
+    /// What it does at first, to a particle that has this velocity and would fall with another. What is only expected
+    /// to push has no friction yet: how hard it will push is not known.
     pub(super) fn begin(&mut self, velocity: DVec3, falling: DVec3) {
         self.normal_impulse = self.normal_impulse_at(velocity);
         self.pushes = self.normal_impulse > 0.0 || self.normal_impulse_at(falling) > 0.0;
