@@ -69,6 +69,18 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
             "at most {most} iterations of the implicit integrator in 1/60 s, however violent the motion"
         ))?;
     }
+    if prediction.candidates.len() > 1 {
+        out::figures("predicted work, in forces of links a simulated second; the least is taken")?;
+    }
+    for candidate in prediction.candidates.iter().filter(|_| prediction.candidates.len() > 1) {
+        out::figures(&format!(
+            "  {:<22} {} million, in steps of {}",
+            candidate.integrator.replace('-', " "),
+            three_digits(candidate.cost_per_sec / 1e6),
+            limit_text(candidate.substep_secs),
+        ))?;
+    }
+    out::figures("largest safe step of each term alone, with the same margin")?;
     for term in prediction.limits.iter().filter(|limit| limit.term != "user") {
         let safe = term.dt_limit_secs.map(|at_rest| margin * at_rest);
         out::figures(&format!("  {:<22} {}", term.term.replace('_', " "), limit(safe)))?;
@@ -94,6 +106,7 @@ fn unsound(error: &anyhow::Error, scene: &OsStr) -> Value {
         "dt_safe_secs": none,
         "limited_by": none,
         "integrator": none,
+        "candidates": [],
         "limits": [],
         "substeps_per_frame": none,
         "most_iterations_per_frame": none,

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::Session;
 use crate::math::FRAME_SECS;
 use crate::physics::MOST_WORK_A_FRAME;
-use crate::physics::{Scheme, Simulation, Term};
+use crate::physics::{Candidate, Scheme, Simulation, Term};
 use crate::scene::settings::Integrator;
 
 /// Simulated time that is measured, s: long enough to fall on something, for what falls freely costs the implicit
@@ -35,6 +35,8 @@ pub struct Prediction {
     pub dt_safe_secs: Option<f64>,
     pub limited_by: String,
     pub integrator: &'static str,
+    /// The schemes that were weighed against each other, the one that was asked for first.
+    pub candidates: Vec<CandidateFigures>,
     pub limits: Vec<LimitFigures>,
     pub substeps_per_frame: u64,
     /// The limit of the implicit integrator's work in 1/60 s, in iterations; none with other integrators.
@@ -48,6 +50,16 @@ pub struct Prediction {
 pub struct LimitFigures {
     pub term: String,
     pub dt_limit_secs: Option<f64>,
+}
+
+/// What a scheme would cost that may take the steps.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
+pub struct CandidateFigures {
+    pub integrator: &'static str,
+    pub substep_secs: f64,
+    /// Predicted operations in a simulated second; the unit is the force of a link.
+    pub cost_per_sec: f64,
 }
 
 impl Prediction {
@@ -79,12 +91,17 @@ impl Prediction {
             dt_safe_secs: plan.limits.dt_safe_secs(),
             limited_by: plan.limits.limited_by(plan.dt_secs).name(),
             integrator: Integrator::from(plan.scheme).name(),
+            candidates: plan.candidates.iter().map(candidate).collect(),
             limits,
             substeps_per_frame,
             most_iterations_per_frame: most,
             predicted_real_time_factor: factor,
         }
     }
+}
+
+fn candidate(&Candidate { scheme, substep_secs, cost_per_sec }: &Candidate) -> CandidateFigures {
+    CandidateFigures { integrator: Integrator::from(scheme).name(), substep_secs, cost_per_sec }
 }
 
 /// What a person should know before a run that nobody wants to wait for.

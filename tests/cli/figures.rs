@@ -171,7 +171,7 @@ const RUN_KEYS: &str = "scene simulated_secs wall_secs real_time_factor steps su
     max_speed max_strain contacts max_penetration_m inverted_cells narrow_tests narrow_tests_saved slowed hash stages warnings \
     trouble start peak";
 const CHECK_KEYS: &str = "ok errors particles links dt_limit_secs dt_safe_secs limited_by limits substeps_per_frame most_iterations_per_frame \
-    predicted_real_time_factor";
+    candidates predicted_real_time_factor";
 
 pub(crate) fn missing<'a>(object: &serde_json::Value, keys: &'a str) -> Vec<&'a str> {
     keys.split_whitespace().filter(|key| object.get(key).is_none()).collect()

@@ -1,6 +1,7 @@
 //! From the document to the constant model: particles placed, links measured, obstacles framed.
 
 mod assembly;
+mod candidates;
 pub(in crate::physics) mod from_scene;
 pub(in crate::physics) mod other_form;
 mod plan;

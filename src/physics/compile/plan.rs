@@ -2,16 +2,13 @@
 
 use crate::geometry::Family;
 use crate::math::{FRAME_SECS, Real};
+use crate::physics::compile::candidates;
 use crate::physics::kernels::SimdLevel;
 use crate::physics::limits::{SceneLimits, any_state};
-use crate::physics::model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan};
+use crate::physics::model::plan::{Candidate, MOST_HALVINGS, MOST_WORK_A_FRAME, Plan};
 use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
 use crate::scene::Settings;
 use crate::scene::settings::Stepping;
-
-/// Above this many substeps in 1/60 s automatic stepping hands over to the implicit integrator, whose cost
-/// hardly grows with the stiffness.
-const IMPLICIT_ABOVE: f64 = 100.0;
 
 /// The longest step of the implicit integrator where it takes over, s: four a frame. Longer ones are cheaper for the same
 /// simulated time, and quiet a vibration of 5 Hz in one period instead of three.
@@ -37,15 +34,22 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let substeps = if divided { limits.substeps(settings.dt) } else { 1 };
     let contact = !model.obstacles.is_empty() && !model.bodies.is_empty();
     let by_thesis = contact && contact_rule == ContactRule::Thesis;
-    let taken_over = divided && chosen != Scheme::Implicit && !by_thesis && needs_implicit(settings, &limits);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of at least one")]
     let [span, implicit_substeps] =
         [LONGEST_IMPLICIT_SECS / settings.dt, libm::ceil(settings.dt / LONGEST_IMPLICIT_SECS)]
             .map(|count| count.max(1.0) as u32);
-    let scheme = if taken_over { Scheme::Implicit } else { chosen };
+    let dt_secs = if divided { settings.dt.min(limits.longest_step_secs()) } else { settings.dt };
+    let mut candidates = vec![candidates::of(model, chosen, dt_secs / f64::from(substeps))];
+    if divided && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
+        let secs = settings.dt * f64::from(span) / f64::from(implicit_substeps);
+        candidates.push(candidates::of(model, Scheme::Implicit, secs));
+    }
+    let scheme = Candidate::cheapest(&candidates).map_or(chosen, |candidate| candidate.scheme);
+    let taken_over = scheme != chosen;
     let plan = Plan {
         scheme,
-        dt_secs: if divided && !taken_over { settings.dt.min(limits.longest_step_secs()) } else { settings.dt },
+        candidates,
+        dt_secs: if taken_over { settings.dt } else { dt_secs },
         substeps: if taken_over { implicit_substeps } else { substeps },
         span: if taken_over { span } else { 1 },
         halvings: 0,
@@ -78,12 +82,6 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let share = (MOST_WORK_A_FRAME as f64 * secs / FRAME_SECS) as u64;
     let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len() as u64);
     Plan { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
-}
-
-/// Whether steps would have to be divided so finely that the implicit integrator may take over.
-fn needs_implicit(settings: &Settings, limits: &SceneLimits) -> bool {
-    settings.allow_implicit
-        && limits.dt_safe_secs().is_some_and(|safe| safe < settings.dt && FRAME_SECS / safe > IMPLICIT_ABOVE)
 }
 
 /// How often a step is to be halved until the default integrator could take it.

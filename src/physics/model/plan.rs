@@ -54,12 +54,32 @@ impl Stage {
     }
 }
 
+/// A scheme that may take a scene's steps, and what it would cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// The scheme.
+    pub scheme: Scheme,
+    /// The length of its substeps, s.
+    pub substep_secs: f64,
+    /// Operations for a simulated second, predicted; the unit is the force of a link that is worked out in a box.
+    pub cost_per_sec: f64,
+}
+
+impl Candidate {
+    /// The cheapest of some, the earliest where several are.
+    pub(in crate::physics) fn cheapest(of: &[Self]) -> Option<&Self> {
+        of.iter().min_by(|a, b| a.cost_per_sec.total_cmp(&b.cost_per_sec))
+    }
+}
+
 /// What a step does for one scene.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a stage that runs or does not, and any mixture is a plan")]
 pub struct Plan {
     /// The scheme in use.
     pub scheme: Scheme,
+    /// The schemes that might have been, the one that the person chose first.
+    pub candidates: Vec<Candidate>,
     /// The whole step, s: what the person asked for, or as much of it as can be counted in substeps that are safe.
     pub dt_secs: f64,
     /// Substeps in a whole step.

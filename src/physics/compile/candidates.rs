@@ -1,0 +1,165 @@
+//! What the schemes that may take a scene's steps would cost: predicted from counted operations alone, so that the choice
+//! between them is the same on every machine.
+//!
+//! # Theory
+//!
+//! An explicit scheme works out every link once a substep. The implicit one solves equations in each of its steps, in
+//! several rounds where bodies meet obstacles; conjugate gradients miss the solution by a share ε after
+//! `½ √κ ln(2/ε)` iterations (Saad, "Iterative Methods for Sparse Linear Systems", 2003, 6.11.3), or as soon as what one
+//! end of the body does has reached the other. With the diagonal taken out, the condition number κ is that of the fastest
+//! vibration over one that hardly pulls back:
+//!
+//! ```text
+//! κ ≈ 1 + Σ families (dt² λ_K + dt λ_C) = 1 + Σ families (4 (dt/dt_K)² + 2 dt/dt_C)
+//! ```
+//!
+//! with the largest stable steps `dt_K` and `dt_C` of each family's stiffness and damping alone.
+
+use crate::math::Real;
+use crate::physics::limits::{SceneLimits, Term};
+use crate::physics::model::plan::{Candidate, SOLVE_WORK};
+use crate::physics::model::{BodyModel, ContactRule, Model, Scheme};
+
+// The weights of operations, in units of a link that is worked out in its box. Each was measured once, in the widest
+// vector instructions and on one thread: coupler-20, coupler-40, spot and cubes of 5, 10 and 20 cells.
+
+/// A link that is worked out from the list of a body that has no box.
+const LINK_OF_LIST: f64 = 2.5;
+
+/// What a substep does for a particle beside its links: contact, integration, the way into the box and back.
+const PARTICLE: f64 = 25.0;
+
+/// A link in one iteration of the solver, in double precision and from the list.
+const LINK_OF_ITERATION: f64 = 2.4;
+
+/// A particle in one iteration of the solver.
+const PARTICLE_OF_ITERATION: f64 = 15.0;
+
+/// Rounds of the solver in a step in which bodies may meet obstacles, on average over falls, landings and rest.
+const ROUNDS_AMONG_OBSTACLES: f64 = 1.5;
+
+/// Iterations that it takes for each cell along the body until one end tells of the other.
+const ITERATIONS_A_CELL: f64 = 8.0;
+
+/// `½ ln(2/ε)` for the share that a solution may miss.
+const ITERATIONS_A_ROOT: f64 = 5.0;
+
+/// What a scheme costs in substeps of this length.
+pub(super) fn of<R: Real>(model: &Model<R>, scheme: Scheme, substep_secs: f64) -> Candidate {
+    let substep = match scheme {
+        Scheme::Implicit => solutions(model, substep_secs),
+        Scheme::Rk4 => 4.0 * evaluation(model),
+        Scheme::Rk2 => 2.0 * evaluation(model),
+        Scheme::SemiImplicit | Scheme::Explicit | Scheme::Verlet => evaluation(model),
+    };
+    Candidate { scheme, substep_secs, cost_per_sec: substep / substep_secs }
+}
+
+/// What it costs to work out the forces once, and to move by them.
+fn evaluation<R: Real>(model: &Model<R>) -> f64 {
+    let of_body = |body: &BodyModel<R>| {
+        let link = if body.boxed_links.is_some() { 1.0 } else { LINK_OF_LIST };
+        link * links(body) + PARTICLE * body.particles.len() as f64
+    };
+    model.bodies.iter().map(of_body).sum()
+}
+
+/// What it costs to solve the equations of a step of this length.
+fn solutions<R: Real>(model: &Model<R>, step_secs: f64) -> f64 {
+    let limits = SceneLimits::of(model, ContactRule::Implicit, Scheme::SemiImplicit);
+    let by_condition = ITERATIONS_A_ROOT * condition(&limits, step_secs).sqrt();
+    let rounds = if model.obstacles.is_empty() { 1.0 } else { ROUNDS_AMONG_OBSTACLES };
+    let of_body = |body: &BodyModel<R>| {
+        let cells = body.lattice.grid.dims.into_iter().max().unwrap_or(1);
+        let iterations = by_condition.min(ITERATIONS_A_CELL * f64::from(cells));
+        let iteration = LINK_OF_ITERATION * links(body) + PARTICLE_OF_ITERATION * body.particles.len() as f64;
+        rounds * (SOLVE_WORK as f64 + iterations) * iteration
+    };
+    model.bodies.iter().map(of_body).sum()
+}
+
+fn links<R: Real>(body: &BodyModel<R>) -> f64 {
+    body.links.iter().map(|family| family.links.len()).sum::<usize>() as f64
+}
+
+/// The condition number of the equations of a step of `dt` (s), from the limits of a scheme that counts damping once.
+fn condition(limits: &SceneLimits, dt: f64) -> f64 {
+    let of_term = |&(term, limit): &(Term, Option<f64>)| match (term, limit) {
+        (Term::Stiffness(_), Some(limit)) => 4.0 * (dt / limit) * (dt / limit),
+        (Term::Damping(_), Some(limit)) => 2.0 * dt / limit,
+        _ => 0.0,
+    };
+    1.0 + limits.terms.iter().map(of_term).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::physics::{Candidate, Counters, Scheme, Simulation};
+    use crate::scene::body::CubeShape;
+    use crate::scene::material::Spring;
+    use crate::scene::settings::Integrator;
+    use crate::scene::{Material, Scene, Shape, Springs, presets};
+
+    /// A cube that falls on the ground.
+    fn cube(cells: u32, stiffness: f64) -> Scene {
+        let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
+        scene.bodies[0].shape = Shape::Cube(CubeShape { cells, size: 0.5 });
+        let spring = Spring { stiffness, damping: 1e-3 * stiffness };
+        let particle_mass = 8.0 / f64::from(cells).powi(3);
+        scene.bodies[0].material =
+            Material::Springs(Springs { structural: spring, shear: spring, bending: spring, particle_mass });
+        scene
+    }
+
+    fn simulation(scene: &Scene) -> Simulation<f32> {
+        Simulation::from_scene(scene, "".as_ref()).expect("a sound scene")
+    }
+
+    #[test]
+    fn the_cheapest_is_taken_and_an_equal_one_leaves_what_was_asked_for() {
+        let plan = |stiffness| simulation(&cube(6, stiffness)).plan().clone();
+        let [soft, stiff] = [plan(100.0), plan(1e6)];
+        assert_eq!([soft.scheme, stiff.scheme], [Scheme::SemiImplicit, Scheme::Implicit]);
+        for plan in [soft, stiff] {
+            let schemes: Vec<_> = plan.candidates.iter().map(|candidate| candidate.scheme).collect();
+            assert_eq!(schemes, [Scheme::SemiImplicit, Scheme::Implicit], "what was asked for comes first");
+            let taken = plan.candidates.iter().find(|candidate| candidate.scheme == plan.scheme).expect("one of them");
+            assert!((taken.substep_secs / plan.substep_secs() - 1.0).abs() < 1e-12, "{taken:?}");
+        }
+        let alike = [Scheme::Verlet, Scheme::Implicit].map(|scheme| Candidate {
+            scheme,
+            substep_secs: 1e-3,
+            cost_per_sec: 100.0,
+        });
+        assert_eq!(Candidate::cheapest(&alike), Some(&alike[0]), "no reason to change");
+    }
+
+    /// The implicit scheme's work in iterations: as predicted, and as it was counted over fall, landing and rest.
+    fn work(scene: &Scene) -> [f64; 2] {
+        let mut scene = scene.clone();
+        (scene.settings.integrator, scene.settings.sleeping) = (Integrator::Implicit, false);
+        let mut simulation = simulation(&scene);
+        let mut counted = Counters::default();
+        let report = simulation.run_for(1.0);
+        counted.add(&report.counters);
+        let model = simulation.model();
+        let links: usize = model.link_counts().iter().sum();
+        let iteration =
+            super::LINK_OF_ITERATION * links as f64 + super::PARTICLE_OF_ITERATION * model.particle_count() as f64;
+        [simulation.plan().candidates[0].cost_per_sec / iteration, counted.implicit_work() as f64]
+    }
+
+    #[test]
+    fn the_work_of_the_implicit_scheme_is_as_predicted_within_a_factor() {
+        let preset = |name| (presets::preset(name).expect("a preset").build)();
+        for (name, scene) in [
+            ("coupler-7", preset("coupler-7")),
+            ("cube-on-plane", preset("cube-on-plane")),
+            ("stiff", cube(6, 1e4)),
+            ("very stiff", cube(6, 1e6)),
+        ] {
+            let [predicted, counted] = work(&scene);
+            assert!(predicted < 4.0 * counted && counted < 4.0 * predicted, "{name}: {predicted}, not {counted}");
+        }
+    }
+}
