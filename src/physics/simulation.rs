@@ -10,8 +10,9 @@ use super::interaction::Grab;
 use super::model::Model;
 use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
 use super::state::{BodyMemory, State};
-use super::step::{self, Ending, Inputs, StepWorkspace};
-use super::stepping::{Division, Part};
+use super::step::substep::Part;
+use super::step::{self, Inputs, StepWorkspace};
+use super::stepping;
 use crate::math::Real;
 use crate::physics::forces::recovery;
 use crate::physics::model::plan::Plan;
@@ -159,7 +160,8 @@ impl<R: Real> Simulation<R> {
         for approach in self.state.approaches.iter().filter(|approach| !approach.waits) {
             self.state.bodies[approach.body].wake();
         }
-        let report = self.advance(timer);
+        let Self { model, plan, state, workspace, obstacles, grab, .. } = self;
+        let report = stepping::advance(model, plan, state, workspace, obstacles, grab.as_ref(), timer);
         if report.stopped {
             return report;
         }
@@ -174,36 +176,6 @@ impl<R: Real> Simulation<R> {
             }
         }
         report
-    }
-
-    /// Advances by a part of a substep that the linear equations of the implicit integrator hold for; with other
-    /// integrators by all of it, in parts while a body is strained.
-    fn advance(&mut self, timer: &mut impl StageTimer) -> StepReport {
-        let Self { model, plan, state, workspace, obstacles, grab, .. } = self;
-        let mut recorder = Recorder::new(timer);
-        let mut division = Division::of(model, plan, state);
-        let mut ending = Ending::Taken;
-        while let Some(part) = division.next(plan, state, &mut recorder.counters) {
-            obstacles.place(model, state, part.secs);
-            let work_before = recorder.counters.implicit_work();
-            let inputs = Inputs { obstacles, grab: grab.as_ref().filter(|grab| !state.bodies[grab.body].gone) };
-            ending = step::substep(model, plan, part, inputs, state, workspace, &mut recorder);
-            if ending == Ending::Stopped {
-                break;
-            }
-            state.work = state.work.saturating_add(recorder.counters.implicit_work() - work_before);
-            if ending == Ending::Refused {
-                division.refuse(plan, state, &mut recorder.counters);
-                continue;
-            }
-            if ending == Ending::Diverged {
-                break;
-            }
-            arrive::pass(model, &workspace.contact.contacts, part.secs, state);
-            sweep::pass(model, part.secs, state);
-            division.take();
-        }
-        recorder.leave(ending == Ending::Diverged)
     }
 
     /// Whether the last step would have made a number infinite or NaN.

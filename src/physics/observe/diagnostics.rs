@@ -16,8 +16,8 @@ use crate::physics::model::{BodyModel, Model};
 use crate::physics::report::Recorder;
 use crate::physics::schemes;
 use crate::physics::state::{BodyMemory, State};
+use crate::physics::step::substep::Part;
 use crate::physics::step::{Ending, Inputs, StepWorkspace, substep};
-use crate::physics::stepping::Part;
 use crate::physics::stepping::strain;
 
 /// So little of a substep that nothing moves in it.

@@ -26,7 +26,6 @@ use super::interaction::{self, Grab};
 use super::model::Model;
 use super::report::Recorder;
 use super::state::{BodyMemory, State};
-use super::stepping::{Gain, Part};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery;
 use crate::physics::model::plan::{Plan, Stage};
@@ -36,7 +35,7 @@ use crate::physics::schemes::implicit::balance::{End, body_gains_energy, gains_e
 use crate::physics::schemes::{self, Stepper};
 use crate::physics::state::fallen;
 use crate::physics::state::sleep;
-use crate::physics::step::substep::Substep;
+use crate::physics::step::substep::{Gain, Part, Substep};
 
 /// What a substep works in: allocated once, meaningless between substeps except for reading the last one's forces.
 #[derive(Clone, Debug)]

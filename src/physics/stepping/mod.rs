@@ -1,4 +1,5 @@
-//! How time is divided: the one place that says how long a part of a substep is and which scheme takes it.
+//! How time is divided: the one place that says how long a part of a substep is and which scheme takes it, and has it
+//! taken.
 //!
 //! ```text
 //! step       one dt: `Plan::substeps` substeps, as many as the bound of the scheme asks for at rest
@@ -14,51 +15,57 @@
 pub(in crate::physics) mod looks;
 pub(in crate::physics) mod strain;
 
-use super::model::Model;
+use super::contact::{Placed, arrive, sweep};
+use super::interaction::Grab;
 use super::model::plan::{MOST_HALVINGS, Plan};
-use super::report::Counters;
+use super::model::{Model, Scheme};
+use super::report::{Counters, Recorder, StageTimer, StepReport};
 use super::state::{SPENT, State};
+use super::step::substep::{Gain, Part};
+use super::step::{Ending, Inputs, StepWorkspace, substep};
 use crate::math::Real;
-use crate::physics::model::Scheme;
 
-/// The stretch of time that one evaluation of a scheme covers: a substep or a part of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Part {
-    /// Its length, s.
-    pub(super) secs: f64,
-    /// What takes it.
-    pub(super) scheme: Scheme,
-    /// What becomes of it where the implicit scheme would give energy from nowhere.
-    pub(super) gain: Gain,
-    /// Whether the substep begins with it: what is under way is not given up.
-    pub(super) is_first: bool,
-    /// Whether the substep ends with it.
-    pub(super) is_last: bool,
-}
-
-/// What becomes of a part in which the implicit scheme would give a body energy from nowhere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Gain {
-    /// It is refused, the state untouched.
-    Refuse,
-    /// It is taken, with as much of the motion as gives none: there was enough work on the substep.
-    Slow,
-    /// It is taken as it is; nobody looks.
-    Take,
-}
-
-impl Part {
-    /// A whole substep, come what may, in one of so many equal parts.
-    pub(super) fn one_of(plan: &Plan, parts: u32) -> Self {
-        let secs = plan.substep_secs() / f64::from(parts);
-        Self { secs, scheme: plan.scheme, gain: Gain::Take, is_first: true, is_last: true }
+/// Advances by a part of a substep that the linear equations of the implicit scheme hold for; with other schemes by all
+/// of it, in parts while a body is strained.
+pub(super) fn advance<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    state: &mut State<R>,
+    workspace: &mut StepWorkspace<R>,
+    obstacles: &mut Placed<R>,
+    grab: Option<&Grab<R>>,
+    timer: &mut dyn StageTimer,
+) -> StepReport {
+    let mut recorder = Recorder::new(timer);
+    let mut division = Division::of(model, plan, state);
+    let mut ending = Ending::Taken;
+    while let Some(part) = division.next(plan, state, &mut recorder.counters) {
+        obstacles.place(model, state, part.secs);
+        let work_before = recorder.counters.implicit_work();
+        let inputs = Inputs { obstacles, grab: grab.filter(|grab| !state.bodies[grab.body].gone) };
+        ending = substep(model, plan, part, inputs, state, workspace, &mut recorder);
+        if ending == Ending::Stopped {
+            break;
+        }
+        state.work = state.work.saturating_add(recorder.counters.implicit_work() - work_before);
+        if ending == Ending::Refused {
+            division.refuse(plan, state, &mut recorder.counters);
+            continue;
+        }
+        if ending == Ending::Diverged {
+            break;
+        }
+        arrive::pass(model, &workspace.contact.contacts, part.secs, state);
+        sweep::pass(model, part.secs, state);
+        division.take();
     }
+    recorder.leave(ending == Ending::Diverged)
 }
 
 /// A substep in the parts that it is taken in: those that the strain of bodies asks for, or the next of the parts that it
 /// was halved into.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Division {
+struct Division {
     parts: u32,
     left: u32,
     /// Whether the smallest part was refused, so that the explicit scheme takes it.
@@ -67,13 +74,13 @@ pub(super) struct Division {
 
 impl Division {
     /// Of the coming substep.
-    pub(super) fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> Self {
+    fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> Self {
         let parts = strain::parts_now(model, plan, state);
         Self { parts, left: parts, is_explicit: false }
     }
 
     /// The part that comes next; none where all are taken.
-    pub(super) fn next<R: Real>(&mut self, plan: &Plan, state: &mut State<R>, counters: &mut Counters) -> Option<Part> {
+    fn next<R: Real>(&mut self, plan: &Plan, state: &mut State<R>, counters: &mut Counters) -> Option<Part> {
         if self.left == 0 {
             return None;
         }
@@ -103,12 +110,12 @@ impl Division {
     }
 
     /// The part was taken.
-    pub(super) fn take(&mut self) {
+    fn take(&mut self) {
         *self = Self { parts: self.parts, left: self.left - 1, is_explicit: false };
     }
 
     /// The part was refused: it is halved, or left to the explicit scheme.
-    pub(super) fn refuse<R: Real>(&mut self, plan: &Plan, state: &mut State<R>, counters: &mut Counters) {
+    fn refuse<R: Real>(&mut self, plan: &Plan, state: &mut State<R>, counters: &mut Counters) {
         if state.halvings < plan.halvings {
             state.halvings += 1;
             counters.halved += 1;
