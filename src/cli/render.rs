@@ -92,7 +92,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let gpu = Gpu::headless()?;
     let mut renderer = offscreen::renderer(&gpu, Quality::Fine);
     let watch = Progress::new("simulating");
-    let dt_secs = session.scene().settings.dt;
+    let dt_secs = session.simulation().plan().dt_secs;
     let last = whole_steps(args.at + (outputs.len() - 1) as f64 / args.fps, dt_secs);
     for (frame, path) in outputs.iter().enumerate() {
         let until = whole_steps(args.at + frame as f64 / args.fps, dt_secs);

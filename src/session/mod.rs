@@ -269,7 +269,7 @@ impl Session {
             return;
         }
         let time_before = self.simulation.state().time_secs;
-        let dt_secs = self.scene.settings.dt;
+        let dt_secs = self.simulation.plan().dt_secs;
         self.clock.owe(wall.as_secs_f64(), self.speed);
         while self.clock.owes(dt_secs) && begin.elapsed() < budget {
             self.hold.wait();

@@ -145,7 +145,7 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
     peak.include(&first);
     let mut timer = WallTimer::default();
     let mut report = StepReport::default();
-    let dt_secs = session.scene.settings.dt;
+    let dt_secs = session.simulation.plan().dt_secs;
     let steps = whole_steps(seconds, dt_secs);
     let mut next_sample = SAMPLE_SECS;
     for step in 0..steps {

@@ -39,7 +39,7 @@ impl Session {
 
     /// Whether simulated time is owed that there was no time for.
     pub(super) fn is_behind(&self) -> bool {
-        self.playing && self.clock.owes(self.scene.settings.dt)
+        self.playing && self.clock.owes(self.simulation.plan().dt_secs)
     }
 
     /// Why the speed asked for is not reached; empty when it is.
