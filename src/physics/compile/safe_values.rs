@@ -129,13 +129,16 @@ impl Load {
 
 /// The loads of steps of `dt` (s) of a scheme.
 fn loads(scheme: Scheme, dt: f64, contact: ContactLoad) -> Vec<Load> {
-    let shares = load_shares(scheme, dt);
-    if shares.is_empty() && contact.now() > 0.0 {
-        // The implicit scheme: only contact has a limit.
-        let links = LoadShare { stiffness: 0.0, damping: 0.0 };
-        return vec![Load { links, contact_secs2: dt * dt, contact }];
+    match load_shares(scheme, dt) {
+        Some(shares) => {
+            shares.into_iter().map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect()
+        }
+        None if contact.now() > 0.0 => {
+            let links = LoadShare { stiffness: 0.0, damping: 0.0 };
+            vec![Load { links, contact_secs2: dt * dt, contact }]
+        }
+        None => Vec::new(),
     }
-    shares.into_iter().map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect()
 }
 
 /// The bounds of all values of a body's material, at rest and with the margin that automatic stepping keeps. Where a body

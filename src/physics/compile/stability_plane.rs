@@ -17,7 +17,7 @@ use crate::geometry::{Family, Lattice};
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::limits::{LATTICE_LIMIT, LoadShare, largest, load_shares};
-use crate::physics::model::{BodyModel, Scheme};
+use crate::physics::model::BodyModel;
 use crate::scene::material::{Solid, Spring};
 use crate::scene::{Body, Material, MaterialValue, Springs};
 
@@ -34,7 +34,7 @@ pub struct Place {
 #[derive(Clone, Debug)]
 pub struct StabilityPlane {
     values: Values,
-    shares: Vec<LoadShare>,
+    shares: Option<Vec<LoadShare>>,
     step: StepSettings,
 }
 
@@ -54,8 +54,8 @@ impl StabilityPlane {
         let values = match &body.material {
             Material::Springs(springs) => {
                 // The implicit scheme has no limit: what would limit the default one is shown.
-                let of_default = || load_shares(Scheme::SemiImplicit, step.dt_secs);
-                let telling = if shares.is_empty() { of_default() } else { shares.clone() };
+                let of_default = || vec![LoadShare::of_default(step.dt_secs)];
+                let telling = shares.clone().unwrap_or_else(of_default);
                 Values::of_springs(springs, &model.lattice, &telling, family)
             }
             Material::Solid(solid) => Values::of_solid(solid, body, model),
@@ -128,23 +128,25 @@ impl StabilityPlane {
 
     /// The largest stiffness that is stable at rest with some damping, 1/s²: zero where none is, infinite where all are.
     pub fn stable_stiffness(&self, damping: f64) -> f64 {
-        self.largest_stiffness(damping, &self.shares)
+        self.largest_stiffness(damping, self.shares.as_deref())
     }
 
     /// The same with the margin that automatic stepping keeps.
     pub fn safe_stiffness(&self, damping: f64) -> f64 {
-        self.largest_stiffness(damping, &load_shares(self.step.scheme(), self.step.dt_secs / self.step.safety()))
+        let shares = load_shares(self.step.scheme(), self.step.dt_secs / self.step.safety());
+        self.largest_stiffness(damping, shares.as_deref())
     }
 
-    fn largest_stiffness(&self, damping: f64, shares: &[LoadShare]) -> f64 {
-        shares.iter().map(|share| self.values.largest_stiffness(damping, *share)).fold(f64::INFINITY, f64::min)
+    fn largest_stiffness(&self, damping: f64, shares: Option<&[LoadShare]>) -> f64 {
+        let of = |share: &LoadShare| self.values.largest_stiffness(damping, *share);
+        shares.into_iter().flatten().map(of).fold(f64::INFINITY, f64::min)
     }
 
     /// The largest damping without stiffness and the largest stiffness without damping that are stable where nothing else
     /// limits; none where everything is stable.
     pub fn ends(&self) -> Option<Place> {
-        let load = self.values.largest_load();
-        let of = |of: fn(&LoadShare) -> f64| self.shares.iter().map(of).fold(0.0, f64::max) * load;
+        let (load, shares) = (self.values.largest_load(), self.shares.as_deref()?);
+        let of = |of: fn(&LoadShare) -> f64| shares.iter().map(of).fold(0.0, f64::max) * load;
         let (stiffness, damping) = (of(|share| share.stiffness), of(|share| share.damping));
         (stiffness > 0.0 && damping > 0.0)
             .then(|| Place { damping: LATTICE_LIMIT / damping, stiffness: LATTICE_LIMIT / stiffness })
@@ -152,8 +154,7 @@ impl StabilityPlane {
 
     /// How near the whole body is to its limit, as a load of which 1 is the most: to compare bodies, whatever the scheme.
     pub fn load(&self) -> f64 {
-        let telling = load_shares(Scheme::SemiImplicit, self.step.dt_secs);
-        telling.iter().map(|share| self.values.load(*share)).fold(0.0, f64::max) / LATTICE_LIMIT
+        self.values.load(LoadShare::of_default(self.step.dt_secs)) / LATTICE_LIMIT
     }
 }
 

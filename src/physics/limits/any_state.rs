@@ -28,7 +28,7 @@ pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, scheme: Scheme, dt_se
     let loads: Vec<[f64; 2]> = model.bodies.iter().flat_map(|body| loads(body)).collect();
     let is_bearable = |parts: u32| {
         let shares = load_shares(scheme, dt_secs / (SHARE * f64::from(parts)));
-        shares.iter().all(|share| {
+        shares.iter().flatten().all(|share| {
             let bearable = |[k, d]: &[f64; 2]| k * share.stiffness + d * share.damping <= LATTICE_LIMIT;
             loads.iter().all(bearable)
         })

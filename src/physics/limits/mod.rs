@@ -83,15 +83,26 @@ pub(super) struct LoadShare {
     pub(super) damping: f64,
 }
 
-/// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme.
-pub(super) fn load_shares(scheme: Scheme, dt: f64) -> Vec<LoadShare> {
+impl LoadShare {
+    /// For steps of `dt` (s) of the default scheme, semi-implicit Euler.
+    pub(super) fn of_default(dt: f64) -> Self {
+        Self::leapfrog(1.0, dt)
+    }
+
+    fn leapfrog(share: f64, dt: f64) -> Self {
+        Self { stiffness: dt * dt, damping: 2.0 * share * dt }
+    }
+}
+
+/// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme; none where links do not limit it.
+pub(super) fn load_shares(scheme: Scheme, dt: f64) -> Option<Vec<LoadShare>> {
     match Region::of(scheme) {
-        Region::Leapfrog(share) => vec![LoadShare { stiffness: dt * dt, damping: 2.0 * share * dt }],
-        Region::HalfDisc(radius) => vec![
+        Region::Leapfrog(share) => Some(vec![LoadShare::leapfrog(share, dt)]),
+        Region::HalfDisc(radius) => Some(vec![
             LoadShare { stiffness: LATTICE_LIMIT * (dt / radius) * (dt / radius), damping: 0.0 },
             LoadShare { stiffness: 0.0, damping: LATTICE_LIMIT * dt / radius },
-        ],
-        Region::Everywhere => Vec::new(),
+        ]),
+        Region::Everywhere => None,
     }
 }
 
@@ -134,10 +145,11 @@ impl Term {
     }
 }
 
-/// The largest stable steps of a scene, the smallest over its bodies; `None` where nothing limits.
+/// The largest stable steps of a scene, the smallest over its bodies; `None` where nothing limits. By default those of a
+/// scene without bodies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneLimits {
-    /// Each term alone, s.
+    /// Each term alone, s: the same terms of every body.
     pub terms: Vec<(Term, Option<f64>)>,
     /// All terms together at rest, s.
     pub dt_limit_secs: Option<f64>,
@@ -155,23 +167,17 @@ impl SceneLimits {
     /// vibration: theirs are the steps beyond which every vibration blows up at once.
     pub fn of<R: Real>(model: &Model<R>, rule: ContactRule, scheme: Scheme) -> Self {
         let waves = lattice_waves();
-        let mut limits = Self::default();
-        for body in &model.bodies {
-            limits.tighten(&body_limits(body, rule, Region::of(scheme), &waves));
-        }
-        limits.safety = safety(scheme, !model.obstacles.is_empty());
-        limits
+        let bodies = model.bodies.iter().map(|body| body_limits(body, rule, Region::of(scheme), &waves));
+        let all = bodies.reduce(Self::tighter).unwrap_or_default();
+        Self { safety: safety(scheme, !model.obstacles.is_empty()), ..all }
     }
 
-    fn tighten(&mut self, other: &Self) {
-        if self.terms.is_empty() {
-            *self = other.clone();
-            return;
+    /// The smaller of each limit of two bodies.
+    fn tighter(mut self, other: Self) -> Self {
+        for ((_, mine), (_, theirs)) in self.terms.iter_mut().zip(other.terms) {
+            *mine = smaller(*mine, theirs);
         }
-        for ((_, mine), (_, theirs)) in self.terms.iter_mut().zip(&other.terms) {
-            *mine = smaller(*mine, *theirs);
-        }
-        self.dt_limit_secs = smaller(self.dt_limit_secs, other.dt_limit_secs);
+        Self { dt_limit_secs: smaller(self.dt_limit_secs, other.dt_limit_secs), ..self }
     }
 
     /// The largest step that automatic stepping takes, s.
