@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::Failure;
 use super::out::{self, Progress};
-use super::scene_args::{self, SceneArgs};
+use super::scene_args::SceneArgs;
 use crate::session::Command;
 use crate::session::predict::{crawl, speed_alone};
 use crate::session::run::{RunFigures, run as run_session};
@@ -46,11 +46,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     if let Some(path) = &args.save_state {
         out::check_writable(path)?;
     }
-    let opened = args.scene.open()?;
-    if let Some(path) = &args.save_state {
-        out::check_spares(path, &opened.inputs())?;
-    }
-    let mut session = scene_args::session(opened)?;
+    let mut session = args.scene.start(args.save_state.as_deref())?;
     if let Some(path) = &args.from_state {
         session.handle(Command::OpenState { path: path.clone() })?;
     }

@@ -7,11 +7,12 @@ use anyhow::{Context, anyhow};
 use clap::Args;
 
 use super::Failure;
-use super::out::Progress;
+use super::out::{self, Progress};
 use crate::disk;
 use crate::machine;
 use crate::scene::body::{MAX_DIVISIONS, ModelShape, UpAxis};
-use crate::scene::{Scene, Shape, param, path, presets};
+use crate::scene::param::{self, Param};
+use crate::scene::{Scene, Shape, path, presets};
 use crate::session::Session;
 use crate::session::document::{Opened, differs, is_scene_path};
 use crate::session::run::{choose_simd_level, simd_levels};
@@ -33,8 +34,8 @@ pub(super) struct Changes {
     #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
     /// The step, s.
-    #[arg(long, value_name = "S", allow_hyphen_values = true)]
-    dt: Option<String>,
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = step_secs)]
+    dt: Option<f64>,
     /// The scheme that advances a step.
     #[arg(long, value_parser = ["semi-implicit", "explicit", "verlet", "rk2", "rk4", "implicit"])]
     integrator: Option<String>,
@@ -71,6 +72,15 @@ impl SceneArgs {
         self.changes.start_threads()?;
         self.changes.open(&self.scene)
     }
+
+    /// Puts the scene at its start; refused where the `output` of the command is a file that the scene is read from.
+    pub(super) fn start(&self, output: Option<&Path>) -> Result<Session, Failure> {
+        let opened = self.open()?;
+        if let Some(output) = output {
+            out::check_spares(output, &opened.inputs())?;
+        }
+        Ok(session(opened)?)
+    }
 }
 
 impl Changes {
@@ -87,8 +97,9 @@ impl Changes {
     /// Refuses a step or a scheme, for a command that measures every one of them.
     pub(super) fn check_all_schemes(&self) -> Result<(), Failure> {
         let Self { dt, integrator, stepping, .. } = self;
-        let given = [("--dt", dt), ("--integrator", integrator), ("--stepping", stepping)];
-        match given.iter().find(|(_, value)| value.is_some()) {
+        let given =
+            [("--dt", dt.is_some()), ("--integrator", integrator.is_some()), ("--stepping", stepping.is_some())];
+        match given.iter().find(|(_, is_given)| *is_given) {
             Some((name, _)) => Err(Failure::usage(anyhow!("every scheme is measured at every step: leave out {name}"))),
             None => Ok(()),
         }
@@ -114,12 +125,9 @@ impl Changes {
     /// Sets the values on a scene.
     pub(super) fn apply(&self, scene: &mut Scene) -> Result<(), Failure> {
         self.change_models(scene)?;
-        let options = [
-            ("settings.dt", &self.dt),
-            ("settings.integrator", &self.integrator),
-            ("settings.stepping", &self.stepping),
-        ];
-        for (name, value) in options {
+        scene.settings.dt = self.dt.unwrap_or(scene.settings.dt);
+        let words = [("settings.integrator", &self.integrator), ("settings.stepping", &self.stepping)];
+        for (name, value) in words {
             if let Some(value) = value {
                 path::set(scene, name, value).map_err(Failure::usage)?;
             }
@@ -183,6 +191,14 @@ fn choose_simd(name: &str) -> Result<(), Failure> {
     }
     let has = simd_levels().join(" and ");
     Err(Failure::usage(anyhow!("this machine has no {name} instructions for --simd; it has {has}")))
+}
+
+/// A step on the command line, s; whether it is within its range is told with the other values.
+fn step_secs(text: &str) -> Result<f64, String> {
+    text.trim().parse().ok().ok_or_else(|| {
+        let allowed = param::find("settings.dt").map(Param::range_text);
+        format!("a number is needed, {}", allowed.unwrap_or_default())
+    })
 }
 
 /// An amount of memory on the command line.
