@@ -10,53 +10,15 @@ mod track;
 
 use egui::{Ui, vec2};
 
-use super::words::capitalised;
-use crate::scene::Family;
 use crate::scene::param;
 use help::hint_ui;
 pub(super) use help::{LABEL_WIDTH, help, label_ui};
-use number::{NUMBER_WIDTH, number_ui};
+use number::number_ui;
 pub(super) use touch::Touch;
-use touch::held;
-use track::Track;
-pub(super) use track::{Bound, note_scrolling};
+pub(super) use track::{Bound, note_scrolling, slider_ui};
 
 /// Short names of a vector's components.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
-
-/// A slider with its label, its number and its unit. `safe` is how far the step asked for lets it go: it is marked on
-/// the track.
-///
-/// # Panics
-/// In debug builds, when no parameter has this path.
-pub(super) fn slider_ui(ui: &mut Ui, path: &str, label: &str, value: &mut f64, safe: Option<Bound>) -> Touch {
-    let Some(param) = param::find(path).filter(|param| scale::ends(param).is_some()) else {
-        debug_assert!(false, "{path} is a number with a range");
-        return Touch::default();
-    };
-    let id = ui.scope_id().with((path, label));
-    let mut shown = held(ui, id).unwrap_or(*value);
-    let mut touch = Touch::default();
-    ui.horizontal(|ui| {
-        label_ui(ui, label, param);
-        let width = (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(40.0);
-        let spoken = spoken(path, label);
-        touch.and(Track { id, param, label: &spoken, width, safe }.ui(ui, &mut shown));
-        touch.and(number_ui(ui, id, param, &spoken, param.unit, &mut shown));
-    });
-    hint_ui(ui, id);
-    if touch.changed {
-        *value = shown;
-    }
-    touch
-}
-
-/// The name for those who cannot see under which heading a value stands.
-fn spoken(path: &str, label: &str) -> String {
-    let heading = path.rsplit('.').nth(1);
-    let family = Family::ALL.into_iter().map(Family::name).find(|name| heading == Some(name));
-    family.map_or_else(|| label.to_owned(), |name| format!("{} {}", capitalised(name), label.to_lowercase()))
-}
 
 /// A number without a track.
 pub(super) fn field_ui(ui: &mut Ui, path: &str, label: &str, value: &mut f64) -> Touch {

@@ -1,4 +1,4 @@
-//! The track of a slider: a knob to drag, past the ends too, and steps by the wheel and by keys.
+//! A slider: a track with a knob to drag, past the ends too, and steps by the wheel and by keys, beside its number.
 
 use std::time::Duration;
 
@@ -9,11 +9,14 @@ use egui::{
 
 use super::super::figure::{figure, rounded};
 use super::super::tip::tip_ui;
-use super::help::help;
-use super::scale::{Scale, Window};
-use super::touch::{Touch, differs, hold};
+use super::help::{help, hint_ui, label_ui};
+use super::number::{NUMBER_WIDTH, number_ui};
+use super::scale::{Scale, Window, ends};
+use super::touch::{Touch, differs, held, hold};
 use crate::app::ui::theme;
-use crate::scene::param::Param;
+use crate::app::ui::words::capitalised;
+use crate::scene::Family;
+use crate::scene::param::{self, Param};
 
 /// With shift held the hand moves a value this much more slowly.
 const FINE: f64 = 0.1;
@@ -43,15 +46,55 @@ impl Bound {
     }
 }
 
+/// A slider with its label, its number and its unit. `safe` is how far the step asked for lets it go: it is marked on
+/// the track.
+///
+/// # Panics
+/// In debug builds, when no parameter has this path.
+pub(in crate::app::ui) fn slider_ui(
+    ui: &mut Ui,
+    path: &str,
+    label: &str,
+    value: &mut f64,
+    safe: Option<Bound>,
+) -> Touch {
+    let Some(param) = param::find(path).filter(|param| ends(param).is_some()) else {
+        debug_assert!(false, "{path} is a number with a range");
+        return Touch::default();
+    };
+    let id = ui.scope_id().with((path, label));
+    let mut shown = held(ui, id).unwrap_or(*value);
+    let mut touch = Touch::default();
+    ui.horizontal(|ui| {
+        label_ui(ui, label, param);
+        let width = (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(40.0);
+        let spoken = spoken(path, label);
+        touch.and(Track { id, param, label: &spoken, width, safe }.ui(ui, &mut shown));
+        touch.and(number_ui(ui, id, param, &spoken, param.unit, &mut shown));
+    });
+    hint_ui(ui, id);
+    if touch.changed {
+        *value = shown;
+    }
+    touch
+}
+
+/// The name for those who cannot see under which heading a value stands.
+fn spoken(path: &str, label: &str) -> String {
+    let heading = path.rsplit('.').nth(1);
+    let family = Family::ALL.into_iter().map(Family::name).find(|name| heading == Some(name));
+    family.map_or_else(|| label.to_owned(), |name| format!("{} {}", capitalised(name), label.to_lowercase()))
+}
+
 /// A track and what stands beside it in its row.
-pub(super) struct Track<'a> {
-    pub(super) id: Id,
-    pub(super) param: &'a Param,
+struct Track<'a> {
+    id: Id,
+    param: &'a Param,
     /// Its name for those who cannot see.
-    pub(super) label: &'a str,
+    label: &'a str,
     /// Its length, points.
-    pub(super) width: f32,
-    pub(super) safe: Option<Bound>,
+    width: f32,
+    safe: Option<Bound>,
 }
 
 /// A hand on the knob: where it took hold, and what the track showed there.
@@ -65,7 +108,7 @@ struct Grip {
 
 impl Track<'_> {
     /// The track with its knob at a value.
-    pub(super) fn ui(&self, ui: &mut Ui, value: &mut f64) -> Touch {
+    fn ui(&self, ui: &mut Ui, value: &mut f64) -> Touch {
         let (rect, _) = ui.allocate_exact_size(vec2(self.width, ui.spacing().interact_size.y), Sense::hover());
         let line = rect.shrink2(vec2(KNOB, 0.0));
         let Some(scale) = Scale::of(self.param, f64::from(line.width())) else { return Touch::default() };
