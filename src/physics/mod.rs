@@ -12,8 +12,8 @@
 //!              that names the document, as `tests/tidy.rs` sees to
 //! model        bodies, links, obstacles, and the plan: constant from one compilation to the next
 //! state        what changes: positions, velocities, what is remembered; sleep, fallen bodies, the fingerprint
-//! stepping     how a step is divided in time
-//! step         a substep: its stages, one function each, in the order of GC Algorithm 1
+//! stepping     how a step is divided in time, and has its parts taken
+//! step         a part: its stages, one function each, in the order of GC Algorithm 1
 //! forces       gravity, links, recovery from inversion
 //! kernels      the forces of links again, many at a time; what the links of `forces` are compared with
 //! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
@@ -26,16 +26,16 @@
 //! # One step
 //!
 //! ```text
-//! simulation.step()
-//!   stepping       a whole step in substeps; a substep in parts where links are strained or equations prove wrong
-//!   contact        Placed: where obstacles are in the part, from model and state
-//!   step           (model, plan, part, inputs, &mut state) with one recorder for counts, stage times and stops
-//!     forces         F = gravity + links + cells near inversion, at the state
-//!     schemes        v' from F, or solved for; contact changes v' on the way; paths where x moves by another velocity
-//!     is_sound       else the state stays the last good one and the report says so
-//!     accept         x += dt u, v = v', what scheme and contact remember
-//!     rest           who falls asleep or has fallen out
-//!   StepReport     sums over substeps, and what held at the end of the last
+//! simulation.step()   substep by substep; steps that a longer substep covers are counted
+//!   stepping          a substep in parts where links are strained or equations prove wrong; for each of them:
+//!     contact         Placed: where obstacles are in the part, from model and state
+//!     step            (model, plan, part, inputs, &mut state) with one recorder for counts, stage times and stops
+//!       forces        F = gravity + links (by kernels) + cells near inversion, at the state
+//!       schemes       v' from F, or solved for; contact changes v' on the way; paths where x moves by another velocity
+//!       is_sound      else the state stays the last good one and the report says so
+//!       accept        x += dt u, v = v', what the scheme remembers; what contact remembers just before it
+//!       rest          who falls asleep or has fallen out
+//!   StepReport        sums over substeps, and what held at the end of the last
 //! ```
 //!
 //! # How a change while it runs looks
@@ -70,11 +70,10 @@ mod state;
 mod step;
 mod stepping;
 
-pub use compile::DEPTH_SHARE;
-pub use compile::from_scene::SceneError;
 pub use compile::other_form::other_form;
 pub use compile::safe_values::{ContactLoad, SafeValue, StepSettings, largest_safe};
 pub use compile::stability_plane::{Place, StabilityPlane};
+pub use compile::{DEPTH_SHARE, SceneError};
 pub use contact::{ContactRecord, Placed};
 pub use interaction::Grab;
 pub use kernels::SimdLevel;

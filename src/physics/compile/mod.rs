@@ -1,8 +1,8 @@
-//! From the document to the constant model: particles placed, links measured, obstacles framed.
+//! From the document to a running simulation, and from the document as it was edited to one that goes on: particles
+//! placed, links measured, obstacles framed, steps planned.
 
 mod assembly;
 mod candidates;
-pub(in crate::physics) mod from_scene;
 pub(in crate::physics) mod other_form;
 mod plan;
 mod recovery;
@@ -10,9 +10,11 @@ pub(in crate::physics) mod safe_values;
 mod scheme;
 pub(in crate::physics) mod stability_plane;
 
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
+use thiserror::Error;
 
 use super::model::{BodyModel, ContactModel, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel, Values};
 use crate::geometry::Lattice;
@@ -20,8 +22,11 @@ use crate::math::{Aabb, Real, Vector, rotation};
 use crate::physics::kernels::{BoxedLinks, Layout};
 use crate::physics::limits::{any_state, lattice};
 use crate::physics::model::plan::Plan;
+use crate::physics::simulation::{Arrival, Simulation};
 use crate::physics::state::fallen;
 use crate::scene::obstacle::{ContactStiffness, Plane};
+use crate::scene::param::{self, Problem};
+use crate::scene::resolve::{ResolveError, resolve};
 use crate::scene::{self, Body, Material, Obstacle, Scene};
 use assembly::Assembled;
 
@@ -30,6 +35,58 @@ const AUTO_STIFFNESS: f64 = 1e5;
 
 /// No particle rests, or ends a step, deeper in an obstacle than this share of its body's size.
 pub const DEPTH_SHARE: f64 = 0.02;
+
+/// Why a scene cannot be simulated.
+#[derive(Debug, Error)]
+pub enum SceneError {
+    /// A value is not allowed.
+    #[error(transparent)]
+    Value(#[from] Problem),
+    /// A shape gives no particles.
+    #[error("bodies.{body}: its shape cannot be made of cells")]
+    Shape {
+        /// Its place among the bodies, from 0.
+        body: usize,
+        /// Why.
+        source: ResolveError,
+    },
+}
+
+impl<R: Real> Simulation<R> {
+    /// A scene at its start. Model files are looked for in `folder`, read and filled with cells.
+    ///
+    /// # Errors
+    /// The first value that is not allowed, by its path, or the first body whose shape cannot be made of cells.
+    pub fn from_scene(scene: &Scene, folder: &Path) -> Result<Self, SceneError> {
+        if let Some(problem) = param::validate(scene).into_iter().next() {
+            return Err(problem.into());
+        }
+        let lattices = scene.bodies.iter().enumerate().map(|(body, described)| {
+            let jelly = resolve(&described.shape, folder, &());
+            jelly.map(|jelly| jelly.lattice).map_err(|source| SceneError::Shape { body, source })
+        });
+        Ok(Self::new(scene, &lattices.collect::<Result<Vec<_>, _>>()?))
+    }
+
+    /// A scene at its start. `lattices` are those of the scene's bodies, in their order.
+    pub fn new(scene: &Scene, lattices: &[Arc<Lattice>]) -> Self {
+        let (model, plan) = compile(scene, lattices, None);
+        Self::start(model, plan)
+    }
+
+    /// Takes new parameters, obstacles and settings while everything keeps moving: the scene must have the bodies
+    /// and lattices it had. `kept` names, for each obstacle of the scene, the one it was.
+    pub fn set_parameters(
+        &mut self,
+        scene: &Scene,
+        lattices: &[Arc<Lattice>],
+        kept: &[Option<usize>],
+        arrival: Arrival,
+    ) {
+        let (model, plan) = compile(scene, lattices, Some(self.model()));
+        self.replace_model(model, plan, kept, arrival);
+    }
+}
 
 /// Builds the model of a scene and the plan of its step; `lattices` are those of the scene's bodies, in their order.
 /// What follows from a lattice alone is taken from bodies of the model `before`, where there is one: changing a constant
@@ -227,4 +284,29 @@ fn plane_model<R: Real>(plane: &Plane, side_row: usize) -> (ObstacleShape<R>, Aa
         side_row,
     });
     (shape, Aabb::around(corners))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::error::Error;
+
+    use super::*;
+    use crate::scene::body::{Body, ModelShape, Shape};
+
+    fn refused(change: impl FnOnce(&mut Scene)) -> String {
+        let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
+        change(&mut scene);
+        let error = Simulation::<f32>::from_scene(&scene, Path::new(".")).expect_err("it is refused");
+        let cause = error.source().map_or_else(String::new, |cause| format!(": {cause}"));
+        format!("{error}{cause}")
+    }
+
+    #[test]
+    fn what_cannot_be_simulated_is_refused_by_its_path() {
+        let said = refused(|scene| scene.settings.dt = -1.0);
+        assert!(said.starts_with("settings.dt = "), "{said}");
+        let shape = ModelShape { path: "no-such-file.obj".to_owned(), ..ModelShape::default() };
+        let said = refused(|scene| scene.bodies[0].shape = Shape::Model(shape));
+        assert!(said.starts_with("bodies.0: ") && said.contains("no-such-file.obj"), "{said}");
+    }
 }
