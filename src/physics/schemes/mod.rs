@@ -23,7 +23,7 @@ mod verlet;
 pub(super) use implicit::bytes as implicit_bytes;
 pub(super) use stepper::{SchemeWorkspace, Stepper};
 
-use stepper::{kick, moves_by_mean};
+use stepper::moves_by_mean;
 
 use super::contact::ContactConstraint;
 use super::model::Model;
@@ -34,22 +34,6 @@ use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
 
 impl<R: Real> Stepper<'_, R> {
-    /// Writes the velocities at the end of the substep as the forces at the state predict them.
-    pub(super) fn predict(&mut self, velocity: &mut [R::Vec3]) {
-        velocity.copy_from_slice(&self.substep.state.velocity);
-        let kicked_for = match self.substep.scheme {
-            Scheme::Verlet => verlet::kicked_for(self.substep.dt, self.substep.state),
-            Scheme::SemiImplicit if self.substep.state.velocity_lag_secs > 0.0 => {
-                verlet::kicked_for(self.substep.dt, self.substep.state)
-            }
-            _ => self.substep.dt,
-        };
-        kick(self.substep.model, &self.substep.state.bodies, kicked_for, self.force, velocity);
-        if moves_by_mean(self.substep.scheme) {
-            self.workspace.predicted.copy_from_slice(velocity);
-        }
-    }
-
     /// Writes the velocities with which every particle would fall freely, as if it had no links.
     pub(super) fn fall(&self, velocity: &mut [R::Vec3]) {
         velocity.copy_from_slice(&self.substep.state.velocity);

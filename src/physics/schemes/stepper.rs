@@ -8,6 +8,7 @@ use crate::physics::model::Scheme;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::report::Recorder;
 use crate::physics::schemes::implicit::system::ImplicitWorkspace;
+use crate::physics::schemes::verlet;
 use crate::physics::state::BodyMemory;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::substep::Substep;
@@ -70,6 +71,22 @@ pub(in crate::physics) struct Stepper<'a, R: Real> {
 }
 
 impl<R: Real> Stepper<'_, R> {
+    /// Writes the velocities at the end of the substep as the forces at the state predict them.
+    pub(in crate::physics) fn predict(&mut self, velocity: &mut [R::Vec3]) {
+        velocity.copy_from_slice(&self.substep.state.velocity);
+        let kicked_for = match self.substep.scheme {
+            Scheme::Verlet => verlet::kicked_for(self.substep.dt, self.substep.state),
+            Scheme::SemiImplicit if self.substep.state.velocity_lag_secs > 0.0 => {
+                verlet::kicked_for(self.substep.dt, self.substep.state)
+            }
+            _ => self.substep.dt,
+        };
+        kick(self.substep.model, &self.substep.state.bodies, kicked_for, self.force, velocity);
+        if moves_by_mean(self.substep.scheme) {
+            self.workspace.predicted.copy_from_slice(velocity);
+        }
+    }
+
     /// The stage that every scheme begins with: the state itself.
     pub(super) fn first_stage(&mut self) {
         self.workspace.velocity.copy_from_slice(&self.substep.state.velocity);
