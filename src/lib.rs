@@ -83,7 +83,7 @@
 //!       Impact::Motion     → the body is moved, turned or thrown; nothing is rebuilt
 //!       Impact::Topology   → compiled anew; bodies that stay keep their motion
 //!  wall time ─► Session::advance ─► whole steps, each of n substeps ─► StepReport ─► Status ─► panels
-//!       (the implicit integrator covers several steps with one substep; what is dear or would gain energy goes in parts,
+//!       (the implicit integrator covers several steps with one substep; what costs much or would gain energy goes in parts,
 //!        up to a limit of work in 1/60 s, past which it is slowed and the report says so)
 //!  Session::draw_list ─► DrawList ─► Renderer ─► surface or image
 //! ```
@@ -93,6 +93,47 @@
 //! its own and publishes its newest picture; long work that a panel asks for has a thread beside it. A frame is drawn
 //! only where something looks different, and where a processor draws, at a pace and with as many pixels as leave the
 //! simulation its share (`app::pace`); one that a person waits for has the processors to itself.
+//!
+//! # Two walks through the code
+//!
+//! Each file is entered once, by the function beside it (`tests/tidy.rs` sees to it that they are there). The first follows
+//! a step length from `--dt` to the loop that integrates:
+//!
+//! ```text
+//! cli/scene_args.rs               apply           --dt is the step of the scene
+//! session/mod.rs                  open            a sandbox at the start of the scene
+//! physics/compile/mod.rs          compile         Scene → Model, Plan
+//! physics/compile/plan.rs         plan            as many substeps as are stable
+//! physics/model/plan.rs           substep_secs    how long each is
+//! physics/simulation.rs           substep         the owner of model, plan and state takes one
+//! physics/stepping/mod.rs         advance         in parts, each with its length
+//! physics/step/mod.rs             move_particles  x += dt u
+//! ```
+//!
+//! The second follows `bodies.0.material.springs.shear.stiffness` from its slider to the picture, which is a draw list:
+//!
+//! ```text
+//! app/ui/inspector/material.rs    springs_ui      the sliders of a body's springs
+//! app/ui/value/track.rs           slider_ui       a hand → a value
+//! app/ui/inspector/section.rs     send            a value → Command::Edit
+//! app/shell.rs                    lay_out_panels  what the panels ask for goes to
+//! app/worker.rs                   send            the thread of the sandbox
+//! session/mod.rs                  handle          a command does what it says
+//! session/editing.rs              carry_out       an edit and all that follows from it
+//! scene/edit.rs                   apply           the document has the value, and its inverse is known
+//! physics/compile/mod.rs          set_parameters  Scene → Model, while everything goes on moving
+//! physics/compile/assembly.rs     uniform         the constants of a family of links
+//! physics/kernels/boxed.rs        new             the same, as the kernel reads them
+//! physics/simulation.rs           replace_model   the next substep is taken by them
+//! physics/stepping/mod.rs         advance         part by part
+//! physics/step/mod.rs             substep         the stages of a part
+//! physics/forces/mod.rs           evaluate        all forces
+//! physics/kernels/sweep.rs        add_forces      those of links
+//! physics/schemes/stepper.rs      predict         forces → velocities, which move the particles
+//! session/draw.rs                 draw_list       particles → DrawList
+//! ```
+//!
+//! What draws it knows nothing of springs: `app::worker` publishes the list, `app::shell` draws it on `app::canvas`.
 //!
 //! # Invariants, and the test that holds each
 //!

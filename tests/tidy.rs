@@ -163,6 +163,32 @@ fn wrong_shaders(table: &str, files: &[String]) -> Vec<String> {
     unused.map(|file| format!("{file} is in no table")).chain(absent.map(|name| format!("{name} is no file"))).collect()
 }
 
+/// What is not so of the walks that a page describes: blocks of lines that each begin with a file and a function in it.
+fn wrong_walks(page: &str, sources: &[Source]) -> Vec<String> {
+    let blocks = page.split("//! ```text").skip(1).filter_map(|rest| rest.split("//! ```").next());
+    let mut found = Vec::new();
+    for block in blocks {
+        let words = block.lines().map(|line| line.trim_start_matches("//!").split_whitespace());
+        let walk: Vec<(&str, &str)> = words
+            .filter_map(|mut words| Some((words.next()?, words.next()?)))
+            .filter(|(file, _)| Path::new(file).extension().is_some_and(|ending| ending == "rs"))
+            .collect();
+        for (place, (file, function)) in walk.iter().enumerate() {
+            if walk[..place].iter().any(|(before, _)| before == file) {
+                found.push(format!("{file} is entered twice"));
+            }
+            let Some(source) = sources.iter().find(|source| source.path == format!("src/{file}")) else {
+                found.push(format!("{file} is no file"));
+                continue;
+            };
+            if ![format!("fn {function}("), format!("fn {function}<")].iter().any(|head| source.code().contains(head)) {
+                found.push(format!("{file} has no {function}"));
+            }
+        }
+    }
+    found
+}
+
 fn sources() -> Vec<Source> {
     let mut paths = Vec::new();
     rust_files(Path::new("src"), &mut paths);
@@ -237,6 +263,14 @@ fn shader_files_and_their_table_agree() {
 }
 
 #[test]
+fn the_walks_through_the_code_can_be_walked() {
+    let page = fs::read_to_string("src/lib.rs").expect("the page of the crate");
+    let all = ["apply           --dt", "springs_ui      the sliders"];
+    assert!(all.iter().all(|begin| page.contains(begin)), "both walks are described");
+    assert_eq!(wrong_walks(&page, &sources()), Vec::<String>::new(), "as the page has them");
+}
+
+#[test]
 fn the_rules_can_fail() {
     let one = |rule: fn(&Source) -> Vec<String>, path: &str, text: &str| rule(&Source::new(path, text)).len();
     assert_eq!(one(wrong_layers, "src/render/x.rs", "use crate::physics::Model;"), 1, "render knows no physics");
@@ -252,6 +286,13 @@ fn the_rules_can_fail() {
     assert_eq!(one(wrong_places, "src/scene/x.rs", "#[cfg(test)]\nmod tests {\nx.unwrap()"), 0, "tests may unwrap");
     assert_eq!(one(wrong_shape, "src/scene/utils.rs", "fn f() {}"), 2, "no job, no name");
     assert_eq!(one(wrong_shape, "src/scene/x.rs", &"//!\n".repeat(LONGEST_FILE + 1)), 1, "too long");
+    let walked =
+        [Source::new("src/a.rs", "//! A.\nfn a<T>() {}"), Source::new("src/b.rs", "//! B.\n// fn b()\nfn c() {}")];
+    let wrong = |walk: &str| wrong_walks(&format!("//! ```text\n{walk}\n//! ```"), &walked).len();
+    assert_eq!(wrong("//! a.rs  a  first\n//! b.rs  c  then"), 0, "a walk");
+    assert_eq!(wrong("//! a.rs  a  first\n//! b.rs  b  then"), 1, "a function that only a comment has");
+    assert_eq!(wrong("//! d.rs  a  first"), 1, "a file that is not there");
+    assert_eq!(wrong("//! a.rs  a  first\n//! b.rs  c  then\n//! a.rs  a  again"), 1, "back to one");
     let files = ["a.wgsl".to_owned()];
     assert_eq!(wrong_shaders("include_str!(\"../shaders/b.wgsl\")", &files).len(), 2, "one unused, one absent");
 }
