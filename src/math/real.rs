@@ -5,6 +5,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use bytemuck::Pod;
 use glam::{DVec3, Vec3};
 
 /// A floating-point scalar: `f32` or `f64`.
@@ -25,6 +26,7 @@ pub trait Real:
     + AddAssign
     + SubAssign
     + MulAssign
+    + Pod
 {
     /// The three-component vector of this scalar.
     type Vec3: Vector<Self>;
@@ -71,6 +73,7 @@ pub trait Vector<R>:
     + Mul<R, Output = Self>
     + AddAssign
     + SubAssign
+    + Pod
 {
     /// The null vector.
     const ZERO: Self;
@@ -95,6 +98,12 @@ pub trait Vector<R>:
     fn from_dvec3(v: DVec3) -> Self;
     /// Widens to a double vector, exactly.
     fn to_dvec3(self) -> DVec3;
+}
+
+/// The components of vectors, one after another: `x y z x y z …`.
+#[inline]
+pub fn components<R: Real>(of: &[R::Vec3]) -> &[R] {
+    bytemuck::cast_slice(of)
 }
 
 macro_rules! real {

@@ -5,31 +5,69 @@
 //! therefore bit for bit that of testing everything.
 
 use crate::math::{Aabb, Real, Vector};
+use crate::physics::kernels::{GROUP, motion_bounds};
+use crate::physics::model::ObstacleShape;
 use crate::physics::step::substep::Substep;
 
-/// The obstacles that a body's motion in this substep may meet, ascending.
-pub(super) fn near_obstacles<R: Real>(
-    Substep { model, plan, state, obstacles, dt, .. }: Substep<'_, R>,
-    number: usize,
-    velocity: &[R::Vec3],
-    touching: &[bool],
-    near: &mut Vec<u32>,
-) {
-    near.clear();
-    let body = &model.bodies[number];
-    let all = (0u32..).zip((0..model.obstacles.len()).map(|obstacle| obstacles.met(number, obstacle)));
-    if !plan.broad_phase {
-        near.extend(all.map(|(number, _)| number));
-        return;
+/// What the broad phase finds of one body.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Near<R: Real> {
+    /// The obstacles that the body's motion in this substep may meet, ascending.
+    pub(super) obstacles: Vec<u32>,
+    /// The boxes around the motion of each group of its particles.
+    groups: Vec<Aabb<R>>,
+}
+
+impl<R: Real> Near<R> {
+    /// Room for bodies of up to so many particles among so many obstacles.
+    pub(super) fn new(particles: usize, obstacles: usize) -> Self {
+        Self { obstacles: Vec::with_capacity(obstacles), groups: Vec::with_capacity(particles.div_ceil(GROUP)) }
     }
-    let motion = body.particles.clone().fold(Aabb::<R>::empty(), |bounds, particle| {
-        let from = state.position[particle];
-        bounds.include(from).include(from + velocity[particle] * dt)
-    });
-    near.extend(
-        all.filter(|(number, obstacle)| touching[*number as usize] || motion.overlaps(&obstacle.bounds))
-            .map(|(number, _)| number),
-    );
+
+    /// Finds what is near a body whose particles move with these velocities. `touching` tells of every obstacle whether
+    /// it is near without a look at boxes.
+    pub(super) fn find(
+        &mut self,
+        Substep { model, plan, state, obstacles, dt, .. }: Substep<'_, R>,
+        number: usize,
+        velocity: &[R::Vec3],
+        touching: &[bool],
+    ) {
+        self.obstacles.clear();
+        let body = &model.bodies[number];
+        let all = (0u32..).zip((0..model.obstacles.len()).map(|obstacle| obstacles.met(number, obstacle)));
+        if !plan.broad_phase {
+            self.obstacles.extend(all.map(|(number, _)| number));
+            return;
+        }
+        let own = body.particles.clone();
+        motion_bounds(plan.simd, &state.position[own.clone()], &velocity[own], dt, &mut self.groups);
+        let motion = self.groups.iter().copied().fold(Aabb::empty(), Aabb::joined);
+        self.obstacles.extend(
+            all.filter(|(number, obstacle)| touching[*number as usize] || motion.overlaps(&obstacle.bounds))
+                .map(|(number, _)| number),
+        );
+    }
+
+    /// The particles that may meet one of these obstacles, by their numbers in the body, ascending: all of the groups whose
+    /// motion comes near one, or which touch one.
+    pub(super) fn particles(&self, substep: Substep<'_, R>, number: usize) -> impl Iterator<Item = usize> {
+        let particles = substep.model.bodies[number].particles.clone();
+        let groups = (0..particles.len().div_ceil(GROUP)).filter(move |group| {
+            !substep.plan.broad_phase || self.obstacles.iter().any(|near| self.is_near(substep, number, *group, *near))
+        });
+        groups.flat_map(move |group| group * GROUP..particles.len().min((group + 1) * GROUP))
+    }
+
+    fn is_near(&self, substep: Substep<'_, R>, number: usize, group: usize, near: u32) -> bool {
+        let obstacle = substep.obstacles.met(number, near as usize);
+        if self.groups[group].overlaps(&obstacle.bounds) {
+            return true;
+        }
+        let ObstacleShape::Plane(plane) = &obstacle.shape else { return false };
+        let own = &substep.state.side[plane.side_row][substep.model.bodies[number].particles.clone()];
+        own.chunks(GROUP).nth(group).is_some_and(|sides| sides.iter().any(|side| *side != 0))
+    }
 }
 
 /// The box around one particle's motion.

@@ -67,10 +67,11 @@ impl<R: Real> Candidates<'_, '_, R> {
                 recorder.enter(Stage::BroadPhase);
             }
             let touching = &workspace.touching[number * model.obstacles.len()..][..model.obstacles.len()];
-            broad::near_obstacles(*substep, number, velocity, touching, &mut workspace.near);
-            if !workspace.near.is_empty() {
+            workspace.near.find(*substep, number, velocity, touching);
+            if !workspace.near.obstacles.is_empty() {
                 recorder.enter(Stage::Contact);
-                for (local, particle) in body.particles.clone().enumerate() {
+                for local in workspace.near.particles(*substep, number) {
+                    let particle = body.particles.start + local;
                     // The contacts are in the order of the particles.
                     let has_met = || workspace.contacts[..met].binary_search_by_key(&particle, |c| c.particle).is_ok();
                     if body.is_pinned(local) || has_met() {
@@ -82,7 +83,7 @@ impl<R: Real> Candidates<'_, '_, R> {
                         before,
                         body.mass(local),
                         &body.contacts,
-                        &workspace.near,
+                        &workspace.near.obstacles,
                         &mut workspace.contacts,
                     );
                     changed(particle, velocity[particle] - before);

@@ -9,7 +9,6 @@
 use glam::{DMat3, DVec3};
 
 use super::account;
-use super::broad;
 use super::candidate::{Candidate, Candidates};
 use super::constraint::ContactConstraint;
 use super::record::ContactRecord;
@@ -46,18 +45,19 @@ pub(in crate::physics) fn find<R: Real>(
         }
         let touching = &workspace.touching[number * model.obstacles.len()..][..model.obstacles.len()];
         recorder.enter(Stage::BroadPhase);
-        broad::near_obstacles(substep, number, falling, touching, &mut workspace.near);
-        if workspace.near.is_empty() {
+        workspace.near.find(substep, number, falling, touching);
+        if workspace.near.obstacles.is_empty() {
             continue;
         }
         recorder.enter(Stage::Contact);
-        for (local, particle) in body.particles.clone().enumerate() {
+        for local in workspace.near.particles(substep, number) {
+            let particle = body.particles.start + local;
             if body.is_pinned(local) {
                 continue;
             }
             let mut candidate = Candidate::new(substep, number, particle);
             let size = body.size.to_f64();
-            for &near in &workspace.near {
+            for &near in &workspace.near.obstacles {
                 let obstacle = near as usize;
                 let Some((surface, surface_velocity)) = candidate.surface(obstacle, falling[particle]) else {
                     continue;

@@ -1,5 +1,6 @@
 //! What contact found in a substep, and the workspace it was found in.
 
+use super::broad::Near;
 use super::constraint::ContactConstraint;
 use super::record::ContactRecord;
 use crate::math::{Real, Vector};
@@ -16,8 +17,8 @@ const CORNER: usize = 3;
 /// What contact works in, and what the last substep found.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactWorkspace<R: Real> {
-    /// Obstacles near the body under work.
-    pub(super) near: Vec<u32>,
+    /// What is near the body under work.
+    pub(super) near: Near<R>,
     /// Particle–obstacle pairs that met in the last substep, by particle.
     pub contacts: Vec<ContactRecord<R>>,
     /// For every body and obstacle whether they are near without a look at boxes: planes of which a side is remembered,
@@ -33,9 +34,10 @@ impl<R: Real> ContactWorkspace<R> {
         // All of every surface in a corner: what is there beyond that makes room for itself once.
         let surface: usize = model.bodies.iter().map(|body| body.lattice.surface).sum();
         let pairs = surface * model.obstacles.len().min(CORNER);
+        let largest = model.bodies.iter().map(|body| body.particles.len()).max().unwrap_or(0);
         let solved_for = if plan.scheme == Scheme::Implicit { pairs } else { 0 };
         Self {
-            near: Vec::with_capacity(model.obstacles.len()),
+            near: Near::new(largest, model.obstacles.len()),
             contacts: Vec::with_capacity(pairs),
             touching: vec![true; model.bodies.len() * model.obstacles.len()],
             constraints: Vec::with_capacity(solved_for),

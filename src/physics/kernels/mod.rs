@@ -29,11 +29,13 @@
 #![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
 
 mod block;
+mod bounds;
 mod boxed;
 mod layout;
 mod level;
 mod sweep;
 
+pub(in crate::physics) use bounds::{GROUP, are_finite, bounds, motion_bounds};
 pub(in crate::physics) use boxed::BoxedLinks;
 pub(in crate::physics) use layout::{BYTES_A_CORNER, Layout, MOST_CORNERS_A_PARTICLE};
 pub use level::SimdLevel;

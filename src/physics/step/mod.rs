@@ -28,6 +28,7 @@ use super::report::Recorder;
 use super::state::{BodyMemory, State};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery;
+use crate::physics::kernels::are_finite;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{ContactRule, Scheme};
 use crate::physics::observe::runaway::runs_away;
@@ -298,15 +299,13 @@ fn meets_implicitly(plan: &Plan) -> bool {
 }
 
 fn stays_finite<R: Real>(
-    Substep { model, state, dt, .. }: Substep<'_, R>,
+    Substep { model, plan, state, dt, .. }: Substep<'_, R>,
     path: &[R::Vec3],
     velocity: &[R::Vec3],
 ) -> bool {
     sleep::awake(model, &state.bodies).all(|body| {
-        let mut own = body.particles.clone();
-        own.all(|particle| {
-            (state.position[particle] + path[particle] * dt).is_finite() && velocity[particle].is_finite()
-        })
+        let own = body.particles.clone();
+        are_finite(plan.simd, &state.position[own.clone()], [&path[own.clone()], &velocity[own]], dt)
     })
 }
 

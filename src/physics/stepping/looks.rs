@@ -2,6 +2,7 @@
 //! the state.
 
 use crate::math::{FRAME_SECS, Real, Vector};
+use crate::physics::kernels::bounds;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
@@ -16,17 +17,19 @@ const UNSEEN_SHARE: f64 = 0.2;
 /// Whether it is time to look at bodies that were well at the last look: in every [`LOOK_SECS`], sooner the faster their
 /// particles move past each other.
 pub(in crate::physics) fn is_time_to_look<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
-    let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, state)));
+    let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, plan, state)));
     is_due_every(plan, state, between_looks)
 }
 
 /// How long a body's cells may stay unseen as fast as its particles move past each other now, s.
-fn unseen_secs<R: Real>(body: &BodyModel<R>, state: &State<R>) -> f64 {
+fn unseen_secs<R: Real>(body: &BodyModel<R>, plan: &Plan, state: &State<R>) -> f64 {
     let velocity = &state.velocity[body.particles.clone()];
+    if velocity.is_empty() {
+        return LOOK_SECS;
+    }
     // Bounds of the components: cheap, and no larger than the differences between particles.
-    let Some(&first) = velocity.first() else { return LOOK_SECS };
-    let (low, high) = velocity.iter().fold((first, first), |(low, high), v| (low.min(*v), high.max(*v)));
-    let fastest = (high - low).length().to_f64();
+    let bounds = bounds::<R>(plan.simd, velocity);
+    let fastest = (bounds.max - bounds.min).length().to_f64();
     if fastest > 0.0 { UNSEEN_SHARE / (body.inverse_cell_size.to_f64() * fastest) } else { LOOK_SECS }
 }
 

@@ -1,0 +1,166 @@
+//! Boxes around many vectors at a time, and whether all of them are finite.
+//!
+//! Vectors lie in memory as `x y z x y z …`. Of 16 that follow one another each number has a place in an array of 48, and
+//! the smallest of all numbers at a place is found without a branch, for all places at once. The smallest of a component
+//! is that of 16 places in the end: the order does not matter to it, so every level finds the same.
+
+use crate::math::{Aabb, Real, Vector, components};
+use crate::physics::kernels::SimdLevel;
+
+/// Numbers of so many vectors at a time.
+const PLACES: usize = 3 * 16;
+
+/// Vectors that have a box together, where they are boxed in groups.
+pub(in crate::physics) const GROUP: usize = 64;
+
+/// The box around some vectors.
+pub(in crate::physics) fn bounds<R: Real>(level: SimdLevel, of: &[R::Vec3]) -> Aabb<R> {
+    level.run(
+        #[inline(always)]
+        || {
+            let mut extremes = Extremes::none();
+            extremes.include::<false>(components(of), components(of), R::ZERO);
+            extremes.bounds()
+        },
+    )
+}
+
+/// The box around the motion of each [`GROUP`] of particles that move from `position` (m) for `secs` with `velocity` (m/s).
+pub(in crate::physics) fn motion_bounds<R: Real>(
+    level: SimdLevel,
+    position: &[R::Vec3],
+    velocity: &[R::Vec3],
+    secs: R,
+    boxes: &mut Vec<Aabb<R>>,
+) {
+    boxes.clear();
+    level.run(
+        #[inline(always)]
+        || {
+            for (position, velocity) in position.chunks(GROUP).zip(velocity.chunks(GROUP)) {
+                let mut extremes = Extremes::none();
+                extremes.include::<true>(components(position), components(velocity), secs);
+                boxes.push(extremes.bounds());
+            }
+        },
+    );
+}
+
+/// Whether particles that move from `position` (m) for `secs` along `path` (m/s) and have this `velocity` then (m/s) come
+/// to a finite end.
+pub(in crate::physics) fn are_finite<R: Real>(
+    level: SimdLevel,
+    position: &[R::Vec3],
+    [path, velocity]: [&[R::Vec3]; 2],
+    secs: R,
+) -> bool {
+    level.run(
+        #[inline(always)]
+        || {
+            let [position, path, velocity] = [position, path, velocity].map(components::<R>);
+            let mut all = true;
+            for ((position, path), velocity) in position.iter().zip(path).zip(velocity) {
+                all &= (*position + *path * secs).is_finite() & velocity.is_finite();
+            }
+            all
+        },
+    )
+}
+
+/// The smallest and the largest number at each place.
+struct Extremes<R> {
+    low: [R; PLACES],
+    high: [R; PLACES],
+}
+
+impl<R: Real> Extremes<R> {
+    #[inline(always)]
+    fn none() -> Self {
+        let infinity = R::from_f64(f64::INFINITY);
+        Self { low: [infinity; PLACES], high: [-infinity; PLACES] }
+    }
+
+    /// With the numbers `from`, and where they `MOVE` those they come to.
+    #[inline(always)]
+    fn include<const MOVE: bool>(&mut self, from: &[R], velocity: &[R], secs: R) {
+        let (whole, rest) = from.as_chunks::<PLACES>();
+        let (velocities, velocity_rest) = velocity.as_chunks::<PLACES>();
+        for (from, velocity) in whole.iter().zip(velocities) {
+            for place in 0..PLACES {
+                self.take::<MOVE>(place, from[place], velocity[place], secs);
+            }
+        }
+        for (place, (from, velocity)) in rest.iter().zip(velocity_rest).enumerate() {
+            self.take::<MOVE>(place, *from, *velocity, secs);
+        }
+    }
+
+    #[inline(always)]
+    fn take<const MOVE: bool>(&mut self, place: usize, from: R, velocity: R, secs: R) {
+        // No `min`: what it owes to NaN costs as much again. One is passed over here too.
+        let smaller = |a: R, b: R| if b < a { b } else { a };
+        let larger = |a: R, b: R| if b > a { b } else { a };
+        let (mut low, mut high) = (smaller(self.low[place], from), larger(self.high[place], from));
+        if MOVE {
+            let to = from + velocity * secs;
+            (low, high) = (smaller(low, to), larger(high, to));
+        }
+        (self.low[place], self.high[place]) = (low, high);
+    }
+
+    #[inline(always)]
+    fn bounds(&self) -> Aabb<R> {
+        let at = |of: &[R; PLACES], place: usize| R::Vec3::new(of[place], of[place + 1], of[place + 2]);
+        (0..PLACES).step_by(3).fold(Aabb::empty(), |bounds, place| {
+            bounds.joined(Aabb { min: at(&self.low, place), max: at(&self.high, place) })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec3};
+
+    use super::*;
+    use crate::math::rng::Rng;
+
+    fn random(count: usize, rng: &mut Rng) -> Vec<Vec3> {
+        let vector = |rng: &mut Rng| Vec3::from_dvec3(DVec3::from([0; 3].map(|_| rng.between(-5.0, 5.0))));
+        (0..count).map(|_| vector(rng)).collect()
+    }
+
+    #[test]
+    fn boxes_are_those_of_the_points_one_by_one() {
+        let mut rng = Rng::new(7);
+        for count in [0, 1, 15, 16, 63, 64, 65, 200] {
+            let [position, velocity] = [0; 2].map(|_| random(count, &mut rng));
+            for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
+                assert_eq!(bounds::<f32>(level, &position), Aabb::around(position.iter().copied()), "{count}");
+                let mut boxes = Vec::new();
+                motion_bounds::<f32>(level, &position, &velocity, 0.25, &mut boxes);
+                let ends = |group: usize| {
+                    let own = group * GROUP..count.min((group + 1) * GROUP);
+                    own.flat_map(|p| [position[p], position[p] + velocity[p] * 0.25]).collect::<Vec<_>>()
+                };
+                let expected: Vec<_> = (0..count.div_ceil(GROUP)).map(|group| Aabb::around(ends(group))).collect();
+                assert_eq!(boxes, expected, "{count} at {level:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_number_that_is_not_finite_is_found_wherever_it_is() {
+        let mut rng = Rng::new(8);
+        let sound = random(70, &mut rng);
+        let level = SimdLevel::best();
+        assert!(are_finite::<f32>(level, &sound, [&sound, &sound], 0.1), "all of them are");
+        for place in [0, 17, 69] {
+            for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY] {
+                let mut broken = sound.clone();
+                broken[place].y = bad;
+                assert!(!are_finite::<f32>(level, &sound, [&broken, &sound], 0.1), "{bad} in the path of {place}");
+                assert!(!are_finite::<f32>(level, &sound, [&sound, &broken], 0.1), "{bad} in the velocity of {place}");
+            }
+        }
+    }
+}
