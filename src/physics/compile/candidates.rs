@@ -126,6 +126,9 @@ mod tests {
             let taken = plan.candidates.iter().find(|candidate| candidate.scheme == plan.scheme).expect("one of them");
             assert!((taken.substep_secs / plan.substep_secs() - 1.0).abs() < 1e-12, "{taken:?}");
         }
+        let mut exact = cube(6, 1e6);
+        exact.settings.dt = 0.9 * simulation(&exact).plan().candidates[0].substep_secs;
+        assert_eq!(simulation(&exact).plan().scheme, Scheme::SemiImplicit, "a step that is safe as it was asked for");
         let alike = [Scheme::Verlet, Scheme::Implicit].map(|scheme| Candidate {
             scheme,
             substep_secs: 1e-3,

@@ -40,7 +40,8 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
             .map(|count| count.max(1.0) as u32);
     let dt_secs = if divided { settings.dt.min(limits.longest_step_secs()) } else { settings.dt };
     let mut candidates = vec![candidates::of(model, chosen, dt_secs / f64::from(substeps))];
-    if divided && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
+    // Who asks for a step that needs no division wants it for its error.
+    if divided && substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
         let secs = settings.dt * f64::from(span) / f64::from(implicit_substeps);
         candidates.push(candidates::of(model, Scheme::Implicit, secs));
     }
