@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn the_cheapest_is_taken_and_an_equal_one_leaves_what_was_asked_for() {
         let plan = |stiffness| simulation(&cube(6, stiffness)).plan().clone();
-        let [soft, stiff] = [plan(100.0), plan(1e6)];
+        let [soft, stiff] = [plan(1e3), plan(1e6)];
         assert_eq!([soft.scheme, stiff.scheme], [Scheme::SemiImplicit, Scheme::Implicit]);
         for plan in [soft, stiff] {
             let schemes: Vec<_> = plan.candidates.iter().map(|candidate| candidate.scheme).collect();
@@ -126,7 +126,7 @@ mod tests {
             let taken = plan.candidates.iter().find(|candidate| candidate.scheme == plan.scheme).expect("one of them");
             assert!((taken.substep_secs / plan.substep_secs() - 1.0).abs() < 1e-12, "{taken:?}");
         }
-        let mut exact = cube(6, 1e6);
+        let mut exact = cube(6, 1e5);
         exact.settings.dt = 0.9 * simulation(&exact).plan().candidates[0].substep_secs;
         assert_eq!(simulation(&exact).plan().scheme, Scheme::SemiImplicit, "a step that is safe as it was asked for");
         let alike = [Scheme::Verlet, Scheme::Implicit].map(|scheme| Candidate {
