@@ -5,7 +5,7 @@ use crate::math::{Real, Vector};
 /// A cell below this signed volume is pushed back to shape.
 pub(super) const THRESHOLD: f64 = 0.3;
 
-/// The push stops growing this far below the threshold.
+/// The push stops growing at this depth.
 pub(super) const DEEPEST: f64 = 2.0;
 
 /// The share of the push that is left while a cell is on its way back.
@@ -67,6 +67,13 @@ impl<R: Real> MeanEdges<R> {
         self.faces.iter().fold(R::ONE, |largest, face| largest.max(face.length()))
     }
 
+    /// How far below the threshold the cell is as a length: the height over its largest face that it lacks, in cell sizes.
+    /// A wide cell's volume changes a lot over a short way.
+    #[inline]
+    fn depth(&self, cap: R) -> R {
+        self.missing() / cap
+    }
+
     #[inline]
     pub(super) fn missing(&self) -> R {
         R::from_f64(THRESHOLD) - self.volume()
@@ -80,9 +87,15 @@ impl<R: Real> MeanEdges<R> {
 
     /// The energy for a stiffness of one.
     pub(super) fn energy(&self) -> f64 {
-        let missing = self.missing().to_f64();
-        let sprung = missing.min(DEEPEST);
-        if missing > 0.0 { sprung * (missing - 0.5 * sprung) / self.cap().to_f64() } else { 0.0 }
+        let depth = self.depth(self.cap()).to_f64();
+        let sprung = depth.min(DEEPEST);
+        if depth > 0.0 { sprung * (depth - 0.5 * sprung) } else { 0.0 }
+    }
+
+    /// The second derivative of that energy by the volume where the push still grows.
+    pub(super) fn resistance(&self) -> f64 {
+        let cap = self.cap().to_f64();
+        1.0 / (cap * cap)
     }
 
     /// The forces on the three mean edges for a stiffness over the cell size, N; none above the threshold, or where a
@@ -94,7 +107,8 @@ impl<R: Real> MeanEdges<R> {
         }
         let growth = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(self.faces[axis]));
         let returned = if growth > R::ZERO { R::from_f64(RETURNED) } else { R::ONE };
-        let strength = stiffness * returned * self.missing().min(R::from_f64(DEEPEST)) / self.cap();
+        let cap = self.cap();
+        let strength = stiffness * returned * self.depth(cap).min(R::from_f64(DEEPEST)) / cap;
         Some(self.faces.map(|face| face * strength)).filter(|push| push.iter().all(|force| force.is_finite()))
     }
 }
@@ -136,6 +150,32 @@ mod tests {
             let far =
                 edges(DVec3::new(size, size, -size)).push(&[DVec3::ZERO; 3], 1.0).expect("a mirrored cell is pushed");
             assert!(far.iter().all(|f| f.length() <= 2.0 + 1e-12), "{size} times the size: {far:?}");
+        }
+    }
+
+    /// By how much the force on the short edge of a cell of this width falls as the edge gets longer.
+    fn stiffness(width: f64) -> f64 {
+        let force = |height: f64| {
+            let way_in = [DVec3::ZERO, DVec3::ZERO, -DVec3::Z];
+            edges(DVec3::new(width, width, height)).push(&way_in, 1.0).expect("it is pushed")[2].z
+        };
+        (force(-0.01) - force(0.0)) / 0.01
+    }
+
+    #[test]
+    fn a_wide_cell_is_no_stiffer_than_one_at_rest() {
+        for width in [1.0, 2.0, 10.0, 1e3] {
+            assert!((stiffness(width) - 1.0).abs() < 1e-9, "{width} times as wide: {}", stiffness(width));
+        }
+    }
+
+    #[test]
+    fn the_push_is_what_its_energy_falls_by() {
+        for [width, height] in [[1.0, 0.1], [1.0, -0.9], [8.0, 0.001], [8.0, -0.5], [8.0, -3.0]] {
+            let [low, middle, high] = [-1e-6, 0.0, 1e-6].map(|way| edges(DVec3::new(width, width, height + way)));
+            let force = middle.push(&[DVec3::ZERO; 3], 1.0).expect("it is pushed")[2].z;
+            let slope = (low.energy() - high.energy()) / 2e-6;
+            assert!((slope - force).abs() < 1e-6, "{width} wide, {height} high: {slope} and {force}");
         }
     }
 }

@@ -66,7 +66,7 @@ pub(in crate::physics) fn resistances<R: Real>(
         edges.is_pushed().then(|| Resistance {
             corners,
             growth: edges.faces.map(|face| face.to_dvec3() * per_size),
-            stiffness: stiffness / edges.cap().to_f64(),
+            stiffness: stiffness * edges.resistance(),
             pull: if pull > 0.0 { pull * pull::resistance(&edges) } else { 0.0 },
         })
     })
