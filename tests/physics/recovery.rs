@@ -7,10 +7,10 @@ use gelatin::math::Vector;
 use gelatin::math::rng::Rng;
 use gelatin::physics::Arrival;
 use gelatin::physics::Simulation;
-use gelatin::scene::body::PinBox;
+use gelatin::scene::body::{CellsShape, PinBox};
 use gelatin::scene::material::Spring;
 use gelatin::scene::settings::Integrator;
-use gelatin::scene::{Material, Scene, Springs};
+use gelatin::scene::{Material, Scene, Shape, Springs};
 use glam::DVec3;
 
 use crate::determinism::allocations;
@@ -296,6 +296,55 @@ fn undamped_cubes_gain_no_energy_from_recovery() {
                 }
                 assert!(mean < 1.05 * start, "{way:?}, {stiffness:?}: {start} J became {mean} J");
             }
+        }
+    }
+}
+
+/// The mean energy of an undamped plate of bending links after a while, over that at the start. Its sublattices, which
+/// nothing holds together, lie up to `apart` cell sizes from their places in one plane and drift through each other, so
+/// that the cells between them are as wide as that and turn over all the time.
+fn energy_of_wide_cells(seed: u64, apart: f64) -> f64 {
+    let mut constants = springs(0.0, 0.0, 1.0 / 125.0);
+    constants.bending.stiffness = 12.0;
+    let mut plate = cube(1, 1.0, constants, [0.0; 3]);
+    let list = (0..4).flat_map(|x| (0..4).map(move |z| [x, 0, z])).collect();
+    plate.shape = Shape::Cells(CellsShape { list, size: 0.25 });
+    let mut scene = falling(plate);
+    scene.settings.gravity = [0.0; 3];
+    scene.settings.allow_implicit = false;
+    // As long as is safe.
+    scene.settings.dt = 0.02;
+    let mut simulation = simulate::<f64>(&scene);
+    let body = &simulation.model().bodies[0];
+    let turning = (body.recovery.stiffness / body.recovery.mass).sqrt();
+    let mut state = simulation.state().clone();
+    let corner = state.position[0];
+    let mut rng = Rng::new(seed);
+    let mut parts = |size: DVec3| [0; 8].map(|_| size * DVec3::from([0; 3].map(|_| rng.between(-1.0, 1.0))));
+    let places = parts(DVec3::new(0.25 * apart, 0.0, 0.25 * apart));
+    let speeds = parts(DVec3::Y * 0.05 * turning);
+    for (x, v) in state.position.iter_mut().zip(&mut state.velocity) {
+        let is_odd = ((*x - corner).abs() * 4.0).to_array().map(|along| along.round() % 2.0 > 0.5);
+        let part = is_odd.iter().fold(0, |part, is_odd| 2 * part + usize::from(*is_odd));
+        (x.y, *v) = (0.0, speeds[part]);
+        *x += places[part];
+    }
+    simulation.set_state(state);
+    let start = simulation.diagnostics().energy.total();
+    run(&mut simulation, 0.2);
+    let later = (0..20).map(|_| {
+        run(&mut simulation, 0.02);
+        simulation.diagnostics().energy.total() / 20.0
+    });
+    later.sum::<f64>() / start
+}
+
+#[test]
+fn cells_far_wider_than_at_rest_gain_no_energy_as_they_turn_over() {
+    for apart in [1.0, 10.0, 100.0] {
+        for seed in 0..20 {
+            let kept = energy_of_wide_cells(seed, apart);
+            assert!(kept < 1.05, "{apart} cells apart, start {seed}: {kept} of the energy");
         }
     }
 }

@@ -5,6 +5,9 @@ use crate::math::{Real, Vector};
 /// A cell below this signed volume is pushed back to shape.
 pub(super) const THRESHOLD: f64 = 0.3;
 
+/// Cells nearer to the threshold than this are watched: what inverts between two looks has mostly been here before.
+const WATCH: f64 = 0.4;
+
 /// The push stops growing at this depth.
 pub(super) const DEEPEST: f64 = 2.0;
 
@@ -77,6 +80,19 @@ impl<R: Real> MeanEdges<R> {
     #[inline]
     pub(super) fn missing(&self) -> R {
         R::from_f64(THRESHOLD) - self.volume()
+    }
+
+    /// Whether the cell is below the threshold, or so near above it that it is watched.
+    #[inline]
+    pub(super) fn is_near_inversion(&self) -> bool {
+        let above = -self.missing();
+        let largest = self.faces.iter().fold(R::ONE, |largest, face| largest.max(face.dot(*face)));
+        above <= R::ZERO || above * above < largest * R::from_f64(WATCH * WATCH)
+    }
+
+    /// The longest mean edge, cell sizes.
+    pub(super) fn longest(&self) -> R {
+        self.edges.iter().fold(R::ZERO, |longest, edge| longest.max(edge.length()))
     }
 
     /// Whether the cell is pushed: below the threshold and not so far stretched that its volume is no number.

@@ -21,7 +21,7 @@
 //! rest rather than gain energy. The size of κ follows from the links (`compile::recovery`), so that the term costs no
 //! smaller step.
 //!
-//! Only the cells of a list are pushed: those below [`WATCH`]. All cells are looked at once in every 1/60 s of simulated
+//! Only the cells of a list are pushed: those near inversion. All cells are looked at once in every 1/60 s of simulated
 //! time, sooner where particles move past each other fast enough to crush a cell in that time, and in every substep while
 //! the list is not empty, as a cell that inverted unseen would be given energy; a body that is well costs nothing but
 //! those few looks. The list is part of the [`State`]: the motion follows from the state alone.
@@ -51,9 +51,6 @@ use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
 use crate::physics::stepping::looks;
 
-/// Cells below this signed volume are put on the list: what inverts between two looks has mostly been here before.
-pub(crate) const WATCH: f64 = 0.7;
-
 /// Whether all cells are looked at in this substep.
 pub(in crate::physics) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
     !plan.lean || state.bodies.iter().any(BodyMemory::is_watched) || looks::is_time_to_look(model, plan, state)
@@ -67,7 +64,6 @@ pub(in crate::physics) fn look<R: Real>(
     secs: f64,
     recorder: &mut Recorder<'_>,
 ) {
-    let watch = R::from_f64(WATCH);
     for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
         memory.near_inversion.clear();
         if body.recovery.stiffness <= R::ZERO {
@@ -76,15 +72,15 @@ pub(in crate::physics) fn look<R: Real>(
         }
         let position = &state.position[body.particles.clone()];
         recorder.counters.cells_looked_at += body.lattice.cells.len() as u64;
-        let mut smallest = watch;
+        let mut worst = pull::Worst::default();
         for (number, corners) in (0u32..).zip(&body.lattice.cells) {
-            let volume = MeanEdges::of(position, corners, body.inverse_cell_size).volume();
-            if volume < watch {
+            let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
+            if edges.is_near_inversion() {
                 memory.near_inversion.push(number);
-                smallest = smallest.min(volume);
+                worst.see(&edges);
             }
         }
-        pull::judge(body, memory, smallest.to_f64(), position, &state.velocity[body.particles.clone()], secs);
+        pull::judge(body, memory, worst, position, &state.velocity[body.particles.clone()], secs);
     }
 }
 

@@ -11,9 +11,10 @@
 //! It keeps momentum, and angular momentum as `R Fᵀ` is symmetric. The divisor for stretched cells, the bound on what
 //! `∂s/∂V` adds, the same as that of the push, and R, which is made shorter where no rotation is the nearest, follow no
 //! potential. But for these it gives no more than it takes: what it brings into a body is W of its crushed cells when it
-//! is found to be stuck, some 3 κ each at most. That is too much for a body in violent motion, which is never stuck: it
-//! must first be so slow for a while that its motion is nothing to the energy of a single cell. From then on the pull
-//! acts, however the body moves, until none of its cells is crushed; W is nothing then.
+//! is found to be stuck, a few κ each, as none of them may be wider than [`WIDEST`]. That is too much for a body in violent
+//! motion, which is never stuck: it must first be so slow for a while that its motion is nothing to the energy of a single
+//! cell. From then on the pull acts, however the body moves, until none of its cells is crushed, and W is nothing, or one
+//! of them is torn apart.
 
 use super::edges::{DEEPEST, RETURNED, THRESHOLD, is_inverted};
 use crate::math::{Real, Vector};
@@ -45,15 +46,49 @@ const SLOW_TIMES: f64 = 1.0;
 /// The longest that a body is watched for, s.
 const LONGEST_SECS: f64 = 4.0;
 
-/// Tells whether a body is stuck whose cells' smallest volume is `smallest`, before a substep of `secs`.
+/// A body is torn, not knotted, where a mean edge of a crushed cell is longer than this, cell sizes: W grows with it, and
+/// turns on and off in no time as the volume of so wide a cell does.
+const WIDEST: f64 = 3.0;
+
+/// What is worst about the crushed cells of a body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Worst {
+    /// The smallest volume of any.
+    smallest: f64,
+    /// The longest mean edge of those below the threshold, cell sizes.
+    longest: f64,
+}
+
+impl Default for Worst {
+    fn default() -> Self {
+        Self { smallest: f64::INFINITY, longest: 0.0 }
+    }
+}
+
+impl Worst {
+    /// Takes note of a cell.
+    pub(super) fn see<R: Real>(&mut self, edges: &MeanEdges<R>) {
+        let volume = edges.volume().to_f64();
+        self.smallest = self.smallest.min(volume);
+        if volume < THRESHOLD {
+            self.longest = self.longest.max(edges.longest().to_f64());
+        }
+    }
+}
+
+/// Tells whether a body is stuck whose cells are at worst so, before a substep of `secs`.
 pub(super) fn judge<R: Real>(
     body: &BodyModel<R>,
     memory: &mut BodyMemory,
-    smallest: f64,
+    Worst { smallest, longest }: Worst,
     position: &[R::Vec3],
     velocity: &[R::Vec3],
     secs: f64,
 ) {
+    if longest > WIDEST {
+        forget(memory);
+        return;
+    }
     if memory.stuck {
         memory.stuck = smallest < THRESHOLD;
         return;
