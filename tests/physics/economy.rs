@@ -5,14 +5,23 @@ use gelatin::physics::StageTimer;
 use gelatin::physics::StepReport;
 use gelatin::scene::Scene;
 use gelatin::scene::presets::{preset, presets};
+use gelatin::scene::settings::ContactRule;
 
 use crate::support::{alone, ball, cube, falling, plane, simulate, springs};
 
 #[test]
 fn the_broad_phase_changes_no_preset_and_saves_tests() {
     // The finest models differ only in cost.
-    for preset in presets().iter().filter(|preset| !["coupler-40", "coupler-20", "spot"].contains(&preset.name)) {
-        let scene = (preset.build)();
+    let coarse = presets().iter().filter(|preset| !["coupler-40", "coupler-20", "spot"].contains(&preset.name));
+    let by = |rule: ContactRule| {
+        move |mut scene: Scene| {
+            scene.settings.contact = rule;
+            scene
+        }
+    };
+    let scenes = coarse.clone().map(|preset| (preset.name, by(ContactRule::Implicit)((preset.build)())));
+    let by_thesis = coarse.map(|preset| (preset.name, by(ContactRule::Thesis)((preset.build)())));
+    for (name, scene) in scenes.chain(by_thesis) {
         let mut with_boxes = simulate::<f32>(&scene);
         let mut without = simulate::<f32>(&scene);
         without.plan_mut().broad_phase = false;
@@ -23,8 +32,8 @@ fn the_broad_phase_changes_no_preset_and_saves_tests() {
             done += report.counters.narrow_tests;
             all += without.step().counters.narrow_tests;
         }
-        assert_eq!(with_boxes.hash(), without.hash(), "{}: bit for bit", preset.name);
-        assert!(saved > 0 && done < all, "{}: {done} of {all} tests done, {saved} saved", preset.name);
+        assert_eq!(with_boxes.hash(), without.hash(), "{name}: bit for bit");
+        assert!(saved > 0 && done < all, "{name}: {done} of {all} tests done, {saved} saved");
     }
 }
 

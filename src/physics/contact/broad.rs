@@ -16,24 +16,32 @@ pub(super) struct Near<R: Real> {
     pub(super) obstacles: Vec<u32>,
     /// The boxes around the motion of each group of its particles.
     groups: Vec<Aabb<R>>,
+    /// How far an obstacle reaches past its box, m.
+    reach: R,
 }
 
 impl<R: Real> Near<R> {
     /// Room for bodies of up to so many particles among so many obstacles.
     pub(super) fn new(particles: usize, obstacles: usize) -> Self {
-        Self { obstacles: Vec::with_capacity(obstacles), groups: Vec::with_capacity(particles.div_ceil(GROUP)) }
+        Self {
+            obstacles: Vec::with_capacity(obstacles),
+            groups: Vec::with_capacity(particles.div_ceil(GROUP)),
+            reach: R::ZERO,
+        }
     }
 
-    /// Finds what is near a body whose particles move with these velocities. `touching` tells of every obstacle whether
-    /// it is near without a look at boxes.
+    /// Finds what is within `reach` (m) of a body whose particles move with these velocities. `touches` tells of an
+    /// obstacle whether it is near without a look at boxes.
     pub(super) fn find(
         &mut self,
         Substep { model, plan, state, obstacles, dt, .. }: Substep<'_, R>,
         number: usize,
         velocity: &[R::Vec3],
-        touching: &[bool],
+        reach: R,
+        touches: impl Fn(usize) -> bool,
     ) {
         self.obstacles.clear();
+        self.reach = reach;
         let body = &model.bodies[number];
         let all = (0u32..).zip((0..model.obstacles.len()).map(|obstacle| obstacles.met(number, obstacle)));
         if !plan.broad_phase {
@@ -44,8 +52,10 @@ impl<R: Real> Near<R> {
         motion_bounds(plan.simd, &state.position[own.clone()], &velocity[own], dt, &mut self.groups);
         let motion = self.groups.iter().copied().fold(Aabb::empty(), Aabb::joined);
         self.obstacles.extend(
-            all.filter(|(number, obstacle)| touching[*number as usize] || motion.overlaps(&obstacle.bounds))
-                .map(|(number, _)| number),
+            all.filter(|(number, obstacle)| {
+                touches(*number as usize) || motion.overlaps(&obstacle.bounds.grown(reach))
+            })
+            .map(|(number, _)| number),
         );
     }
 
@@ -61,7 +71,7 @@ impl<R: Real> Near<R> {
 
     fn is_near(&self, substep: Substep<'_, R>, number: usize, group: usize, near: u32) -> bool {
         let obstacle = substep.obstacles.met(number, near as usize);
-        if self.groups[group].overlaps(&obstacle.bounds) {
+        if self.groups[group].overlaps(&obstacle.bounds.grown(self.reach)) {
             return true;
         }
         let ObstacleShape::Plane(plane) = &obstacle.shape else { return false };

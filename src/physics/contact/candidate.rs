@@ -67,7 +67,7 @@ impl<R: Real> Candidates<'_, '_, R> {
                 recorder.enter(Stage::BroadPhase);
             }
             let touching = &workspace.touching[number * model.obstacles.len()..][..model.obstacles.len()];
-            workspace.near.find(*substep, number, velocity, touching);
+            workspace.near.find(*substep, number, velocity, R::ZERO, |obstacle| touching[obstacle]);
             if !workspace.near.obstacles.is_empty() {
                 recorder.enter(Stage::Contact);
                 for local in workspace.near.particles(*substep, number) {

@@ -45,7 +45,7 @@ pub(in crate::physics) fn find<R: Real>(
         }
         let touching = &workspace.touching[number * model.obstacles.len()..][..model.obstacles.len()];
         recorder.enter(Stage::BroadPhase);
-        workspace.near.find(substep, number, falling, touching);
+        workspace.near.find(substep, number, falling, R::ZERO, |obstacle| touching[obstacle]);
         if workspace.near.obstacles.is_empty() {
             continue;
         }

@@ -8,6 +8,7 @@
 use super::record::ContactRecord;
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
+use crate::physics::model::plan::Stage;
 use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::report::Recorder;
 use crate::physics::step::substep::Substep;
@@ -16,20 +17,29 @@ use crate::physics::step::substep::Substep;
 /// compares with zero, which no number in a simulation ever is.
 const STILL_SPEED: f64 = 1e-3;
 
+/// The share by which boxes are made larger than planes reach.
+const ROUNDING: f64 = 1e-3;
+
 /// Adds reaction and friction to the force of every particle found past a surface, and writes them down by themselves.
 pub(in crate::physics) fn add_forces<R: Real>(
-    Substep { model, plan, state, obstacles, dt, .. }: Substep<'_, R>,
+    substep: Substep<'_, R>,
     force: &mut [R::Vec3],
     thesis_force: &mut [R::Vec3],
     workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
+    let Substep { model, plan, state, obstacles, dt, .. } = substep;
     workspace.keep_of_sleepers(model, state);
     thesis_force.fill(R::Vec3::ZERO);
     let mut deepest = workspace.deepest();
     for (place, body) in model.bodies.iter().enumerate().filter(|(place, _)| !state.bodies[*place].asleep) {
-        for particle in body.particles.clone() {
-            for number in 0..model.obstacles.len() {
+        let threshold = body.contacts.iter().map(|contact| contact.thesis_threshold).fold(R::ZERO, R::max);
+        recorder.enter(Stage::BroadPhase);
+        workspace.near.find(substep, place, &state.velocity, threshold * R::from_f64(1.0 + ROUNDING), |_| false);
+        recorder.enter(Stage::Contact);
+        let tests_before = recorder.counters.narrow_tests;
+        for particle in workspace.near.particles(substep, place).map(|local| body.particles.start + local) {
+            for number in workspace.near.obstacles.iter().map(|near| *near as usize) {
                 let obstacle = obstacles.met(place, number);
                 recorder.counters.narrow_tests += 1;
                 let contact = &body.contacts[number];
@@ -57,6 +67,8 @@ pub(in crate::physics) fn add_forces<R: Real>(
                 });
             }
         }
+        let made = recorder.counters.narrow_tests - tests_before;
+        recorder.counters.narrow_tests_saved += (body.particles.len() * model.obstacles.len()) as u64 - made;
     }
     workspace.sort();
     recorder.last.contacts = workspace.contacts.len();
