@@ -78,7 +78,7 @@ pub use contact::{ContactRecord, Placed};
 pub use interaction::Grab;
 pub use kernels::SimdLevel;
 pub use limits::{SAFETY, SceneLimits, Term};
-pub use model::plan::{Candidate, MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, Stage};
+pub use model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, SchemeCost, Stage};
 pub use model::{
     BodyModel, Carry, CellKind, ContactModel, ContactRule, FallLimit, Link, LinkConstants, LinkFamily, Model,
     ObstacleModel, ObstacleShape, PlaneModel, RecoveryModel, Scheme, Values,

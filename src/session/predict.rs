@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::Session;
 use crate::math::FRAME_SECS;
 use crate::physics::MOST_WORK_A_FRAME;
-use crate::physics::{Candidate, Scheme, Simulation, Term};
+use crate::physics::{Scheme, SchemeCost, Simulation, Term};
 use crate::scene::settings::Integrator;
 
 /// Simulated time that is measured, s: long enough to fall on something, for what falls freely costs the implicit
@@ -91,7 +91,7 @@ impl Prediction {
             dt_safe_secs: plan.limits.dt_safe_secs(),
             limited_by: plan.limits.limited_by(plan.dt_secs).name(),
             integrator: Integrator::from(plan.scheme).name(),
-            candidates: plan.candidates.iter().map(candidate).collect(),
+            candidates: plan.scheme_costs.iter().map(candidate).collect(),
             limits,
             substeps_per_frame,
             most_iterations_per_frame: most,
@@ -100,7 +100,7 @@ impl Prediction {
     }
 }
 
-fn candidate(&Candidate { scheme, substep_secs, cost_per_sec }: &Candidate) -> CandidateFigures {
+fn candidate(&SchemeCost { scheme, substep_secs, cost_per_sec }: &SchemeCost) -> CandidateFigures {
     CandidateFigures { integrator: Integrator::from(scheme).name(), substep_secs, cost_per_sec }
 }
 

@@ -2,12 +2,12 @@
 //! placed, links measured, obstacles framed, steps planned.
 
 mod assembly;
-mod candidates;
 pub(in crate::physics) mod other_form;
 mod plan;
 mod recovery;
 pub(in crate::physics) mod safe_values;
 mod scheme;
+mod scheme_cost;
 pub(in crate::physics) mod stability_plane;
 
 use std::path::Path;

@@ -2,10 +2,10 @@
 
 use crate::geometry::Family;
 use crate::math::{FRAME_SECS, Real};
-use crate::physics::compile::candidates;
+use crate::physics::compile::scheme_cost;
 use crate::physics::kernels::SimdLevel;
 use crate::physics::limits::{SceneLimits, any_state};
-use crate::physics::model::plan::{Candidate, MOST_HALVINGS, MOST_WORK_A_FRAME, Plan};
+use crate::physics::model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SchemeCost};
 use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
 use crate::scene::Settings;
 use crate::scene::settings::Stepping;
@@ -39,17 +39,17 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         [LONGEST_IMPLICIT_SECS / settings.dt, libm::ceil(settings.dt / LONGEST_IMPLICIT_SECS)]
             .map(|count| count.max(1.0) as u32);
     let dt_secs = if divided { settings.dt.min(limits.longest_step_secs()) } else { settings.dt };
-    let mut candidates = vec![candidates::of(model, chosen, dt_secs / f64::from(substeps))];
+    let mut scheme_costs = vec![scheme_cost::of(model, chosen, dt_secs / f64::from(substeps))];
     // Who asks for a step that needs no division wants it for its error.
     if divided && substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
         let secs = settings.dt * f64::from(span) / f64::from(implicit_substeps);
-        candidates.push(candidates::of(model, Scheme::Implicit, secs));
+        scheme_costs.push(scheme_cost::of(model, Scheme::Implicit, secs));
     }
-    let scheme = Candidate::cheapest(&candidates).map_or(chosen, |candidate| candidate.scheme);
+    let scheme = SchemeCost::cheapest(&scheme_costs).map_or(chosen, |cost| cost.scheme);
     let taken_over = scheme != chosen;
     let plan = Plan {
         scheme,
-        candidates,
+        scheme_costs,
         dt_secs: if taken_over { settings.dt } else { dt_secs },
         substeps: if taken_over { implicit_substeps } else { substeps },
         span: if taken_over { span } else { 1 },

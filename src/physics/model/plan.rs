@@ -56,7 +56,7 @@ impl Stage {
 
 /// A scheme that may take a scene's steps, and what it would cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Candidate {
+pub struct SchemeCost {
     /// The scheme.
     pub scheme: Scheme,
     /// The length of its substeps, s.
@@ -65,7 +65,7 @@ pub struct Candidate {
     pub cost_per_sec: f64,
 }
 
-impl Candidate {
+impl SchemeCost {
     /// The cheapest of some, the earliest where several are.
     pub(in crate::physics) fn cheapest(of: &[Self]) -> Option<&Self> {
         of.iter().min_by(|a, b| a.cost_per_sec.total_cmp(&b.cost_per_sec))
@@ -79,7 +79,7 @@ pub struct Plan {
     /// The scheme in use.
     pub scheme: Scheme,
     /// The schemes that might have been, the one that the person chose first.
-    pub candidates: Vec<Candidate>,
+    pub scheme_costs: Vec<SchemeCost>,
     /// The whole step, s: what the person asked for, or as much of it as can be counted in substeps that are safe.
     pub dt_secs: f64,
     /// Substeps in a whole step.
@@ -119,11 +119,11 @@ pub struct Plan {
     pub pressing_force: bool,
     /// Whether an explosion is looked for: where nobody vouches for the step.
     pub watched: bool,
-    /// Whether boxes keep particles from the narrow phase; the result is the same without, only dearer.
+    /// Whether boxes keep particles from the narrow phase; the result is the same without, only more expensive.
     pub broad_phase: bool,
     /// Whether bodies at rest sleep.
     pub sleeping: bool,
-    /// Whether what cannot change anything is left out; the result is the same without, only dearer.
+    /// Whether what cannot change anything is left out; the result is the same without, only more expensive.
     pub lean: bool,
 }
 
@@ -133,7 +133,7 @@ impl Plan {
         self.dt_secs * f64::from(self.span) / f64::from(self.substeps)
     }
 
-    /// Has everything worked out in every substep, whether the scene needs it or not: dearer, and the same to the bit.
+    /// Has everything worked out in every substep, whether the scene needs it or not: more expensive, and the same to the bit.
     pub fn work_out_everything(&mut self) {
         self.families = [true; 3];
         self.broad_phase = false;

@@ -17,7 +17,7 @@
 
 use crate::math::Real;
 use crate::physics::limits::{SceneLimits, Term};
-use crate::physics::model::plan::{Candidate, SOLVE_WORK};
+use crate::physics::model::plan::{SOLVE_WORK, SchemeCost};
 use crate::physics::model::{BodyModel, ContactRule, Model, Scheme};
 
 // The weights of operations, in units of a link that is worked out in its box. Each was measured once, in the widest
@@ -45,14 +45,14 @@ const ITERATIONS_A_CELL: f64 = 8.0;
 const ITERATIONS_A_ROOT: f64 = 5.0;
 
 /// What a scheme costs in substeps of this length.
-pub(super) fn of<R: Real>(model: &Model<R>, scheme: Scheme, substep_secs: f64) -> Candidate {
+pub(super) fn of<R: Real>(model: &Model<R>, scheme: Scheme, substep_secs: f64) -> SchemeCost {
     let substep = match scheme {
         Scheme::Implicit => solutions(model, substep_secs),
         Scheme::Rk4 => 4.0 * evaluation(model),
         Scheme::Rk2 => 2.0 * evaluation(model),
         Scheme::SemiImplicit | Scheme::Explicit | Scheme::Verlet => evaluation(model),
     };
-    Candidate { scheme, substep_secs, cost_per_sec: substep / substep_secs }
+    SchemeCost { scheme, substep_secs, cost_per_sec: substep / substep_secs }
 }
 
 /// What it costs to work out the forces once, and to move by them.
@@ -94,7 +94,7 @@ fn condition(limits: &SceneLimits, dt: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::physics::{Candidate, Counters, Scheme, Simulation};
+    use crate::physics::{Counters, Scheme, SchemeCost, Simulation};
     use crate::scene::body::CubeShape;
     use crate::scene::material::Spring;
     use crate::scene::settings::Integrator;
@@ -121,20 +121,20 @@ mod tests {
         let [soft, stiff] = [plan(1e3), plan(1e6)];
         assert_eq!([soft.scheme, stiff.scheme], [Scheme::SemiImplicit, Scheme::Implicit]);
         for plan in [soft, stiff] {
-            let schemes: Vec<_> = plan.candidates.iter().map(|candidate| candidate.scheme).collect();
+            let schemes: Vec<_> = plan.scheme_costs.iter().map(|cost| cost.scheme).collect();
             assert_eq!(schemes, [Scheme::SemiImplicit, Scheme::Implicit], "what was asked for comes first");
-            let taken = plan.candidates.iter().find(|candidate| candidate.scheme == plan.scheme).expect("one of them");
+            let taken = plan.scheme_costs.iter().find(|cost| cost.scheme == plan.scheme).expect("one of them");
             assert!((taken.substep_secs / plan.substep_secs() - 1.0).abs() < 1e-12, "{taken:?}");
         }
         let mut exact = cube(6, 1e5);
-        exact.settings.dt = 0.9 * simulation(&exact).plan().candidates[0].substep_secs;
+        exact.settings.dt = 0.9 * simulation(&exact).plan().scheme_costs[0].substep_secs;
         assert_eq!(simulation(&exact).plan().scheme, Scheme::SemiImplicit, "a step that is safe as it was asked for");
-        let alike = [Scheme::Verlet, Scheme::Implicit].map(|scheme| Candidate {
+        let alike = [Scheme::Verlet, Scheme::Implicit].map(|scheme| SchemeCost {
             scheme,
             substep_secs: 1e-3,
             cost_per_sec: 100.0,
         });
-        assert_eq!(Candidate::cheapest(&alike), Some(&alike[0]), "no reason to change");
+        assert_eq!(SchemeCost::cheapest(&alike), Some(&alike[0]), "no reason to change");
     }
 
     /// The implicit scheme's work in iterations: as predicted, and as it was counted over fall, landing and rest.
@@ -149,7 +149,7 @@ mod tests {
         let links: usize = model.link_counts().iter().sum();
         let iteration =
             super::LINK_OF_ITERATION * links as f64 + super::PARTICLE_OF_ITERATION * model.particle_count() as f64;
-        [simulation.plan().candidates[0].cost_per_sec / iteration, counted.implicit_work() as f64]
+        [simulation.plan().scheme_costs[0].cost_per_sec / iteration, counted.implicit_work() as f64]
     }
 
     #[test]
