@@ -19,8 +19,10 @@
 //! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
 //! contact      obstacles: where they are, who meets them, what they do to velocities
 //! limits       how large a step may be: waves, cells
+//! interaction  a hand that pulls
 //! observe      energies, a number for every particle, whether a step ran away
 //! report       what a step tells
+//! memory       how much a scene takes, counted before it is made
 //! ```
 //!
 //! # One step
@@ -80,8 +82,8 @@ pub use kernels::SimdLevel;
 pub use limits::{SAFETY, SceneLimits, Term};
 pub use model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, SchemeCost, Stage};
 pub use model::{
-    BodyModel, Carry, CellKind, ContactModel, ContactRule, FallLimit, Link, LinkConstants, LinkFamily, Model,
-    ObstacleModel, ObstacleShape, PlaneModel, RecoveryModel, Scheme, Values,
+    BodyModel, ContactModel, ContactRule, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel,
+    RecoveryModel, Scheme, Values,
 };
 pub use observe::diagnostics::{Diagnostics, Energy};
 pub use observe::scalars::Quantity;

@@ -14,12 +14,12 @@ pub struct LinkFamily<R: Real> {
     /// The links; copies of a model share them.
     pub links: Arc<[Link<R>]>,
     /// Stiffness and damping of each link, in the units above.
-    pub constants: LinkConstants<R>,
+    pub(in crate::physics) constants: LinkConstants<R>,
 }
 
 /// Stiffness and damping of the links of a family.
 #[derive(Clone, Debug)]
-pub enum LinkConstants<R> {
+pub(in crate::physics) enum LinkConstants<R> {
     /// All the same.
     Uniform([R; 2]),
     /// By class.

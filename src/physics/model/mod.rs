@@ -7,7 +7,8 @@ mod scheme;
 
 pub use scheme::Scheme;
 
-pub use link::{Link, LinkConstants, LinkFamily};
+pub(in crate::physics) use link::LinkConstants;
+pub use link::{Link, LinkFamily};
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -26,16 +27,16 @@ pub struct Model<R: Real> {
     /// m/s².
     pub gravity: R::Vec3,
     /// How far bodies may fall; none where nothing falls.
-    pub fall_limit: Option<FallLimit<R>>,
+    pub(in crate::physics) fall_limit: Option<FallLimit<R>>,
 }
 
 /// How far a body may fall before it is gone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FallLimit<R: Real> {
+pub(in crate::physics) struct FallLimit<R: Real> {
     /// Where gravity points; of unit length.
-    pub down: R::Vec3,
+    pub(in crate::physics) down: R::Vec3,
     /// The distance along it from the world's origin, m.
-    pub depth: R,
+    pub(in crate::physics) depth: R,
 }
 
 impl<R: Real> Model<R> {
@@ -70,7 +71,7 @@ pub struct BodyModel<R: Real> {
     pub masses: Values<R>,
     /// What the cells share out to links and particles; none where every link of a family is alike and every particle
     /// weighs alike.
-    pub cell_kinds: Option<Vec<CellKind>>,
+    pub(in crate::physics) cell_kinds: Option<Vec<CellKind>>,
     /// The largest load of its cells together over that of one of them alone, at most 1: below it only where all cells
     /// are of one kind and not too many.
     pub load_share: f64,
@@ -150,13 +151,13 @@ impl<T: Copy> Values<T> {
 
 /// What a cell of one material gives to its links and corners, shares of neighbours not counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CellKind {
+pub(in crate::physics) struct CellKind {
     /// Constants of an edge between four such cells and of a diagonal between two: force at 100 % strain, N.
-    pub stiffness: [f64; 2],
+    pub(in crate::physics) stiffness: [f64; 2],
     /// The same of damping, N·s.
-    pub damping: [f64; 2],
+    pub(in crate::physics) damping: [f64; 2],
     /// Mass of the cell, kg.
-    pub mass: f64,
+    pub(in crate::physics) mass: f64,
 }
 
 /// How the cells of a body resist inversion, in substeps of one length whatever parts these are taken in: parts could
@@ -183,7 +184,7 @@ pub struct ObstacleModel<R: Real> {
     /// The box around it and, while it moves, its way, m.
     pub bounds: Aabb<R>,
     /// How it moves within the coming substep; none where it stands still.
-    pub carry: Option<Carry<R>>,
+    pub(in crate::physics) carry: Option<Carry<R>>,
     /// Coulomb coefficient of rest.
     pub friction_static: R,
     /// Coulomb coefficient of motion.
@@ -192,19 +193,19 @@ pub struct ObstacleModel<R: Real> {
 
 /// A rigid motion from the beginning to the end of a substep: `x ↦ turn (x − from) + to`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Carry<R: Real> {
+pub(in crate::physics) struct Carry<R: Real> {
     /// A point at the beginning, m.
-    pub from: R::Vec3,
+    pub(in crate::physics) from: R::Vec3,
     /// The same point at the end, m.
-    pub to: R::Vec3,
+    pub(in crate::physics) to: R::Vec3,
     /// The columns of the rotation.
-    pub turn: [R::Vec3; 3],
+    pub(in crate::physics) turn: [R::Vec3; 3],
 }
 
 impl<R: Real> Carry<R> {
     /// Where a point that rides along ends.
     #[inline]
-    pub fn apply(&self, point: R::Vec3) -> R::Vec3 {
+    pub(in crate::physics) fn apply(&self, point: R::Vec3) -> R::Vec3 {
         let [x, y, z] = (point - self.from).components();
         self.turn[0] * x + self.turn[1] * y + self.turn[2] * z + self.to
     }
