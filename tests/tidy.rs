@@ -54,6 +54,9 @@ const BANNED: [(&str, &[&str]); 3] = [
         &[
             "HashMap",
             "HashSet",
+            // A step has the thread that asks for it, as `STEP_THREADS` tells whoever reads a run's figures.
+            "rayon",
+            "thread::",
             "mul_add",
             ".sin()",
             ".cos()",
@@ -283,6 +286,7 @@ fn the_rules_can_fail() {
     assert_eq!(one(wrong_rooms, "src/physics/x.rs", in_tests), 0, "tests may");
     assert_eq!(one(wrong_places, "src/view/x.rs", "use wgpu::Device;"), 1, "only render names wgpu");
     assert_eq!(one(wrong_places, "src/physics/x.rs", "let t = Instant::now(); a.mul_add(b, c);"), 2, "clock and fma");
+    assert_eq!(one(wrong_places, "src/physics/x.rs", "rayon::join(a, b); std::thread::sleep(c);"), 2, "other threads");
     assert_eq!(one(wrong_places, "src/scene/x.rs", "#[cfg(test)]\nmod tests {\nx.unwrap()"), 0, "tests may unwrap");
     assert_eq!(one(wrong_shape, "src/scene/utils.rs", "fn f() {}"), 2, "no job, no name");
     assert_eq!(one(wrong_shape, "src/scene/x.rs", &"//!\n".repeat(LONGEST_FILE + 1)), 1, "too long");

@@ -52,7 +52,8 @@ pub(super) struct Changes {
     /// The most memory that the scene may need, GB; without it, what the machine has free.
     #[arg(long, value_name = "GB", allow_negative_numbers = true, value_parser = gigabytes)]
     memory: Option<f64>,
-    /// Worker threads; 0 takes all cores.
+    /// Threads that fill models with cells and take runs side by side; 0 takes all cores. The steps of a simulation are
+    /// taken by one.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
     /// The vector instructions that work out forces; auto takes the widest that the machine has. The results are the

@@ -91,3 +91,4 @@ pub use report::{Counters, LastSubstep, StageTimer, StepReport};
 pub use simulation::{Arrival, BodyMotion, Simulation};
 pub use state::moving::{Approach, Sweep};
 pub use state::{BodyMemory, State};
+pub use stepping::STEP_THREADS;

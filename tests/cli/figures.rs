@@ -196,7 +196,11 @@ fn a_run_repeats_bit_for_bit_with_any_threads_and_instructions_and_goes_on_from_
     let folder = Folder::new();
     let hash = |line: &str| folder.json(line)["hash"].as_str().expect("sixteen digits").to_owned();
     let whole = hash("run tree --seconds 0.4 --json --threads 1");
-    assert_eq!(whole, hash("run tree --seconds 0.4 --json --threads 2"), "one thread, two threads");
+    for threads in [2, 3, 8] {
+        let figures = folder.json(&format!("run tree --seconds 0.4 --json --threads {threads}"));
+        let told = (figures["hash"].as_str(), figures["threads"].as_u64());
+        assert_eq!(told, (Some(&*whole), Some(1)), "{threads} threads to fill the tree, one for its steps");
+    }
     for simd in ["portable", "avx2", "avx512"] {
         let run = folder.run(&format!("run tree --seconds 0.4 --json --simd {simd}"));
         let words = format!("this machine has no {simd} instructions for --simd; it has portable");
