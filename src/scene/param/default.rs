@@ -70,3 +70,15 @@ fn pick<'a>(value: &'a Value, path: &[&str]) -> Option<&'a Value> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sliders_read_defaults_that_were_written_down_once() {
+        let first = tree();
+        assert!(default_at("settings.dt").is_some() && default_at("settings.nothing").is_none(), "a slider asks");
+        assert!(std::ptr::eq(first, tree()), "nothing is serialised again");
+    }
+}
