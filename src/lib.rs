@@ -115,7 +115,7 @@
 //! ```text
 //! app/ui/inspector/material.rs    springs_ui      the sliders of a body's springs
 //! app/ui/value/track.rs           slider_ui       a hand → a value
-//! app/ui/inspector/section.rs     send            a value → Command::Edit
+//! app/ui/value/interaction.rs     send            a value → Command::Edit
 //! app/shell.rs                    lay_out_panels  what the panels ask for goes to
 //! app/worker.rs                   send            the thread of the sandbox
 //! session/mod.rs                  handle          a command does what it says

@@ -3,7 +3,7 @@
 use egui::{Button, ComboBox, Response, RichText, Ui, vec2};
 
 use super::material::material_ui;
-use super::section::{section_ui, send};
+use super::section::section_ui;
 use crate::app::ui::figure::{figure, fixed_figure};
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, LABEL_WIDTH, field_ui, vector_ui};
@@ -30,11 +30,11 @@ fn place_ui(
 ) {
     let path = |what: &str| format!("bodies.{}.{what}", id.0);
     let (mut pose, mut velocity) = (body.pose, body.velocity);
-    let mut touch = vector_ui(ui, &path("pose.position"), "Start", &AXES, &mut pose.position);
-    touch.and(vector_ui(ui, &path("pose.rotation_deg"), "Rotation", &AXES, &mut pose.rotation_deg));
-    touch.and(vector_ui(ui, &path("velocity"), "Velocity", &AXES, &mut velocity));
+    let mut interaction = vector_ui(ui, &path("pose.position"), "Start", &AXES, &mut pose.position);
+    interaction.and(vector_ui(ui, &path("pose.rotation_deg"), "Rotation", &AXES, &mut pose.rotation_deg));
+    interaction.and(vector_ui(ui, &path("velocity"), "Velocity", &AXES, &mut velocity));
     let changed = || Body { pose, velocity, ..body.clone() };
-    send(touch, || Edit::Body(id, Box::new(changed())), commands);
+    interaction.send(|| Edit::Body(id, Box::new(changed())), commands);
 
     vector_ui(ui, &path("pose.position"), "Teleport to", &AXES, &mut state.origin);
     ui.horizontal(|ui| {
@@ -81,13 +81,13 @@ fn shape_ui(ui: &mut Ui, id: BodyId, body: &Body, status: Option<&BodyStatus>, c
 fn cube_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
     let Shape::Cube(cube) = &body.shape else { return };
     let (mut cells, mut size) = (f64::from(cube.cells), cube.size);
-    let mut touch = field_ui(ui, &format!("bodies.{}.shape.cube.cells", id.0), "Cells an edge", &mut cells);
-    touch.and(field_ui(ui, &format!("bodies.{}.shape.cube.size", id.0), "Edge", &mut size));
+    let mut interaction = field_ui(ui, &format!("bodies.{}.shape.cube.cells", id.0), "Cells an edge", &mut cells);
+    interaction.and(field_ui(ui, &format!("bodies.{}.shape.cube.size", id.0), "Edge", &mut size));
     let mut cube = cube.clone();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the parameter's range")]
     let whole = cells.round() as u32;
     (cube.cells, cube.size) = (whole, size);
-    send(touch, || Edit::Body(id, Box::new(Body { shape: Shape::Cube(cube), ..body.clone() })), commands);
+    interaction.send(|| Edit::Body(id, Box::new(Body { shape: Shape::Cube(cube), ..body.clone() })), commands);
 }
 
 fn skin_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {

@@ -8,9 +8,8 @@ use egui::{
 };
 use glam::DVec3;
 
-use super::section::send;
 use crate::app::ui::theme;
-use crate::app::ui::value::{LABEL_WIDTH, Touch, slider_ui};
+use crate::app::ui::value::{Interaction, LABEL_WIDTH, slider_ui};
 use crate::scene::edit::Edit;
 use crate::scene::view_settings::LightSettings;
 use crate::scene::{Scene, ViewSettings};
@@ -23,36 +22,36 @@ const COLOR_WIDTH: f32 = 160.0;
 pub(super) fn light_ui(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
     let old = &scene.view;
     let mut light = old.light;
-    let mut touch = direction_ui(ui, &mut light);
-    touch.and(slider_ui(ui, "view.light.strength", "Strength", &mut light.strength, None));
-    touch.and(color_ui(ui, &mut light));
+    let mut interaction = direction_ui(ui, &mut light);
+    interaction.and(slider_ui(ui, "view.light.strength", "Strength", &mut light.strength, None));
+    interaction.and(color_ui(ui, &mut light));
     let mut camera = old.camera;
-    touch.and(slider_ui(ui, "view.camera.fov_deg", "Lens", &mut camera.fov_deg, None));
-    send(touch, || Edit::View(ViewSettings { camera, light, ..old.clone() }), commands);
+    interaction.and(slider_ui(ui, "view.camera.fov_deg", "Lens", &mut camera.fov_deg, None));
+    interaction.send(|| Edit::View(ViewSettings { camera, light, ..old.clone() }), commands);
 }
 
 /// The direction as two angles: around, and above the horizon.
-fn direction_ui(ui: &mut Ui, light: &mut LightSettings) -> Touch {
+fn direction_ui(ui: &mut Ui, light: &mut LightSettings) -> Interaction {
     let [x, y, z] = DVec3::from(light.direction).normalize_or(DVec3::Y).to_array();
     let (mut around, mut above) = (x.atan2(z).to_degrees(), y.clamp(-1.0, 1.0).asin().to_degrees());
-    let mut touch = Touch::default();
+    let mut interaction = Interaction::default();
     for (label, angle, most) in [("Light from", &mut around, 180.0), ("Height", &mut above, 90.0)] {
         ui.horizontal(|ui| {
             label_ui(ui, label);
             ui.spacing_mut().slider_width = (ui.available_width() - 72.0).max(40.0);
-            touch.and(rounded_ui(ui, label, angle, -most..=most, Rounding { decimals: 0, unit: "°" }));
+            interaction.and(rounded_ui(ui, label, angle, -most..=most, Rounding { decimals: 0, unit: "°" }));
         });
     }
-    if touch.changed {
+    if interaction.changed {
         let (around, above) = (around.to_radians(), above.to_radians());
         let level = above.cos();
         light.direction = [around.sin() * level, above.sin(), around.cos() * level];
     }
-    touch
+    interaction
 }
 
-fn color_ui(ui: &mut Ui, light: &mut LightSettings) -> Touch {
-    let mut touch = Touch::default();
+fn color_ui(ui: &mut Ui, light: &mut LightSettings) -> Interaction {
+    let mut interaction = Interaction::default();
     ui.horizontal(|ui| {
         label_ui(ui, "Colour");
         let button = color_button_ui(ui, light.color);
@@ -65,12 +64,12 @@ fn color_ui(ui: &mut Ui, light: &mut LightSettings) -> Touch {
                         ui.label(label);
                     });
                     ui.spacing_mut().slider_width = COLOR_WIDTH;
-                    touch.and(rounded_ui(ui, label, part, 0.0..=1.0, Rounding { decimals: 2, unit: "" }));
+                    interaction.and(rounded_ui(ui, label, part, 0.0..=1.0, Rounding { decimals: 2, unit: "" }));
                 });
             }
         });
     });
-    touch
+    interaction
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a colour on the screen")]
@@ -99,7 +98,13 @@ struct Rounding {
 
 /// A slider in round steps. The value itself is rounded only by the hand that moves it: what is shown, or entered as it
 /// stood, is no change.
-fn rounded_ui(ui: &mut Ui, label: &str, value: &mut f64, range: RangeInclusive<f64>, as_shown: Rounding) -> Touch {
+fn rounded_ui(
+    ui: &mut Ui,
+    label: &str,
+    value: &mut f64,
+    range: RangeInclusive<f64>,
+    as_shown: Rounding,
+) -> Interaction {
     let Rounding { decimals, unit } = as_shown;
     let (before, shown) = (*value, |value: f64| format!("{value:.decimals$}"));
     let step = 0.1_f64.powf(decimals as f64);
@@ -110,5 +115,5 @@ fn rounded_ui(ui: &mut Ui, label: &str, value: &mut f64, range: RangeInclusive<f
     if !changed {
         *value = before;
     }
-    Touch { changed, ended: response.drag_stopped() || (changed && !response.dragged()) }
+    Interaction { changed, ended: response.drag_stopped() || (changed && !response.dragged()) }
 }

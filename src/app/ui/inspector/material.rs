@@ -3,10 +3,9 @@
 use egui::{ComboBox, RichText, Ui};
 
 use super::own_weight::{self, length};
-use super::section::send;
 use crate::app::ui::figure::figure;
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{Bound, LABEL_WIDTH, Touch, slider_ui};
+use crate::app::ui::value::{Bound, Interaction, LABEL_WIDTH, slider_ui};
 use crate::app::ui::words::capitalised;
 use crate::app::ui::{Running, UiState, edits, theme};
 use crate::scene::edit::{BodyId, Edit};
@@ -138,7 +137,7 @@ impl Safe<'_> {
 }
 
 fn solid_ui(ui: &mut Ui, id: BodyId, body: &Body, mut solid: Solid, safe: Safe<'_>, commands: &mut Vec<Command>) {
-    let mut touch = Touch::default();
+    let mut interaction = Interaction::default();
     let Solid { young_modulus, density, damping_ratio } = &mut solid;
     for (what, label, value) in [
         ("young_modulus", "Modulus", young_modulus),
@@ -146,14 +145,14 @@ fn solid_ui(ui: &mut Ui, id: BodyId, body: &Body, mut solid: Solid, safe: Safe<'
         ("damping_ratio", "Damping ratio", damping_ratio),
     ] {
         let path = format!("bodies.{}.material.solid.{what}", id.0);
-        touch.and(slider_ui(ui, &path, label, value, safe.bound(&path)));
+        interaction.and(slider_ui(ui, &path, label, value, safe.bound(&path)));
     }
     let changed = || Body { material: Material::Solid(solid), ..body.clone() };
-    send(touch, || Edit::Body(id, Box::new(changed())), commands);
+    interaction.send(|| Edit::Body(id, Box::new(changed())), commands);
 }
 
 fn springs_ui(ui: &mut Ui, id: BodyId, body: &Body, mut springs: Springs, safe: Safe<'_>, commands: &mut Vec<Command>) {
-    let mut touch = Touch::default();
+    let mut interaction = Interaction::default();
     for family in Family::ALL {
         ui.label(RichText::new(family_title(family)).color(theme::of(ui).strong));
         let spring = springs.family_mut(family);
@@ -161,14 +160,14 @@ fn springs_ui(ui: &mut Ui, id: BodyId, body: &Body, mut springs: Springs, safe: 
         for (what, label, value) in
             [("stiffness", "Stiffness", &mut spring.stiffness), ("damping", "Damping", &mut spring.damping)]
         {
-            touch.and(slider_ui(ui, &path(what), label, value, safe.bound(&path(what))));
+            interaction.and(slider_ui(ui, &path(what), label, value, safe.bound(&path(what))));
         }
     }
     ui.add_space(2.0);
     let path = format!("bodies.{}.material.springs.particle_mass", id.0);
-    touch.and(slider_ui(ui, &path, "Particle mass", &mut springs.particle_mass, safe.bound(&path)));
+    interaction.and(slider_ui(ui, &path, "Particle mass", &mut springs.particle_mass, safe.bound(&path)));
     let changed = || Body { material: Material::Springs(springs), ..body.clone() };
-    send(touch, || Edit::Body(id, Box::new(changed())), commands);
+    interaction.send(|| Edit::Body(id, Box::new(changed())), commands);
 }
 
 fn family_title(family: Family) -> &'static str {

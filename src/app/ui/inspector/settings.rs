@@ -2,10 +2,10 @@
 
 use egui::{ComboBox, Label, RichText, Ui};
 
-use super::section::{section_ui, send};
+use super::section::section_ui;
 use crate::app::ui::meter::error_words;
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{Touch, help, slider_ui, vector_ui};
+use crate::app::ui::value::{Interaction, help, slider_ui, vector_ui};
 use crate::app::ui::{Running, edits, theme};
 use crate::scene::edit::Edit;
 use crate::scene::param;
@@ -18,14 +18,14 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
     let old = &running.scene.settings;
     section_ui(ui, "World", true, |ui| {
         let mut gravity = old.gravity;
-        let touch = vector_ui(ui, "settings.gravity", "Gravity", &["x", "y", "z"], &mut gravity);
-        send(touch, || Edit::Settings(Settings { gravity, ..old.clone() }), commands);
+        let interaction = vector_ui(ui, "settings.gravity", "Gravity", &["x", "y", "z"], &mut gravity);
+        interaction.send(|| Edit::Settings(Settings { gravity, ..old.clone() }), commands);
     });
     section_ui(ui, "Time step", true, |ui| {
         let mut dt = old.dt;
-        let mut touch = Touch::default();
-        touch.and(slider_ui(ui, "settings.dt", "Step", &mut dt, None));
-        send(touch, || Edit::Settings(Settings { dt, ..old.clone() }), commands);
+        let mut interaction = Interaction::default();
+        interaction.and(slider_ui(ui, "settings.dt", "Step", &mut dt, None));
+        interaction.send(|| Edit::Settings(Settings { dt, ..old.clone() }), commands);
         note_ui(ui, &limit_words(running.status));
         note_ui(ui, &error_words(running.status));
         let schemes = Integrator::ALL.map(|scheme| (scheme, scheme.words()));

@@ -3,9 +3,9 @@
 //! definition.
 
 mod help;
+mod interaction;
 mod number;
 mod scale;
-mod touch;
 mod track;
 
 use egui::{Ui, vec2};
@@ -13,26 +13,26 @@ use egui::{Ui, vec2};
 use crate::scene::param;
 use help::hint_ui;
 pub(super) use help::{LABEL_WIDTH, help, label_ui};
+pub(super) use interaction::Interaction;
 use number::number_ui;
-pub(super) use touch::Touch;
 pub(super) use track::{Bound, note_scrolling, slider_ui};
 
 /// Short names of a vector's components.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A number without a track.
-pub(super) fn field_ui(ui: &mut Ui, path: &str, label: &str, value: &mut f64) -> Touch {
+pub(super) fn field_ui(ui: &mut Ui, path: &str, label: &str, value: &mut f64) -> Interaction {
     vector_ui(ui, path, label, &[""], std::slice::from_mut(value))
 }
 
 /// Several numbers in a row, each with its own short name.
-pub(super) fn vector_ui(ui: &mut Ui, path: &str, label: &str, names: &[&str], values: &mut [f64]) -> Touch {
+pub(super) fn vector_ui(ui: &mut Ui, path: &str, label: &str, names: &[&str], values: &mut [f64]) -> Interaction {
     let Some(param) = param::find(path) else {
         debug_assert!(false, "{path} is a parameter");
-        return Touch::default();
+        return Interaction::default();
     };
     let id = ui.scope_id().with((path, label));
-    let mut touch = Touch::default();
+    let mut interaction = Interaction::default();
     ui.horizontal(|ui| {
         // Three units would not fit beside three numbers.
         let unit = if param.unit.is_empty() { String::new() } else { format!(", {}", param.unit) };
@@ -42,12 +42,12 @@ pub(super) fn vector_ui(ui: &mut Ui, path: &str, label: &str, names: &[&str], va
         for (name, value) in names.iter().zip(values.iter_mut()) {
             let spoken = if name.is_empty() { label.to_owned() } else { format!("{label} {name}") };
             ui.allocate_ui(vec2(room, ui.spacing().interact_size.y), |ui| {
-                touch.and(number_ui(ui, id.with(name), param, &spoken, "", value));
+                interaction.and(number_ui(ui, id.with(name), param, &spoken, "", value));
             });
         }
     });
     for name in names {
         hint_ui(ui, id.with(name));
     }
-    touch
+    interaction
 }

@@ -7,8 +7,8 @@ use egui::{Color32, Direction, DragValue, Id, Layout, Sense, TextStyle, Ui, UiBu
 use super::super::figure::{figure, parse, rounded, short_figure, whole_figure};
 use super::super::tip::tip_ui;
 use super::help::{help, hint};
+use super::interaction::{Interaction, differs, held, hold};
 use super::scale::ends;
-use super::touch::{Touch, differs, held, hold};
 use crate::scene::param::{Kind, Param};
 
 /// Width of a typed number, points.
@@ -17,8 +17,8 @@ pub(super) const NUMBER_WIDTH: f32 = 100.0;
 const NUMBER_PADDING: f32 = 4.0;
 
 /// A number to type or to drag slowly. A value that is not allowed is refused and a hint says what would be.
-pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &str, value: &mut f64) -> Touch {
-    let Some((min, max)) = ends(param) else { return Touch::default() };
+pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &str, value: &mut f64) -> Interaction {
+    let Some((min, max)) = ends(param) else { return Interaction::default() };
     let whole = matches!(param.kind, Kind::Integer { .. });
     let dragged_id = id.with("number");
     let mut shown = held(ui, dragged_id).unwrap_or(*value);
@@ -58,7 +58,7 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
     response.widget_info(|| WidgetInfo::drag_value(ui.is_enabled(), *value));
     tip_ui(ui, &response, || format!("{}{unit}\n{}", whole_figure(*value), help(param)));
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
-    let mut touch = Touch { changed: false, ended: response.drag_stopped() || response.lost_focus() };
+    let mut interaction = Interaction { changed: false, ended: response.drag_stopped() || response.lost_focus() };
     let dragged = response.dragged();
     // What is typed has fewer digits than a double: the same text is no change.
     let retyped = !dragged && whole_figure(shown) == whole_figure(*value);
@@ -71,14 +71,14 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
         }
         if (min..=max).contains(&shown) {
             *value = shown;
-            touch.changed = true;
+            interaction.changed = true;
             hint(ui, id, None);
         } else {
             hint(ui, id, Some(format!("{} is outside {}", figure(shown), param.range_text())));
         }
     }
     hold(ui, dragged_id, dragged.then_some(shown));
-    touch
+    interaction
 }
 
 /// Selects the whole text, so that typing replaces it: the widget itself would select as much as was shown before.

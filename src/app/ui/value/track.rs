@@ -10,9 +10,9 @@ use egui::{
 use super::super::figure::{figure, rounded};
 use super::super::tip::tip_ui;
 use super::help::{help, hint_ui, label_ui};
+use super::interaction::{Interaction, differs, held, hold};
 use super::number::{NUMBER_WIDTH, number_ui};
 use super::scale::{Scale, Window, ends};
-use super::touch::{Touch, differs, held, hold};
 use crate::app::ui::theme;
 use crate::app::ui::words::capitalised;
 use crate::scene::Family;
@@ -57,26 +57,26 @@ pub(in crate::app::ui) fn slider_ui(
     label: &str,
     value: &mut f64,
     safe: Option<Bound>,
-) -> Touch {
+) -> Interaction {
     let Some(param) = param::find(path).filter(|param| ends(param).is_some()) else {
         debug_assert!(false, "{path} is a number with a range");
-        return Touch::default();
+        return Interaction::default();
     };
     let id = ui.scope_id().with((path, label));
     let mut shown = held(ui, id).unwrap_or(*value);
-    let mut touch = Touch::default();
+    let mut interaction = Interaction::default();
     ui.horizontal(|ui| {
         label_ui(ui, label, param);
         let width = (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(40.0);
         let spoken = spoken(path, label);
-        touch.and(Track { id, param, label: &spoken, width, safe }.ui(ui, &mut shown));
-        touch.and(number_ui(ui, id, param, &spoken, param.unit, &mut shown));
+        interaction.and(Track { id, param, label: &spoken, width, safe }.ui(ui, &mut shown));
+        interaction.and(number_ui(ui, id, param, &spoken, param.unit, &mut shown));
     });
     hint_ui(ui, id);
-    if touch.changed {
+    if interaction.changed {
         *value = shown;
     }
-    touch
+    interaction
 }
 
 /// The name for those who cannot see under which heading a value stands.
@@ -108,18 +108,18 @@ struct Grip {
 
 impl Track<'_> {
     /// The track with its knob at a value.
-    fn ui(&self, ui: &mut Ui, value: &mut f64) -> Touch {
+    fn ui(&self, ui: &mut Ui, value: &mut f64) -> Interaction {
         let (rect, _) = ui.allocate_exact_size(vec2(self.width, ui.spacing().interact_size.y), Sense::hover());
         let line = rect.shrink2(vec2(KNOB, 0.0));
-        let Some(scale) = Scale::of(self.param, f64::from(line.width())) else { return Touch::default() };
+        let Some(scale) = Scale::of(self.param, f64::from(line.width())) else { return Interaction::default() };
         let response = ui.interact(rect, self.id.with("track"), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::slider(ui.is_enabled(), *value, format!("{} slider", self.label)));
         let before = *value;
         let mut window = self.window(ui, &scale, &response, *value);
-        let mut touch = Touch::default();
+        let mut interaction = Interaction::default();
         if response.double_clicked() {
             *value = self.default().unwrap_or(*value);
-            touch.ended = true;
+            interaction.ended = true;
         } else if response.dragged_by(PointerButton::Primary) || response.drag_stopped_by(PointerButton::Primary) {
             // Also in the frame in which the hand lets go: the last way counts.
             self.drag(ui, &response, line, &scale, &mut window, value);
@@ -129,11 +129,11 @@ impl Track<'_> {
                 && (hand.x - at(line, &scale, window, *value)).abs() > REACH
             {
                 *value = scale.value(window, place(line, hand.x)).0;
-                touch.ended = true;
+                interaction.ended = true;
             }
         }
         if response.drag_stopped() {
-            touch.ended = true;
+            interaction.ended = true;
             ui.data_mut(|data| data.remove::<Grip>(self.id));
         }
         let steps = wheel(ui, &response, self.id) + keys(ui, &response);
@@ -144,15 +144,15 @@ impl Track<'_> {
                 window = scale.window_around(*value);
             }
         }
-        let stepping = self.stepping(ui, &response, steps != 0, &mut touch);
-        touch.changed = differs(before, *value);
+        let stepping = self.stepping(ui, &response, steps != 0, &mut interaction);
+        interaction.changed = differs(before, *value);
         hold(ui, self.id, (response.dragged() || stepping).then_some(*value));
         ui.data_mut(|data| data.insert_temp(self.id, window));
         let shown = self.glide(ui, &response, window);
         self.paint(ui, &response, line, &scale, shown, *value);
         tip_ui(ui, &response, || self.words(window));
         _ = response.on_hover_cursor(CursorIcon::ResizeHorizontal);
-        touch
+        interaction
     }
 
     /// The window that is shown. It stays under the hand; another value, or the hand gone from near its end, moves it.
@@ -188,7 +188,7 @@ impl Track<'_> {
     }
 
     /// Whether steps are being taken; tells of their end.
-    fn stepping(&self, ui: &Ui, response: &Response, steps: bool, touch: &mut Touch) -> bool {
+    fn stepping(&self, ui: &Ui, response: &Response, steps: bool, interaction: &mut Interaction) -> bool {
         let (id, now) = (self.id.with("stepped"), ui.input(|input| input.time));
         if steps {
             ui.data_mut(|data| data.insert_temp(id, now));
@@ -199,7 +199,7 @@ impl Track<'_> {
             ui.ctx().request_repaint_after(Duration::from_secs_f64(QUIET_SECS));
         } else {
             ui.data_mut(|data| data.remove::<f64>(id));
-            touch.ended = true;
+            interaction.ended = true;
         }
         goes_on
     }

@@ -2,20 +2,33 @@
 
 use egui::{Id, Ui};
 
+use crate::scene::edit::Edit;
+use crate::session::Command;
+
 /// What a person did to one or more values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::app::ui) struct Touch {
+pub(in crate::app::ui) struct Interaction {
     /// A value has changed.
     pub(in crate::app::ui) changed: bool,
     /// A change is finished: what comes next is another one.
     pub(in crate::app::ui) ended: bool,
 }
 
-impl Touch {
+impl Interaction {
     /// Also what another widget saw.
     pub(in crate::app::ui) fn and(&mut self, other: Self) {
         self.changed |= other.changed;
         self.ended |= other.ended;
+    }
+
+    /// Asks for an edit where something has changed, and for its end where that is finished.
+    pub(in crate::app::ui) fn send(self, edit: impl FnOnce() -> Edit, commands: &mut Vec<Command>) {
+        if self.changed {
+            commands.push(Command::Edit(edit()));
+        }
+        if self.ended {
+            commands.push(Command::EndEdit);
+        }
     }
 }
 
