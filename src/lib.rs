@@ -69,7 +69,7 @@
 //! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no thread, no window |
 //! | [`export`] | math, disk, geometry, view | pictures to files |
 //! | `cli` | all but physics | the command line; opens the window |
-//! | `app` | all but geometry, physics | winit and egui: the window, its panels, the thread the session runs on |
+//! | `app` | all but geometry, physics, report and cli | winit and egui: the window, its panels, the thread the session runs on |
 //!
 //! # Data flow
 //!
@@ -116,9 +116,9 @@
 //! app/ui/inspector/material.rs    springs_ui      the sliders of a body's springs
 //! app/ui/value/track.rs           slider_ui       a hand → a value
 //! app/ui/value/interaction.rs     send            a value → Command::Edit
-//! app/shell.rs                    lay_out_panels  what the panels ask for goes to
+//! app/shell/panels.rs             lay_out_panels  what the panels ask for goes to
 //! app/worker.rs                   send            the thread of the sandbox
-//! session/mod.rs                  handle          a command does what it says
+//! session/handle.rs               handle          a command does what it says
 //! session/editing.rs              carry_out       an edit and all that follows from it
 //! scene/edit.rs                   apply           the document has the value, and its inverse is known
 //! physics/compile/mod.rs          set_parameters  Scene → Model, while everything goes on moving
@@ -130,10 +130,11 @@
 //! physics/forces/mod.rs           evaluate        all forces
 //! physics/kernels/sweep.rs        add_forces      those of links
 //! physics/schemes/stepper.rs      predict         forces → velocities, which move the particles
+//! app/worker/publish.rs           publish         what leaves the thread, once a frame
 //! session/draw.rs                 draw_list       particles → DrawList
 //! ```
 //!
-//! What draws it knows nothing of springs: `app::worker` publishes the list, `app::shell` draws it on `app::canvas`.
+//! What draws it knows nothing of springs: `app::shell` takes the list and draws it on `app::canvas`.
 //!
 //! # Invariants, and the test that holds each
 //!

@@ -78,6 +78,9 @@ const EMPTY_NAMES: [&str; 8] = ["data", "manager", "handler", "helper", "helpers
 /// More lines than this are hard to hold in the head.
 const LONGEST_FILE: usize = 500;
 
+/// A walk from one end of the program to the other enters at most so many files.
+const LONGEST_WALK: usize = 19;
+
 /// A source file: its path from the root with forward slashes, and its text.
 struct Source {
     path: String,
@@ -176,6 +179,9 @@ fn wrong_walks(page: &str, sources: &[Source]) -> Vec<String> {
             .filter_map(|mut words| Some((words.next()?, words.next()?)))
             .filter(|(file, _)| Path::new(file).extension().is_some_and(|ending| ending == "rs"))
             .collect();
+        if walk.len() > LONGEST_WALK {
+            found.push(format!("{} files are a long walk", walk.len()));
+        }
         for (place, (file, function)) in walk.iter().enumerate() {
             if walk[..place].iter().any(|(before, _)| before == file) {
                 found.push(format!("{file} is entered twice"));
@@ -297,6 +303,10 @@ fn the_rules_can_fail() {
     assert_eq!(wrong("//! a.rs  a  first\n//! b.rs  b  then"), 1, "a function that only a comment has");
     assert_eq!(wrong("//! d.rs  a  first"), 1, "a file that is not there");
     assert_eq!(wrong("//! a.rs  a  first\n//! b.rs  c  then\n//! a.rs  a  again"), 1, "back to one");
+    let long: Vec<String> = (0..=LONGEST_WALK).map(|step| format!("//! {step}.rs  a  on")).collect();
+    let steps: Vec<Source> =
+        (0..=LONGEST_WALK).map(|step| Source::new(&format!("src/{step}.rs"), "fn a() {}")).collect();
+    assert_eq!(wrong_walks(&format!("//! ```text\n{}\n//! ```", long.join("\n")), &steps).len(), 1, "a long walk");
     let files = ["a.wgsl".to_owned()];
     assert_eq!(wrong_shaders("include_str!(\"../shaders/b.wgsl\")", &files).len(), 2, "one unused, one absent");
 }

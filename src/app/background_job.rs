@@ -5,8 +5,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use super::sentence::sentence;
 use super::ui::work::{Asked, Wish, Work};
-use super::worker::sentence;
 use crate::session::background::BackgroundError;
 use crate::session::progress::Progress;
 

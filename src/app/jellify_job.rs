@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-use super::worker::sentence;
+use super::sentence::sentence;
 use crate::scene::Settings;
 use crate::scene::body::ModelShape;
 use crate::session::jellify::{Jellified, JellifyError, jellify};

@@ -8,7 +8,7 @@ use directories::ProjectDirs;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::worker::sentence;
+use super::sentence::sentence;
 use crate::disk::{self, ReadError};
 
 /// A larger file is none of ours.

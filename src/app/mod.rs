@@ -30,6 +30,7 @@ mod kept_file;
 mod native_dialog;
 mod processors;
 mod recent;
+mod sentence;
 mod shell;
 mod wake;
 

@@ -20,7 +20,7 @@ use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
 use serde::{Deserialize, Serialize};
 
-use super::worker::sentence;
+use super::sentence::sentence;
 use crate::disk;
 use crate::scene::Scene;
 use crate::scene::view_settings::CameraSettings;

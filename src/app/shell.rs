@@ -4,6 +4,7 @@
 mod camera;
 mod draw;
 mod drawing;
+mod panels;
 mod pointing;
 
 use std::sync::Arc;
@@ -27,10 +28,11 @@ use super::handles::Handles;
 use super::input::{self, Action, Input, ViewRect};
 use super::pace::Reason;
 use super::preferences::PreferencesFile;
+use super::sentence::sentence;
 use super::ui::files::FileAction;
-use super::ui::{self, Framing, Running, UiState};
+use super::ui::{self, Framing, UiState};
 use super::wake::Wake;
-use super::worker::{Ended, Snapshot, Worker, sentence};
+use super::worker::{Ended, Snapshot, Worker};
 use super::{kept_file, theme};
 use crate::extract;
 use crate::scene::{ColorBy, Scene, presets};
@@ -38,7 +40,7 @@ use crate::session::Status;
 use crate::session::document::Opened;
 use crate::session::error_curve::{ErrorCurve, error_curve};
 use crate::session::stability_map::{MapOf, PlaneShown, StabilityMap, stability_map};
-use crate::view::{DrawList, Orbit};
+use crate::view::Orbit;
 
 /// The window's size at the start, points.
 const SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
@@ -266,36 +268,6 @@ impl Shell {
         }
     }
 
-    fn lay_out_panels(&mut self) -> egui::FullOutput {
-        let raw_input = self.egui.take_egui_input(&self.window);
-        self.ui.files.camera = extract::view::camera_settings(&self.orbit);
-        self.ui.look = self.look();
-        let value = self.value_under_pointer();
-        let drawing = self.drawing.cost();
-        let Self { context, snapshot, ui, failure, worker, .. } = self;
-        let shown = ui::Shown { running: snapshot.as_ref().map(running), failure, value: &value, drawing };
-        let (mut commands, looks) = (Vec::new(), (ui.theme, ui.selection, ui.follow_chosen));
-        let output = context.run_ui(raw_input, |root| ui::panels_ui(root, &shown, ui, &mut commands));
-        for command in commands {
-            worker.send(command);
-        }
-        if (self.ui.theme, self.ui.selection, self.ui.follow_chosen) != looks {
-            self.follow();
-            self.changed = true;
-        }
-        if let Some(framing) = self.ui.frame.take() {
-            self.show(framing);
-        }
-        if std::mem::take(&mut self.ui.revive) {
-            self.revive();
-        }
-        // While an edge is dragged its width is not settled.
-        if !self.context.input(|input| input.pointer.any_down()) {
-            self.preferences.keep(self.ui.arrangement(self.context.zoom_factor()));
-        }
-        output
-    }
-
     /// Starts a new worker on the last scene, after the old one has failed.
     fn revive(&mut self) {
         if let Some(snapshot) = self.snapshot.take() {
@@ -377,15 +349,6 @@ pub(super) fn start_worker(proxy: &EventLoopProxy<Wake>, opened: Opened) -> Work
             log::debug!("the event loop has ended: nobody is woken");
         }
     })
-}
-
-fn running(snapshot: &Snapshot) -> Running<'_> {
-    let DrawList { scalars, colormap, color_range, .. } = &snapshot.draw_list;
-    Running {
-        status: &snapshot.status,
-        scene: &snapshot.scene,
-        color_key: scalars.as_ref().map(|_scalars| (*colormap, *color_range)),
-    }
 }
 
 fn interface(

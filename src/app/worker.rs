@@ -1,45 +1,38 @@
-//! The sandbox on a thread of its own: commands go in through a channel, the newest snapshot comes out through a slot.
-//! The window never waits for a step, however expensive; a sandbox that is paused or at rest, and that nobody touches,
-//! publishes nothing. Knows nothing of windows: whoever starts a worker says how it is to be woken.
+//! The sandbox on a thread of its own: commands go in through a channel, the newest snapshot comes out through a slot
+//! (`publish`). The window never waits for a step, however expensive; a sandbox that is paused or at rest, and that
+//! nobody touches, publishes nothing. Knows nothing of windows: whoever starts a worker says how it is to be woken.
+
+mod publish;
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use cpu_time::ThreadTime;
-use thiserror::Error;
+use publish::{Answers, Publisher, Slot, Time};
+pub use publish::{Ended, Observed, Snapshot};
 
+use super::sentence::sentence;
 use crate::math::FRAME;
-use crate::scene::Scene;
 use crate::session::document::Opened;
 use crate::session::hold::Hold;
-use crate::session::{Command, Session, SessionError, Status};
-use crate::view::DrawList;
+use crate::session::{Command, Session, SessionError};
 
 /// What a worker runs: a [`Session`], or something simpler in a test.
-pub trait Sandbox {
+pub trait Sandbox: Observed {
     /// Does what a person asked for.
     fn handle(&mut self, command: Command) -> Result<(), SessionError>;
     /// Lets `wall` time pass and returns after about `budget`.
     fn advance(&mut self, wall: Duration, budget: Duration);
     /// Whether there is something to do though nobody asks: time runs, or what helps is looked for.
     fn is_at_work(&self) -> bool;
-    /// Whether its picture stays as it is until something is asked for.
-    fn is_at_rest(&self) -> bool;
     /// A new scene is there; `stop` is set when a long step is to be given up, `hold` is held while someone else needs the
     /// processors.
     fn begin(&mut self, _stop: &Arc<AtomicBool>, _hold: &Arc<Hold>) {}
     /// What share of the processors drawing takes, 0 to 1.
     fn note_drawing(&mut self, share: f64);
-    /// What the panels show.
-    fn status(&self) -> Status;
-    /// The document; the same allocation as before when nothing touched it.
-    fn scene(&self) -> &Arc<Scene>;
-    /// The picture, but for the camera.
-    fn draw_list(&mut self) -> DrawList;
 }
 
 impl Sandbox for Session {
@@ -55,10 +48,6 @@ impl Sandbox for Session {
         self.is_playing() || self.is_looking_for_cures()
     }
 
-    fn is_at_rest(&self) -> bool {
-        self.is_at_rest()
-    }
-
     fn begin(&mut self, stop: &Arc<AtomicBool>, hold: &Arc<Hold>) {
         self.set_stop(Arc::clone(stop));
         self.set_hold(Arc::clone(hold));
@@ -68,44 +57,6 @@ impl Sandbox for Session {
     fn note_drawing(&mut self, share: f64) {
         self.note_drawing(share);
     }
-
-    fn status(&self) -> Status {
-        self.status()
-    }
-
-    fn scene(&self) -> &Arc<Scene> {
-        self.shared_scene()
-    }
-
-    fn draw_list(&mut self) -> DrawList {
-        self.draw_list()
-    }
-}
-
-/// The sandbox as the window sees it.
-#[derive(Clone, Debug)]
-pub struct Snapshot {
-    /// The picture, but for the camera.
-    pub draw_list: DrawList,
-    /// What the panels show.
-    pub status: Status,
-    /// The document; the same allocation as before when nothing touched it.
-    pub scene: Arc<Scene>,
-    /// Counts the scenes there have been: when it grows, the camera starts anew.
-    pub generation: u64,
-    /// Counts what was asked for and done.
-    pub answers: u64,
-}
-
-/// Why a worker stopped by itself.
-#[derive(Debug, Error)]
-pub enum Ended {
-    /// The scene could not be made into a sandbox.
-    #[error("the scene cannot be simulated")]
-    NotStarted(#[source] SessionError),
-    /// A bug.
-    #[error("the simulation stopped because of an error in the program: {0}")]
-    Panicked(String),
 }
 
 /// A sandbox on its own thread. Dropping it lets the thread end soon: a long step is given up.
@@ -114,9 +65,7 @@ pub struct Worker {
     orders: Sender<Order>,
     stop: Arc<AtomicBool>,
     hold: Arc<Hold>,
-    slot: Arc<Mutex<Slot>>,
-    /// Processor time the thread has taken, ns.
-    spent: Arc<AtomicU64>,
+    slot: Arc<Slot>,
 }
 
 #[derive(Debug)]
@@ -140,12 +89,6 @@ impl Order {
     }
 }
 
-#[derive(Debug, Default)]
-struct Slot {
-    snapshot: Option<Snapshot>,
-    ended: Option<Ended>,
-}
-
 impl Worker {
     /// Runs a session on a new thread. `wake` is called when there is something to [`Worker::take`].
     pub fn session(opened: Opened, wake: impl Fn() + Send + 'static) -> Self {
@@ -158,21 +101,20 @@ impl Worker {
         wake: impl Fn() + Send + 'static,
     ) -> Self {
         let (orders, received) = channel();
-        let slot = Arc::new(Mutex::new(Slot::default()));
-        let (spent, stop) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicBool::new(false)));
-        let hold = Arc::new(Hold::default());
-        let (stopped, held) = (Arc::clone(&stop), Arc::clone(&hold));
-        let publisher = Publisher { slot: Arc::clone(&slot), spent: Arc::clone(&spent), wake };
+        let (slot, stop, hold) =
+            (Arc::new(Slot::default()), Arc::new(AtomicBool::new(false)), Arc::new(Hold::default()));
+        let (published, stopped, held) = (Arc::clone(&slot), Arc::clone(&stop), Arc::clone(&hold));
         std::thread::spawn(move || {
+            let mut publisher = Publisher::new(published, wake);
             let outcome = catch_unwind(AssertUnwindSafe(|| match make() {
-                Ok(sandbox) => Loop::new(sandbox, &received, &publisher, &stopped, &held).run(),
+                Ok(sandbox) => Loop::new(sandbox, &received, &mut publisher, &stopped, &held).run(),
                 Err(error) => publisher.end(Ended::NotStarted(error)),
             }));
             if let Err(panic) = outcome {
                 publisher.end(Ended::Panicked(panic_text(panic.as_ref())));
             }
         });
-        Self { orders, stop, hold, slot, spent }
+        Self { orders, stop, hold, slot }
     }
 
     /// Asks for something. A worker that has ended ignores it.
@@ -198,7 +140,7 @@ impl Worker {
 
     /// Processor time that the thread has taken, up to its last few steps.
     pub fn spent(&self) -> Duration {
-        Duration::from_nanos(self.spent.load(Ordering::Relaxed))
+        self.slot.spent()
     }
 
     /// Says how often the window draws and what share of the processors that takes: nobody needs more snapshots than that.
@@ -208,12 +150,12 @@ impl Worker {
 
     /// The newest snapshot, if there is one that was not taken yet.
     pub fn take(&self) -> Option<Snapshot> {
-        lock(&self.slot).snapshot.take()
+        self.slot.take()
     }
 
     /// Why the worker stopped by itself, once.
     pub fn take_ended(&self) -> Option<Ended> {
-        lock(&self.slot).ended.take()
+        self.slot.take_ended()
     }
 
     fn order(&self, order: Order) {
@@ -232,118 +174,58 @@ impl Drop for Worker {
     }
 }
 
-/// The worker's side of the slot.
-struct Publisher<W> {
-    slot: Arc<Mutex<Slot>>,
-    spent: Arc<AtomicU64>,
-    wake: W,
-}
-
-impl<W: Fn()> Publisher<W> {
-    fn publish(&self, snapshot: Snapshot) {
-        // A window that has not taken the last one was woken already.
-        let untaken = lock(&self.slot).snapshot.replace(snapshot).is_some();
-        if !untaken {
-            (self.wake)();
-        }
-    }
-
-    /// Says how much processor time this thread has taken.
-    fn note_spent(&self) {
-        let spent = ThreadTime::now().as_duration().as_nanos();
-        self.spent.store(u64::try_from(spent).unwrap_or(u64::MAX), Ordering::Relaxed);
-    }
-
-    fn end(&self, ended: Ended) {
-        lock(&self.slot).ended = Some(ended);
-        (self.wake)();
-    }
-}
-
 /// The worker thread's loop.
 struct Loop<'a, S, W> {
     sandbox: S,
     orders: &'a Receiver<Order>,
-    publisher: &'a Publisher<W>,
+    publisher: &'a mut Publisher<W>,
     stop: &'a Arc<AtomicBool>,
     hold: &'a Arc<Hold>,
-    generation: u64,
-    failure: Option<String>,
-    visible: bool,
+    answers: Answers,
     /// When time was last let pass; a frame later it is looked at again.
     last: Instant,
-    /// When a snapshot was last published, and the time between two of them: a frame or more.
-    published: Instant,
-    interval: Duration,
-    /// The last snapshot was one of something at rest.
-    rested: bool,
-    /// Something was asked for since the last snapshot that may have changed what it shows.
-    touched: bool,
-    answers: u64,
 }
 
 impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
     fn new(
         mut sandbox: S,
         orders: &'a Receiver<Order>,
-        publisher: &'a Publisher<W>,
+        publisher: &'a mut Publisher<W>,
         stop: &'a Arc<AtomicBool>,
         hold: &'a Arc<Hold>,
     ) -> Self {
         sandbox.begin(stop, hold);
-        let now = Instant::now();
-        Self {
-            sandbox,
-            orders,
-            publisher,
-            stop,
-            hold,
-            generation: 0,
-            failure: None,
-            visible: true,
-            last: now,
-            published: now,
-            interval: FRAME,
-            rested: false,
-            touched: false,
-            answers: 0,
-        }
+        Self { sandbox, orders, publisher, stop, hold, answers: Answers::default(), last: Instant::now() }
     }
 
     fn run(&mut self) {
-        self.publish();
+        self.publisher.publish(&mut self.sandbox, &self.answers);
         loop {
-            let works = self.sandbox.is_at_work();
-            let Ok(touched) = self.obey(works) else { return };
+            let worked = self.sandbox.is_at_work();
+            let Ok(()) = self.obey(worked) else { return };
             let now = Instant::now();
-            if works && self.sandbox.is_at_work() {
+            if worked && self.sandbox.is_at_work() {
                 self.sandbox.advance(now - self.last, FRAME);
             }
             self.last = now;
-            self.publisher.note_spent();
-            let moves = works && !(self.rested && self.sandbox.is_at_rest());
-            let stops = works && !self.sandbox.is_at_work();
-            self.touched |= touched;
-            // What runs is shown once a frame, however often a hand moves in it; what stands still waits for nothing.
-            let interval = if self.touched { FRAME } else { self.interval };
-            let is_due = self.published.elapsed() >= interval;
-            if self.visible && (stops || self.touched && !works || (self.touched || moves) && is_due) {
-                self.publish();
-            }
+            let time = match (worked, self.sandbox.is_at_work()) {
+                (false, _) => Time::Stands,
+                (true, false) => Time::Stops,
+                (true, true) => Time::Runs,
+            };
+            self.publisher.publish_if_due(&mut self.sandbox, time, &self.answers);
         }
     }
 
-    /// Waits until it is time for a step or a snapshot or something was asked for, and does all that was. Says whether
-    /// that may have changed what a snapshot shows; an error means that the window is gone.
-    fn obey(&mut self, works: bool) -> Result<bool, WindowGone> {
+    /// Waits until it is time for a step or a snapshot or something was asked for, and does all that was. An error means
+    /// that the window is gone.
+    fn obey(&mut self, works: bool) -> Result<(), WindowGone> {
         let first = if works {
             let step = FRAME.saturating_sub(self.last.elapsed());
-            let interval = if self.touched { FRAME } else { self.interval };
-            let snapshot = interval.saturating_sub(self.published.elapsed());
-            let due = if self.rested && !self.touched { step } else { step.min(snapshot) };
+            let due = self.publisher.due_in().map_or(step, |snapshot| step.min(snapshot));
             match self.orders.recv_timeout(due) {
                 Ok(order) => order,
-                Err(RecvTimeoutError::Timeout) => return Ok(false),
+                Err(RecvTimeoutError::Timeout) => return Ok(()),
                 Err(RecvTimeoutError::Disconnected) => return Err(WindowGone),
             }
         } else {
@@ -361,66 +243,39 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         };
         // A slider that is dragged faster than the sandbox follows needs only its last value.
         let mut orders = orders.into_iter().peekable();
-        let mut touched = false;
         while let Some(order) = orders.next() {
             if !orders.peek().is_some_and(|next| next.supersedes(&order)) {
-                touched |= !matches!(order, Order::Drawing { .. });
                 self.follow(order);
             }
         }
-        if gone { Err(WindowGone) } else { Ok(touched) }
+        if gone { Err(WindowGone) } else { Ok(()) }
     }
 
     fn follow(&mut self, order: Order) {
         match order {
-            Order::Visible(visible) => self.visible = visible,
+            Order::Visible(visible) => self.publisher.set_visible(visible),
             Order::Drawing { interval, share } => {
-                self.interval = interval.max(FRAME);
+                self.publisher.set_interval(interval);
                 self.sandbox.note_drawing(share);
             }
             Order::Do(command) => {
-                self.answers += 1;
+                self.publisher.note_change();
                 let replaces = command.replaces_scene();
-                self.failure = self.sandbox.handle(command).err().map(|error| sentence(&error));
-                if replaces && self.failure.is_none() {
-                    self.generation += 1;
+                let outcome = self.sandbox.handle(command);
+                self.answers.count += 1;
+                self.answers.failure = outcome.err().map(|error| sentence(&error));
+                if replaces && self.answers.failure.is_none() {
+                    self.answers.generation += 1;
                     self.sandbox.begin(self.stop, self.hold);
                 }
             }
         }
     }
-
-    fn publish(&mut self) {
-        let mut status = self.sandbox.status();
-        if let Some(failure) = &self.failure {
-            status.message.clone_from(failure);
-            status.failed = true;
-        }
-        (self.published, self.rested, self.touched) = (Instant::now(), self.sandbox.is_at_rest(), false);
-        let (scene, generation, answers) = (Arc::clone(self.sandbox.scene()), self.generation, self.answers);
-        self.publisher.publish(Snapshot { draw_list: self.sandbox.draw_list(), status, scene, generation, answers });
-    }
 }
 
 struct WindowGone;
 
-/// An error and its causes as one sentence.
-pub fn sentence(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        text = format!("{text}: {error}");
-        cause = error.source();
-    }
-    text
-}
-
 fn panic_text(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no reason given".to_owned())
-}
-
-fn lock(slot: &Mutex<Slot>) -> MutexGuard<'_, Slot> {
-    // A panic while the slot was held left a whole snapshot or none: both are fit to be read.
-    slot.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-use gelatin::app::worker::{Ended, Sandbox, Snapshot, Worker};
+use gelatin::app::worker::{Ended, Observed, Sandbox, Snapshot, Worker};
 use gelatin::scene::Scene;
 use gelatin::session::hold::Hold;
 use gelatin::session::{Command, Session, SessionError, Status};
@@ -57,11 +57,13 @@ impl Sandbox for Odd {
         self.playing
     }
 
+    fn note_drawing(&mut self, _share: f64) {}
+}
+
+impl Observed for Odd {
     fn is_at_rest(&self) -> bool {
         !self.playing || self.rests
     }
-
-    fn note_drawing(&mut self, _share: f64) {}
 
     fn status(&self) -> Status {
         self.statuses.fetch_add(1, Ordering::Relaxed);

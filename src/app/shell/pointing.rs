@@ -3,7 +3,8 @@
 use glam::Vec2;
 use winit::window::Fullscreen;
 
-use super::{Shell, running};
+use super::Shell;
+use super::panels::running;
 use crate::app::hand;
 use crate::app::handles::{self, Sight};
 use crate::app::input::{Action, ChosenAction, Event, Keyboard, Panel, Situation};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use egui::{Button, Key, Label, RichText, ScrollArea, Sense, TextEdit, Ui, UiBuilder, WidgetInfo, vec2};
 
 use super::super::theme;
-use crate::app::worker::sentence;
+use crate::app::sentence::sentence;
 use crate::disk::folder_of;
 use crate::scene::Scene;
 use crate::session::document::is_scene_path;

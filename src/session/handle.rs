@@ -1,0 +1,62 @@
+//! What each command does, or which part of the sandbox does it.
+
+use std::path::PathBuf;
+
+use super::costs::Costs;
+use super::document::Opened;
+use super::error::SPEEDS;
+use super::{Command, Session, SessionError};
+use crate::physics::Arrival;
+
+impl Session {
+    /// Does what a person asked for; nothing has changed where it is refused.
+    pub fn handle(&mut self, command: Command) -> Result<(), SessionError> {
+        match command {
+            Command::Play => {
+                self.too_slow.clear();
+                self.playing = !self.simulation.has_diverged();
+                self.clock.forgive();
+            }
+            Command::Pause => {
+                self.playing = false;
+                self.clock.forgive();
+            }
+            Command::StepOnce => {
+                self.playing = false;
+                self.clock.forgive();
+                self.step();
+            }
+            Command::Restart => self.restart(),
+            Command::SetSpeed(speed) if (SPEEDS[0]..=SPEEDS[1]).contains(&speed) => {
+                self.speed = speed;
+                self.clock.forgive();
+            }
+            Command::SetSpeed(speed) => return Err(SessionError::Speed { speed }),
+            Command::Replace { scene, base_dir, title } => {
+                *self = Self::open(Opened::without_file(*scene, title, base_dir), &())?;
+            }
+            Command::New => *self = Self::open(Opened::blank(), &())?,
+            Command::Open { path } => *self = Self::open(Opened::from_file(&path)?, &())?,
+            Command::Recover { scene, title, file } => {
+                let opened = Opened { scene: *scene, title, base_dir: PathBuf::new(), file, unsaved: true };
+                *self = Self::open(opened, &())?;
+            }
+            Command::Save { camera } => self.document.save(&self.scene, camera, None)?,
+            Command::SaveAs { path, camera } => self.document.save(&self.scene, camera, Some(path))?,
+            Command::SaveState { path } => self.save_state(&path)?,
+            Command::OpenState { path } => self.open_state(&path)?,
+            Command::Edit(edit) => self.edit(edit, Arrival::Placed)?,
+            Command::Drag(edit) => self.edit(edit, if self.playing { Arrival::Swept } else { Arrival::Placed })?,
+            Command::Teleport(body, place) => self.teleport(body, place)?,
+            Command::EndEdit => self.history.close(),
+            Command::CancelEdit => self.cancel_edit()?,
+            Command::AddBody { body, jelly } => self.add_body(body, *jelly)?,
+            Command::Undo => self.undo()?,
+            Command::Redo => self.redo()?,
+            Command::Grab(pull) => self.grab(pull)?,
+            Command::WatchCost(watch) => self.costs = watch.then(|| Costs::new(&self.simulation)),
+            Command::WatchStability(of) => self.watch_stability(of),
+        }
+        Ok(())
+    }
+}
