@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dear_view_gets_fewer_pixels_before_it_gets_fewer_pictures() {
+    fn an_expensive_view_gets_fewer_pixels_before_it_gets_fewer_pictures() {
         let mut display = Display::new(true);
         let cost = |scale: f32| 0.001 + 0.03 * f64::from(scale * scale);
         display.draw(100, true, cost);

@@ -205,7 +205,7 @@ fn another_body_leaves_one_at_rest_on_the_ground() {
 }
 
 #[test]
-fn edits_in_the_middle_of_dear_steps_do_not_stop_time() {
+fn edits_in_the_middle_of_expensive_steps_do_not_stop_time() {
     let mut session = session("cube-on-plane");
     let mut divided = session.scene().settings.clone();
     divided.allow_implicit = false;

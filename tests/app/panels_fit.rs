@@ -228,8 +228,11 @@ fn nothing_in_the_bar_at_the_top_lies_over_something_else_in_a_window_of_any_wid
 #[test]
 fn cards_at_the_top_of_the_view_stand_below_each_other() {
     for size in [SIZES[1], [1280.0, 800.0]] {
-        let mut window = Window::sized("spot", size, Theme::Dark);
-        window.harness.state_mut().ui.files.found = Some(FoundDraft { title: "spot".into(), when: "14:32".into() });
+        let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
+        path::set(&mut scene, "bodies.0.material.springs.structural.stiffness", "1e6")
+            .expect("so stiff that it is told");
+        let mut window = Window::on(scene, "stiff", size, Theme::Dark);
+        window.harness.state_mut().ui.files.found = Some(FoundDraft { title: "stiff".into(), when: "14:32".into() });
         window.harness.run_steps(3);
         let [message, question] = ["Close message", "Recover"].map(|label| window.rect(label));
         assert!(question.top() > message.bottom(), "{size:?}: {question} lies over {message}");

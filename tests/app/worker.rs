@@ -156,7 +156,7 @@ fn commands_reach_the_sandbox_and_come_back_in_the_status() {
 }
 
 #[test]
-fn the_window_never_waits_for_a_dear_step() {
+fn the_window_never_waits_for_an_expensive_step() {
     let bench = start(true, Duration::from_millis(700), false);
     std::thread::sleep(Duration::from_millis(100));
     let start = Instant::now();

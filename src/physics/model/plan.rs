@@ -117,7 +117,7 @@ pub struct Plan {
     pub contact_rule: ContactRule,
     /// Whether the thesis's rule turns back the force that presses a particle on (GC §5.2), as it is written.
     pub pressing_force: bool,
-    /// Whether an explosion is looked for: where nobody vouches for the step.
+    /// Whether an explosion is looked for: where steps are not divided until they are stable.
     pub watched: bool,
     /// Whether boxes keep particles from the narrow phase; the result is the same without, only more expensive.
     pub broad_phase: bool,
