@@ -105,10 +105,33 @@ impl<R: Real> MeanEdges<R> {
     pub(super) fn energy(&self) -> f64 {
         let depth = self.depth(self.cap()).to_f64();
         let sprung = depth.min(DEEPEST);
-        if depth > 0.0 { sprung * (depth - 0.5 * sprung) } else { 0.0 }
+        // Where the volume is no number, neither is this.
+        if self.missing() > R::ZERO { sprung * (depth - 0.5 * sprung) } else { 0.0 }
     }
 
-    /// The second derivative of that energy by the volume where the push still grows.
+    /// What the mean edges would have to gain for the cell to lack less: C times how the depth falls with them, the faces by
+    /// which the volume grows, and as much of how C grows as the cell is deep; the latter only in a cell that is not becoming
+    /// wider at these `rates`. Without it a cell that becomes narrower while it is crushed would gain energy that nobody
+    /// gave; with it both ways more knots of crushed cells stay (73 of 400 instead of 47).
+    pub(super) fn way_out(&self, rates: &[R::Vec3; 3]) -> [R::Vec3; 3] {
+        let cap = self.cap();
+        let mut way_out = self.faces;
+        for (third, face) in self.faces.iter().enumerate() {
+            if cap > R::ONE && face.length() >= cap {
+                let [first, second] = [(third + 1) % 3, (third + 2) % 3];
+                let by = *face * (self.depth(cap) / cap);
+                let wider = [self.edges[second].cross(by), by.cross(self.edges[first])];
+                if rates[first].dot(wider[0]) + rates[second].dot(wider[1]) <= R::ZERO {
+                    way_out[first] += wider[0];
+                    way_out[second] += wider[1];
+                }
+                break;
+            }
+        }
+        way_out
+    }
+
+    /// The second derivative of that energy by that way where the push still grows.
     pub(super) fn resistance(&self) -> f64 {
         let cap = self.cap().to_f64();
         1.0 / (cap * cap)
@@ -121,11 +144,12 @@ impl<R: Real> MeanEdges<R> {
         if !self.is_pushed() {
             return None;
         }
-        let growth = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(self.faces[axis]));
+        let way_out = self.way_out(rates);
+        let growth = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(way_out[axis]));
         let returned = if growth > R::ZERO { R::from_f64(RETURNED) } else { R::ONE };
         let cap = self.cap();
         let strength = stiffness * returned * self.depth(cap).min(R::from_f64(DEEPEST)) / cap;
-        Some(self.faces.map(|face| face * strength)).filter(|push| push.iter().all(|force| force.is_finite()))
+        Some(way_out.map(|way| way * strength)).filter(|push| push.iter().all(|force| force.is_finite()))
     }
 }
 
@@ -165,7 +189,7 @@ mod tests {
         for size in [1.0, 10.0, 1e3] {
             let far =
                 edges(DVec3::new(size, size, -size)).push(&[DVec3::ZERO; 3], 1.0).expect("a mirrored cell is pushed");
-            assert!(far.iter().all(|f| f.length() <= 2.0 + 1e-12), "{size} times the size: {far:?}");
+            assert!(far.iter().all(|f| f.length() <= 4.0 + 1e-12), "{size} times the size: {far:?}");
         }
     }
 
@@ -186,12 +210,19 @@ mod tests {
     }
 
     #[test]
-    fn the_push_is_what_its_energy_falls_by() {
-        for [width, height] in [[1.0, 0.1], [1.0, -0.9], [8.0, 0.001], [8.0, -0.5], [8.0, -3.0]] {
-            let [low, middle, high] = [-1e-6, 0.0, 1e-6].map(|way| edges(DVec3::new(width, width, height + way)));
-            let force = middle.push(&[DVec3::ZERO; 3], 1.0).expect("it is pushed")[2].z;
-            let slope = (low.energy() - high.energy()) / 2e-6;
-            assert!((slope - force).abs() < 1e-6, "{width} wide, {height} high: {slope} and {force}");
+    fn the_push_is_what_its_energy_falls_by_whichever_edge_grows() {
+        for scale in [[0.9, 0.8, 0.1], [0.9, 0.8, -0.9], [8.0, 7.0, 0.001], [8.0, 1.5, -0.5], [8.0, 5.0, -3.0]] {
+            let middle = edges(DVec3::from(scale));
+            let force = middle.push(&[DVec3::ZERO; 3], 1.0).expect("it is pushed");
+            for axis in 0..3 {
+                let [low, high] = [-1e-6, 1e-6].map(|way| {
+                    let mut moved = scale;
+                    moved[axis] += way;
+                    edges(DVec3::from(moved)).energy()
+                });
+                let slope = (low - high) / 2e-6;
+                assert!((slope - force[axis][axis]).abs() < 1e-6, "{scale:?} along {axis}: {slope} and {force:?}");
+            }
         }
     }
 }

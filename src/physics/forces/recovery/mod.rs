@@ -6,7 +6,7 @@
 //!
 //! ```text
 //!       6───────7         force on the mean edge a, cyclic in a, b, c:
-//!      /│      /│         f_a = κ/h min(s, 2) (b×c)/(h² C),  s = (T − V)/C
+//!      /│      /│         f_a = κ/h min(s, 2) (b×c/h² + s ∂C/∂a)/C,  s = (T − V)/C
 //!     4───────5 │  y      each of the four ends of an axis takes a quarter; the others the opposite
 //!     │ 2─────│─3  │
 //!     │/      │/   └─ x   T = 0.3
@@ -14,12 +14,12 @@
 //! ```
 //!
 //! One common C for all three keeps momentum and angular momentum. With it s is a length, the height over its largest
-//! face that the cell lacks, in cell sizes: the push is nowhere stronger than 2 κ/h, and a cell is nowhere stiffer than at
-//! rest. The volume of one that is a hundred times as wide changes a hundred times as fast with its height, so that a push
-//! by the volume would throw it from one side to the other within a substep. A cell that is on its way back is pushed half
-//! as hard as one on its way in: what it takes from a blow it does not give back in full, so that crushed bodies come to
-//! rest rather than gain energy. The size of κ follows from the links (`compile::recovery`), so that the term costs no
-//! smaller step.
+//! face that the cell lacks, in cell sizes: the push is nowhere stronger than 4 κ/h, and a cell is nowhere stiffer than at
+//! rest. The part of ∂C resists what makes a wide cell narrower, and is not there while it becomes wider. The volume of a
+//! cell that is a hundred times as wide changes a hundred times as fast with its height, so that a push by the volume would
+//! throw it from one side to the other within a substep. A cell that is on its way back is pushed half as hard as one on its
+//! way in: what it takes from a blow it does not give back in full, so that crushed bodies come to rest rather than gain
+//! energy. The size of κ follows from the links (`compile::recovery`), so that the term costs no smaller step.
 //!
 //! Only the cells of a list are pushed: those near inversion. All cells are looked at once in every 1/60 s of simulated
 //! time, sooner where particles move past each other fast enough to crush a cell in that time, and in every substep while

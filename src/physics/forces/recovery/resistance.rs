@@ -12,9 +12,9 @@ use crate::physics::state::BodyMemory;
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct Resistance {
     corners: [u32; 8],
-    /// What the volume gains when the mean edges do, 1/m.
+    /// What brings the cell out of its depth when the mean edges gain it, 1/m.
     growth: [DVec3; 3],
-    /// The energy's second derivative by the volume, J.
+    /// The energy's second derivative by that, J.
     stiffness: f64,
     /// That of the pull by the mean edges, at most, N/m.
     pull: f64,
@@ -65,7 +65,7 @@ pub(in crate::physics) fn resistances<R: Real>(
         let edges = MeanEdges::of(position, &corners, inverse_cell_size);
         edges.is_pushed().then(|| Resistance {
             corners,
-            growth: edges.faces.map(|face| face.to_dvec3() * per_size),
+            growth: edges.way_out(&[R::Vec3::ZERO; 3]).map(|way| way.to_dvec3() * per_size),
             stiffness: stiffness * edges.resistance(),
             pull: if pull > 0.0 { pull * pull::resistance(&edges) } else { 0.0 },
         })
