@@ -15,7 +15,7 @@
 //! stepping     how a step is divided in time, and has its parts taken
 //! step         a part: its stages, one function each, in the order of GC Algorithm 1
 //! forces       gravity, links, recovery from inversion
-//! kernels      the forces of links again, many at a time; what the links of `forces` are compared with
+//! kernels      many at a time: the forces of links again, which those of `forces` are the oracle of; boxes around vectors
 //! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
 //! contact      obstacles: where they are, who meets them, what they do to velocities
 //! limits       how large a step may be: waves, cells
