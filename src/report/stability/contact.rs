@@ -105,12 +105,15 @@ impl Case {
         cases
     }
 
-    fn words(self) -> String {
+    fn words(self, quick: bool) -> String {
         match self {
             Self::Drop(share) => {
                 format!("energy after a drop over before, contact stiffness {share} m/dt²")
             }
-            Self::Drift => "drift on a slope of 20° that holds, after 5 s".to_owned(),
+            Self::Drift => {
+                let until = SLOPE_SECS[usize::from(quick)];
+                format!("drift on a slope of 20° that holds, from {SETTLED_SECS} s to {until} s")
+            }
             Self::DriftSingle => "the same drift in single precision".to_owned(),
             Self::Threshold => "slope where sliding begins over the coefficient of friction".to_owned(),
             Self::Depth(speed) => format!("depth in a plane at {speed} m/s"),
@@ -168,7 +171,7 @@ fn measured(case: Case, rule: Rule, is_judged: bool, quick: bool) -> Result<Cont
     let value = case.value(rule, quick)?;
     let wanted = is_judged.then(|| case.wanted(quick));
     let passed = wanted.is_none_or(|[least, most]| value >= least && value <= most);
-    let [case, rule, unit] = [case.words(), rule.name().to_owned(), case.unit().to_owned()];
+    let [case, rule, unit] = [case.words(quick), rule.name().to_owned(), case.unit().to_owned()];
     Ok(ContactFigures { case, rule, unit, value: Some(value).filter(|value| value.is_finite()), wanted, passed })
 }
 
