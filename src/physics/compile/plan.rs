@@ -24,6 +24,10 @@ const STRAINED_HALVINGS: f64 = 3.0;
 pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let (chosen, contact_rule) = (Scheme::from(settings.integrator), ContactRule::from(settings.contact));
     let limits = SceneLimits::of(model, contact_rule, chosen);
+    let semi_implicit = match chosen {
+        Scheme::SemiImplicit => limits.clone(),
+        _ => SceneLimits::of(model, contact_rule, Scheme::SemiImplicit),
+    };
     let has_force = |family: usize| {
         model.bodies.iter().any(|body| {
             let links = &body.links[family];
@@ -39,11 +43,11 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         [LONGEST_IMPLICIT_SECS / settings.dt, libm::ceil(settings.dt / LONGEST_IMPLICIT_SECS)]
             .map(|count| count.max(1.0) as u32);
     let dt_secs = if divided { settings.dt.min(limits.longest_step_secs()) } else { settings.dt };
-    let mut scheme_costs = vec![scheme_cost::of(model, chosen, dt_secs / f64::from(substeps))];
+    let mut scheme_costs = vec![scheme_cost::of(model, &semi_implicit, chosen, dt_secs / f64::from(substeps))];
     // Who asks for a step that needs no division wants it for its error.
     if divided && substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
         let secs = settings.dt * f64::from(span) / f64::from(implicit_substeps);
-        scheme_costs.push(scheme_cost::of(model, Scheme::Implicit, secs));
+        scheme_costs.push(scheme_cost::of(model, &semi_implicit, Scheme::Implicit, secs));
     }
     let scheme = SchemeCost::cheapest(&scheme_costs).map_or(chosen, |cost| cost.scheme);
     let taken_over = scheme != chosen;
@@ -76,7 +80,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         return plan;
     }
     let secs = plan.substep_secs();
-    let needed = if scheme == Scheme::Implicit { halvings(model, contact_rule, secs) } else { 0 };
+    let needed = if scheme == Scheme::Implicit { halvings(&semi_implicit, secs) } else { 0 };
     let halvings = needed.min(MOST_HALVINGS);
     let parts = any_state::parts(model, scheme, secs);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
@@ -86,9 +90,8 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
 }
 
 /// How often a step is to be halved until the default integrator could take it.
-fn halvings<R: Real>(model: &Model<R>, rule: ContactRule, step_secs: f64) -> u32 {
-    let safe = SceneLimits::of(model, rule, Scheme::SemiImplicit).dt_safe_secs();
-    let parts = safe.map_or(1.0, |safe| (step_secs / safe).max(1.0));
+fn halvings(semi_implicit: &SceneLimits, step_secs: f64) -> u32 {
+    let parts = semi_implicit.dt_safe_secs().map_or(1.0, |safe| (step_secs / safe).max(1.0));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero up, saturating")]
     let halvings = (libm::ceil(libm::log2(parts)) + STRAINED_HALVINGS) as u32;
     halvings

@@ -18,7 +18,7 @@
 use crate::math::Real;
 use crate::physics::limits::{SceneLimits, Term};
 use crate::physics::model::plan::{SOLVE_WORK, SchemeCost};
-use crate::physics::model::{BodyModel, ContactRule, Model, Scheme};
+use crate::physics::model::{BodyModel, Model, Scheme};
 
 // The weights of operations, in units of a link that is worked out in its box. Each was measured once, in the widest
 // vector instructions and on one thread: coupler-20, coupler-40, spot and cubes of 5, 10 and 20 cells.
@@ -44,10 +44,15 @@ const ITERATIONS_A_CELL: f64 = 8.0;
 /// `½ ln(2/ε)` for the share that a solution may miss.
 const ITERATIONS_A_ROOT: f64 = 5.0;
 
-/// What a scheme costs in substeps of this length.
-pub(super) fn of<R: Real>(model: &Model<R>, scheme: Scheme, substep_secs: f64) -> SchemeCost {
+/// What a scheme costs in substeps of this length; `semi_implicit` are the limits of semi-implicit Euler.
+pub(super) fn of<R: Real>(
+    model: &Model<R>,
+    semi_implicit: &SceneLimits,
+    scheme: Scheme,
+    substep_secs: f64,
+) -> SchemeCost {
     let substep = match scheme {
-        Scheme::Implicit => solutions(model, substep_secs),
+        Scheme::Implicit => solutions(model, condition(semi_implicit, substep_secs)),
         Scheme::Rk4 => 4.0 * evaluation(model),
         Scheme::Rk2 => 2.0 * evaluation(model),
         Scheme::SemiImplicit | Scheme::Explicit | Scheme::Verlet => evaluation(model),
@@ -64,10 +69,9 @@ fn evaluation<R: Real>(model: &Model<R>) -> f64 {
     model.bodies.iter().map(of_body).sum()
 }
 
-/// What it costs to solve the equations of a step of this length.
-fn solutions<R: Real>(model: &Model<R>, step_secs: f64) -> f64 {
-    let limits = SceneLimits::of(model, ContactRule::Implicit, Scheme::SemiImplicit);
-    let by_condition = ITERATIONS_A_ROOT * condition(&limits, step_secs).sqrt();
+/// What it costs to solve the equations of a step, which have this condition number.
+fn solutions<R: Real>(model: &Model<R>, condition: f64) -> f64 {
+    let by_condition = ITERATIONS_A_ROOT * condition.sqrt();
     let rounds = if model.obstacles.is_empty() { 1.0 } else { ROUNDS_AMONG_OBSTACLES };
     let of_body = |body: &BodyModel<R>| {
         let cells = body.lattice.grid.dims.into_iter().max().unwrap_or(1);
