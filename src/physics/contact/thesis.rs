@@ -34,7 +34,9 @@ pub(in crate::physics) fn add_forces<R: Real>(
     let mut deepest = workspace.deepest();
     for (place, body) in model.bodies.iter().enumerate().filter(|(place, _)| !state.bodies[*place].asleep) {
         let threshold = body.contacts.iter().map(|contact| contact.thesis_threshold).fold(R::ZERO, R::max);
-        recorder.enter(Stage::BroadPhase);
+        if plan.broad_phase {
+            recorder.enter(Stage::BroadPhase);
+        }
         workspace.near.find(substep, place, &state.velocity, threshold * R::from_f64(1.0 + ROUNDING), |_| false);
         recorder.enter(Stage::Contact);
         let tests_before = recorder.counters.narrow_tests;
