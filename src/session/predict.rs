@@ -88,7 +88,7 @@ impl Prediction {
             links: simulation.model().link_counts().iter().sum(),
             memory_bytes: session.memory_bytes(),
             dt_limit_secs: plan.limits.dt_limit_secs,
-            dt_safe_secs: plan.limits.dt_safe_secs(),
+            dt_safe_secs: plan.limits.dt_safe_secs,
             limited_by: plan.limits.limited_by(plan.dt_secs).name(),
             integrator: Integrator::from(plan.scheme).name(),
             candidates: plan.scheme_costs.iter().map(candidate).collect(),

@@ -223,7 +223,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         slowed: report.counters.slowed,
         dt_secs: report.counters.shortest_secs.unwrap_or_else(|| plan.substep_secs()),
         dt_limit_secs: plan.limits.dt_limit_secs,
-        dt_safe_secs: plan.limits.dt_safe_secs(),
+        dt_safe_secs: plan.limits.dt_safe_secs,
         limited_by: plan.limits.limited_by(plan.dt_secs).name(),
         integrator: Integrator::from(plan.scheme).name(),
         simd: plan.simd.name(),

@@ -91,7 +91,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
 
 /// How often a step is to be halved until the default integrator could take it.
 fn halvings(semi_implicit: &SceneLimits, step_secs: f64) -> u32 {
-    let parts = semi_implicit.dt_safe_secs().map_or(1.0, |safe| (step_secs / safe).max(1.0));
+    let parts = semi_implicit.dt_safe_secs.map_or(1.0, |safe| (step_secs / safe).max(1.0));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero up, saturating")]
     let halvings = (libm::ceil(libm::log2(parts)) + STRAINED_HALVINGS) as u32;
     halvings

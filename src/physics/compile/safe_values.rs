@@ -10,7 +10,7 @@ use crate::math::{Aabb, Real};
 use crate::physics::compile::assembly;
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::limits::{
-    LATTICE_LIMIT, LoadShare, WaveTensors, largest, largest_eigenvalue, lattice_waves, load_shares, safety,
+    LATTICE_LIMIT, LoadShare, Margin, WaveTensors, largest, largest_eigenvalue, lattice_waves, load_shares,
 };
 use crate::physics::model::{BodyModel, Scheme};
 use crate::scene::body::Inlay;
@@ -44,9 +44,9 @@ impl StepSettings {
         self.integrator.into()
     }
 
-    /// The share of the limit that automatic stepping takes.
-    pub(super) fn safety(self) -> f64 {
-        safety(self.scheme(), self.among_obstacles)
+    /// What automatic stepping keeps of the limit.
+    pub(super) fn margin(self) -> Margin {
+        Margin::of(self.scheme(), self.among_obstacles)
     }
 }
 
@@ -127,15 +127,15 @@ impl Load {
     }
 }
 
-/// The loads of steps of `dt` (s) of a scheme.
-fn loads(scheme: Scheme, dt: f64, contact: ContactLoad) -> Vec<Load> {
-    match load_shares(scheme, dt) {
+/// The loads of a step.
+fn loads(step: StepSettings, contact: ContactLoad) -> Vec<Load> {
+    match load_shares(step.scheme(), step.dt_secs, step.margin()) {
         Some(shares) => {
             shares.into_iter().map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect()
         }
         None if contact.now() > 0.0 => {
             let links = LoadShare { stiffness: 0.0, damping: 0.0 };
-            vec![Load { links, contact_secs2: dt * dt, contact }]
+            vec![Load { links, contact_secs2: step.margin().contact_secs2(step.dt_secs), contact }]
         }
         None => Vec::new(),
     }
@@ -150,7 +150,7 @@ pub fn largest_safe<R: Real>(
     step: StepSettings,
     contact: ContactLoad,
 ) -> Vec<SafeValue> {
-    let loads = loads(step.scheme(), step.dt_secs / step.safety(), contact);
+    let loads = loads(step, contact);
     match &body.material {
         Material::Springs(springs) => of_springs(springs, &model.lattice, &loads),
         Material::Solid(solid) => of_solid(solid, &body.inlays, model, &loads),
@@ -374,7 +374,7 @@ mod tests {
         let value = if safe.is_smallest { bound / excess } else { bound * excess };
         path::set(&mut changed, &format!("bodies.0.{}", safe.value.path()), &format!("{value:e}")).ok()?;
         let simulation = Simulation::<f64>::new(&changed, &[lattice(&changed)]);
-        simulation.plan().limits.dt_safe_secs().map(|safe| safe / scene.settings.dt)
+        simulation.plan().limits.dt_safe_secs.map(|safe| safe / scene.settings.dt)
     }
 
     /// Checks every bound that can be set, and returns how many there were.

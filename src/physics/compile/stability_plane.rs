@@ -16,7 +16,7 @@ use super::safe_values::{StepSettings, host_size, inlay_loads, largest_share, wa
 use crate::geometry::{Family, Lattice};
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
-use crate::physics::limits::{LATTICE_LIMIT, LoadShare, largest, load_shares};
+use crate::physics::limits::{LATTICE_LIMIT, LoadShare, Margin, largest, load_shares};
 use crate::physics::model::BodyModel;
 use crate::scene::material::{Solid, Spring};
 use crate::scene::{Body, Material, MaterialValue, Springs};
@@ -50,7 +50,7 @@ enum Values {
 impl StabilityPlane {
     /// The plane of a body that was compiled to `model`; of springs that of `family`, where it has links.
     pub fn of<R: Real>(body: &Body, model: &BodyModel<R>, step: StepSettings, family: Option<Family>) -> Self {
-        let shares = load_shares(step.scheme(), step.dt_secs);
+        let shares = load_shares(step.scheme(), step.dt_secs, Margin::NONE);
         let values = match &body.material {
             Material::Springs(springs) => {
                 // The implicit scheme has no limit: what would limit the default one is shown.
@@ -133,7 +133,7 @@ impl StabilityPlane {
 
     /// The same with the margin that automatic stepping keeps.
     pub fn safe_stiffness(&self, damping: f64) -> f64 {
-        let shares = load_shares(self.step.scheme(), self.step.dt_secs / self.step.safety());
+        let shares = load_shares(self.step.scheme(), self.step.dt_secs, self.step.margin());
         self.largest_stiffness(damping, shares.as_deref())
     }
 
@@ -277,7 +277,7 @@ mod tests {
         let mut scene = Scene { bodies: vec![body.clone()], ..Scene::default() };
         (scene.settings.integrator, scene.settings.stepping) = (integrator, Stepping::Manual);
         let limits = Simulation::<f64>::new(&scene, &[lattice(body)]).plan().limits.clone();
-        [limits.dt_limit_secs, limits.dt_safe_secs()].map(|limit| limit.expect("springs limit the step"))
+        [limits.dt_limit_secs, limits.dt_safe_secs].map(|limit| limit.expect("springs limit the step"))
     }
 
     fn bodies() -> [Body; 2] {

@@ -15,7 +15,7 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use super::{LATTICE_LIMIT, load_shares};
+use super::{LATTICE_LIMIT, Margin, load_shares};
 use crate::math::Real;
 use crate::physics::model::Scheme;
 use crate::physics::model::{BodyModel, Link, LinkConstants, LinkFamily, Model, Values};
@@ -27,7 +27,7 @@ pub(crate) const SHARE: f64 = 0.4;
 pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, scheme: Scheme, dt_secs: f64) -> u32 {
     let loads: Vec<[f64; 2]> = model.bodies.iter().flat_map(|body| loads(body)).collect();
     let is_bearable = |parts: u32| {
-        let shares = load_shares(scheme, dt_secs / (SHARE * f64::from(parts)));
+        let shares = load_shares(scheme, dt_secs / (SHARE * f64::from(parts)), Margin::NONE);
         shares.iter().flatten().all(|share| {
             let bearable = |[k, d]: &[f64; 2]| k * share.stiffness + d * share.damping <= LATTICE_LIMIT;
             loads.iter().all(bearable)

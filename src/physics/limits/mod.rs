@@ -13,8 +13,9 @@
 //! together where they are alike (`lattice`).
 //!
 //! Removing links only lowers the quadratic form, so the bound holds for every subset of cells with the same mass
-//! per particle, whatever its size. It is a bound at rest; crumpled states were seen to blow up from about 0.58 of
-//! it, hence the safety factor.
+//! per particle, whatever its size. It is a bound at rest. Bodies whose particles are misplaced by a cell were seen to
+//! blow up from about 0.58 of it where stiffness limits them, and from 1.0 where damping does: hence a margin of its own
+//! for each. What is torn or crumpled further is taken in parts.
 //!
 //! Verlet with its predicted damping velocity counts the damping twice; RK4 has a region of stability of its own; the
 //! implicit scheme has no limit but that of the thesis's explicit contact.
@@ -31,8 +32,12 @@ use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::model::{ContactRule, Scheme};
 
-/// Automatic stepping stays below this share of the bound at rest, which covers crumpled bodies.
+/// The share of the step bounded at rest by stiffness alone that automatic stepping takes, which covers crumpled bodies.
 pub const SAFETY: f64 = 0.55;
+
+/// The same of a step of semi-implicit Euler that damping alone bounds: a link resists along itself with no more than its
+/// damping however long it is. Not of Verlet's, which predicts the velocity from how the links pointed before.
+pub(super) const DAMPING_SAFETY: f64 = 0.9;
 
 /// The largest eigenvalue of `M⁻¹ (dt² K + 2 dt C)` with which motion stays bounded.
 pub(super) const LATTICE_LIMIT: f64 = 4.0;
@@ -86,21 +91,50 @@ pub(super) struct LoadShare {
 impl LoadShare {
     /// For steps of `dt` (s) of the default scheme, semi-implicit Euler.
     pub(super) fn of_default(dt: f64) -> Self {
-        Self::leapfrog(1.0, dt)
-    }
-
-    fn leapfrog(share: f64, dt: f64) -> Self {
-        Self { stiffness: dt * dt, damping: 2.0 * share * dt }
+        Self { stiffness: dt * dt, damping: 2.0 * dt }
     }
 }
 
-/// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme; none where links do not limit it.
-pub(super) fn load_shares(scheme: Scheme, dt: f64) -> Option<Vec<LoadShare>> {
+/// The shares of the step bounded at rest that automatic stepping takes: where stiffness bounds it, and where damping
+/// does. Where both do, each adds to the load as if the step were longer by its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Margin {
+    stiffness: f64,
+    damping: f64,
+}
+
+impl Margin {
+    /// All of the bound.
+    pub(super) const NONE: Self = Self { stiffness: 1.0, damping: 1.0 };
+
+    /// What a scheme keeps, among obstacles or not.
+    pub(super) fn of(scheme: Scheme, among_obstacles: bool) -> Self {
+        let alike = |share: f64| Self { stiffness: share, damping: share };
+        match scheme {
+            Scheme::SemiImplicit => Self { stiffness: SAFETY, damping: DAMPING_SAFETY },
+            Scheme::Rk4 if among_obstacles => alike(RK4_CONTACT_SHARE * SAFETY),
+            _ => alike(SAFETY),
+        }
+    }
+
+    /// The load of contact's stiffness (1/s²) in a step of `dt` (s) that nothing else limits, over that stiffness.
+    pub(super) fn contact_secs2(self, dt: f64) -> f64 {
+        let longer = dt / self.stiffness;
+        longer * longer
+    }
+}
+
+/// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme with a margin; none where links do
+/// not limit it.
+pub(super) fn load_shares(scheme: Scheme, dt: f64, margin: Margin) -> Option<Vec<LoadShare>> {
+    let [of_stiffness, of_damping] = [margin.stiffness, margin.damping].map(|share| dt / share);
     match Region::of(scheme) {
-        Region::Leapfrog(share) => Some(vec![LoadShare::leapfrog(share, dt)]),
+        Region::Leapfrog(share) => {
+            Some(vec![LoadShare { stiffness: of_stiffness * of_stiffness, damping: 2.0 * share * of_damping }])
+        }
         Region::HalfDisc(radius) => Some(vec![
-            LoadShare { stiffness: LATTICE_LIMIT * (dt / radius) * (dt / radius), damping: 0.0 },
-            LoadShare { stiffness: 0.0, damping: LATTICE_LIMIT * dt / radius },
+            LoadShare { stiffness: LATTICE_LIMIT * (of_stiffness / radius) * (of_stiffness / radius), damping: 0.0 },
+            LoadShare { stiffness: 0.0, damping: LATTICE_LIMIT * of_damping / radius },
         ]),
         Region::Everywhere => None,
     }
@@ -153,13 +187,8 @@ pub struct SceneLimits {
     pub terms: Vec<(Term, Option<f64>)>,
     /// All terms together at rest, s.
     pub dt_limit_secs: Option<f64>,
-    /// The share of it that automatic stepping takes.
-    pub safety: f64,
-}
-
-/// The share of the bound at rest that automatic stepping takes, among obstacles or not.
-pub(super) fn safety(scheme: Scheme, among_obstacles: bool) -> f64 {
-    if among_obstacles && scheme == Scheme::Rk4 { RK4_CONTACT_SHARE * SAFETY } else { SAFETY }
+    /// The largest step that automatic stepping takes, s.
+    pub dt_safe_secs: Option<f64>,
 }
 
 impl SceneLimits {
@@ -167,9 +196,9 @@ impl SceneLimits {
     /// vibration: theirs are the steps beyond which every vibration blows up at once.
     pub fn of<R: Real>(model: &Model<R>, rule: ContactRule, scheme: Scheme) -> Self {
         let waves = lattice_waves();
-        let bodies = model.bodies.iter().map(|body| body_limits(body, rule, Region::of(scheme), &waves));
-        let all = bodies.reduce(Self::tighter).unwrap_or_default();
-        Self { safety: safety(scheme, !model.obstacles.is_empty()), ..all }
+        let margin = Margin::of(scheme, !model.obstacles.is_empty());
+        let bodies = model.bodies.iter().map(|body| body_limits(body, rule, Region::of(scheme), margin, &waves));
+        bodies.reduce(Self::tighter).unwrap_or_default()
     }
 
     /// The smaller of each limit of two bodies.
@@ -177,17 +206,16 @@ impl SceneLimits {
         for ((_, mine), (_, theirs)) in self.terms.iter_mut().zip(other.terms) {
             *mine = smaller(*mine, theirs);
         }
-        Self { dt_limit_secs: smaller(self.dt_limit_secs, other.dt_limit_secs), ..self }
-    }
-
-    /// The largest step that automatic stepping takes, s.
-    pub fn dt_safe_secs(&self) -> Option<f64> {
-        self.dt_limit_secs.map(|limit| self.safety * limit)
+        Self {
+            dt_limit_secs: smaller(self.dt_limit_secs, other.dt_limit_secs),
+            dt_safe_secs: smaller(self.dt_safe_secs, other.dt_safe_secs),
+            ..self
+        }
     }
 
     /// How many equal substeps make a whole step of `dt_secs` safe.
     pub fn substeps(&self, dt_secs: f64) -> u32 {
-        match self.dt_safe_secs() {
+        match self.dt_safe_secs {
             None => 1,
             // The conversion saturates, which is right: more substeps than fit in a u32 take for ever all the same.
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least one, saturating")]
@@ -197,12 +225,12 @@ impl SceneLimits {
 
     /// The longest step that can be divided into safe ones, s: there is no counting beyond it.
     pub fn longest_step_secs(&self) -> f64 {
-        self.dt_safe_secs().map_or(f64::INFINITY, |safe| safe * f64::from(u32::MAX))
+        self.dt_safe_secs.map_or(f64::INFINITY, |safe| safe * f64::from(u32::MAX))
     }
 
     /// What limits a whole step of `dt_secs`: the tightest term, or the person who asked for less.
     pub fn limited_by(&self, dt_secs: f64) -> Term {
-        if self.dt_safe_secs().is_none_or(|safe| dt_secs <= safe) {
+        if self.dt_safe_secs.is_none_or(|safe| dt_secs <= safe) {
             return Term::User;
         }
         self.terms
@@ -259,7 +287,13 @@ fn half_stencil() -> impl Iterator<Item = (Family, DVec3)> {
     near.chain(DVec3::AXES.into_iter().map(|axis| (Family::Bending, 2.0 * axis)))
 }
 
-fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, waves: &[WaveTensors]) -> SceneLimits {
+fn body_limits<R: Real>(
+    body: &BodyModel<R>,
+    rule: ContactRule,
+    region: Region,
+    margin: Margin,
+    waves: &[WaveTensors],
+) -> SceneLimits {
     let lightest = body.lightest_mass().to_f64();
     let contact = match rule {
         ContactRule::Implicit => 0.0,
@@ -267,7 +301,7 @@ fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, 
     };
     if let Some(kinds) = &body.cell_kinds {
         let loads = CellLoads::of(kinds, body.lattice.grid.cell_size).shared(body.load_share);
-        return cell_limits(&loads, contact, region);
+        return cell_limits(&loads, contact, region, margin);
     }
     // With the cell size h the tensors scale by 1/h; mass and cell size divide every constant.
     let scale = 1.0 / (body.particle_mass.to_f64() * body.lattice.grid.cell_size);
@@ -288,20 +322,19 @@ fn body_limits<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region, 
         terms.push((Term::Stiffness(family), region.undamped_limit(stiff)));
         terms.push((Term::Damping(family), region.damped_limit(damped)));
     }
-    let contact_limit = match region {
-        Region::Everywhere => undamped_limit(contact),
-        Region::Leapfrog(_) | Region::HalfDisc(_) => region.undamped_limit(contact),
-    };
-    terms.push((Term::Contact, contact_limit));
-    let dt_limit_secs = match region {
-        Region::Leapfrog(share) => combined_limit(waves, stiffness, damping.map(|d| share * d), contact),
+    terms.push((Term::Contact, region.contact_limit(contact)));
+    let [dt_limit_secs, dt_safe_secs] = [Margin::NONE, margin].map(|margin| match region {
+        Region::Leapfrog(share) => {
+            let [k, d] = [1.0 / (margin.stiffness * margin.stiffness), share / margin.damping];
+            combined_limit(waves, stiffness.map(|of| of * k), damping.map(|of| of * d), contact * k)
+        }
         Region::HalfDisc(_) => smaller(
-            region.undamped_limit(largest(waves, stiffness) + contact),
-            region.damped_limit(largest(waves, damping)),
+            region.undamped_limit(largest(waves, stiffness) + contact).map(|limit| limit * margin.stiffness),
+            region.damped_limit(largest(waves, damping)).map(|limit| limit * margin.damping),
         ),
-        Region::Everywhere => contact_limit,
-    };
-    SceneLimits { terms, dt_limit_secs, safety: SAFETY }
+        Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
+    });
+    SceneLimits { terms, dt_limit_secs, dt_safe_secs }
 }
 
 impl Region {
@@ -311,6 +344,14 @@ impl Region {
             Self::Leapfrog(_) => undamped_limit(lambda),
             Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda.sqrt()),
             Self::Everywhere => None,
+        }
+    }
+
+    /// The largest step for the thesis's explicit contact, which is as a spring is.
+    fn contact_limit(self, lambda: f64) -> Option<f64> {
+        match self {
+            Self::Everywhere => undamped_limit(lambda),
+            Self::Leapfrog(_) | Self::HalfDisc(_) => self.undamped_limit(lambda),
         }
     }
 
@@ -325,25 +366,27 @@ impl Region {
 }
 
 /// Of a body of cells that share out their links. Its bending links have no force.
-fn cell_limits(loads: &CellLoads, contact: f64, region: Region) -> SceneLimits {
+fn cell_limits(loads: &CellLoads, contact: f64, region: Region, margin: Margin) -> SceneLimits {
     let mut terms = Vec::new();
     for (f, family) in Family::ALL.into_iter().enumerate() {
         let alone = |of: [f64; 2]| of.get(f).copied().unwrap_or(0.0);
         terms.push((Term::Stiffness(family), region.undamped_limit(alone(loads.stiffness_alone))));
         terms.push((Term::Damping(family), region.damped_limit(alone(loads.damping_alone))));
     }
-    let contact_limit = match region {
-        Region::Everywhere => undamped_limit(contact),
-        Region::Leapfrog(_) | Region::HalfDisc(_) => region.undamped_limit(contact),
-    };
-    terms.push((Term::Contact, contact_limit));
+    terms.push((Term::Contact, region.contact_limit(contact)));
     let stiffness = loads.stiffness + contact;
-    let dt_limit_secs = match region {
-        Region::Leapfrog(share) => CellLoads::dt_limit_secs(stiffness, share * loads.damping),
-        Region::HalfDisc(_) => smaller(region.undamped_limit(stiffness), region.damped_limit(loads.damping)),
-        Region::Everywhere => contact_limit,
-    };
-    SceneLimits { terms, dt_limit_secs, safety: SAFETY }
+    let [dt_limit_secs, dt_safe_secs] = [Margin::NONE, margin].map(|margin| match region {
+        Region::Leapfrog(share) => CellLoads::dt_limit_secs(
+            stiffness / (margin.stiffness * margin.stiffness),
+            share * loads.damping / margin.damping,
+        ),
+        Region::HalfDisc(_) => smaller(
+            region.undamped_limit(stiffness).map(|limit| limit * margin.stiffness),
+            region.damped_limit(loads.damping).map(|limit| limit * margin.damping),
+        ),
+        Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
+    });
+    SceneLimits { terms, dt_limit_secs, dt_safe_secs }
 }
 
 /// `dt² λ ≤ 4`.

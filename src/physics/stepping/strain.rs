@@ -77,9 +77,11 @@ mod tests {
     use crate::geometry::Lattice;
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
+    use crate::physics::limits::DAMPING_SAFETY;
     use crate::scene::body::CubeShape;
     use crate::scene::material::Spring;
     use crate::scene::resolve::resolve;
+    use crate::scene::settings::Stepping;
     use crate::scene::{Body, Material, Scene, Shape, Springs};
 
     fn cube(dt: f64) -> (Scene, Vec<Arc<Lattice>>) {
@@ -173,6 +175,44 @@ mod tests {
             simulation.substep(&mut ());
         }
         mean(&mut simulation, &mut change) / begin
+    }
+
+    /// The most energy that is seen of a body whose particles are misplaced by up to that share of a cell, over that at the
+    /// start, in steps of a share of its limit.
+    fn most(damping: f64, noise: f64, share: f64) -> f64 {
+        let (mut scene, _) = cube(1e-3);
+        (scene.settings.inversion_recovery, scene.settings.stepping) = (false, Stepping::Manual);
+        scene.bodies[0].shape = Shape::Cube(CubeShape { cells: 6, size: 0.6 });
+        let spring = Spring { stiffness: 20.0, damping };
+        let springs = Springs { structural: spring, shear: spring, bending: spring, particle_mass: 0.01 };
+        scene.bodies[0].material = Material::Springs(springs);
+        let lattices = vec![resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice];
+        let limit = Simulation::<f64>::new(&scene, &lattices).plan().limits.dt_limit_secs.expect("a limit");
+        scene.settings.dt = share * limit;
+        let mut simulation = Simulation::<f64>::new(&scene, &lattices);
+        simulation.plan_mut().watched = false;
+        let mut rng = Rng::new(5);
+        let mut state = simulation.state().clone();
+        for x in &mut state.position {
+            *x += DVec3::from([0; 3].map(|_| 0.1 * noise * rng.between(-1.0, 1.0)));
+        }
+        simulation.set_state(state);
+        let begin = simulation.diagnostics().energy.total();
+        let energies = (0..2000).map(|_| {
+            let diverged = simulation.substep(&mut ()).diverged;
+            if diverged { f64::INFINITY } else { simulation.diagnostics().energy.total() / begin }
+        });
+        energies.fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn damping_may_come_nearer_to_its_limit_than_stiffness_in_a_crumpled_body() {
+        for noise in [0.1, 0.5, 1.0] {
+            let damped = most(2.0, noise, DAMPING_SAFETY);
+            assert!(damped < 1.0, "{damped} of the energy, misplaced by {noise} cells");
+        }
+        let [beyond, undamped] = [most(2.0, 0.5, 1.1), most(0.0, 0.5, DAMPING_SAFETY)];
+        assert!(beyond > 1e3 && undamped > 1e3, "{beyond} and {undamped} of the energy: the margins are for nothing");
     }
 
     #[test]

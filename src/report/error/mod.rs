@@ -194,7 +194,7 @@ pub fn measure(
 /// How often the forces of a scene are evaluated while it is measured, for every second of simulated time and one run of
 /// each, about.
 pub fn evaluations_per_second(scene: &Scene, lattices: &[Arc<Lattice>], effort: Effort) -> f64 {
-    let steps = steps(probe(scene, lattices).plan().limits.dt_safe_secs(), effort.most_rungs);
+    let steps = steps(probe(scene, lattices).plan().limits.dt_safe_secs, effort.most_rungs);
     Work::new(&steps, finest(&steps, effort), 1).whole
 }
 
@@ -218,7 +218,7 @@ fn compare(
 ) -> Option<ErrorFigures> {
     let looks = whole(effort.seconds / LOOK_SECS).max(1);
     let probe = probe(scene, lattices);
-    let steps = steps(probe.plan().limits.dt_safe_secs(), effort.most_rungs);
+    let steps = steps(probe.plan().limits.dt_safe_secs, effort.most_rungs);
     let finest = finest(&steps, effort);
     let work = Work::new(&steps, finest, effort.repeats);
     let both = [finest, 2.0 * finest].map(|dt| Way::Manual(REFERENCE).applied(truth, dt));

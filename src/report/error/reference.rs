@@ -50,6 +50,6 @@ impl Reference {
 
 /// A step well below the largest stable one and below `most_secs`, of which a whole number lies between two looks, s.
 pub(in crate::report) fn fine_step(scene: &Scene, lattices: &[Arc<Lattice>], most_secs: f64) -> f64 {
-    let safe = Simulation::<f32>::new(scene, lattices).plan().limits.dt_safe_secs().unwrap_or(most_secs);
+    let safe = Simulation::<f32>::new(scene, lattices).plan().limits.dt_safe_secs.unwrap_or(most_secs);
     LOOK_SECS / (LOOK_SECS / (FINER * safe.min(most_secs))).ceil()
 }

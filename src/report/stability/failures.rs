@@ -77,7 +77,7 @@ fn exploding(scene: &Scene) -> Result<FailureFigures, ResolveError> {
     let lattices = lattices(scene)?;
     let limits = Simulation::<f64>::new(scene, &lattices).plan().limits.clone();
     let dt = scene.settings.dt;
-    let (limit, safe) = (limits.dt_limit_secs.unwrap_or(f64::INFINITY), limits.dt_safe_secs().unwrap_or(dt));
+    let (limit, safe) = (limits.dt_limit_secs.unwrap_or(f64::INFINITY), limits.dt_safe_secs.unwrap_or(dt));
     let found = outcome(scene, &lattices);
     let excess = dt / safe;
     let factor = excess * excess;
