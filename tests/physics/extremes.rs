@@ -35,6 +35,7 @@ fn scenes_that_once_exploded_do_not() {
     // that an obstacle leaves pinched against another.
     // A plate whose sublattices fall apart, with cells a hundred times as wide as at rest; a cube of shear links that its
     // own weight crushes and stretches.
+    // A plane that drags particles over a rough sphere against their links.
     let scenes = [
         (1, 1914),
         (1, 7453),
@@ -49,6 +50,7 @@ fn scenes_that_once_exploded_do_not() {
         (2_312_345_692, 293),
         (2_609_448_581, 7996),
         (1_727_241_092, 2714),
+        (1_645_524_471, 5714),
     ];
     for (seed, number) in scenes {
         let (scene, disturbances) = extreme(seed, number);

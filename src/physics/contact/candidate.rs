@@ -6,7 +6,7 @@ use super::broad;
 use super::gauss_seidel;
 use super::narrow;
 use super::record::ContactRecord;
-use super::response;
+use super::response::{self, Friction};
 use super::surface::Surface;
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
@@ -140,15 +140,14 @@ impl<'a, R: Real> Candidate<'a, R> {
             let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
             let before = velocity;
             let rubs = !self.substep.plan.lean || response::has_friction(&self.substep.model.obstacles[obstacle]);
-            velocity = response::respond(
-                &surface,
-                &contacts[obstacle],
-                &self.substep.model.obstacles[obstacle],
-                rubs,
-                mass,
-                self.substep.dt,
-                velocity - surface_velocity,
-            ) + surface_velocity;
+            let friction = if rubs { Friction::Coulomb } else { Friction::Without };
+            let (contact, obstacle_met) = (&contacts[obstacle], &self.substep.model.obstacles[obstacle]);
+            let past = velocity - surface_velocity;
+            let after = response::respond(&surface, contact, obstacle_met, friction, mass, self.substep.dt, past);
+            // What is not pushed keeps its velocity to the last bit, however fast the surface is.
+            if after != past {
+                velocity = after + surface_velocity;
+            }
             self.frictions += u64::from(rubs && velocity != before);
             // Also where nothing pushes: a particle that leaves must keep its side until it is out.
             records.push(ContactRecord {

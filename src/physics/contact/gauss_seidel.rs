@@ -3,24 +3,28 @@
 //! together.
 //!
 //! The pushes are those of [`super::response`], each a spring taken implicitly; together they minimise `½ |v − v*|² + Σ
-//! energy of the springs at the end of the step`, which is convex. Going round the contacts, each push in turn being
-//! what the others leave to it (Gauss–Seidel), comes to that minimum, at which the energy is no larger than without any
-//! push.
+//! energy of the springs at the end of the step`, which is convex. Going round the contacts, each in turn doing what the
+//! others leave to it (Gauss–Seidel), comes to that minimum, at which the energy is no larger than without any push.
+//!
+//! Friction goes round with the pushes. Found once, before they are, it would brake a motion that they then turn about,
+//! and from there on drive the particle: friction that is settled is against the sliding that is left, and takes energy.
 
 use super::record::ContactRecord;
-use super::response;
+use super::response::{self, Friction};
 use super::surface::Surface;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel};
 
-/// Rounds about the contacts, before and after friction; they are for rounding to settle, too.
+/// In so many rounds about the contacts static friction may hold, and the pushes settle to rounding; after them friction is
+/// dynamic, which does not jump between holding and sliding.
 const ROUNDS: usize = 16;
 
 /// Rounds at most where the pushes are still changing after these: each takes the share cos² of the angle between two
 /// surfaces off what is missing, so a narrow wedge needs many.
 const MOST_ROUNDS: usize = 256;
 
-/// The pushes have settled where none changes by more than this share of the speeds at hand.
+/// The contacts have settled where none changes by more than this share of the speeds at hand, that which they keep the
+/// particle from included: what is held between obstacles has next to none.
 const SETTLED_SHARE: f64 = 1e-5;
 
 /// The velocity that the contacts in `records` together leave a particle that would have `predicted`; their forces are
@@ -33,61 +37,66 @@ pub(super) fn solve<R: Real>(
     dt: R,
     records: &mut [ContactRecord<R>],
 ) -> Option<R::Vec3> {
-    let mut velocity = predicted;
-    // Until the end the forces are changes of velocity: along the normal the push, across it friction.
-    for record in &mut *records {
-        record.force = R::Vec3::ZERO;
-    }
-    let mut has_settled = push_together(&mut velocity, contacts, mass, dt, records);
-    for record in &mut *records {
-        let obstacle = &obstacles[record.obstacle];
-        let impulse = record.force.dot(record.normal);
-        if impulse > R::ZERO && response::has_friction(obstacle) {
-            let past = velocity - record.surface_velocity;
-            let tangential = past - record.normal * past.dot(record.normal);
-            let braking = response::slowed_by_friction::<R>(tangential, impulse, obstacle) - tangential;
-            velocity += braking;
-            record.force += braking;
-        }
-    }
-    // Friction on one may press into another.
-    has_settled &= push_together(&mut velocity, contacts, mass, dt, records);
+    let corner = Corner { predicted, contacts, obstacles, mass, dt };
+    // Where friction wedges a particle in, pushes and friction raise each other and only the pushes have an end.
+    let settled = corner.settle(true, records).or_else(|| corner.settle(false, records));
     for record in records {
-        record.force = record.force * if has_settled { mass / dt } else { R::ZERO };
+        record.force = record.force * if settled.is_some() { mass / dt } else { R::ZERO };
     }
-    has_settled.then_some(velocity)
+    settled
 }
 
-/// Says whether the pushes have settled.
-fn push_together<R: Real>(
-    velocity: &mut R::Vec3,
-    contacts: &[ContactModel<R>],
+/// A particle that meets several obstacles.
+struct Corner<'a, R: Real> {
+    predicted: R::Vec3,
+    contacts: &'a [ContactModel<R>],
+    obstacles: &'a [ObstacleModel<R>],
     mass: R,
     dt: R,
-    records: &mut [ContactRecord<R>],
-) -> bool {
-    for round in 0..MOST_ROUNDS {
-        let mut largest = R::ZERO;
-        let mut speeds = velocity.length();
+}
+
+impl<R: Real> Corner<'_, R> {
+    /// Goes round the contacts until each does what the others leave to it, with friction where it `rubs`. Tells the
+    /// velocity then, and writes as forces how each contact changes it, m/s; none where they do not settle.
+    fn settle(&self, rubs: bool, records: &mut [ContactRecord<R>]) -> Option<R::Vec3> {
+        let mut velocity = self.predicted;
         for record in &mut *records {
-            let surface = Surface { normal: record.normal, gap: record.gap };
-            let had = record.force.dot(record.normal);
-            let left = (*velocity - record.surface_velocity).dot(record.normal) - had;
-            let pushed = response::normal_velocity(&surface, &contacts[record.obstacle], mass, dt, left);
-            let change = (pushed - left).max(R::ZERO) - had;
-            if change != R::ZERO {
-                *velocity += record.normal * change;
-                record.force += record.normal * change;
-                largest = largest.max(change.abs());
+            record.force = R::Vec3::ZERO;
+        }
+        for round in 0..MOST_ROUNDS {
+            let begins = round < ROUNDS;
+            let friction = match () {
+                () if !rubs => Friction::Without,
+                () if begins => Friction::Coulomb,
+                () => Friction::Dynamic,
+            };
+            let mut largest = R::ZERO;
+            let mut speeds = self.predicted.length();
+            for record in &mut *records {
+                let others = velocity - record.force;
+                velocity = self.after(record, friction, others);
+                let change = velocity - others;
+                largest = largest.max((change - record.force).length());
                 speeds = speeds.max(record.surface_velocity.length()).max(velocity.length());
+                record.force = change;
+            }
+            let share = if begins { R::from_f64(4.0) * R::EPSILON } else { R::from_f64(SETTLED_SHARE) };
+            if largest <= share * speeds {
+                return Some(velocity);
             }
         }
-        let settled = if round < ROUNDS { R::ZERO } else { R::from_f64(SETTLED_SHARE) * speeds };
-        if largest <= settled {
-            return true;
-        }
+        None
     }
-    false
+
+    /// The velocity that one contact makes of that which the others leave.
+    fn after(&self, record: &ContactRecord<R>, friction: Friction, others: R::Vec3) -> R::Vec3 {
+        let surface = Surface { normal: record.normal, gap: record.gap };
+        let (contact, obstacle) = (&self.contacts[record.obstacle], &self.obstacles[record.obstacle]);
+        let past = others - record.surface_velocity;
+        let after = response::respond(&surface, contact, obstacle, friction, self.mass, self.dt, past);
+        // What is not pushed keeps its velocity to the last bit.
+        if after == past { others } else { after + record.surface_velocity }
+    }
 }
 
 #[cfg(test)]
@@ -170,6 +179,30 @@ mod tests {
     }
 
     #[test]
+    fn friction_does_no_work_on_what_a_plate_drags_against_its_links() {
+        // Links pull the particle one way all along, a plate that comes aslant takes it the other.
+        let links = DVec3::new(-197.0, 407.0, -460.0);
+        let floor = record(0, DVec3::new(0.538, 0.2, 0.819).normalize(), 0.0);
+        let plate = record(1, DVec3::new(0.745, -0.615, -0.257).normalize(), 0.0);
+        let mut records = [floor, ContactRecord { surface_velocity: DVec3::new(5.0, -31.4, 42.0), ..plate }];
+        let mut obstacles = [obstacle(0.3), obstacle(0.3)];
+        obstacles[0].friction_static = 4.0;
+        let contacts = [contact(1e9), contact(1e9)];
+        let velocity = solve(links, &contacts, &obstacles, MASS, DT, &mut records).expect("they agree");
+        for record in records {
+            let past = velocity - record.surface_velocity;
+            let sliding = past - record.normal * past.dot(record.normal);
+            let power = (record.force - record.normal * record.force.dot(record.normal)).dot(sliding);
+            assert!(power <= 1e-6 * record.force.length() * velocity.length(), "{power} W: {velocity}, {record:?}");
+        }
+        let [work, given] = [
+            records[1].force.dot(records[1].surface_velocity),
+            records.iter().map(|record| record.force.dot(velocity)).sum(),
+        ];
+        assert!(given <= 1.01 * work, "the contacts give {given} W, of which the plate has {work} W");
+    }
+
+    #[test]
     fn one_contact_is_as_it_is_alone() {
         let contacts = [contact(1e5)];
         let obstacles = [obstacle(0.3)];
@@ -178,7 +211,7 @@ mod tests {
             &Surface { normal: DVec3::Y, gap: -0.01 },
             &contacts[0],
             &obstacles[0],
-            true,
+            Friction::Coulomb,
             MASS,
             DT,
             predicted,

@@ -9,13 +9,23 @@ use super::surface::Surface;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel};
 
-/// The velocity of a particle after it met a surface with the velocity `predicted`, m/s. Friction is worked out where it
-/// `rubs`; without coefficients that changes nothing.
+/// Which friction is worked out; without coefficients that changes nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Friction {
+    /// None.
+    Without,
+    /// Static friction where it can hold, else dynamic.
+    Coulomb,
+    /// Dynamic friction, also where static friction could hold.
+    Dynamic,
+}
+
+/// The velocity of a particle after it met a surface with the velocity `predicted`, m/s.
 pub(super) fn respond<R: Real>(
     surface: &Surface<R>,
     contact: &ContactModel<R>,
     obstacle: &ObstacleModel<R>,
-    rubs: bool,
+    friction: Friction,
     mass: R,
     dt: R,
     predicted: R::Vec3,
@@ -27,10 +37,10 @@ pub(super) fn respond<R: Real>(
         return predicted;
     }
     let tangential = predicted - surface.normal * approach;
-    if !rubs {
+    if friction == Friction::Without {
         return surface.normal * after + tangential;
     }
-    surface.normal * after + slowed_by_friction::<R>(tangential, impulse, obstacle)
+    surface.normal * after + slowed_by_friction::<R>(tangential, impulse, obstacle, friction)
 }
 
 /// The velocity along the normal that the spring leaves of `approach`, m/s; less than that where it would pull.
@@ -62,13 +72,18 @@ pub(super) fn has_friction<R: Real>(obstacle: &ObstacleModel<R>) -> bool {
 /// Coulomb friction as a stop (GC §6, settled): the tangential velocity the particle would have is taken away where
 /// static friction can hold it, else reduced by dynamic friction, never reversed. `impulse` is the normal impulse over
 /// the mass, m/s.
-pub(super) fn slowed_by_friction<R: Real>(tangential: R::Vec3, impulse: R, obstacle: &ObstacleModel<R>) -> R::Vec3 {
+fn slowed_by_friction<R: Real>(
+    tangential: R::Vec3,
+    impulse: R,
+    obstacle: &ObstacleModel<R>,
+    friction: Friction,
+) -> R::Vec3 {
     let speed = tangential.length();
-    if speed <= obstacle.friction_static * impulse {
+    if friction == Friction::Coulomb && speed <= obstacle.friction_static * impulse {
         return R::Vec3::ZERO;
     }
     let braked = speed - (obstacle.friction_dynamic * impulse).min(speed);
-    tangential * (braked / speed)
+    if speed > R::ZERO { tangential * (braked / speed) } else { tangential }
 }
 
 #[cfg(test)]
@@ -97,7 +112,7 @@ mod tests {
             friction_static: friction[0],
             friction_dynamic: friction[1],
         };
-        respond(&surface, &contact, &obstacle, has_friction(&obstacle), MASS, DT, predicted)
+        respond(&surface, &contact, &obstacle, Friction::Coulomb, MASS, DT, predicted)
     }
 
     #[test]
