@@ -314,7 +314,7 @@ impl Shell {
         };
         self.stability_job.grant(&mut self.ui.stability_panel, map, wake.clone());
         let granted = self.files.grant(&mut self.ui.files, wake);
-        granted.commands.into_iter().for_each(|command| self.worker.send(command));
+        granted.commands.into_iter().for_each(|command| self.send(command));
         if granted.quit {
             self.close(event_loop);
         }

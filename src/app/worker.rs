@@ -2,6 +2,7 @@
 //! (`publish`). The window never waits for a step, however expensive; a sandbox that is paused or at rest, and that
 //! nobody touches, publishes nothing. Knows nothing of windows: whoever starts a worker says how it is to be woken.
 
+mod opening;
 mod publish;
 
 use std::any::Any;
@@ -11,6 +12,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
+use opening::Opening;
+pub use opening::TOLD_AFTER;
 use publish::{Answers, Publisher, Slot, Time};
 pub use publish::{Ended, Observed, Snapshot};
 
@@ -18,12 +21,14 @@ use super::sentence::sentence;
 use crate::math::FRAME;
 use crate::session::document::Opened;
 use crate::session::hold::Hold;
+use crate::session::progress::Progress;
 use crate::session::{Command, Session, SessionError};
 
 /// What a worker runs: a [`Session`], or something simpler in a test.
 pub trait Sandbox: Observed {
-    /// Does what a person asked for.
-    fn handle(&mut self, command: Command) -> Result<(), SessionError>;
+    /// Does what a person asked for. Where that opens a scene and takes long, it tells how far it is, and gives up when
+    /// nobody waits any more.
+    fn handle(&mut self, command: Command, progress: &Arc<Progress>) -> Result<(), SessionError>;
     /// Lets `wall` time pass and returns after about `budget`.
     fn advance(&mut self, wall: Duration, budget: Duration);
     /// Whether there is something to do though nobody asks: time runs, or what helps is looked for.
@@ -36,8 +41,14 @@ pub trait Sandbox: Observed {
 }
 
 impl Sandbox for Session {
-    fn handle(&mut self, command: Command) -> Result<(), SessionError> {
-        self.handle(command)
+    fn handle(&mut self, command: Command, progress: &Arc<Progress>) -> Result<(), SessionError> {
+        if !command.replaces_scene() {
+            return self.handle(command);
+        }
+        if let Some(opened) = Opened::by(command)? {
+            *self = opening::open(opened, progress)?;
+        }
+        Ok(())
     }
 
     fn advance(&mut self, wall: Duration, budget: Duration) {
@@ -66,13 +77,19 @@ pub struct Worker {
     stop: Arc<AtomicBool>,
     hold: Arc<Hold>,
     slot: Arc<Slot>,
+    opening: Arc<Opening>,
 }
 
 #[derive(Debug)]
 enum Order {
     Do(Command),
+    /// A command that replaces the scene.
+    Open(Command, Arc<Progress>),
     Visible(bool),
-    Drawing { interval: Duration, share: f64 },
+    Drawing {
+        interval: Duration,
+        share: f64,
+    },
 }
 
 impl Order {
@@ -92,34 +109,49 @@ impl Order {
 impl Worker {
     /// Runs a session on a new thread. `wake` is called when there is something to [`Worker::take`].
     pub fn session(opened: Opened, wake: impl Fn() + Send + 'static) -> Self {
-        Self::spawn(move || Session::open(opened, &()), wake)
+        Self::spawn(move |watch| Session::open(opened, watch), wake)
     }
 
-    /// Runs what `make` makes on a new thread.
+    /// Runs what `make` makes on a new thread; it is told whether anyone still wants it.
     pub fn spawn<S: Sandbox>(
-        make: impl FnOnce() -> Result<S, SessionError> + Send + 'static,
+        make: impl FnOnce(&Progress) -> Result<S, SessionError> + Send + 'static,
         wake: impl Fn() + Send + 'static,
     ) -> Self {
         let (orders, received) = channel();
         let (slot, stop, hold) =
             (Arc::new(Slot::default()), Arc::new(AtomicBool::new(false)), Arc::new(Hold::default()));
+        let opening = Arc::new(Opening::default());
         let (published, stopped, held) = (Arc::clone(&slot), Arc::clone(&stop), Arc::clone(&hold));
+        let (opens, first) = (Arc::clone(&opening), opening.begin());
         std::thread::spawn(move || {
             let mut publisher = Publisher::new(published, wake);
-            let outcome = catch_unwind(AssertUnwindSafe(|| match make() {
-                Ok(sandbox) => Loop::new(sandbox, &received, &mut publisher, &stopped, &held).run(),
-                Err(error) => publisher.end(Ended::NotStarted(error)),
+            let outcome = catch_unwind(AssertUnwindSafe(|| {
+                let made = make(&first);
+                opens.end(&first);
+                match made {
+                    Ok(sandbox) => Loop::new(sandbox, &received, &mut publisher, &stopped, &held, &opens).run(),
+                    Err(error) => publisher.end(Ended::NotStarted(error)),
+                }
             }));
             if let Err(panic) = outcome {
                 publisher.end(Ended::Panicked(panic_text(panic.as_ref())));
             }
         });
-        Self { orders, stop, hold, slot }
+        Self { orders, stop, hold, slot, opening }
     }
 
     /// Asks for something. A worker that has ended ignores it.
     pub fn send(&self, command: Command) {
-        self.order(Order::Do(command));
+        self.order(if command.replaces_scene() {
+            Order::Open(command, self.opening.begin())
+        } else {
+            Order::Do(command)
+        });
+    }
+
+    /// How far a scene is that takes long to open.
+    pub fn opening(&self) -> Option<Arc<Progress>> {
+        self.opening.told()
     }
 
     /// Says whether anyone can see the picture: an unseen sandbox keeps its time and publishes nothing.
@@ -159,7 +191,10 @@ impl Worker {
     }
 
     fn order(&self, order: Order) {
-        let urgent = matches!(&order, Order::Do(command) if command.waits_for_no_substep());
+        let urgent = match &order {
+            Order::Do(command) | Order::Open(command, _) => command.waits_for_no_substep(),
+            Order::Visible(_) | Order::Drawing { .. } => false,
+        };
         if self.orders.send(order).is_err() {
             log::debug!("the worker has ended: an order is dropped");
         } else if urgent {
@@ -170,6 +205,7 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
+        self.opening.cancel();
         self.stop.store(true, Ordering::Relaxed);
     }
 }
@@ -181,6 +217,7 @@ struct Loop<'a, S, W> {
     publisher: &'a mut Publisher<W>,
     stop: &'a Arc<AtomicBool>,
     hold: &'a Arc<Hold>,
+    opening: &'a Opening,
     answers: Answers,
     /// When time was last let pass; a frame later it is looked at again.
     last: Instant,
@@ -193,9 +230,10 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         publisher: &'a mut Publisher<W>,
         stop: &'a Arc<AtomicBool>,
         hold: &'a Arc<Hold>,
+        opening: &'a Opening,
     ) -> Self {
         sandbox.begin(stop, hold);
-        Self { sandbox, orders, publisher, stop, hold, answers: Answers::default(), last: Instant::now() }
+        Self { sandbox, orders, publisher, stop, hold, opening, answers: Answers::default(), last: Instant::now() }
     }
 
     fn run(&mut self) {
@@ -260,16 +298,25 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
             }
             Order::Do(command) => {
                 self.publisher.note_change();
-                let replaces = command.replaces_scene();
-                let outcome = self.sandbox.handle(command);
-                self.answers.count += 1;
-                self.answers.failure = outcome.err().map(|error| sentence(&error));
-                if replaces && self.answers.failure.is_none() {
+                let outcome = self.sandbox.handle(command, &Arc::default());
+                self.answer(outcome.err().map(|error| sentence(&error)));
+            }
+            Order::Open(command, progress) => {
+                self.publisher.note_change();
+                let outcome = self.sandbox.handle(command, &progress);
+                self.answer(outcome.err().map(|error| sentence(&error)));
+                if self.answers.failure.is_none() {
                     self.answers.generation += 1;
                     self.sandbox.begin(self.stop, self.hold);
                 }
+                self.opening.end(&progress);
             }
         }
+    }
+
+    fn answer(&mut self, failure: Option<String>) {
+        self.answers.count += 1;
+        self.answers.failure = failure;
     }
 }
 

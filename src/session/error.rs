@@ -26,6 +26,9 @@ pub enum SessionError {
         #[source]
         source: ResolveError,
     },
+    /// Nobody waited for the scene any more.
+    #[error("opening the scene was stopped; the one before goes on")]
+    Stopped,
     /// More memory than there is.
     #[error(
         "the scene needs about {} of memory, and {} is free {whose}; use fewer or larger cells, or start with \

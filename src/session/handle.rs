@@ -32,14 +32,10 @@ impl Session {
                 self.clock.forgive();
             }
             Command::SetSpeed(speed) => return Err(SessionError::Speed { speed }),
-            Command::Replace { scene, base_dir, title } => {
-                *self = Self::open(Opened::without_file(*scene, title, base_dir), &())?;
-            }
-            Command::New => *self = Self::open(Opened::blank(), &())?,
-            Command::Open { path } => *self = Self::open(Opened::from_file(&path)?, &())?,
-            Command::Recover { scene, title, file } => {
-                let opened = Opened { scene: *scene, title, base_dir: PathBuf::new(), file, unsaved: true };
-                *self = Self::open(opened, &())?;
+            Command::Replace { .. } | Command::New | Command::Open { .. } | Command::Recover { .. } => {
+                if let Some(opened) = Opened::by(command)? {
+                    *self = Self::open(opened, &())?;
+                }
             }
             Command::Save { camera } => self.document.save(&self.scene, camera, None)?,
             Command::SaveAs { path, camera } => self.document.save(&self.scene, camera, Some(path))?,
@@ -58,5 +54,23 @@ impl Session {
             Command::WatchStability(of) => self.watch_stability(of),
         }
         Ok(())
+    }
+}
+
+impl Opened {
+    /// What a command puts in the place of the scene, if it does.
+    ///
+    /// # Errors
+    /// If the file it names cannot be read.
+    pub fn by(command: Command) -> Result<Option<Self>, SessionError> {
+        Ok(Some(match command {
+            Command::Replace { scene, base_dir, title } => Self::without_file(*scene, title, base_dir),
+            Command::New => Self::blank(),
+            Command::Open { path } => Self::from_file(&path)?,
+            Command::Recover { scene, title, file } => {
+                Self { scene: *scene, title, base_dir: PathBuf::new(), file, unsaved: true }
+            }
+            _ => return Ok(None),
+        }))
     }
 }

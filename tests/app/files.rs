@@ -36,7 +36,13 @@ fn show(file: Option<&Path>, unsaved: bool) -> Harness<'static, Stage> {
             let mut commands = Vec::new();
             panels_ui(
                 ui,
-                &Shown { running: Some(running), failure: "", value: "", drawing: DrawingCost::default() },
+                &Shown {
+                    running: Some(running),
+                    failure: "",
+                    value: "",
+                    opening: None,
+                    drawing: DrawingCost::default(),
+                },
                 &mut stage.ui,
                 &mut commands,
             );

@@ -186,7 +186,7 @@ fn frame(ui: &mut egui::Ui, live: &mut Live) {
     let running = Running { status: &status, scene, color_key: Some((Colormap::default(), [0.0, 12.4])) };
     panels_ui(
         ui,
-        &Shown { running: Some(running), failure: "", value: "", drawing: DrawingCost::default() },
+        &Shown { running: Some(running), failure: "", value: "", opening: None, drawing: DrawingCost::default() },
         &mut live.ui,
         &mut commands,
     );

@@ -7,6 +7,7 @@ use gelatin::app::theme;
 use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
 use gelatin::scene::edit::Edit;
 use gelatin::scene::{ColorBy, Scene, presets};
+use gelatin::session::progress::Progress;
 use gelatin::session::{Command, Status};
 use gelatin::view::Colormap;
 
@@ -15,6 +16,7 @@ struct Stage {
     status: Status,
     scene: Scene,
     failure: String,
+    opening: Option<Progress>,
     ui: UiState,
     commands: Vec<Command>,
 }
@@ -36,7 +38,7 @@ fn stage() -> Stage {
         ..Status::default()
     };
     let ui = UiState::new(presets::presets());
-    Stage { status, scene: Scene::default(), failure: String::new(), ui, commands: Vec::new() }
+    Stage { status, scene: Scene::default(), failure: String::new(), opening: None, ui, commands: Vec::new() }
 }
 
 fn show(stage: Stage) -> Harness<'static, Stage> {
@@ -49,8 +51,13 @@ fn show_at(stage: Stage, size: [f32; 2]) -> Harness<'static, Stage> {
             theme::apply(ui.ctx());
             let color_key = Some((Colormap::default(), [0.0, 12.4]));
             let running = Running { status: &stage.status, scene: &stage.scene, color_key };
-            let shown =
-                Shown { running: Some(running), failure: &stage.failure, value: "", drawing: DrawingCost::default() };
+            let shown = Shown {
+                running: Some(running),
+                failure: &stage.failure,
+                value: "",
+                opening: stage.opening.as_ref(),
+                drawing: DrawingCost::default(),
+            };
             panels_ui(ui, &shown, &mut stage.ui, &mut stage.commands);
         },
         stage,
@@ -64,6 +71,18 @@ fn click(harness: &mut Harness<'_, Stage>, label: &str) -> Vec<Command> {
     harness.get_by_label(label).click();
     harness.run_steps(3);
     std::mem::take(&mut harness.state_mut().commands)
+}
+
+#[test]
+fn a_scene_that_takes_long_to_open_can_be_stopped() {
+    let mut window = show(stage());
+    assert!(window.query_by_label("Stop").is_none(), "nothing is opened");
+    window.state_mut().opening = Some(Progress::default());
+    window.run_steps(3);
+    window.get_by_label("Opening the scene");
+    window.get_by_label("Stop").click();
+    window.run_steps(2);
+    assert!(window.state().opening.as_ref().is_some_and(Progress::is_cancelled), "it is no longer wanted");
 }
 
 #[test]

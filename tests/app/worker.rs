@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use gelatin::app::worker::{Ended, Observed, Sandbox, Snapshot, Worker};
 use gelatin::scene::Scene;
 use gelatin::session::hold::Hold;
+use gelatin::session::progress::Progress;
 use gelatin::session::{Command, Session, SessionError, Status};
 use gelatin::view::DrawList;
 
@@ -29,7 +30,7 @@ struct Odd {
 }
 
 impl Sandbox for Odd {
-    fn handle(&mut self, command: Command) -> Result<(), SessionError> {
+    fn handle(&mut self, command: Command, _: &Arc<Progress>) -> Result<(), SessionError> {
         match command {
             Command::Play => self.playing = true,
             Command::Pause => self.playing = false,
@@ -108,7 +109,7 @@ fn start_odd(odd: Odd) -> Bench {
     let (wake, wakes) = channel();
     let (advances, statuses) = (Arc::clone(&odd.advances), Arc::clone(&odd.statuses));
     let worker = Worker::spawn(
-        move || Ok(odd),
+        move |_| Ok(odd),
         move || {
             let _ignored = wake.send(());
         },

@@ -1,9 +1,13 @@
 //! What the panels are given, and what they ask for.
 
+use std::time::Instant;
+
 use super::Shell;
+use crate::app::pace::Reason;
 use crate::app::ui::{self, Running};
-use crate::app::worker::Snapshot;
+use crate::app::worker::{Snapshot, TOLD_AFTER};
 use crate::extract;
+use crate::session::Command;
 use crate::view::DrawList;
 
 impl Shell {
@@ -15,11 +19,13 @@ impl Shell {
         let value = self.value_under_pointer();
         let drawing = self.drawing.cost();
         let Self { context, snapshot, ui, failure, worker, .. } = self;
-        let shown = ui::Shown { running: snapshot.as_ref().map(running), failure, value: &value, drawing };
+        let opening = worker.opening();
+        let running = snapshot.as_ref().map(running);
+        let shown = ui::Shown { running, failure, value: &value, opening: opening.as_deref(), drawing };
         let (mut commands, looks) = (Vec::new(), (ui.theme, ui.selection, ui.follow_chosen));
         let output = context.run_ui(raw_input, |root| ui::panels_ui(root, &shown, ui, &mut commands));
         for command in commands {
-            worker.send(command);
+            self.send(command);
         }
         if (self.ui.theme, self.ui.selection, self.ui.follow_chosen) != looks {
             self.follow();
@@ -36,6 +42,14 @@ impl Shell {
             self.preferences.keep(self.ui.arrangement(self.context.zoom_factor()));
         }
         output
+    }
+
+    /// Has the sandbox do something; one that opens a scene is told of when it takes long.
+    pub(super) fn send(&mut self, command: Command) {
+        if command.replaces_scene() {
+            self.drawing.panels_due.ask(Instant::now() + TOLD_AFTER, Reason::Input);
+        }
+        self.worker.send(command);
     }
 }
 

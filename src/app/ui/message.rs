@@ -1,11 +1,35 @@
-//! What went wrong, as a sentence over the view, until it is read or no longer true.
+//! What a person should know, over the view: what went wrong, as a sentence until it is read or no longer true, and that a
+//! scene takes long to open.
 
 use egui::{RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
 use super::words::capitalised;
-use super::{UiState, card, theme};
+use super::{UiState, card, theme, work};
 use crate::session::Status;
+use crate::session::progress::Progress;
+
+/// Width of the bar that tells how far a scene is, points.
+const BAR: f32 = 300.0;
+
+/// That a scene takes long to open, and a button that stops it.
+pub(super) fn opening_ui(ui: &Ui, opening: Option<&Progress>, state: &mut UiState) {
+    let Some(progress) = opening else { return };
+    let mut free = state.free_rect;
+    card::card_over_view(ui, "opening", &mut free, |ui| {
+        theme::float_frame(ui).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.label(RichText::new("Opening the scene").color(theme::of(ui).strong));
+                let stopped = progress.is_cancelled();
+                if ui.add_enabled(!stopped, egui::Button::new("Stop")).clicked() {
+                    progress.cancel();
+                }
+            });
+            work::progress_ui(ui, progress, BAR);
+        });
+    });
+    state.free_rect = free;
+}
 
 /// What a person should know, if it was not put away: red where something went wrong. A `failure` of the program offers a new start.
 pub(super) fn message_ui(ui: &Ui, status: &Status, failure: &str, state: &mut UiState) {

@@ -88,6 +88,7 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
         None => (),
     }
     value_under_pointer_ui(ui, shown.value);
+    message::opening_ui(ui, shown.opening, state);
     message::message_ui(ui, status, shown.failure, state);
     keys::keys_ui(ui, state);
     // After a failure nothing can be saved any more: what is unsaved is kept as a draft.

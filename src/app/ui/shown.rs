@@ -3,6 +3,7 @@
 use crate::app::frame_meter::DrawingCost;
 use crate::scene::Scene;
 use crate::session::Status;
+use crate::session::progress::Progress;
 use crate::view::Colormap;
 
 /// What the panels show.
@@ -14,6 +15,8 @@ pub struct Shown<'a> {
     pub failure: &'a str,
     /// The value under the pointer with its unit; empty when there is none.
     pub value: &'a str,
+    /// How far a scene is that takes long to open.
+    pub opening: Option<&'a Progress>,
     /// What drawing costs.
     pub drawing: DrawingCost,
 }
