@@ -128,7 +128,7 @@
 //! physics/stepping/mod.rs         advance         part by part
 //! physics/step/mod.rs             substep         the stages of a part
 //! physics/forces/mod.rs           evaluate        all forces
-//! physics/kernels/sweep.rs        add_forces      those of links
+//! physics/kernels/sweep.rs        add_forces      those of links, by each thread its piece of a body
 //! physics/schemes/stepper.rs      predict         forces → velocities, which move the particles
 //! app/worker/publish.rs           publish         what leaves the thread, once a frame
 //! session/draw.rs                 draw_list       particles → DrawList
@@ -142,9 +142,9 @@
 //! 2. Only `app` names egui and winit; only `render` and `app::canvas` name wgpu (`tests/tidy.rs`).
 //! 3. A step cannot fail, allocate, read a clock or log; it abandons a step that would make a number infinite and
 //!    keeps the last good state (`tests/physics/determinism.rs`, `stability.rs`).
-//! 4. The same scene gives the same bits at every level of vector instructions; what a plan leaves out changes nothing but
-//!    time (`tests/physics/determinism.rs`, `economy.rs`). Sleep does: what rests has stopped, and what fell out of the scene, as a function of
-//!    the state alone (`tests/physics/sleep.rs`, `fallen.rs`).
+//! 4. The same scene gives the same bits at every level of vector instructions and by any number of threads; what a plan
+//!    leaves out changes nothing but time (`tests/physics/determinism.rs`, `economy.rs`). Sleep does: what rests has stopped,
+//!    and what fell out of the scene, as a function of the state alone (`tests/physics/sleep.rs`, `fallen.rs`).
 //! 5. In automatic stepping no value of a parameter within its range makes a body explode
 //!    (`tests/physics/stability.rs`).
 //! 6. Everything a person changes in a scene is an [`scene::edit::Edit`], whose inverse takes it back byte for byte, with

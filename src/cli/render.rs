@@ -18,6 +18,7 @@ use crate::render::{Gpu, Quality, Renderer, offscreen};
 use crate::scene::ColorBy;
 use crate::session::Session;
 use crate::session::run::whole_steps;
+use crate::session::threads::within_pool;
 
 /// The scene and its picture.
 #[derive(Debug, Args)]
@@ -84,6 +85,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         }
     }
     outputs.iter().try_for_each(|path| out::check_writable(path))?;
+    args.scene.share_steps();
     let mut opened = args.scene.open()?;
     if let Some(color) = args.color {
         opened.scene.view.color = color;
@@ -96,7 +98,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let last = whole_steps(args.at + (outputs.len() - 1) as f64 / args.fps, dt_secs);
     for (frame, path) in outputs.iter().enumerate() {
         let until = whole_steps(args.at + frame as f64 / args.fps, dt_secs);
-        simulate(&mut session, until, last, &watch)?;
+        within_pool(|| simulate(&mut session, until, last, &watch))?;
         draw(&mut session, &gpu, &mut renderer, args.size, path)?;
     }
     drop(watch);

@@ -12,6 +12,7 @@ use crate::session::Command;
 use crate::session::predict::{crawl, speed_alone};
 use crate::session::run::{RunFigures, run as run_session};
 use crate::session::step_words::limit_text;
+use crate::session::threads::within_pool;
 use crate::view::legend::three_digits;
 
 /// The scene and how long it runs.
@@ -55,7 +56,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     {
         out::note(&format!("warning: {warning}"));
     }
-    let figures = run_session(&mut session, args.seconds, &Progress::new("simulating"));
+    let figures = within_pool(|| run_session(&mut session, args.seconds, &Progress::new("simulating")));
     if let Some(path) = &args.save_state {
         session.handle(Command::SaveState { path: path.clone() })?;
     }

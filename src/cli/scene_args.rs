@@ -16,6 +16,7 @@ use crate::scene::{Scene, Shape, path, presets};
 use crate::session::Session;
 use crate::session::document::{Opened, differs, is_scene_path};
 use crate::session::run::{choose_simd_level, simd_levels};
+use crate::session::threads::choose_threads;
 use crate::text::{echo, echo_path};
 
 /// The scene and what is set on it.
@@ -52,8 +53,8 @@ pub(super) struct Changes {
     /// The most memory that the scene may need, GB; without it, what the machine has free.
     #[arg(long, value_name = "GB", allow_negative_numbers = true, value_parser = gigabytes)]
     memory: Option<f64>,
-    /// Threads that fill models with cells and take runs side by side; 0 takes all cores. The steps of a simulation are
-    /// taken by one.
+    /// Threads that take the steps of a simulation, fill models with cells and take runs side by side; 0 takes all cores.
+    /// A body that is not worth so many is left to fewer. The results are the same with any number.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
     /// The vector instructions that work out forces; auto takes the widest that the machine has. The results are the
@@ -68,6 +69,11 @@ impl SceneArgs {
         &self.scene
     }
 
+    /// Has simulations take their steps by as many threads as were asked for.
+    pub(super) fn share_steps(&self) {
+        self.changes.share_steps();
+    }
+
     /// Opens the scene, sets the values and starts the worker threads.
     pub(super) fn open(&self) -> Result<Opened, Failure> {
         self.changes.start_threads()?;
@@ -76,6 +82,7 @@ impl SceneArgs {
 
     /// Puts the scene at its start; refused where the `output` of the command is a file that the scene is read from.
     pub(super) fn start(&self, output: Option<&Path>) -> Result<Session, Failure> {
+        self.share_steps();
         let opened = self.open()?;
         if let Some(output) = output {
             out::check_spares(output, &opened.inputs())?;
@@ -173,6 +180,12 @@ impl Changes {
         }
         choose_simd(&self.simd)?;
         start_threads(self.threads)
+    }
+
+    /// Has simulations of the process take their steps by as many threads, where nothing else is at work beside them.
+    pub(super) fn share_steps(&self) {
+        let chosen = choose_threads(usize::from(self.threads));
+        debug_assert!(chosen, "chosen once, before anything is simulated");
     }
 }
 

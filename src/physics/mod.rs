@@ -67,10 +67,12 @@ mod model;
 mod observe;
 mod report;
 mod schemes;
+mod share;
 mod simulation;
 mod state;
 mod step;
 mod stepping;
+mod team;
 
 pub use compile::other_form::other_form;
 pub use compile::safe_values::{ContactLoad, SafeValue, StepSettings, largest_safe};
@@ -91,4 +93,4 @@ pub use report::{Counters, LastSubstep, StageTimer, StepReport};
 pub use simulation::{Arrival, BodyMotion, Simulation};
 pub use state::moving::{Approach, Sweep};
 pub use state::{BodyMemory, State};
-pub use stepping::STEP_THREADS;
+pub use team::{choose_step_threads, step_threads};

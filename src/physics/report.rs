@@ -117,7 +117,8 @@ pub trait StageTimer {
     /// The last stage of a substep ends.
     fn leave(&mut self);
     /// Whether the substep is to be given up: asked at least once in every pass over a body's links, in every iteration of
-    /// the implicit integrator, whose substeps can take seconds, and once for some ten thousand links of a large body.
+    /// the implicit integrator, whose substeps can take seconds, and once for some ten thousand links of a large body that
+    /// one thread has.
     /// What was given up is taken anew later, to the same bits.
     fn stops(&self) -> bool {
         false

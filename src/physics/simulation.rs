@@ -198,6 +198,12 @@ impl<R: Real> Simulation<R> {
         &mut self.plan
     }
 
+    /// Has so many threads of the pool that steps are asked for in take them, to the same bits.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.plan.threads = threads.max(1);
+        self.workspace.fit_threads(&self.model, &self.plan);
+    }
+
     /// The mutable side.
     pub fn state(&self) -> &State<R> {
         &self.state

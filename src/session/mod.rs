@@ -41,6 +41,7 @@ pub mod step_error;
 pub mod step_words;
 mod stop;
 mod stoppable;
+pub mod threads;
 mod trials;
 pub mod trouble;
 mod warnings;

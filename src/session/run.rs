@@ -9,7 +9,7 @@ use super::predict::slowed_words;
 use crate::geometry::Watch;
 use crate::machine::peak_memory;
 use crate::math::FRAME_SECS;
-use crate::physics::{Diagnostics, Energy, STEP_THREADS, SimdLevel, Stage, StepReport};
+use crate::physics::{Diagnostics, Energy, SimdLevel, Stage, StepReport};
 use crate::report::timer::WallTimer;
 use crate::scene::Body;
 use crate::scene::settings::Integrator;
@@ -35,7 +35,7 @@ pub struct RunFigures {
     pub limited_by: String,
     pub integrator: &'static str,
     pub simd: &'static str,
-    /// Threads that took the steps, see [`STEP_THREADS`]; what fills models and runs side by side may have more.
+    /// Threads that took the steps: of those that there are as many as the bodies are worth.
     pub threads: usize,
     pub finite: bool,
     pub particles: usize,
@@ -227,7 +227,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         limited_by: plan.limits.limited_by(plan.dt_secs).name(),
         integrator: Integrator::from(plan.scheme).name(),
         simd: plan.simd.name(),
-        threads: STEP_THREADS,
+        threads: plan.threads,
         finite: last.finite && !report.diverged,
         particles: simulation.model().particle_count(),
         memory_bytes: session.memory_bytes(),

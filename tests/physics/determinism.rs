@@ -46,6 +46,33 @@ fn every_level_of_vector_instructions_gives_the_same_bits() {
     }
 }
 
+/// Does some work where so many threads are.
+fn within<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads").install(work)
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let mut several = landing();
+    several.bodies.extend([landing().bodies[0].clone(), landing().bodies[0].clone()]);
+    several.bodies[1].pose.position[1] += 2.0;
+    several.bodies[1].material = Material::Solid(Solid { young_modulus: 2e4, ..Solid::default() });
+    several.bodies[2].pose.position[1] += 4.0;
+    for scene in [landing(), several] {
+        for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
+            let hash = |threads: usize| {
+                let mut simulation = simulate::<f32>(&scene);
+                simulation.plan_mut().simd = level;
+                simulation.set_threads(threads);
+                within(threads, || run(&mut simulation, 0.7));
+                simulation.hash()
+            };
+            let hashes = [1, 2, 3, 8].map(hash);
+            assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:x?} at {level:?}");
+        }
+    }
+}
+
 #[test]
 fn a_new_parameter_keeps_positions_and_velocities() {
     let mut scene = landing();
@@ -76,6 +103,16 @@ fn a_step_allocates_nothing() {
     assert_eq!(allocations() - before, 0, "fifty steps in contact");
     drop(Box::new(before));
     assert!(allocations() > before, "the counter counts");
+    simulation.set_threads(2);
+    let by_two = within(2, || {
+        simulation.step();
+        let before = allocations();
+        for _ in 0..50 {
+            simulation.step();
+        }
+        allocations() - before
+    });
+    assert_eq!(by_two, 0, "fifty steps by two threads, on the one that asks");
 }
 
 thread_local! {

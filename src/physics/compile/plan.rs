@@ -7,6 +7,7 @@ use crate::physics::kernels::SimdLevel;
 use crate::physics::limits::{SceneLimits, any_state};
 use crate::physics::model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SchemeCost};
 use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
+use crate::physics::{share, team};
 use crate::scene::Settings;
 use crate::scene::settings::Stepping;
 
@@ -65,6 +66,8 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         families: Family::ALL.map(|family| has_force(family as usize)),
         damped: Family::ALL.map(|family| model.bodies.iter().any(|body| body.links[family as usize].damping > R::ZERO)),
         simd: SimdLevel::chosen(),
+        // The implicit scheme has one thread.
+        threads: if scheme == Scheme::Implicit { 1 } else { share::fitting(model, team::step_threads()) },
         spheres: model.obstacles.iter().any(|o| matches!(o.shape, ObstacleShape::Sphere { .. })),
         friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
         recovery: model.bodies.iter().any(|body| body.recovery.stiffness > R::ZERO),

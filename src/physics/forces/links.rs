@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Plan;
-use crate::physics::model::{BodyModel, Link, LinkConstants};
+use crate::physics::model::{BodyModel, Link, LinkConstants, LinkFamily};
 
 /// Links between two looks at whether to go on: at some 20 ns each well below a hundredth of a second.
 const LINKS_A_LOOK: usize = 1 << 16;
@@ -95,6 +95,11 @@ pub(in crate::physics) fn for_each_link<R: Real>(
             }
         }
     }
+}
+
+/// Whether the damping of a family is worked out.
+pub(super) fn is_damped<R: Real>(plan: &Plan, family: &LinkFamily<R>) -> bool {
+    family.damping > R::ZERO || !plan.lean
 }
 
 /// The tangent of a link's force: how it changes with a small change of the distance and of the speed of its ends.

@@ -1,32 +1,36 @@
 //! Forces of gravity and of the links (GC §2).
 
+mod boxed;
 pub(in crate::physics) mod links;
 pub(in crate::physics) mod recovery;
 
-use links::{Configuration, elastic_force, for_each_exact_link, for_each_link};
+use boxed::LinkForces;
+use links::{Configuration, elastic_force, for_each_exact_link, is_damped};
 
 use crate::math::{Real, Vector};
-use crate::physics::kernels;
 use crate::physics::model::plan::{Plan, Stage};
-use crate::physics::model::{LinkFamily, Model, Values};
+use crate::physics::model::{Model, Values};
 use crate::physics::report::Recorder;
+use crate::physics::share::{Share, shares};
 use crate::physics::state::BodyMemory;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::substep::Substep;
+use crate::physics::team;
 
 /// Room that forces are worked out in.
 #[derive(Clone, Debug)]
 pub(super) struct ForceWorkspace<R: Real> {
     recovery: recovery::RecoveryWorkspace<R>,
-    /// Of each body whose links are in a box.
-    boxes: Vec<Option<kernels::KernelWorkspace<R>>>,
+    /// How many threads work them out.
+    pub(super) threads: usize,
+    /// What each of them has.
+    shares: Vec<Share<R>>,
 }
 
 impl<R: Real> ForceWorkspace<R> {
-    /// Room for a model.
-    pub(super) fn new(model: &Model<R>) -> Self {
-        let boxes = model.bodies.iter().map(|body| body.boxed_links.as_ref().map(kernels::KernelWorkspace::new));
-        Self { recovery: recovery::RecoveryWorkspace::new(model), boxes: boxes.collect() }
+    /// Room for a model and so many threads.
+    pub(super) fn new(model: &Model<R>, threads: usize) -> Self {
+        Self { recovery: recovery::RecoveryWorkspace::new(model), threads, shares: shares(model, threads) }
     }
 }
 
@@ -44,7 +48,7 @@ pub(super) fn evaluate<R: Real>(
     if plan.runs(Stage::Links) {
         recorder.enter(Stage::Links);
         match at.residual {
-            None => links(substep, at, force, &mut workspace.boxes, recorder),
+            None => links(substep, at, force, workspace, recorder),
             Some(residual) => exact_links(substep, at.position, residual, force, recorder),
         }
     }
@@ -69,34 +73,22 @@ fn gravity<R: Real>(model: &Model<R>, memory: &[BodyMemory], force: &mut [R::Vec
     }
 }
 
-/// Adds the forces of all links, N: over the box of a body where it has one, else along the list of its links.
+/// Adds the forces of all links, N.
 fn links<R: Real>(
     Substep { model, plan, state, .. }: Substep<'_, R>,
     at: Configuration<'_, R>,
     force: &mut [R::Vec3],
-    boxes: &mut [Option<kernels::KernelWorkspace<R>>],
+    workspace: &mut ForceWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    let mut evaluated = 0;
-    let stops = || recorder.stops();
-    let rooms = model.bodies.iter().zip(&state.bodies).zip(boxes).filter(|((_, memory), _)| !memory.asleep);
-    for ((body, _), room) in rooms {
-        let particles = body.particles.clone();
-        let (position, velocity) = (&at.position[particles.clone()], &at.velocity[particles.clone()]);
-        let force = &mut force[particles];
-        if let (Some(boxed), Some(room)) = (&body.boxed_links, room) {
-            let damped = [0, 1, 2].map(|family| plan.families[family] && is_damped(plan, &body.links[family]));
-            let pass = kernels::Pass { level: plan.simd, families: plan.families, damped, stops: &stops };
-            evaluated += kernels::add_forces(boxed, pass, [position, velocity], force, room);
-            continue;
-        }
-        for_each_link(body, plan, position, velocity, &stops, |[i, j], on_i| {
-            force[i] += on_i;
-            force[j] -= on_i;
-            evaluated += 1;
-        });
+    let ForceWorkspace { threads, shares, .. } = workspace;
+    let forces = LinkForces { model, plan, memory: &state.bodies, at, shares, force };
+    if *threads == 1 {
+        forces.add(&|| recorder.stops());
+    } else if !recorder.stops() {
+        team::share(*threads, forces);
     }
-    recorder.counters.link_forces += evaluated;
+    recorder.counters.link_forces += shares.iter().map(|share| share.evaluated).sum::<u64>();
     recorder.counters.damped_link_forces += damped_links(model, plan, &state.bodies);
 }
 
@@ -133,9 +125,4 @@ fn damped_links<R: Real>(model: &Model<R>, plan: &Plan, memory: &[BodyMemory]) -
         .filter(|(family, chosen)| *chosen && is_damped(plan, family))
         .map(|(family, _)| family.links.len() as u64)
         .sum()
-}
-
-/// Whether the damping of a family is worked out.
-fn is_damped<R: Real>(plan: &Plan, family: &LinkFamily<R>) -> bool {
-    family.damping > R::ZERO || !plan.lean
 }

@@ -64,6 +64,15 @@ pub(super) struct Run {
     pub(super) corner: usize,
 }
 
+impl Run {
+    /// Its particles and its corners, counted from a particle and a corner.
+    #[inline(always)]
+    pub(super) fn past(&self, [particle, corner]: [usize; 2]) -> [Range<usize>; 2] {
+        let corner = self.corner - corner;
+        [self.particles.start - particle..self.particles.end - particle, corner..corner + self.particles.len()]
+    }
+}
+
 /// Corners of the box that are worked on together.
 #[derive(Clone, Debug)]
 pub(super) struct Block {

@@ -22,7 +22,7 @@
 //! # Practice
 //!
 //! [`Layout`] follows from the lattice alone and is shared between compilations; [`BoxedLinks`] adds the constants of the
-//! links; both are constant. [`KernelWorkspace`] is what a sweep works in, one a body. A body that fills so little of its box
+//! links; both are constant. A [`Piece`] is what a sweep works in, one for each thread that has a part of the body. A body that fills so little of its box
 //! that going through the list of its links is cheaper has no layout: what counts is the number of places in blocks for
 //! each link, which is the same on every machine.
 
@@ -33,13 +33,15 @@ mod bounds;
 mod boxed;
 mod layout;
 mod level;
+mod piece;
 mod sweep;
 
 pub(in crate::physics) use bounds::{GROUP, are_finite, bounds, motion_bounds};
 pub(in crate::physics) use boxed::BoxedLinks;
 pub(in crate::physics) use layout::{BYTES_A_CORNER, Layout, MOST_CORNERS_A_PARTICLE};
 pub use level::SimdLevel;
-pub(in crate::physics) use sweep::{KernelWorkspace, Pass, add_forces};
+pub(in crate::physics) use piece::{Piece, pieces};
+pub(in crate::physics) use sweep::{Pass, add_forces};
 
 #[cfg(test)]
 mod oracle_tests;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{BoxedLinks, KernelWorkspace, Layout, Pass, SimdLevel, add_forces};
+use super::{BoxedLinks, Layout, Pass, SimdLevel, add_forces, pieces};
 use crate::geometry::Lattice;
 use crate::geometry::voxel::Cells;
 use crate::math::rng::Rng;
@@ -115,14 +115,34 @@ fn in_box<R: Real>(lattice: &Lattice, families: &[LinkFamily<R>; 3]) -> BoxedLin
 /// The same forces from the kernel.
 fn boxed<R: Real>(
     links: &BoxedLinks<R>,
+    motion: &[Vec<R::Vec3>; 2],
+    chosen: [[bool; 3]; 2],
+    level: SimdLevel,
+) -> (Vec<R::Vec3>, u64) {
+    in_pieces(links, motion, chosen, level, &[])
+}
+
+/// The same, of a body that is cut after these shares of its work. It begins with forces that others left.
+fn in_pieces<R: Real>(
+    links: &BoxedLinks<R>,
     [position, velocity]: &[Vec<R::Vec3>; 2],
     [chosen, damped]: [[bool; 3]; 2],
     level: SimdLevel,
+    cuts: &[f64],
 ) -> (Vec<R::Vec3>, u64) {
-    let mut workspace = KernelWorkspace::new(links);
     let mut force = vec![R::Vec3::ZERO; position.len()];
-    let pass = Pass { level, families: chosen, damped, stops: &|| false };
-    let count = add_forces(links, pass, [position, velocity], &mut force, &mut workspace);
+    let pass = Pass { level, families: chosen, damped };
+    let (mut count, mut from) = (0, 0);
+    for mut piece in pieces(links, cuts) {
+        assert_eq!(piece.particles.start, from, "pieces follow one another");
+        from = piece.particles.end;
+        for room in piece.force.iter_mut().flatten() {
+            *room = R::from_f64(f64::NAN);
+        }
+        let own = &mut force[piece.particles.clone()];
+        count += add_forces(links, pass, [position, velocity], own, &mut piece, &|| false);
+    }
+    assert_eq!(from, position.len(), "and come to the end");
     (force, count)
 }
 
@@ -138,6 +158,10 @@ fn largest_difference<R: Real>(a: &[R::Vec3], b: &[R::Vec3], scale: &[f64]) -> f
 fn levels() -> impl Iterator<Item = SimdLevel> {
     SimdLevel::ALL.into_iter().filter(|level| level.is_available())
 }
+
+/// Where bodies are cut: into halves, thirds and eighths, and unevenly.
+const CUTS: [&[f64]; 4] =
+    [&[0.5], &[1.0 / 3.0, 2.0 / 3.0], &[0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875], &[0.01, 0.02, 0.9, 0.95]];
 
 /// Roundings of the sum of all magnitudes by which a force may differ from the sum along the list: those of 32 links, and
 /// of their other order, mostly cancel.
@@ -166,6 +190,13 @@ fn compare<R: Real>() -> usize {
                     for level in levels() {
                         let at_level = boxed(&links, &motion, [chosen, damped], level);
                         assert!(at_level == first, "{name} {material:?} {damping:?}: other bits at {}", level.name());
+                        for cuts in CUTS {
+                            let cut = in_pieces(&links, &motion, [chosen, damped], level, cuts);
+                            assert!(
+                                cut == first,
+                                "{name} {material:?} {damping:?}: other bits in {cuts:?} at {level:?}"
+                            );
+                        }
                         compared += 1;
                     }
                 }
@@ -199,6 +230,24 @@ fn a_wrong_constant_of_one_family_is_seen() {
 }
 
 #[test]
+fn a_piece_without_what_reaches_it_from_before_is_seen() {
+    let Shape { lattice, .. } = shape("block", [8, 8, 8], |_| true);
+    let motion = motion::<f32>(&lattice);
+    let links = in_box(&lattice, &families::<f32>(&lattice, Material::Alike, [0.1; 3]));
+    let whole = boxed(&links, &motion, [[true; 3]; 2], SimdLevel::best()).0;
+    let mut half = pieces(&links, &[0.5]).remove(1);
+    let pass = Pass { level: SimdLevel::best(), families: [true; 3], damped: [true; 3] };
+    let of = |half: &mut super::Piece<f32>| {
+        let mut force = vec![glam::Vec3::ZERO; half.particles.len()];
+        add_forces(&links, pass, [&motion[0], &motion[1]], &mut force, half, &|| false);
+        force
+    };
+    assert_eq!(of(&mut half), whole[half.particles.clone()], "the half of the whole");
+    half.blocks.start += 1;
+    assert_ne!(of(&mut half), whole[half.particles.clone()], "the first block is needed");
+}
+
+#[test]
 fn links_without_length_have_no_force() {
     let Shape { lattice, .. } = shape("block", [3, 3, 3], |_| true);
     let families = families::<f32>(&lattice, Material::Alike, [0.1; 3]);
@@ -222,9 +271,10 @@ fn a_pass_that_is_given_up_looks_at_no_more_links() {
         looks.set(looks.get() + 1);
         looks.get() > 2
     };
-    let pass = Pass { level: SimdLevel::best(), families: [true; 3], damped: [true; 3], stops: &stops };
+    let pass = Pass { level: SimdLevel::best(), families: [true; 3], damped: [true; 3] };
     let mut force = vec![glam::Vec3::ZERO; position.len()];
-    let count = add_forces(&links, pass, [&position, &velocity], &mut force, &mut KernelWorkspace::new(&links));
+    let mut whole = pieces(&links, &[]);
+    let count = add_forces(&links, pass, [&position, &velocity], &mut force, &mut whole[0], &stops);
     let all: usize = families.iter().map(|family| family.links.len()).sum();
     assert!((2 << 16..3 << 16).contains(&count) && count < all as u64, "{count} of {all}");
 }

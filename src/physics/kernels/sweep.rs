@@ -1,65 +1,55 @@
-//! A sweep over the links of a body: its particles are spread over the box, the blocks worked through in ascending order,
-//! the forces brought back.
+//! A sweep over the links of a piece of a body: its particles are spread over the box, the blocks worked through in
+//! ascending order, the forces brought back.
 
 use crate::math::{Real, Vector};
 use crate::physics::kernels::block::{Mask, forces};
 use crate::physics::kernels::boxed::{BoxedLinks, EachLaw, TermLaw};
-use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, Term};
+use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, Run, Term};
 use crate::physics::kernels::level::SimdLevel;
+use crate::physics::kernels::piece::Piece;
 
 /// Links between two looks at whether to go on: well below a thousandth of a second.
 const LINKS_A_LOOK: u64 = 1 << 16;
 
-/// Positions, velocities and forces of a body over its box, component by component. Corners without a particle stay
-/// where they are put at first.
-#[derive(Clone, Debug)]
-pub(in crate::physics) struct KernelWorkspace<R> {
-    position: [Vec<R>; 3],
-    velocity: [Vec<R>; 3],
-    force: [Vec<R>; 3],
-}
-
-impl<R: Real> KernelWorkspace<R> {
-    /// Room for the links of a body.
-    pub(in crate::physics) fn new(links: &BoxedLinks<R>) -> Self {
-        let room = || [(); 3].map(|()| vec![R::ZERO; links.layout.corners]);
-        Self { position: room(), velocity: room(), force: room() }
-    }
-}
-
 /// What is worked out, and how.
-#[derive(Clone, Copy)]
-pub(in crate::physics) struct Pass<'a> {
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct Pass {
     /// The instructions that do it.
     pub(in crate::physics) level: SimdLevel,
     /// Whether the links of each family have a force.
     pub(in crate::physics) families: [bool; 3],
     /// Whether it has a part of damping.
     pub(in crate::physics) damped: [bool; 3],
-    /// Whether to give up.
-    pub(in crate::physics) stops: &'a dyn Fn() -> bool,
 }
 
-/// Adds the forces of the links to those on the particles, N, and says of how many; fewer than there are only where it was
-/// to give up, and the forces mean nothing then. `motion` is where the particles are and how fast, m and m/s.
+/// Adds the forces of all links to those on the particles of a piece, N, and says of how many that start in it; fewer than
+/// there are only where it was to give up, and the forces mean nothing then. `motion` is where the particles of the body
+/// are and how fast, m and m/s; the forces are those on the particles of the piece.
 pub(in crate::physics) fn add_forces<R: Real>(
     links: &BoxedLinks<R>,
-    pass: Pass<'_>,
+    pass: Pass,
     motion: [&[R::Vec3]; 2],
     force: &mut [R::Vec3],
-    workspace: &mut KernelWorkspace<R>,
+    piece: &mut Piece<R>,
+    stops: &dyn Fn() -> bool,
 ) -> u64 {
     pass.level.run(
         #[inline(always)]
         || {
             let [position, velocity] = motion;
-            spread(&links.layout, position, &mut workspace.position);
+            spread(&piece.read, [0, piece.first], position, &mut piece.position);
             if pass.damped.contains(&true) {
-                spread(&links.layout, velocity, &mut workspace.velocity);
+                spread(&piece.read, [0, piece.first], velocity, &mut piece.velocity);
             }
-            spread(&links.layout, force, &mut workspace.force);
-            let evaluated = sweep(links, pass, workspace);
-            collect(&links.layout, &workspace.force, force);
+            let own = piece.own.start - piece.first..piece.own.end - piece.first;
+            for force in &mut piece.force {
+                force[..own.start].fill(R::ZERO);
+                force[own.end..].fill(R::ZERO);
+            }
+            let origin = [piece.particles.start, piece.first];
+            spread(&piece.written, origin, force, &mut piece.force);
+            let evaluated = sweep(links, pass, piece, stops);
+            collect(&piece.written, origin, &piece.force, force);
             evaluated
         },
     )
@@ -67,28 +57,31 @@ pub(in crate::physics) fn add_forces<R: Real>(
 
 /// Works through all blocks.
 #[inline(always)]
-fn sweep<R: Real>(links: &BoxedLinks<R>, pass: Pass<'_>, workspace: &mut KernelWorkspace<R>) -> u64 {
-    let KernelWorkspace { position, velocity, force } = workspace;
-    let Layout { offsets, masks, blocks, terms, .. } = &*links.layout;
+fn sweep<R: Real>(links: &BoxedLinks<R>, pass: Pass, piece: &mut Piece<R>, stops: &dyn Fn() -> bool) -> u64 {
+    let Piece { first, own, blocks, position, velocity, force, .. } = piece;
+    let Layout { offsets, masks, terms, .. } = &*links.layout;
     let [position, velocity] = [position, velocity].map(|of| of.each_ref().map(Vec::as_slice));
     let (mut evaluated, mut looked_at) = (0, None);
     let zeros = [R::ZERO; BLOCK];
-    for block in blocks {
+    for block in &links.layout.blocks[blocks.clone()] {
         if looked_at.is_none_or(|at| evaluated - at >= LINKS_A_LOOK) {
-            if (pass.stops)() {
+            if stops() {
                 break;
             }
             looked_at = Some(evaluated);
         }
+        let is_own = block.first >= own.start;
         let of_corners = lanes(masks, block.first);
-        let near = [position, velocity].map(|vectors| vectors.map(|of| lanes(of, block.first)));
+        let at = block.first - *first;
+        let near = [position, velocity].map(|vectors| vectors.map(|of| lanes(of, at)));
         let mut sum = [zeros; 3];
         for number in block.terms.clone() {
             let Term { slot, links: count } = terms[number];
-            if !pass.families[FAMILY[slot]] {
+            let reaches = is_own || block.first + offsets[slot] + BLOCK > own.start;
+            if !pass.families[FAMILY[slot]] || !reaches {
                 continue;
             }
-            let other = block.first + offsets[slot];
+            let other = at + offsets[slot];
             let far = [position, velocity].map(|vectors| vectors.map(|of| lanes(of, other)));
             let mask = Mask { of_corners, bit: 1 << slot };
             let is_damped = pass.damped[FAMILY[slot]];
@@ -114,10 +107,10 @@ fn sweep<R: Real>(links: &BoxedLinks<R>, pass: Pass<'_>, workspace: &mut KernelW
                     *on_far -= *on_near;
                 }
             }
-            evaluated += count as u64;
+            evaluated += if is_own { count as u64 } else { 0 };
         }
         for (force, sum) in force.iter_mut().zip(sum) {
-            for (force, sum) in lanes_mut(force, block.first).iter_mut().zip(sum) {
+            for (force, sum) in lanes_mut(force, at).iter_mut().zip(sum) {
                 *force += sum;
             }
         }
@@ -125,14 +118,13 @@ fn sweep<R: Real>(links: &BoxedLinks<R>, pass: Pass<'_>, workspace: &mut KernelW
     evaluated
 }
 
-/// Brings vectors of the particles to their corners.
+/// Brings vectors of the particles to their corners. `origin` is the particle and the corner that are counted as nothing.
 #[inline(always)]
-fn spread<R: Real>(layout: &Layout, from: &[R::Vec3], to: &mut [Vec<R>; 3]) {
-    for run in &layout.runs {
-        let corners = run.corner..run.corner + run.particles.len();
+fn spread<R: Real>(runs: &[Run], origin: [usize; 2], from: &[R::Vec3], to: &mut [Vec<R>; 3]) {
+    for run in runs {
+        let [particles, corners] = run.past(origin);
         let [to_x, to_y, to_z] = to.each_mut().map(|to| &mut to[corners.clone()]);
-        let from = &from[run.particles.clone()];
-        for (((from, x), y), z) in from.iter().zip(to_x).zip(to_y).zip(to_z) {
+        for (((from, x), y), z) in from[particles].iter().zip(to_x).zip(to_y).zip(to_z) {
             [*x, *y, *z] = from.components();
         }
     }
@@ -140,12 +132,11 @@ fn spread<R: Real>(layout: &Layout, from: &[R::Vec3], to: &mut [Vec<R>; 3]) {
 
 /// Brings what is at the corners to the particles.
 #[inline(always)]
-fn collect<R: Real>(layout: &Layout, from: &[Vec<R>; 3], to: &mut [R::Vec3]) {
-    for run in &layout.runs {
-        let corners = run.corner..run.corner + run.particles.len();
+fn collect<R: Real>(runs: &[Run], origin: [usize; 2], from: &[Vec<R>; 3], to: &mut [R::Vec3]) {
+    for run in runs {
+        let [particles, corners] = run.past(origin);
         let [from_x, from_y, from_z] = from.each_ref().map(|from| &from[corners.clone()]);
-        let to = &mut to[run.particles.clone()];
-        for (((to, x), y), z) in to.iter_mut().zip(from_x).zip(from_y).zip(from_z) {
+        for (((to, x), y), z) in to[particles].iter_mut().zip(from_x).zip(from_y).zip(from_z) {
             *to = R::Vec3::new(*x, *y, *z);
         }
     }

@@ -105,6 +105,8 @@ pub struct Plan {
     pub damped: [bool; 3],
     /// The instructions that work out the forces of links; the result is the same with all of them.
     pub simd: SimdLevel,
+    /// Threads that take a step, of the pool that it is asked for in; the result is the same with any number.
+    pub threads: usize,
     /// Whether crushed cells are pushed back to shape.
     pub recovery: bool,
     /// Whether anything can be met.

@@ -66,7 +66,7 @@ impl<R: Real> StepWorkspace<R> {
             velocity: vec![R::Vec3::ZERO; count],
             contact: contact::ContactWorkspace::new(model, plan),
             scheme: schemes::SchemeWorkspace::new(model, plan),
-            forces: forces::ForceWorkspace::new(model),
+            forces: forces::ForceWorkspace::new(model, plan.threads),
             remembered: remembered(model),
         }
     }
@@ -76,6 +76,11 @@ impl<R: Real> StepWorkspace<R> {
         let Self { contact, thesis_force, scheme, forces, remembered, .. } = Self::new(model, plan);
         (self.contact, self.thesis_force, self.scheme, self.forces) = (contact, thesis_force, scheme, forces);
         self.remembered = remembered;
+    }
+
+    /// Goes on with as many threads as a plan wants.
+    pub(super) fn fit_threads(&mut self, model: &Model<R>, plan: &Plan) {
+        self.forces = forces::ForceWorkspace::new(model, plan.threads);
     }
 
     /// The scheme at work on a substep whose forces are known, contact's workspace, and where the velocities are

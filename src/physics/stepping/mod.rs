@@ -25,9 +25,6 @@ use super::step::substep::{Gain, Part};
 use super::step::{Ending, Inputs, StepWorkspace, substep};
 use crate::math::Real;
 
-/// Threads that take a step: the one that asks for it alone.
-pub const STEP_THREADS: usize = 1;
-
 /// Advances by a part of a substep that the linear equations of the implicit scheme hold for; with other schemes by all
 /// of it, in parts while a body is strained.
 pub(super) fn advance<R: Real>(

@@ -1,0 +1,106 @@
+//! The threads that take a step together: those of the pool that it is asked for in.
+//!
+//! Work that can be halved is shared out: the thread that asks does one half, and whoever is free the other, or the same
+//! thread where nobody is; each halves its own again while there are threads. Whoever runs a simulation does so within a
+//! pool that stays ([`rayon::ThreadPool::install`]); elsewhere one thread does it all. Threads of a pool look for work for
+//! some microseconds and sleep then, so that a simulation that has nothing to do costs nothing, and nothing is allocated on
+//! the way. Work is such that its result does not depend on the halves or on who does them.
+
+use std::sync::OnceLock;
+
+/// How many threads new plans may use; one where nobody has chosen.
+static CHOSEN: OnceLock<usize> = OnceLock::new();
+
+/// Lets every plan made from now on use so many threads. Says whether it does: the first choice of a process holds.
+#[must_use]
+pub fn choose_step_threads(count: usize) -> bool {
+    *CHOSEN.get_or_init(|| count.max(1)) == count.max(1)
+}
+
+/// How many threads new plans may use.
+pub fn step_threads() -> usize {
+    *CHOSEN.get_or_init(|| 1)
+}
+
+/// Work that can be shared out.
+pub(in crate::physics) trait Halves: Send + Sized {
+    /// Into how many pieces it can be taken apart, at least one.
+    fn pieces(&self) -> usize;
+    /// Two parts of as much work each as can be, where there are pieces enough.
+    fn halve(self) -> [Self; 2];
+    /// Does it all.
+    fn work(self);
+}
+
+/// Has some work done by so many threads of the pool, by this one alone where it is of none.
+pub(in crate::physics) fn share(threads: usize, work: impl Halves) {
+    if threads <= 1 || work.pieces() <= 1 || rayon::current_thread_index().is_none() {
+        return work.work();
+    }
+    let [one, other] = work.halve();
+    rayon::join(|| share(threads.div_ceil(2), one), || share(threads / 2, other));
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Barrier;
+
+    use super::*;
+
+    struct Squares<'a>(&'a mut [usize], usize);
+
+    impl Halves for Squares<'_> {
+        fn pieces(&self) -> usize {
+            self.0.len()
+        }
+
+        fn halve(self) -> [Self; 2] {
+            let middle = self.0.len() / 2;
+            let (low, high) = self.0.split_at_mut(middle);
+            [Self(low, self.1), Self(high, self.1 + middle)]
+        }
+
+        fn work(self) {
+            for (number, square) in self.0.iter_mut().enumerate() {
+                *square = (self.1 + number).pow(2);
+            }
+        }
+    }
+
+    #[test]
+    fn all_of_the_work_is_done_by_any_team() {
+        for threads in [0, 1, 2, 3, 8] {
+            for count in [0, 1, 2, 3, 100] {
+                let mut squares = vec![0; count];
+                within(threads, || share(threads, Squares(&mut squares, 0)));
+                let expected: Vec<usize> = (0..count).map(|number| number * number).collect();
+                assert_eq!(squares, expected, "{count} by {threads}");
+            }
+        }
+    }
+
+    #[test]
+    fn halves_meet_and_without_a_pool_nobody_waits() {
+        struct Meets<'a>(&'a Barrier, usize);
+        impl Halves for Meets<'_> {
+            fn pieces(&self) -> usize {
+                self.1
+            }
+            fn halve(self) -> [Self; 2] {
+                [Self(self.0, 1), Self(self.0, 1)]
+            }
+            fn work(self) {
+                if self.1 == 1 {
+                    self.0.wait();
+                }
+            }
+        }
+        let barrier = Barrier::new(2);
+        within(2, || share(2, Meets(&barrier, 2)));
+        share(2, Meets(&barrier, 2));
+    }
+
+    fn within<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+        rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build().expect("a pool").install(work)
+    }
+}
