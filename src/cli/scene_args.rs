@@ -53,8 +53,8 @@ pub(super) struct Changes {
     /// The most memory that the scene may need, GB; without it, what the machine has free.
     #[arg(long, value_name = "GB", allow_negative_numbers = true, value_parser = gigabytes)]
     memory: Option<f64>,
-    /// Threads that take the steps of a simulation, fill models with cells and take runs side by side; 0 takes all cores.
-    /// A body that is not worth so many is left to fewer. The results are the same with any number.
+    /// Threads that fill models with cells, take runs side by side, and with run and render the steps of a simulation; 0
+    /// takes all cores. A body that is not worth so many is left to fewer. The results are the same with any number.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
     /// The vector instructions that work out forces; auto takes the widest that the machine has. The results are the
