@@ -73,6 +73,11 @@ impl ContactConstraint {
         if self.pushes { normal - self.coulomb(self.sliding(velocity)) } else { normal }
     }
 
+    /// Whether by its law it pushes at the last solution, in which it did not: the rounds ended before.
+    pub(super) fn is_left_out(&self) -> bool {
+        self.pushes && self.impulse.dot(self.normal) <= 0.0
+    }
+
     /// The part of a velocity that slides along the surface, m/s.
     pub(super) fn sliding(&self, velocity: DVec3) -> DVec3 {
         let relative = velocity - self.surface_velocity;

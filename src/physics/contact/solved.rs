@@ -3,7 +3,8 @@
 //! ```text
 //! find     which particles touch, or would if they fell freely: one constraint for each obstacle
 //! (solve)  the normal penalty, its damping and a resistance against sliding are in the matrix, chosen anew every round
-//! finish   what met an obstacle only in the solution is answered as in an explicit step; nothing ends too deep
+//! finish   what met an obstacle only in the solution, or was left without its push when the rounds of solving ended, is
+//!          answered as in an explicit step; nothing ends too deep
 //! ```
 
 use glam::{DMat3, DVec3};
@@ -97,7 +98,8 @@ pub(in crate::physics) fn find<R: Real>(
     }
 }
 
-/// Turns the constraints into contacts, and answers what the solution leads into obstacles that nothing touched before.
+/// Turns the constraints into contacts, and answers what the solution leads into obstacles without a push: nothing touched
+/// them before, or which constraints push had not settled.
 pub(in crate::physics) fn finish<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
@@ -110,6 +112,10 @@ pub(in crate::physics) fn finish<R: Real>(
     for (number, body) in model.bodies.iter().enumerate() {
         while let Some(own) = constraints.next_if(|own| body.particles.contains(&own[0].particle)) {
             let particle = own[0].particle;
+            // What nothing pushes in the solution though something should is answered with what nothing touched before.
+            if own.iter().any(ContactConstraint::is_left_out) && own.iter().all(|own| own.impulse == DVec3::ZERO) {
+                continue;
+            }
             let over_dt = R::ONE / dt;
             let mut candidate = Candidate::new(substep, number, particle);
             let first = workspace.contacts.len();
@@ -144,4 +150,52 @@ pub(in crate::physics) fn finish<R: Real>(
         }
     }
     Candidates { substep, workspace, recorder }.resolve_all(velocity, |_, _| ());
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::physics::Simulation;
+    use crate::physics::contact::Placed;
+    use crate::physics::model::Scheme;
+    use crate::scene::obstacle::{ContactStiffness, Plane};
+    use crate::scene::resolve::resolve;
+    use crate::scene::{Body, Obstacle, ObstacleShape, Scene};
+
+    #[test]
+    fn what_the_rounds_leave_without_its_push_is_stopped_by_the_obstacle() {
+        let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
+        scene.bodies[0].pose.position = [0.0, 0.501, 0.0];
+        let ground = ObstacleShape::Plane(Plane::default());
+        let stiffness = ContactStiffness::Given(1e6);
+        scene.obstacles = vec![Obstacle { shape: ground, stiffness, ..Obstacle::default() }];
+        let lattice = resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice;
+        let simulation = Simulation::<f64>::new(&scene, &[lattice]);
+        let (model, plan, state) = (simulation.model(), simulation.plan(), simulation.state());
+        let (obstacles, dt) = (Placed::now(model, state), 5e-3);
+        let substep = Substep { model, plan, state, obstacles: &obstacles, dt, scheme: Scheme::Implicit, grab: None };
+        let mut workspace = ContactWorkspace::new(model, plan);
+        let timer = &mut ();
+        let mut recorder = Recorder::new(timer);
+        let mut velocity = vec![DVec3::NEG_Y; model.particle_count()];
+        find(substep, &velocity, &mut workspace, &mut recorder);
+        for constraint in &mut workspace.constraints {
+            // In one round it leaves, and what the last comes to presses it in again.
+            constraint.reconsider(DVec3::Y, false);
+            constraint.reconsider(DVec3::NEG_Y, false);
+            assert!(constraint.is_left_out(), "{constraint:?}");
+        }
+        finish(substep, &mut velocity, &mut workspace, &mut recorder);
+        let touching = workspace.contacts.len();
+        assert!(touching > 50 && touching == workspace.constraints.len(), "{touching} particles touch");
+        for contact in &workspace.contacts {
+            let depth = -(contact.gap + dt * velocity[contact.particle].y);
+            assert!(depth < 1e-4, "{depth} m deep by {} in a stiff obstacle", velocity[contact.particle]);
+            let mass = model.bodies[0].mass(contact.particle);
+            let change = (velocity[contact.particle] + DVec3::Y) * mass / dt;
+            assert!(contact.force.distance(change) < 1e-9 * change.length(), "its force made the change: {contact:?}");
+        }
+    }
 }
