@@ -22,10 +22,12 @@ mod report_merge;
 mod report_options;
 #[cfg(feature = "peers")]
 mod report_peers;
+mod report_speed;
 mod report_stability;
 mod run;
 mod scene_args;
 mod shard;
+mod speed_plot;
 mod stability_plot;
 mod sweep;
 mod tally;

@@ -12,6 +12,7 @@ pub mod matrix;
 #[cfg(feature = "peers")]
 pub mod peers;
 pub mod single;
+pub mod speed;
 pub mod stability;
 pub mod statics;
 pub mod timer;

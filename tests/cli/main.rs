@@ -12,5 +12,6 @@ mod program;
 mod readme;
 mod report;
 mod shards;
+mod speed;
 mod stability;
 mod sweep;

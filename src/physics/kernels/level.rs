@@ -57,7 +57,7 @@ impl SimdLevel {
 
     /// Does some work, compiled for this level where `work` is inlined; as every machine can where it lacks the level.
     #[inline(always)]
-    pub(super) fn run<T>(self, work: impl FnOnce() -> T) -> T {
+    pub fn run<T>(self, work: impl FnOnce() -> T) -> T {
         match self {
             Self::Portable => run_portable(work),
             Self::Avx2 => x86::run_avx2(work),

@@ -49,7 +49,7 @@ impl Change {
 }
 
 /// The middle of some values; not a number where there are none.
-pub(super) fn median(values: &[f64]) -> f64 {
+pub(in crate::report) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)

@@ -1,0 +1,356 @@
+//! How fast a step is (R3): cubes that are free in space at every level of vector instructions and by several threads,
+//! beside the loop that everybody writes first, in turns in one process; and scenes beside real time.
+
+pub mod naive;
+mod roof;
+pub mod scenes;
+pub mod words;
+
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use cpu_time::ThreadTime;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde::Serialize;
+
+use self::naive::Naive;
+use self::scenes::SceneSpeed;
+use super::cost::noise::{Change, median};
+use crate::geometry::Watch;
+use crate::physics::{SimdLevel, Simulation};
+use crate::scene::body::{CellsShape, CubeShape};
+use crate::scene::resolve::{ResolveError, resolve};
+use crate::scene::settings::Stepping;
+use crate::scene::{Body, Scene, Shape};
+
+/// How often everything is timed.
+const ROUNDS: usize = 9;
+
+/// The step, s.
+const DT: f32 = 1e-5;
+
+/// The step that real time is asked for with, s.
+const REAL_STEP_SECS: f64 = 1e-3;
+
+/// Operations of a damped link: 3 + 5 for its length, a root and a quotient, 3 + 6 for how fast it changes, 4 for the
+/// strength, 3 for the force, 6 to add it at both ends.
+const FLOPS_A_LINK: f64 = 32.0;
+
+/// Cells along the edge of the box that a ring fills a tenth of.
+const RING_BOX: i32 = 63;
+
+/// How much is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Particles along an edge of the cubes.
+    pub sizes: &'static [u32],
+    /// Links a timing, at least.
+    pub links: usize,
+    /// Scenes run as long as this, s of the wall clock.
+    pub scene_secs: f64,
+}
+
+impl Effort {
+    /// As in the published figures.
+    pub const FULL: Self = Self { sizes: &[10, 20, 40, 64, 100], links: 4_000_000, scene_secs: 6.0 };
+    /// In some seconds.
+    pub const QUICK: Self = Self { sizes: &[10, 20], links: 200_000, scene_secs: 0.3 };
+}
+
+/// One way to take the steps of a cube.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
+pub struct SpeedRow {
+    /// Particles along an edge.
+    pub n: u32,
+    pub kernel: &'static str,
+    pub simd: &'static str,
+    pub threads: usize,
+    pub ns_per_link: f64,
+    pub ns_per_particle: f64,
+    pub ratio_to_naive: f64,
+    /// The ratio in the rounds but for the least and the most of them.
+    pub ratio_range: [f64; 2],
+    pub fraction_of_peak: f64,
+    /// Of the state at the end; none of the naive loop, which has another one.
+    pub hash: Option<String>,
+}
+
+/// All figures.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
+pub struct SpeedFigures {
+    pub rows: Vec<SpeedRow>,
+    /// Of one thread at the widest level.
+    pub peak_gflops_fma: f64,
+    /// The largest cube whose undivided steps of 1 ms take no longer than that, particles along an edge.
+    pub largest_real_time_n: u32,
+    /// Time a link of a ring that fills a tenth of its box over that of a cube that fills it; none with `--quick`.
+    pub ring_over_cube: Option<f64>,
+    pub scenes: Vec<SceneSpeed>,
+}
+
+impl SpeedFigures {
+    /// What must not be: levels or threads whose bits differ.
+    pub fn defect(&self) -> Option<String> {
+        let hash = |row: &&SpeedRow| row.hash.is_some();
+        self.rows.iter().filter(hash).find_map(|row| {
+            let first = self.rows.iter().filter(hash).find(|first| first.n == row.n)?;
+            (first.hash != row.hash).then(|| {
+                let [row, first] = [row, first].map(|row| format!("{} by {} threads", row.simd, row.threads));
+                format!("{row} gives other bits than {first}")
+            })
+        })
+    }
+}
+
+/// Measures with up to so many threads; none where nobody waits any more.
+///
+/// # Errors
+/// If a shape cannot be made: a fault of this program.
+pub fn measure(effort: Effort, threads: usize, watch: &dyn Watch) -> Result<Option<SpeedFigures>, ResolveError> {
+    let levels: Vec<_> = SimdLevel::ALL.into_iter().filter(|level| level.is_available()).collect();
+    let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build().ok();
+    let peak = peak_gflops(SimdLevel::best());
+    let mut rows = Vec::new();
+    let stages = effort.sizes.len() + 2;
+    for (done, &n) in effort.sizes.iter().enumerate() {
+        watch.progress(done as f64 / stages as f64);
+        let start = free(cube(n - 1))?;
+        let mut ways: Vec<Way> = levels.iter().map(|level| Way { level: *level, threads: 1 }).collect();
+        if let (Some(widest), true) = (levels.last(), threads > 1 && pool.is_some()) {
+            ways.push(Way { level: *widest, threads });
+        }
+        rows.extend(compare(n, &start, &ways, pool.as_ref(), effort.links, peak));
+        if watch.cancelled() {
+            return Ok(None);
+        }
+    }
+    let is_full = effort.sizes.contains(&64);
+    let ring_over_cube = if is_full { Some(ring_over_cube(effort.links)?) } else { None };
+    watch.progress((stages - 1) as f64 / stages as f64);
+    let scenes = scenes::measure(effort.scene_secs, threads, pool.as_ref())?;
+    let largest_real_time_n = largest_real_time_n(&rows);
+    Ok(Some(SpeedFigures { rows, peak_gflops_fma: peak, largest_real_time_n, ring_over_cube, scenes }))
+}
+
+/// How a simulation takes its steps.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    level: SimdLevel,
+    threads: usize,
+}
+
+/// Times of one thread's processor and of the wall clock, s.
+#[derive(Clone, Copy, Debug)]
+struct Times {
+    processor: f64,
+    wall: f64,
+}
+
+impl Times {
+    fn of(work: impl FnOnce()) -> Self {
+        let (wall, processor) = (Instant::now(), ThreadTime::now());
+        work();
+        Self { processor: processor.elapsed().as_secs_f64(), wall: wall.elapsed().as_secs_f64() }
+    }
+
+    /// What counts where so many threads are at work.
+    fn by(self, threads: usize) -> f64 {
+        if threads == 1 { self.processor } else { self.wall }
+    }
+}
+
+/// Times the naive loop and all ways in turns.
+fn compare(
+    n: u32,
+    start: &Simulation<f32>,
+    ways: &[Way],
+    pool: Option<&ThreadPool>,
+    least_links: usize,
+    peak_gflops: f64,
+) -> Vec<SpeedRow> {
+    let links: usize = start.model().link_counts().iter().sum();
+    let particles = start.model().particle_count();
+    let steps = least_links.div_ceil(links);
+    let mut naive = Naive::new(start);
+    let mut simulations: Vec<_> = ways.iter().map(|way| prepared(start, *way)).collect();
+    let (mut of_naive, mut of_ways) = (Vec::new(), vec![Vec::new(); ways.len()]);
+    for _ in 0..ROUNDS {
+        of_naive.push(Times::of(|| (0..steps).for_each(|_| naive.step(DT))));
+        for ((way, simulation), times) in ways.iter().zip(&mut simulations).zip(&mut of_ways) {
+            times.push(timed(simulation, *way, pool, steps));
+        }
+    }
+    black_box(naive.height());
+    let of_naive: [Vec<f64>; 2] = [1, 2].map(|threads| of_naive.iter().map(|times| times.by(threads)).collect());
+    let row = |kernel, simd: &'static str, threads: usize, times: &[f64], hash| {
+        let nanos = 1e9 * median(times) / steps as f64;
+        let naive = &of_naive[usize::from(threads > 1)];
+        let Change { median, low, high } = Change::of(naive, times);
+        SpeedRow {
+            n,
+            kernel,
+            simd,
+            threads,
+            ns_per_link: nanos / links as f64,
+            ns_per_particle: nanos / particles as f64,
+            ratio_to_naive: 1.0 + median,
+            ratio_range: [1.0 + low, 1.0 + high],
+            fraction_of_peak: FLOPS_A_LINK * links as f64 / nanos / (peak_gflops * threads as f64),
+            hash,
+        }
+    };
+    let mut rows = vec![row("naive", SimdLevel::Portable.name(), 1, &of_naive[0], None)];
+    for ((way, simulation), times) in ways.iter().zip(&simulations).zip(of_ways) {
+        let times: Vec<f64> = times.iter().map(|times| times.by(way.threads)).collect();
+        let hash = format!("{:016x}", simulation.hash());
+        rows.push(row("exact", way.level.name(), way.threads, &times, Some(hash)));
+    }
+    rows
+}
+
+fn prepared(start: &Simulation<f32>, way: Way) -> Simulation<f32> {
+    let mut simulation = start.clone();
+    simulation.plan_mut().simd = way.level;
+    simulation.set_threads(way.threads);
+    simulation
+}
+
+fn timed(simulation: &mut Simulation<f32>, way: Way, pool: Option<&ThreadPool>, steps: usize) -> Times {
+    let mut work = || {
+        for _ in 0..steps {
+            black_box(simulation.step());
+        }
+    };
+    match pool.filter(|_| way.threads > 1) {
+        Some(pool) => Times::of(|| pool.install(work)),
+        None => Times::of(&mut work),
+    }
+}
+
+/// A link of a ring over a link of a full cube in a box of the same size, by one thread at the widest level.
+fn ring_over_cube(least_links: usize) -> Result<f64, ResolveError> {
+    let way = Way { level: SimdLevel::best(), threads: 1 };
+    let mut bodies = Vec::new();
+    for shape in [ring(), cube(RING_BOX.unsigned_abs())] {
+        let simulation = prepared(&free(shape)?, way);
+        let links: usize = simulation.model().link_counts().iter().sum();
+        bodies.push((simulation, links, Vec::new()));
+    }
+    for _ in 0..ROUNDS {
+        for (simulation, links, times) in &mut bodies {
+            let steps = least_links.div_ceil(*links);
+            times.push(timed(simulation, way, None, steps).processor / (steps * *links) as f64);
+        }
+    }
+    let [ring, cube] = [0, 1].map(|body| bodies[body].2.clone());
+    Ok(1.0 + Change::of(&ring, &cube).median)
+}
+
+/// GFLOP/s of one thread that does nothing but multiplications with additions: the most of some rounds.
+fn peak_gflops(level: SimdLevel) -> f64 {
+    const LOOPS: u64 = 2_000_000;
+    let secs = (0..ROUNDS).map(|_| {
+        Times::of(|| {
+            black_box(roof::multiply_adds(level, LOOPS));
+        })
+        .processor
+    });
+    (roof::FLOPS_A_ROUND * LOOPS) as f64 / secs.fold(f64::INFINITY, f64::min) / 1e9
+}
+
+/// From the fastest rows, with the time a particle between two sizes taken from the smaller one.
+fn largest_real_time_n(rows: &[SpeedRow]) -> u32 {
+    let fastest = |n: u32| {
+        let sizes = rows.iter().filter(|row| row.kernel == "exact" && row.n <= n);
+        let size = sizes.map(|row| row.n).max().or_else(|| rows.iter().map(|row| row.n).min())?;
+        rows.iter().filter(|row| row.kernel == "exact" && row.n == size).map(|row| row.ns_per_particle).reduce(f64::min)
+    };
+    let is_real_time = |n: &u32| fastest(*n).is_some_and(|nanos| f64::from(*n).powi(3) * nanos <= 1e9 * REAL_STEP_SECS);
+    (2..1000).take_while(is_real_time).last().unwrap_or(0)
+}
+
+fn cube(cells: u32) -> Shape {
+    Shape::Cube(CubeShape { cells, size: 1.0 })
+}
+
+/// A torus that fills a tenth of its box.
+fn ring() -> Shape {
+    let middle = 0.5 * f64::from(RING_BOX - 1);
+    let (around, thick) = (0.325 * f64::from(RING_BOX), 0.16 * f64::from(RING_BOX));
+    let inside = |cell: &[i32; 3]| {
+        let [x, y, z] = cell.map(|at| f64::from(at) - middle);
+        ((x * x + y * y).sqrt() - around).hypot(z) < thick
+    };
+    let all = (0..RING_BOX).flat_map(|z| (0..RING_BOX).flat_map(move |y| (0..RING_BOX).map(move |x| [x, y, z])));
+    Shape::Cells(CellsShape { list: all.filter(inside).collect(), size: 1.0 / f64::from(RING_BOX) })
+}
+
+/// A body alone in space that moves.
+fn free(shape: Shape) -> Result<Simulation<f32>, ResolveError> {
+    let body = Body { shape, velocity: [0.1, 0.0, 0.0], ..Body::default() };
+    let mut scene = Scene { bodies: vec![body], ..Scene::default() };
+    (scene.settings.dt, scene.settings.stepping) = (f64::from(DT), Stepping::Manual);
+    scene.settings.sleeping = false;
+    let lattice = resolve(&scene.bodies[0].shape, Path::new("."), &())?.lattice;
+    Ok(Simulation::new(&scene, &[lattice]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(n: u32, threads: usize, hash: &str) -> SpeedRow {
+        SpeedRow {
+            n,
+            kernel: "exact",
+            simd: "portable",
+            threads,
+            ns_per_link: 1.0,
+            ns_per_particle: 15.0,
+            ratio_to_naive: 9.0,
+            ratio_range: [8.5, 9.5],
+            fraction_of_peak: 0.1,
+            hash: Some(hash.into()),
+        }
+    }
+
+    fn figures(rows: Vec<SpeedRow>) -> SpeedFigures {
+        SpeedFigures { rows, peak_gflops_fma: 100.0, largest_real_time_n: 40, ring_over_cube: None, scenes: Vec::new() }
+    }
+
+    #[test]
+    fn other_bits_by_two_threads_are_a_defect() {
+        assert_eq!(figures(vec![row(10, 1, "a"), row(20, 1, "b"), row(20, 2, "b")]).defect(), None);
+        let wrong = figures(vec![row(10, 1, "a"), row(10, 2, "b")]).defect();
+        assert_eq!(wrong.as_deref(), Some("portable by 2 threads gives other bits than portable by 1 threads"));
+    }
+
+    #[test]
+    fn the_naive_loop_moves_a_body_as_the_core_does() {
+        let mut simulation = free(cube(3)).expect("a cube");
+        let mut naive = Naive::new(&simulation);
+        let before = naive.height();
+        for _ in 0..2000 {
+            simulation.step();
+            naive.step(DT);
+        }
+        let fall = naive.height() - before;
+        assert!((naive.height() - simulation.diagnostics().center.y).abs() < 0.01 * fall.abs(), "{fall} m");
+    }
+
+    #[test]
+    fn a_ring_fills_a_tenth_of_its_box() {
+        let Shape::Cells(cells) = ring() else { panic!("a list of cells") };
+        let share = cells.list.len() as f64 / f64::from(RING_BOX).powi(3);
+        assert!((0.09..0.18).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn the_largest_cube_in_real_time_follows_from_the_time_a_particle() {
+        // 15 ns a particle: 66 666 particles in 1 ms.
+        assert_eq!(largest_real_time_n(&[row(10, 1, "a"), row(20, 1, "a")]), 40);
+    }
+}

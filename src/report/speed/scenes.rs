@@ -1,0 +1,84 @@
+//! Scenes beside real time: from their start, as somebody sees them who opens them.
+
+use std::path::Path;
+use std::time::Instant;
+
+use rayon::ThreadPool;
+use serde::Serialize;
+
+use crate::physics::Simulation;
+use crate::scene::resolve::{ResolveError, resolve};
+use crate::scene::{Scene, presets};
+
+/// Simulated time at most, s: whoever is at rest after it costs nothing.
+const LONGEST_SECS: f64 = 1.5;
+
+/// How fast a scene is.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
+pub struct SceneSpeed {
+    pub scene: &'static str,
+    pub particles: usize,
+    pub threads: usize,
+    pub simulated_secs: f64,
+    pub real_time_factor: f64,
+}
+
+/// Runs scenes for some time of the wall clock each, by one thread and by all.
+pub(super) fn measure(
+    wall_secs: f64,
+    threads: usize,
+    pool: Option<&ThreadPool>,
+) -> Result<Vec<SceneSpeed>, ResolveError> {
+    let mut speeds = Vec::new();
+    for (name, scene) in scenes() {
+        let mut lattices = Vec::new();
+        for body in &scene.bodies {
+            lattices.push(resolve(&body.shape, Path::new("."), &())?.lattice);
+        }
+        let start = Simulation::<f32>::new(&scene, &lattices);
+        speeds.push(speed(name, start.clone(), 1, None, wall_secs));
+        if let Some(pool) = pool.filter(|_| threads > 1) {
+            speeds.push(speed(name, start, threads, Some(pool), wall_secs));
+        }
+    }
+    Ok(speeds)
+}
+
+fn speed(
+    scene: &'static str,
+    mut simulation: Simulation<f32>,
+    threads: usize,
+    pool: Option<&ThreadPool>,
+    wall_secs: f64,
+) -> SceneSpeed {
+    simulation.set_threads(threads);
+    let start_secs = simulation.state().time_secs;
+    let passed = |simulation: &Simulation<f32>| simulation.state().time_secs - start_secs;
+    let begin = Instant::now();
+    let mut run = || {
+        while begin.elapsed().as_secs_f64() < wall_secs && passed(&simulation) < LONGEST_SECS {
+            simulation.step();
+        }
+    };
+    match pool {
+        Some(pool) => pool.install(run),
+        None => run(),
+    }
+    let (wall, simulated_secs) = (begin.elapsed().as_secs_f64(), passed(&simulation));
+    let particles = simulation.model().particle_count();
+    SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor: simulated_secs / wall }
+}
+
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let preset = |name| presets::preset(name).map(|preset| (name, (preset.build)()));
+    let mut scenes: Vec<_> =
+        ["cube-on-plane", "spot", "coupler-20", "coupler-40"].into_iter().filter_map(preset).collect();
+    if let Some((_, mut scene)) = preset("cube-on-plane") {
+        let mut other = scene.bodies[0].clone();
+        (scene.bodies[0].pose.position[0], other.pose.position[0]) = (-1.0, 1.0);
+        scene.bodies.push(other);
+        scenes.push(("two cubes on the ground", scene));
+    }
+    scenes
+}
