@@ -52,8 +52,8 @@ impl StepSettings {
 
 impl LoadShare {
     /// The load of a family's constants.
-    pub(super) fn of(&self, constants: Spring) -> f64 {
-        self.stiffness * constants.stiffness + self.damping * constants.damping
+    pub(super) fn of(&self, family: Family, constants: Spring) -> f64 {
+        self.stiffness * constants.stiffness + self.damping[family as usize] * constants.damping
     }
 }
 
@@ -134,7 +134,7 @@ fn loads(step: StepSettings, contact: ContactLoad) -> Vec<Load> {
             shares.into_iter().map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect()
         }
         None if contact.now() > 0.0 => {
-            let links = LoadShare { stiffness: 0.0, damping: 0.0 };
+            let links = LoadShare { stiffness: 0.0, damping: [0.0; 3] };
             vec![Load { links, contact_secs2: step.margin().contact_secs2(step.dt_secs), contact }]
         }
         None => Vec::new(),
@@ -180,11 +180,12 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load]) -> Vec<SafeVal
     let loads = |share: &LoadShare| {
         Family::ALL.map(|family| {
             let constants = springs.family(family);
-            let load = scale * share.of(constants);
+            let load = scale * share.of(family, constants);
             if has_links[family as usize] { load } else { 0.0 }
         })
     };
-    let [of_stiffness, of_damping]: [fn(&LoadShare) -> f64; 2] = [|share| share.stiffness, |share| share.damping];
+    let [of_stiffness, of_damping]: [fn(&LoadShare, Family) -> f64; 2] =
+        [|share, _| share.stiffness, |share, family| share.damping[family as usize]];
     let mut bounds = Vec::new();
     for family in Family::ALL {
         let constants = springs.family(family);
@@ -193,7 +194,7 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load]) -> Vec<SafeVal
         for (value, now, factor) in [stiffness, damping] {
             let bound = |load: &Load| {
                 let (share, limit) = (&load.links, load.limit());
-                let factor = factor(share) * scale;
+                let factor = factor(share, family) * scale;
                 let mut rest = loads(share);
                 rest[family as usize] -= factor * now;
                 if factor > 0.0 {
@@ -289,10 +290,11 @@ fn of_solid<R: Real>(solid: &Solid, inlays: &[Inlay], model: &BodyModel<R>, all:
     let others = inlay_loads(solid, inlays, lattice);
     for load in all {
         let (share, limit) = (&load.links, load.limit());
-        if share.stiffness * others.stiffness + share.damping * others.damping > limit {
+        let of_damping = share.damping_of_cells();
+        if share.stiffness * others.stiffness + of_damping * others.damping > limit {
             (times, times_lighter, damping_ratio) = (0.0, 0.0, 0.0);
         }
-        let (stiff, damped) = (share.stiffness * loads.stiffness, share.damping * loads.damping);
+        let (stiff, damped) = (share.stiffness * loads.stiffness, of_damping * loads.damping);
         // How many times E, and how many times 1/ρ, may be what they are.
         times = times.min(times_within(stiff, damped, limit));
         let by_following = times_within(stiff, damped, load.limit_of_following());
@@ -301,8 +303,8 @@ fn of_solid<R: Real>(solid: &Solid, inlays: &[Inlay], model: &BodyModel<R>, all:
         let room = limit - stiff;
         if room < 0.0 {
             damping_ratio = 0.0;
-        } else if share.damping > 0.0 {
-            damping_ratio = damping_ratio.min(room / (share.damping * critical.damping));
+        } else if of_damping > 0.0 {
+            damping_ratio = damping_ratio.min(room / (of_damping * critical.damping));
         }
     }
     [

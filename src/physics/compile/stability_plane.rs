@@ -146,8 +146,8 @@ impl StabilityPlane {
     /// limits; none where everything is stable.
     pub fn ends(&self) -> Option<Place> {
         let (load, shares) = (self.values.largest_load(), self.shares.as_deref()?);
-        let of = |of: fn(&LoadShare) -> f64| shares.iter().map(of).fold(0.0, f64::max) * load;
-        let (stiffness, damping) = (of(|share| share.stiffness), of(|share| share.damping));
+        let of = |of: &dyn Fn(&LoadShare) -> f64| shares.iter().map(of).fold(0.0, f64::max) * load;
+        let (stiffness, damping) = (of(&|share| share.stiffness), of(&|share| self.values.damping_share(share)));
         (stiffness > 0.0 && damping > 0.0)
             .then(|| Place { damping: LATTICE_LIMIT / damping, stiffness: LATTICE_LIMIT / stiffness })
     }
@@ -166,7 +166,7 @@ impl Values {
         for family in Family::ALL.into_iter().filter(|family| has_links[*family as usize]) {
             let alone = |share: &LoadShare| {
                 let mut constants = [0.0; 3];
-                constants[family as usize] = per_value * share.of(springs.family(family));
+                constants[family as usize] = per_value * share.of(family, springs.family(family));
                 largest(&waves().tensors, constants)
             };
             let load = shares.iter().map(alone).fold(0.0, f64::max);
@@ -195,7 +195,7 @@ impl Values {
         match self {
             Self::Springs { family, .. } => {
                 let mut rest = self.spring_loads(share);
-                rest[*family as usize] = share.damping * damping;
+                rest[*family as usize] = self.damping_share(&share) * damping;
                 let stays = share.stiffness == 0.0 && largest(&waves().tensors, rest) <= LATTICE_LIMIT;
                 if stays {
                     return f64::INFINITY;
@@ -204,8 +204,9 @@ impl Values {
                 if share.stiffness > 0.0 { room / share.stiffness } else { 0.0 }
             }
             Self::Solid { load, others, .. } => {
-                let room = LATTICE_LIMIT - share.damping * load * damping;
-                if room < 0.0 || share.stiffness * others.stiffness + share.damping * others.damping > LATTICE_LIMIT {
+                let of_damping = self.damping_share(&share);
+                let room = LATTICE_LIMIT - of_damping * load * damping;
+                if room < 0.0 || share.stiffness * others.stiffness + of_damping * others.damping > LATTICE_LIMIT {
                     0.0
                 } else if share.stiffness > 0.0 {
                     room / (share.stiffness * load)
@@ -216,22 +217,29 @@ impl Values {
         }
     }
 
+    /// Of the damping that the plane is over, s.
+    fn damping_share(&self, share: &LoadShare) -> f64 {
+        match self {
+            Self::Springs { family, .. } => share.damping[*family as usize],
+            Self::Solid { .. } => share.damping_of_cells(),
+        }
+    }
+
     /// What the families of springs add to the load at present.
     fn spring_loads(&self, share: LoadShare) -> [f64; 3] {
         let Self::Springs { springs, has_links, per_value, .. } = self else { return [0.0; 3] };
-        Family::ALL.map(
-            |family| {
-                if has_links[family as usize] { per_value * share.of(springs.family(family)) } else { 0.0 }
-            },
-        )
+        Family::ALL.map(|family| {
+            if has_links[family as usize] { per_value * share.of(family, springs.family(family)) } else { 0.0 }
+        })
     }
 
     fn load(&self, share: LoadShare) -> f64 {
         match self {
             Self::Springs { .. } => largest(&waves().tensors, self.spring_loads(share)),
             Self::Solid { place, load, others, .. } => {
-                let own = load * (share.stiffness * place.stiffness + share.damping * place.damping);
-                own.max(share.stiffness * others.stiffness + share.damping * others.damping)
+                let of_damping = self.damping_share(&share);
+                let own = load * (share.stiffness * place.stiffness + of_damping * place.damping);
+                own.max(share.stiffness * others.stiffness + of_damping * others.damping)
             }
         }
     }

@@ -29,7 +29,7 @@ pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, scheme: Scheme, dt_se
     let is_bearable = |parts: u32| {
         let shares = load_shares(scheme, dt_secs / (SHARE * f64::from(parts)), Margin::NONE);
         shares.iter().flatten().all(|share| {
-            let bearable = |[k, d]: &[f64; 2]| k * share.stiffness + d * share.damping <= LATTICE_LIMIT;
+            let bearable = |[k, d]: &[f64; 2]| k * share.stiffness + d * share.damping_of_cells() <= LATTICE_LIMIT;
             loads.iter().all(bearable)
         })
     };

@@ -14,8 +14,9 @@
 //!
 //! Removing links only lowers the quadratic form, so the bound holds for every subset of cells with the same mass
 //! per particle, whatever its size. It is a bound at rest. Bodies whose particles are misplaced by a cell were seen to
-//! blow up from about 0.58 of it where stiffness limits them, and from 1.0 where damping does: hence a margin of its own
-//! for each. What is torn or crumpled further is taken in parts.
+//! blow up from about 0.58 of it where stiffness limits them, and from 1.0 where the damping of all families does; without
+//! that of shear links a body folds freely, structural links line up along its creases, and it blows up from 0.7: hence a
+//! margin of its own for stiffness and for the damping of each family. What is torn or crumpled further is taken in parts.
 //!
 //! Verlet with its predicted damping velocity counts the damping twice; RK4 has a region of stability of its own; the
 //! implicit scheme has no limit but that of the thesis's explicit contact.
@@ -23,8 +24,14 @@
 pub(in crate::physics) mod any_state;
 pub(in crate::physics) mod cells;
 pub(in crate::physics) mod lattice;
+pub(in crate::physics) mod load;
 
 use glam::{DMat3, DVec3};
+
+pub use load::SAFETY;
+pub(in crate::physics) use load::{LATTICE_LIMIT, LoadShare, Margin, load_shares};
+
+use load::{Region, damped_limit, undamped_limit};
 
 use super::model::{BodyModel, Model};
 use crate::geometry::Family;
@@ -32,113 +39,8 @@ use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::model::{ContactRule, Scheme};
 
-/// The share of the step bounded at rest by stiffness alone that automatic stepping takes, which covers crumpled bodies.
-pub const SAFETY: f64 = 0.55;
-
-/// The same of a step of semi-implicit Euler that damping alone bounds: a link resists along itself with no more than its
-/// damping however long it is. Not of Verlet's, which predicts the velocity from how the links pointed before.
-pub(super) const DAMPING_SAFETY: f64 = 0.9;
-
-/// The largest eigenvalue of `M⁻¹ (dt² K + 2 dt C)` with which motion stays bounded.
-pub(super) const LATTICE_LIMIT: f64 = 4.0;
-
-/// The share of [`SAFETY`] that is left to RK4 where bodies meet obstacles. A particle in contact moves with the velocity
-/// that the forces at the start of the substep predict while those around it go through four stages; near RK4's own limit
-/// the two are far apart and the highest vibrations grow, slowly, as long as the contact lasts. Of the random extreme
-/// scenes that are stepped so, four in some 1300 gained with a share of 0.6 and none with 0.45.
-const RK4_CONTACT_SHARE: f64 = 0.4;
-
 /// Wave numbers 0, π/8 … π along each axis: the extremes of the stencil lie on this grid.
 const WAVES: usize = 9;
-
-/// Where in the complex plane dt times an eigenvalue of the motion may lie, by scheme.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Region {
-    /// The leapfrog family: `dt² ω² + 2 s dt c < 4` with a share s of the damping, 1 for semi-implicit Euler and 2 where
-    /// the velocity of the damping is predicted.
-    Leapfrog(f64),
-    /// Half a disc of this radius. An eigenvalue is no larger than the larger of ω and c, whichever way damping and
-    /// stiffness mix.
-    HalfDisc(f64),
-    /// Everything: links are part of the equations that are solved.
-    Everywhere,
-}
-
-impl Region {
-    fn of(scheme: Scheme) -> Self {
-        match scheme {
-            Scheme::SemiImplicit => Self::Leapfrog(1.0),
-            Scheme::Verlet => Self::Leapfrog(2.0),
-            // Largest half disc within |1 + z + z²/2 + z³/6 + z⁴/24| ≤ 1, whose ends are 2.828 i and −2.785.
-            Scheme::Rk4 => Self::HalfDisc(2.61),
-            // Beyond −2 both blow up for certain; below, undamped vibrations still grow, slowly.
-            Scheme::Explicit | Scheme::Rk2 => Self::HalfDisc(2.0),
-            Scheme::Implicit => Self::Everywhere,
-        }
-    }
-}
-
-/// How much of the stiffness (1/s²) and of the damping (1/s) of a vibration adds to its load, which stays bounded up to
-/// [`LATTICE_LIMIT`].
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LoadShare {
-    /// s².
-    pub(super) stiffness: f64,
-    /// s.
-    pub(super) damping: f64,
-}
-
-impl LoadShare {
-    /// For steps of `dt` (s) of the default scheme, semi-implicit Euler.
-    pub(super) fn of_default(dt: f64) -> Self {
-        Self { stiffness: dt * dt, damping: 2.0 * dt }
-    }
-}
-
-/// The shares of the step bounded at rest that automatic stepping takes: where stiffness bounds it, and where damping
-/// does. Where both do, each adds to the load as if the step were longer by its own.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Margin {
-    stiffness: f64,
-    damping: f64,
-}
-
-impl Margin {
-    /// All of the bound.
-    pub(super) const NONE: Self = Self { stiffness: 1.0, damping: 1.0 };
-
-    /// What a scheme keeps, among obstacles or not.
-    pub(super) fn of(scheme: Scheme, among_obstacles: bool) -> Self {
-        let alike = |share: f64| Self { stiffness: share, damping: share };
-        match scheme {
-            Scheme::SemiImplicit => Self { stiffness: SAFETY, damping: DAMPING_SAFETY },
-            Scheme::Rk4 if among_obstacles => alike(RK4_CONTACT_SHARE * SAFETY),
-            _ => alike(SAFETY),
-        }
-    }
-
-    /// The load of contact's stiffness (1/s²) in a step of `dt` (s) that nothing else limits, over that stiffness.
-    pub(super) fn contact_secs2(self, dt: f64) -> f64 {
-        let longer = dt / self.stiffness;
-        longer * longer
-    }
-}
-
-/// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme with a margin; none where links do
-/// not limit it.
-pub(super) fn load_shares(scheme: Scheme, dt: f64, margin: Margin) -> Option<Vec<LoadShare>> {
-    let [of_stiffness, of_damping] = [margin.stiffness, margin.damping].map(|share| dt / share);
-    match Region::of(scheme) {
-        Region::Leapfrog(share) => {
-            Some(vec![LoadShare { stiffness: of_stiffness * of_stiffness, damping: 2.0 * share * of_damping }])
-        }
-        Region::HalfDisc(radius) => Some(vec![
-            LoadShare { stiffness: LATTICE_LIMIT * (of_stiffness / radius) * (of_stiffness / radius), damping: 0.0 },
-            LoadShare { stiffness: 0.0, damping: LATTICE_LIMIT * of_damping / radius },
-        ]),
-        Region::Everywhere => None,
-    }
-}
 
 /// What can limit a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -323,46 +225,21 @@ fn body_limits<R: Real>(
         terms.push((Term::Damping(family), region.damped_limit(damped)));
     }
     terms.push((Term::Contact, region.contact_limit(contact)));
-    let [dt_limit_secs, dt_safe_secs] = [Margin::NONE, margin].map(|margin| match region {
-        Region::Leapfrog(share) => {
-            let [k, d] = [1.0 / (margin.stiffness * margin.stiffness), share / margin.damping];
-            combined_limit(waves, stiffness.map(|of| of * k), damping.map(|of| of * d), contact * k)
+    let [dt_limit_secs, dt_safe_secs] = [Margin::NONE, margin].map(|margin| {
+        let damping = std::array::from_fn(|family| damping[family] / margin.damping[family]);
+        match region {
+            Region::Leapfrog(share) => {
+                let k = 1.0 / (margin.stiffness * margin.stiffness);
+                combined_limit(waves, stiffness.map(|of| of * k), damping.map(|of| share * of), contact * k)
+            }
+            Region::HalfDisc(_) => smaller(
+                region.undamped_limit(largest(waves, stiffness) + contact).map(|limit| limit * margin.stiffness),
+                region.damped_limit(largest(waves, damping)),
+            ),
+            Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
         }
-        Region::HalfDisc(_) => smaller(
-            region.undamped_limit(largest(waves, stiffness) + contact).map(|limit| limit * margin.stiffness),
-            region.damped_limit(largest(waves, damping)).map(|limit| limit * margin.damping),
-        ),
-        Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
     });
     SceneLimits { terms, dt_limit_secs, dt_safe_secs }
-}
-
-impl Region {
-    /// The largest step for a vibration with `ω² = λ`.
-    fn undamped_limit(self, lambda: f64) -> Option<f64> {
-        match self {
-            Self::Leapfrog(_) => undamped_limit(lambda),
-            Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda.sqrt()),
-            Self::Everywhere => None,
-        }
-    }
-
-    /// The largest step for the thesis's explicit contact, which is as a spring is.
-    fn contact_limit(self, lambda: f64) -> Option<f64> {
-        match self {
-            Self::Everywhere => undamped_limit(lambda),
-            Self::Leapfrog(_) | Self::HalfDisc(_) => self.undamped_limit(lambda),
-        }
-    }
-
-    /// The largest step for damping with `c = λ`.
-    fn damped_limit(self, lambda: f64) -> Option<f64> {
-        match self {
-            Self::Leapfrog(share) => damped_limit(share * lambda),
-            Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda),
-            Self::Everywhere => None,
-        }
-    }
 }
 
 /// Of a body of cells that share out their links. Its bending links have no force.
@@ -375,28 +252,20 @@ fn cell_limits(loads: &CellLoads, contact: f64, region: Region, margin: Margin) 
     }
     terms.push((Term::Contact, region.contact_limit(contact)));
     let stiffness = loads.stiffness + contact;
-    let [dt_limit_secs, dt_safe_secs] = [Margin::NONE, margin].map(|margin| match region {
-        Region::Leapfrog(share) => CellLoads::dt_limit_secs(
-            stiffness / (margin.stiffness * margin.stiffness),
-            share * loads.damping / margin.damping,
-        ),
-        Region::HalfDisc(_) => smaller(
-            region.undamped_limit(stiffness).map(|limit| limit * margin.stiffness),
-            region.damped_limit(loads.damping).map(|limit| limit * margin.damping),
-        ),
-        Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
+    let [dt_limit_secs, dt_safe_secs] = [Margin::NONE, margin].map(|margin| {
+        let damping = loads.damping / margin.damping[Family::Structural as usize];
+        match region {
+            Region::Leapfrog(share) => {
+                CellLoads::dt_limit_secs(stiffness / (margin.stiffness * margin.stiffness), share * damping)
+            }
+            Region::HalfDisc(_) => smaller(
+                region.undamped_limit(stiffness).map(|limit| limit * margin.stiffness),
+                region.damped_limit(damping),
+            ),
+            Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
+        }
     });
     SceneLimits { terms, dt_limit_secs, dt_safe_secs }
-}
-
-/// `dt² λ ≤ 4`.
-fn undamped_limit(lambda: f64) -> Option<f64> {
-    (lambda > 0.0).then(|| 2.0 / lambda.sqrt())
-}
-
-/// `2 dt λ ≤ 4`.
-fn damped_limit(lambda: f64) -> Option<f64> {
-    (lambda > 0.0).then(|| 2.0 / lambda)
 }
 
 /// The largest dt with `λ_max(dt² K + 2 dt C) + dt² contact ≤ 4`, by bisection on a function that grows with dt.
