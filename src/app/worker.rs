@@ -22,6 +22,7 @@ use crate::math::FRAME;
 use crate::session::document::Opened;
 use crate::session::hold::Hold;
 use crate::session::progress::Progress;
+use crate::session::threads::within_pool;
 use crate::session::{Command, Session, SessionError};
 
 /// What a worker runs: a [`Session`], or something simpler in a test.
@@ -124,18 +125,20 @@ impl Worker {
         let (published, stopped, held) = (Arc::clone(&slot), Arc::clone(&stop), Arc::clone(&hold));
         let (opens, first) = (Arc::clone(&opening), opening.begin());
         std::thread::spawn(move || {
-            let mut publisher = Publisher::new(published, wake);
-            let outcome = catch_unwind(AssertUnwindSafe(|| {
-                let made = make(&first);
-                opens.end(&first);
-                match made {
-                    Ok(sandbox) => Loop::new(sandbox, &received, &mut publisher, &stopped, &held, &opens).run(),
-                    Err(error) => publisher.end(Ended::NotStarted(error)),
+            within_pool(move || {
+                let mut publisher = Publisher::new(published, wake);
+                let outcome = catch_unwind(AssertUnwindSafe(|| {
+                    let made = make(&first);
+                    opens.end(&first);
+                    match made {
+                        Ok(sandbox) => Loop::new(sandbox, &received, &mut publisher, &stopped, &held, &opens).run(),
+                        Err(error) => publisher.end(Ended::NotStarted(error)),
+                    }
+                }));
+                if let Err(panic) = outcome {
+                    publisher.end(Ended::Panicked(panic_text(panic.as_ref())));
                 }
-            }));
-            if let Err(panic) = outcome {
-                publisher.end(Ended::Panicked(panic_text(panic.as_ref())));
-            }
+            });
         });
         Self { orders, stop, hold, slot, opening }
     }
@@ -170,7 +173,7 @@ impl Worker {
         self.hold.let_go();
     }
 
-    /// Processor time that the thread has taken, up to its last few steps.
+    /// Processor time that the thread and those that take steps with it have taken, up to its last few steps.
     pub fn spent(&self) -> Duration {
         self.slot.spent()
     }

@@ -113,6 +113,7 @@ fn window(scene: Option<OsString>, changes: &scene_args::Changes) -> Result<(), 
         return Err(failure);
     }
     changes.start_threads()?;
+    changes.share_steps_with_window();
     let opened = changes.open(&scene.unwrap_or_else(|| crate::scene::presets::DEFAULT.into()))?;
     Ok(crate::app::run(opened)?)
 }

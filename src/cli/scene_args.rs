@@ -16,7 +16,7 @@ use crate::scene::{Scene, Shape, path, presets};
 use crate::session::Session;
 use crate::session::document::{Opened, differs, is_scene_path};
 use crate::session::run::{choose_simd_level, simd_levels};
-use crate::session::threads::choose_threads;
+use crate::session::threads::{choose_threads, choose_threads_beside_window};
 use crate::text::{echo, echo_path};
 
 /// The scene and what is set on it.
@@ -53,8 +53,9 @@ pub(super) struct Changes {
     /// The most memory that the scene may need, GB; without it, what the machine has free.
     #[arg(long, value_name = "GB", allow_negative_numbers = true, value_parser = gigabytes)]
     memory: Option<f64>,
-    /// Threads that fill models with cells, take runs side by side, and with run and render the steps of a simulation; 0
-    /// takes all cores. A body that is not worth so many is left to fewer. The results are the same with any number.
+    /// Threads that fill models with cells, take runs side by side, and with run, render and the window the steps of a
+    /// simulation; 0 takes all cores, but for two that a window leaves to what is drawn. A body that is not worth so many is
+    /// left to fewer. The results are the same with any number.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
     /// The vector instructions that work out forces; auto takes the widest that the machine has. The results are the
@@ -180,6 +181,12 @@ impl Changes {
         }
         choose_simd(&self.simd)?;
         start_threads(self.threads)
+    }
+
+    /// Has simulations of the process take their steps by as many threads while a window is drawn beside them.
+    pub(super) fn share_steps_with_window(&self) {
+        let chosen = choose_threads_beside_window(usize::from(self.threads));
+        debug_assert!(chosen, "chosen once, before anything is simulated");
     }
 
     /// Has simulations of the process take their steps by as many threads, where nothing else is at work beside them.

@@ -5,11 +5,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use cpu_time::ThreadTime;
 use thiserror::Error;
 
 use crate::math::FRAME;
 use crate::scene::Scene;
+use crate::session::threads::spent;
 use crate::session::{Session, SessionError, Status};
 use crate::view::DrawList;
 
@@ -73,7 +73,7 @@ pub enum Ended {
 #[derive(Debug, Default)]
 pub(super) struct Slot {
     newest: Mutex<Newest>,
-    /// Processor time the thread has taken, ns.
+    /// Processor time the thread and those that take steps with it have taken, ns.
     spent: AtomicU64,
 }
 
@@ -94,7 +94,7 @@ impl Slot {
         self.newest().ended.take()
     }
 
-    /// Processor time that the thread has taken.
+    /// Processor time that the thread and those that take steps with it have taken.
     pub(super) fn spent(&self) -> Duration {
         Duration::from_nanos(self.spent.load(Ordering::Relaxed))
     }
@@ -171,7 +171,7 @@ impl<W: Fn()> Publisher<W> {
 
     /// Publishes the sandbox where it looks different and that is due.
     pub(super) fn publish_if_due(&mut self, sandbox: &mut impl Observed, time: Time, answers: &Answers) {
-        let spent = ThreadTime::now().as_duration().as_nanos();
+        let spent = spent().as_nanos();
         self.slot.spent.store(u64::try_from(spent).unwrap_or(u64::MAX), Ordering::Relaxed);
         let is_due = match time {
             Time::Stands => self.touched,
