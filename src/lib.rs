@@ -66,7 +66,7 @@
 //! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; what explains them (links, contacts, boxes) → overlays |
 //! | `render` | math, view | wgpu: draws a draw list to a window's surface or an image; has never heard of a spring |
 //! | [`report`] | math, geometry, scene, physics | measures and explains: how exact a scheme is for its time and a body for its cells, what a scene costs and does not need, how fast a step is, how far steps may go, whether extreme scenes stay whole, how another engine does |
-//! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no thread, no window |
+//! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no window |
 //! | [`export`] | math, disk, geometry, view | pictures to files |
 //! | `cli` | all but physics | the command line; opens the window |
 //! | `app` | all but geometry, physics, report and cli | winit and egui: the window, its panels, the thread the session runs on |
@@ -128,7 +128,8 @@
 //! physics/stepping/mod.rs         advance         part by part
 //! physics/step/mod.rs             substep         the stages of a part
 //! physics/forces/mod.rs           evaluate        all forces
-//! physics/kernels/sweep.rs        add_forces      those of links, by each thread its piece of a body
+//! physics/forces/boxed.rs         add             those of links, of a thread's shares
+//! physics/kernels/sweep.rs        add_forces      piece by piece
 //! physics/schemes/stepper.rs      predict         forces → velocities, which move the particles
 //! app/worker/publish.rs           publish         what leaves the thread, once a frame
 //! session/draw.rs                 draw_list       particles → DrawList

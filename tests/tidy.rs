@@ -80,7 +80,7 @@ const EMPTY_NAMES: [&str; 8] = ["data", "manager", "handler", "helper", "helpers
 const LONGEST_FILE: usize = 500;
 
 /// A walk from one end of the program to the other enters at most so many files.
-const LONGEST_WALK: usize = 19;
+const LONGEST_WALK: usize = 20;
 
 /// A source file: its path from the root with forward slashes, and its text.
 struct Source {

@@ -15,6 +15,7 @@
 //! stepping     how a step is divided in time, and has its parts taken
 //! step         a part: its stages, one function each, in the order of GC Algorithm 1
 //! forces       gravity, links, recovery from inversion
+//! share, team  who works out what: bodies cut into shares of as much work, shared out among the threads of a pool
 //! kernels      many at a time: the forces of links again, which those of `forces` are the oracle of; boxes around vectors
 //! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
 //! contact      obstacles: where they are, who meets them, what they do to velocities
