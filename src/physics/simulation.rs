@@ -17,6 +17,7 @@ use crate::math::Real;
 use crate::physics::forces::recovery;
 use crate::physics::model::plan::Plan;
 use crate::physics::observe::diagnostics::Diagnostics;
+use crate::physics::share;
 use crate::physics::state::hash::state_hash;
 use crate::physics::state::sleep;
 
@@ -196,6 +197,11 @@ impl<R: Real> Simulation<R> {
     /// The plan, to switch a stage off and compare.
     pub fn plan_mut(&mut self) -> &mut Plan {
         &mut self.plan
+    }
+
+    /// How many of some threads the bodies are worth: what plans have.
+    pub fn threads_worth(&self, threads: usize) -> usize {
+        share::fitting(&self.model, threads)
     }
 
     /// Has so many threads of the pool that steps are asked for in take them, to the same bits.

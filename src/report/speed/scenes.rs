@@ -24,7 +24,7 @@ pub struct SceneSpeed {
     pub real_time_factor: f64,
 }
 
-/// Runs scenes for some time of the wall clock each, by one thread and by all.
+/// Runs scenes for some time of the wall clock each, by one thread and by as many as they are worth.
 pub(super) fn measure(
     wall_secs: f64,
     threads: usize,
@@ -38,6 +38,7 @@ pub(super) fn measure(
         }
         let start = Simulation::<f32>::new(&scene, &lattices);
         speeds.push(speed(name, start.clone(), 1, None, wall_secs));
+        let threads = start.threads_worth(threads);
         if let Some(pool) = pool.filter(|_| threads > 1) {
             speeds.push(speed(name, start, threads, Some(pool), wall_secs));
         }
