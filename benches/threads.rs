@@ -7,6 +7,7 @@ use std::path::Path;
 use std::thread::available_parallelism;
 use std::time::Instant;
 
+use gelatin::machine::threads::kept_awake;
 use gelatin::physics::Simulation;
 use gelatin::scene::body::CubeShape;
 use gelatin::scene::presets::preset;
@@ -57,11 +58,13 @@ fn times(start: &Simulation<f32>, threads: &[usize]) -> Vec<Vec<f64>> {
     for _ in 0..ROUNDS {
         for (simulation, pool, times) in &mut runs {
             pool.install(|| {
-                let begin = Instant::now();
-                (0..substeps).for_each(|_| {
-                    simulation.substep(&mut ());
+                kept_awake(simulation.plan().threads, || {
+                    let begin = Instant::now();
+                    (0..substeps).for_each(|_| {
+                        simulation.substep(&mut ());
+                    });
+                    times.push(begin.elapsed().as_secs_f64() / substeps as f64);
                 });
-                times.push(begin.elapsed().as_secs_f64() / substeps as f64);
             });
         }
     }

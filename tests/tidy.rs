@@ -19,7 +19,7 @@ const LAYERS: [(&str, &[&str]); 15] = [
     ("view", &["math"]),
     ("extract", &["math", "geometry", "scene", "physics", "view"]),
     ("render", &["math", "view"]),
-    ("report", &["math", "geometry", "scene", "physics"]),
+    ("report", &["math", "machine", "geometry", "scene", "physics"]),
     ("session", &["math", "disk", "machine", "text", "geometry", "scene", "physics", "view", "extract", "report"]),
     ("export", &["math", "disk", "geometry", "view"]),
     // The command line opens the window, and so is the top of the program.
@@ -42,7 +42,18 @@ const PLACES: [(&str, &[&str]); 6] = [
     ("egui", &["src/app/"]),
     ("winit::", &["src/app/"]),
     ("Instant::now", &["src/app/", "src/session/", "src/report/", "src/cli/"]),
-    ("rayon", &["src/physics/team.rs", "src/geometry/", "src/report/", "src/session/", "src/cli/", "src/app/"]),
+    (
+        "rayon",
+        &[
+            "src/physics/team.rs",
+            "src/machine/threads.rs",
+            "src/geometry/",
+            "src/report/",
+            "src/session/",
+            "src/cli/",
+            "src/app/",
+        ],
+    ),
     // The one place where the command line writes.
     ("stdout()", &["src/cli/out.rs"]),
 ];

@@ -1,9 +1,10 @@
-//! What the machine has to give: memory. Asked before a scene is built, so that it is refused in words instead of the
-//! process being killed.
+//! What the machine has to give: memory, asked for before a scene is built, so that it is refused in words instead of the
+//! process being killed; and threads that are awake when there is work for them.
 
 mod free_memory;
 #[cfg(target_os = "linux")]
 mod linux;
+pub mod threads;
 
 use std::sync::OnceLock;
 

@@ -63,6 +63,7 @@ pub use status::{BodyStatus, SafeValue, Status};
 pub use trouble::Trouble;
 
 use crate::geometry::Watch;
+use crate::machine::threads::kept_awake;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
 use bodies::Bodies;
@@ -220,15 +221,17 @@ impl Session {
         let time_before = self.simulation.state().time_secs;
         let dt_secs = self.simulation.plan().dt_secs;
         self.clock.owe(wall.as_secs_f64(), self.speed);
-        while self.clock.owes(dt_secs) && begin.elapsed() < budget {
-            self.hold.wait();
-            if !self.substep() || self.report.stopped {
-                break;
+        kept_awake(self.simulation.plan().threads, || {
+            while self.clock.owes(dt_secs) && begin.elapsed() < budget {
+                self.hold.wait();
+                if !self.substep() || self.report.stopped {
+                    break;
+                }
+                if self.simulation.state().is_between_steps() {
+                    self.clock.pay(dt_secs);
+                }
             }
-            if self.simulation.state().is_between_steps() {
-                self.clock.pay(dt_secs);
-            }
-        }
+        });
         self.clock.note(Stretch {
             wall_secs: wall.as_secs_f64(),
             simulated_secs: self.simulation.state().time_secs - time_before,

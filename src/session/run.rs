@@ -8,6 +8,7 @@ use super::Session;
 use super::predict::slowed_words;
 use crate::geometry::Watch;
 use crate::machine::peak_memory;
+use crate::machine::threads::kept_awake;
 use crate::math::FRAME_SECS;
 use crate::physics::{Diagnostics, Energy, SimdLevel, Stage, StepReport};
 use crate::report::timer::WallTimer;
@@ -146,29 +147,31 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
     let dt_secs = session.simulation.plan().dt_secs;
     let steps = whole_steps(seconds, dt_secs);
     let mut next_sample = SAMPLE_SECS;
-    for step in 0..steps {
-        loop {
-            report.add(&session.simulation.substep(&mut timer));
-            let state = session.simulation.state();
-            if report.diverged || watch.cancelled() || state.is_between_steps() {
+    kept_awake(session.simulation.plan().threads, || {
+        for step in 0..steps {
+            loop {
+                report.add(&session.simulation.substep(&mut timer));
+                let state = session.simulation.state();
+                if report.diverged || watch.cancelled() || state.is_between_steps() {
+                    break;
+                }
+                // A step of thousands of substeps takes long: whoever waits sees it move and may stop it.
+                watch.progress((state.time_secs - time_at_start) / seconds);
+            }
+            if report.diverged || watch.cancelled() {
                 break;
             }
-            // A step of thousands of substeps takes long: whoever waits sees it move and may stop it.
-            watch.progress((state.time_secs - time_at_start) / seconds);
-        }
-        if report.diverged || watch.cancelled() {
-            break;
-        }
-        let elapsed = session.simulation.state().time_secs - time_at_start;
-        if elapsed >= next_sample {
-            // What sleeps has no new extremes.
-            if !session.simulation.is_asleep() {
-                peak.include(&session.simulation.diagnostics());
+            let elapsed = session.simulation.state().time_secs - time_at_start;
+            if elapsed >= next_sample {
+                // What sleeps has no new extremes.
+                if !session.simulation.is_asleep() {
+                    peak.include(&session.simulation.diagnostics());
+                }
+                watch.progress((step + 1) as f64 / steps as f64);
+                next_sample += SAMPLE_SECS * libm::floor((elapsed - next_sample) / SAMPLE_SECS + 1.0);
             }
-            watch.progress((step + 1) as f64 / steps as f64);
-            next_sample += SAMPLE_SECS * libm::floor((elapsed - next_sample) / SAMPLE_SECS + 1.0);
         }
-    }
+    });
     session.report = report;
     session.picture.touch();
     let wall_secs = begin.elapsed().as_secs_f64();

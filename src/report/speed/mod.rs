@@ -18,6 +18,7 @@ use self::naive::Naive;
 use self::scenes::SceneSpeed;
 use super::cost::noise::{Change, median};
 use crate::geometry::Watch;
+use crate::machine::threads::kept_awake;
 use crate::physics::{SimdLevel, Simulation};
 use crate::scene::body::{CellsShape, CubeShape};
 use crate::scene::resolve::{ResolveError, resolve};
@@ -225,7 +226,7 @@ fn timed(simulation: &mut Simulation<f32>, way: Way, pool: Option<&ThreadPool>, 
         }
     };
     match pool.filter(|_| way.threads > 1) {
-        Some(pool) => Times::of(|| pool.install(work)),
+        Some(pool) => Times::of(|| pool.install(|| kept_awake(way.threads, work))),
         None => Times::of(&mut work),
     }
 }

@@ -6,6 +6,7 @@ use std::time::Instant;
 use rayon::ThreadPool;
 use serde::Serialize;
 
+use crate::machine::threads::kept_awake;
 use crate::physics::Simulation;
 use crate::scene::resolve::{ResolveError, resolve};
 use crate::scene::{Scene, presets};
@@ -63,7 +64,7 @@ fn speed(
         }
     };
     match pool {
-        Some(pool) => pool.install(run),
+        Some(pool) => pool.install(|| kept_awake(threads, run)),
         None => run(),
     }
     let (wall, simulated_secs) = (begin.elapsed().as_secs_f64(), passed(&simulation));

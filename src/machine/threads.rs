@@ -1,0 +1,85 @@
+//! Threads of a pool that are kept awake while someone has short work for them again and again: one that has gone to sleep
+//! takes tens of microseconds to wake, as long as a piece of a step.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread::yield_now;
+
+use rayon::Yield;
+
+/// Lets the work end that keeps threads awake, also where what they are kept awake for panics.
+struct Done<'a>(&'a AtomicBool);
+
+impl Drop for Done<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
+/// Does some work with as many threads of the pool it is asked in awake as are wanted, this one among them; just does it
+/// elsewhere, or where one is enough. Those that wait leave the processors to whoever else wants them.
+pub fn kept_awake<T>(threads: usize, work: impl FnOnce() -> T) -> T {
+    let others = threads.min(rayon::current_num_threads()).saturating_sub(1);
+    if others == 0 || rayon::current_thread_index().is_none() {
+        return work();
+    }
+    let (awake, done) = (AtomicUsize::new(0), AtomicBool::new(false));
+    rayon::in_place_scope(|scope| {
+        let done_at_last = Done(&done);
+        for _ in 0..others {
+            scope.spawn(|_| {
+                awake.fetch_add(1, Ordering::Relaxed);
+                while !done.load(Ordering::Acquire) {
+                    if rayon::yield_now() != Some(Yield::Executed) {
+                        yield_now();
+                    }
+                }
+            });
+        }
+        // None may be left for this thread to take up while it waits for a piece of its own work: it would never end.
+        while awake.load(Ordering::Relaxed) < others {
+            yield_now();
+        }
+        let outcome = work();
+        drop(done_at_last);
+        outcome
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+
+    use super::*;
+
+    fn within<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(work)
+    }
+
+    fn sum(of: &[u64]) -> u64 {
+        if of.len() < 8 {
+            return of.iter().sum();
+        }
+        let (low, high) = of.split_at(of.len() / 2);
+        let (low, high) = rayon::join(|| sum(low), || sum(high));
+        low + high
+    }
+
+    #[test]
+    fn work_is_shared_out_and_comes_to_an_end() {
+        let numbers: Vec<u64> = (0..1000).collect();
+        for threads in [1, 2, 3, 8] {
+            for wanted in [0, 1, 2, 5, 20] {
+                let sums: Vec<u64> =
+                    within(threads, || (0..50).map(|_| kept_awake(wanted, || sum(&numbers))).collect());
+                assert!(sums.iter().all(|sum| *sum == 499_500), "{wanted} of {threads}");
+            }
+        }
+        assert_eq!(kept_awake(4, || sum(&numbers)), 499_500, "outside of a pool");
+    }
+
+    #[test]
+    fn a_panic_lets_the_others_go() {
+        let panics = within(3, || catch_unwind(AssertUnwindSafe(|| kept_awake(3, || panic!("lost")))).is_err());
+        assert!(panics, "and goes on");
+    }
+}
