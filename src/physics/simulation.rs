@@ -204,7 +204,8 @@ impl<R: Real> Simulation<R> {
         share::fitting(&self.model, threads)
     }
 
-    /// Has so many threads of the pool that steps are asked for in take them, to the same bits.
+    /// Has so many threads of the pool that steps are asked for in take them, to the same bits, until the scene is edited: a
+    /// new plan has what the process has chosen.
     pub fn set_threads(&mut self, threads: usize) {
         self.plan.threads = threads.max(1);
         self.workspace.fit_threads(&self.model, &self.plan);

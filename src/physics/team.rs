@@ -3,8 +3,8 @@
 //! Work that can be halved is shared out: the thread that asks does one half, and whoever is free the other, or the same
 //! thread where nobody is; each halves its own again while there are threads. Whoever runs a simulation does so within a
 //! pool that stays ([`rayon::ThreadPool::install`]); elsewhere one thread does it all. Threads of a pool look for work for
-//! some microseconds and sleep then, so that a simulation that has nothing to do costs nothing, and nothing is allocated on
-//! the way. Work is such that its result does not depend on the halves or on who does them.
+//! some microseconds and sleep then; who takes many steps keeps them awake (`machine::threads`). Nothing is allocated on the
+//! way. Work is such that its result does not depend on the halves or on who does them.
 
 use std::sync::OnceLock;
 
