@@ -2,7 +2,7 @@
 //! ascending order, the forces brought back.
 
 use crate::math::{Real, Vector};
-use crate::physics::kernels::block::{Mask, forces};
+use crate::physics::kernels::block::{self, Mask};
 use crate::physics::kernels::boxed::{BoxedLinks, EachLaw, TermLaw};
 use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, Run, Term};
 use crate::physics::kernels::level::SimdLevel;
@@ -60,7 +60,9 @@ pub(in crate::physics) fn add_forces<R: Real>(
 fn sweep<R: Real>(links: &BoxedLinks<R>, pass: Pass, piece: &mut Piece<R>, stops: &dyn Fn() -> bool) -> u64 {
     let Piece { first, own, blocks, position, velocity, force, .. } = piece;
     let Layout { offsets, masks, terms, .. } = &*links.layout;
-    let [position, velocity] = [position, velocity].map(|of| of.each_ref().map(Vec::as_slice));
+    let [position, velocity] = [slices(position), slices(velocity)];
+    let [force_x, force_y, force_z] = force;
+    let (force_x, force_y, force_z) = (&mut force_x[..], &mut force_y[..], &mut force_z[..]);
     let (mut evaluated, mut looked_at) = (0, None);
     let zeros = [R::ZERO; BLOCK];
     for block in &links.layout.blocks[blocks.clone()] {
@@ -73,7 +75,7 @@ fn sweep<R: Real>(links: &BoxedLinks<R>, pass: Pass, piece: &mut Piece<R>, stops
         let is_own = block.first >= own.start;
         let of_corners = lanes(masks, block.first);
         let at = block.first - *first;
-        let near = [position, velocity].map(|vectors| vectors.map(|of| lanes(of, at)));
+        let near = [lanes_of(position, at), lanes_of(velocity, at)];
         let mut sum = [zeros; 3];
         for number in block.terms.clone() {
             let Term { slot, links: count } = terms[number];
@@ -82,40 +84,45 @@ fn sweep<R: Real>(links: &BoxedLinks<R>, pass: Pass, piece: &mut Piece<R>, stops
                 continue;
             }
             let other = at + offsets[slot];
-            let far = [position, velocity].map(|vectors| vectors.map(|of| lanes(of, other)));
+            let far = [lanes_of(position, other), lanes_of(velocity, other)];
             let mask = Mask { of_corners, bit: 1 << slot };
             let is_damped = pass.damped[FAMILY[slot]];
-            let on_near = match links.law(number, slot) {
+            let (x, y, z) = (lanes_mut(force_x, other), lanes_mut(force_y, other), lanes_mut(force_z, other));
+            macro_rules! add_forces {
+                ($law:expr, $each:expr, $($choice:literal),*) => {
+                    block::add_forces::<R, $($choice),*>($law, $each, mask, near, far, &mut sum, x, y, z)
+                };
+            }
+            match links.law(number, slot) {
                 TermLaw::Alike(law) => match (is_damped, count == BLOCK) {
-                    (true, true) => forces::<R, true, false, false>(*law, [&zeros; 2], mask, near, far),
-                    (true, false) => forces::<R, true, true, false>(*law, [&zeros; 2], mask, near, far),
-                    (false, true) => forces::<R, false, false, false>(*law, [&zeros; 2], mask, near, far),
-                    (false, false) => forces::<R, false, true, false>(*law, [&zeros; 2], mask, near, far),
+                    (true, true) => add_forces!(*law, [&zeros; 2], true, false, false),
+                    (true, false) => add_forces!(*law, [&zeros; 2], true, true, false),
+                    (false, true) => add_forces!(*law, [&zeros; 2], false, false, false),
+                    (false, false) => add_forces!(*law, [&zeros; 2], false, true, false),
                 },
                 TermLaw::Each(each) => {
                     let EachLaw { unit, stiffness, damping } = &**each;
                     if is_damped {
-                        forces::<R, true, false, true>(*unit, [stiffness, damping], mask, near, far)
+                        add_forces!(*unit, [stiffness, damping], true, false, true);
                     } else {
-                        forces::<R, false, false, true>(*unit, [stiffness, damping], mask, near, far)
+                        add_forces!(*unit, [stiffness, damping], false, false, true);
                     }
-                }
-            };
-            for ((on_near, sum), force) in on_near.iter().zip(&mut sum).zip(&mut *force) {
-                for ((on_near, sum), on_far) in on_near.iter().zip(sum).zip(lanes_mut(force, other)) {
-                    *sum += *on_near;
-                    *on_far -= *on_near;
                 }
             }
             evaluated += if is_own { count as u64 } else { 0 };
         }
-        for (force, sum) in force.iter_mut().zip(sum) {
-            for (force, sum) in lanes_mut(force, at).iter_mut().zip(sum) {
-                *force += sum;
-            }
-        }
+        add(&sum[0], lanes_mut(force_x, at));
+        add(&sum[1], lanes_mut(force_y, at));
+        add(&sum[2], lanes_mut(force_z, at));
     }
     evaluated
+}
+
+#[inline(always)]
+fn add<R: Real>(sum: &[R; BLOCK], to: &mut [R; BLOCK]) {
+    for (sum, to) in sum.iter().zip(to) {
+        *to += *sum;
+    }
 }
 
 /// Brings vectors of the particles to their corners. `origin` is the particle and the corner that are counted as nothing.
@@ -140,6 +147,18 @@ fn collect<R: Real>(runs: &[Run], origin: [usize; 2], from: &[Vec<R>; 3], to: &m
             *to = R::Vec3::new(*x, *y, *z);
         }
     }
+}
+
+/// All of the components of vectors. Spelled out, like all that the loops call: a closure given to `map` is a call there.
+#[inline(always)]
+fn slices<T>([x, y, z]: &[Vec<T>; 3]) -> [&[T]; 3] {
+    [x, y, z]
+}
+
+/// A block of each of the components.
+#[inline(always)]
+fn lanes_of<T>([x, y, z]: [&[T]; 3], first: usize) -> [&[T; BLOCK]; 3] {
+    [lanes(x, first), lanes(y, first), lanes(z, first)]
 }
 
 /// A block of what there is for each corner.
