@@ -9,4 +9,4 @@ pub mod rotation;
 
 pub use aabb::Aabb;
 pub use frame::{FRAME, FRAME_SECS};
-pub use real::{Real, Vector, components};
+pub use real::{Real, Vector, components, components_mut};

@@ -106,6 +106,12 @@ pub fn components<R: Real>(of: &[R::Vec3]) -> &[R] {
     bytemuck::cast_slice(of)
 }
 
+/// The same, to write.
+#[inline]
+pub fn components_mut<R: Real>(of: &mut [R::Vec3]) -> &mut [R] {
+    bytemuck::cast_slice_mut(of)
+}
+
 macro_rules! real {
     ($scalar:ty, $vector:ty, $round:path, $narrow:path) => {
         impl Real for $scalar {

@@ -33,6 +33,7 @@ mod bounds;
 mod boxed;
 mod layout;
 mod level;
+mod motion;
 mod piece;
 mod sweep;
 
@@ -40,6 +41,7 @@ pub(in crate::physics) use bounds::{GROUP, are_finite, bounds, motion_bounds};
 pub(in crate::physics) use boxed::BoxedLinks;
 pub(in crate::physics) use layout::{BYTES_A_CORNER, Layout, MOST_CORNERS_A_PARTICLE};
 pub use level::SimdLevel;
+pub(in crate::physics) use motion::{advance, kick, kick_each};
 pub(in crate::physics) use piece::{Piece, pieces};
 pub(in crate::physics) use sweep::{Pass, add_forces};
 

@@ -13,5 +13,12 @@ pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::V
         path.copy_from_slice(&stepper.workspace.velocity);
     }
     velocity.copy_from_slice(&stepper.substep.state.velocity);
-    kick(stepper.substep.model, &stepper.substep.state.bodies, stepper.substep.dt, &stepper.workspace.force, velocity);
+    kick(
+        stepper.substep.model,
+        stepper.substep.plan.simd,
+        &stepper.substep.state.bodies,
+        stepper.substep.dt,
+        &stepper.workspace.force,
+        velocity,
+    );
 }

@@ -29,6 +29,7 @@ fn add_share<R: Real>(stepper: &mut Stepper<'_, R>, share: f64, velocity: &mut [
     }
     kick(
         stepper.substep.model,
+        stepper.substep.plan.simd,
         &stepper.substep.state.bodies,
         stepper.substep.dt * share,
         &stepper.workspace.force,

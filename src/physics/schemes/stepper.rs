@@ -3,9 +3,10 @@
 use crate::math::{Real, Vector};
 use crate::physics::forces;
 use crate::physics::forces::links::Configuration;
-use crate::physics::model::Model;
+use crate::physics::kernels::{self, SimdLevel};
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::{Plan, Stage};
+use crate::physics::model::{Model, Values};
 use crate::physics::report::Recorder;
 use crate::physics::schemes::implicit::system::ImplicitWorkspace;
 use crate::physics::schemes::verlet;
@@ -81,7 +82,7 @@ impl<R: Real> Stepper<'_, R> {
             }
             _ => self.substep.dt,
         };
-        kick(self.substep.model, &self.substep.state.bodies, kicked_for, self.force, velocity);
+        kick(self.substep.model, self.substep.plan.simd, &self.substep.state.bodies, kicked_for, self.force, velocity);
         if moves_by_mean(self.substep.scheme) {
             self.workspace.predicted.copy_from_slice(velocity);
         }
@@ -102,7 +103,7 @@ impl<R: Real> Stepper<'_, R> {
             *position = *start + *velocity * ahead;
         }
         velocity.copy_from_slice(&self.substep.state.velocity);
-        kick(self.substep.model, &self.substep.state.bodies, ahead, force, velocity);
+        kick(self.substep.model, self.substep.plan.simd, &self.substep.state.bodies, ahead, force, velocity);
         let at = Configuration { position, velocity, residual: None };
         forces::evaluate(self.substep, at, force, self.forces, recorder);
         for (force, held) in force.iter_mut().zip(self.held_force.into_iter().flatten()) {
@@ -132,17 +133,25 @@ pub(in crate::physics) fn moves_by_mean(scheme: Scheme) -> bool {
 /// `v += dt a` for every particle that is not held, where `a` is the force over the mass; held ones stand still.
 pub(super) fn kick<R: Real>(
     model: &Model<R>,
+    level: SimdLevel,
     memory: &[BodyMemory],
     dt: R,
     force: &[R::Vec3],
     velocity: &mut [R::Vec3],
 ) {
     for body in awake(model, memory) {
-        for (local, particle) in body.particles.clone().enumerate() {
-            if body.is_pinned(local) {
-                velocity[particle] = R::Vec3::ZERO;
-            } else {
-                velocity[particle] += force[particle] * (dt / body.mass(local));
+        let own = body.particles.clone();
+        let (force, velocity) = (&force[own.clone()], &mut velocity[own]);
+        match &body.masses {
+            Values::Uniform(mass) => kernels::kick(level, dt / *mass, force, velocity),
+            Values::Each(masses) => kernels::kick_each(level, dt, masses, force, velocity),
+        }
+        match &body.pinned {
+            Values::Uniform(false) => {}
+            Values::Uniform(true) => velocity.fill(R::Vec3::ZERO),
+            Values::Each(pinned) => {
+                let held = velocity.iter_mut().zip(pinned).filter(|(_, pinned)| **pinned);
+                held.for_each(|(velocity, _)| *velocity = R::Vec3::ZERO);
             }
         }
     }

@@ -28,7 +28,7 @@ use super::report::Recorder;
 use super::state::{BodyMemory, State};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery;
-use crate::physics::kernels::are_finite;
+use crate::physics::kernels;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{ContactRule, Scheme};
 use crate::physics::observe::runaway::runs_away;
@@ -225,15 +225,24 @@ fn find_velocities<R: Real>(
 fn is_sound<R: Real>(begun: Substep<'_, R>, workspace: &StepWorkspace<R>) -> bool {
     let StepWorkspace { velocity, scheme, .. } = workspace;
     let moving = scheme.moving(velocity);
-    !(begun.plan.watched && runs_away(begun.model, begun.dt, moving)) && stays_finite(begun, moving, velocity)
+    !(begun.plan.watched && runs_away(begun.model, begun.plan.simd, begun.dt, moving))
+        && stays_finite(begun, moving, velocity)
 }
 
 /// Moves everything, and remembers what the next substep of the scheme needs of this one.
-fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<R>, workspace: &StepWorkspace<R>) {
+fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<R>, workspace: &mut StepWorkspace<R>) {
     let dt = R::from_f64(part.secs);
     let StepWorkspace { force, thesis_force, velocity, scheme, .. } = workspace;
     schemes::remember(model, plan, dt, force, thesis_force.as_deref(), state);
-    move_particles(model, dt, state, scheme.moving(velocity), velocity);
+    move_particles(model, plan, dt, state, scheme.moving(velocity));
+    if sleep::asleep(state) == 0 {
+        std::mem::swap(&mut state.velocity, velocity);
+    } else {
+        for body in sleep::awake(model, &state.bodies) {
+            let own = body.particles.clone();
+            state.velocity[own.clone()].copy_from_slice(&velocity[own]);
+        }
+    }
     state.time_secs += part.secs;
 }
 
@@ -310,23 +319,15 @@ fn stays_finite<R: Real>(
 ) -> bool {
     sleep::awake(model, &state.bodies).all(|body| {
         let own = body.particles.clone();
-        are_finite(plan.simd, &state.position[own.clone()], [&path[own.clone()], &velocity[own]], dt)
+        kernels::are_finite(plan.simd, &state.position[own.clone()], [&path[own.clone()], &velocity[own]], dt)
     })
 }
 
-/// `x += dt u`, with what rounding keeps back carried to the next step (Kahan 1965), and `v = v'`, of what is awake.
-fn move_particles<R: Real>(model: &Model<R>, dt: R, state: &mut State<R>, path: &[R::Vec3], velocity: &[R::Vec3]) {
-    for (number, body) in model.bodies.iter().enumerate() {
-        if state.bodies[number].asleep {
-            continue;
-        }
-        for particle in body.particles.clone() {
-            let x = state.position[particle];
-            let change = path[particle] * dt + state.position_residual[particle];
-            let moved = x + change;
-            state.position_residual[particle] = change - (moved - x);
-            state.position[particle] = moved;
-        }
-        state.velocity[body.particles.clone()].copy_from_slice(&velocity[body.particles.clone()]);
+/// `x += dt u`, of what is awake.
+fn move_particles<R: Real>(model: &Model<R>, plan: &Plan, dt: R, state: &mut State<R>, path: &[R::Vec3]) {
+    for body in sleep::awake(model, &state.bodies) {
+        let own = body.particles.clone();
+        let (position, residual) = (&mut state.position[own.clone()], &mut state.position_residual[own.clone()]);
+        kernels::advance(plan.simd, dt, &path[own], position, residual);
     }
 }
