@@ -93,5 +93,5 @@ pub use observe::scalars::Quantity;
 pub use report::{Counters, LastSubstep, StageTimer, StepReport};
 pub use simulation::{Arrival, BodyMotion, Simulation};
 pub use state::moving::{Approach, Sweep};
-pub use state::{BodyMemory, State};
+pub use state::{BodyMemory, RecoveryAccount, State};
 pub use team::{choose_step_threads, step_threads};

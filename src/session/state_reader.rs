@@ -8,6 +8,7 @@ use super::state_error::StateFileError;
 use crate::physics::Approach;
 use crate::physics::BodyMemory;
 use crate::physics::MOST_HALVINGS;
+use crate::physics::RecoveryAccount;
 use crate::physics::Sweep;
 use crate::physics::{BodyModel, Model};
 use crate::physics::{Simulation, State};
@@ -149,6 +150,11 @@ impl<'a> Reader<'a> {
         let [asleep, strained, stuck, gone] = [1, 2, 4, 8].map(|flag| flags & flag != 0);
         need(strained || calm_substeps == 0, &field, "one that is calm after no strain", "0 substeps")?;
         need(asleep || !gone, &field, "one of a body that has fallen out and is awake", "one that sleeps")?;
+        let field = of_body("the account of recovery");
+        let [taken_j, pull_share] = [self.f64(&field)?, self.f64(&field)?];
+        need(taken_j.is_finite(), &field, format!("{taken_j} J"), "a finite number")?;
+        need((0.0..=1.0).contains(&pull_share), &field, format!("a share of {pull_share}"), "0 to 1")?;
+        let account = RecoveryAccount { taken_j, pull_share };
         let field = of_body("the count of still substeps");
         let still_substeps = self.u64(&field)?;
         need(still_substeps < MOST_STEPS, &field, still_substeps, "a count below 2^53")?;
@@ -156,7 +162,17 @@ impl<'a> Reader<'a> {
             let was = self.vectors(anchor.len(), &of_body("the place at rest"), "m")?;
             anchor.copy_from_slice(&was);
         }
-        Ok(BodyMemory { near_inversion, strained, calm_substeps, knotted_nanos, stuck, still_substeps, asleep, gone })
+        Ok(BodyMemory {
+            near_inversion,
+            strained,
+            calm_substeps,
+            knotted_nanos,
+            stuck,
+            account,
+            still_substeps,
+            asleep,
+            gone,
+        })
     }
 
     /// The obstacles on their way to bodies.

@@ -71,9 +71,11 @@ fn every_number_of_a_state_is_checked() {
         (refused(CELLS + 8, &99_u32.to_le_bytes()), "the memory of body 0 is 99"),
         (refused(CELLS + 8, &8_u32.to_le_bytes()), "fallen out and is awake"),
         (refused(CELLS + 16, &7_u32.to_le_bytes()), "calm after no strain, and 0 substeps"),
-        (word(CELLS + 20, u64::MAX), "the count of still substeps of body 0 is"),
-        (word(CELLS + 28, 3), "not as many bytes as the obstacles on their way"),
-        (word(CELLS + 36, 3), "not as many bytes as the obstacles that sweep"),
+        (number(CELLS + 20, f64::NAN), "the account of recovery of body 0 is NaN J, and a finite number"),
+        (number(CELLS + 28, 1.5), "the account of recovery of body 0 is a share of 1.5, and 0 to 1"),
+        (word(CELLS + 36, u64::MAX), "the count of still substeps of body 0 is"),
+        (word(CELLS + 44, 3), "not as many bytes as the obstacles on their way"),
+        (word(CELLS + 52, 3), "not as many bytes as the obstacles that sweep"),
     ];
     for (said, words) in said {
         assert!(said.starts_with("the state is damaged: ") && said.contains(words), "{words:?} in {said:?}");

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::state_error::StateFileError;
 use super::*;
 use crate::math::FRAME;
-use crate::physics::BodyMemory;
+use crate::physics::{BodyMemory, RecoveryAccount};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::presets::preset;
 use crate::scene::{Body, Material};
@@ -118,7 +118,9 @@ fn what_is_remembered_of_a_body_goes_to_bytes_and_back() {
     for (strained, stuck, knotted_nanos) in [(true, false, 0), (false, true, 0), (true, true, 98_765_432)] {
         let (before, near_inversion) = (state.bodies[0].clone(), vec![1, 5]);
         let calm_substeps = if strained { 77 } else { 0 };
-        state.bodies[0] = BodyMemory { near_inversion, strained, calm_substeps, knotted_nanos, stuck, ..before };
+        let account = RecoveryAccount { taken_j: 0.25, pull_share: if stuck { 0.75 } else { 0.0 } };
+        state.bodies[0] =
+            BodyMemory { near_inversion, strained, calm_substeps, knotted_nanos, stuck, account, ..before };
         session_a.replace_state(state.clone());
         let mut session_b = session("cube-on-plane");
         session_b.set_state_bytes(&session_a.state_bytes()).expect("a state of the same scene");
@@ -155,7 +157,7 @@ fn damaged_and_foreign_states_are_refused() {
     }
     assert_eq!(refused(&bytes[..bytes.len() / 2]), StateFileError::Damaged, "half a file");
     assert_eq!(refused(b"hello"), StateFileError::NotAState, "something else");
-    assert!(matches!(refused(b"gelatin-state 9\n"), StateFileError::OtherVersion { .. }), "a later version");
+    assert!(matches!(refused(b"gelatin-state 10\n"), StateFileError::OtherVersion { .. }), "a later version");
     let other = session("cube-on-sphere").state_bytes();
     let words = session("coupler-7").set_state_bytes(&other).expect_err("another scene's").to_string();
     assert!(

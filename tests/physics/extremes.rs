@@ -37,6 +37,8 @@ fn scenes_that_once_exploded_do_not() {
     // own weight crushes and stretches.
     // A plane that drags particles over a rough sphere against their links; one that presses a very light body, stiffly.
     // A cube that folds along its structural links, whose damping alone sets the step.
+    // Cubes and a plate of families far apart, whose links are stretched while they are soft; one that is pulled to shape
+    // by more than its links hold.
     let scenes = [
         (1, 1914),
         (1, 7453),
@@ -54,6 +56,10 @@ fn scenes_that_once_exploded_do_not() {
         (1_645_524_471, 5714),
         (1_727_241_092, 4972),
         (2_247_651_514, 1538),
+        (1_084_358_429, 7060),
+        (1_623_209_670, 3851),
+        (1_623_209_670, 9354),
+        (2_365_174_796, 2791),
     ];
     for (seed, number) in scenes {
         let (scene, disturbances) = extreme(seed, number);

@@ -302,6 +302,47 @@ fn undamped_cubes_gain_no_energy_from_recovery() {
     }
 }
 
+/// Of undamped cubes the energy, and what recovery has taken of it, over the energy at the start: the largest of both sums,
+/// the smallest, and the largest share taken.
+fn account_of(stiffness: [f64; 3], way: Break, integrator: Integrator) -> [f64; 3] {
+    let constants = Springs {
+        structural: Spring { stiffness: stiffness[0], damping: 0.0 },
+        shear: Spring { stiffness: stiffness[1], damping: 0.0 },
+        bending: Spring { stiffness: stiffness[2], damping: 0.0 },
+        particle_mass: 1.0 / 125.0,
+    };
+    let mut simulation = broken::<f64>(5, constants, way, |scene| {
+        scene.settings.integrator = integrator;
+        scene.settings.dt = 2e-4;
+    });
+    let start = simulation.diagnostics().energy.total();
+    let mut seen = [1.0_f64, 1.0, 0.0];
+    for _ in 0..2000 {
+        simulation.step();
+        if simulation.state().bodies[0].near_inversion.is_empty() {
+            break;
+        }
+        let taken = simulation.state().bodies[0].account.taken_j / start;
+        let sum = simulation.diagnostics().energy.total() / start + taken;
+        seen = [seen[0].max(sum), seen[1].min(sum), seen[2].max(taken)];
+    }
+    seen
+}
+
+#[test]
+fn the_account_of_recovery_has_all_that_it_takes_and_gives() {
+    for integrator in [Integrator::SemiImplicit, Integrator::Verlet, Integrator::Rk4] {
+        for stiffness in [[30.0, 0.003, 0.003], [0.003, 30.0, 0.003], [30.0, 25.0, 12.0]] {
+            for way in [Break::Crumpled(2.0), Break::Mirrored, Break::Collapsed, Break::Folded] {
+                let [most, least, taken] = account_of(stiffness, way, integrator);
+                let name = format!("{integrator:?}, {stiffness:?}, {way:?}");
+                assert!(least > 0.98 && most < 1.02, "{name}: {least} to {most} of the energy");
+                assert!(taken > 0.3, "{name}: there was {taken} of it to account for");
+            }
+        }
+    }
+}
+
 /// The mean energy of an undamped plate of bending links after a while, over that at the start. Its sublattices, which
 /// nothing holds together, lie up to `apart` cell sizes from their places in one plane and drift through each other, so
 /// that the cells between them are as wide as that and turn over all the time.

@@ -20,7 +20,8 @@ use crate::physics::team;
 /// Room that forces are worked out in.
 #[derive(Clone, Debug)]
 pub(super) struct ForceWorkspace<R: Real> {
-    recovery: recovery::RecoveryWorkspace<R>,
+    /// What recovery from inversion works in.
+    pub(super) recovery: recovery::RecoveryWorkspace<R>,
     /// How many threads work them out.
     pub(super) threads: usize,
     /// What each of them has.

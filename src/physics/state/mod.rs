@@ -62,7 +62,7 @@ pub struct State<R: Real> {
 }
 
 /// What is remembered of a body as a whole: choices that hold for longer than a substep.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "four choices that are remembered, each made or not")]
 pub struct BodyMemory {
     /// Cells that are watched as they may invert, ascending.
@@ -75,12 +75,24 @@ pub struct BodyMemory {
     pub knotted_nanos: u32,
     /// Whether it has been so for long enough to be stuck: its cells are pulled to shape until none is crushed.
     pub stuck: bool,
+    /// What its recovery has to give.
+    pub account: RecoveryAccount,
     /// Substeps for which the body has been still.
     pub still_substeps: u64,
     /// Whether the body sleeps: it stays as it is until something wakes it.
     pub asleep: bool,
     /// Whether it has fallen out of the scene: it sleeps until it is put elsewhere.
     pub gone: bool,
+}
+
+/// What the recovery of a body from inversion took of its energy and gave back.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RecoveryAccount {
+    /// What it took and has not given back since the body's cells were last well, J. It may give no more; less than
+    /// nothing by no more than a substep's work.
+    pub taken_j: f64,
+    /// The share of the pull on a body that is stuck: as much as could be paid for.
+    pub pull_share: f64,
 }
 
 impl BodyMemory {
@@ -95,9 +107,19 @@ impl BodyMemory {
         let mut near_inversion = std::mem::take(&mut self.near_inversion);
         near_inversion.clear();
         near_inversion.extend_from_slice(&of.near_inversion);
-        let Self { near_inversion: _, strained, calm_substeps, knotted_nanos, stuck, still_substeps, asleep, gone } =
-            *of;
-        *self = Self { near_inversion, strained, calm_substeps, knotted_nanos, stuck, still_substeps, asleep, gone };
+        let Self { near_inversion: _, strained, calm_substeps, knotted_nanos, stuck, account, .. } = *of;
+        let Self { still_substeps, asleep, gone, .. } = *of;
+        *self = Self {
+            near_inversion,
+            strained,
+            calm_substeps,
+            knotted_nanos,
+            stuck,
+            account,
+            still_substeps,
+            asleep,
+            gone,
+        };
     }
 
     /// Whether cells of a body that is awake are watched as they may invert.

@@ -165,6 +165,11 @@ pub(super) fn substep<R: Real>(
         let moving = workspace.scheme.moving(&workspace.velocity);
         contact::remember_sides(model, obstacles, dt, state, moving, &mut workspace.contact, recorder);
     }
+    if plan.recovery && state.bodies.iter().any(BodyMemory::is_watched) {
+        recorder.enter(Stage::Recovery);
+        let StepWorkspace { velocity, scheme, forces, .. } = workspace;
+        recovery::settle(model, dt, scheme.moving(velocity), state, &mut forces.recovery);
+    }
     accept(model, plan, part, state, workspace);
     if plan.sleeping && part.is_last {
         recorder.enter(Stage::Rest);

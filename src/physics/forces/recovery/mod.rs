@@ -28,14 +28,16 @@
 //!
 //! Where families of links are far apart the push is not enough: see `soft_links`; a body that comes to rest with
 //! cells still inverted gets a pull on top of it: see `pull`. The implicit integrator solves for both: see
-//! `resistance`.
+//! `resistance`. Soft links and pull give no more than recovery took: see `account`.
 
+mod account;
 mod edges;
 mod pull;
 mod resistance;
 mod rotation;
 mod soft_links;
 
+pub(in crate::physics) use account::settle;
 pub(in crate::physics) use resistance::{Resistance, energy_past_work, resistances};
 pub(in crate::physics) use soft_links::RecoveryWorkspace;
 
@@ -80,7 +82,12 @@ pub(in crate::physics) fn look<R: Real>(
                 worst.see(&edges);
             }
         }
+        if memory.near_inversion.is_empty() {
+            // What is owed stays owed.
+            memory.account.taken_j = memory.account.taken_j.min(0.0);
+        }
         pull::judge(body, memory, worst, position, &state.velocity[body.particles.clone()], secs);
+        pull::pay(body, memory, position);
     }
 }
 
@@ -97,9 +104,9 @@ pub(in crate::physics) fn add_forces<R: Real>(
         let velocity = &velocity[body.particles.clone()];
         let force = &mut force[body.particles.clone()];
         recorder.counters.recovery_cells += memory.near_inversion.len() as u64;
-        soften(body, &memory.near_inversion, position, velocity, workspace, force);
+        soften(body, memory, [position, velocity], workspace, force);
         let stiffness = body.recovery.push * body.inverse_cell_size;
-        let pull = memory.stuck.then(|| body.recovery.pull * body.inverse_cell_size);
+        let pull = pull::stiffness(body, memory).map(|pull| pull * body.inverse_cell_size);
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
             let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
@@ -118,7 +125,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
 pub(in crate::physics) fn energy<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, state: &State<R>) -> f64 {
     let position = &state.position[body.particles.clone()];
     let stiffness = body.recovery.push.to_f64();
-    let pull = if memory.stuck { body.recovery.pull.to_f64() } else { 0.0 };
+    let pull = pull::stiffness(body, memory).map_or(0.0, Real::to_f64);
     let energy_of = |corners: &[u32; 8]| {
         let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
         let pulled = if pull > 0.0 { pull * pull::cell_energy(&edges) } else { 0.0 };

@@ -5,23 +5,24 @@
 //!
 //! ```text
 //! W = κ p s(V) |R − F|²/2 / max(1, longest mean edge)      f = −∂W/∂F, half of it on the way back
-//! s = ((T − V)/2 T)², at most 1                            p ≤ 1: as much as the substep bears
+//! s = ((T − V)/2 T)², at most 1                            p ≤ 1: as much as is paid for, and the substep bears
 //! ```
 //!
 //! It keeps momentum, and angular momentum as `R Fᵀ` is symmetric. The divisor for stretched cells, the bound on what
 //! `∂s/∂V` adds, the same as that of the push, and R, which is made shorter where no rotation is the nearest, follow no
 //! potential. But for these it gives no more than it takes: what it brings into a body is W of its crushed cells when it
-//! is found to be stuck, a few κ each, as none of them may be wider than [`WIDEST`]. That is too much for a body in violent
-//! motion, which is never stuck: it must first be so slow for a while that its motion is nothing to the energy of a single
-//! cell. From then on the pull acts, however the body moves, until none of its cells is crushed, and W is nothing, or one
-//! of them is torn apart.
+//! is found to be stuck, a few κ each, as none of them may be wider than [`WIDEST`]. In a body of few cells that can be as
+//! much as all its links hold. So no more of the pull acts than recovery has taken from the energy of the body, see
+//! [`super::account`]: p grows as that pays for it. And W is too much for a body in violent motion, which is never stuck: it
+//! must first be so slow for a while that its motion is nothing to the energy of a single cell. From then on the pull
+//! acts, however the body moves, until none of its cells is crushed, and W is nothing, or one of them is torn apart.
 
 use super::edges::{DEEPEST, RETURNED, THRESHOLD, is_inverted};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery::edges::MeanEdges;
 use crate::physics::forces::recovery::rotation::nearest_rotation;
 use crate::physics::model::BodyModel;
-use crate::physics::state::BodyMemory;
+use crate::physics::state::{BodyMemory, RecoveryAccount};
 
 /// So far below the threshold the whole pull acts: it grows from nothing, so that no cell that comes or goes is given
 /// energy.
@@ -90,7 +91,9 @@ pub(super) fn judge<R: Real>(
         return;
     }
     if memory.stuck {
-        memory.stuck = smallest < THRESHOLD;
+        if smallest >= THRESHOLD {
+            forget(memory);
+        }
         return;
     }
     if smallest >= THRESHOLD || !is_slow(body, position, velocity) {
@@ -111,9 +114,30 @@ pub(super) fn judge<R: Real>(
     }
 }
 
+/// Switches on as much of the pull of a body that is stuck as recovery has taken from its energy: it brings with it what
+/// crushed cells have of it, W each.
+pub(super) fn pay<R: Real>(body: &BodyModel<R>, memory: &mut BodyMemory, position: &[R::Vec3]) {
+    let RecoveryAccount { taken_j, pull_share } = memory.account;
+    if !memory.stuck || pull_share >= 1.0 || taken_j <= 0.0 {
+        return;
+    }
+    let energy_of =
+        |cell: &u32| cell_energy(&MeanEdges::of(position, &body.lattice.cells[*cell as usize], body.inverse_cell_size));
+    let whole = body.recovery.pull.to_f64() * memory.near_inversion.iter().map(energy_of).sum::<f64>();
+    let more = (taken_j / whole).min(1.0 - pull_share);
+    if more > 0.0 {
+        memory.account = RecoveryAccount { taken_j: taken_j - more * whole, pull_share: pull_share + more };
+    }
+}
+
+/// The stiffness of the pull on a body's cells, N·m; none on a body that is not stuck.
+pub(super) fn stiffness<R: Real>(body: &BodyModel<R>, memory: &BodyMemory) -> Option<R> {
+    memory.stuck.then(|| body.recovery.pull * R::from_f64(memory.account.pull_share))
+}
+
 /// The body is not stuck, and not about to be.
 pub(super) fn forget(memory: &mut BodyMemory) {
-    (memory.stuck, memory.knotted_nanos) = (false, 0);
+    (memory.stuck, memory.knotted_nanos, memory.account.pull_share) = (false, 0, 0.0);
 }
 
 /// About how fast the push turns cells over, m/s.

@@ -59,7 +59,7 @@ pub(in crate::physics) fn resistances<R: Real>(
     let stiffness = body.recovery.push.to_f64();
     let inverse_cell_size = body.inverse_cell_size;
     let per_size = inverse_cell_size.to_f64();
-    let pull = if memory.stuck { body.recovery.pull.to_f64() * per_size * per_size } else { 0.0 };
+    let pull = pull::stiffness(body, memory).map_or(0.0, |pull| pull.to_f64() * per_size * per_size);
     memory.near_inversion.iter().filter_map(move |&cell| {
         let corners = body.lattice.cells[cell as usize];
         let edges = MeanEdges::of(position, &corners, inverse_cell_size);
@@ -81,7 +81,7 @@ pub(in crate::physics) fn energy_past_work<R: Real>(
     dt: R,
 ) -> f64 {
     let stiffness = body.recovery.push;
-    let pull = memory.stuck.then_some(body.recovery.pull);
+    let pull = pull::stiffness(body, memory);
     let energy_of = |edges: &MeanEdges<R>| {
         let pulled = pull.map_or(0.0, |pull| pull::cell_energy(edges) * pull.to_f64());
         edges.energy() * stiffness.to_f64() + pulled

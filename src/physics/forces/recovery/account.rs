@@ -1,0 +1,112 @@
+//! What recovery takes from the energy of a body, and what it gives back.
+//!
+//! The push takes: a cell that is on its way back gets half of what it gave. Soft links take what they hold as they come
+//! home, and what they lose in flowing; while something stretches them they hold more than was put into them. The pull
+//! brings energy with it when it is switched on. Nothing may be given that was not taken:
+//!
+//! ```text
+//! taken  +=  − ΔU − F·Δx                    push and pull, of energy U and force F, on the way Δx of a substep
+//!            − s ΔE + flow                  links that lose the share s of their force, of energy E
+//!            − Δp W                         the share p of the pull is switched on
+//! ```
+//!
+//! Where nothing is left, links that would be stretched are as hard as ever, see [`super::soft_links`], and the pull grows no
+//! stronger, see [`super::pull`].
+//!
+//! Differences are taken over two substeps, the last and the coming one, and halved: a force of semi-implicit Euler works
+//! on the mean velocity of both, or a spring would seem to gain as it swings.
+
+use super::edges::{MeanEdges, mean_edges};
+use super::pull;
+use super::soft_links::{RecoveryWorkspace, for_each_soft_link};
+use crate::math::{Real, Vector};
+use crate::physics::model::{BodyModel, Model};
+use crate::physics::state::{BodyMemory, State};
+
+/// Settles what recovery took in a substep of `dt` (s) before particles move by `path` (m/s).
+pub(in crate::physics) fn settle<R: Real>(
+    model: &Model<R>,
+    dt: R,
+    path: &[R::Vec3],
+    state: &mut State<R>,
+    workspace: &mut RecoveryWorkspace<R>,
+) {
+    let State { position, velocity, bodies, .. } = state;
+    for (body, memory) in model.bodies.iter().zip(bodies).filter(|(_, memory)| memory.is_watched()) {
+        let motion = Motion {
+            position: &position[body.particles.clone()],
+            velocity: &velocity[body.particles.clone()],
+            path: &path[body.particles.clone()],
+            dt,
+        };
+        let taken = of_cells(body, memory, motion) + of_soft_links(body, memory, motion, workspace);
+        if taken.is_finite() {
+            memory.account.taken_j += taken;
+        }
+    }
+}
+
+/// Where the particles of a body are, what brought them there and what takes them on.
+#[derive(Clone, Copy)]
+struct Motion<'a, R: Real> {
+    position: &'a [R::Vec3],
+    velocity: &'a [R::Vec3],
+    path: &'a [R::Vec3],
+    dt: R,
+}
+
+/// What push and pull take, J.
+fn of_cells<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, motion: Motion<'_, R>) -> f64 {
+    let Motion { position, velocity, path, dt } = motion;
+    let push = body.recovery.push;
+    let pull = pull::stiffness(body, memory);
+    let per_size = body.inverse_cell_size;
+    let energy_of = |edges: &MeanEdges<R>| {
+        let pulled = pull.map_or(0.0, |pull| pull::cell_energy(edges) * pull.to_f64());
+        edges.energy() * push.to_f64() + pulled
+    };
+    let own = [0, 1, 2, 3, 4, 5, 6, 7];
+    let mut taken = 0.0;
+    for &cell in &memory.near_inversion {
+        let corners = &body.lattice.cells[cell as usize];
+        let at = |place: fn(R::Vec3, [R::Vec3; 2]) -> R::Vec3| {
+            let corners = corners.map(|corner| corner as usize);
+            let places = corners.map(|p| place(position[p], [velocity[p] * dt, path[p] * dt]));
+            MeanEdges::of(&places, &own, per_size)
+        };
+        let [before, now, after] = [at(|x, [came, _]| x - came), at(|x, _| x), at(|x, [_, goes]| x + goes)];
+        let rates = mean_edges(velocity, corners, R::ONE);
+        let goes = mean_edges(path, corners, R::ONE);
+        let work_of = |force: [R::Vec3; 3]| {
+            (0..3).fold(0.0, |sum, axis| sum + force[axis].dot((rates[axis] + goes[axis]) * dt).to_f64())
+        };
+        let pushed = now.push(&rates, push * per_size).map_or(0.0, work_of);
+        let pulled = pull.and_then(|pull| pull::cell_force(&now, &rates, pull * per_size)).map_or(0.0, work_of);
+        taken += 0.5 * (energy_of(&before) - energy_of(&after) - pushed - pulled);
+    }
+    taken
+}
+
+/// What soft links take, J.
+fn of_soft_links<R: Real>(
+    body: &BodyModel<R>,
+    memory: &BodyMemory,
+    motion: Motion<'_, R>,
+    workspace: &mut RecoveryWorkspace<R>,
+) -> f64 {
+    let Motion { position, velocity, path, dt } = motion;
+    let mut taken = 0.0;
+    for_each_soft_link(body, memory, [position, velocity], workspace, |[i, j], link| {
+        let goes = path[j] - path[i];
+        let energy = |d: R::Vec3| {
+            let strain = (d.length() * link.inverse_rest_length - R::ONE).to_f64();
+            0.5 * (link.stiffness / link.inverse_rest_length).to_f64() * strain * strain
+        };
+        let risen = 0.5 * (energy(link.d + goes * dt) - energy(link.d - link.dv * dt));
+        let squared = link.d.dot(link.d);
+        let along = link.d.dot(link.dv) * link.d.dot((link.dv + goes) * dt);
+        let flown = if squared > R::ZERO { link.flow * link.inverse_rest_length * along / squared } else { R::ZERO };
+        taken += link.softness.to_f64() * (0.5 * flown.to_f64() - risen);
+    });
+    taken
+}
