@@ -48,7 +48,7 @@ const FORETOLD_SECS: f64 = 0.5;
 /// So many times the work that was foretold is not taken without a word.
 const MORE_WORK: f64 = 100.0;
 
-/// Looks at the energy in that time.
+/// Looks at the energy in that time, not evenly spaced: see [`nth_look`].
 const LOOKS: u64 = 8;
 
 /// How long a scene is watched.
@@ -160,7 +160,10 @@ pub struct Watch {
     substeps: u64,
     /// Substeps in a window.
     window: u64,
+    /// Substeps between two looks, in the mean.
     between_looks: u64,
+    /// Looks taken.
+    looked: u64,
     bodies: Vec<Account>,
     /// What was looked at in the last substep.
     looks: Vec<EnergySample>,
@@ -198,6 +201,7 @@ impl Watch {
             substeps,
             window,
             between_looks: window.div_ceil(LOOKS),
+            looked: 0,
             bodies: bodies.collect(),
             looks: Vec::new(),
             forces: 0,
@@ -236,7 +240,8 @@ impl Watch {
             self.condemn(Fault::NotFinite, format!("after {} s", self.verdict.simulated_secs));
             return false;
         }
-        let look = substep.is_multiple_of(self.between_looks);
+        let look = substep == nth_look(self.looked, self.between_looks);
+        self.looked += u64::from(look);
         let close = (substep + 1).is_multiple_of(self.window);
         if look || close {
             self.look(simulation, look, close);
@@ -307,6 +312,16 @@ impl Watch {
     fn condemn(&mut self, fault: Fault, words: String) {
         (self.verdict.fault, self.verdict.words) = (Some(fault), words);
     }
+}
+
+/// The substep of a look: so many substeps after the one before in the mean, earlier or later by a multiple of the golden
+/// ratio (Weyl 1916). The energy of a vibration swings twice in its period, by a quarter of `(dt ω)²`; looks in step with it
+/// would take one end of the swing for the mean.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a few substeps")]
+fn nth_look(number: u64, between: u64) -> u64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let share = number as f64 * GOLDEN;
+    number * between + ((share - share.floor()) * between as f64) as u64
 }
 
 /// At least one.

@@ -197,6 +197,20 @@ fn a_particle_without_links_to_speak_of_gets_as_far_as_its_own_contact_throws_it
 }
 
 #[test]
+fn looks_are_in_step_with_no_vibration() {
+    for between in 2..40 {
+        // Evenly spaced looks would all see the end of its swing.
+        let swing = |look| (2.0 * std::f64::consts::PI * look as f64 / between as f64).cos();
+        let looks: Vec<u64> = (0..80).map(|number| nth_look(number, between)).collect();
+        assert!(looks.is_sorted_by(|one, next| one < next), "one after another");
+        for window in looks.chunks(usize::try_from(LOOKS).expect("a few")) {
+            let mean = window.iter().map(|&look| swing(look)).sum::<f64>() / LOOKS as f64;
+            assert!(mean.abs() < 0.3, "{mean} of the swing, {between} substeps to a look");
+        }
+    }
+}
+
+#[test]
 fn a_body_that_is_suddenly_elsewhere_is_seen() {
     let mut scene = falling_cube();
     scene.settings.gravity = [0.0; 3];
