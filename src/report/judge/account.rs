@@ -7,7 +7,10 @@ use super::fault::{Fault, GAIN, REACH};
 use super::rounding::Rounding;
 use crate::math::{Real, Vector};
 use crate::physics::Diagnostics;
-use crate::physics::{Simulation, StepReport};
+use crate::physics::{BodyModel, Simulation, StepReport};
+
+/// Particles are light below this share of the mean: a corner of a cube of one solid weighs more.
+const LIGHT: f64 = 0.1;
 
 /// The energy of one body since the start.
 #[derive(Debug)]
@@ -23,6 +26,10 @@ pub(super) struct Account {
     fastest_push: f64,
     /// The most that its springs and those of contact held since then, J.
     squeezed: f64,
+    /// The most that its springs held, J.
+    held: f64,
+    /// What the part of it weighs that the rest can throw, kg; infinite where no part is that much lighter.
+    light_kg: f64,
     /// The fastest that the spring of one contact made its particle then, had the particle no links, m/s.
     released: f64,
     gravity: DVec3,
@@ -51,6 +58,8 @@ impl Account {
             meddling: 0.0,
             fastest_push: 0.0,
             squeezed: 0.0,
+            held: 0.0,
+            light_kg: light_mass(&simulation.model().bodies[body]),
             released: 0.0,
             gravity,
             dt: simulation.plan().substep_secs(),
@@ -88,8 +97,10 @@ impl Account {
         }
         self.now = now;
         self.rounding.see(self.now.bounds);
+        let held = own(&self.now) - self.now.energy.kinetic;
+        self.held = self.held.max(held);
         if self.fastest_push > 0.0 {
-            self.squeezed = self.squeezed.max(own(&self.now) - self.now.energy.kinetic);
+            self.squeezed = self.squeezed.max(held);
         }
         if self.fastest_push > 0.0 || self.looks == 0 && self.substeps == 0 {
             self.released = self.released.max(fastest_release(simulation, self.body));
@@ -150,11 +161,13 @@ impl Account {
     /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with, by
     /// obstacles that push it and its own size, m. A body that is squeezed between obstacles leaves faster than they move,
     /// like a pip between fingers: by what its springs held. Where links are next to nothing, one particle leaves with all
-    /// that the spring of its own contact held.
+    /// that the spring of its own contact held. A light part that is caught by an obstacle while the heavy rest flies on
+    /// is thrown by what the springs between them held.
     fn reach(&self, seconds: f64) -> f64 {
         let stored = (self.own_at_start - self.start.energy.kinetic).max(self.squeezed) + self.meddling;
         let whole = (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
-        let speed = self.start.max_speed + self.fastest_push + whole.max(self.released);
+        let thrown = (2.0 * self.held.max(0.0) / self.light_kg).sqrt();
+        let speed = self.start.max_speed + self.fastest_push + whole.max(self.released).max(thrown);
         let size = self.start.bounds.size().length();
         speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
     }
@@ -165,6 +178,14 @@ impl Account {
         let middle = self.start.bounds.center();
         (bounds.min - middle).abs().max((bounds.max - middle).abs()).length()
     }
+}
+
+/// What the light particles of a body weigh together, kg; infinite where none is light to the others.
+fn light_mass<R: Real>(body: &BodyModel<R>) -> f64 {
+    let masses = || (0..body.particles.len()).map(|particle| body.mass(particle).to_f64());
+    let light = LIGHT * masses().sum::<f64>() / body.particles.len() as f64;
+    let sum: f64 = masses().filter(|mass| *mass < light).sum();
+    if sum > 0.0 { sum } else { f64::INFINITY }
 }
 
 /// The fastest that the spring of a contact in the last substep could make its particle, m/s.

@@ -197,6 +197,23 @@ fn a_particle_without_links_to_speak_of_gets_as_far_as_its_own_contact_throws_it
 }
 
 #[test]
+fn a_light_part_gets_as_far_as_the_heavy_rest_throws_it_and_no_further() {
+    // Its light half is caught between two planes while the heavy one flies on.
+    let scene = extreme_scene(1_623_209_670, 3728);
+    let catapult = |way: f32| {
+        seen(&scene, |simulation, substep| {
+            if substep == 40 {
+                let mut state = simulation.state().clone();
+                state.position.iter_mut().for_each(|x| x.x += way);
+                simulation.set_state(state);
+            }
+        })
+    };
+    assert_eq!(catapult(0.0).fault, None, "{:?}", catapult(0.0));
+    assert_eq!(catapult(3000.0).fault, Some(Fault::Reach), "{:?}", catapult(3000.0));
+}
+
+#[test]
 fn looks_are_in_step_with_no_vibration() {
     for between in 2..40 {
         // Evenly spaced looks would all see the end of its swing.
