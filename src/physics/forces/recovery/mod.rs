@@ -47,7 +47,7 @@ use soft_links::soften;
 use crate::math::Real;
 use crate::physics::forces::links::Configuration;
 use crate::physics::model::plan::Plan;
-use crate::physics::model::{BodyModel, Model};
+use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::report::Recorder;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
@@ -93,12 +93,14 @@ pub(in crate::physics) fn look<R: Real>(
 
 /// Adds the push of the cells on the lists of the bodies, N.
 pub(in crate::physics) fn add_forces<R: Real>(
-    Substep { model, state, .. }: Substep<'_, R>,
+    Substep { model, state, scheme, .. }: Substep<'_, R>,
     Configuration { position, velocity, .. }: Configuration<'_, R>,
     force: &mut [R::Vec3],
     workspace: &mut RecoveryWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
+    // Verlet predicts velocities from forces alone: what an obstacle crushes would be on its way back.
+    let velocity = if scheme == Scheme::Verlet { &state.velocity } else { velocity };
     for (body, memory) in model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep) {
         let position = &position[body.particles.clone()];
         let velocity = &velocity[body.particles.clone()];
