@@ -31,6 +31,8 @@ pub(in crate::physics) struct Share<R> {
     pub(in crate::physics) piece: Option<Piece<R>>,
     /// Forces of links that were worked out in the last pass.
     pub(in crate::physics) evaluated: u64,
+    /// Whether all of its particles come to a finite place by the kick of the last pass.
+    pub(in crate::physics) is_finite: bool,
     work: usize,
 }
 
@@ -48,7 +50,14 @@ pub(in crate::physics) fn shares<R: Real>(model: &Model<R>, threads: usize) -> V
     for (body, of) in model.bodies.iter().enumerate() {
         let work = work(of);
         let Some(links) = &of.boxed_links else {
-            shares.push(Share { body, particles: of.particles.clone(), piece: None, evaluated: 0, work });
+            shares.push(Share {
+                body,
+                particles: of.particles.clone(),
+                piece: None,
+                evaluated: 0,
+                is_finite: true,
+                work,
+            });
             before += work;
             continue;
         };
@@ -59,7 +68,7 @@ pub(in crate::physics) fn shares<R: Real>(model: &Model<R>, threads: usize) -> V
         for piece in pieces(links, &cuts) {
             let particles = piece.particles.start + of.particles.start..piece.particles.end + of.particles.start;
             let work = usize::try_from(piece.links).unwrap_or(usize::MAX);
-            shares.push(Share { body, particles, piece: Some(piece), evaluated: 0, work });
+            shares.push(Share { body, particles, piece: Some(piece), evaluated: 0, is_finite: true, work });
         }
         before += work;
     }

@@ -2,14 +2,16 @@
 
 mod boxed;
 pub(in crate::physics) mod links;
+pub(in crate::physics) mod particles;
 pub(in crate::physics) mod recovery;
 
 use boxed::LinkForces;
 use links::{Configuration, elastic_force, for_each_exact_link, is_damped};
+use particles::{Kick, weigh};
 
 use crate::math::{Real, Vector};
+use crate::physics::model::Model;
 use crate::physics::model::plan::{Plan, Stage};
-use crate::physics::model::{Model, Values};
 use crate::physics::report::Recorder;
 use crate::physics::share::{Share, shares};
 use crate::physics::state::BodyMemory;
@@ -29,68 +31,77 @@ pub(super) struct ForceWorkspace<R: Real> {
 }
 
 impl<R: Real> ForceWorkspace<R> {
+    /// Whether all particles that a kick was for come to a finite place by it.
+    pub(super) fn is_finite(&self) -> bool {
+        self.shares.iter().all(|share| share.is_finite)
+    }
+
     /// Room for a model and so many threads.
     pub(super) fn new(model: &Model<R>, threads: usize) -> Self {
         Self { recovery: recovery::RecoveryWorkspace::new(model), threads, shares: shares(model, threads) }
     }
 }
 
-/// Writes all forces on the particles of bodies that are awake but those of contact, N.
+/// Writes all forces on the particles of bodies that are awake but those of contact, N, and with a kick what they do to
+/// velocities: only where [`those of links come last`](links_come_last).
 pub(super) fn evaluate<R: Real>(
     substep: Substep<'_, R>,
     at: Configuration<'_, R>,
     force: &mut [R::Vec3],
+    kick: Option<Kick<'_, R>>,
     workspace: &mut ForceWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, plan, state, .. } = substep;
-    recorder.enter(Stage::Gravity);
-    gravity(model, &state.bodies, force);
-    if plan.runs(Stage::Links) {
-        recorder.enter(Stage::Links);
-        match at.residual {
-            None => links(substep, at, force, workspace, recorder),
-            Some(residual) => exact_links(substep, at.position, residual, force, recorder),
+    match at.residual {
+        None if plan.runs(Stage::Links) => {
+            recorder.enter(Stage::Links);
+            weight_and_links(substep, at, force, kick, workspace, recorder);
+        }
+        residual => {
+            recorder.enter(Stage::Gravity);
+            for body in awake(model, &state.bodies) {
+                weigh(model, body, 0..body.particles.len(), &mut force[body.particles.clone()]);
+            }
+            if let (Some(residual), true) = (residual, plan.runs(Stage::Links)) {
+                recorder.enter(Stage::Links);
+                exact_links(substep, at.position, residual, force, recorder);
+            }
         }
     }
-    if plan.recovery && state.bodies.iter().any(BodyMemory::is_watched) {
+    if has_recovery(plan, &state.bodies) {
         recorder.enter(Stage::Recovery);
         recovery::add_forces(substep, at, force, &mut workspace.recovery, recorder);
     }
 }
 
-/// Writes the weight of every particle, N.
-fn gravity<R: Real>(model: &Model<R>, memory: &[BodyMemory], force: &mut [R::Vec3]) {
-    for body in awake(model, memory) {
-        let force = &mut force[body.particles.clone()];
-        match &body.masses {
-            Values::Uniform(mass) => force.fill(model.gravity * *mass),
-            Values::Each(masses) => {
-                for (force, mass) in force.iter_mut().zip(masses) {
-                    *force = model.gravity * *mass;
-                }
-            }
-        }
-    }
+/// Whether nothing but contact adds to the forces after those of links.
+pub(super) fn links_come_last(plan: &Plan, memory: &[BodyMemory]) -> bool {
+    plan.runs(Stage::Links) && !has_recovery(plan, memory)
 }
 
-/// Adds the forces of all links, N.
-fn links<R: Real>(
-    Substep { model, plan, state, .. }: Substep<'_, R>,
+fn has_recovery(plan: &Plan, memory: &[BodyMemory]) -> bool {
+    plan.recovery && memory.iter().any(BodyMemory::is_watched)
+}
+
+/// Writes the weight of every particle with the forces of all links, N.
+fn weight_and_links<R: Real>(
+    substep: Substep<'_, R>,
     at: Configuration<'_, R>,
     force: &mut [R::Vec3],
+    kick: Option<Kick<'_, R>>,
     workspace: &mut ForceWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     let ForceWorkspace { threads, shares, .. } = workspace;
-    let forces = LinkForces { model, plan, memory: &state.bodies, at, shares, force };
+    let forces = LinkForces { substep, at, shares, force, kick };
     if *threads == 1 {
         forces.add(&|| recorder.stops());
     } else if !recorder.stops() {
         team::share(*threads, forces);
     }
     recorder.counters.link_forces += shares.iter().map(|share| share.evaluated).sum::<u64>();
-    recorder.counters.damped_link_forces += damped_links(model, plan, &state.bodies);
+    recorder.counters.damped_link_forces += damped_links(substep.model, substep.plan, &substep.state.bodies);
 }
 
 /// The elastic forces of all links, added in double precision, of positions and what rounding has kept back from them:

@@ -43,7 +43,7 @@ pub(in crate::physics) use layout::{BYTES_A_CORNER, Layout, MOST_CORNERS_A_PARTI
 pub use level::SimdLevel;
 pub(in crate::physics) use motion::{advance, kick, kick_each};
 pub(in crate::physics) use piece::{Piece, pieces};
-pub(in crate::physics) use sweep::{Pass, add_forces};
+pub(in crate::physics) use sweep::{Pass, Start, add_forces};
 
 #[cfg(test)]
 mod oracle_tests;

@@ -19,6 +19,10 @@ use crate::math::Real;
 use crate::physics::kernels::boxed::BoxedLinks;
 use crate::physics::kernels::layout::{BLOCK, Layout, Run};
 
+/// Corners of a panel: enough that to begin one costs nothing, few enough that what is known of them stays in the caches,
+/// and that their links take well below a thousandth of a second, as before each panel it is asked whether to go on.
+const PANEL: usize = 4096;
+
 /// A piece of a body in its box, and what a sweep over it works in: positions, velocities and forces component by component.
 /// Corners without a particle stay where they are put at first.
 #[derive(Clone, Debug)]
@@ -31,15 +35,27 @@ pub(in crate::physics) struct Piece<R> {
     pub(super) first: usize,
     /// Its own corners.
     pub(super) own: Range<usize>,
-    /// The blocks that are swept: those before it that reach it, and its own.
-    pub(super) blocks: Range<usize>,
-    /// The particles that are read.
-    pub(super) read: Vec<Run>,
-    /// The particles of its own.
-    pub(super) written: Vec<Run>,
+    /// What it is worked through in.
+    pub(super) panels: Vec<Panel>,
     pub(super) position: [Vec<R>; 3],
     pub(super) velocity: [Vec<R>; 3],
     pub(super) force: [Vec<R>; 3],
+}
+
+/// Blocks of a piece that follow one another: what they reach for the first time is brought to the box before them, what
+/// nothing reaches any more back after them, while it is near in the caches.
+#[derive(Clone, Debug)]
+pub(super) struct Panel {
+    /// The blocks; of the first panels also those before the piece that reach it.
+    pub(super) blocks: Range<usize>,
+    /// The particles that are read for the first time.
+    pub(super) read: Vec<Run>,
+    /// The corners of the piece that get a force for the first time, and the particles there.
+    pub(super) begun: (Range<usize>, Vec<Run>),
+    /// The particles of the piece whose forces are complete then, ...
+    pub(super) complete: Vec<Run>,
+    /// ... and where they are among those of the piece.
+    pub(super) stretch: Range<usize>,
 }
 
 /// Cuts a body after these shares of its work, ascending; there are fewer pieces where it has not as many blocks.
@@ -75,10 +91,36 @@ impl<R: Real> Piece<R> {
         let first = first_of(before).min(own.start);
         let past = if is_last { layout.corners } else { own.end + reach };
         let room = || [(); 3].map(|()| vec![R::ZERO; past - first]);
-        let written = runs_within(layout, &own);
         let particles = particles_before(layout, own.start)..particles_before(layout, own.end);
-        let read = runs_within(layout, &(first..past));
-        Self { particles, links, first, own, blocks, read, written, position: room(), velocity: room(), force: room() }
+        let panels = panels(layout, blocks, &own, &(first..past), particles.start);
+        Self { particles, links, first, own, panels, position: room(), velocity: room(), force: room() }
+    }
+}
+
+/// The panels of a piece, at least one; `read` are the corners it reads, and `origin` is its first particle.
+fn panels(layout: &Layout, blocks: Range<usize>, own: &Range<usize>, read: &Range<usize>, origin: usize) -> Vec<Panel> {
+    let reach = layout.offsets.iter().copied().max().unwrap_or(0) + BLOCK;
+    let mut panels = Vec::new();
+    let (mut next, mut reached, mut complete) = (blocks.start, read.start, own.start);
+    loop {
+        let end = layout.blocks[..blocks.end].get(next).map_or(blocks.end, |first| {
+            layout.blocks[..blocks.end].partition_point(|block| block.first < first.first + PANEL)
+        });
+        let is_last = end == blocks.end;
+        let reaches = if is_last { read.end } else { layout.blocks[end - 1].first + reach };
+        let ends = if is_last { own.end } else { layout.blocks[end].first.max(own.start) };
+        let begun = reached.max(own.start)..reaches.min(own.end).max(reached.max(own.start));
+        panels.push(Panel {
+            blocks: next..end,
+            read: runs_within(layout, &(reached..reaches)),
+            begun: (begun.clone(), runs_within(layout, &begun)),
+            complete: runs_within(layout, &(complete..ends)),
+            stretch: particles_before(layout, complete) - origin..particles_before(layout, ends) - origin,
+        });
+        (next, reached, complete) = (end, reaches, ends);
+        if is_last {
+            return panels;
+        }
     }
 }
 
@@ -90,7 +132,9 @@ fn particles_before(layout: &Layout, corner: usize) -> usize {
 
 /// What of the runs of a layout lies within some corners.
 fn runs_within(layout: &Layout, corners: &Range<usize>) -> Vec<Run> {
-    let clipped = layout.runs.iter().map(|run| {
+    let first = layout.runs.partition_point(|run| run.corner + run.particles.len() <= corners.start);
+    let runs = layout.runs[first..].iter().take_while(|run| run.corner < corners.end);
+    let clipped = runs.map(|run| {
         let begin = run.corner.max(corners.start);
         let end = (run.corner + run.particles.len()).min(corners.end);
         let at = run.particles.start + begin.saturating_sub(run.corner);

@@ -1,5 +1,7 @@
-//! A sweep over the links of a piece of a body: its particles are spread over the box, the blocks worked through in
-//! ascending order, the forces brought back.
+//! A sweep over the links of a piece of a body, panel by panel: its particles are spread over the box, the blocks worked
+//! through in ascending order, the forces brought back.
+
+use std::ops::Range;
 
 use crate::math::{Real, Vector};
 use crate::physics::kernels::block::{self, Mask};
@@ -7,9 +9,6 @@ use crate::physics::kernels::boxed::{BoxedLinks, EachLaw, TermLaw};
 use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, Run, Term};
 use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
-
-/// Links between two looks at whether to go on: well below a thousandth of a second.
-const LINKS_A_LOOK: u64 = 1 << 16;
 
 /// What is worked out, and how.
 #[derive(Clone, Copy, Debug)]
@@ -22,64 +21,89 @@ pub(in crate::physics) struct Pass {
     pub(in crate::physics) damped: [bool; 3],
 }
 
+/// The forces that the particles of a piece have without those of links, N.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) enum Start<R: Real> {
+    /// All have this one.
+    Alike(R::Vec3),
+    /// Those that are written already.
+    Each,
+}
+
 /// Adds the forces of all links to those on the particles of a piece, N, and says of how many that start in it; fewer than
 /// there are only where it was to give up, and the forces mean nothing then. `motion` is where the particles of the body
-/// are and how fast, m and m/s; the forces are those on the particles of the piece.
+/// are and how fast, m and m/s; the forces are those on the particles of the piece, of which `done` is told once they are
+/// complete, a stretch at a time.
+#[expect(clippy::too_many_arguments, reason = "what is read and written by a loop that knows nothing else")]
 pub(in crate::physics) fn add_forces<R: Real>(
     links: &BoxedLinks<R>,
     pass: Pass,
     motion: [&[R::Vec3]; 2],
+    start: Start<R>,
     force: &mut [R::Vec3],
     piece: &mut Piece<R>,
     stops: &dyn Fn() -> bool,
+    done: &mut impl FnMut(Range<usize>, &[R::Vec3]),
 ) -> u64 {
-    pass.level.run(
-        #[inline(always)]
-        || {
-            let [position, velocity] = motion;
-            spread(&piece.read, [0, piece.first], position, &mut piece.position);
-            if pass.damped.contains(&true) {
-                spread(&piece.read, [0, piece.first], velocity, &mut piece.velocity);
-            }
-            let own = piece.own.start - piece.first..piece.own.end - piece.first;
-            for force in &mut piece.force {
-                force[..own.start].fill(R::ZERO);
-                force[own.end..].fill(R::ZERO);
-            }
-            let origin = [piece.particles.start, piece.first];
-            spread(&piece.written, origin, force, &mut piece.force);
-            let evaluated = sweep(links, pass, piece, stops);
-            collect(&piece.written, origin, &piece.force, force);
-            evaluated
-        },
-    )
+    let Piece { particles, first, own, panels, position, velocity, force: boxed, .. } = piece;
+    let first = *first;
+    for boxed in &mut *boxed {
+        boxed[..own.start - first].fill(R::ZERO);
+        boxed[own.end - first..].fill(R::ZERO);
+    }
+    let (origin, is_damped) = ([particles.start, first], pass.damped.contains(&true));
+    let mut evaluated = 0;
+    for panel in panels {
+        if stops() {
+            break;
+        }
+        evaluated += pass.level.run(
+            #[inline(always)]
+            || {
+                spread(&panel.read, [0, first], motion[0], position);
+                if is_damped {
+                    spread(&panel.read, [0, first], motion[1], velocity);
+                }
+                let (begun, runs) = &panel.begun;
+                match start {
+                    Start::Alike(start) => fill(start, begun.start - first..begun.end - first, boxed),
+                    Start::Each => spread(runs, origin, force, boxed),
+                }
+                let motion = [slices(position), slices(velocity)];
+                let count = sweep(links, pass, panel.blocks.clone(), [first, own.start], motion, boxed);
+                collect(&panel.complete, origin, boxed, force);
+                count
+            },
+        );
+        done(panel.stretch.clone(), &force[panel.stretch.clone()]);
+    }
+    evaluated
 }
 
-/// Works through all blocks.
+/// Works through some blocks. Says how many links start there at the corners from `own` on; `first` is the corner of the
+/// first place.
 #[inline(always)]
-fn sweep<R: Real>(links: &BoxedLinks<R>, pass: Pass, piece: &mut Piece<R>, stops: &dyn Fn() -> bool) -> u64 {
-    let Piece { first, own, blocks, position, velocity, force, .. } = piece;
+fn sweep<R: Real>(
+    links: &BoxedLinks<R>,
+    pass: Pass,
+    blocks: Range<usize>,
+    [first, own]: [usize; 2],
+    [position, velocity]: [[&[R]; 3]; 2],
+    [force_x, force_y, force_z]: &mut [Vec<R>; 3],
+) -> u64 {
     let Layout { offsets, masks, terms, .. } = &*links.layout;
-    let [position, velocity] = [slices(position), slices(velocity)];
-    let [force_x, force_y, force_z] = force;
     let (force_x, force_y, force_z) = (&mut force_x[..], &mut force_y[..], &mut force_z[..]);
-    let (mut evaluated, mut looked_at) = (0, None);
+    let mut evaluated = 0;
     let zeros = [R::ZERO; BLOCK];
-    for block in &links.layout.blocks[blocks.clone()] {
-        if looked_at.is_none_or(|at| evaluated - at >= LINKS_A_LOOK) {
-            if stops() {
-                break;
-            }
-            looked_at = Some(evaluated);
-        }
-        let is_own = block.first >= own.start;
+    for block in &links.layout.blocks[blocks] {
+        let is_own = block.first >= own;
         let of_corners = lanes(masks, block.first);
-        let at = block.first - *first;
+        let at = block.first - first;
         let near = [lanes_of(position, at), lanes_of(velocity, at)];
         let mut sum = [zeros; 3];
         for number in block.terms.clone() {
             let Term { slot, links: count } = terms[number];
-            let reaches = is_own || block.first + offsets[slot] + BLOCK > own.start;
+            let reaches = is_own || block.first + offsets[slot] + BLOCK > own;
             if !pass.families[FAMILY[slot]] || !reaches {
                 continue;
             }
@@ -127,23 +151,32 @@ fn add<R: Real>(sum: &[R; BLOCK], to: &mut [R; BLOCK]) {
 
 /// Brings vectors of the particles to their corners. `origin` is the particle and the corner that are counted as nothing.
 #[inline(always)]
-fn spread<R: Real>(runs: &[Run], origin: [usize; 2], from: &[R::Vec3], to: &mut [Vec<R>; 3]) {
+fn spread<R: Real>(runs: &[Run], origin: [usize; 2], from: &[R::Vec3], [x, y, z]: &mut [Vec<R>; 3]) {
     for run in runs {
         let [particles, corners] = run.past(origin);
-        let [to_x, to_y, to_z] = to.each_mut().map(|to| &mut to[corners.clone()]);
-        for (((from, x), y), z) in from[particles].iter().zip(to_x).zip(to_y).zip(to_z) {
+        let (x, y, z) = (&mut x[corners.clone()], &mut y[corners.clone()], &mut z[corners]);
+        for (((from, x), y), z) in from[particles].iter().zip(x).zip(y).zip(z) {
             [*x, *y, *z] = from.components();
         }
     }
 }
 
+/// Gives all of some corners the same vector.
+#[inline(always)]
+fn fill<R: Real>(vector: R::Vec3, corners: Range<usize>, [x, y, z]: &mut [Vec<R>; 3]) {
+    let [vector_x, vector_y, vector_z] = vector.components();
+    x[corners.clone()].fill(vector_x);
+    y[corners.clone()].fill(vector_y);
+    z[corners].fill(vector_z);
+}
+
 /// Brings what is at the corners to the particles.
 #[inline(always)]
-fn collect<R: Real>(runs: &[Run], origin: [usize; 2], from: &[Vec<R>; 3], to: &mut [R::Vec3]) {
+fn collect<R: Real>(runs: &[Run], origin: [usize; 2], [x, y, z]: &[Vec<R>; 3], to: &mut [R::Vec3]) {
     for run in runs {
         let [particles, corners] = run.past(origin);
-        let [from_x, from_y, from_z] = from.each_ref().map(|from| &from[corners.clone()]);
-        for (((to, x), y), z) in to[particles].iter_mut().zip(from_x).zip(from_y).zip(from_z) {
+        let (x, y, z) = (&x[corners.clone()], &y[corners.clone()], &z[corners]);
+        for (((to, x), y), z) in to[particles].iter_mut().zip(x).zip(y).zip(z) {
             *to = R::Vec3::new(*x, *y, *z);
         }
     }

@@ -21,9 +21,7 @@ mod stepper;
 mod verlet;
 
 pub(super) use implicit::bytes as implicit_bytes;
-pub(super) use stepper::{SchemeWorkspace, Stepper};
-
-use stepper::moves_by_mean;
+pub(super) use stepper::{SchemeWorkspace, Stepper, kicked_for, moves_by_mean};
 
 use super::contact::ContactConstraint;
 use super::model::Model;

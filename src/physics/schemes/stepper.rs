@@ -3,10 +3,11 @@
 use crate::math::{Real, Vector};
 use crate::physics::forces;
 use crate::physics::forces::links::Configuration;
-use crate::physics::kernels::{self, SimdLevel};
+use crate::physics::forces::particles::kick_some;
+use crate::physics::kernels::SimdLevel;
+use crate::physics::model::Model;
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::{Plan, Stage};
-use crate::physics::model::{Model, Values};
 use crate::physics::report::Recorder;
 use crate::physics::schemes::implicit::system::ImplicitWorkspace;
 use crate::physics::schemes::verlet;
@@ -74,15 +75,9 @@ pub(in crate::physics) struct Stepper<'a, R: Real> {
 impl<R: Real> Stepper<'_, R> {
     /// Writes the velocities at the end of the substep as the forces at the state predict them.
     pub(in crate::physics) fn predict(&mut self, velocity: &mut [R::Vec3]) {
-        velocity.copy_from_slice(&self.substep.state.velocity);
-        let kicked_for = match self.substep.scheme {
-            Scheme::Verlet => verlet::kicked_for(self.substep.dt, self.substep.state),
-            Scheme::SemiImplicit if self.substep.state.velocity_lag_secs > 0.0 => {
-                verlet::kicked_for(self.substep.dt, self.substep.state)
-            }
-            _ => self.substep.dt,
-        };
-        kick(self.substep.model, self.substep.plan.simd, &self.substep.state.bodies, kicked_for, self.force, velocity);
+        let Substep { model, plan, state, .. } = self.substep;
+        velocity.copy_from_slice(&state.velocity);
+        kick(model, plan.simd, &state.bodies, kicked_for(self.substep), self.force, velocity);
         if moves_by_mean(self.substep.scheme) {
             self.workspace.predicted.copy_from_slice(velocity);
         }
@@ -105,7 +100,7 @@ impl<R: Real> Stepper<'_, R> {
         velocity.copy_from_slice(&self.substep.state.velocity);
         kick(self.substep.model, self.substep.plan.simd, &self.substep.state.bodies, ahead, force, velocity);
         let at = Configuration { position, velocity, residual: None };
-        forces::evaluate(self.substep, at, force, self.forces, recorder);
+        forces::evaluate(self.substep, at, force, None, self.forces, recorder);
         for (force, held) in force.iter_mut().zip(self.held_force.into_iter().flatten()) {
             *force += *held;
         }
@@ -125,6 +120,15 @@ impl<R: Real> Stepper<'_, R> {
     }
 }
 
+/// How long the forces at the state act on its velocities until they are those at the end of a substep, s.
+pub(in crate::physics) fn kicked_for<R: Real>(Substep { state, dt, scheme, .. }: Substep<'_, R>) -> R {
+    match scheme {
+        Scheme::Verlet => verlet::kicked_for(dt, state),
+        Scheme::SemiImplicit if state.velocity_lag_secs > 0.0 => verlet::kicked_for(dt, state),
+        _ => dt,
+    }
+}
+
 /// Whether particles move by another velocity than that at the end of the substep.
 pub(in crate::physics) fn moves_by_mean(scheme: Scheme) -> bool {
     matches!(scheme, Scheme::Explicit | Scheme::Rk2 | Scheme::Rk4)
@@ -141,18 +145,6 @@ pub(super) fn kick<R: Real>(
 ) {
     for body in awake(model, memory) {
         let own = body.particles.clone();
-        let (force, velocity) = (&force[own.clone()], &mut velocity[own]);
-        match &body.masses {
-            Values::Uniform(mass) => kernels::kick(level, dt / *mass, force, velocity),
-            Values::Each(masses) => kernels::kick_each(level, dt, masses, force, velocity),
-        }
-        match &body.pinned {
-            Values::Uniform(false) => {}
-            Values::Uniform(true) => velocity.fill(R::Vec3::ZERO),
-            Values::Each(pinned) => {
-                let held = velocity.iter_mut().zip(pinned).filter(|(_, pinned)| **pinned);
-                held.for_each(|(velocity, _)| *velocity = R::Vec3::ZERO);
-            }
-        }
+        kick_some(body, 0..own.len(), level, dt, &force[own.clone()], &mut velocity[own]);
     }
 }

@@ -22,6 +22,7 @@ pub(in crate::physics) mod substep;
 use super::contact::{self, ContactRecord, Placed};
 use super::forces;
 use super::forces::links::Configuration;
+use super::forces::particles::Kick;
 use super::interaction::{self, Grab};
 use super::model::Model;
 use super::report::Recorder;
@@ -150,9 +151,9 @@ pub(super) fn substep<R: Real>(
     }
     let dt = R::from_f64(part.secs);
     let begun = Substep { model, plan, state, obstacles, dt, scheme: part.scheme, grab };
-    find_forces(begun, workspace, recorder);
-    let is_found = find_velocities(begun, part.gain, workspace, recorder);
-    let is_sound = is_found && is_sound(begun, workspace);
+    let prediction = find_forces(begun, workspace, recorder);
+    let is_found = find_velocities(begun, part.gain, prediction, workspace, recorder);
+    let is_sound = is_found && is_sound(begun, prediction, workspace);
     if recorder.has_stopped() || !is_found {
         state.bodies.iter_mut().zip(&workspace.remembered).for_each(|(memory, copy)| memory.copy(copy));
         return if recorder.has_stopped() { Ending::Stopped } else { Ending::Refused };
@@ -180,20 +181,43 @@ pub(super) fn substep<R: Real>(
     Ending::Taken
 }
 
-/// Forces at the state: gravity, links, cells near inversion, and contact by the thesis's rule.
-fn find_forces<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let Substep { state, .. } = begun;
-    let StepWorkspace { force, thesis_force, contact, scheme, forces: of_forces, .. } = workspace;
+/// What there is of the velocities that the forces predict once these are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Prediction {
+    /// Nothing.
+    Missing,
+    /// All of them.
+    Made {
+        /// Whether they lead to finite places.
+        is_finite: bool,
+    },
+}
+
+/// Forces at the state: gravity, links, cells near inversion, and contact by the thesis's rule. Where those of links come
+/// last, particles are kicked on the way.
+fn find_forces<R: Real>(
+    begun: Substep<'_, R>,
+    workspace: &mut StepWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) -> Prediction {
+    let Substep { plan, state, scheme: by, .. } = begun;
+    let StepWorkspace { force, thesis_force, velocity, contact, scheme, forces: of_forces, .. } = workspace;
+    let is_predicted = by != Scheme::Implicit
+        && !schemes::moves_by_mean(by)
+        && thesis_force.is_none()
+        && forces::links_come_last(plan, &state.bodies);
+    let kick = is_predicted.then(|| Kick { secs: schemes::kicked_for(begun), velocity });
     let at = Configuration {
         position: &state.position,
         velocity: schemes::damping_velocity(begun.scheme, state, scheme),
         residual: (begun.scheme == Scheme::Implicit).then_some(&state.position_residual),
     };
-    forces::evaluate(begun, at, force, of_forces, recorder);
+    forces::evaluate(begun, at, force, kick, of_forces, recorder);
     if let Some(thesis_force) = thesis_force {
         recorder.enter(Stage::Contact);
         contact::thesis::add_forces(begun, force, thesis_force, contact, recorder);
     }
+    if is_predicted { Prediction::Made { is_finite: of_forces.is_finite() } } else { Prediction::Missing }
 }
 
 /// The velocities at the end, contact and hand included. Says whether there are any: the implicit scheme finds none
@@ -201,12 +225,13 @@ fn find_forces<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>,
 fn find_velocities<R: Real>(
     begun: Substep<'_, R>,
     gain: Gain,
+    prediction: Prediction,
     workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) -> bool {
     recorder.enter(Stage::Integrate);
     if begun.scheme != Scheme::Implicit {
-        predicted_velocities(begun, workspace, recorder);
+        predicted_velocities(begun, prediction, workspace, recorder);
         return true;
     }
     solved_velocities(begun, workspace, recorder);
@@ -216,7 +241,7 @@ fn find_velocities<R: Real>(
     let StepWorkspace { velocity, force, contact, .. } = workspace;
     let end = End { velocity, force, contacts: &contact.contacts };
     let stops = || recorder.stops();
-    if stays_finite(begun, velocity, velocity) && !gains_energy(begun, end, &stops) {
+    if stays_finite(begun, velocity) && !gains_energy(begun, end, &stops) {
         return true;
     }
     if gain == Gain::Slow {
@@ -227,11 +252,18 @@ fn find_velocities<R: Real>(
 
 /// Whether the velocities that were found lead to finite places and, in manual stepping, tear no body apart. Contact
 /// may still change the paths of schemes that move particles by a mean velocity.
-fn is_sound<R: Real>(begun: Substep<'_, R>, workspace: &StepWorkspace<R>) -> bool {
-    let StepWorkspace { velocity, scheme, .. } = workspace;
+fn is_sound<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &StepWorkspace<R>) -> bool {
+    let StepWorkspace { velocity, scheme, contact, .. } = workspace;
     let moving = scheme.moving(velocity);
-    !(begun.plan.watched && runs_away(begun.model, begun.plan.simd, begun.dt, moving))
-        && stays_finite(begun, moving, velocity)
+    if begun.plan.watched && runs_away(begun.model, begun.plan.simd, begun.dt, moving) {
+        return false;
+    }
+    if prediction == (Prediction::Made { is_finite: true }) && begun.grab.is_none() {
+        // Contact alone has changed any of them since.
+        let mut met = contact.contacts.iter().map(|contact| contact.particle);
+        return met.all(|p| (begun.state.position[p] + velocity[p] * begun.dt).is_finite());
+    }
+    stays_finite(begun, moving) && (scheme.path.is_none() || stays_finite(begun, velocity))
 }
 
 /// Moves everything, and remembers what the next substep of the scheme needs of this one.
@@ -278,9 +310,16 @@ fn slow<R: Real>(
 
 /// Writes the velocities at the end of a substep from those that the forces predict, and the paths of schemes that move
 /// particles by others.
-fn predicted_velocities<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+fn predicted_velocities<R: Real>(
+    begun: Substep<'_, R>,
+    prediction: Prediction,
+    workspace: &mut StepWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) {
     let (mut stepper, contact, velocity) = workspace.stepper(begun);
-    stepper.predict(velocity);
+    if prediction == Prediction::Missing {
+        stepper.predict(velocity);
+    }
     if let Some(grab) = begun.grab {
         interaction::pull(begun.model, begun.dt, grab, &begun.state.position, velocity);
     }
@@ -317,14 +356,11 @@ fn meets_implicitly(plan: &Plan) -> bool {
     plan.contact && plan.contact_rule == ContactRule::Implicit
 }
 
-fn stays_finite<R: Real>(
-    Substep { model, plan, state, dt, .. }: Substep<'_, R>,
-    path: &[R::Vec3],
-    velocity: &[R::Vec3],
-) -> bool {
+/// Whether velocities lead everything that is awake to finite places.
+fn stays_finite<R: Real>(Substep { model, plan, state, dt, .. }: Substep<'_, R>, velocity: &[R::Vec3]) -> bool {
     sleep::awake(model, &state.bodies).all(|body| {
         let own = body.particles.clone();
-        kernels::are_finite(plan.simd, &state.position[own.clone()], [&path[own.clone()], &velocity[own]], dt)
+        kernels::are_finite(plan.simd, &state.position[own.clone()], &velocity[own], dt)
     })
 }
 
