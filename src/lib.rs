@@ -130,7 +130,7 @@
 //! physics/forces/mod.rs           evaluate        all forces
 //! physics/forces/boxed.rs         add             those of links, of a thread's shares
 //! physics/kernels/sweep.rs        add_forces      piece by piece
-//! physics/schemes/stepper.rs      predict         forces → velocities, which move the particles
+//! physics/forces/particles.rs     kick_some       forces → velocities, which move the particles
 //! app/worker/publish.rs           publish         what leaves the thread, once a frame
 //! session/draw.rs                 draw_list       particles → DrawList
 //! ```

@@ -19,9 +19,9 @@ pub const SOLVE_WORK: u64 = 10;
 /// The stages of a substep in their order (GC Algorithm 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Stage {
-    /// Gravity.
+    /// Gravity, where no links are swept: their sweep begins with the weight.
     Gravity,
-    /// Forces of the links.
+    /// Forces of the links with the weight, and the velocities that they give where they come last.
     Links,
     /// Cells that are near inversion (S7).
     Recovery,
@@ -29,7 +29,7 @@ pub enum Stage {
     BroadPhase,
     /// Particles against obstacles, response and friction (GC §5, §6).
     Contact,
-    /// Velocity and position.
+    /// Velocity, where it is not found with the links, and position.
     Integrate,
     /// Whether bodies have come to rest.
     Rest,
