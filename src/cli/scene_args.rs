@@ -38,7 +38,7 @@ pub(super) struct Changes {
     #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = step_secs)]
     dt: Option<f64>,
     /// The scheme that advances a step.
-    #[arg(long, value_parser = ["semi-implicit", "explicit", "verlet", "rk2", "rk4", "implicit"])]
+    #[arg(long, value_parser = ["semi-implicit", "explicit", "verlet", "rk2", "rk4", "stabilised", "implicit"])]
     integrator: Option<String>,
     /// Whether steps are divided so that they stay stable.
     #[arg(long, value_parser = ["auto", "manual"])]

@@ -1,10 +1,6 @@
-//! A hand in the simulation: a spring from a point of a body to a place, taken implicitly.
-//!
-//! The point is a weighted mean of particles, `p = Σ w x`, whose effective mass is `1 / Σ (w²/m)`. With the velocity
-//! `u` of the point at the end of the substep the pull is `J = dt (k (target − p − dt u) − d u)`, which solves to the
-//! impulse below: it adds no stability limit, however strong it is.
+//! A hand in the simulation: a spring from a point of a body to a place. [`super::step::pull`] has what it does.
 
-use super::model::{BodyModel, Model};
+use super::model::BodyModel;
 use crate::math::{Real, Vector};
 
 /// A pull at a point of a body.
@@ -34,23 +30,6 @@ impl<R: Real> Grab<R> {
     /// The point pulled at, m.
     pub fn point(&self, position: &[R::Vec3]) -> R::Vec3 {
         self.weights.iter().fold(R::Vec3::ZERO, |sum, &(particle, weight)| sum + position[particle] * weight)
-    }
-}
-
-/// Changes the predicted velocities of the particles that carry the point. Held particles stay.
-pub(super) fn pull<R: Real>(model: &Model<R>, dt: R, grab: &Grab<R>, position: &[R::Vec3], velocity: &mut [R::Vec3]) {
-    let body = &model.bodies[grab.body];
-    let mobility = |particle: usize| {
-        let local = particle - body.particles.start;
-        if body.is_pinned(local) { R::ZERO } else { body.inverse_mass(local) }
-    };
-    let inverse_mass = grab.weights.iter().fold(R::ZERO, |sum, &(particle, w)| sum + w * w * mobility(particle));
-    let speed = grab.point(velocity);
-    let resistance = dt * (dt * grab.stiffness + grab.damping(body));
-    let pulling = (grab.target - grab.point(position)) * (dt * grab.stiffness) - speed * resistance;
-    let impulse = pulling * (R::ONE / (R::ONE + resistance * inverse_mass));
-    for &(particle, weight) in &grab.weights {
-        velocity[particle] += impulse * (weight * mobility(particle));
     }
 }
 

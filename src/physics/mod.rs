@@ -83,7 +83,7 @@ pub use contact::{ContactRecord, Placed};
 pub use interaction::Grab;
 pub use kernels::SimdLevel;
 pub use limits::{SAFETY, SceneLimits, Term};
-pub use model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, SchemeCost, Stage};
+pub use model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, SchemeCost, Stage, StageRates};
 pub use model::{
     BodyModel, ContactModel, ContactRule, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel,
     RecoveryModel, Scheme, Values,

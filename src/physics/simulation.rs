@@ -242,9 +242,13 @@ impl<R: Real> Simulation<R> {
         let obstacles = Placed::now(&self.model, &self.state);
         let inputs = Inputs { obstacles: &obstacles, grab: None };
         let (whole, timer) = (Part::one_of(&self.plan, 1), &mut ());
-        step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut Recorder::new(timer));
+        let mut recorder = Recorder::new(timer);
+        step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut recorder);
         self.workspace.contact.contacts = found.contact.contacts;
         self.workspace.contact.keep_of_sleepers(&self.model, &self.state);
+        // The steps that a longer substep covers tell what the last one did.
+        self.workspace.contact.report_kept(&mut recorder);
+        self.last = LastSubstep { bodies_asleep: sleep::asleep(&self.state), ..recorder.last };
     }
 
     /// Wakes a body, if it sleeps: it must rest anew before it sleeps again.

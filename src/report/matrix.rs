@@ -78,7 +78,7 @@ pub fn matrix() -> Vec<(String, Scene)> {
     let mut heavy = falling(springs(60.0, 0.05, 0.005));
     heavy.settings.gravity = [0.0, -1000.0, 0.0];
     add("gravity 1000 m/s²".to_owned(), heavy);
-    for integrator in [Integrator::Verlet, Integrator::Rk4, Integrator::Implicit] {
+    for integrator in [Integrator::Verlet, Integrator::Rk4, Integrator::Stabilised, Integrator::Implicit] {
         let mut scene = falling(springs(60.0, 0.05, 0.005));
         scene.settings.integrator = integrator;
         add(format!("{} scheme", integrator.name()), scene);

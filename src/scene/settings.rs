@@ -17,7 +17,8 @@ pub struct Settings {
     pub stepping: Stepping,
     /// How obstacles push back.
     pub contact: ContactRule,
-    /// Whether automatic stepping may hand a scene to the implicit integrator that it would have to divide too finely.
+    /// Whether automatic stepping may hand a scene that it would have to divide finely to the stabilised scheme or to the
+    /// implicit one, where that is cheaper.
     pub allow_implicit: bool,
     /// Whether cells that are crushed or turned inside out are pushed back to shape.
     pub inversion_recovery: bool,
@@ -59,13 +60,17 @@ pub enum Integrator {
     Rk2,
     /// The classical Runge–Kutta method of fourth order.
     Rk4,
+    /// Runge–Kutta–Chebyshev of second order: as many evaluations of the forces as damping asks for, which grow with the
+    /// root of the step.
+    Stabilised,
     /// Linearly implicit Euler: stable at any step, dissipative.
     Implicit,
 }
 
 impl Integrator {
     /// All schemes.
-    pub const ALL: [Self; 6] = [Self::SemiImplicit, Self::Explicit, Self::Verlet, Self::Rk2, Self::Rk4, Self::Implicit];
+    pub const ALL: [Self; 7] =
+        [Self::SemiImplicit, Self::Explicit, Self::Verlet, Self::Rk2, Self::Rk4, Self::Stabilised, Self::Implicit];
 
     /// Those with a largest stable step, into which automatic stepping divides: explicit and RK2 have none, and of the
     /// implicit scheme every step is stable.
@@ -79,6 +84,7 @@ impl Integrator {
             Self::Verlet => "verlet",
             Self::Rk2 => "rk2",
             Self::Rk4 => "rk4",
+            Self::Stabilised => "stabilised",
             Self::Implicit => "implicit",
         }
     }
@@ -91,6 +97,7 @@ impl Integrator {
             Self::Verlet => "velocity Verlet",
             Self::Rk2 => "Runge–Kutta 2",
             Self::Rk4 => "Runge–Kutta 4",
+            Self::Stabilised => "stabilised Runge–Kutta",
             Self::Implicit => "implicit Euler",
         }
     }

@@ -31,7 +31,7 @@ impl Session {
             speed_alone: lately.speed_alone(),
             limited_by: self.slowness(links),
             dt_secs: plan.substep_secs(),
-            dt_safe_secs: plan.limits.dt_safe_secs.unwrap_or(f64::INFINITY),
+            dt_safe_secs: plan.dt_safe_secs().unwrap_or(f64::INFINITY),
             integrator: plan.scheme.into(),
             dt_limited_by: plan.limits.limited_by(plan.dt_secs).words(),
             substeps: plan.substeps,

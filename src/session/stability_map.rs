@@ -369,7 +369,7 @@ impl Subject {
         own.bodies = vec![own.bodies.swap_remove(index)];
         let evaluations = match scene.settings.integrator {
             Integrator::Rk2 => 2,
-            Integrator::Rk4 => 4,
+            Integrator::Rk4 | Integrator::Stabilised => 4,
             _ => 1,
         };
         let work_of_a_step = lattice.counts().all_links().max(1) * evaluations * WHOLE_RUNS;

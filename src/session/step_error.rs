@@ -193,7 +193,7 @@ impl Comparison {
 fn order(scheme: Scheme) -> u32 {
     match scheme {
         Scheme::SemiImplicit | Scheme::Explicit | Scheme::Implicit => 1,
-        Scheme::Verlet | Scheme::Rk2 => 2,
+        Scheme::Verlet | Scheme::Rk2 | Scheme::Stabilised => 2,
         Scheme::Rk4 => 4,
     }
 }
@@ -203,6 +203,7 @@ fn evaluations(plan: &Plan) -> f64 {
     match plan.scheme {
         Scheme::Rk2 => 2.0,
         Scheme::Rk4 => 4.0,
+        Scheme::Stabilised => f64::from(plan.stage_rates.stages_at_rest(plan.substep_secs())),
         _ => 1.0,
     }
 }

@@ -40,10 +40,18 @@ fn never_stable(settings: &Settings) -> Option<String> {
 /// The implicit integrator quiets vibrations: who did not choose it should know.
 fn taken_over(settings: &Settings, plan: &Plan) -> Option<String> {
     let taken = Integrator::from(plan.scheme);
-    (taken != settings.integrator).then(|| {
+    if settings.integrator == Integrator::Stabilised && taken == Integrator::SemiImplicit {
+        return Some(format!(
+            "{} has no long step for vibrations with hardly any damping: {} takes its place, with steps of {}",
+            settings.integrator.words(),
+            taken.words(),
+            step_text(plan.substep_secs())
+        ));
+    }
+    (taken != settings.integrator && taken == Integrator::Implicit).then(|| {
         format!(
             "{} would need {} substeps in every step of {} with {}: {} has taken over, with steps of {}; it quiets \
-             vibrations sooner (without “Implicit where stiff” they stay, in slow motion)",
+             vibrations sooner (without “Other schemes where cheaper” they stay, in slow motion)",
             plan.limits.limited_by(settings.dt).words(),
             plan.limits.substeps(settings.dt),
             step_text(settings.dt),

@@ -20,7 +20,7 @@ fn vibrating() -> Scene {
 }
 
 /// The same cube hung up by its top layer.
-fn hanging() -> Scene {
+pub(crate) fn hanging() -> Scene {
     let mut scene = vibrating();
     scene.settings.gravity = [0.0, -9.81, 0.0];
     scene.bodies[0].pins = vec![PinBox { min: [-1.0, 0.49, -1.0], max: [1.0, 0.51, 1.0] }];
@@ -41,7 +41,7 @@ fn positions(scene: &Scene, integrator: Integrator, exponent: i32) -> Vec<DVec3>
 }
 
 /// Bends and twists a body smoothly out of its rest.
-fn shake(simulation: &mut Simulation<f64>) {
+pub(crate) fn shake(simulation: &mut Simulation<f64>) {
     let mut state = simulation.state().clone();
     for x in &mut state.position {
         *x += 0.1 * DVec3::new(x.y * x.y - x.z, x.x * x.z, 0.5 * x.x * x.x + x.y);
@@ -49,7 +49,7 @@ fn shake(simulation: &mut Simulation<f64>) {
     simulation.set_state(state);
 }
 
-fn rms_distance(a: &[DVec3], b: &[DVec3]) -> f64 {
+pub(crate) fn rms_distance(a: &[DVec3], b: &[DVec3]) -> f64 {
     let sum: f64 = a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)).sum();
     (sum / a.len() as f64).sqrt()
 }
@@ -70,6 +70,7 @@ fn errors_shrink_with_the_order_of_the_scheme() {
             (Integrator::Verlet, 2.0, 10),
             (Integrator::Rk2, 2.0, 10),
             (Integrator::Rk4, 4.0, 9),
+            (Integrator::Stabilised, 2.0, 9),
             (Integrator::Implicit, 1.0, 12),
         ] {
             let observed = observed_order(&scene, integrator, exponent);
@@ -89,7 +90,7 @@ fn verlet_is_much_nearer_than_semi_implicit_euler_at_the_same_cost() {
 }
 
 /// How much the energy of a slightly shaken cube grows in a second whose damping is `delay` times its stiffness.
-fn growth(integrator: Integrator, delay: f64, dt: f64) -> f64 {
+pub(crate) fn growth(integrator: Integrator, delay: f64, dt: f64) -> f64 {
     let mut scene = alone(cube(4, 1.0, springs(20.0, 20.0 * delay, 1.0 / 125.0), [0.0; 3]), dt);
     scene.settings.integrator = integrator;
     let mut simulation = simulate::<f64>(&scene);
@@ -143,7 +144,9 @@ fn a_scheme_without_a_stable_step_is_not_divided_and_is_watched() {
         scene.settings.dt = 0.05;
         let simulation = simulate::<f32>(&scene);
         let plan = simulation.plan();
-        assert_eq!(Integrator::from(plan.scheme), integrator, "the scheme that was chosen");
+        // Of vibrations without damping no long step is stable with the stabilised scheme.
+        let taken = if integrator == Integrator::Stabilised { Integrator::SemiImplicit } else { integrator };
+        assert_eq!(Integrator::from(plan.scheme), taken, "the scheme that was chosen");
         let divided = integrator.has_stable_step() && integrator != Integrator::Implicit;
         assert_eq!(plan.substeps > 1, divided, "{integrator:?}");
         assert_eq!(plan.watched, !integrator.has_stable_step(), "{integrator:?}");
@@ -462,6 +465,7 @@ fn forces_are_evaluated_once_or_as_often_as_the_scheme_says() {
         (Integrator::Verlet, 1),
         (Integrator::Rk2, 2),
         (Integrator::Rk4, 4),
+        (Integrator::Stabilised, 4),
     ] {
         let mut scene = vibrating();
         scene.settings.integrator = integrator;

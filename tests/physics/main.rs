@@ -16,6 +16,7 @@ mod presets;
 mod recovery;
 mod sleep;
 mod solid;
+mod stabilised;
 mod stability;
 mod support;
 mod work;

@@ -9,6 +9,7 @@ pub(in crate::physics) mod safe_values;
 mod scheme;
 mod scheme_cost;
 pub(in crate::physics) mod stability_plane;
+mod waves;
 
 use std::path::Path;
 use std::sync::Arc;

@@ -5,15 +5,16 @@ use crate::math::{FRAME_SECS, Real};
 use crate::physics::compile::scheme_cost;
 use crate::physics::kernels::SimdLevel;
 use crate::physics::limits::{SceneLimits, any_state};
-use crate::physics::model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SchemeCost};
+use crate::physics::model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SchemeCost, StageRates};
 use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
 use crate::physics::{share, team};
 use crate::scene::Settings;
 use crate::scene::settings::Stepping;
 
-/// The longest step of the implicit integrator where it takes over, s: four a frame. Longer ones are cheaper for the same
-/// simulated time, and quiet a vibration of 5 Hz in one period instead of three.
-const LONGEST_IMPLICIT_SECS: f64 = 0.25 * FRAME_SECS;
+/// The longest step of a scheme that takes over, s: four a frame. Longer ones of the implicit scheme are cheaper for the
+/// same simulated time, and quiet a vibration of 5 Hz in one period instead of three; those of the stabilised one hardly are,
+/// and what meets an obstacle does so four times a frame at least.
+const LONGEST_SECS: f64 = 0.25 * FRAME_SECS;
 
 /// The least limit of the work of a substep: one try in which every round takes all iterations.
 const LEAST_WORK: u64 = 6_560;
@@ -29,6 +30,11 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         Scheme::SemiImplicit => limits.clone(),
         _ => SceneLimits::of(model, contact_rule, Scheme::SemiImplicit),
     };
+    let stabilised = match chosen {
+        Scheme::Stabilised => limits.clone(),
+        _ => SceneLimits::of(model, contact_rule, Scheme::Stabilised),
+    };
+    let rates = stage_rates(model, &stabilised);
     let has_force = |family: usize| {
         model.bodies.iter().any(|body| {
             let links = &body.links[family];
@@ -36,28 +42,36 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         })
     };
     let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
-    let substeps = if divided { limits.substeps(settings.dt) } else { 1 };
     let contact = !model.obstacles.is_empty() && !model.bodies.is_empty();
     let by_thesis = contact && contact_rule == ContactRule::Thesis;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of at least one")]
-    let [span, implicit_substeps] =
-        [LONGEST_IMPLICIT_SECS / settings.dt, libm::ceil(settings.dt / LONGEST_IMPLICIT_SECS)]
-            .map(|count| count.max(1.0) as u32);
-    let dt_secs = if divided { settings.dt.min(limits.longest_step_secs()) } else { settings.dt };
-    let mut scheme_costs = vec![scheme_cost::of(model, &semi_implicit, chosen, dt_secs / f64::from(substeps))];
-    // Who asks for a step that needs no division wants it for its error.
-    if divided && substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
-        let secs = settings.dt * f64::from(span) / f64::from(implicit_substeps);
-        scheme_costs.push(scheme_cost::of(model, &semi_implicit, Scheme::Implicit, secs));
+    let asked_for = if divided { Division::of(&limits, settings.dt) } else { Division::whole(settings.dt) };
+    let mut ways = vec![(chosen, asked_for)];
+    if divided && chosen == Scheme::Stabilised && !is_longer(&limits, &semi_implicit) {
+        // A vibration with hardly any damping leaves it no step.
+        ways = vec![(Scheme::SemiImplicit, Division::of(&semi_implicit, settings.dt))];
     }
+    // Who asks for a step that needs no division wants it for its error.
+    if divided && asked_for.substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
+        // Who chose another scheme than the default one wants that.
+        if chosen == Scheme::SemiImplicit && is_longer(&stabilised, &semi_implicit) {
+            let longest = stabilised.dt_safe_secs.map_or(LONGEST_SECS, |safe| safe.min(LONGEST_SECS));
+            ways.push((Scheme::Stabilised, Division::near(settings.dt, longest)));
+        }
+        ways.push((Scheme::Implicit, Division::near(settings.dt, LONGEST_SECS)));
+    }
+    let cost = |&(scheme, division): &(Scheme, Division)| {
+        scheme_cost::of(model, &semi_implicit, &rates, scheme, division.substep_secs())
+    };
+    let scheme_costs: Vec<_> = ways.iter().map(cost).collect();
     let scheme = SchemeCost::cheapest(&scheme_costs).map_or(chosen, |cost| cost.scheme);
-    let taken_over = scheme != chosen;
+    let Division { dt_secs, substeps, span } = ways.iter().find(|way| way.0 == scheme).map_or(asked_for, |way| way.1);
     let plan = Plan {
         scheme,
         scheme_costs,
-        dt_secs: if taken_over { settings.dt } else { dt_secs },
-        substeps: if taken_over { implicit_substeps } else { substeps },
-        span: if taken_over { span } else { 1 },
+        dt_secs,
+        substeps,
+        span,
+        stage_rates: rates,
         halvings: 0,
         ends_explicitly: false,
         most_work: u64::MAX,
@@ -90,6 +104,54 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let share = (MOST_WORK_A_FRAME as f64 * secs / FRAME_SECS) as u64;
     let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len() as u64);
     Plan { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
+}
+
+/// How a whole step is divided into substeps, or a substep covers several.
+#[derive(Clone, Copy, Debug)]
+struct Division {
+    /// The whole step, s.
+    dt_secs: f64,
+    substeps: u32,
+    span: u32,
+}
+
+impl Division {
+    /// As many whole steps a substep as fit into `longest` (s), or as many substeps a step.
+    fn near(dt_secs: f64, longest: f64) -> Self {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of at least one")]
+        let [span, substeps] = [longest / dt_secs, libm::ceil(dt_secs / longest)].map(|count| count.max(1.0) as u32);
+        Self { dt_secs, substeps, span }
+    }
+
+    /// Into as many as are safe.
+    fn of(limits: &SceneLimits, dt_secs: f64) -> Self {
+        Self { dt_secs: dt_secs.min(limits.longest_step_secs()), substeps: limits.substeps(dt_secs), span: 1 }
+    }
+
+    /// None.
+    fn whole(dt_secs: f64) -> Self {
+        Self { dt_secs, substeps: 1, span: 1 }
+    }
+
+    fn substep_secs(self) -> f64 {
+        self.dt_secs * f64::from(self.span) / f64::from(self.substeps)
+    }
+}
+
+/// Whether the steps of one scheme may be longer than those of another.
+fn is_longer(one: &SceneLimits, other: &SceneLimits) -> bool {
+    let longest = |limits: &SceneLimits| limits.dt_safe_secs.unwrap_or(f64::INFINITY);
+    longest(one) > longest(other)
+}
+
+/// What the bodies' damping asks of the stabilised scheme.
+fn stage_rates<R: Real>(model: &Model<R>, limits: &SceneLimits) -> StageRates {
+    StageRates {
+        at_rest: limits.damping_rate,
+        strained: any_state::damping_rate(model) + limits.push_rate,
+        dt_safe_secs: limits.dt_safe_secs,
+        own: model.bodies.iter().map(any_state::own_rates).collect(),
+    }
 }
 
 /// How often a step is to be halved until the default integrator could take it.

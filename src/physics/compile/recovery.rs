@@ -30,10 +30,11 @@ pub(super) fn bear<R: Real>(body: &mut BodyModel<R>, plan: &Plan) {
         return;
     }
     let RecoveryModel { stiffness, mass, .. } = body.recovery;
-    let dt = R::from_f64(plan.substep_secs());
+    let secs = plan.recovery_secs();
+    let dt = R::from_f64(secs);
     let inverse = body.inverse_cell_size * dt;
     let push = stiffness.min(R::from_f64(STIFFEST) * mass / (inverse * inverse));
-    let inverse = body.inverse_cell_size.to_f64() * plan.substep_secs();
+    let inverse = body.inverse_cell_size.to_f64() * secs;
     let load = stiffness.to_f64() * inverse * inverse / mass.to_f64();
     // RK4 bears twice as much: its limit is 8.
     let limit = if plan.scheme == Scheme::Rk4 { 2.0 } else { 1.0 };

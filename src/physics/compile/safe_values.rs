@@ -1,26 +1,18 @@
 //! How far each value of a material may go before the step asked for is no longer safe, the others left as they are
 //! (I6): what a slider marks on its track.
 
-use std::sync::OnceLock;
-
-use glam::DMat3;
-
 use crate::geometry::{Family, Lattice};
 use crate::math::{Aabb, Real};
 use crate::physics::compile::assembly;
+use crate::physics::compile::waves::{largest_share, waves};
 use crate::physics::limits::cells::CellLoads;
-use crate::physics::limits::{
-    LATTICE_LIMIT, LoadShare, Margin, WaveTensors, largest, largest_eigenvalue, lattice_waves, load_shares,
-};
+use crate::physics::limits::{LATTICE_LIMIT, LoadShare, Margin, largest, load_shares, most_stiffness_per_damping};
 use crate::physics::model::{BodyModel, Scheme};
 use crate::scene::body::Inlay;
 use crate::scene::material::{Solid, Spring};
 use crate::scene::obstacle::ContactStiffness;
 use crate::scene::settings::{ContactRule, Integrator};
 use crate::scene::{Body, Material, MaterialValue, Scene, Springs};
-
-/// Steps of a bisection: enough for any range of values to a millionth.
-const HALVINGS: usize = 60;
 
 /// The step that bounds are asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +39,11 @@ impl StepSettings {
     /// What automatic stepping keeps of the limit.
     pub(super) fn margin(self) -> Margin {
         Margin::of(self.scheme(), self.among_obstacles)
+    }
+
+    /// How many times its damping a link's stiffness may be, 1/s, where the scheme asks for that.
+    fn stiffness_per_damping(self) -> Option<f64> {
+        most_stiffness_per_damping(self.scheme(), self.dt_secs, self.margin())
     }
 }
 
@@ -151,29 +148,14 @@ pub fn largest_safe<R: Real>(
     contact: ContactLoad,
 ) -> Vec<SafeValue> {
     let loads = loads(step, contact);
+    let per_damping = step.stiffness_per_damping().unwrap_or(f64::INFINITY);
     match &body.material {
-        Material::Springs(springs) => of_springs(springs, &model.lattice, &loads),
-        Material::Solid(solid) => of_solid(solid, &body.inlays, model, &loads),
+        Material::Springs(springs) => of_springs(springs, &model.lattice, &loads, per_damping),
+        Material::Solid(solid) => of_solid(solid, &body.inlays, model, &loads, per_damping),
     }
 }
 
-/// The waves of a lattice, each with the largest eigenvalue of every family alone.
-pub(super) struct Waves {
-    pub(super) tensors: Vec<WaveTensors>,
-    alone: Vec<[f64; 3]>,
-}
-
-/// They are the same for every lattice.
-pub(super) fn waves() -> &'static Waves {
-    static WAVES: OnceLock<Waves> = OnceLock::new();
-    WAVES.get_or_init(|| {
-        let tensors = lattice_waves();
-        let alone = tensors.iter().map(|tensors| tensors.map(largest_eigenvalue)).collect();
-        Waves { tensors, alone }
-    })
-}
-
-fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load]) -> Vec<SafeValue> {
+fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load], per_damping: f64) -> Vec<SafeValue> {
     let waves = waves();
     let scale = 1.0 / (springs.particle_mass * lattice.grid.cell_size);
     let has_links = Family::ALL.map(|family| !lattice.links[family as usize].is_empty());
@@ -205,7 +187,11 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load]) -> Vec<SafeVal
                     f64::INFINITY
                 }
             };
-            let bound = all.iter().map(bound).fold(f64::INFINITY, f64::min);
+            let own = match value {
+                MaterialValue::Stiffness(_) if per_damping.is_finite() => per_damping * constants.damping,
+                _ => f64::INFINITY,
+            };
+            let bound = all.iter().map(bound).fold(own, f64::min);
             let bound = (has_links[family as usize] && bound < f64::INFINITY).then_some(bound);
             bounds.push(SafeValue { value, bound, is_smallest: false });
         }
@@ -222,63 +208,13 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load]) -> Vec<SafeVal
     bounds
 }
 
-/// How much one family may add to the loads of the others on every wave, up to a limit. A family that is zero for some
-/// wave is not limited by it.
-pub(super) fn largest_share(waves: &Waves, rest: [f64; 3], family: Family, limit: f64) -> f64 {
-    let mut share = f64::INFINITY;
-    let fits = |tensors: &WaveTensors, share: f64| {
-        let mut constants = rest.map(|load| load.max(0.0));
-        constants[family as usize] += share;
-        is_below(tensors[0] * constants[0] + tensors[1] * constants[1] + tensors[2] * constants[2], limit)
-    };
-    for (tensors, alone) in waves.tensors.iter().zip(&waves.alone) {
-        let own = alone[family as usize];
-        if own <= 1e-9 {
-            if !fits(tensors, 0.0) {
-                return 0.0;
-            }
-            continue;
-        }
-        // Alone it may not add more than this.
-        let high = share.min(limit / own);
-        share = if fits(tensors, high) { high } else { bisect(0.0, high, |share| fits(tensors, share)) };
-        if share <= 0.0 {
-            return 0.0;
-        }
-    }
-    share
-}
-
-/// Whether every eigenvalue of a symmetric matrix is below a limit: the pivots of what is left are positive. A tenth of
-/// the work of an eigenvalue.
-fn is_below(a: DMat3, limit: f64) -> bool {
-    let left = DMat3::from_diagonal(glam::DVec3::splat(limit)) - a;
-    let [xx, xy, xz] = left.x_axis.to_array();
-    let [_, yy, yz] = left.y_axis.to_array();
-    if xx <= 0.0 {
-        return false;
-    }
-    let (yy, yz, zz) = (yy - xy * xy / xx, yz - xy * xz / xx, left.z_axis.z - xz * xz / xx);
-    yy > 0.0 && zz - yz * yz / yy > 0.0
-}
-
-/// The end of what is allowed between two values, the lower of which is taken to be.
-fn bisect(mut low: f64, mut high: f64, is_allowed: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if is_allowed(middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-        if high - low <= 1e-9 * high {
-            break;
-        }
-    }
-    low
-}
-
-fn of_solid<R: Real>(solid: &Solid, inlays: &[Inlay], model: &BodyModel<R>, all: &[Load]) -> Vec<SafeValue> {
+fn of_solid<R: Real>(
+    solid: &Solid,
+    inlays: &[Inlay],
+    model: &BodyModel<R>,
+    all: &[Load],
+    per_damping: f64,
+) -> Vec<SafeValue> {
     let lattice = &model.lattice;
     let size = host_size(lattice);
     let loads_of = |damping_ratio: f64| {
@@ -288,6 +224,12 @@ fn of_solid<R: Real>(solid: &Solid, inlays: &[Inlay], model: &BodyModel<R>, all:
     let (loads, critical) = (loads_of(solid.damping_ratio), loads_of(1.0));
     let [mut times, mut times_lighter, mut damping_ratio] = [f64::INFINITY; 3];
     let others = inlay_loads(solid, inlays, lattice);
+    // What it is now grows with the root of E/ρ.
+    let room = per_damping / loads.stiffness_per_damping;
+    (times, times_lighter) = (times.min(room * room), times_lighter.min(room * room));
+    if others.stiffness_per_damping > per_damping {
+        (times, times_lighter, damping_ratio) = (0.0, 0.0, 0.0);
+    }
     for load in all {
         let (share, limit) = (&load.links, load.limit());
         let of_damping = share.damping_of_cells();

@@ -11,6 +11,7 @@ impl From<Integrator> for Scheme {
             Integrator::Verlet => Self::Verlet,
             Integrator::Rk2 => Self::Rk2,
             Integrator::Rk4 => Self::Rk4,
+            Integrator::Stabilised => Self::Stabilised,
             Integrator::Implicit => Self::Implicit,
         }
     }
@@ -24,6 +25,7 @@ impl From<Scheme> for Integrator {
             Scheme::Verlet => Self::Verlet,
             Scheme::Rk2 => Self::Rk2,
             Scheme::Rk4 => Self::Rk4,
+            Scheme::Stabilised => Self::Stabilised,
             Scheme::Implicit => Self::Implicit,
         }
     }

@@ -17,7 +17,7 @@
 
 use crate::math::Real;
 use crate::physics::limits::{SceneLimits, Term};
-use crate::physics::model::plan::{SOLVE_WORK, SchemeCost};
+use crate::physics::model::plan::{SOLVE_WORK, SchemeCost, StageRates};
 use crate::physics::model::{BodyModel, Model, Scheme};
 
 // The weights of operations, in units of a link that is worked out in its box. Each was measured once, in the widest
@@ -48,11 +48,13 @@ const ITERATIONS_A_ROOT: f64 = 5.0;
 pub(super) fn of<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
+    rates: &StageRates,
     scheme: Scheme,
     substep_secs: f64,
 ) -> SchemeCost {
     let substep = match scheme {
         Scheme::Implicit => solutions(model, condition(semi_implicit, substep_secs)),
+        Scheme::Stabilised => f64::from(rates.stages_at_rest(substep_secs)) * evaluation(model),
         Scheme::Rk4 => 4.0 * evaluation(model),
         Scheme::Rk2 => 2.0 * evaluation(model),
         Scheme::SemiImplicit | Scheme::Explicit | Scheme::Verlet => evaluation(model),

@@ -12,11 +12,12 @@
 //! stay as they are. Of a solid all links scale together, and the axes are those of its structural ones.
 
 use super::assembly::solid_cell;
-use super::safe_values::{StepSettings, host_size, inlay_loads, largest_share, waves};
+use super::safe_values::{StepSettings, host_size, inlay_loads};
+use super::waves::{largest_share, waves};
 use crate::geometry::{Family, Lattice};
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
-use crate::physics::limits::{LATTICE_LIMIT, LoadShare, Margin, largest, load_shares};
+use crate::physics::limits::{LATTICE_LIMIT, LoadShare, Margin, largest, load_shares, most_stiffness_per_damping};
 use crate::physics::model::BodyModel;
 use crate::scene::material::{Solid, Spring};
 use crate::scene::{Body, Material, MaterialValue, Springs};
@@ -128,18 +129,21 @@ impl StabilityPlane {
 
     /// The largest stiffness that is stable at rest with some damping, 1/s²: zero where none is, infinite where all are.
     pub fn stable_stiffness(&self, damping: f64) -> f64 {
-        self.largest_stiffness(damping, self.shares.as_deref())
+        self.largest_stiffness(damping, self.shares.as_deref(), Margin::NONE)
     }
 
     /// The same with the margin that automatic stepping keeps.
     pub fn safe_stiffness(&self, damping: f64) -> f64 {
-        let shares = load_shares(self.step.scheme(), self.step.dt_secs, self.step.margin());
-        self.largest_stiffness(damping, shares.as_deref())
+        let margin = self.step.margin();
+        let shares = load_shares(self.step.scheme(), self.step.dt_secs, margin);
+        self.largest_stiffness(damping, shares.as_deref(), margin)
     }
 
-    fn largest_stiffness(&self, damping: f64, shares: Option<&[LoadShare]>) -> f64 {
+    fn largest_stiffness(&self, damping: f64, shares: Option<&[LoadShare]>, margin: Margin) -> f64 {
+        let per_damping = most_stiffness_per_damping(self.step.scheme(), self.step.dt_secs, margin);
         let of = |share: &LoadShare| self.values.largest_stiffness(damping, *share);
-        shares.into_iter().flatten().map(of).fold(f64::INFINITY, f64::min)
+        let in_proportion = per_damping.map_or(f64::INFINITY, |per_damping| per_damping * damping);
+        shares.into_iter().flatten().map(of).fold(in_proportion, f64::min)
     }
 
     /// The largest damping without stiffness and the largest stiffness without damping that are stable where nothing else
@@ -148,8 +152,10 @@ impl StabilityPlane {
         let (load, shares) = (self.values.largest_load(), self.shares.as_deref()?);
         let of = |of: &dyn Fn(&LoadShare) -> f64| shares.iter().map(of).fold(0.0, f64::max) * load;
         let (stiffness, damping) = (of(&|share| share.stiffness), of(&|share| self.values.damping_share(share)));
-        (stiffness > 0.0 && damping > 0.0)
-            .then(|| Place { damping: LATTICE_LIMIT / damping, stiffness: LATTICE_LIMIT / stiffness })
+        let end = LATTICE_LIMIT / damping;
+        let per_damping = most_stiffness_per_damping(self.step.scheme(), self.step.dt_secs, Margin::NONE);
+        let end_of_stiffness = per_damping.map_or(LATTICE_LIMIT / stiffness, |per_damping| per_damping * end);
+        (end_of_stiffness.is_finite() && damping > 0.0).then_some(Place { damping: end, stiffness: end_of_stiffness })
     }
 
     /// How near the whole body is to its limit, as a load of which 1 is the most: to compare bodies, whatever the scheme.

@@ -10,6 +10,7 @@ use super::response::{self, Friction};
 use super::surface::Surface;
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
+use crate::physics::model::Scheme;
 use crate::physics::model::plan::Stage;
 use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape};
 use crate::physics::report::{Counters, Recorder};
@@ -23,7 +24,7 @@ pub(in crate::physics) fn respond<R: Real>(
     recorder: &mut Recorder<'_>,
 ) {
     workspace.keep_of_sleepers(substep.model, substep.state);
-    Candidates { substep, workspace, recorder }.resolve_all(velocity, |_, _| ());
+    Candidates { substep, workspace, recorder }.resolve_all(velocity, |_, _, _| ());
 }
 
 /// Changes the velocities that move particles where those at the end of the substep are others. What has met an
@@ -36,11 +37,25 @@ pub(in crate::physics) fn respond_to_paths<R: Real>(
     workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
+    if substep.scheme == Scheme::Stabilised {
+        workspace.forget_unpushed(substep.model, substep.state);
+        Candidates { substep, workspace, recorder }.resolve_all(path, |particle, before, after| {
+            let change = after - before;
+            let length = change.length();
+            if length > R::ZERO {
+                let along = change * (R::ONE / length);
+                let missing = (after - velocity[particle]).dot(along).max(R::ZERO).min(length);
+                velocity[particle] += along * missing;
+            }
+        });
+        return;
+    }
     for contact in &workspace.contacts {
         path[contact.particle] = velocity[contact.particle];
     }
     workspace.forget_unpushed(substep.model, substep.state);
-    Candidates { substep, workspace, recorder }.resolve_all(path, |particle, change| velocity[particle] += change);
+    let moved = |particle: usize, before, after| velocity[particle] += after - before;
+    Candidates { substep, workspace, recorder }.resolve_all(path, moved);
 }
 
 /// All particles that may meet an obstacle.
@@ -52,7 +67,7 @@ pub(super) struct Candidates<'a, 'r, R: Real> {
 
 impl<R: Real> Candidates<'_, '_, R> {
     /// Resolves all velocities but of the particles that are known to meet something, and tells of each change.
-    pub(super) fn resolve_all(&mut self, velocity: &mut [R::Vec3], mut changed: impl FnMut(usize, R::Vec3)) {
+    pub(super) fn resolve_all(&mut self, velocity: &mut [R::Vec3], mut changed: impl FnMut(usize, R::Vec3, R::Vec3)) {
         self.workspace.sort();
         let met = self.workspace.contacts.len();
         let Self { substep, workspace, recorder } = self;
@@ -81,12 +96,12 @@ impl<R: Real> Candidates<'_, '_, R> {
                     let before = velocity[particle];
                     velocity[particle] = candidate.resolve(
                         before,
-                        body.mass(local),
+                        substep.inertia(number, local),
                         &body.contacts,
                         &workspace.near.obstacles,
                         &mut workspace.contacts,
                     );
-                    changed(particle, velocity[particle] - before);
+                    changed(particle, before, velocity[particle]);
                     candidate.count(&mut recorder.counters);
                 }
             }

@@ -17,6 +17,7 @@ mod broad;
 mod candidate;
 mod constraint;
 mod gauss_seidel;
+mod held;
 mod narrow;
 pub(super) mod placed;
 mod record;
@@ -31,6 +32,7 @@ mod workspace;
 
 pub(super) use candidate::{respond, respond_to_paths};
 pub(super) use constraint::ContactConstraint;
+pub(super) use held::limit_depths;
 pub use placed::Placed;
 pub use record::ContactRecord;
 pub(super) use sides::remember_sides;

@@ -149,7 +149,7 @@ pub(in crate::physics) fn finish<R: Real>(
             recorder.counters.frictions += own.iter().filter(|constraint| constraint.limit() > 0.0).count() as u64;
         }
     }
-    Candidates { substep, workspace, recorder }.resolve_all(velocity, |_, _| ());
+    Candidates { substep, workspace, recorder }.resolve_all(velocity, |_, _, _| ());
 }
 
 #[cfg(test)]
@@ -175,7 +175,16 @@ mod tests {
         let simulation = Simulation::<f64>::new(&scene, &[lattice]);
         let (model, plan, state) = (simulation.model(), simulation.plan(), simulation.state());
         let (obstacles, dt) = (Placed::now(model, state), 5e-3);
-        let substep = Substep { model, plan, state, obstacles: &obstacles, dt, scheme: Scheme::Implicit, grab: None };
+        let substep = Substep {
+            model,
+            plan,
+            state,
+            obstacles: &obstacles,
+            dt,
+            scheme: Scheme::Implicit,
+            is_strained: false,
+            grab: None,
+        };
         let mut workspace = ContactWorkspace::new(model, plan);
         let timer = &mut ();
         let mut recorder = Recorder::new(timer);

@@ -15,7 +15,7 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use super::{LATTICE_LIMIT, Margin, load_shares};
+use super::{LATTICE_LIMIT, LoadShare, Margin, load_shares};
 use crate::math::Real;
 use crate::physics::model::Scheme;
 use crate::physics::model::{BodyModel, Link, LinkConstants, LinkFamily, Model, Values};
@@ -27,14 +27,29 @@ pub(crate) const SHARE: f64 = 0.4;
 pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, scheme: Scheme, dt_secs: f64) -> u32 {
     let loads: Vec<[f64; 2]> = model.bodies.iter().flat_map(|body| loads(body)).collect();
     let is_bearable = |parts: u32| {
-        let shares = load_shares(scheme, dt_secs / (SHARE * f64::from(parts)), Margin::NONE);
-        shares.iter().flatten().all(|share| {
+        let dt = dt_secs / (SHARE * f64::from(parts));
+        let shares = load_shares(scheme, dt, Margin::NONE);
+        // Across a link that is stretched nothing damps: there the stabilised scheme is no better than RK2.
+        let across = (scheme == Scheme::Stabilised).then_some(LoadShare { stiffness: dt * dt, damping: [0.0; 3] });
+        shares.iter().flatten().chain(&across).all(|share| {
             let bearable = |[k, d]: &[f64; 2]| k * share.stiffness + d * share.damping_of_cells() <= LATTICE_LIMIT;
             loads.iter().all(bearable)
         })
     };
     // The share of the step at rest that is taken needs a few at most.
     (1..MOST_PARTS).find(|&parts| is_bearable(parts)).unwrap_or(MOST_PARTS)
+}
+
+/// The largest rate of damping in any state of any body, 1/s.
+pub(in crate::physics) fn damping_rate<R: Real>(model: &Model<R>) -> f64 {
+    model.bodies.iter().flat_map(|body| loads(body)).fold(0.0, |most, [_, damping]| most.max(damping))
+}
+
+/// What the links of a particle resist with, over its mass, while their other ends stand still: stiffness, 1/s², and
+/// damping, 1/s, on average over all directions and the most of any particle.
+pub(in crate::physics) fn own_rates<R: Real>(body: &BodyModel<R>) -> [f64; 2] {
+    // Half of the mobility that a load counts is that of the other end, and a direction has a third.
+    loads(body).into_iter().fold([0.0; 2], |most: [f64; 2], load| std::array::from_fn(|i| most[i].max(load[i] / 6.0)))
 }
 
 /// No substep is divided further.

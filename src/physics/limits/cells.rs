@@ -29,6 +29,8 @@ pub(in crate::physics) struct CellLoads {
     pub(in crate::physics) stiffness: f64,
     /// All damping.
     pub(in crate::physics) damping: f64,
+    /// Over all links how many times their damping their stiffness is, at most, 1/s: infinite where one has only that.
+    pub(in crate::physics) stiffness_per_damping: f64,
 }
 
 impl CellLoads {
@@ -49,6 +51,8 @@ impl CellLoads {
                 let [k, d] = [kind.stiffness, kind.damping].map(|of| of[family] * alone[family] * scale);
                 loads.stiffness_alone[family] = loads.stiffness_alone[family].max(k);
                 loads.damping_alone[family] = loads.damping_alone[family].max(d);
+                let per_damping = if k > 0.0 { k / d } else { 0.0 };
+                loads.stiffness_per_damping = loads.stiffness_per_damping.max(per_damping);
             }
             loads.stiffness = loads.stiffness.max(stiffness * scale);
             loads.damping = loads.damping.max(damping * scale);
@@ -64,6 +68,7 @@ impl CellLoads {
             damping_alone: self.damping_alone.map(|alone| alone.min(damping)),
             stiffness,
             damping,
+            ..self
         }
     }
 

@@ -3,6 +3,7 @@
 
 use crate::geometry::Family;
 use crate::physics::model::Scheme;
+use crate::physics::schemes::chebyshev::{DISC_RADIUS, MOST_STAGES, reach};
 
 /// The share of the step bounded at rest by stiffness alone that automatic stepping takes, which covers crumpled bodies.
 pub const SAFETY: f64 = 0.55;
@@ -11,6 +12,10 @@ pub const SAFETY: f64 = 0.55;
 /// resists along itself with no more than its damping however long it is, and shear links hold a cell in shape. Not of
 /// Verlet's, which predicts the velocity from how the links pointed before.
 pub(in crate::physics) const DAMPING_SAFETY: [f64; 3] = [SAFETY, 0.9, 0.85];
+
+/// The share of the disc that the stabilised scheme takes. However a body is crumpled, stiffness and damping of a link point
+/// the same way: only across links that are stretched is there stiffness alone, and those are watched.
+const DISC_SAFETY: f64 = 0.9;
 
 /// The largest eigenvalue of `M⁻¹ (dt² K + 2 dt C)` with which motion stays bounded.
 pub(in crate::physics) const LATTICE_LIMIT: f64 = 4.0;
@@ -30,6 +35,9 @@ pub(super) enum Region {
     /// Half a disc of this radius. An eigenvalue is no larger than the larger of ω and c, whichever way damping and
     /// stiffness mix.
     HalfDisc(f64),
+    /// A disc that touches 0, in which everything lies whose stiffness is no more than so much of its damping, and the
+    /// negative axis as far as the most stages reach ([`super::stabilised`]).
+    DiscAndAxis,
     /// Everything: links are part of the equations that are solved.
     Everywhere,
 }
@@ -43,6 +51,7 @@ impl Region {
             Scheme::Rk4 => Self::HalfDisc(2.61),
             // Beyond −2 both blow up for certain; below, undamped vibrations still grow, slowly.
             Scheme::Explicit | Scheme::Rk2 => Self::HalfDisc(2.0),
+            Scheme::Stabilised => Self::DiscAndAxis,
             Scheme::Implicit => Self::Everywhere,
         }
     }
@@ -87,6 +96,7 @@ impl Margin {
         let alike = |share: f64| Self { stiffness: share, damping: [share; 3] };
         match scheme {
             Scheme::SemiImplicit => Self { stiffness: SAFETY, damping: DAMPING_SAFETY },
+            Scheme::Stabilised => Self { stiffness: DISC_SAFETY, damping: DAMPING_SAFETY },
             Scheme::Rk4 if among_obstacles => alike(RK4_CONTACT_SHARE * SAFETY),
             _ => alike(SAFETY),
         }
@@ -115,8 +125,23 @@ pub(in crate::physics) fn load_shares(scheme: Scheme, dt: f64, margin: Margin) -
             },
             LoadShare { stiffness: 0.0, damping: of_damping.map(|dt| LATTICE_LIMIT * dt / radius) },
         ]),
+        Region::DiscAndAxis => {
+            let damping = of_damping.map(|dt| LATTICE_LIMIT * dt / most_reach());
+            Some(vec![LoadShare { stiffness: 0.0, damping }])
+        }
         Region::Everywhere => None,
     }
+}
+
+/// How far the most stages of the stabilised scheme reach along the negative axis.
+fn most_reach() -> f64 {
+    reach(MOST_STAGES)
+}
+
+/// How many times its damping (1/s) a stiffness (1/s²) may be in steps of `dt` (s) with a margin, 1/s, with a scheme that
+/// asks for that.
+pub(in crate::physics) fn most_stiffness_per_damping(scheme: Scheme, dt: f64, margin: Margin) -> Option<f64> {
+    (Region::of(scheme) == Region::DiscAndAxis).then(|| DISC_RADIUS * margin.stiffness / dt)
 }
 
 impl Region {
@@ -125,14 +150,24 @@ impl Region {
         match self {
             Self::Leapfrog(_) => undamped_limit(lambda),
             Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda.sqrt()),
+            Self::DiscAndAxis => (lambda > 0.0).then_some(0.0),
             Self::Everywhere => None,
+        }
+    }
+
+    /// The largest step for stiffness and damping that are in this proportion, 1/s: as [`Self::undamped_limit`] where the
+    /// damping does not matter.
+    pub(super) fn stiffness_limit(self, lambda: f64, damping: f64) -> Option<f64> {
+        match self {
+            Self::DiscAndAxis => (lambda > 0.0).then(|| DISC_RADIUS * damping / lambda),
+            _ => self.undamped_limit(lambda),
         }
     }
 
     /// The largest step for the thesis's explicit contact, which is as a spring is.
     pub(super) fn contact_limit(self, lambda: f64) -> Option<f64> {
         match self {
-            Self::Everywhere => undamped_limit(lambda),
+            Self::Everywhere | Self::DiscAndAxis => undamped_limit(lambda),
             Self::Leapfrog(_) | Self::HalfDisc(_) => self.undamped_limit(lambda),
         }
     }
@@ -142,6 +177,7 @@ impl Region {
         match self {
             Self::Leapfrog(share) => damped_limit(share * lambda),
             Self::HalfDisc(radius) => (lambda > 0.0).then(|| radius / lambda),
+            Self::DiscAndAxis => (lambda > 0.0).then(|| most_reach() / lambda),
             Self::Everywhere => None,
         }
     }

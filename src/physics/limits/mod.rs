@@ -29,7 +29,7 @@ pub(in crate::physics) mod load;
 use glam::{DMat3, DVec3};
 
 pub use load::SAFETY;
-pub(in crate::physics) use load::{LATTICE_LIMIT, LoadShare, Margin, load_shares};
+pub(in crate::physics) use load::{LATTICE_LIMIT, LoadShare, Margin, load_shares, most_stiffness_per_damping};
 
 use load::{Region, damped_limit, undamped_limit};
 
@@ -91,6 +91,10 @@ pub struct SceneLimits {
     pub dt_limit_secs: Option<f64>,
     /// The largest step that automatic stepping takes, s.
     pub dt_safe_secs: Option<f64>,
+    /// The largest rate of damping at rest with the margin that automatic stepping keeps, and of contact, 1/s.
+    pub damping_rate: f64,
+    /// That of contact alone, where it pushes at the stages of a scheme, 1/s.
+    pub push_rate: f64,
 }
 
 impl SceneLimits {
@@ -111,6 +115,8 @@ impl SceneLimits {
         Self {
             dt_limit_secs: smaller(self.dt_limit_secs, other.dt_limit_secs),
             dt_safe_secs: smaller(self.dt_safe_secs, other.dt_safe_secs),
+            damping_rate: self.damping_rate.max(other.damping_rate),
+            push_rate: self.push_rate.max(other.push_rate),
             ..self
         }
     }
@@ -201,9 +207,10 @@ fn body_limits<R: Real>(
         ContactRule::Implicit => 0.0,
         ContactRule::Thesis => body.contacts.iter().map(|c| c.stiffness.to_f64()).fold(0.0, f64::max) / lightest,
     };
+    let pushes = Pushes::of(body, rule, region);
     if let Some(kinds) = &body.cell_kinds {
         let loads = CellLoads::of(kinds, body.lattice.grid.cell_size).shared(body.load_share);
-        return cell_limits(&loads, contact, region, margin);
+        return cell_limits(&loads, contact, pushes, region, margin);
     }
     // With the cell size h the tensors scale by 1/h; mass and cell size divide every constant.
     let scale = 1.0 / (body.particle_mass.to_f64() * body.lattice.grid.cell_size);
@@ -221,10 +228,14 @@ fn body_limits<R: Real>(
     let mut terms = Vec::new();
     for (f, family) in Family::ALL.into_iter().enumerate() {
         let [stiff, damped] = [stiffness, damping].map(|constants| largest(waves, only(constants, f)));
-        terms.push((Term::Stiffness(family), region.undamped_limit(stiff)));
+        terms.push((Term::Stiffness(family), region.stiffness_limit(stiff, damped)));
         terms.push((Term::Damping(family), region.damped_limit(damped)));
     }
-    terms.push((Term::Contact, region.contact_limit(contact)));
+    let contact_limit = smaller(region.contact_limit(contact), pushes.limit(region));
+    terms.push((Term::Contact, contact_limit));
+    // What is no more than so much of its damping in every family is in all of them together.
+    let in_proportion = terms.iter().filter_map(|(term, limit)| matches!(term, Term::Stiffness(_)).then_some(*limit));
+    let in_proportion = in_proportion.fold(None, smaller);
     let [dt_limit_secs, dt_safe_secs] = [Margin::NONE, margin].map(|margin| {
         let damping = std::array::from_fn(|family| damping[family] / margin.damping[family]);
         match region {
@@ -236,21 +247,62 @@ fn body_limits<R: Real>(
                 region.undamped_limit(largest(waves, stiffness) + contact).map(|limit| limit * margin.stiffness),
                 region.damped_limit(largest(waves, damping)),
             ),
+            Region::DiscAndAxis => {
+                let of_stiffness = smaller(in_proportion, contact_limit);
+                smaller(
+                    of_stiffness.map(|limit| limit * margin.stiffness),
+                    region.damped_limit(largest(waves, damping) + pushes.rate),
+                )
+            }
             Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
         }
     });
-    SceneLimits { terms, dt_limit_secs, dt_safe_secs }
+    let of_links = largest(waves, std::array::from_fn(|family| damping[family] / margin.damping[family]));
+    let damping_rate = of_links + pushes.rate;
+    SceneLimits { terms, dt_limit_secs, dt_safe_secs, damping_rate, push_rate: pushes.rate }
+}
+
+/// The springs of contact where they push at the stages of a scheme.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pushes {
+    /// How many times their damping their stiffness is, at most, 1/s.
+    stiffness_per_damping: f64,
+    /// How fast they stop a particle, at most, 1/s.
+    rate: f64,
+}
+
+impl Pushes {
+    fn of<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region) -> Self {
+        if rule == ContactRule::Thesis || region != Region::DiscAndAxis {
+            return Self::default();
+        }
+        let lightest = body.lightest_mass().to_f64();
+        body.contacts.iter().filter(|contact| contact.stiffness > R::ZERO).fold(Self::default(), |most, contact| {
+            let [stiffness, damping] = [contact.stiffness, contact.damping].map(Real::to_f64);
+            Self {
+                stiffness_per_damping: most.stiffness_per_damping.max(stiffness / damping),
+                rate: most.rate.max(damping / lightest),
+            }
+        })
+    }
+
+    fn limit(self, region: Region) -> Option<f64> {
+        region.stiffness_limit(self.stiffness_per_damping, 1.0)
+    }
 }
 
 /// Of a body of cells that share out their links. Its bending links have no force.
-fn cell_limits(loads: &CellLoads, contact: f64, region: Region, margin: Margin) -> SceneLimits {
+fn cell_limits(loads: &CellLoads, contact: f64, pushes: Pushes, region: Region, margin: Margin) -> SceneLimits {
     let mut terms = Vec::new();
     for (f, family) in Family::ALL.into_iter().enumerate() {
         let alone = |of: [f64; 2]| of.get(f).copied().unwrap_or(0.0);
-        terms.push((Term::Stiffness(family), region.undamped_limit(alone(loads.stiffness_alone))));
-        terms.push((Term::Damping(family), region.damped_limit(alone(loads.damping_alone))));
+        let [stiff, damped] = [loads.stiffness_alone, loads.damping_alone].map(alone);
+        terms.push((Term::Stiffness(family), region.stiffness_limit(stiff, damped)));
+        terms.push((Term::Damping(family), region.damped_limit(damped)));
     }
-    terms.push((Term::Contact, region.contact_limit(contact)));
+    let contact_limit = smaller(region.contact_limit(contact), pushes.limit(region));
+    terms.push((Term::Contact, contact_limit));
+    let in_proportion = region.stiffness_limit(loads.stiffness, loads.stiffness / loads.stiffness_per_damping);
     let stiffness = loads.stiffness + contact;
     let [dt_limit_secs, dt_safe_secs] = [Margin::NONE, margin].map(|margin| {
         let damping = loads.damping / margin.damping[Family::Structural as usize];
@@ -262,10 +314,15 @@ fn cell_limits(loads: &CellLoads, contact: f64, region: Region, margin: Margin) 
                 region.undamped_limit(stiffness).map(|limit| limit * margin.stiffness),
                 region.damped_limit(damping),
             ),
+            Region::DiscAndAxis => {
+                let of_stiffness = smaller(in_proportion, contact_limit);
+                smaller(of_stiffness.map(|limit| limit * margin.stiffness), region.damped_limit(damping + pushes.rate))
+            }
             Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
         }
     });
-    SceneLimits { terms, dt_limit_secs, dt_safe_secs }
+    let damping_rate = loads.damping / margin.damping[Family::Structural as usize] + pushes.rate;
+    SceneLimits { terms, dt_limit_secs, dt_safe_secs, damping_rate, push_rate: pushes.rate }
 }
 
 /// The largest dt with `λ_max(dt² K + 2 dt C) + dt² contact ≤ 4`, by bisection on a function that grows with dt.

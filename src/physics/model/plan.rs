@@ -5,6 +5,7 @@ use crate::math::Real;
 use crate::physics::kernels::SimdLevel;
 use crate::physics::limits::SceneLimits;
 use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
+use crate::physics::schemes::chebyshev::stages_for;
 
 /// The most halvings of a substep of the implicit integrator.
 pub const MOST_HALVINGS: u32 = 24;
@@ -72,6 +73,32 @@ impl SchemeCost {
     }
 }
 
+/// Rates that the stabilised scheme has as many stages for as they ask for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StageRates {
+    /// The largest rate of damping of bodies at rest with a margin, 1/s.
+    pub at_rest: f64,
+    /// The same in any state, 1/s.
+    pub strained: f64,
+    /// The longest substep that automatic stepping takes with it, s; none where nothing limits it.
+    pub dt_safe_secs: Option<f64>,
+    /// What a particle's links resist with while their other ends stand still, over its mass, by body: stiffness, 1/s²,
+    /// and damping, 1/s.
+    pub own: Vec<[f64; 2]>,
+}
+
+impl StageRates {
+    /// Stages of a substep of so many seconds.
+    pub fn stages_at_rest(&self, secs: f64) -> u32 {
+        stages_for(self.at_rest * secs)
+    }
+
+    /// The same where a body is strained.
+    pub fn stages_strained(&self, secs: f64) -> u32 {
+        stages_for(self.strained * secs)
+    }
+}
+
 /// What a step does for one scene.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a stage that runs or does not, and any mixture is a plan")]
@@ -97,6 +124,8 @@ pub struct Plan {
     pub most_work: u64,
     /// Parts that a substep is taken in while a body is strained.
     pub parts: u32,
+    /// What damping asks of the stabilised scheme; of no use to others.
+    pub stage_rates: StageRates,
     /// The predicted stability limits the subdivision follows from.
     pub limits: SceneLimits,
     /// Which families have a link with a force, in any body.
@@ -133,6 +162,18 @@ impl Plan {
     /// The step in use, s.
     pub fn substep_secs(&self) -> f64 {
         self.dt_secs * f64::from(self.span) / f64::from(self.substeps)
+    }
+
+    /// The longest substep that automatic stepping takes with the explicit scheme in use, or with the one that was asked
+    /// for, s; none where nothing limits it.
+    pub fn dt_safe_secs(&self) -> Option<f64> {
+        if self.scheme == Scheme::Stabilised { self.stage_rates.dt_safe_secs } else { self.limits.dt_safe_secs }
+    }
+
+    /// The longest part of a substep in which cells near inversion are pushed, s.
+    pub(in crate::physics) fn recovery_secs(&self) -> f64 {
+        let parts = if self.scheme == Scheme::Stabilised { self.parts } else { 1 };
+        self.substep_secs() / f64::from(parts)
     }
 
     /// Has everything worked out in every substep, whether the scene needs it or not: more expensive, and the same to the bit.

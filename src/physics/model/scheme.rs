@@ -13,6 +13,8 @@ pub enum Scheme {
     Rk2,
     /// The classical Runge–Kutta method of fourth order.
     Rk4,
+    /// Runge–Kutta–Chebyshev of second order, in as many stages as damping asks for.
+    Stabilised,
     /// Linearly implicit Euler.
     Implicit,
 }

@@ -11,27 +11,49 @@
 //! explicit Euler        v' = v + dt a(x, v)                  x' = x + dt v
 //! Verlet                v' = v + dt a(x, v + dt/2 a before)  x' = x + dt v'     v half a step behind x
 //! RK2 (midpoint), RK4   forces at 1 and 3 more places between
+//! stabilised            forces at as many more places as damping asks for, stable along the negative axis
 //! implicit Euler        v' = v + dt a(x', v'), linearised       x' = x + dt v'
 //! ```
 
+pub(in crate::physics) mod chebyshev;
+mod held;
 pub(in crate::physics) mod implicit;
 mod rk2;
 mod rk4;
+mod stabilised;
 mod stepper;
 mod verlet;
 
+pub(super) use held::{ContactSpring, Held, Touch};
 pub(super) use implicit::bytes as implicit_bytes;
 pub(super) use stepper::{SchemeWorkspace, Stepper, kicked_for, moves_by_mean};
+
+use stepper::kick;
 
 use super::contact::ContactConstraint;
 use super::model::Model;
 use super::report::Recorder;
 use super::state::State;
+use super::step::substep::Substep;
 use crate::math::Real;
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
 
 impl<R: Real> Stepper<'_, R> {
+    /// Writes the velocities at the end of the substep as the forces at the state predict them.
+    pub(super) fn predict(&mut self, velocity: &mut [R::Vec3]) {
+        if self.substep.scheme == Scheme::Stabilised {
+            stabilised::predict(self, velocity);
+            return;
+        }
+        let Substep { model, plan, state, .. } = self.substep;
+        velocity.copy_from_slice(&state.velocity);
+        kick(model, plan.simd, &state.bodies, kicked_for(self.substep), self.force, velocity);
+        if moves_by_mean(self.substep.scheme) {
+            self.workspace.predicted.copy_from_slice(velocity);
+        }
+    }
+
     /// Writes the velocities with which every particle would fall freely, as if it had no links.
     pub(super) fn fall(&self, velocity: &mut [R::Vec3]) {
         velocity.copy_from_slice(&self.substep.state.velocity);
@@ -58,6 +80,10 @@ impl<R: Real> Stepper<'_, R> {
     /// Goes through the substep once more for the schemes that move particles by another velocity than that at its end:
     /// writes both. What changed the predicted velocities on the way goes on as a constant force.
     pub(super) fn refine(&mut self, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
+        if self.substep.scheme == Scheme::Stabilised {
+            stabilised::refine(self, velocity, recorder);
+            return;
+        }
         if !moves_by_mean(self.substep.scheme) {
             return;
         }
@@ -85,7 +111,7 @@ pub(super) fn is_on_time<R: Real>(plan: &Plan, state: &State<R>) -> bool {
     match plan.scheme {
         Scheme::SemiImplicit => false,
         Scheme::Verlet => state.velocity_lag_secs <= 0.0,
-        Scheme::Explicit | Scheme::Rk2 | Scheme::Rk4 | Scheme::Implicit => true,
+        Scheme::Explicit | Scheme::Rk2 | Scheme::Rk4 | Scheme::Stabilised | Scheme::Implicit => true,
     }
 }
 

@@ -9,6 +9,7 @@ use crate::physics::model::Model;
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::report::Recorder;
+use crate::physics::schemes::held::StageWorkspace;
 use crate::physics::schemes::implicit::system::ImplicitWorkspace;
 use crate::physics::schemes::verlet;
 use crate::physics::state::BodyMemory;
@@ -27,9 +28,11 @@ pub(in crate::physics) struct SchemeWorkspace<R: Real> {
     /// Positions at which forces are evaluated between two states, m.
     pub(super) position: Vec<R::Vec3>,
     /// Velocities with which forces are evaluated that are not the state's, m/s.
-    pub(super) velocity: Vec<R::Vec3>,
+    pub(in crate::physics) velocity: Vec<R::Vec3>,
     /// Forces there, N.
     pub(super) force: Vec<R::Vec3>,
+    /// Of the stabilised scheme.
+    pub(in crate::physics) stages: StageWorkspace<R>,
     /// Of the implicit scheme.
     pub(super) implicit: ImplicitWorkspace<R>,
 }
@@ -38,7 +41,8 @@ impl<R: Real> SchemeWorkspace<R> {
     /// Room for the scheme of a plan.
     pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
         let room = |needed: bool| vec![R::Vec3::ZERO; if needed { model.particle_count() } else { 0 }];
-        let has_stages = matches!(plan.scheme, Scheme::Rk2 | Scheme::Rk4);
+        let has_stages = matches!(plan.scheme, Scheme::Rk2 | Scheme::Rk4 | Scheme::Stabilised);
+        let surface = || model.bodies.iter().map(|body| body.lattice.surface).sum();
         Self {
             path: moves_by_mean(plan.scheme).then(|| room(true)),
             predicted: room(moves_by_mean(plan.scheme)),
@@ -46,6 +50,10 @@ impl<R: Real> SchemeWorkspace<R> {
             position: room(has_stages),
             velocity: room(has_stages || plan.scheme == Scheme::Verlet),
             force: room(has_stages),
+            stages: match plan.scheme {
+                Scheme::Stabilised => StageWorkspace::new(model.particle_count(), surface()),
+                _ => StageWorkspace::default(),
+            },
             implicit: match plan.scheme {
                 Scheme::Implicit => ImplicitWorkspace::new(model),
                 _ => ImplicitWorkspace::default(),
@@ -73,16 +81,6 @@ pub(in crate::physics) struct Stepper<'a, R: Real> {
 }
 
 impl<R: Real> Stepper<'_, R> {
-    /// Writes the velocities at the end of the substep as the forces at the state predict them.
-    pub(in crate::physics) fn predict(&mut self, velocity: &mut [R::Vec3]) {
-        let Substep { model, plan, state, .. } = self.substep;
-        velocity.copy_from_slice(&state.velocity);
-        kick(model, plan.simd, &state.bodies, kicked_for(self.substep), self.force, velocity);
-        if moves_by_mean(self.substep.scheme) {
-            self.workspace.predicted.copy_from_slice(velocity);
-        }
-    }
-
     /// The stage that every scheme begins with: the state itself.
     pub(super) fn first_stage(&mut self) {
         self.workspace.velocity.copy_from_slice(&self.substep.state.velocity);
@@ -131,7 +129,7 @@ pub(in crate::physics) fn kicked_for<R: Real>(Substep { state, dt, scheme, .. }:
 
 /// Whether particles move by another velocity than that at the end of the substep.
 pub(in crate::physics) fn moves_by_mean(scheme: Scheme) -> bool {
-    matches!(scheme, Scheme::Explicit | Scheme::Rk2 | Scheme::Rk4)
+    matches!(scheme, Scheme::Explicit | Scheme::Rk2 | Scheme::Rk4 | Scheme::Stabilised)
 }
 
 /// `v += dt a` for every particle that is not held, where `a` is the force over the mass; held ones stand still.

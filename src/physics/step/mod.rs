@@ -17,13 +17,14 @@
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
 //! anything is written: the state stays the last good one and the report says so.
 
+pub(in crate::physics) mod pull;
 pub(in crate::physics) mod substep;
 
 use super::contact::{self, ContactRecord, Placed};
 use super::forces;
 use super::forces::links::Configuration;
 use super::forces::particles::Kick;
-use super::interaction::{self, Grab};
+use super::interaction::Grab;
 use super::model::Model;
 use super::report::Recorder;
 use super::state::{BodyMemory, State};
@@ -34,7 +35,7 @@ use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{ContactRule, Scheme};
 use crate::physics::observe::runaway::runs_away;
 use crate::physics::schemes::implicit::balance::{End, body_gains_energy, gains_energy};
-use crate::physics::schemes::{self, Stepper};
+use crate::physics::schemes::{self, SchemeWorkspace, Stepper};
 use crate::physics::state::fallen;
 use crate::physics::state::sleep;
 use crate::physics::step::substep::{Gain, Part, Substep};
@@ -150,7 +151,8 @@ pub(super) fn substep<R: Real>(
         recovery::look(model, state, part.secs, recorder);
     }
     let dt = R::from_f64(part.secs);
-    let begun = Substep { model, plan, state, obstacles, dt, scheme: part.scheme, grab };
+    let Part { scheme, is_strained, .. } = part;
+    let begun = Substep { model, plan, state, obstacles, dt, scheme, is_strained, grab };
     let prediction = find_forces(begun, workspace, recorder);
     let is_found = find_velocities(begun, part.gain, prediction, workspace, recorder);
     let is_sound = is_found && is_sound(begun, prediction, workspace);
@@ -321,17 +323,28 @@ fn predicted_velocities<R: Real>(
         stepper.predict(velocity);
     }
     if let Some(grab) = begun.grab {
-        interaction::pull(begun.model, begun.dt, grab, &begun.state.position, velocity);
+        pull::pull(begun, grab, velocity);
     }
     if meets_implicitly(begun.plan) {
         contact::respond(begun, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
     }
+    if begun.scheme == Scheme::Stabilised {
+        contact.hold(begun, stepper.force, velocity, &mut stepper.workspace.stages.held);
+    }
     stepper.refine(velocity, recorder);
     if let Some(path) = &mut workspace.scheme.path
         && meets_implicitly(begun.plan)
     {
+        if begun.scheme == Scheme::Stabilised {
+            let held = &mut workspace.scheme.stages.held;
+            contact::limit_depths(begun, held, path, &mut workspace.velocity);
+        }
         contact::respond_to_paths(begun, &mut workspace.velocity, path, &mut workspace.contact, recorder);
+        if begun.scheme == Scheme::Stabilised {
+            let SchemeWorkspace { stages, velocity: left, .. } = &workspace.scheme;
+            workspace.contact.note_forces(begun, &stages.held, [left, &workspace.velocity]);
+        }
         recorder.enter(Stage::Integrate);
     }
 }

@@ -21,8 +21,38 @@ pub(in crate::physics) struct Substep<'a, R: Real> {
     pub(in crate::physics) dt: R,
     /// What takes it.
     pub(in crate::physics) scheme: Scheme,
+    /// Whether a body is strained, so that it is taken in parts.
+    pub(in crate::physics) is_strained: bool,
     /// A hand that pulls.
     pub(in crate::physics) grab: Option<&'a Grab<R>>,
+}
+
+impl<R: Real> Substep<'_, R> {
+    /// How many stages of the stabilised scheme it takes.
+    pub(in crate::physics) fn stages(&self) -> u32 {
+        let (rates, secs) = (&self.plan.stage_rates, self.dt.to_f64());
+        if self.is_strained { rates.stages_strained(secs) } else { rates.stages_at_rest(secs) }
+    }
+
+    /// How fast friction may stop a particle of a body in the stages of the stabilised scheme, 1/s: no faster than its links
+    /// do, which the stages are enough for.
+    pub(in crate::physics) fn braking_rate(&self, body: usize) -> R {
+        let damping = self.plan.stage_rates.own.get(body).map_or(0.0, |own| own[1]);
+        R::ONE / self.dt + R::from_f64(damping)
+    }
+
+    /// What a particle (a local number) resists a push with, kg: its mass; in the long substeps of the stabilised scheme
+    /// also its links, as if their other ends stood still: `m + dt c + dt² k`.
+    pub(in crate::physics) fn inertia(&self, body: usize, local: usize) -> R {
+        let mass = self.model.bodies[body].mass(local);
+        match self.plan.stage_rates.own.get(body) {
+            Some(&[stiffness, damping]) if self.scheme == Scheme::Stabilised => {
+                let dt = self.dt.to_f64();
+                mass * R::from_f64(1.0 + dt * (damping + dt * stiffness))
+            }
+            _ => mass,
+        }
+    }
 }
 
 /// The stretch of time that one evaluation of a scheme covers: a substep or a part of it.
@@ -32,6 +62,8 @@ pub(in crate::physics) struct Part {
     pub(in crate::physics) secs: f64,
     /// What takes it.
     pub(in crate::physics) scheme: Scheme,
+    /// Whether it is one of several because a body is strained.
+    pub(in crate::physics) is_strained: bool,
     /// What becomes of it where the implicit scheme would give energy from nowhere.
     pub(in crate::physics) gain: Gain,
     /// Whether the substep begins with it: what is under way is not given up.
@@ -55,6 +87,7 @@ impl Part {
     /// A whole substep, come what may, in one of so many equal parts.
     pub(in crate::physics) fn one_of(plan: &Plan, parts: u32) -> Self {
         let secs = plan.substep_secs() / f64::from(parts);
-        Self { secs, scheme: plan.scheme, gain: Gain::Take, is_first: true, is_last: true }
+        let is_strained = parts > 1;
+        Self { secs, scheme: plan.scheme, is_strained, gain: Gain::Take, is_first: true, is_last: true }
     }
 }

@@ -103,6 +103,7 @@ impl Division {
         Some(Part {
             secs: plan.substep_secs() / f64::from(self.parts) * (length as f64 / whole as f64),
             scheme: if self.is_explicit { Scheme::SemiImplicit } else { plan.scheme },
+            is_strained: self.parts > 1,
             gain,
             is_first: self.left == self.parts,
             is_last: self.left == 1 && state.part + length == whole,

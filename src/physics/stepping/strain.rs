@@ -10,9 +10,10 @@
 //! while before its substeps are whole again.
 
 use crate::math::{Real, Vector};
-use crate::physics::model::Model;
+use crate::physics::forces::recovery;
 use crate::physics::model::plan::Plan;
-use crate::physics::state::State;
+use crate::physics::model::{BodyModel, Model, Scheme};
+use crate::physics::state::{BodyMemory, State};
 use crate::physics::stepping::looks;
 
 /// A body is strained from the larger of these strains of any link on, stretched or compressed, until all are below the
@@ -34,7 +35,12 @@ pub(in crate::physics) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, stat
     if state.bodies.iter().any(|memory| memory.strained) || looks::is_time_to_look(model, plan, state) {
         look(model, plan, state);
     }
-    let is_strained = state.bodies.iter().any(|memory| memory.strained && !memory.asleep);
+    // The longer substeps of the stabilised scheme would bear little of what pushes cells back that are near inversion.
+    let is_crushed = |body: &BodyModel<R>, memory: &BodyMemory| {
+        plan.scheme == Scheme::Stabilised && recovery::pushes(body, memory, state)
+    };
+    let mut bodies = model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep);
+    let is_strained = bodies.any(|(body, memory)| memory.strained || is_crushed(body, memory));
     if is_strained { plan.parts } else { 1 }
 }
 

@@ -83,7 +83,7 @@ impl Way {
     fn cost(self) -> f64 {
         match self {
             Self::Manual(Integrator::Rk2) => 2.0,
-            Self::Manual(Integrator::Rk4) => 4.0,
+            Self::Manual(Integrator::Rk4 | Integrator::Stabilised) => 4.0,
             Self::Manual(Integrator::Implicit) => 8.0,
             Self::Manual(_) | Self::Automatic => 1.0,
         }

@@ -41,7 +41,7 @@ pub(in crate::physics) use account::settle;
 pub(in crate::physics) use resistance::{Resistance, energy_past_work, resistances};
 pub(in crate::physics) use soft_links::RecoveryWorkspace;
 
-use edges::{MeanEdges, is_inverted, mean_edges, spread};
+use edges::{MeanEdges, THRESHOLD, is_inverted, mean_edges, spread};
 use soft_links::soften;
 
 use crate::math::Real;
@@ -89,6 +89,15 @@ pub(in crate::physics) fn look<R: Real>(
         pull::judge(body, memory, worst, position, &state.velocity[body.particles.clone()], secs);
         pull::pay(body, memory, position);
     }
+}
+
+/// Whether any cell of a body is pushed where it is now.
+pub(in crate::physics) fn pushes<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, state: &State<R>) -> bool {
+    let position = &state.position[body.particles.clone()];
+    memory.near_inversion.iter().any(|&cell| {
+        let edges = MeanEdges::of(position, &body.lattice.cells[cell as usize], body.inverse_cell_size);
+        edges.volume() < R::from_f64(THRESHOLD)
+    })
 }
 
 /// Adds the push of the cells on the lists of the bodies, N.

@@ -1,0 +1,123 @@
+//! What contact holds in a substep of the stabilised scheme, which goes through many stages with it.
+
+use super::record::ContactRecord;
+use super::response;
+use super::surface::Surface;
+use super::workspace::ContactWorkspace;
+use crate::math::{Real, Vector};
+use crate::physics::model::{ContactModel, ObstacleModel};
+use crate::physics::schemes::{ContactSpring, Held, Touch};
+use crate::physics::step::substep::Substep;
+
+/// A particle whose velocity along a surface is this small a share of those it comes from is held there.
+const STICKS: f64 = 1e-5;
+
+impl<R: Real> ContactWorkspace<R> {
+    /// Lists what obstacles push, with the velocities that they leave it; `force` are the forces at the state, N.
+    pub(in crate::physics) fn hold(
+        &self,
+        substep: Substep<'_, R>,
+        force: &[R::Vec3],
+        velocity: &[R::Vec3],
+        held: &mut Vec<Held<R>>,
+    ) {
+        held.clear();
+        for own in self.contacts.chunk_by(|a, b| a.particle == b.particle) {
+            let particle = own[0].particle;
+            let Some(number) = substep.model.body_of(particle) else { continue };
+            let mut pushing = own.iter().filter(|record| record.force != R::Vec3::ZERO);
+            let Some(record) = pushing.next().filter(|_| !substep.state.bodies[number].asleep) else { continue };
+            let body = &substep.model.bodies[number];
+            let mass = body.mass(particle - body.particles.start);
+            let past = substep.state.velocity[particle] - record.surface_velocity;
+            let now = [past * (mass * substep.braking_rate(number)), force[particle]];
+            let (contact, obstacle) = (&body.contacts[record.obstacle], &substep.model.obstacles[record.obstacle]);
+            let by_one = || touch(velocity[particle], now, record, contact, obstacle, substep.dt);
+            // Between several nothing slides.
+            let touch = pushing.next().map_or_else(|| Some(by_one()), |_| None);
+            let across = |of: R::Vec3| of - record.normal * of.dot(record.normal);
+            let is_stopped = touch.is_some_and(|touch| touch.friction.is_none());
+            let slides = if is_stopped { across(velocity[particle] - record.surface_velocity) } else { R::Vec3::ZERO };
+            held.push(Held::new(particle, mass, velocity[particle] - slides, touch));
+        }
+    }
+
+    /// Writes down the forces of contact as they were: of what held the particles, and of what brought those that only
+    /// their paths led into an obstacle from the velocity that the stages `left` to the one they have.
+    pub(in crate::physics) fn note_forces(
+        &mut self,
+        substep: Substep<'_, R>,
+        held: &[Held<R>],
+        [left, velocity]: [&[R::Vec3]; 2],
+    ) {
+        let mut held = held.iter().peekable();
+        for own in self.contacts.chunk_by_mut(|a, b| a.particle == b.particle) {
+            let particle = own[0].particle;
+            let Some(number) = substep.model.body_of(particle) else { continue };
+            if substep.state.bodies[number].asleep {
+                continue;
+            }
+            while held.next_if(|held| held.particle < particle).is_some() {}
+            let body = &substep.model.bodies[number];
+            let mass = body.mass(particle - body.particles.start);
+            let by_path = || (velocity[particle] - left[particle]) * (mass / substep.dt);
+            let force =
+                held.next_if(|held| held.particle == particle).map_or_else(by_path, |held| held.mean_force(substep.dt));
+            let others = own.iter().skip(1).fold(R::Vec3::ZERO, |sum, record| sum + record.force);
+            own[0].force = force - others;
+        }
+    }
+}
+
+/// Keeps what the springs did not stop in time at the limit of its depth.
+pub(in crate::physics) fn limit_depths<R: Real>(
+    substep: Substep<'_, R>,
+    held: &mut [Held<R>],
+    path: &mut [R::Vec3],
+    velocity: &mut [R::Vec3],
+) {
+    for held in held {
+        let Some(Touch { normal, surface_velocity, spring: Some(spring), .. }) = held.touch else { continue };
+        let Some(number) = substep.model.body_of(held.particle) else { continue };
+        let body = &substep.model.bodies[number];
+        let deepest = spring.depth_limit.max(-spring.gap);
+        let slowest = -(deepest + spring.gap) / substep.dt;
+        let missing = slowest - (path[held.particle] - surface_velocity).dot(normal);
+        if missing <= R::ZERO {
+            continue;
+        }
+        path[held.particle] += normal * missing;
+        let missing = slowest - (velocity[held.particle] - surface_velocity).dot(normal);
+        let change = normal * missing.max(R::ZERO);
+        velocity[held.particle] += change;
+        held.push += change * body.mass(held.particle - body.particles.start);
+    }
+}
+
+/// How one surface touches a particle that it leaves this `velocity`. Static friction holds it where it is strong enough
+/// for what would stop it within the substep and for the force on it: `now` is what either is, N.
+fn touch<R: Real>(
+    velocity: R::Vec3,
+    now: [R::Vec3; 2],
+    record: &ContactRecord<R>,
+    contact: &ContactModel<R>,
+    obstacle: &ObstacleModel<R>,
+    dt: R,
+) -> Touch<R> {
+    let &ContactRecord { normal, surface_velocity, gap, force, .. } = record;
+    let across = |of: R::Vec3| of - normal * of.dot(normal);
+    let past = velocity - surface_velocity;
+    let most = obstacle.friction_static * force.dot(normal);
+    let holds = obstacle.friction_static > R::ZERO && now.iter().all(|force| across(*force).length() <= most);
+    let speeds = velocity.length() + surface_velocity.length();
+    let is_stopped = across(force) != R::Vec3::ZERO && across(past).length() <= R::from_f64(STICKS) * speeds;
+    let slowest = response::deepest_velocity(&Surface { normal, gap }, contact, dt);
+    let &ContactModel { stiffness, damping, depth_limit, .. } = contact;
+    let is_at_limit = past.dot(normal) <= slowest + R::from_f64(STICKS) * slowest.abs();
+    Touch {
+        normal,
+        surface_velocity,
+        spring: (!is_at_limit).then_some(ContactSpring { stiffness, damping, gap, depth_limit }),
+        friction: (!holds && !is_stopped).then_some(obstacle.friction_dynamic),
+    }
+}

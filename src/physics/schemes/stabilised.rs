@@ -1,0 +1,162 @@
+//! The stabilised scheme: Runge–Kutta–Chebyshev of second order, whose polynomials [`super::chebyshev`] has.
+//!
+//! Damping makes links resist the faster they change, and that limits the substeps of an explicit scheme long before
+//! stiffness does. s stages are stable for about 0.65 s² of what one bears: a substep can be longer, and costs less.
+//!
+//! # Contact
+//!
+//! A particle does not fall freely through a long substep and hit what it rests on at its end: through links that resist it
+//! would drag its neighbours along. So contact is found first, as with the other schemes, of a particle that is heavier by
+//! what its links resist with within the substep, taken implicitly for it alone
+//! ([`crate::physics::step::substep::Substep::inertia`]). The spring of what touches then pushes at every stage, which bounds
+//! the substep as links do; where friction holds, the particle is held across the normal, and along it too where it is at the
+//! limit of its depth; where it slides, friction brakes it. What contact takes from the forces is summed over the stages as
+//! they are: that is the force of contact.
+
+use super::chebyshev::{Stage, Stages};
+use super::held::{AtStage, StageWorkspace};
+use super::stepper::{SchemeWorkspace, Stepper};
+use crate::math::{Real, Vector};
+use crate::physics::forces;
+use crate::physics::forces::links::Configuration;
+use crate::physics::model::plan;
+use crate::physics::report::Recorder;
+use crate::physics::state::sleep::awake;
+use crate::physics::step::pull;
+
+/// Writes the velocities that contact and the hand find, m/s: of every particle as if it were alone with what its links
+/// resist with.
+pub(super) fn predict<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::Vec3]) {
+    let substep = stepper.substep;
+    velocity.copy_from_slice(&substep.state.velocity);
+    for (number, body) in substep.model.bodies.iter().enumerate() {
+        if substep.state.bodies[number].asleep {
+            continue;
+        }
+        for (local, particle) in body.particles.clone().enumerate() {
+            if body.is_pinned(local) {
+                velocity[particle] = R::Vec3::ZERO;
+            } else {
+                velocity[particle] += stepper.force[particle] * (substep.dt / substep.inertia(number, local));
+            }
+        }
+    }
+    stepper.workspace.predicted.copy_from_slice(velocity);
+}
+
+/// Goes through as many stages as the substep asks for, the first of them the state itself. Writes the mean velocities that
+/// move particles, those at the end, and what held those that are held.
+pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
+    let count = stepper.substep.stages();
+    let (ahead, mut stages) = Stages::new(count);
+    begin(stepper);
+    go(stepper, Stage { last: 0.0, before: 0.0, slope: ahead, first: 0.0 });
+    // How much of the substep is over at the stages.
+    let (mut share_before, mut share) = (0.0, ahead);
+    for _ in 1..count {
+        let SchemeWorkspace { position, velocity, force, .. } = &mut *stepper.workspace;
+        let at = Configuration { position, velocity, residual: None };
+        forces::evaluate(stepper.substep, at, force, None, stepper.forces, recorder);
+        recorder.enter(plan::Stage::Integrate);
+        if recorder.stops() {
+            return;
+        }
+        add_constant(stepper);
+        hold(stepper, R::from_f64(share) * stepper.substep.dt);
+        let stage = stages.next();
+        (share_before, share) = (share, stage.next(share_before, share, 1.0, 1.0));
+        go(stepper, stage);
+    }
+    let SchemeWorkspace { path, velocity: end, stages, .. } = &mut *stepper.workspace;
+    velocity.copy_from_slice(end);
+    let over_dt = R::ONE / stepper.substep.dt;
+    for (path, moved) in path.iter_mut().flatten().zip(&stages.moved[1]) {
+        *path = *moved * over_dt;
+    }
+}
+
+/// The first stage is the state, but that what is held has the velocity it is held at.
+fn begin<R: Real>(stepper: &mut Stepper<'_, R>) {
+    let SchemeWorkspace { stages, velocity, force, .. } = &mut *stepper.workspace;
+    let StageWorkspace { held, start, moved, changed, .. } = stages;
+    start.copy_from_slice(&stepper.substep.state.velocity);
+    for held in held {
+        held.begin(&mut start[held.particle]);
+    }
+    velocity.copy_from_slice(start);
+    force.copy_from_slice(stepper.force);
+    for stage in moved.iter_mut().chain(changed) {
+        stage.fill(R::Vec3::ZERO);
+    }
+    add_pull(stepper);
+    hold(stepper, R::ZERO);
+    let SchemeWorkspace { stages: StageWorkspace { held, first, .. }, force, .. } = &mut *stepper.workspace;
+    for held in held {
+        held.taking[0] = held.taking[1];
+    }
+    first.copy_from_slice(force);
+}
+
+/// Adds to the forces at a stage what is constant over the substep: the thesis's contact and the hand's pull.
+fn add_constant<R: Real>(stepper: &mut Stepper<'_, R>) {
+    for (force, held) in stepper.workspace.force.iter_mut().zip(stepper.held_force.into_iter().flatten()) {
+        *force += *held;
+    }
+    add_pull(stepper);
+}
+
+/// Adds the pull of a hand as it is on the particles as they are predicted.
+fn add_pull<R: Real>(stepper: &mut Stepper<'_, R>) {
+    let Some(grab) = stepper.substep.grab else { return };
+    let SchemeWorkspace { predicted, force, .. } = &mut *stepper.workspace;
+    let impulse = pull::impulse(stepper.substep, grab, predicted);
+    for &(particle, weight) in &grab.weights {
+        force[particle] += impulse * (weight / stepper.substep.dt);
+    }
+}
+
+/// Takes from the forces at a stage, `secs` after the substep began, what contact does.
+fn hold<R: Real>(stepper: &mut Stepper<'_, R>, secs: R) {
+    let substep = stepper.substep;
+    let SchemeWorkspace { stages: StageWorkspace { held, moved, .. }, velocity, force, .. } = &mut *stepper.workspace;
+    for held in held {
+        let (particle, Some(body)) = (held.particle, substep.model.body_of(held.particle)) else { continue };
+        let force = &mut force[particle];
+        let at = AtStage { secs, moved: moved[1][particle], velocity: velocity[particle], force: *force };
+        held.taking[1] = held.take(&at, substep.dt, substep.braking_rate(body));
+        *force -= held.taking[1];
+    }
+}
+
+/// Goes to the next stage.
+fn go<R: Real>(stepper: &mut Stepper<'_, R>, stage: Stage) {
+    let substep = stepper.substep;
+    let SchemeWorkspace { stages, position, velocity, force, .. } = &mut *stepper.workspace;
+    let StageWorkspace { held, start, first, moved: [moved_before, moved], changed: [changed_before, changed] } =
+        stages;
+    let [of_last, of_before] = [stage.last, stage.before].map(R::from_f64);
+    let [of_slope, of_first] = [stage.slope, stage.first].map(|of| R::from_f64(of) * substep.dt);
+    let next = |before: R::Vec3, last: R::Vec3, slope: R::Vec3, first: R::Vec3| {
+        last * of_last + before * of_before + slope * of_slope + first * of_first
+    };
+    for body in awake(substep.model, &substep.state.bodies) {
+        for (local, particle) in body.particles.clone().enumerate() {
+            if body.is_pinned(local) {
+                position[particle] = substep.state.position[particle];
+                continue;
+            }
+            let inverse_mass = body.inverse_mass(local);
+            moved_before[particle] = next(moved_before[particle], moved[particle], velocity[particle], start[particle]);
+            let [slope, at_first] = [force[particle], first[particle]].map(|force| force * inverse_mass);
+            changed_before[particle] = next(changed_before[particle], changed[particle], slope, at_first);
+            position[particle] = substep.state.position[particle] + moved_before[particle];
+            velocity[particle] = start[particle] + changed_before[particle];
+        }
+    }
+    for held in held {
+        let [before, last] = held.taken;
+        held.taken = [last, next(before, last, held.taking[1], held.taking[0])];
+    }
+    std::mem::swap(moved_before, moved);
+    std::mem::swap(changed_before, changed);
+}

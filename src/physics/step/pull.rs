@@ -1,0 +1,36 @@
+//! What a hand does in a substep: a spring from a point of a body to a place, taken implicitly.
+//!
+//! The point is a weighted mean of particles, `p = Σ w x`, whose effective mass is `1 / Σ (w²/m)`. With the velocity
+//! `u` of the point at the end of the substep the pull is `J = dt (k (target − p − dt u) − d u)`, which solves to the
+//! impulse below: it adds no stability limit, however strong it is.
+
+use crate::math::Real;
+use crate::physics::interaction::Grab;
+use crate::physics::step::substep::Substep;
+
+/// Changes the predicted velocities of the particles that carry the point. Held particles stay.
+pub(in crate::physics) fn pull<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>, velocity: &mut [R::Vec3]) {
+    let impulse = impulse(substep, grab, velocity);
+    for &(particle, weight) in &grab.weights {
+        velocity[particle] += impulse * (weight * mobility(substep, grab, particle));
+    }
+}
+
+/// What a grab does in a substep to the particles that carry its point, by their weights, given the velocities they would
+/// have without it, N·s.
+pub(in crate::physics) fn impulse<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>, velocity: &[R::Vec3]) -> R::Vec3 {
+    let Substep { model, state, dt, .. } = substep;
+    let inverse_mass =
+        grab.weights.iter().fold(R::ZERO, |sum, &(particle, w)| sum + w * w * mobility(substep, grab, particle));
+    let speed = grab.point(velocity);
+    let resistance = dt * (dt * grab.stiffness + grab.damping(&model.bodies[grab.body]));
+    let pulling = (grab.target - grab.point(&state.position)) * (dt * grab.stiffness) - speed * resistance;
+    pulling * (R::ONE / (R::ONE + resistance * inverse_mass))
+}
+
+/// The inverse of what a particle that is not held resists with, 1/kg.
+fn mobility<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>, particle: usize) -> R {
+    let body = &substep.model.bodies[grab.body];
+    let local = particle - body.particles.start;
+    if body.is_pinned(local) { R::ZERO } else { R::ONE / substep.inertia(grab.body, local) }
+}

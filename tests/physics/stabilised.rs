@@ -1,0 +1,115 @@
+//! The stabilised scheme: its limit, when it takes over, and the forces of what it holds.
+
+use gelatin::physics::{Grab, Simulation};
+use gelatin::scene::settings::{Integrator, Stepping};
+use gelatin::scene::{Material, Scene};
+use glam::DVec3;
+
+use crate::integrators::{growth, hanging, rms_distance, shake};
+use crate::support::{alone, cube, falling, plane, simulate, springs};
+
+/// Where stiffness is too much for the damping, and where damping is too much for the most stages; more stages are taken
+/// up to there.
+#[test]
+fn the_stabilised_scheme_is_stable_below_its_limit() {
+    for delay in [2e-3, 2e-2, 2.0] {
+        let mut scene = alone(cube(4, 1.0, springs(20.0, 20.0 * delay, 1.0 / 125.0), [0.0; 3]), 1e-3);
+        scene.settings.integrator = Integrator::Stabilised;
+        let limit = simulate::<f64>(&scene).plan().limits.dt_limit_secs.expect("springs limit the step");
+        let grown = |share: f64| growth(Integrator::Stabilised, delay, share * limit);
+        assert!(grown(0.98) < 1.0 && grown(0.5) < 1.0, "delay {delay} s: {} times below {limit:e} s", grown(0.98));
+        assert!(grown(2.0) > 1e3, "delay {delay} s: {limit:e} s is far too careful: {}", grown(2.0));
+    }
+}
+
+/// Damping asks semi-implicit Euler for many substeps and the stabilised scheme for a few stages, and both find the same
+/// motion.
+#[test]
+fn the_stabilised_scheme_takes_over_where_damping_limits_and_finds_the_same_motion() {
+    let mut scene = hanging();
+    scene.bodies[0].material = Material::Springs(springs(100.0, 2.0, 0.008));
+    scene.settings.stepping = Stepping::Auto;
+    scene.settings.dt = 1e-3;
+    let after = |scene: &Scene| {
+        let mut simulation = simulate::<f64>(scene);
+        shake(&mut simulation);
+        let evaluations = simulation.run_for(0.4).counters.link_forces;
+        (simulation.plan().scheme, evaluations, simulation.state().position.clone())
+    };
+    let (scheme, evaluations, positions) = after(&scene);
+    scene.settings.allow_implicit = false;
+    let (euler, evaluations_of_euler, positions_of_euler) = after(&scene);
+    (scene.settings.stepping, scene.settings.dt) = (Stepping::Manual, 1e-5);
+    let (_, _, reference) = after(&scene);
+    assert_eq!([scheme, euler].map(Integrator::from), [Integrator::Stabilised, Integrator::SemiImplicit]);
+    assert!(2 * evaluations < evaluations_of_euler, "{evaluations} against {evaluations_of_euler} evaluations");
+    let [error, error_of_euler] = [positions, positions_of_euler].map(|of| rms_distance(&of, &reference));
+    assert!(error < 1e-5 && error_of_euler < 1e-5, "{error:e} m and {error_of_euler:e} m of a metre");
+}
+
+/// A well damped cube above a plane, turned and thrown along it.
+fn thrown() -> Scene {
+    let mut scene = falling(cube(4, 1.0, springs(100.0, 2.0, 0.01), [0.0, 0.8, 0.0]));
+    scene.bodies[0].pose.rotation_deg = [20.0, 10.0, 5.0];
+    scene.bodies[0].velocity = [2.0, -1.0, 0.5];
+    scene.obstacles.push(plane([0.0; 3], [0.0; 3], [0.3, 0.3]));
+    scene.settings.sleeping = false;
+    scene
+}
+
+/// By how much the momentum of a substep is changed by more than weight and contact, N·s, and the largest change seen.
+fn unexplained(simulation: &mut Simulation<f64>) -> (f64, f64) {
+    let mass = simulation.diagnostics().mass_kg;
+    let (mut most, mut largest) = (0.0_f64, 0.0_f64);
+    for _ in 0..500 {
+        let [before, began] = [simulation.diagnostics().momentum, DVec3::splat(simulation.state().time_secs)];
+        while simulation.substep(&mut ()).counters.substeps == 0 {}
+        let secs = simulation.state().time_secs - began.x;
+        let change = simulation.diagnostics().momentum - before;
+        let forces = simulation.contacts().iter().fold(DVec3::ZERO, |sum, contact| sum + contact.force);
+        let explained = (forces + DVec3::NEG_Y * 9.81 * mass) * secs;
+        most = most.max((change - explained).length());
+        largest = largest.max(change.length());
+    }
+    (most, largest)
+}
+
+#[test]
+fn the_forces_of_contact_are_what_changes_momentum() {
+    let mut simulation = simulate::<f64>(&thrown());
+    assert_eq!(Integrator::from(simulation.plan().scheme), Integrator::Stabilised, "it takes over");
+    let (most, largest) = unexplained(&mut simulation);
+    assert!(largest > 0.1 && most < 1e-12, "{most:e} of {largest} N·s");
+    let diagnostics = simulation.diagnostics();
+    assert!(diagnostics.max_speed < 1e-3, "friction has stopped it: {} m/s", diagnostics.max_speed);
+}
+
+#[test]
+fn a_cube_slides_as_far_as_friction_lets_it() {
+    let mut scene = thrown();
+    scene.bodies[0].pose.position = [0.0, 0.5, 0.0];
+    (scene.bodies[0].pose.rotation_deg, scene.bodies[0].velocity) = ([0.0; 3], [1.5, 0.0, 0.0]);
+    let mut simulation = simulate::<f64>(&scene);
+    simulation.run_for(2.0);
+    let (way, coulomb) = (simulation.diagnostics().center.x, 1.5 * 1.5 / (2.0 * 0.3 * 9.81));
+    assert!((way / coulomb - 1.0).abs() < 0.05, "{way} m, v²/2μg is {coulomb} m");
+}
+
+#[test]
+fn a_hand_pulls_it_as_it_pulls_others() {
+    let way = |allowed: bool| {
+        let mut scene = thrown();
+        (scene.bodies[0].velocity, scene.bodies[0].pose.rotation_deg) = ([0.0; 3], [0.0; 3]);
+        scene.settings.allow_implicit = allowed;
+        let mut simulation = simulate::<f64>(&scene);
+        simulation.run_for(1.0);
+        let point = simulation.state().position[0];
+        let grab = Grab { body: 0, weights: vec![(0, 1.0)], target: point + DVec3::Y, stiffness: 30.0 };
+        simulation.set_grab(Some(grab));
+        simulation.run_for(1.0);
+        simulation.diagnostics().center
+    };
+    let (stabilised, euler) = (way(true), way(false));
+    assert!(euler.y > 0.7, "it hangs from the hand: {euler}");
+    assert!(stabilised.distance(euler) < 0.02, "{stabilised}, not {euler}");
+}
