@@ -53,7 +53,7 @@ pub(in crate::physics) fn own_rates<R: Real>(body: &BodyModel<R>) -> [f64; 2] {
 }
 
 /// No substep is divided further.
-const MOST_PARTS: u32 = 16;
+pub(in crate::physics) const MOST_PARTS: u32 = 16;
 
 /// For every different particle of a lattice the sums of its links' inverse rest lengths by family, 1/m.
 pub(in crate::physics) fn crowds<R: Real>(particles: usize, links: &[Arc<[Link<R>]>; 3]) -> Arc<[[f64; 3]]> {

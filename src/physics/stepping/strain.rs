@@ -11,6 +11,7 @@
 
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery;
+use crate::physics::limits::any_state::MOST_PARTS;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State};
@@ -26,14 +27,20 @@ const CALM_SECS: f64 = 0.25;
 /// ... and for so many substeps, where these are long.
 const CALM_SUBSTEPS: u64 = 100;
 
+/// The ends of a link in a strained body move past each other by no more than this share of its length in a part: what turns
+/// about or is turned inside out within a step is stiffer on the way than at either end.
+const MOST_WAY: f64 = 0.5;
+
 /// Looks at the links where it is due, as they are and as they would be after the substep, and tells into how many parts
 /// the coming substep is divided.
 pub(in crate::physics) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> u32 {
-    if plan.parts <= 1 {
+    // Nobody divides manual steps, and the implicit scheme is halved where it gains.
+    if plan.watched || plan.scheme == Scheme::Implicit {
         return 1;
     }
+    let mut by_way = 1;
     if state.bodies.iter().any(|memory| memory.strained) || looks::is_time_to_look(model, plan, state) {
-        look(model, plan, state);
+        by_way = look(model, plan, state);
     }
     // The longer substeps of the stabilised scheme would bear little of what pushes cells back that are near inversion.
     let is_crushed = |body: &BodyModel<R>, memory: &BodyMemory| {
@@ -41,12 +48,15 @@ pub(in crate::physics) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, stat
     };
     let mut bodies = model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep);
     let is_strained = bodies.any(|(body, memory)| memory.strained || is_crushed(body, memory));
-    if is_strained { plan.parts } else { 1 }
+    if is_strained { plan.parts.max(by_way) } else { 1 }
 }
 
-fn look<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) {
+/// Looks at the links, and tells into how many parts a substep has to be divided for the ways that those of strained bodies
+/// go in it.
+fn look<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> u32 {
     let calm_substeps = looks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
     let secs = R::from_f64(plan.substep_secs());
+    let mut longest_way = R::ZERO;
     for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
         let strain = STRAINS[usize::from(!memory.strained)];
         let [shortest, longest] = [1.0 - strain, 1.0 + strain].map(R::from_f64);
@@ -56,13 +66,14 @@ fn look<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) {
         };
         let [position, velocity] = [&state.position, &state.velocity].map(|of| &of[body.particles.clone()]);
         // Links without a force, too: their length tells of the angles between others.
-        let is_beyond = body.links.iter().flat_map(|family| family.links.iter()).any(|link| {
-            let [i, j] = link.ends.map(|end| end as usize);
-            let d = (position[j] - position[i]) * link.inverse_rest_length;
-            let dv = (velocity[j] - velocity[i]) * link.inverse_rest_length;
-            is_beyond(d) || is_beyond(d + dv * secs)
-        });
-        if is_beyond {
+        let links = || {
+            body.links.iter().flat_map(|family| family.links.iter()).map(|link| {
+                let [i, j] = link.ends.map(|end| end as usize);
+                let d = (position[j] - position[i]) * link.inverse_rest_length;
+                (d, (velocity[j] - velocity[i]) * (link.inverse_rest_length * secs))
+            })
+        };
+        if links().any(|(d, way)| is_beyond(d) || is_beyond(d + way)) {
             (memory.strained, memory.calm_substeps) = (true, 0);
         } else if memory.strained {
             memory.calm_substeps += 1;
@@ -70,7 +81,13 @@ fn look<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) {
                 (memory.strained, memory.calm_substeps) = (false, 0);
             }
         }
+        if memory.strained {
+            longest_way = links().fold(longest_way, |most, (_, way)| most.max(way.dot(way)));
+        }
     }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
+    let parts = libm::ceil(longest_way.to_f64().sqrt() / MOST_WAY) as u32;
+    parts.clamp(1, MOST_PARTS)
 }
 
 #[cfg(test)]
