@@ -15,8 +15,8 @@ pub(in crate::physics) struct Held<R: Real> {
     pub(in crate::physics) push: R::Vec3,
     /// Its mass, kg.
     pub(super) mass: R,
-    /// The speed it slides with when the substep begins, m/s.
-    pub(super) speed: R,
+    /// The velocity it slides with when the substep begins, m/s.
+    pub(super) sliding: R::Vec3,
     /// What contact took from it until the stage before the last, and until the last, N·s.
     pub(super) taken: [R::Vec3; 2],
     /// The same at the state and at the last stage, N.
@@ -81,7 +81,7 @@ impl<R: Real> Held<R> {
     /// A particle of this mass (kg) as it is pushed in the coming substep.
     pub(in crate::physics) fn new(particle: usize, mass: R, velocity: R::Vec3, touch: Option<Touch<R>>) -> Self {
         let zero = R::Vec3::ZERO;
-        Self { particle, velocity, touch, mass, speed: R::ZERO, push: zero, taken: [zero; 2], taking: [zero; 2] }
+        Self { particle, velocity, touch, mass, sliding: zero, push: zero, taken: [zero; 2], taking: [zero; 2] }
     }
 
     /// The part of a vector that it is held along.
@@ -96,13 +96,14 @@ impl<R: Real> Held<R> {
         let change = self.part(self.velocity - *velocity);
         *velocity += change;
         (self.push, self.taken) = (change * self.mass, [R::Vec3::ZERO; 2]);
-        let past = |touch: &Touch<R>| touch.across(*velocity - touch.surface_velocity).length();
-        self.speed = self.touch.as_ref().map_or(R::ZERO, past);
+        let past = |touch: &Touch<R>| touch.across(*velocity - touch.surface_velocity);
+        self.sliding = self.touch.as_ref().map_or(R::Vec3::ZERO, past);
     }
 
     /// What contact takes from the force on it in a substep of `dt` (s), N: all of it along which it is held, what its
-    /// spring does against it, and friction. For that the speed it began with counts, as a brake that depends on the speed
-    /// at every stage can keep a particle at a speed without moving it; and none stops it faster than at this `rate` (1/s).
+    /// spring does against it, and friction: a brake by the speed it began with, as one by the speed of every stage can
+    /// keep a particle at a speed without moving it. What is so slow that it would be stopped faster than at this `rate`
+    /// (1/s) begins to slide: friction is against what pulls at it.
     pub(super) fn take(&self, at: &AtStage<R>, dt: R, rate: R) -> R::Vec3 {
         let Some(touch) = &self.touch else { return at.force };
         let along = at.force.dot(touch.normal);
@@ -115,8 +116,14 @@ impl<R: Real> Held<R> {
         };
         let Some(friction) = touch.friction else { return touch.normal * taken + touch.across(at.force) };
         let (limit, most) = (friction * pressing, rate * self.mass);
-        let braking = if limit < most * self.speed { limit / self.speed } else { most };
-        touch.normal * taken + touch.across(at.velocity - touch.surface_velocity) * braking
+        let (past, speed) = (touch.across(at.velocity - touch.surface_velocity), self.sliding.length());
+        if limit < most * speed {
+            return touch.normal * taken + past * (limit / speed);
+        }
+        let pulling = touch.across(at.force);
+        let strength = pulling.length();
+        let held_back = if limit < strength { pulling * (limit / strength) } else { pulling };
+        touch.normal * taken + held_back
     }
 
     /// The mean force of what pushed it in a substep of `dt` (s) that is over, N.
