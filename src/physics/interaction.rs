@@ -80,7 +80,7 @@ mod tests {
     fn a_pull_changes_momentum_by_its_impulse_and_letting_go_ends_it() {
         let mut simulation = cube();
         simulation.set_grab(Some(corner_pull(100.0, DVec3::Y * 3.0)));
-        simulation.step();
+        simulation.run_for(0.012);
         let pulled = simulation.diagnostics().momentum;
         assert!(pulled.y > 0.0, "it is pulled up: {pulled:?}");
         simulation.set_grab(None);

@@ -4,7 +4,8 @@ use super::contact::{ContactConstraint, ContactRecord};
 use super::model::Link;
 use crate::geometry::LatticeCounts;
 use crate::physics::kernels::{BYTES_A_CORNER, MOST_CORNERS_A_PARTICLE};
-use crate::physics::schemes::implicit_bytes;
+use crate::physics::model::Scheme;
+use crate::physics::schemes::{Held, implicit_bytes};
 
 /// What a simulation is to be made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,14 +14,16 @@ pub struct Size {
     pub obstacles: usize,
     /// Planes among them.
     pub planes: usize,
-    /// Whether the implicit integrator is at work.
-    pub implicit: bool,
+    /// The scheme at work, where that is known.
+    pub scheme: Option<Scheme>,
 }
 
 /// Positions, velocities and what else there is of a particle, as [`super::State`] has them, bytes.
 const OF_A_STATE: usize = size_of::<[[f32; 3]; 4]>();
 /// Forces and new velocities, bytes.
 const OF_A_STEP: usize = size_of::<[[f32; 3]; 2]>();
+/// The stages of the stabilised scheme: where they are, and what leads from one to the next, bytes.
+const OF_STAGES: usize = size_of::<[[f32; 3]; 11]>();
 /// A particle's place in the grid, its place at the start and its mass, bytes.
 const OF_A_MODEL: usize = size_of::<[u32; 3]>() + size_of::<[f32; 3]>() + size_of::<f32>();
 /// What is only there while a body is made: its place and mass in double precision, the cells around it, its neighbours
@@ -32,7 +35,8 @@ const WHILE_MADE: usize = size_of::<[f64; 3]>() + size_of::<f64>() + size_of::<[
 pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
     let lasting = bodies.iter().map(of_body).sum::<usize>();
     let moving = bodies.iter().map(|body| of_motion(body, size)).sum::<usize>();
-    let implicit = if size.implicit { bodies.iter().map(implicit_bytes).max().unwrap_or(0) } else { 0 };
+    let implicit =
+        if size.scheme == Some(Scheme::Implicit) { bodies.iter().map(implicit_bytes).max().unwrap_or(0) } else { 0 };
     let made = bodies.iter().map(|body| body.particles * WHILE_MADE).max().unwrap_or(0);
     (lasting + moving + implicit + made.max(moving)) as u64
 }
@@ -45,11 +49,16 @@ fn of_body(body: &LatticeCounts) -> usize {
 }
 
 fn of_motion(body: &LatticeCounts, size: Size) -> usize {
-    let constraint = if size.implicit { size_of::<ContactConstraint>() } else { 0 };
+    let [of_stages, constraint] = match size.scheme {
+        Some(Scheme::Implicit) => [0, size_of::<ContactConstraint>()],
+        Some(Scheme::Stabilised) => [OF_STAGES * body.particles + size_of::<Held<f32>>() * body.surface, 0],
+        _ => [0; 2],
+    };
     let pairs = body.surface * size.obstacles.min(3);
     let boxed = body.grid_corners.min(MOST_CORNERS_A_PARTICLE * body.particles);
     body.particles * (OF_A_STATE + OF_A_STEP + size.planes)
         + boxed * BYTES_A_CORNER
         + 2 * body.cells * size_of::<u32>()
         + pairs * (size_of::<ContactRecord<f32>>() + constraint)
+        + of_stages
 }

@@ -17,8 +17,7 @@ pub struct Settings {
     pub stepping: Stepping,
     /// How obstacles push back.
     pub contact: ContactRule,
-    /// Whether automatic stepping may hand a scene that it would have to divide finely to the stabilised scheme or to the
-    /// implicit one, where that is cheaper.
+    /// Whether automatic stepping may hand a scene to the implicit integrator that it would have to divide too finely.
     pub allow_implicit: bool,
     /// Whether cells that are crushed or turned inside out are pushed back to shape.
     pub inversion_recovery: bool,

@@ -20,7 +20,7 @@ const SAMPLE_CELLS: u32 = 3;
 /// The bytes that a scene of bodies of these sizes takes without a window.
 pub(super) fn needed(scene: &Scene, outlines: &[Outline]) -> u64 {
     let planes = scene.obstacles.iter().filter(|obstacle| matches!(obstacle.shape, ObstacleShape::Plane(_))).count();
-    let size = Size { obstacles: scene.obstacles.len(), planes, implicit: is_implicit(scene, outlines) };
+    let size = Size { obstacles: scene.obstacles.len(), planes, scheme: scheme(scene, outlines) };
     let counts: Vec<_> = outlines.iter().map(|outline| outline.counts).collect();
     let vertices = |outline: &Outline| outline.mesh_vertices.max(outline.counts.surface) as u64;
     PROGRAM + bytes(&counts, size) + outlines.iter().map(vertices).sum::<u64>() * OF_A_SKIN
@@ -35,8 +35,8 @@ pub(super) fn check(scene: &Scene, outlines: &[Outline]) -> Result<(), SessionEr
     }
 }
 
-/// Whether the implicit integrator will be at work: as it is for small bodies of the same materials and cells.
-fn is_implicit(scene: &Scene, outlines: &[Outline]) -> bool {
+/// The scheme that will be at work: as it is for small bodies of the same materials and cells.
+fn scheme(scene: &Scene, outlines: &[Outline]) -> Option<Scheme> {
     let mut sample = scene.clone();
     for (body, outline) in sample.bodies.iter_mut().zip(outlines) {
         let cell = outline.grid.cell_size;
@@ -51,7 +51,6 @@ fn is_implicit(scene: &Scene, outlines: &[Outline]) -> bool {
     }
     let lattices = sample.bodies.iter().map(|body| resolve(&body.shape, "".as_ref(), &()).map(|jelly| jelly.lattice));
     // A cube of a few cells can be made.
-    lattices
-        .collect::<Result<Vec<_>, _>>()
-        .is_ok_and(|lattices| Simulation::<f32>::new(&sample, &lattices).plan().scheme == Scheme::Implicit)
+    let lattices = lattices.collect::<Result<Vec<_>, _>>().ok()?;
+    Some(Simulation::<f32>::new(&sample, &lattices).plan().scheme)
 }

@@ -6,6 +6,7 @@ use super::state_error::StateFileError;
 use super::{Command, Session};
 use crate::disk::fnv1a;
 use crate::scene::edit::{Edit, ObstacleId};
+use crate::scene::settings::Settings;
 use crate::scene::{ObstacleShape, presets};
 
 /// Where the numbers of a state of the cube on a plane stand, after its lines of text.
@@ -136,6 +137,9 @@ fn a_run_is_finite_only_where_all_of_it_is() {
     ];
     for (number, spoil) in spoils.iter().enumerate() {
         let mut session = session();
+        // A velocity that lags behind is remembered by this scheme.
+        let settings = Settings { allow_implicit: false, ..session.scene().settings.clone() };
+        session.handle(Command::Edit(Edit::Settings(settings))).expect("a setting");
         let mut state = session.simulation().state().clone();
         spoil(&mut state);
         session.replace_state(state);

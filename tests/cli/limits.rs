@@ -70,6 +70,7 @@ fn the_memory_that_a_scene_needs_is_known_before() {
     for line in [
         "run cube-40.ron --dt 0.01 --seconds 0.01".to_owned(),
         format!("run cube-40.ron {explicitly} --seconds 1e-5"),
+        format!("run cube-80.ron {explicitly} --integrator stabilised --seconds 1e-5"),
         format!("run cube-80.ron {explicitly} --seconds 1e-5"),
         format!("run spot --divisions 80 {explicitly} --seconds 1e-5"),
     ] {

@@ -11,10 +11,9 @@ use crate::physics::{share, team};
 use crate::scene::Settings;
 use crate::scene::settings::Stepping;
 
-/// The longest step of a scheme that takes over, s: four a frame. Longer ones of the implicit scheme are cheaper for the
-/// same simulated time, and quiet a vibration of 5 Hz in one period instead of three; those of the stabilised one hardly are,
-/// and what meets an obstacle does so four times a frame at least.
-const LONGEST_SECS: f64 = 0.25 * FRAME_SECS;
+/// The longest step of the implicit integrator where it takes over, s: four a frame. Longer ones are cheaper for the same
+/// simulated time, and quiet a vibration of 5 Hz in one period instead of three.
+const LONGEST_IMPLICIT_SECS: f64 = 0.25 * FRAME_SECS;
 
 /// The least limit of the work of a substep: one try in which every round takes all iterations.
 const LEAST_WORK: u64 = 6_560;
@@ -52,12 +51,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     }
     // Who asks for a step that needs no division wants it for its error.
     if divided && asked_for.substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
-        // Who chose another scheme than the default one wants that.
-        if chosen == Scheme::SemiImplicit && is_longer(&stabilised, &semi_implicit) {
-            let longest = stabilised.dt_safe_secs.map_or(LONGEST_SECS, |safe| safe.min(LONGEST_SECS));
-            ways.push((Scheme::Stabilised, Division::near(settings.dt, longest)));
-        }
-        ways.push((Scheme::Implicit, Division::near(settings.dt, LONGEST_SECS)));
+        ways.push((Scheme::Implicit, Division::near(settings.dt, LONGEST_IMPLICIT_SECS)));
     }
     let cost = |&(scheme, division): &(Scheme, Division)| {
         scheme_cost::of(model, &semi_implicit, &rates, scheme, division.substep_secs())
@@ -75,7 +69,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         halvings: 0,
         ends_explicitly: false,
         most_work: u64::MAX,
-        parts: 1,
+        parts: 0,
         limits,
         families: Family::ALL.map(|family| has_force(family as usize)),
         damped: Family::ALL.map(|family| model.bodies.iter().any(|body| body.links[family as usize].damping > R::ZERO)),
@@ -99,7 +93,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let secs = plan.substep_secs();
     let needed = if scheme == Scheme::Implicit { halvings(&semi_implicit, secs) } else { 0 };
     let halvings = needed.min(MOST_HALVINGS);
-    let parts = any_state::parts(model, scheme, secs);
+    let parts = if scheme == Scheme::Implicit { 0 } else { any_state::parts(model, scheme, secs) };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
     let share = (MOST_WORK_A_FRAME as f64 * secs / FRAME_SECS) as u64;
     let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len() as u64);

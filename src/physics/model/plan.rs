@@ -122,7 +122,8 @@ pub struct Plan {
     pub ends_explicitly: bool,
     /// The work on one substep after which the implicit integrator halves no more, see [`MOST_WORK_A_FRAME`].
     pub most_work: u64,
-    /// Parts that a substep is taken in while a body is strained.
+    /// Parts that a substep is taken in while a body is strained, at least; none where nothing is divided for that: manual
+    /// steps, and those of the implicit scheme, which are halved where they would give energy.
     pub parts: u32,
     /// What damping asks of the stabilised scheme; of no use to others.
     pub stage_rates: StageRates,
@@ -172,7 +173,7 @@ impl Plan {
 
     /// The longest part of a substep in which cells near inversion are pushed, s.
     pub(in crate::physics) fn recovery_secs(&self) -> f64 {
-        let parts = if self.scheme == Scheme::Stabilised { self.parts } else { 1 };
+        let parts = if self.scheme == Scheme::Stabilised { self.parts.max(1) } else { 1 };
         self.substep_secs() / f64::from(parts)
     }
 

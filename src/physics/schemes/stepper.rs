@@ -46,7 +46,7 @@ impl<R: Real> SchemeWorkspace<R> {
         Self {
             path: moves_by_mean(plan.scheme).then(|| room(true)),
             predicted: room(moves_by_mean(plan.scheme)),
-            after_contact: room(moves_by_mean(plan.scheme)),
+            after_contact: room(moves_by_mean(plan.scheme) && plan.scheme != Scheme::Stabilised),
             position: room(has_stages),
             velocity: room(has_stages || plan.scheme == Scheme::Verlet),
             force: room(has_stages),

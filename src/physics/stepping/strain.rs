@@ -34,8 +34,7 @@ const MOST_WAY: f64 = 0.5;
 /// Looks at the links where it is due, as they are and as they would be after the substep, and tells into how many parts
 /// the coming substep is divided.
 pub(in crate::physics) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> u32 {
-    // Nobody divides manual steps, and the implicit scheme is halved where it gains.
-    if plan.watched || plan.scheme == Scheme::Implicit {
+    if plan.parts == 0 {
         return 1;
     }
     let mut by_way = 1;
@@ -110,7 +109,7 @@ mod tests {
     fn cube(dt: f64) -> (Scene, Vec<Arc<Lattice>>) {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
         scene.settings.gravity = [0.0; 3];
-        scene.settings.dt = dt;
+        (scene.settings.dt, scene.settings.allow_implicit) = (dt, false);
         let lattice = resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice;
         (scene, vec![lattice])
     }
@@ -153,7 +152,7 @@ mod tests {
         let lattices = vec![resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice];
         let mut simulation = crumpled(&scene, &lattices, 0.3);
         if !with_parts {
-            simulation.plan_mut().parts = 1;
+            simulation.plan_mut().parts = 0;
         }
         let mean = |simulation: &mut Simulation<f64>| {
             let energies = (0..200).map(|_| {
@@ -271,7 +270,8 @@ mod tests {
         state.velocity[0] = DVec3::X * 1e3;
         simulation.set_state(state);
         let parts = u64::from(simulation.plan().parts);
-        assert_eq!(simulation.substep(&mut ()).counters.substeps, parts, "a corner leaves it at 1000 m/s");
+        let taken = simulation.substep(&mut ()).counters.substeps;
+        assert!(parts > 1 && taken > parts, "a corner leaves it at 1000 m/s: {taken}, {parts} for the strain alone");
     }
 
     #[test]

@@ -18,6 +18,7 @@ const PATIENCE: Patience = Patience { seconds: 0.5, most_link_forces: 60_000_000
 fn falling_cube() -> Scene {
     let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
     scene.bodies[0].pose.position[1] = 2.0;
+    scene.settings.allow_implicit = false;
     scene
 }
 

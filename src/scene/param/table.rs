@@ -13,7 +13,7 @@ pub const PARAMS: &[Param] = &[
     words("settings.integrator", &["semi_implicit", "explicit", "verlet", "rk2", "rk4", "stabilised", "implicit"], "The scheme that advances a step; explicit and rk2 are never quite stable and step as they are told."),
     words("settings.stepping", &["auto", "manual"], "Whether the program divides steps so that they stay stable."),
     words("settings.contact", &["implicit", "thesis"], "How obstacles push back; the thesis's rule is there to teach with."),
-    flag("settings.allow_implicit", "Whether automatic stepping may choose the stabilised or the implicit scheme where that is cheaper than the steps it would need."),
+    flag("settings.allow_implicit", "Whether automatic stepping may choose the implicit scheme where it would need very many steps."),
     flag("settings.inversion_recovery", "Whether cells that are crushed or turned inside out are pushed back to shape."),
     flag("settings.sleeping", "Whether a body at rest is left alone until something touches it or a value changes, and one that fell out of the scene until it is brought back; it costs nothing then."),
     number("settings.gravity", "m/s²", -1000.0, 1000.0, "Acceleration of gravity; a single number g means (0, −g, 0).").of(3),
