@@ -118,13 +118,14 @@ impl<R: Real> Extremes<R> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
     use crate::math::rng::Rng;
 
-    fn random(count: usize, rng: &mut Rng) -> Vec<Vec3> {
+    /// So many vectors, drawn.
+    pub(in crate::physics::kernels) fn random(count: usize, rng: &mut Rng) -> Vec<Vec3> {
         let vector = |rng: &mut Rng| Vec3::from_dvec3(DVec3::from([0; 3].map(|_| rng.between(-5.0, 5.0))));
         (0..count).map(|_| vector(rng)).collect()
     }

@@ -61,16 +61,9 @@ pub(in crate::physics) fn advance<R: Real>(
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec3};
-
     use super::*;
-    use crate::math::Vector;
     use crate::math::rng::Rng;
-
-    fn random(count: usize, rng: &mut Rng) -> Vec<Vec3> {
-        let vector = |rng: &mut Rng| Vec3::from_dvec3(DVec3::from([0; 3].map(|_| rng.between(-5.0, 5.0))));
-        (0..count).map(|_| vector(rng)).collect()
-    }
+    use crate::physics::kernels::bounds::tests::random;
 
     #[test]
     fn particles_move_as_one_by_one_at_every_level() {
