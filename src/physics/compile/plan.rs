@@ -29,11 +29,10 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         Scheme::SemiImplicit => limits.clone(),
         _ => SceneLimits::of(model, contact_rule, Scheme::SemiImplicit),
     };
-    let stabilised = match chosen {
-        Scheme::Stabilised => limits.clone(),
-        _ => SceneLimits::of(model, contact_rule, Scheme::Stabilised),
+    let rates = match chosen {
+        Scheme::Stabilised => stage_rates(model, &limits),
+        _ => StageRates::default(),
     };
-    let rates = stage_rates(model, &stabilised);
     let has_force = |family: usize| {
         model.bodies.iter().any(|body| {
             let links = &body.links[family];
