@@ -147,9 +147,61 @@ impl<'a, R: Real> Candidate<'a, R> {
     ) -> R::Vec3 {
         let mut velocity = predicted;
         let first_record = records.len();
+        let mut is_pinched = false;
+        loop {
+            let known = records.len();
+            velocity = self.meet(velocity, mass, contacts, near, first_record, records);
+            if records.len() == known {
+                break;
+            }
+            if records.len() > first_record + 1 {
+                let (obstacles, found) = (&self.substep.model.obstacles, &mut records[first_record..]);
+                let settled = gauss_seidel::solve(predicted, contacts, obstacles, mass, self.substep.dt, found);
+                is_pinched = settled.is_none();
+                velocity = settled.unwrap_or(predicted);
+            }
+            if is_pinched {
+                break;
+            }
+        }
+        if records.len() > first_record {
+            let mut allowed = if is_pinched { R::Vec3::ZERO } else { self.allowed_by_all(velocity, contacts) };
+            let among_several = records.len() > first_record + 1 || allowed != velocity;
+            if among_several && self.gains(predicted, allowed, mass, contacts) {
+                allowed = R::Vec3::ZERO;
+            }
+            if allowed != velocity {
+                self.note_led_into(allowed, contacts.len(), first_record, records);
+                let (dt, found) = (self.substep.dt, &mut records[first_record..]);
+                // At the start, without what forces are about to give a particle that is held; or after the springs had
+                // their way, which takes some of it.
+                let began = [predicted, self.substep.state.velocity[self.particle]]
+                    .map(|velocity| account::energy(velocity, R::ZERO, mass, contacts, found));
+                let began = began[0].min(began[1]) + account::work(dt, found);
+                let had = began.min(account::energy(velocity, dt, mass, contacts, found));
+                self.share_out(had, [velocity, allowed], mass, contacts, found);
+                velocity = allowed;
+            }
+        }
+        velocity
+    }
+
+    /// The velocity that obstacles leave which the particle meets with this one and has not met before, each by itself;
+    /// writes down what it meets. What pushes it out of one may lead it into the next, so this is asked until it meets no
+    /// more.
+    fn meet(
+        &mut self,
+        mut velocity: R::Vec3,
+        mass: R,
+        contacts: &[ContactModel<R>],
+        near: &[u32],
+        first_record: usize,
+        records: &mut Vec<ContactRecord<R>>,
+    ) -> R::Vec3 {
         for (number, obstacle) in (0u32..).zip(0..contacts.len()) {
+            let own = &records[first_record..];
             // A pushed particle leaves the motion that was found near these obstacles only: it may meet any.
-            if records.len() == first_record && !near.contains(&number) {
+            if own.iter().any(|record| record.obstacle == obstacle) || own.is_empty() && !near.contains(&number) {
                 continue;
             }
             let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
@@ -173,32 +225,6 @@ impl<'a, R: Real> Candidate<'a, R> {
                 surface_velocity,
                 force: (velocity - before) * (mass / self.substep.dt),
             });
-        }
-        let mut is_pinched = false;
-        if records.len() > first_record + 1 {
-            let (obstacles, found) = (&self.substep.model.obstacles, &mut records[first_record..]);
-            let settled = gauss_seidel::solve(predicted, contacts, obstacles, mass, self.substep.dt, found);
-            is_pinched = settled.is_none();
-            velocity = settled.unwrap_or(predicted);
-        }
-        if records.len() > first_record {
-            let mut allowed = if is_pinched { R::Vec3::ZERO } else { self.allowed_by_all(velocity, contacts) };
-            let among_several = records.len() > first_record + 1 || allowed != velocity;
-            if among_several && self.gains(predicted, allowed, mass, contacts) {
-                allowed = R::Vec3::ZERO;
-            }
-            if allowed != velocity {
-                self.note_led_into(allowed, contacts.len(), first_record, records);
-                let (dt, found) = (self.substep.dt, &mut records[first_record..]);
-                // At the start, without what forces are about to give a particle that is held; or after the springs had
-                // their way, which takes some of it.
-                let began = [predicted, self.substep.state.velocity[self.particle]]
-                    .map(|velocity| account::energy(velocity, R::ZERO, mass, contacts, found));
-                let began = began[0].min(began[1]) + account::work(dt, found);
-                let had = began.min(account::energy(velocity, dt, mass, contacts, found));
-                self.share_out(had, [velocity, allowed], mass, contacts, found);
-                velocity = allowed;
-            }
         }
         velocity
     }
