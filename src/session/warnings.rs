@@ -20,6 +20,7 @@ impl Session {
         warnings.extend(taken_over(&self.scene().settings, self.simulation().plan()));
         warnings.extend(small_obstacles(self.scene(), model));
         warnings.extend(overlaps(self.scene(), model, state));
+        warnings.extend(unresolved(self.scene(), model, state));
         warnings
     }
 }
@@ -86,6 +87,30 @@ fn smallest_extent<R: Real>(obstacle: &ObstacleModel<R>) -> f64 {
     }
 }
 
+/// Bodies whose cells positions do not resolve so far from the origin: links push by what rounding makes of their lengths.
+fn unresolved<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<String> {
+    // Of a cell; a strain of a hundredth of that is seen.
+    const COARSE: f64 = 0.01;
+    let bodies = model.bodies.iter().zip(&state.bodies).enumerate();
+    let there = bodies.filter(|(_, (_, memory))| !memory.gone);
+    there
+        .filter_map(|(index, (body, _))| {
+            let Aabb { min, max } = bounds(body, state);
+            let known_to = R::EPSILON.to_f64() * min.abs().max(max.abs()).max_element();
+            let cell = body.lattice.grid.cell_size;
+            (known_to > COARSE * cell).then(|| {
+                format!(
+                    "{} has cells of {} m and is so far from the origin that positions are known to {} m: it shakes by \
+                     itself; nearer the origin, or larger, it would not",
+                    named(&scene.bodies[index].name, "body", index),
+                    three_digits(cell),
+                    three_digits(known_to)
+                )
+            })
+        })
+        .collect()
+}
+
 /// Pairs of bodies that are in each other's way: each by itself where there are few, their number otherwise.
 fn overlaps<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<String> {
     const NAMED: usize = 3;
@@ -129,6 +154,14 @@ mod tests {
     #[test]
     fn a_plain_scene_has_none() {
         assert_eq!(warnings(|_| {}), Vec::<String>::new(), "nothing to say");
+    }
+
+    #[test]
+    fn a_body_too_small_for_where_it_is_says_that_it_shakes() {
+        let at = |height: f64| warnings(|scene| scene.bodies[0].pose.position[1] = height);
+        assert_eq!(at(1e3), Vec::<String>::new(), "a ninth of a metre is resolved a kilometre out");
+        let far = at(1e5);
+        assert!(far.len() == 1 && far[0].contains("cells of 0.111 m") && far[0].contains("shakes"), "{far:?}");
     }
 
     #[test]

@@ -162,9 +162,11 @@ impl Account {
     /// obstacles that push it and its own size, m. A body that is squeezed between obstacles leaves faster than they move,
     /// like a pip between fingers: by what its springs held. Where links are next to nothing, one particle leaves with all
     /// that the spring of its own contact held. A light part that is caught by an obstacle while the heavy rest flies on
-    /// is thrown by what the springs between them held.
+    /// is thrown by what the springs between them held. What rounding may show it may fly apart with.
     fn reach(&self, seconds: f64) -> f64 {
-        let stored = (self.own_at_start - self.start.energy.kinetic).max(self.squeezed) + self.meddling;
+        let stored = (self.own_at_start - self.start.energy.kinetic).max(self.squeezed)
+            + self.meddling
+            + self.rounding.energy(self.substeps);
         let whole = (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
         let thrown = (2.0 * self.held.max(0.0) / self.light_kg).sqrt();
         let speed = self.start.max_speed + self.fastest_push + whole.max(self.released).max(thrown);
