@@ -35,8 +35,7 @@ const WHILE_MADE: usize = size_of::<[f64; 3]>() + size_of::<f64>() + size_of::<[
 pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
     let lasting = bodies.iter().map(of_body).sum::<usize>();
     let moving = bodies.iter().map(|body| of_motion(body, size)).sum::<usize>();
-    let implicit =
-        if size.scheme == Some(Scheme::Implicit) { bodies.iter().map(implicit_bytes).max().unwrap_or(0) } else { 0 };
+    let implicit = if size.scheme == Some(Scheme::Implicit) { implicit_bytes(bodies) } else { 0 };
     let made = bodies.iter().map(|body| body.particles * WHILE_MADE).max().unwrap_or(0);
     (lasting + moving + implicit + made.max(moving)) as u64
 }

@@ -6,8 +6,8 @@
 //! An explicit scheme works out every link once a substep. The implicit one solves equations in each of its steps, in
 //! several rounds where bodies meet obstacles; conjugate gradients miss the solution by a share ε after
 //! `½ √κ ln(2/ε)` iterations (Saad, "Iterative Methods for Sparse Linear Systems", 2003, 6.11.3), or as soon as what one
-//! end of the body does has reached the other. With the diagonal taken out, the condition number κ is that of the fastest
-//! vibration over one that hardly pulls back:
+//! end of the body does has reached the other; in a stiff body coarse grids see to that. With the diagonal taken out, the
+//! condition number κ is that of the fastest vibration over one that hardly pulls back:
 //!
 //! ```text
 //! κ ≈ 1 + Σ families (dt² λ_K + dt λ_C) = 1 + Σ families (4 (dt/dt_K)² + 2 dt/dt_C)
@@ -40,6 +40,9 @@ const ROUNDS_AMONG_OBSTACLES: f64 = 1.5;
 
 /// Iterations that it takes for each cell along the body until one end tells of the other.
 const ITERATIONS_A_CELL: f64 = 8.0;
+
+/// What a solve takes with coarse grids, in iterations without: a dozen, each of which costs twice as much.
+const ITERATIONS_WITH_GRIDS: f64 = 25.0;
 
 /// `½ ln(2/ε)` for the share that a solution may miss.
 const ITERATIONS_A_ROOT: f64 = 5.0;
@@ -77,7 +80,7 @@ fn solutions<R: Real>(model: &Model<R>, condition: f64) -> f64 {
     let rounds = if model.obstacles.is_empty() { 1.0 } else { ROUNDS_AMONG_OBSTACLES };
     let of_body = |body: &BodyModel<R>| {
         let cells = body.lattice.grid.dims.into_iter().max().unwrap_or(1);
-        let iterations = by_condition.min(ITERATIONS_A_CELL * f64::from(cells));
+        let iterations = by_condition.min(ITERATIONS_A_CELL * f64::from(cells)).min(ITERATIONS_WITH_GRIDS);
         let iteration = LINK_OF_ITERATION * links(body) + PARTICLE_OF_ITERATION * body.particles.len() as f64;
         rounds * (SOLVE_WORK as f64 + iterations) * iteration
     };

@@ -39,6 +39,7 @@ mod soft_links;
 
 pub(in crate::physics) use account::settle;
 pub(in crate::physics) use resistance::{Resistance, energy_past_work, resistances};
+pub(in crate::physics) use rotation::nearest_rotation;
 pub(in crate::physics) use soft_links::RecoveryWorkspace;
 
 use edges::{MeanEdges, THRESHOLD, is_inverted, mean_edges, spread};

@@ -17,7 +17,7 @@ const LEAST: f64 = 0.01;
 ///
 /// The second result is λ, which is `tr(Rᵀ F)`.
 #[inline]
-pub(super) fn nearest_rotation<R: Real>(columns: &[R::Vec3; 3], faces: &[R::Vec3; 3]) -> ([R::Vec3; 3], R) {
+pub(in crate::physics) fn nearest_rotation<R: Real>(columns: &[R::Vec3; 3], faces: &[R::Vec3; 3]) -> ([R::Vec3; 3], R) {
     let square = |of: &[R::Vec3; 3]| of.iter().fold(R::ZERO, |sum, column| sum + column.dot(*column));
     let (size, cofactors, det) = (square(columns), square(faces), columns[0].dot(faces[0]));
     let [two, four, eight] = [2.0, 4.0, 8.0].map(R::from_f64);

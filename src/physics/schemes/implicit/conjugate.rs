@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use super::system::{ImplicitWorkspace, System};
 use crate::math::Real;
 
-/// Iterations of one solve: some ten times those a stiff body of 20 cells an edge takes.
+/// Iterations of one solve: some twenty times those a stiff body takes.
 const MOST_ITERATIONS: u64 = 400;
 
 /// The share of a body's momentum, or of the right-hand side where that is smaller, that a solution may miss.
@@ -68,6 +68,7 @@ impl<R: Real> System<'_, R> {
         self.workspace.before[..count].copy_from_slice(&self.workspace.velocity[..count]);
         self.workspace.residual_before[..count].copy_from_slice(&self.workspace.residual[..count]);
         let mut missed = self.scale_residual();
+        self.add_coarse();
         let mut size = dot(&self.workspace.residual[..count], &self.workspace.scaled[..count]);
         self.workspace.search[..count].copy_from_slice(&self.workspace.scaled[..count]);
         let mut iterations = 0;
@@ -93,6 +94,7 @@ impl<R: Real> System<'_, R> {
                 residual[local] -= product[local] * length;
             }
             missed = self.scale_residual();
+            self.add_coarse();
             let smaller = dot(&self.workspace.residual[..count], &self.workspace.scaled[..count]);
             let keep = smaller / size;
             let ImplicitWorkspace { search, scaled, .. } = &mut *self.workspace;
@@ -116,6 +118,10 @@ impl<R: Real> System<'_, R> {
                 .fold(DMat3::from_diagonal(DVec3::splat(diagonal)), |sum, constraint| sum + *constraint.matrix());
             inverse_blocks.push(block.inverse());
         }
+        if let Some(grids) = self.workspace.grids[self.number].as_mut().filter(|_| self.uses_grids) {
+            let first = self.body.particles.start;
+            grids.hold(self.constraints.iter().map(|constraint| (constraint.particle - first, *constraint.matrix())));
+        }
     }
 
     /// The residual over the diagonal. Returns its size in that norm: over the diagonal without constraints, or what is held
@@ -137,6 +143,18 @@ impl<R: Real> System<'_, R> {
             scaled[local] = *block * residual[local];
         }
         sum
+    }
+
+    /// Adds what the coarse grids make of the residual.
+    fn add_coarse(&mut self) {
+        let ImplicitWorkspace { grids, scaled, residual, .. } = &mut *self.workspace;
+        let Some(grids) = grids[self.number].as_mut().filter(|_| self.uses_grids) else { return };
+        let residual = |local: usize| if self.body.is_pinned(local) { DVec3::ZERO } else { residual[local] };
+        grids.correct(residual, |local, part| {
+            if !self.body.is_pinned(local) {
+                scaled[local] += part;
+            }
+        });
     }
 }
 

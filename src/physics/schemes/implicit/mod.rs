@@ -10,18 +10,20 @@
 //! definite whatever the state. Contact is in it as `(dt² k + dt d) n nᵀ`, friction as a resistance `c (I − n nᵀ)`;
 //! which of its constraints push and how much each resists is found by solving again, from the last solution or from
 //! where on the way to it the potential was least. Conjugate gradients in double precision, whatever the state is in:
-//! what is held by friction is a million times stiffer than what is not. Preconditioned by the diagonal, and by its
-//! whole 3×3 block where a particle touches something; sums in a fixed order, body by body: the result is a function of
-//! the state alone.
+//! what is held by friction is a million times stiffer than what is not. Preconditioned by the diagonal, by its whole 3×3
+//! block where a particle touches something, and by coarser grids of the body where it is stiff ([`multigrid`]); sums in
+//! a fixed order, body by body: the result is a function of the state alone.
 
 pub(in crate::physics) mod balance;
 mod conjugate;
 mod line_search;
 mod matrix;
+mod multigrid;
 pub(super) mod system;
 
 use glam::{DMat3, DVec3};
 
+use self::multigrid::Multigrid;
 use self::system::{LinkBlock, System};
 use crate::geometry::LatticeCounts;
 use crate::math::{Real, Vector};
@@ -37,11 +39,15 @@ const ROUNDS: usize = 16;
 /// The last of these, which end with what is safe whatever the others have come to.
 const CAREFUL_ROUNDS: usize = 2;
 
-/// What the workspace takes in single precision where a body is the largest, bytes.
-pub(in crate::physics) fn bytes(body: &LatticeCounts) -> usize {
+/// What the workspace takes in single precision for some bodies, bytes: the equations of the largest, the coarse grids of
+/// each.
+pub(in crate::physics) fn bytes(bodies: &[LatticeCounts]) -> usize {
     let vectors = 8 * size_of::<DVec3>() + size_of::<f64>();
     let of_surface = size_of::<DMat3>() + size_of::<Resistance>();
-    body.all_links() * size_of::<LinkBlock<f32>>() + body.particles * vectors + body.surface * of_surface
+    let equations = |body: &LatticeCounts| {
+        body.all_links() * size_of::<LinkBlock<f32>>() + body.particles * vectors + body.surface * of_surface
+    };
+    bodies.iter().map(equations).max().unwrap_or(0) + bodies.iter().map(Multigrid::bytes).sum::<usize>()
 }
 
 /// Writes the velocities at the end of the substep.
@@ -64,9 +70,10 @@ pub(super) fn solve<R: Real>(
         constraints = others;
         let range = body.particles.clone();
         let grab = grab.filter(|grab| grab.body == number);
-        let mut system = System { body, dt: dt.to_f64(), grab, constraints: own, workspace };
+        let mut system = System { body, number, dt: dt.to_f64(), grab, constraints: own, uses_grids: false, workspace };
         let own = [&state.position[..], &state.velocity, force].map(|of| &of[range.clone()]);
         system.assemble(plan, &state.bodies[number], own, &|| recorder.stops());
+        system.prepare_grids(plan.families, own[0]);
         let enough = system.start();
         for round in 1..=ROUNDS {
             recorder.counters.solves += 1;
@@ -84,7 +91,22 @@ pub(super) fn solve<R: Real>(
     }
 }
 
+/// The coarse grids pay where links resist with more than so many times the mass: iterations that pass from particle to
+/// particle take as many as the body has cells, and more.
+const STIFF: f64 = 64.0;
+
 impl<R: Real> System<'_, R> {
+    /// Makes the coarse grids of a body ready for its equations where these are stiff.
+    fn prepare_grids(&mut self, families: [bool; 3], position: &[R::Vec3]) {
+        let Some(grids) = &mut self.workspace.grids[self.number] else { return };
+        let count = self.body.particles.len();
+        let resists: f64 = self.workspace.inverse_diagonal[..count].iter().map(|inverse| 1.0 / inverse).sum();
+        self.uses_grids = resists > STIFF * self.body.total_mass().to_f64();
+        if self.uses_grids {
+            grids.prepare(self.body, families, self.dt, position);
+        }
+    }
+
     /// Adapts every constraint to the solution. Says whether it has to be solved again.
     fn reconsider(&mut self, carefully: bool) -> bool {
         let mut again = false;

@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::multigrid::Multigrid;
 use crate::math::{Real, Vector};
 use crate::physics::contact::ContactConstraint;
 use crate::physics::forces::recovery::Resistance;
@@ -43,6 +44,8 @@ pub(in crate::physics::schemes) struct ImplicitWorkspace<R: Real> {
     /// The velocity before a round, and the residual there.
     pub(super) before: Vec<DVec3>,
     pub(super) residual_before: Vec<DVec3>,
+    /// The coarse grids of every body that is large enough for them.
+    pub(super) grids: Vec<Option<Multigrid>>,
 }
 
 impl<R: Real> ImplicitWorkspace<R> {
@@ -67,6 +70,7 @@ impl<R: Real> ImplicitWorkspace<R> {
             product: vectors(),
             before: vectors(),
             residual_before: vectors(),
+            grids: model.bodies.iter().map(Multigrid::new).collect(),
         }
     }
 }
@@ -74,8 +78,12 @@ impl<R: Real> ImplicitWorkspace<R> {
 /// The equations of one body.
 pub(super) struct System<'a, R: Real> {
     pub(super) body: &'a BodyModel<R>,
+    /// Its place among the bodies.
+    pub(super) number: usize,
     pub(super) dt: f64,
     pub(super) grab: Option<&'a Grab<R>>,
     pub(super) constraints: &'a mut [ContactConstraint],
+    /// Whether the coarse grids take part.
+    pub(super) uses_grids: bool,
     pub(super) workspace: &'a mut ImplicitWorkspace<R>,
 }

@@ -1,0 +1,73 @@
+//! The coarsest grid, solved for exactly (Cholesky).
+
+use glam::DVec3;
+
+use super::grid::Grid;
+
+/// A pivot below this share of its diagonal is rounding: it belongs to what is held.
+const HELD: f64 = 1e-12;
+
+/// The factor of a symmetric matrix: its rows, lower triangle.
+#[derive(Clone, Debug)]
+pub(super) struct Bottom {
+    factor: Vec<f64>,
+    /// What is solved for, as numbers.
+    values: Vec<f64>,
+}
+
+impl Bottom {
+    /// Room for a grid of so many corners.
+    pub(super) fn new(corners: usize) -> Self {
+        let rows = 3 * corners;
+        Self { factor: vec![0.0; rows * rows], values: vec![0.0; rows] }
+    }
+
+    /// Factorises the matrix of a grid.
+    pub(super) fn factorise(&mut self, grid: &Grid) {
+        let Self { factor, values } = self;
+        let rows = values.len();
+        factor.fill(0.0);
+        for number in 0..grid.corners.len() {
+            for (column, block) in grid.row(number) {
+                for (i, j) in (0..9).map(|place| (place / 3, place % 3)) {
+                    factor[(3 * number + i) * rows + 3 * column + j] = block.col(j)[i];
+                }
+            }
+        }
+        for i in 0..rows {
+            let (before, own) = factor.split_at_mut(i * rows);
+            for (j, row) in before.chunks(rows).enumerate() {
+                own[j] = (own[j] - dot(&own[..j], &row[..j])) * row[j];
+            }
+            let pivot = own[i] - dot(&own[..i], &own[..i]);
+            // The diagonal holds its inverse: nothing where a row is held.
+            own[i] = if pivot > HELD * own[i] { 1.0 / pivot.sqrt() } else { 0.0 };
+        }
+    }
+
+    /// Writes the solution for a load.
+    pub(super) fn solve(&mut self, load: &[DVec3], solution: &mut [DVec3]) {
+        let Self { factor, values } = self;
+        let rows = values.len();
+        for (value, load) in values.iter_mut().zip(load.iter().flat_map(glam::DVec3::to_array)) {
+            *value = load;
+        }
+        for i in 0..rows {
+            let row = &factor[i * rows..][..=i];
+            values[i] = (values[i] - dot(&row[..i], &values[..i])) * row[i];
+        }
+        for i in (0..rows).rev() {
+            let row = &factor[i * rows..][..=i];
+            let (before, own) = values.split_at_mut(i);
+            own[0] *= row[i];
+            before.iter_mut().zip(row).for_each(|(value, factor)| *value -= factor * own[0]);
+        }
+        for (solution, value) in solution.iter_mut().zip(values.as_chunks().0) {
+            *solution = DVec3::from_array(*value);
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
+}

@@ -1,0 +1,314 @@
+//! One coarse grid: its corners, a symmetric matrix that connects each with its 26 neighbours, and sweeps over it.
+
+use std::ops::Range;
+
+use glam::{DMat3, DVec3};
+
+use super::parents::{Parents, find};
+
+/// The neighbours that come before a corner in their order, and the corner itself.
+const ROW: usize = 14;
+
+/// The place of the corner itself.
+const SELF: usize = ROW - 1;
+
+/// A coarse grid.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    /// Where its corners are, in its own numbers; x fastest, ascending.
+    pub(super) corners: Vec<[u32; 3]>,
+    /// Their parents on the next coarser grid; none on the coarsest.
+    pub(super) parents: Parents,
+    /// The numbers of the neighbours that come before; a corner's own where there is none.
+    near: Vec<[u32; SELF]>,
+    /// The rows of the matrix up to the diagonal, kg; zero where there is no neighbour.
+    rows: Vec<[DMat3; ROW]>,
+    /// The inverse of the blocks on its diagonal, 1/kg.
+    inverse: Vec<DMat3>,
+    /// Right-hand side, N·s.
+    pub(super) load: Vec<DVec3>,
+    /// m/s.
+    pub(super) solution: Vec<DVec3>,
+    /// What the rows are without contact where contact resists, and where that is.
+    free: Vec<(u32, [DMat3; ROW])>,
+    is_held: Vec<bool>,
+}
+
+impl Grid {
+    /// What a corner takes, most of it where contact resists left out.
+    pub(super) const BYTES_A_CORNER: usize = size_of::<[u32; 3]>()
+        + size_of::<[u32; SELF]>()
+        + size_of::<[DMat3; ROW]>()
+        + size_of::<DMat3>()
+        + 2 * size_of::<DVec3>();
+
+    /// A grid without a matrix.
+    pub(super) fn new(corners: Vec<[u32; 3]>) -> Self {
+        let count = corners.len();
+        let near_of = |(number, corner): (u32, &[u32; 3])| {
+            std::array::from_fn(|place| {
+                let step = [place % 3, place / 3 % 3, place / 9];
+                let at = [0, 1, 2].map(|axis| (corner[axis] as usize + step[axis]).checked_sub(1));
+                let [Some(x), Some(y), Some(z)] = at.map(|at| at.and_then(|at| u32::try_from(at).ok())) else {
+                    return number;
+                };
+                find(&corners, [x, y, z]).unwrap_or(number)
+            })
+        };
+        let near = (0..).zip(&corners).map(near_of).collect();
+        Self {
+            near,
+            corners,
+            parents: Parents::default(),
+            rows: vec![[DMat3::ZERO; ROW]; count],
+            inverse: vec![DMat3::ZERO; count],
+            load: vec![DVec3::ZERO; count],
+            solution: vec![DVec3::ZERO; count],
+            free: Vec::new(),
+            is_held: vec![false; count],
+        }
+    }
+
+    /// Makes the matrix zero.
+    pub(super) fn clear(&mut self) {
+        self.release();
+        self.rows.fill([DMat3::ZERO; ROW]);
+    }
+
+    /// Adds `w wᵀ block`, where w is the share.
+    pub(super) fn add(&mut self, share: &Share, block: &DMat3) {
+        for &(row, factor) in share.parts() {
+            for &(column, other) in share.parts() {
+                if column <= row {
+                    let place = self.place(row, column);
+                    self.rows[row as usize][place] += *block * (factor * other);
+                }
+            }
+        }
+    }
+
+    /// Where in a row a column is that does not come after it.
+    fn place(&self, row: u32, column: u32) -> usize {
+        let (from, to) = (self.corners[row as usize], self.corners[column as usize]);
+        let step = |axis: usize| 1 + to[axis] as usize - from[axis] as usize;
+        step(0) + 3 * step(1) + 9 * step(2)
+    }
+
+    /// Becomes `Pᵀ A P` of the finer grid.
+    pub(super) fn project(&mut self, finer: &Self) {
+        self.clear();
+        for number in 0..finer.corners.len() {
+            let (own, own_weight) = finer.parents.of(number);
+            for (other, block) in finer.row(number) {
+                let (others, other_weight) = finer.parents.of(other);
+                let (block, mirrored) = (block * (own_weight * other_weight), other != number);
+                for &row in own {
+                    for &column in others {
+                        if column <= row {
+                            let place = self.place(row, column);
+                            self.rows[row as usize][place] += block;
+                        }
+                        if row <= column && mirrored {
+                            let place = self.place(column, row);
+                            self.rows[column as usize][place] += block.transpose();
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    pub(super) fn invert_diagonal(&mut self) {
+        for (inverse, row) in self.inverse.iter_mut().zip(&self.rows) {
+            *inverse = inverted(&row[SELF]);
+        }
+    }
+
+    /// Takes away what contact resists with.
+    pub(super) fn release(&mut self) {
+        for (number, row) in self.free.drain(..) {
+            let number = number as usize;
+            self.inverse[number] = inverted(&row[SELF]);
+            (self.rows[number], self.is_held[number]) = (row, false);
+        }
+    }
+
+    /// Adds what contact resists with, kg, to a particle whose velocity is the sum of `parts` times those of corners. The
+    /// inverses of the diagonal come after it.
+    pub(super) fn hold(&mut self, parts: &Parts, resistance: &DMat3) {
+        for (row, by_row) in parts.all() {
+            let number = *row as usize;
+            if !self.is_held[number] {
+                self.is_held[number] = true;
+                self.free.push((*row, self.rows[number]));
+            }
+            let across = by_row.transpose() * *resistance;
+            for (column, by_column) in parts.all() {
+                if column <= row {
+                    let place = self.place(*row, *column);
+                    self.rows[number][place] += across * *by_column;
+                }
+            }
+        }
+    }
+
+    /// The inverses on the diagonal where contact resists.
+    pub(super) fn invert_held(&mut self) {
+        for (number, _) in &self.free {
+            let number = *number as usize;
+            self.inverse[number] = inverted(&self.rows[number][SELF]);
+        }
+    }
+
+    /// A sum over corners as one over their parents.
+    pub(super) fn on_parents(&self, parts: &Parts) -> Parts {
+        let mut sum = Parts::NONE;
+        if self.parents.len() == 0 {
+            return sum;
+        }
+        for (corner, part) in parts.all() {
+            let (corners, weight) = self.parents.of(*corner as usize);
+            for &corner in corners {
+                sum.add(corner, &(*part * weight));
+            }
+        }
+        sum
+    }
+
+    /// The row of the matrix of a corner up to the diagonal, with the numbers of the columns.
+    pub(super) fn row(&self, number: usize) -> impl Iterator<Item = (usize, DMat3)> {
+        let before = self.near[number].iter().map(|near| *near as usize).zip(self.rows[number]);
+        before.filter(move |(near, _)| *near != number).chain([(number, self.rows[number][SELF])])
+    }
+
+    /// What the corners before one do to it.
+    #[inline]
+    fn before(&self, number: usize) -> DVec3 {
+        let (near, row) = (&self.near[number], &self.rows[number]);
+        near.iter().zip(row).fold(DVec3::ZERO, |sum, (near, block)| sum + *block * self.solution[*near as usize])
+    }
+
+    /// What a corner does to those before it.
+    #[inline]
+    fn to_those_before(&self, number: usize, mut tell: impl FnMut(usize, DVec3)) {
+        let (near, row, own) = (&self.near[number], &self.rows[number], self.solution[number]);
+        near.iter().zip(row).for_each(|(near, block)| tell(*near as usize, block.transpose() * own));
+    }
+
+    /// Gauss–Seidel from nothing, in the order of corners.
+    pub(super) fn forth(&mut self) {
+        for number in self.all() {
+            self.solution[number] = DVec3::ZERO;
+            self.solution[number] = self.inverse[number] * (self.load[number] - self.before(number));
+        }
+    }
+
+    /// Hands what is left after [`Self::forth`] on to the parents: what the corners after each do to it.
+    pub(super) fn restrict(&self, load: &mut [DVec3]) {
+        load.fill(DVec3::ZERO);
+        for number in self.all() {
+            self.to_those_before(number, |before, part| {
+                let (corners, weight) = self.parents.of(before);
+                for &corner in corners {
+                    load[corner as usize] -= part * weight;
+                }
+            });
+        }
+    }
+
+    /// Adds the solution of the next coarser grid.
+    pub(super) fn prolong(&mut self, coarse: &[DVec3]) {
+        for (number, solution) in self.solution.iter_mut().enumerate() {
+            let (corners, weight) = self.parents.of(number);
+            *solution += corners.iter().fold(DVec3::ZERO, |sum, &corner| sum + coarse[corner as usize]) * weight;
+        }
+    }
+
+    /// Gauss–Seidel against the order of corners. The load is worked off.
+    pub(super) fn back(&mut self) {
+        let mut load = std::mem::take(&mut self.load);
+        for number in self.all().rev() {
+            self.solution[number] = self.inverse[number] * (load[number] - self.before(number));
+            self.to_those_before(number, |before, part| load[before] -= part);
+        }
+        self.load = load;
+    }
+
+    fn all(&self) -> Range<usize> {
+        0..self.corners.len()
+    }
+}
+
+/// The inverse of a block on the diagonal: nothing where all that hangs on the corner is held.
+fn inverted(block: &DMat3) -> DMat3 {
+    if block.determinant() == 0.0 { DMat3::ZERO } else { block.inverse() }
+}
+
+/// A sum over corners, each with its factor: up to eight, and as many of another's.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Share {
+    parts: [(u32, f64); 16],
+    count: usize,
+}
+
+impl Share {
+    /// The mean of parents, times a factor.
+    pub(super) fn of((corners, weight): (&[u32], f64), factor: f64) -> Self {
+        let mut share = Self { parts: [(0, 0.0); 16], count: 0 };
+        for &corner in corners {
+            share.put(corner, weight * factor);
+        }
+        share
+    }
+
+    /// The mean of the parents that two corners have in common.
+    pub(super) fn common([(one, _), (other, _)]: [(&[u32], f64); 2]) -> Self {
+        let mut share = Self::of((&[], 0.0), 0.0);
+        one.iter().filter(|corner| other.contains(corner)).for_each(|&corner| share.put(corner, 1.0));
+        let weight = 1.0 / share.count as f64;
+        share.parts.iter_mut().for_each(|(_, factor)| *factor *= weight);
+        share
+    }
+
+    fn put(&mut self, corner: u32, factor: f64) {
+        if let Some((_, sum)) = self.parts[..self.count].iter_mut().find(|(known, _)| *known == corner) {
+            *sum += factor;
+        } else {
+            self.parts[self.count] = (corner, factor);
+            self.count += 1;
+        }
+    }
+
+    pub(super) fn minus(mut self, other: &Self) -> Self {
+        other.parts().iter().for_each(|&(corner, factor)| self.put(corner, -factor));
+        self
+    }
+
+    fn parts(&self) -> &[(u32, f64)] {
+        &self.parts[..self.count]
+    }
+}
+
+/// A sum over corners, each with its matrix: of a particle, whose corners lie about one cell of every grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Parts {
+    parts: [(u32, DMat3); 8],
+    count: usize,
+}
+
+impl Parts {
+    pub(super) const NONE: Self = Self { parts: [(0, DMat3::ZERO); 8], count: 0 };
+
+    pub(super) fn add(&mut self, corner: u32, part: &DMat3) {
+        if let Some((_, sum)) = self.parts[..self.count].iter_mut().find(|(known, _)| *known == corner) {
+            *sum += *part;
+        } else {
+            self.parts[self.count] = (corner, *part);
+            self.count += 1;
+        }
+    }
+
+    fn all(&self) -> &[(u32, DMat3)] {
+        &self.parts[..self.count]
+    }
+}
