@@ -76,7 +76,7 @@ fn write_markdown(text: &mut String, account: &SceneAccount) -> std::fmt::Result
     writeln!(
         text,
         "# Random scene {number} of seed {seed}\n\nEnergies in J. A body's own energy is that of motion, links, recovery \
-         and contact; allowed is what it began with and the work done on it since, that of gravity included.\n\n\
+         and contact, without what a vibration has by the length of its steps; allowed is what it began with and the work done on it since, that of gravity included.\n\n\
          | s | body | kinetic | elastic | recovery | contact | own | allowed | work | substeps | halved | contacts | depth m |\n\
          |---|---|---|---|---|---|---|---|---|---|---|---|---|"
     )?;

@@ -2,8 +2,8 @@
 //! it could be thrown.
 //!
 //! ```text
-//! own energy   motion (centred velocity), links, recovery, and the penalty springs of contact; mean over 1/60 s
-//!              and no fewer than eight substeps
+//! own energy   motion (velocities half a step before × after), links, recovery, and the penalty springs of contact;
+//!              mean over 1/60 s and no fewer than eight substeps
 //! work         what gravity did to the body since the start, moving obstacles (force × velocity of the surface) and what
 //!              else was done to it from outside: obstacles that stand still do none, as what they give back was
 //!              stored in their penalty springs, at the start too where a body was put into them
