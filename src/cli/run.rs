@@ -129,8 +129,8 @@ fn table(figures: &RunFigures) -> String {
         (
             "contact",
             format!(
-                "{} contacts, {} narrow tests, {} saved",
-                figures.contacts, figures.narrow_tests, figures.narrow_tests_saved
+                "{} with obstacles, {} between bodies, {} narrow tests, {} saved",
+                figures.contacts, figures.body_contacts, figures.narrow_tests, figures.narrow_tests_saved
             ),
         ),
         (

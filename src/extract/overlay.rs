@@ -137,19 +137,20 @@ pub fn add_grab(overlay: &mut Overlay, grabbed: Vec3, target: Vec3) {
     }
 }
 
-/// Where particles touch obstacles, and the force on each as an arrow; its length is proportional to the force, see
-/// [`newtons_per_metre`], up to the body's size.
+/// Where particles touch obstacles or other bodies, and the force on each as an arrow; its length is proportional to the
+/// force, see [`newtons_per_metre`], up to the body's size.
 fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>) {
     let model = simulation.model();
     let (mut places, mut arrows) = (Vec::new(), Vec::new());
-    for contact in simulation.contacts() {
-        let Some(body) = model.bodies.iter().find(|body| body.particles.contains(&contact.particle)) else { continue };
-        let place = simulation.state().position[contact.particle];
-        if contact.force == Vec3::ZERO || !contact.force.is_finite() {
+    let with_obstacles = simulation.contacts().iter().map(|contact| (contact.particle, contact.force));
+    let with_bodies = simulation.body_contacts().iter().map(|contact| (contact.particle, contact.force.as_vec3()));
+    for (particle, force) in with_obstacles.chain(with_bodies) {
+        let Some(body) = model.bodies.iter().find(|body| body.particles.contains(&particle)) else { continue };
+        let place = simulation.state().position[particle];
+        if force == Vec3::ZERO || !force.is_finite() {
             continue;
         }
-        let arrow =
-            (contact.force / newtons_per_metre(body, model.gravity)).clamp_length_max(LONGEST_ARROW * body.size);
+        let arrow = (force / newtons_per_metre(body, model.gravity)).clamp_length_max(LONGEST_ARROW * body.size);
         places.push(place.to_array());
         let head = arrow.clamp_length_max((HEAD[0] * arrow.length()).min(HEAD[1] * body.size));
         let neck = place + arrow - head;

@@ -1,6 +1,6 @@
 //! How much memory a simulation takes, before there is one: by the sizes of what it is made of.
 
-use super::contact::{ContactConstraint, ContactRecord};
+use super::contact::{BodyContact, ContactConstraint, ContactRecord};
 use super::model::Link;
 use crate::geometry::LatticeCounts;
 use crate::physics::kernels::{BYTES_A_CORNER, MOST_CORNERS_A_PARTICLE};
@@ -37,14 +37,26 @@ pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
     let moving = bodies.iter().map(|body| of_motion(body, size)).sum::<usize>();
     let implicit = if size.scheme == Some(Scheme::Implicit) { implicit_bytes(bodies) } else { 0 };
     let made = bodies.iter().map(|body| body.particles * WHILE_MADE).max().unwrap_or(0);
-    (lasting + moving + implicit + made.max(moving)) as u64
+    let meeting = if bodies.len() > 1 { bodies.iter().map(of_meeting).sum() } else { 0 };
+    (lasting + moving + implicit + made.max(moving) + meeting) as u64
 }
+
+/// Where a particle would be, and its place among those that meet, bytes.
+const AMONG_BODIES: usize = size_of::<[f64; 3]>() + size_of::<u32>();
+/// A particle of the outside, the cells around it, and what it takes to solve for its contact, bytes.
+const OF_A_HULL: usize = size_of::<[u32; 10]>() + 2 * size_of::<BodyContact>();
 
 /// A lattice, and the model that is made of it.
 fn of_body(body: &LatticeCounts) -> usize {
     let link = size_of::<[u32; 2]>() + size_of::<Link<f32>>() + size_of::<u16>();
     let cell = size_of::<[u32; 8]>();
     body.particles * OF_A_MODEL + body.all_links() * link + body.cells * cell
+}
+
+/// What a body has to meet others.
+fn of_meeting(body: &LatticeCounts) -> usize {
+    let cell = size_of::<[u32; 6]>();
+    body.particles * AMONG_BODIES + body.surface * OF_A_HULL + body.cells * cell
 }
 
 fn of_motion(body: &LatticeCounts, size: Size) -> usize {

@@ -18,7 +18,7 @@
 //! share, team  who works out what: bodies cut into shares of as much work, shared out among the threads of a pool
 //! kernels      many at a time: the forces of links again, which those of `forces` are the oracle of; boxes around vectors
 //! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
-//! contact      obstacles: where they are, who meets them, what they do to velocities
+//! contact      obstacles: where they are, who meets them, what they do to velocities; bodies that meet each other
 //! limits       how large a step may be: waves, cells
 //! interaction  a hand that pulls
 //! observe      energies, a number for every particle, whether a step ran away
@@ -30,11 +30,13 @@
 //!
 //! ```text
 //! simulation.step()   substep by substep; steps that a longer substep covers are counted
-//!   stepping          a substep in parts where links are strained or equations prove wrong; for each of them:
+//!   stepping          a substep in parts where links are strained, bodies come near each other or equations prove wrong;
+//!                     for each of them:
 //!     contact         Placed: where obstacles are in the part, from model and state
 //!     step            (model, plan, part, inputs, &mut state) with one recorder for counts, stage times and stops
 //!       forces        F = gravity + links (by kernels) + cells near inversion, at the state
-//!       schemes       v' from F, or solved for; contact changes v' on the way; paths where x moves by another velocity
+//!       schemes       v' from F, or solved for; paths where x moves by another velocity
+//!       contact       changes v' on the way: of bodies that meet each other, then of what meets obstacles
 //!       is_sound      else the state stays the last good one and the report says so
 //!       accept        x += dt u, v = v', what the scheme remembers; what contact remembers just before it
 //!       rest          who falls asleep or has fallen out
@@ -79,11 +81,13 @@ pub use compile::other_form::other_form;
 pub use compile::safe_values::{ContactLoad, SafeValue, StepSettings, largest_safe};
 pub use compile::stability_plane::{Place, StabilityPlane};
 pub use compile::{DEPTH_SHARE, SceneError};
-pub use contact::{ContactRecord, Placed};
+pub use contact::{BodyContact, ContactRecord, Placed};
 pub use interaction::Grab;
 pub use kernels::SimdLevel;
 pub use limits::{SAFETY, SceneLimits, Term};
-pub use model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, SchemeCost, Stage, StageRates};
+pub use model::plan::{
+    BodyContactPlan, MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, SchemeCost, Stage, StageRates,
+};
 pub use model::{
     BodyModel, ContactModel, ContactRule, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel,
     RecoveryModel, Scheme, Values,

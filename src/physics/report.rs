@@ -27,9 +27,9 @@ pub struct Counters {
     pub shortest_secs: Option<f64>,
     /// Deepest penetration at the end of any of them, m.
     pub peak_penetration_m: f64,
-    /// Particle–obstacle tests made.
+    /// Tests made of particles against obstacles, and against cells of other bodies.
     pub narrow_tests: u64,
-    /// Particle–obstacle tests that boxes made unnecessary.
+    /// Such tests that boxes made unnecessary.
     pub narrow_tests_saved: u64,
     /// Of the particle–obstacle tests, the ones against spheres.
     pub sphere_tests: u64,
@@ -61,8 +61,10 @@ pub struct Counters {
 /// What holds at the end of a substep: of several, the last one's counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LastSubstep {
-    /// Contacts that push.
+    /// Contacts with obstacles that push.
     pub contacts: usize,
+    /// Contacts between bodies that push.
+    pub body_contacts: usize,
     /// Deepest penetration, m.
     pub max_penetration_m: f64,
     /// Bodies that sleep.
@@ -136,6 +138,8 @@ pub(super) struct Recorder<'a> {
     pub(super) counters: Counters,
     pub(super) last: LastSubstep,
     timer: &'a mut dyn StageTimer,
+    /// The deepest that bodies are in each other at the end of the part, m.
+    between_bodies_m: f64,
     may_be_given_up: bool,
     stopped: Cell<bool>,
 }
@@ -144,7 +148,7 @@ impl<'a> Recorder<'a> {
     /// Of a substep that nothing was taken of.
     pub(super) fn new(timer: &'a mut dyn StageTimer) -> Self {
         let (counters, last) = (Counters::default(), LastSubstep::default());
-        Self { counters, last, timer, may_be_given_up: true, stopped: Cell::new(false) }
+        Self { counters, last, timer, between_bodies_m: 0.0, may_be_given_up: true, stopped: Cell::new(false) }
     }
 
     /// A part of so many seconds was taken, after which so many bodies sleep: the substep has to be finished from now on.
@@ -173,8 +177,15 @@ impl<'a> Recorder<'a> {
         self.stopped.get()
     }
 
+    /// Notes the deepest penetration of bodies in each other at the end of a part, m: before that of obstacles.
+    pub(super) fn note_depth_between_bodies(&mut self, depth_m: f64) {
+        self.between_bodies_m = depth_m;
+        self.note_depth(depth_m);
+    }
+
     /// Notes the deepest penetration at the end of a part, m.
     pub(super) fn note_depth(&mut self, depth_m: f64) {
+        let depth_m = depth_m.max(self.between_bodies_m);
         self.last.max_penetration_m = depth_m;
         self.counters.peak_penetration_m = self.counters.peak_penetration_m.max(depth_m);
     }
@@ -200,7 +211,7 @@ mod tests {
                 peak_penetration_m: depth,
                 ..Counters::default()
             },
-            last: LastSubstep { contacts, max_penetration_m: depth, bodies_asleep: contacts },
+            last: LastSubstep { contacts, max_penetration_m: depth, bodies_asleep: contacts, ..LastSubstep::default() },
             ..StepReport::default()
         };
         let mut report = StepReport::default();

@@ -5,7 +5,7 @@ mod motion;
 pub use motion::BodyMotion;
 
 use super::contact::sweep;
-use super::contact::{ContactRecord, Placed, arrive};
+use super::contact::{BodyContact, ContactRecord, Placed, arrive};
 use super::interaction::Grab;
 use super::model::Model;
 use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
@@ -245,6 +245,8 @@ impl<R: Real> Simulation<R> {
         let mut recorder = Recorder::new(timer);
         step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut recorder);
         self.workspace.contact.contacts = found.contact.contacts;
+        self.workspace.contact.bodies.contacts = found.contact.bodies.contacts;
+        self.workspace.contact.bodies.keep_of_sleepers(&self.state);
         self.workspace.contact.keep_of_sleepers(&self.model, &self.state);
         // The steps that a longer substep covers tell what the last one did.
         self.workspace.contact.report_kept(&mut recorder);
@@ -269,6 +271,11 @@ impl<R: Real> Simulation<R> {
     /// What the last substep found of contact, by particle; of bodies asleep what they keep.
     pub fn contacts(&self) -> &[ContactRecord<R>] {
         &self.workspace.contact.contacts
+    }
+
+    /// What the last substep found of contact between bodies, by body and point; of bodies asleep what they keep.
+    pub fn body_contacts(&self) -> &[BodyContact] {
+        &self.workspace.contact.bodies.contacts
     }
 
     /// Energies, momentum, extremes.

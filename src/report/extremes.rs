@@ -51,6 +51,8 @@ pub fn extreme(seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
     if draw.chance(0.2) {
         let other = draw.heavier_or_lighter(&scene.bodies[0], springs);
         scene.bodies.push(other);
+        // Each is judged by itself, which what one gives the other would upset.
+        scene.settings.body_contact = false;
     }
     scene.settings.dt = draw.decades(-4.0, -1.0);
     scene.settings.inversion_recovery = draw.chance(0.8);

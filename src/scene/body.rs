@@ -7,7 +7,7 @@ pub use crate::geometry::UpAxis;
 pub use crate::geometry::voxel::{Keep, MAX_DIVISIONS, OccupancyChoice};
 
 /// A soft body.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Body {
     /// What it is called in lists.
@@ -25,10 +25,35 @@ pub struct Body {
     pub inlays: Vec<Inlay>,
     /// Boxes in body coordinates (m, origin at the middle of the body's box, before the pose) whose particles are held.
     pub pins: Vec<PinBox>,
+    /// Whether it meets other bodies.
+    pub collides: bool,
+    /// Coulomb coefficient below which a particle stays where it touches another body; of the two bodies' the geometric mean.
+    pub friction_static: f64,
+    /// The same of a particle that slides.
+    pub friction_dynamic: f64,
     /// Which surface is drawn.
     pub skin: Skin,
     /// Drawn or not; a hidden body still moves.
     pub hidden: bool,
+}
+
+impl Default for Body {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            shape: Shape::default(),
+            pose: Pose::default(),
+            velocity: [0.0; 3],
+            material: Material::default(),
+            inlays: Vec::new(),
+            pins: Vec::new(),
+            collides: true,
+            friction_static: 0.6,
+            friction_dynamic: 0.5,
+            skin: Skin::default(),
+            hidden: false,
+        }
+    }
 }
 
 /// The cells of a body.

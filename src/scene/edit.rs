@@ -179,6 +179,12 @@ pub fn body_impact(old: &Body, new: &Body) -> Impact {
     leaf_impact(old.shape != new.shape || old.pins != new.pins, Impact::Topology)
         .max(leaf_impact((old.pose, old.velocity) != (new.pose, new.velocity), Impact::Motion))
         .max(leaf_impact(old.material != new.material || old.inlays != new.inlays, Impact::Parameters))
+        .max(leaf_impact(among_bodies(old) != among_bodies(new), Impact::Parameters))
+}
+
+/// How a body meets others.
+fn among_bodies(body: &Body) -> (bool, [f64; 2]) {
+    (body.collides, [body.friction_static, body.friction_dynamic])
 }
 
 fn obstacle_impact(old: &Obstacle, new: &Obstacle) -> Impact {
@@ -208,6 +214,8 @@ mod tests {
         let heavy = Material::Springs(Springs { particle_mass: 1.0, ..Springs::default() });
         assert_eq!(impact_of(|body| body.material = heavy), Impact::Parameters, "a mass");
         assert_eq!(impact_of(|body| body.inlays.push(Inlay::default())), Impact::Parameters, "another solid within");
+        assert_eq!(impact_of(|body| body.collides = false), Impact::Parameters, "others");
+        assert_eq!(impact_of(|body| body.friction_dynamic = 0.1), Impact::Parameters, "friction among bodies");
         assert_eq!(impact_of(|body| body.velocity[1] = 2.0), Impact::Motion, "a velocity");
         assert_eq!(impact_of(|body| body.pins.clear()), Impact::Topology, "pins");
         let cube = Shape::Cube(CubeShape { cells: 3, size: 1.0 });

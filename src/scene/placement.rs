@@ -1,6 +1,6 @@
 //! Where something new goes: near where a person looks, on what is there, apart from other things.
 //!
-//! Bodies do not collide with each other, so they must not meet while they fall either: a new thing gets a column of its
+//! A new thing stands beside what is there, not on it, where there is room: it gets a column of its
 //! own, from the ground up. Columns are tried on a grid around the place looked at, nearest first, and those beside it
 //! before those behind or in front of it, where one thing would hide the other. Where no column is free any more, as on
 //! a small floor, things are stacked.

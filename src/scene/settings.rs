@@ -8,6 +8,7 @@ pub const EARTH_GRAVITY: f64 = 9.81;
 /// How a scene is simulated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct Settings {
     /// The step a person asks for, s.
     pub dt: f64,
@@ -17,6 +18,8 @@ pub struct Settings {
     pub stepping: Stepping,
     /// How obstacles push back.
     pub contact: ContactRule,
+    /// Whether bodies meet each other.
+    pub body_contact: bool,
     /// Whether automatic stepping may hand a scene to the implicit integrator that it would have to divide too finely.
     pub allow_implicit: bool,
     /// Whether cells that are crushed or turned inside out are pushed back to shape.
@@ -35,6 +38,7 @@ impl Default for Settings {
             integrator: Integrator::SemiImplicit,
             stepping: Stepping::Auto,
             contact: ContactRule::Implicit,
+            body_contact: true,
             allow_implicit: true,
             inversion_recovery: true,
             sleeping: true,

@@ -37,7 +37,7 @@ impl Session {
             substeps: plan.substeps,
             particles: model.particle_count(),
             links,
-            contacts: self.report.last.contacts,
+            contacts: self.report.last.contacts + self.report.last.body_contacts,
             message: if self.too_slow.is_empty() { &self.notice } else { &self.too_slow }.clone(),
             failed: false,
             undo: self.history.undo_words().to_owned(),

@@ -19,6 +19,7 @@ impl Session {
         warnings.extend(never_stable(&self.scene().settings));
         warnings.extend(taken_over(&self.scene().settings, self.simulation().plan()));
         warnings.extend(small_obstacles(self.scene(), model));
+        warnings.extend(no_body_contact(&self.scene().settings, self.simulation().plan(), model));
         warnings.extend(overlaps(self.scene(), model, state));
         warnings.extend(unresolved(self.scene(), model, state));
         warnings
@@ -111,22 +112,37 @@ fn unresolved<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec
         .collect()
 }
 
-/// Pairs of bodies that are in each other's way: each by itself where there are few, their number otherwise.
+/// Bodies that are to meet each other but cannot with the scheme that was chosen.
+fn no_body_contact<R: Real>(settings: &Settings, plan: &Plan, model: &Model<R>) -> Option<String> {
+    let are_to_meet = model.bodies.iter().filter(|body| body.meets_others()).count() > 1;
+    (are_to_meet && plan.between_bodies.is_none()).then(|| {
+        format!(
+            "bodies pass through each other with {} in manual steps: automatic stepping leaves bodies that meet to {}",
+            settings.integrator.words(),
+            Integrator::SemiImplicit.words()
+        )
+    })
+}
+
+/// Pairs of bodies that are in each other's way and do not collide as one of them was told not to: each by itself where
+/// there are few, their number otherwise.
 fn overlaps<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<String> {
     const NAMED: usize = 3;
     // One that is gone is in nobody's way.
     let there = |(body, memory): (_, &BodyMemory)| if memory.gone { Aabb::empty() } else { bounds(body, state) };
     let boxes: Vec<Aabb<f64>> = model.bodies.iter().zip(&state.bodies).map(there).collect();
     let pairs = (1..boxes.len()).flat_map(|second| (0..second).map(move |first| [first, second]));
-    let met: Vec<[usize; 2]> = pairs.filter(|&[first, second]| boxes[first].overlaps(&boxes[second])).collect();
+    let is_let_through = |pair: &[usize; 2]| pair.iter().any(|body| !model.bodies[*body].meets_others());
+    let overlap = |&[first, second]: &[usize; 2]| boxes[first].overlaps(&boxes[second]);
+    let met: Vec<[usize; 2]> = pairs.filter(|pair| is_let_through(pair) && overlap(pair)).collect();
     let both = |pair: &[usize; 2]| pair.map(|index| named(&scene.bodies[index].name, "body", index)).join(" and ");
     match met.as_slice() {
         few if few.len() <= NAMED => {
-            let words = |pair| format!("{} are in each other's way: bodies do not collide with each other", both(pair));
+            let words = |pair| format!("{} are in each other's way, and their contact is switched off", both(pair));
             few.iter().map(words).collect()
         }
         many => vec![format!(
-            "{} pairs of bodies are in each other's way, {} among them: bodies do not collide with each other",
+            "{} pairs of bodies are in each other's way, {} among them, and their contact is switched off",
             many.len(),
             both(&many[0])
         )],
@@ -200,10 +216,29 @@ mod tests {
     }
 
     #[test]
-    fn bodies_in_one_place_say_that_they_do_not_collide() {
-        let said = warnings(|scene| scene.bodies.push(Body { name: "Twin".to_owned(), ..Body::default() }));
+    fn bodies_in_one_place_whose_contact_is_off_say_so() {
+        let twin = || Body { name: "Twin".to_owned(), collides: false, ..Body::default() };
+        let said = warnings(|scene| scene.bodies.push(twin()));
         assert!(said.len() == 1 && said[0].contains("body 1 and Twin"), "both are named: {said:?}");
-        let said = warnings(|scene| scene.bodies = vec![Body::default(); 20]);
+        let said = warnings(|scene| {
+            scene.bodies = vec![Body::default(); 20];
+            scene.settings.body_contact = false;
+        });
         assert!(said.len() == 1 && said[0].contains("190 pairs of bodies"), "a crowd is counted: {said:?}");
+        let said = warnings(|scene| scene.bodies.push(Body::default()));
+        assert_eq!(said, Vec::<String>::new(), "they collide");
+    }
+
+    #[test]
+    fn bodies_that_a_scheme_lets_pass_say_so() {
+        let by_hand = |scene: &mut Scene| {
+            (scene.settings.stepping, scene.settings.integrator) = (Stepping::Manual, Integrator::Implicit);
+        };
+        let said = warnings(|scene| {
+            scene.bodies.push(Body::default());
+            by_hand(scene);
+        });
+        assert!(said.len() == 1 && said[0].contains("pass through each other with implicit Euler"), "{said:?}");
+        assert_eq!(warnings(by_hand), Vec::<String>::new(), "one body meets none");
     }
 }

@@ -1,6 +1,7 @@
 //! The physics against analytic values, conservation laws and its own promises. Needs no GPU and no window.
 
 mod analytic;
+mod bodies;
 mod bounds;
 mod cantilever;
 mod contact;

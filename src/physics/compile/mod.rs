@@ -17,7 +17,9 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 use thiserror::Error;
 
-use super::model::{BodyModel, ContactModel, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel, Values};
+use super::model::{
+    AmongBodies, BodyModel, ContactModel, Hull, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel, Values,
+};
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
 use crate::physics::kernels::{BoxedLinks, Layout};
@@ -171,6 +173,8 @@ fn compile_body<R: Real>(
     );
     let boxed_links = layout.map(|layout| BoxedLinks::new(layout, lattice, &links));
     let load = heaviest_load(lattice) * heaviest * gravity;
+    let meets_others = scene.settings.body_contact && body.collides && scene.bodies.len() > 1;
+    let known_hull = known.and_then(|body| body.among_bodies.hull.clone());
     let [recovery_stiffness, recovery_mass] = match &body.material {
         _ if !scene.settings.inversion_recovery => [0.0, particle_mass],
         Material::Springs(springs) => recovery::of_springs(springs, lattice),
@@ -197,6 +201,12 @@ fn compile_body<R: Real>(
             .iter()
             .map(|obstacle| contact(obstacle, heaviest, size, load, lattice.grid.cell_size))
             .collect(),
+        among_bodies: AmongBodies {
+            hull: meets_others.then(|| known_hull.unwrap_or_else(|| Arc::new(Hull::new(lattice)))),
+            friction: [body.friction_static, body.friction_dynamic],
+            heaviest,
+            load,
+        },
     }
 }
 

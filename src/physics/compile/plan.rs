@@ -5,7 +5,7 @@ use crate::math::{FRAME_SECS, Real};
 use crate::physics::compile::scheme_cost;
 use crate::physics::kernels::SimdLevel;
 use crate::physics::limits::{SceneLimits, any_state};
-use crate::physics::model::plan::{MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SchemeCost, StageRates};
+use crate::physics::model::plan::{BodyContactPlan, MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SchemeCost, StageRates};
 use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
 use crate::physics::{share, team};
 use crate::scene::Settings;
@@ -79,6 +79,13 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
         recovery: model.bodies.iter().any(|body| body.recovery.stiffness > R::ZERO),
         contact,
+        between_bodies: between_bodies(
+            model,
+            &semi_implicit,
+            scheme,
+            dt_secs * f64::from(span) / f64::from(substeps),
+            divided,
+        ),
         contact_rule,
         pressing_force: true,
         watched: !divided,
@@ -97,6 +104,35 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let share = (MOST_WORK_A_FRAME as f64 * secs / FRAME_SECS) as u64;
     let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len() as u64);
     Plan { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
+}
+
+/// How substeps of `secs` are taken in which bodies come near each other. Contact between bodies is an impulse on predicted
+/// velocities: the schemes that have no place for it leave such substeps to the default one, in parts, where steps are
+/// `divided`; where they are not, nothing meets.
+fn between_bodies<R: Real>(
+    model: &Model<R>,
+    semi_implicit: &SceneLimits,
+    scheme: Scheme,
+    secs: f64,
+    divided: bool,
+) -> Option<BodyContactPlan> {
+    if model.bodies.iter().filter(|body| body.among_bodies.hull.is_some()).count() < 2 {
+        return None;
+    }
+    let has_place = !matches!(scheme, Scheme::Implicit | Scheme::Stabilised);
+    if has_place {
+        let strained_parts = if divided { any_state::parts(model, scheme, secs) } else { 1 };
+        return Some(BodyContactPlan { scheme, parts: 1, strained_parts });
+    }
+    if !divided {
+        return None;
+    }
+    let parts = semi_implicit.dt_safe_secs.map_or(1.0, |safe| (secs / safe).max(1.0));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from one up, saturating")]
+    let parts = libm::ceil(parts) as u32;
+    let scheme = Scheme::SemiImplicit;
+    let strained_parts = parts.saturating_mul(any_state::parts(model, scheme, secs / f64::from(parts)));
+    Some(BodyContactPlan { scheme, parts, strained_parts })
 }
 
 /// How a whole step is divided into substeps, or a substep covers several.

@@ -6,13 +6,14 @@
 //! response      a stiff, critically damped spring taken implicitly, then Coulomb friction (response)
 //! ```
 //!
-//! Particles do not meet each other. What several obstacles do to one particle is found together (`gauss_seidel`), and
-//! it is brought to a velocity that none of them forbids.
+//! What several obstacles do to one particle is found together (`gauss_seidel`), and it is brought to a velocity that none
+//! of them forbids. Bodies meet each other before that: see [`bodies`].
 
 mod account;
 mod approach;
 pub(super) mod arrive;
 mod between;
+pub(super) mod bodies;
 mod broad;
 mod candidate;
 mod constraint;
@@ -30,6 +31,8 @@ pub(super) mod thesis;
 mod way_out;
 mod workspace;
 
+pub(super) use bodies::BodiesWorkspace;
+pub use bodies::BodyContact;
 pub(super) use candidate::{respond, respond_to_paths};
 pub(super) use constraint::ContactConstraint;
 pub(super) use held::limit_depths;

@@ -183,6 +183,7 @@ mod tests {
             dt,
             scheme: Scheme::Implicit,
             is_strained: false,
+            bodies_are_near: false,
             grab: None,
         };
         let mut workspace = ContactWorkspace::new(model, plan);

@@ -1,5 +1,6 @@
 //! What contact found in a substep, and the workspace it was found in.
 
+use super::bodies::BodiesWorkspace;
 use super::broad::Near;
 use super::constraint::ContactConstraint;
 use super::record::ContactRecord;
@@ -26,6 +27,8 @@ pub(crate) struct ContactWorkspace<R: Real> {
     pub(super) touching: Vec<bool>,
     /// What the implicit integrator solves for, by particle.
     pub(in crate::physics) constraints: Vec<ContactConstraint>,
+    /// What contact between bodies works in, and what it found.
+    pub(in crate::physics) bodies: BodiesWorkspace<R>,
 }
 
 impl<R: Real> ContactWorkspace<R> {
@@ -41,6 +44,7 @@ impl<R: Real> ContactWorkspace<R> {
             contacts: Vec::with_capacity(pairs),
             touching: vec![true; model.bodies.len() * model.obstacles.len()],
             constraints: Vec::with_capacity(solved_for),
+            bodies: BodiesWorkspace::new(model, plan),
         }
     }
 
@@ -92,6 +96,7 @@ impl<R: Real> ContactWorkspace<R> {
     /// Tells of the contacts that bodies keep in their sleep.
     pub(in crate::physics) fn report_kept(&self, recorder: &mut Recorder<'_>) {
         recorder.last.contacts = self.pushing();
+        recorder.last.body_contacts = self.bodies.pushing();
         recorder.note_depth(self.deepest().to_f64());
     }
 

@@ -1,12 +1,14 @@
 //! The constant side of a scene: particles, links and obstacles with their numbers, ready for the step. It lives from
 //! one compilation to the next; live parameter changes replace it and keep the [`super::State`].
 
+mod hull;
 pub(in crate::physics) mod link;
 pub(in crate::physics) mod plan;
 mod scheme;
 
 pub use scheme::Scheme;
 
+pub(in crate::physics) use hull::Hull;
 pub(in crate::physics) use link::LinkConstants;
 pub use link::{Link, LinkFamily};
 
@@ -94,6 +96,21 @@ pub struct BodyModel<R: Real> {
     pub recovery: RecoveryModel<R>,
     /// How it meets each obstacle, in the obstacles' order.
     pub contacts: Vec<ContactModel<R>>,
+    /// How it meets other bodies.
+    pub(in crate::physics) among_bodies: AmongBodies,
+}
+
+/// How a body meets others.
+#[derive(Clone, Debug)]
+pub(in crate::physics) struct AmongBodies {
+    /// What it shows to others; none where it meets none.
+    pub(in crate::physics) hull: Option<Arc<Hull>>,
+    /// Coulomb's coefficients, at rest and sliding; of two bodies their geometric means count.
+    pub(in crate::physics) friction: [f64; 2],
+    /// Mass of its heaviest particle, kg.
+    pub(in crate::physics) heaviest: f64,
+    /// What one particle on its outside may have to carry of its weight at rest, N.
+    pub(in crate::physics) load: f64,
 }
 
 impl<R: Real> BodyModel<R> {
@@ -120,6 +137,11 @@ impl<R: Real> BodyModel<R> {
             Values::Uniform(mass) => *mass,
             Values::Each(masses) => masses.iter().copied().fold(self.particle_mass, R::min),
         }
+    }
+
+    /// Whether it is to meet other bodies.
+    pub fn meets_others(&self) -> bool {
+        self.among_bodies.hull.is_some()
     }
 
     /// The inverse of a particle's mass (local number), 1/kg.

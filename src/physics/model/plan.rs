@@ -99,6 +99,18 @@ impl StageRates {
     }
 }
 
+/// How substeps are taken in which bodies come near each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BodyContactPlan {
+    /// What takes them: contact between bodies is an impulse on the velocities that forces predict, which the implicit and the
+    /// stabilised scheme have no place for.
+    pub scheme: Scheme,
+    /// Parts that they are divided into for that, at least.
+    pub parts: u32,
+    /// The same while a body is strained.
+    pub strained_parts: u32,
+}
+
 /// What a step does for one scene.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a stage that runs or does not, and any mixture is a plan")]
@@ -141,6 +153,8 @@ pub struct Plan {
     pub recovery: bool,
     /// Whether anything can be met.
     pub contact: bool,
+    /// How bodies meet each other; none where they do not.
+    pub between_bodies: Option<BodyContactPlan>,
     /// Whether any obstacle is a sphere.
     pub spheres: bool,
     /// Whether any obstacle rubs.
@@ -163,6 +177,11 @@ impl Plan {
     /// The step in use, s.
     pub fn substep_secs(&self) -> f64 {
         self.dt_secs * f64::from(self.span) / f64::from(self.substeps)
+    }
+
+    /// Whether substeps are divided until they are stable.
+    pub fn is_divided(&self) -> bool {
+        !self.watched
     }
 
     /// The longest substep that automatic stepping takes with the explicit scheme in use, or with the one that was asked
@@ -204,6 +223,11 @@ impl Plan {
         };
         leave_out(!self.recovery, "recovery from inversion", "it is switched off, or no link has a stiffness");
         leave_out(!self.contact, "contact", "there is no obstacle, or no body");
+        leave_out(
+            self.between_bodies.is_none(),
+            "contact between bodies",
+            "there is one body only, it is switched off, or the scheme cannot",
+        );
         leave_out(self.contact && !self.spheres, "sphere contact", "there is no sphere");
         leave_out(self.contact && !self.friction, "friction", "all its coefficients are zero");
         leave_out(!self.sleeping, "sleeping", "it is switched off");
@@ -217,8 +241,8 @@ impl Plan {
             Stage::Gravity | Stage::Integrate => true,
             Stage::Links => self.families.contains(&true),
             Stage::Recovery => self.recovery,
-            Stage::BroadPhase => self.contact && self.broad_phase,
-            Stage::Contact => self.contact,
+            Stage::BroadPhase => self.contact && self.broad_phase || self.between_bodies.is_some(),
+            Stage::Contact => self.contact || self.between_bodies.is_some(),
             Stage::Rest => self.sleeping,
         }
     }

@@ -7,7 +7,8 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::contact::{ContactRecord, Placed};
+use crate::physics::contact::bodies::PairLaw;
+use crate::physics::contact::{self, BodyContact, ContactRecord, Placed};
 use crate::physics::forces;
 use crate::physics::forces::recovery;
 use crate::physics::model::Scheme;
@@ -18,7 +19,7 @@ use crate::physics::schemes;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Part;
 use crate::physics::step::{Ending, Inputs, StepWorkspace, substep};
-use crate::physics::stepping::strain;
+use crate::physics::stepping;
 
 /// So little of a substep that nothing moves in it.
 const INSTANT: f64 = 1e-6;
@@ -110,6 +111,7 @@ struct Ahead<'a, R: Real> {
     state: &'a State<R>,
     next: State<R>,
     contacts: Vec<ContactRecord<R>>,
+    body_contacts: Vec<BodyContact>,
     /// Whether the velocities of the state are those at its time.
     is_on_time: bool,
     /// The share of the change of velocity that is over at the state's time.
@@ -123,21 +125,26 @@ impl<'a, R: Real> Ahead<'a, R> {
         // A sleeping body's contacts are found, too.
         next.bodies.iter_mut().for_each(BodyMemory::wake);
         let is_on_time = schemes::is_on_time(plan, state);
+        let mut workspace;
         let (way, part) = if is_on_time {
             // Only what touches is asked for: any scheme finds it, at the least cost.
             let whole = Part::one_of(plan, 1);
             let way = Plan { scheme: Scheme::SemiImplicit, halvings: 0, ..plan.clone() };
+            workspace = StepWorkspace::new(model, &way);
             (Cow::Owned(way), Part { secs: whole.secs * INSTANT, scheme: Scheme::SemiImplicit, ..whole })
         } else {
-            (Cow::Borrowed(plan), Part::one_of(plan, strain::parts_now(model, plan, &mut next)))
+            workspace = StepWorkspace::new(model, plan);
+            let parts = stepping::parts_now(model, plan, &mut next, &mut workspace.contact.bodies);
+            (Cow::Borrowed(plan), Part::one_of(plan, parts))
         };
         let obstacles = Placed::now(model, state);
         let inputs = Inputs { obstacles: &obstacles, grab: None };
-        let (timer, mut workspace) = (&mut (), StepWorkspace::new(model, &way));
+        let timer = &mut ();
         let ending = substep(model, &way, part, inputs, &mut next, &mut workspace, &mut Recorder::new(timer));
         let share = schemes::share_to_center(state, &next);
         let is_on_time = is_on_time || ending == Ending::Diverged;
-        Self { model, state, next, contacts: workspace.contact.contacts, is_on_time, share }
+        let contact::ContactWorkspace { contacts, bodies, .. } = workspace.contact;
+        Self { model, state, next, contacts, body_contacts: bodies.contacts, is_on_time, share }
     }
 
     fn centred_velocity(&self, particle: usize, asleep: bool) -> DVec3 {
@@ -206,6 +213,12 @@ impl<'a, R: Real> Ahead<'a, R> {
                 continue;
             };
             sum.energy.contact += body.contacts[contact.obstacle].to_f64().energy(-contact.gap.to_f64());
+        }
+        for contact in &self.body_contacts {
+            // Of one body among others that whose point is inside another.
+            if bodies.contains(&contact.bodies[0]) {
+                sum.energy.contact += PairLaw::of(model, contact.bodies).energy(-contact.gap);
+            }
         }
         sum.finite &= sum.energy.total().is_finite() && sum.momentum.is_finite() && sum.center.is_finite();
         sum

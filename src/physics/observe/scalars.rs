@@ -17,7 +17,7 @@ pub enum Quantity {
     Strain,
     /// m/s.
     Speed,
-    /// The magnitude of the force of obstacles, N.
+    /// The magnitude of the force of obstacles and of other bodies, N.
     ContactForce,
 }
 
@@ -33,9 +33,7 @@ impl<R: Real> Simulation<R> {
             Quantity::Speed => state.velocity.iter().map(|v| v.length()).collect(),
             Quantity::ContactForce => {
                 let mut force = vec![R::Vec3::ZERO; state.position.len()];
-                for contact in self.contacts() {
-                    force[contact.particle] += contact.force;
-                }
+                self.add_contact_forces(&mut force);
                 force.into_iter().map(Vector::length).collect()
             }
         };
@@ -52,10 +50,21 @@ impl<R: Real> Simulation<R> {
                 force[particle] += model.gravity * body.mass(local);
             }
         }
+        self.add_contact_forces(&mut force);
+        force
+    }
+
+    /// The forces of obstacles, and of bodies on each other, N.
+    fn add_contact_forces(&self, force: &mut [R::Vec3]) {
         for contact in self.contacts() {
             force[contact.particle] += contact.force;
         }
-        force
+        for contact in self.body_contacts() {
+            force[contact.particle] += R::Vec3::from_dvec3(contact.force);
+            for (carrier, weight) in contact.carriers.into_iter().zip(contact.weights) {
+                force[carrier] -= R::Vec3::from_dvec3(contact.force * weight);
+            }
+        }
     }
 
     /// The largest magnitude of strain among each particle's links, %.

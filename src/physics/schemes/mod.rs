@@ -78,8 +78,10 @@ impl<R: Real> Stepper<'_, R> {
     }
 
     /// Goes through the substep once more for the schemes that move particles by another velocity than that at its end:
-    /// writes both. What changed the predicted velocities on the way goes on as a constant force.
-    pub(super) fn refine(&mut self, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
+    /// writes both. What changed the predicted velocities on the way goes on as a constant force. A particle that was pushed
+    /// keeps the velocity that this gave it, unless it is one that other bodies alone have `moved`: their contact gives as
+    /// much as it takes, and so must what comes of it.
+    pub(super) fn refine(&mut self, velocity: &mut [R::Vec3], moved: &[(usize, R::Vec3)], recorder: &mut Recorder<'_>) {
         if self.substep.scheme == Scheme::Stabilised {
             stabilised::refine(self, velocity, recorder);
             return;
@@ -92,6 +94,14 @@ impl<R: Real> Stepper<'_, R> {
             Scheme::Rk2 => rk2::refine(self, velocity, recorder),
             Scheme::Rk4 => rk4::refine(self, velocity, recorder),
             _ => {}
+        }
+        if self.substep.scheme != Scheme::Explicit {
+            let SchemeWorkspace { predicted, after_contact, .. } = &mut *self.workspace;
+            for &(particle, after) in moved {
+                if after_contact[particle] == after {
+                    after_contact[particle] = predicted[particle];
+                }
+            }
         }
         let SchemeWorkspace { path: Some(path), predicted, after_contact, .. } = self.workspace else { return };
         if self.substep.scheme == Scheme::Explicit {

@@ -4,7 +4,7 @@
 //! still    for 0.5 s no particle was faster than 1e-3 body sizes a second
 //! at rest  still, and none is further than 1e-5 body sizes from where it was then, nor than 1 % of a free fall
 //! asleep   velocities are zero; no forces, no contact, no motion; its contacts stay known to be shown
-//! awake    by a hand, new parameters, settings or obstacles, a throw, another place or another motion; never a body that
+//! awake    by a body that comes near, a hand, new parameters, settings or obstacles, a throw, another place or another motion; never a body that
 //!          has fallen out of the scene
 //! ```
 //!
@@ -53,8 +53,15 @@ pub(in crate::physics) fn is_quiet<R: Real>(state: &State<R>) -> bool {
     !state.bodies.is_empty() && state.bodies.iter().all(|memory| memory.asleep)
 }
 
-/// Lets every body fall asleep that has been at rest for long enough, after a substep; never one that is `held`.
-pub(in crate::physics) fn watch<R: Real>(model: &Model<R>, plan: &Plan, held: Option<usize>, state: &mut State<R>) {
+/// Lets every body fall asleep that has been at rest for long enough, after a substep; never one that is `held`, nor one
+/// that is `touching` another that has not: what touches falls asleep together.
+pub(in crate::physics) fn watch<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    held: Option<usize>,
+    touching: &(impl Iterator<Item = [usize; 2]> + Clone),
+    state: &mut State<R>,
+) {
     let substeps_in = |secs: f64| looks::substeps_in(plan, secs, libm::ceil);
     let (long_enough, between_looks) = (substeps_in(STILL_SECS), substeps_in(LOOK_SECS));
     for (number, body) in model.bodies.iter().enumerate() {
@@ -77,10 +84,40 @@ pub(in crate::physics) fn watch<R: Real>(model: &Model<R>, plan: &Plan, held: Op
             state.anchor[own.clone()].copy_from_slice(&state.position[own]);
             state.bodies[number].still_substeps = 1;
         } else if done {
-            state.bodies[number].asleep = true;
-            state.velocity[own].fill(R::Vec3::ZERO);
+            // Ready; unless it waits for another, it sleeps below.
+            state.bodies[number].still_substeps = long_enough + 1;
         } else {
             state.bodies[number].still_substeps += 1;
+        }
+    }
+    wait_for_others(long_enough, touching, state);
+    for (body, memory) in model.bodies.iter().zip(&mut state.bodies) {
+        if !memory.asleep && memory.still_substeps > long_enough {
+            (memory.asleep, memory.still_substeps) = (true, long_enough);
+            state.velocity[body.particles.clone()].fill(R::Vec3::ZERO);
+        }
+    }
+}
+
+/// Holds bodies back that are ready to sleep where they are pressed by one that is not, and so on.
+fn wait_for_others<R: Real>(
+    long_enough: u64,
+    touching: &(impl Iterator<Item = [usize; 2]> + Clone),
+    state: &mut State<R>,
+) {
+    loop {
+        let mut has_changed = false;
+        for [one, other] in touching.clone() {
+            for [body, other] in [[one, other], [other, one]] {
+                let is_up = !state.bodies[other].asleep && state.bodies[other].still_substeps <= long_enough;
+                let memory = &mut state.bodies[body];
+                if is_up && !memory.asleep && memory.still_substeps > long_enough {
+                    (memory.still_substeps, has_changed) = (long_enough, true);
+                }
+            }
+        }
+        if !has_changed {
+            return;
         }
     }
 }

@@ -4,6 +4,7 @@
 //! forces   F  = m g + Σ links + Σ cells near inversion
 //! predict  v* = v + dt F/m
 //! pull     v* of a grabbed point's particles   (an implicit spring)
+//! bodies   v* of those that meet each other (implicit penalty and friction, the same on both)
 //! contact  v* → v'   (implicit penalty and friction; the thesis rule adds to F before the prediction)
 //! refine   v' and the mean velocity u, where the scheme has one, with more forces on the way
 //! move     x += dt v'   (or dt u)
@@ -151,8 +152,8 @@ pub(super) fn substep<R: Real>(
         recovery::look(model, state, part.secs, recorder);
     }
     let dt = R::from_f64(part.secs);
-    let Part { scheme, is_strained, .. } = part;
-    let begun = Substep { model, plan, state, obstacles, dt, scheme, is_strained, grab };
+    let Part { scheme, is_strained, bodies_are_near, .. } = part;
+    let begun = Substep { model, plan, state, obstacles, dt, scheme, is_strained, bodies_are_near, grab };
     let prediction = find_forces(begun, workspace, recorder);
     let is_found = find_velocities(begun, part.gain, prediction, workspace, recorder);
     let is_sound = is_found && is_sound(begun, prediction, workspace);
@@ -177,7 +178,7 @@ pub(super) fn substep<R: Real>(
     if plan.sleeping && part.is_last {
         recorder.enter(Stage::Rest);
         fallen::watch(model, state);
-        sleep::watch(model, plan, grab.map(|grab| grab.body), state);
+        sleep::watch(model, plan, grab.map(|grab| grab.body), &workspace.contact.bodies.touching(), state);
     }
     recorder.took(part.secs, sleep::asleep(state));
     Ending::Taken
@@ -262,7 +263,9 @@ fn is_sound<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &
     }
     if prediction == (Prediction::Made { is_finite: true }) && begun.grab.is_none() {
         // Contact alone has changed any of them since.
-        let mut met = contact.contacts.iter().map(|contact| contact.particle);
+        let between_bodies = contact.bodies.contacts.iter();
+        let between_bodies = between_bodies.flat_map(|met| met.carriers.into_iter().chain([met.particle]));
+        let mut met = contact.contacts.iter().map(|contact| contact.particle).chain(between_bodies);
         return met.all(|p| (begun.state.position[p] + velocity[p] * begun.dt).is_finite());
     }
     stays_finite(begun, moving) && (scheme.path.is_none() || stays_finite(begun, velocity))
@@ -325,6 +328,14 @@ fn predicted_velocities<R: Real>(
     if let Some(grab) = begun.grab {
         pull::pull(begun, grab, velocity);
     }
+    if begun.bodies_are_near {
+        contact::bodies::meet(begun, velocity, &mut contact.bodies, recorder);
+        recorder.enter(Stage::Integrate);
+    } else {
+        contact.bodies.keep_of_sleepers(begun.state);
+        recorder.last.body_contacts = contact.bodies.pushing();
+        recorder.note_depth_between_bodies(0.0);
+    }
     if meets_implicitly(begun.plan) {
         contact::respond(begun, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
@@ -332,8 +343,13 @@ fn predicted_velocities<R: Real>(
     if begun.scheme == Scheme::Stabilised {
         contact.hold(begun, stepper.force, velocity, &mut stepper.workspace.stages.held);
     }
-    stepper.refine(velocity, recorder);
-    if let Some(path) = &mut workspace.scheme.path
+    stepper.refine(velocity, &contact.bodies.moved, recorder);
+    if !schemes::moves_by_mean(begun.scheme) {
+        // Another scheme takes a part of the plan's.
+        if let Some(path) = &mut workspace.scheme.path {
+            path.copy_from_slice(&workspace.velocity);
+        }
+    } else if let Some(path) = &mut workspace.scheme.path
         && meets_implicitly(begun.plan)
     {
         if begun.scheme == Scheme::Stabilised {

@@ -23,6 +23,8 @@ pub(in crate::physics) struct Substep<'a, R: Real> {
     pub(in crate::physics) scheme: Scheme,
     /// Whether a body is strained, so that it is taken in parts.
     pub(in crate::physics) is_strained: bool,
+    /// Whether bodies come near each other in it.
+    pub(in crate::physics) bodies_are_near: bool,
     /// A hand that pulls.
     pub(in crate::physics) grab: Option<&'a Grab<R>>,
 }
@@ -57,6 +59,7 @@ impl<R: Real> Substep<'_, R> {
 
 /// The stretch of time that one evaluation of a scheme covers: a substep or a part of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a fact about it, and any mixture may be")]
 pub(in crate::physics) struct Part {
     /// Its length, s.
     pub(in crate::physics) secs: f64,
@@ -64,6 +67,8 @@ pub(in crate::physics) struct Part {
     pub(in crate::physics) scheme: Scheme,
     /// Whether it is one of several because a body is strained.
     pub(in crate::physics) is_strained: bool,
+    /// Whether bodies come near each other in it.
+    pub(in crate::physics) bodies_are_near: bool,
     /// What becomes of it where the implicit scheme would give energy from nowhere.
     pub(in crate::physics) gain: Gain,
     /// Whether the substep begins with it: what is under way is not given up.
@@ -88,6 +93,7 @@ impl Part {
     pub(in crate::physics) fn one_of(plan: &Plan, parts: u32) -> Self {
         let secs = plan.substep_secs() / f64::from(parts);
         let is_strained = parts > 1;
-        Self { secs, scheme: plan.scheme, is_strained, gain: Gain::Take, is_first: true, is_last: true }
+        let (scheme, bodies_are_near) = (plan.scheme, plan.between_bodies.is_some());
+        Self { secs, scheme, is_strained, bodies_are_near, gain: Gain::Take, is_first: true, is_last: true }
     }
 }

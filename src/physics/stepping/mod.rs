@@ -3,7 +3,8 @@
 //!
 //! ```text
 //! step       one dt: `Plan::substeps` substeps, as many as the bound of the scheme asks for at rest
-//! substep    whole; or in `Plan::parts` equal parts while links are strained (strain)
+//! substep    whole; or in `Plan::parts` equal parts while links are strained (strain), and in as many as bodies need that
+//!            come near each other, by a scheme that has a place for their contact (`Plan::between_bodies`)
 //! part       with the implicit scheme it may be refused, as its linear equations would give energy from nowhere: it is
 //!            halved then, down to what an explicit scheme can take, which takes the smallest where that is refused too
 //! work       past `Plan::most_work` nothing is halved any more: parts are as long as the grid of halves allows, and
@@ -15,7 +16,7 @@
 pub(in crate::physics) mod looks;
 pub(in crate::physics) mod strain;
 
-use super::contact::{Placed, arrive, sweep};
+use super::contact::{BodiesWorkspace, Placed, arrive, bodies, sweep};
 use super::interaction::Grab;
 use super::model::plan::{MOST_HALVINGS, Plan};
 use super::model::{Model, Scheme};
@@ -37,7 +38,7 @@ pub(super) fn advance<R: Real>(
     timer: &mut dyn StageTimer,
 ) -> StepReport {
     let mut recorder = Recorder::new(timer);
-    let mut division = Division::of(model, plan, state);
+    let mut division = Division::of(model, plan, state, &mut workspace.contact.bodies);
     let mut ending = Ending::Taken;
     while let Some(part) = division.next(plan, state, &mut recorder.counters) {
         obstacles.place(model, state, part.secs);
@@ -62,21 +63,39 @@ pub(super) fn advance<R: Real>(
     recorder.leave(ending == Ending::Diverged)
 }
 
+/// Into how many parts the coming substep is divided, before any is halved.
+pub(in crate::physics) fn parts_now<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    state: &mut State<R>,
+    workspace: &mut BodiesWorkspace<R>,
+) -> u32 {
+    Division::of(model, plan, state, workspace).parts
+}
+
 /// A substep in the parts that it is taken in: those that the strain of bodies asks for, or the next of the parts that it
 /// was halved into.
 #[derive(Clone, Copy, Debug)]
 struct Division {
     parts: u32,
     left: u32,
+    /// What takes them.
+    scheme: Scheme,
+    /// Whether bodies come near each other.
+    bodies_are_near: bool,
     /// Whether the smallest part was refused, so that the explicit scheme takes it.
     is_explicit: bool,
 }
 
 impl Division {
     /// Of the coming substep.
-    fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> Self {
-        let parts = strain::parts_now(model, plan, state);
-        Self { parts, left: parts, is_explicit: false }
+    fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>, workspace: &mut BodiesWorkspace<R>) -> Self {
+        let near = bodies::parts(model, plan, state, &mut workspace.motions);
+        let met = plan.between_bodies.filter(|_| near.is_some());
+        let while_strained = met.filter(|_| plan.is_divided()).map_or(plan.parts, |met| met.strained_parts);
+        let parts = strain::parts_now(model, plan, while_strained, state).max(near.unwrap_or(1));
+        let scheme = met.map_or(plan.scheme, |met| met.scheme);
+        Self { parts, left: parts, scheme, bodies_are_near: near.is_some(), is_explicit: false }
     }
 
     /// The part that comes next; none where all are taken.
@@ -93,7 +112,7 @@ impl Division {
         }
         let length = state.next_length();
         let whole = 1_u64 << MOST_HALVINGS;
-        let is_checked = plan.halvings > 0 && !self.is_explicit;
+        let is_checked = plan.halvings > 0 && !self.is_explicit && self.scheme == Scheme::Implicit;
         let can_be_refused = state.halvings < plan.halvings || plan.ends_explicitly;
         let gain = match () {
             () if is_checked && state.work == SPENT => Gain::Slow,
@@ -102,8 +121,9 @@ impl Division {
         };
         Some(Part {
             secs: plan.substep_secs() / f64::from(self.parts) * (length as f64 / whole as f64),
-            scheme: if self.is_explicit { Scheme::SemiImplicit } else { plan.scheme },
+            scheme: if self.is_explicit { Scheme::SemiImplicit } else { self.scheme },
             is_strained: self.parts > 1,
+            bodies_are_near: self.bodies_are_near,
             gain,
             is_first: self.left == self.parts,
             is_last: self.left == 1 && state.part + length == whole,
@@ -112,7 +132,7 @@ impl Division {
 
     /// The part was taken.
     fn take(&mut self) {
-        *self = Self { parts: self.parts, left: self.left - 1, is_explicit: false };
+        (self.left, self.is_explicit) = (self.left - 1, false);
     }
 
     /// The part was refused: it is halved, or left to the explicit scheme.

@@ -32,9 +32,14 @@ const CALM_SUBSTEPS: u64 = 100;
 const MOST_WAY: f64 = 0.5;
 
 /// Looks at the links where it is due, as they are and as they would be after the substep, and tells into how many parts
-/// the coming substep is divided.
-pub(in crate::physics) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> u32 {
-    if plan.parts == 0 {
+/// the coming substep is divided: one, or these at least while a body is strained. None at all where nothing is looked at.
+pub(in crate::physics) fn parts_now<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    while_strained: u32,
+    state: &mut State<R>,
+) -> u32 {
+    if while_strained == 0 {
         return 1;
     }
     let mut by_way = 1;
@@ -47,7 +52,7 @@ pub(in crate::physics) fn parts_now<R: Real>(model: &Model<R>, plan: &Plan, stat
     };
     let mut bodies = model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep);
     let is_strained = bodies.any(|(body, memory)| memory.strained || is_crushed(body, memory));
-    if is_strained { plan.parts.max(by_way) } else { 1 }
+    if is_strained { while_strained.max(by_way) } else { 1 }
 }
 
 /// Looks at the links, and tells into how many parts a substep has to be divided for the ways that those of strained bodies

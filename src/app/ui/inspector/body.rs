@@ -4,9 +4,10 @@ use egui::{Button, ComboBox, Response, RichText, Ui, vec2};
 
 use super::material::material_ui;
 use super::section::section_ui;
+use super::settings::flag_ui;
 use crate::app::ui::figure::{figure, fixed_figure};
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{AXES, LABEL_WIDTH, field_ui, vector_ui};
+use crate::app::ui::value::{AXES, LABEL_WIDTH, field_ui, slider_ui, vector_ui};
 use crate::app::ui::{Running, UiState, edits, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::{Body, Shape, Skin};
@@ -17,7 +18,22 @@ pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut
     let Some(body) = running.scene.bodies.get(id.0) else { return };
     section_ui(ui, "Material", true, |ui| material_ui(ui, id, running, state, commands));
     section_ui(ui, "Place", true, |ui| place_ui(ui, id, body, running.status.bodies.get(id.0), state, commands));
+    section_ui(ui, "Contact", false, |ui| contact_ui(ui, id, body, commands));
     section_ui(ui, "Shape", true, |ui| shape_ui(ui, id, body, running.status.bodies.get(id.0), commands));
+}
+
+/// How it meets other bodies.
+fn contact_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
+    let path = |what: &str| format!("bodies.{}.{what}", id.0);
+    let mut changed = body.clone();
+    if flag_ui(ui, &path("collides"), "Collides with bodies", &mut changed.collides) {
+        commands.extend(edits::alone(Edit::Body(id, Box::new(changed))));
+        return;
+    }
+    let at_rest = slider_ui(ui, &path("friction_static"), "Friction at rest", &mut changed.friction_static, None);
+    let mut interaction = at_rest;
+    interaction.and(slider_ui(ui, &path("friction_dynamic"), "Sliding", &mut changed.friction_dynamic, None));
+    interaction.send(|| Edit::Body(id, Box::new(changed)), commands);
 }
 
 fn place_ui(

@@ -44,6 +44,7 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
         }
         let mut settings = old.clone();
         let mut changed = flag_ui(ui, "settings.allow_implicit", "Implicit where stiff", &mut settings.allow_implicit);
+        changed |= flag_ui(ui, "settings.body_contact", "Bodies collide", &mut settings.body_contact);
         changed |= flag_ui(ui, "settings.sleeping", "Sleep at rest", &mut settings.sleeping);
         changed |=
             flag_ui(ui, "settings.inversion_recovery", "Turn crushed cells back", &mut settings.inversion_recovery);
@@ -72,7 +73,7 @@ fn limit_words(status: &Status) -> String {
 }
 
 /// A parameter that is on or off. Says whether it was changed.
-fn flag_ui(ui: &mut Ui, path: &str, label: &str, on: &mut bool) -> bool {
+pub(super) fn flag_ui(ui: &mut Ui, path: &str, label: &str, on: &mut bool) -> bool {
     let response = ui.checkbox(on, label);
     let changed = response.changed();
     if let Some(param) = param::find(path) {

@@ -1,0 +1,136 @@
+//! Points sorted into a uniform grid, so that a cell looks at those near it only.
+
+use glam::DVec3;
+
+use crate::math::Aabb;
+
+/// No place in a list.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A point of one body that may be inside another, and the cell of that which holds it best so far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    /// The point's place on the hull of its body.
+    pub(super) point: u32,
+    /// Where it would be at the end of the substep, m.
+    pub(super) ahead: DVec3,
+    /// The cell; none yet where it is [`NONE`].
+    pub(super) cell: u32,
+    /// The point's place in it.
+    pub(super) at: DVec3,
+    /// How far outside it that is, in cells.
+    pub(super) outside: f64,
+}
+
+/// Most buckets: an array that stays near the processor.
+const MOST: usize = 1 << 13;
+
+/// Points by the bucket they are in, ascending in each.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Buckets {
+    low: DVec3,
+    per_metre: f64,
+    dims: [usize; 3],
+    /// Where each bucket begins in `order`, and where the last ends.
+    starts: Vec<u32>,
+    order: Vec<usize>,
+}
+
+impl Buckets {
+    /// Room for so many points.
+    pub(super) fn new(points: usize) -> Self {
+        Self { starts: Vec::with_capacity(MOST + 1), order: Vec::with_capacity(points), ..Self::default() }
+    }
+
+    /// Sorts points that are in a box into buckets as large as cells of `cell_size` (m), or larger where these were too many.
+    pub(super) fn sort(&mut self, seen: &[Seen], bounds: &Aabb<f64>, cell_size: f64) {
+        let (extent, mut size) = (bounds.max - bounds.min, cell_size);
+        loop {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero up, saturating")]
+            let dims = (extent / size).to_array().map(|count| (count as usize).saturating_add(1));
+            let all = dims.iter().fold(1_usize, |all, count| all.saturating_mul(*count));
+            if all <= MOST {
+                (self.low, self.per_metre, self.dims) = (bounds.min, 1.0 / size, dims);
+                break;
+            }
+            size *= 2.0;
+        }
+        self.starts.clear();
+        self.starts.resize(self.dims.iter().product::<usize>() + 1, 0);
+        for point in seen {
+            let bucket = self.bucket(point.ahead);
+            self.starts[bucket + 1] += 1;
+        }
+        for bucket in 1..self.starts.len() {
+            self.starts[bucket] += self.starts[bucket - 1];
+        }
+        self.order.clear();
+        self.order.resize(seen.len(), 0);
+        // Filled from the end, so that points ascend in each bucket and the starts are right afterwards.
+        for (place, point) in seen.iter().enumerate().rev() {
+            let bucket = self.bucket(point.ahead);
+            self.starts[bucket + 1] -= 1;
+            self.order[self.starts[bucket + 1] as usize] = place;
+        }
+        self.starts.rotate_left(1);
+        if let Some(end) = self.starts.last_mut() {
+            *end = u32::try_from(seen.len()).unwrap_or(u32::MAX);
+        }
+    }
+
+    /// The points in the buckets that a box meets, by their places in what was sorted.
+    pub(super) fn near(&self, bounds: &Aabb<f64>) -> impl Iterator<Item = usize> {
+        let (low, high) = (self.place(bounds.min), self.place(bounds.max));
+        let [nx, ny, _] = self.dims;
+        (low[2]..=high[2]).flat_map(move |k| {
+            (low[1]..=high[1]).flat_map(move |j| {
+                let row = nx * (j + ny * k);
+                let [first, last] = [row + low[0], row + high[0] + 1].map(|bucket| self.starts[bucket] as usize);
+                self.order[first..last].iter().copied()
+            })
+        })
+    }
+
+    fn bucket(&self, point: DVec3) -> usize {
+        let [i, j, k] = self.place(point);
+        i + self.dims[0] * (j + self.dims[1] * k)
+    }
+
+    /// The bucket of a point, or the nearest one.
+    fn place(&self, point: DVec3) -> [usize; 3] {
+        let place = ((point - self.low) * self.per_metre).to_array();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero up, saturating")]
+        std::array::from_fn(|axis| (place[axis] as usize).min(self.dims[axis] - 1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::rng::Rng;
+
+    #[test]
+    fn every_point_in_a_box_is_near_it_and_few_others_are() {
+        let mut rng = Rng::new(7);
+        let mut point = |low: f64, high: f64| DVec3::from([0; 3].map(|_| rng.between(low, high)));
+        let seen: Vec<Seen> = (0..500)
+            .map(|place| Seen { point: place, ahead: point(-1.0, 2.0), cell: NONE, at: DVec3::ZERO, outside: 0.0 })
+            .collect();
+        let bounds = Aabb::<f64>::around(seen.iter().map(|seen| seen.ahead));
+        let mut buckets = Buckets::new(500);
+        for cell_size in [1e-3, 0.2, 10.0] {
+            buckets.sort(&seen, &bounds, cell_size);
+            assert_eq!(buckets.near(&bounds).count(), 500, "all points are in the box of all");
+            for _ in 0..50 {
+                let corner = point(-1.2, 2.0);
+                let near = Aabb { min: corner, max: corner + DVec3::splat(0.3) };
+                let found: Vec<usize> = buckets.near(&near).collect();
+                let is_in = |at: DVec3| at.cmpge(near.min).all() && at.cmple(near.max).all();
+                for (place, seen) in seen.iter().enumerate() {
+                    assert!(!is_in(seen.ahead) || found.contains(&place), "{place} at {} is missed", seen.ahead);
+                }
+                assert!(cell_size > 1.0 || found.len() < 100, "{} of 500 in a hundredth of the box", found.len());
+            }
+        }
+    }
+}

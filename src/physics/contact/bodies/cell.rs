@@ -1,0 +1,121 @@
+//! A deformed cell: a place in it, the place that a point has, and how a place changes with a point.
+//!
+//! A place is three numbers, 0 to 1 within the cell, and the point there is the mean of the cell's corners by trilinear
+//! weights. To find the place of a point that map is inverted by Newton's method.
+
+use glam::{DMat3, DVec3};
+
+/// Newton's method is at its end when a place changes by no more than this.
+const SETTLED: f64 = 1e-11;
+
+/// Most rounds of it: a cell that is not crushed needs three to six.
+const ROUNDS: usize = 16;
+
+/// No round goes further than this, nor ends further outside the cell.
+const REACH: f64 = 2.0;
+
+/// The least volume of a cell over that at rest in which places are looked for: what is more crushed is left to recovery.
+const LEAST_VOLUME: f64 = 1e-3;
+
+/// The corners of a cell, bit 0 of the place is x, bit 1 y, bit 2 z.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell(pub(super) [DVec3; 8]);
+
+impl Cell {
+    /// The weights of the corners at a place; beyond the cell some are negative.
+    pub(super) fn weights(at: DVec3) -> [f64; 8] {
+        let [x, y, z] = [0, 1, 2].map(|axis| [1.0 - at[axis], at[axis]]);
+        std::array::from_fn(|place| x[place & 1] * y[place >> 1 & 1] * z[place >> 2])
+    }
+
+    /// The point at a place, m.
+    pub(super) fn point(&self, at: DVec3) -> DVec3 {
+        self.0.iter().zip(Self::weights(at)).fold(DVec3::ZERO, |sum, (corner, weight)| sum + *corner * weight)
+    }
+
+    /// How the point changes with each number of its place, m.
+    pub(super) fn slopes(&self, at: DVec3) -> DMat3 {
+        let [x, y, z] = [0, 1, 2].map(|axis| [1.0 - at[axis], at[axis]]);
+        let corner = &self.0;
+        let mut slopes = [DVec3::ZERO; 3];
+        for a in 0..2 {
+            for b in 0..2 {
+                let along = |low: usize, step: usize| corner[low + step] - corner[low];
+                slopes[0] += along(2 * a + 4 * b, 1) * (y[a] * z[b]);
+                slopes[1] += along(a + 4 * b, 2) * (x[a] * z[b]);
+                slopes[2] += along(a + 2 * b, 4) * (x[a] * y[b]);
+            }
+        }
+        DMat3::from_cols(slopes[0], slopes[1], slopes[2])
+    }
+
+    /// The place of a point, looked for from another; none where the cell is crushed on the way or the point is far from it.
+    /// `cell_size` is that at rest, m.
+    pub(super) fn locate(&self, point: DVec3, from: DVec3, cell_size: f64) -> Option<DVec3> {
+        let least = LEAST_VOLUME * cell_size * cell_size * cell_size;
+        let mut at = from;
+        for _ in 0..ROUNDS {
+            let slopes = self.slopes(at);
+            if slopes.determinant().partial_cmp(&least)? != std::cmp::Ordering::Greater {
+                return None;
+            }
+            let way = slopes.inverse() * (point - self.point(at));
+            at = (at + way).clamp(DVec3::splat(-REACH), DVec3::splat(1.0 + REACH));
+            if way.abs().max_element() <= SETTLED {
+                return Some(at);
+            }
+        }
+        None
+    }
+}
+
+/// How far outside the cell a place is along the worst axis, in cells; 0 inside.
+pub(super) fn outside(at: DVec3) -> f64 {
+    (at - at.clamp(DVec3::ZERO, DVec3::ONE)).abs().max_element()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::rng::Rng;
+
+    fn crooked(rng: &mut Rng, by: f64) -> Cell {
+        Cell(std::array::from_fn(|place| {
+            let corner = DVec3::new((place & 1) as f64, (place >> 1 & 1) as f64, (place >> 2) as f64);
+            0.1 * (corner + DVec3::from([0; 3].map(|_| rng.between(-by, by))))
+        }))
+    }
+
+    #[test]
+    fn a_place_is_found_again_in_a_crooked_cell_and_around_it() {
+        let mut rng = Rng::new(3);
+        for [by, beyond] in [[0.2, 0.0], [0.1, 0.4]].repeat(500) {
+            let cell = crooked(&mut rng, by);
+            let at = DVec3::from([0; 3].map(|_| rng.between(-beyond, 1.0 + beyond)));
+            let found = cell.locate(cell.point(at), DVec3::splat(0.5), 0.1);
+            let off = found.map_or(f64::INFINITY, |found| (found - at).length());
+            assert!(off < 1e-8, "{off} away from {at}, found {found:?}");
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_the_point() {
+        let mut rng = Rng::new(5);
+        let (cell, at, tiny) = (crooked(&mut rng, 0.3), DVec3::new(0.2, 0.7, 0.4), 1e-6);
+        for (axis, slope) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().zip(cell.slopes(at).to_cols_array_2d()) {
+            let measured = (cell.point(at + axis * tiny) - cell.point(at - axis * tiny)) / (2.0 * tiny);
+            assert!((measured - DVec3::from(slope)).length() < 1e-9, "along {axis}");
+        }
+    }
+
+    #[test]
+    fn a_flat_cell_and_one_turned_inside_out_have_no_places() {
+        let mut flat = crooked(&mut Rng::new(1), 0.0);
+        flat.0.iter_mut().for_each(|corner| corner.y = 0.0);
+        assert_eq!(flat.locate(DVec3::splat(0.01), DVec3::splat(0.5), 0.1), None, "flat");
+        let mut turned = crooked(&mut Rng::new(1), 0.0);
+        turned.0.iter_mut().for_each(|corner| corner.y = -corner.y);
+        assert_eq!(turned.locate(DVec3::splat(0.01), DVec3::splat(0.5), 0.1), None, "inside out");
+        assert_eq!(flat.locate(DVec3::NAN, DVec3::splat(0.5), 0.1), None, "nowhere");
+    }
+}

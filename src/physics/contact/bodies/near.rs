@@ -1,0 +1,103 @@
+//! Which bodies come near each other in a substep, and what that asks of it.
+//!
+//! Boxes around the motion of whole bodies: where none overlap nothing else is looked at, and the substep is taken as it
+//! would be if there were one body only. Where two do, the substep is divided so that no point travels more than half a
+//! cell relative to what it may meet, and a body that sleeps is woken by one that comes.
+
+use crate::math::{Aabb, Real, Vector};
+use crate::physics::kernels::bounds;
+use crate::physics::model::Model;
+use crate::physics::model::plan::{BodyContactPlan, Plan};
+use crate::physics::state::State;
+use crate::physics::state::sleep;
+
+/// Points travel no further than this share of the smaller cell relative to what they may meet, in a part of a substep.
+const LONGEST_WAY: f64 = 0.5;
+
+/// Boxes are grown by this share of the smaller cell: what forces add to the motion within a substep.
+const MARGIN: f64 = 0.25;
+
+/// No substep is divided further for that: at 1 ms and cells of 1 cm bodies are caught that meet at 1280 m/s.
+const MOST_PARTS: u32 = 256;
+
+/// Where a body is in the coming substep, and how fast.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct Motion<R: Real> {
+    /// Around where it is and where it would come to, m.
+    bounds: Aabb<R>,
+    /// Around its velocities, m/s.
+    velocity: Aabb<R>,
+}
+
+/// Into how many parts the coming substep has to be divided for bodies that come near each other; none where none do. Wakes
+/// bodies that sleep where one comes.
+pub(in crate::physics) fn parts<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    state: &mut State<R>,
+    motions: &mut Vec<Motion<R>>,
+) -> Option<u32> {
+    let BodyContactPlan { parts, .. } = plan.between_bodies?;
+    if sleep::is_quiet(state) {
+        return None;
+    }
+    let secs = R::from_f64(plan.substep_secs());
+    motions.clear();
+    motions.extend((0..model.bodies.len()).map(|body| motion(model, plan, state, body, secs)));
+    let (mut longest, mut are_near) = (0.0_f64, false);
+    for second in 1..model.bodies.len() {
+        for first in 0..second {
+            let pair = [first, second];
+            let both_asleep = pair.iter().all(|body| state.bodies[*body].asleep);
+            if both_asleep || !may_meet(model, state, pair) {
+                continue;
+            }
+            let [one, other] = pair.map(|body| &motions[body]);
+            let cell = pair.map(|body| model.bodies[body].lattice.grid.cell_size);
+            let cell = cell[0].min(cell[1]);
+            if !one.bounds.grown(R::from_f64(MARGIN * cell)).overlaps(&other.bounds) {
+                continue;
+            }
+            are_near = true;
+            wake(state, pair);
+            let apart = |a: &Aabb<R>, b: &Aabb<R>| (a.max - b.min).max(R::Vec3::ZERO);
+            let way = apart(&one.velocity, &other.velocity).max(apart(&other.velocity, &one.velocity)).length() * secs;
+            longest = longest.max(way.to_f64() / (LONGEST_WAY * cell));
+        }
+    }
+    if !are_near {
+        return None;
+    }
+    if !plan.is_divided() {
+        return Some(1);
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
+    let by_way = (libm::ceil(longest) as u32).min(MOST_PARTS);
+    Some(parts.max(by_way))
+}
+
+/// Whether two bodies meet at all: neither has fallen out of the scene, and both are to.
+pub(super) fn may_meet<R: Real>(model: &Model<R>, state: &State<R>, pair: [usize; 2]) -> bool {
+    pair.iter().all(|body| model.bodies[*body].among_bodies.hull.is_some() && !state.bodies[*body].gone)
+}
+
+fn motion<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize, secs: R) -> Motion<R> {
+    let own = model.bodies[body].particles.clone();
+    let at = bounds::<R>(plan.simd, &state.position[own.clone()]);
+    if state.bodies[body].asleep {
+        return Motion { bounds: at, velocity: Aabb { min: R::Vec3::ZERO, max: R::Vec3::ZERO } };
+    }
+    let velocity = bounds::<R>(plan.simd, &state.velocity[own]);
+    let ahead = Aabb { min: at.min + velocity.min * secs, max: at.max + velocity.max * secs };
+    Motion { bounds: at.joined(ahead), velocity }
+}
+
+/// Wakes the one of two bodies that sleeps where the other moves.
+fn wake<R: Real>(state: &mut State<R>, [first, second]: [usize; 2]) {
+    for [sleeper, other] in [[first, second], [second, first]] {
+        let comes = !state.bodies[other].asleep && state.bodies[other].still_substeps == 0;
+        if state.bodies[sleeper].asleep && comes {
+            state.bodies[sleeper].wake();
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! What a body shows to others: the particles on its outside, and for every cell how far it is from there to the outside.
+//!
+//! ```text
+//!            +y: 1 cell                     +───+───+───+
+//!             ▲                             │   │   │   │
+//!   -x: 0  ◄──■──►  +x: 2 cells             +───+───+───+    the ways out of ■ lead through as many more
+//!             ▼                             │ ■ │   │   │    cells of the body
+//!            -y: 0                          +───+───+───+
+//! ```
+//!
+//! This is the distance field of the body at rest: within a body made of cubes the nearest place outside lies along an axis,
+//! but at the edge of a notch, where it is a little nearer. It follows from the lattice alone.
+
+use crate::geometry::Lattice;
+
+/// No cell.
+const NONE: u32 = u32::MAX;
+
+/// The outside of a body and the ways there, by local numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::physics) struct Hull {
+    /// The particles at which fewer than eight cells meet, ascending.
+    pub(in crate::physics) points: Vec<u32>,
+    /// Where the cells around each of them begin in `around`, and where they end.
+    starts: Vec<u32>,
+    around: Vec<u32>,
+    /// For every cell how many cells of the body follow it towards −x, +x, −y, +y, −z and +z.
+    pub(in crate::physics) ways: Vec<[u32; 6]>,
+}
+
+impl Hull {
+    /// That of a lattice.
+    pub(in crate::physics) fn new(lattice: &Lattice) -> Self {
+        let mut met = vec![0_u8; lattice.corners.len()];
+        for particle in lattice.cells.iter().flatten() {
+            met[*particle as usize] += 1;
+        }
+        let points: Vec<u32> = (0..).zip(&met).filter(|(_, met)| **met < 8).map(|(particle, _)| particle).collect();
+        let mut place = vec![NONE; lattice.corners.len()];
+        let mut starts = vec![0_u32];
+        for (number, point) in (0..).zip(&points) {
+            place[*point as usize] = number;
+            starts.push(starts[number as usize] + u32::from(met[*point as usize]));
+        }
+        let mut filled = starts.clone();
+        let mut around = vec![0; starts[points.len()] as usize];
+        for (cell, particles) in (0..).zip(&lattice.cells) {
+            for particle in particles {
+                let point = place[*particle as usize];
+                if point != NONE {
+                    around[filled[point as usize] as usize] = cell;
+                    filled[point as usize] += 1;
+                }
+            }
+        }
+        Self { points, starts, around, ways: ways(lattice) }
+    }
+
+    /// The cells around a point of the outside, by its place in `points`.
+    pub(in crate::physics) fn around(&self, point: usize) -> &[u32] {
+        &self.around[self.starts[point] as usize..self.starts[point + 1] as usize]
+    }
+}
+
+/// For every cell how many cells of the body follow it in each of the six directions.
+fn ways(lattice: &Lattice) -> Vec<[u32; 6]> {
+    let grid = &lattice.grid;
+    let mut cell_at = vec![NONE; grid.len()];
+    let low = |cell: usize| lattice.corners[lattice.cells[cell][0] as usize];
+    for (number, cell) in (0..lattice.cells.len()).enumerate() {
+        #[expect(clippy::cast_possible_truncation, reason = "a grid has fewer cells")]
+        let number = number as u32;
+        cell_at[grid.index(low(cell))] = number;
+    }
+    let mut ways = vec![[0; 6]; lattice.cells.len()];
+    let follow = |ways: &mut Vec<[u32; 6]>, cell: usize, axis: usize, up: bool| {
+        let mut next = low(cell);
+        let is_last = if up { next[axis] + 1 == grid.dims[axis] } else { next[axis] == 0 };
+        if is_last {
+            return;
+        }
+        next[axis] = if up { next[axis] + 1 } else { next[axis] - 1 };
+        let beyond = cell_at[grid.index(next)];
+        if beyond != NONE {
+            let way = 2 * axis + usize::from(up);
+            ways[cell][way] = ways[beyond as usize][way] + 1;
+        }
+    };
+    // Cells are in the order of the grid: what lies before one along any axis comes before it.
+    for axis in 0..3 {
+        (0..lattice.cells.len()).for_each(|cell| follow(&mut ways, cell, axis, false));
+        (0..lattice.cells.len()).rev().for_each(|cell| follow(&mut ways, cell, axis, true));
+    }
+    ways
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::voxel::Cells;
+
+    fn hull(cells: &[[i32; 3]]) -> (Lattice, Hull) {
+        let lattice = Lattice::new(&Cells::from_list(cells, 0.5).expect("a sound list"));
+        let hull = Hull::new(&lattice);
+        (lattice, hull)
+    }
+
+    #[test]
+    fn the_outside_of_a_cube_is_all_but_its_inner_particles() {
+        let lattice = Lattice::new(&Cells::cube(3, 1.0).expect("a cube"));
+        let hull = Hull::new(&lattice);
+        assert_eq!(hull.points.len(), 64 - 8, "four particles an edge, two of them inside");
+        assert_eq!(hull.points.len(), lattice.surface, "as the lattice counts them");
+        for (place, point) in hull.points.iter().enumerate() {
+            let around = hull.around(place);
+            assert!(around.iter().all(|cell| lattice.cells[*cell as usize].contains(point)), "its own cells");
+            assert_eq!(around.len(), lattice.cells.iter().filter(|cell| cell.contains(point)).count(), "all of them");
+        }
+    }
+
+    #[test]
+    fn ways_out_count_the_cells_of_a_u() {
+        // A U: two legs of two cells on a base of three.
+        let (lattice, hull) = hull(&[[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [2, 1, 0]]);
+        let cell = |low: [u32; 3]| lattice.cells.iter().position(|c| lattice.corners[c[0] as usize] == low);
+        let ways = |low| hull.ways[cell(low).expect("a cell of the U")];
+        assert_eq!(ways([0, 0, 0]), [0, 2, 0, 1, 0, 0], "the left foot");
+        assert_eq!(ways([1, 0, 0]), [1, 1, 0, 0, 0, 0], "between the legs it opens upwards");
+        assert_eq!(ways([2, 1, 0]), [0, 0, 1, 0, 0, 0], "the right leg ends towards the gap");
+    }
+}
