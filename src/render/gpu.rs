@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::driver_words;
 use super::error::GpuError;
 use super::quality::SAMPLES;
 use super::target::DEPTH_FORMAT;
@@ -43,6 +44,12 @@ pub struct Gpu {
 }
 
 impl Gpu {
+    /// Where adapters and surfaces come from. Not OpenGL: its shading language cannot read a depth texture by texel, as our
+    /// shadows do.
+    pub fn instance(descriptor: wgpu::InstanceDescriptor) -> wgpu::Instance {
+        wgpu::Instance::new(wgpu::InstanceDescriptor { backends: wgpu::Backends::PRIMARY, ..descriptor })
+    }
+
     /// A device for pictures without a window.
     pub fn headless() -> Result<Self, GpuError> {
         Self::headless_with(Preference::from_environment())
@@ -50,8 +57,7 @@ impl Gpu {
 
     /// A device for pictures without a window, with a say in which adapter is taken.
     pub fn headless_with(preference: Preference) -> Result<Self, GpuError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        Self::open(instance, None, preference)
+        Self::open(Self::instance(wgpu::InstanceDescriptor::new_without_display_handle()), None, preference)
     }
 
     /// The best device of an instance, able to show `surface` where one is given.
@@ -60,7 +66,7 @@ impl Gpu {
         surface: Option<&wgpu::Surface<'_>>,
         preference: Preference,
     ) -> Result<Self, GpuError> {
-        let adapter = pollster::block_on(choose(&instance, surface, preference))?;
+        let adapter = driver_words::sifted(|| pollster::block_on(choose(&instance, surface, preference)))?;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("gelatin"),
             required_limits: limits(&adapter.limits()),
@@ -125,7 +131,6 @@ async fn choose(
     surface: Option<&wgpu::Surface<'_>>,
     preference: Preference,
 ) -> Result<wgpu::Adapter, GpuError> {
-    // Not OpenGL: its shading language cannot read a depth texture by texel, as our shadows do.
     let found = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;
     if found.is_empty() {
         return Err(GpuError::NoAdapter);

@@ -65,8 +65,7 @@ impl Folder {
             .current_dir(self.0.path())
             .env_remove("DISPLAY")
             .env_remove("WAYLAND_DISPLAY")
-            // The graphics driver complains on standard error where there is none.
-            .env("XDG_RUNTIME_DIR", self.0.path())
+            .env_remove("XDG_RUNTIME_DIR")
             .stdin(Stdio::null())
             .output()
             .expect("the program starts");

@@ -115,7 +115,7 @@ impl Canvas {
     /// Opens a device that can draw to the window.
     pub fn new(event_loop: &ActiveEventLoop, window: Arc<Window>) -> Result<Self, CanvasError> {
         let display = Box::new(event_loop.owned_display_handle());
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_with_display_handle(display));
+        let instance = Gpu::instance(wgpu::InstanceDescriptor::new_with_display_handle(display));
         let surface = instance.create_surface(Arc::clone(&window)).map_err(CanvasError::NoSurface)?;
         let gpu = Gpu::open(instance, Some(&surface), Preference::from_environment())?;
         log::info!("drawing with {}", gpu.description());

@@ -1,0 +1,74 @@
+//! What graphics drivers write on standard error by themselves: what nobody need know is left out.
+
+/// Runs `work` without what drivers say of a Wayland that nobody asked for, where there is none: a layer of Vulkan looks
+/// for it whenever adapters are looked for, and complains that it has no folder. All else that is written stays.
+#[cfg(unix)]
+pub(super) fn sifted<T>(work: impl FnOnce() -> T) -> T {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_some() {
+        return work();
+    }
+    let Ok(_kept) = unix::Kept::begin() else { return work() };
+    work()
+}
+
+/// Runs `work`.
+#[cfg(not(unix))]
+pub(super) fn sifted<T>(work: impl FnOnce() -> T) -> T {
+    work()
+}
+
+/// What is left of what drivers wrote.
+#[cfg(unix)]
+fn of_use(written: &[u8]) -> Vec<u8> {
+    let lines = written.split_inclusive(|byte| *byte == b'\n');
+    lines.filter(|line| !line.starts_with(b"error: XDG_RUNTIME_DIR is ")).flatten().copied().collect()
+}
+
+#[cfg(unix)]
+mod unix {
+    use std::fs::File;
+    use std::io::{self, Read, Seek, Write};
+    use std::os::fd::OwnedFd;
+
+    /// Standard error goes to a file until this is dropped; then what is of use in it is written where it belongs.
+    pub(super) struct Kept {
+        standard_error: OwnedFd,
+        file: File,
+    }
+
+    impl Kept {
+        pub(super) fn begin() -> io::Result<Self> {
+            let file = tempfile::tempfile()?;
+            let standard_error = rustix::io::dup(rustix::stdio::stderr())?;
+            rustix::stdio::dup2_stderr(&file)?;
+            Ok(Self { standard_error, file })
+        }
+
+        fn end(&mut self) -> io::Result<()> {
+            rustix::stdio::dup2_stderr(&self.standard_error)?;
+            let mut written = Vec::new();
+            self.file.rewind()?;
+            self.file.read_to_end(&mut written)?;
+            io::stderr().write_all(&super::of_use(&written))
+        }
+    }
+
+    impl Drop for Kept {
+        fn drop(&mut self) {
+            if let Err(error) = self.end() {
+                log::debug!("what drivers wrote is lost: {error}");
+            }
+        }
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::of_use;
+
+    #[test]
+    fn what_a_driver_has_to_say_stays() {
+        let written = b"MESA: warning\nerror: XDG_RUNTIME_DIR is invalid or not set in the environment.\nlast";
+        assert_eq!(of_use(written), b"MESA: warning\nlast", "but for the line that tells nothing");
+    }
+}
