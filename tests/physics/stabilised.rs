@@ -2,7 +2,7 @@
 
 use gelatin::physics::{Grab, Simulation};
 use gelatin::scene::settings::{Integrator, Stepping};
-use gelatin::scene::{Material, Scene};
+use gelatin::scene::{Material, Scene, presets};
 use glam::DVec3;
 
 use crate::integrators::{growth, hanging, rms_distance, shake};
@@ -94,6 +94,36 @@ fn a_cube_slides_as_far_as_friction_lets_it() {
     simulation.run_for(2.0);
     let (way, coulomb) = (simulation.diagnostics().center.x, 1.5 * 1.5 / (2.0 * 0.3 * 9.81));
     assert!((way / coulomb - 1.0).abs() < 0.05, "{way} m, v²/2μg is {coulomb} m");
+}
+
+/// By how much more than Coulomb's limit friction does in all, over all that contact presses with.
+fn excess_of_friction(simulation: &mut Simulation<f64>, steps: usize) -> f64 {
+    let (mut excess, mut pressed) = (0.0, 0.0);
+    for _ in 0..steps {
+        simulation.step();
+        for contact in simulation.contacts() {
+            let obstacle = &simulation.model().obstacles[contact.obstacle];
+            let pressing = contact.force.dot(contact.normal);
+            let rubbing = (contact.force - contact.normal * pressing).length();
+            let most = obstacle.friction_static.max(obstacle.friction_dynamic) * pressing;
+            (excess, pressed) = (excess + (rubbing - most).max(0.0), pressed + pressing);
+        }
+    }
+    excess / pressed
+}
+
+/// It stood up against the ball and rocked for a minute where friction threw it.
+#[test]
+fn a_body_that_tumbles_from_a_ball_is_rubbed_by_coulombs_law_and_comes_to_rest() {
+    let mut scene = (presets::preset("u-on-sphere").expect("a preset").build)();
+    (scene.settings.dt, scene.settings.integrator) = (4e-3, Integrator::Stabilised);
+    let mut simulation = simulate::<f64>(&scene);
+    let excess = excess_of_friction(&mut simulation, 300);
+    assert!(excess < 0.01, "{excess} of what presses");
+    simulation.run_for(6.8);
+    let diagnostics = simulation.diagnostics();
+    assert!(simulation.is_asleep(), "{} m/s after 8 s", diagnostics.max_speed);
+    assert!(diagnostics.center.y < 0.2, "it lies: its middle is at {} m", diagnostics.center.y);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::surface::Surface;
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel};
-use crate::physics::schemes::{ContactSpring, Held, Touch};
+use crate::physics::schemes::{ContactSpring, Friction, Held, Touch};
 use crate::physics::step::substep::Substep;
 
 /// A particle whose velocity along a surface is this small a share of those it comes from is held there.
@@ -36,7 +36,7 @@ impl<R: Real> ContactWorkspace<R> {
             // Between several nothing slides.
             let touch = pushing.next().map_or_else(|| Some(by_one()), |_| None);
             let across = |of: R::Vec3| of - record.normal * of.dot(record.normal);
-            let is_stopped = touch.is_some_and(|touch| touch.friction.is_none());
+            let is_stopped = touch.is_some_and(|touch| matches!(touch.friction, Friction::Sticks { .. }));
             let slides = if is_stopped { across(velocity[particle] - record.surface_velocity) } else { R::Vec3::ZERO };
             held.push(Held::new(particle, mass, velocity[particle] - slides, touch));
         }
@@ -118,6 +118,9 @@ fn touch<R: Real>(
         normal,
         surface_velocity,
         spring: (!is_at_limit).then_some(ContactSpring { stiffness, damping, gap, depth_limit }),
-        friction: (!holds && !is_stopped).then_some(obstacle.friction_dynamic),
+        friction: match obstacle.friction_dynamic {
+            dynamic if holds || is_stopped => Friction::Sticks { coefficient: obstacle.friction_static, dynamic },
+            dynamic => Friction::Slides(dynamic),
+        },
     }
 }

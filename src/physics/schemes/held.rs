@@ -32,8 +32,23 @@ pub(in crate::physics) struct Touch<R: Real> {
     pub(in crate::physics) surface_velocity: R::Vec3,
     /// What pushes along the normal; where that is nothing the particle is held.
     pub(in crate::physics) spring: Option<ContactSpring<R>>,
-    /// Coulomb's coefficient where it slides; where that is nothing it is held across the normal.
-    pub(in crate::physics) friction: Option<R>,
+    /// What it does along the surface.
+    pub(in crate::physics) friction: Friction<R>,
+}
+
+/// What friction does to a particle along a surface, by Coulomb's coefficients.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) enum Friction<R: Real> {
+    /// It is held as long as it is pulled at with no more than static friction bears; what is stronger is dynamic friction
+    /// against it.
+    Sticks {
+        /// Of static friction.
+        coefficient: R,
+        /// Of dynamic friction.
+        dynamic: R,
+    },
+    /// It is braked with this coefficient of dynamic friction.
+    Slides(R),
 }
 
 /// The spring of a contact.
@@ -88,7 +103,7 @@ impl<R: Real> Held<R> {
     pub(super) fn part(&self, of: R::Vec3) -> R::Vec3 {
         let Some(touch) = &self.touch else { return of };
         let along = if touch.spring.is_none() { touch.normal * of.dot(touch.normal) } else { R::Vec3::ZERO };
-        if touch.friction.is_none() { along + touch.across(of) } else { along }
+        if let Friction::Sticks { .. } = touch.friction { along + touch.across(of) } else { along }
     }
 
     /// Gives it the velocity that it begins with, which was another.
@@ -101,9 +116,9 @@ impl<R: Real> Held<R> {
     }
 
     /// What contact takes from the force on it in a substep of `dt` (s), N: all of it along which it is held, what its
-    /// spring does against it, and friction: a brake by the speed it began with, as one by the speed of every stage can
-    /// keep a particle at a speed without moving it. What is so slow that it would be stopped faster than at this `rate`
-    /// (1/s) begins to slide: friction is against what pulls at it.
+    /// spring does against it, and friction, which is never more than Coulomb's. What slides is braked by the speed it began
+    /// with, as a brake by the speed of every stage can keep a particle at a speed without moving it. What is so slow that it
+    /// would be stopped faster than at this `rate` (1/s) begins to slide: friction is against what pulls at it.
     pub(super) fn take(&self, at: &AtStage<R>, dt: R, rate: R) -> R::Vec3 {
         let Some(touch) = &self.touch else { return at.force };
         let along = at.force.dot(touch.normal);
@@ -114,22 +129,38 @@ impl<R: Real> Held<R> {
                 (-pushing, pushing)
             }
         };
-        let Some(friction) = touch.friction else { return touch.normal * taken + touch.across(at.force) };
-        let (limit, most) = (friction * pressing, rate * self.mass);
-        let (past, speed) = (touch.across(at.velocity - touch.surface_velocity), self.sliding.length());
-        if limit < most * speed {
-            return touch.normal * taken + past * (limit / speed);
-        }
         let pulling = touch.across(at.force);
-        let strength = pulling.length();
-        let held_back = if limit < strength { pulling * (limit / strength) } else { pulling };
-        touch.normal * taken + held_back
+        let friction = match touch.friction {
+            Friction::Sticks { coefficient, dynamic } => {
+                // What stopped it was friction, too.
+                let stopping = touch.across(self.push) * (R::ONE / dt);
+                let needed = pulling - stopping;
+                let is_held = needed.length() <= coefficient * pressing;
+                if is_held { pulling } else { stopping + no_longer_than::<R>(needed, dynamic * pressing) }
+            }
+            Friction::Slides(coefficient) => {
+                let (limit, most, speed) = (coefficient * pressing, rate * self.mass, self.sliding.length());
+                if limit < most * speed {
+                    let past = touch.across(at.velocity - touch.surface_velocity);
+                    past * (limit / speed.max(past.length()))
+                } else {
+                    no_longer_than::<R>(pulling, limit)
+                }
+            }
+        };
+        touch.normal * taken + friction
     }
 
     /// The mean force of what pushed it in a substep of `dt` (s) that is over, N.
     pub(in crate::physics) fn mean_force(&self, dt: R) -> R::Vec3 {
         (self.push - self.taken[1]) * (R::ONE / dt)
     }
+}
+
+/// A vector, cut off at a length.
+fn no_longer_than<R: Real>(of: R::Vec3, most: R) -> R::Vec3 {
+    let length = of.length();
+    if most < length { of * (most / length) } else { of }
 }
 
 /// What the stages are worked out in, by particle; of no length with other schemes.
