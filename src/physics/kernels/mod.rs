@@ -41,7 +41,7 @@ pub(in crate::physics) use bounds::{GROUP, are_finite, bounds, motion_bounds};
 pub(in crate::physics) use boxed::BoxedLinks;
 pub(in crate::physics) use layout::{BYTES_A_CORNER, Layout, MOST_CORNERS_A_PARTICLE};
 pub use level::SimdLevel;
-pub(in crate::physics) use motion::{advance, kick, kick_each};
+pub(in crate::physics) use motion::{StageSources, StageTerms, advance, kick, kick_each, next_stage, next_stage_each};
 pub(in crate::physics) use piece::{Piece, pieces};
 pub(in crate::physics) use sweep::{Pass, Start, add_forces};
 

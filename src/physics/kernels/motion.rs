@@ -59,11 +59,144 @@ pub(in crate::physics) fn advance<R: Real>(
     );
 }
 
+/// How much of each there is in the next stage of a scheme: what the stage before and the one before that have gone from the
+/// state, and the slopes at the last stage and at the first, s.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct StageTerms<R> {
+    pub(in crate::physics) last: R,
+    pub(in crate::physics) before: R,
+    pub(in crate::physics) slope: R,
+    pub(in crate::physics) first: R,
+}
+
+/// What a stage is made of, by particle: how far the last one has gone from the state, the slopes times what they are
+/// multiplied by, and the state.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct StageSources<'a, R: Real> {
+    pub(in crate::physics) last: &'a [R::Vec3],
+    pub(in crate::physics) slope: &'a [R::Vec3],
+    pub(in crate::physics) first: &'a [R::Vec3],
+    pub(in crate::physics) start: &'a [R::Vec3],
+}
+
+/// Goes to the next stage: `gone` is how far the stage before the last has gone and becomes how far the next has, and `at`
+/// becomes where that is. Slopes are multiplied by `scale`.
+pub(in crate::physics) fn next_stage<R: Real>(
+    level: SimdLevel,
+    terms: StageTerms<R>,
+    scale: R,
+    sources: StageSources<'_, R>,
+    gone: &mut [R::Vec3],
+    at: &mut [R::Vec3],
+) {
+    let StageSources { last, slope, first, start } = sources;
+    let [last, slope, first, start] = [last, slope, first, start].map(components::<R>);
+    level.run(
+        #[inline(always)]
+        || {
+            stage_components(
+                terms,
+                scale,
+                [last, slope, first, start],
+                components_mut::<R>(gone),
+                components_mut::<R>(at),
+            );
+        },
+    );
+}
+
+/// What is written is borrowed by arguments of their own: a compiler that had to ask which of six overlap would make no
+/// vectors of this.
+#[inline(always)]
+fn stage_components<R: Real>(
+    terms: StageTerms<R>,
+    scale: R,
+    [last, slope, first, start]: [&[R]; 4],
+    gone: &mut [R],
+    at: &mut [R],
+) {
+    let count = gone.len();
+    let [last, slope, first, start] = [last, slope, first, start].map(|of| &of[..count]);
+    let at = &mut at[..count];
+    for i in 0..count {
+        let next = last[i] * terms.last
+            + gone[i] * terms.before
+            + (slope[i] * scale) * terms.slope
+            + (first[i] * scale) * terms.first;
+        gone[i] = next;
+        at[i] = start[i] + next;
+    }
+}
+
+/// The same where each particle's slopes are divided by a mass of its own.
+pub(in crate::physics) fn next_stage_each<R: Real>(
+    level: SimdLevel,
+    terms: StageTerms<R>,
+    masses: &[R],
+    StageSources { last, slope, first, start }: StageSources<'_, R>,
+    gone: &mut [R::Vec3],
+    at: &mut [R::Vec3],
+) {
+    level.run(
+        #[inline(always)]
+        || {
+            for (i, mass) in masses.iter().enumerate() {
+                let scale = R::ONE / *mass;
+                gone[i] = last[i] * terms.last
+                    + gone[i] * terms.before
+                    + (slope[i] * scale) * terms.slope
+                    + (first[i] * scale) * terms.first;
+                at[i] = start[i] + gone[i];
+            }
+        },
+    );
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::rng::Rng;
     use crate::physics::kernels::bounds::tests::random;
+
+    /// The loop as one reads it.
+    fn next_stage_one_by_one(
+        terms: StageTerms<f32>,
+        masses: &[f32],
+        sources: StageSources<'_, f32>,
+        gone: &[glam::Vec3],
+    ) -> Vec<[glam::Vec3; 2]> {
+        let stage = |p: usize| {
+            let [slope, first] = [sources.slope[p], sources.first[p]].map(|force| force * (1.0 / masses[p]));
+            let way = sources.last[p] * terms.last + gone[p] * terms.before + slope * terms.slope + first * terms.first;
+            [way, sources.start[p] + way]
+        };
+        (0..masses.len()).map(stage).collect()
+    }
+
+    #[test]
+    fn stages_are_those_of_one_particle_after_the_other_at_every_level() {
+        let mut rng = Rng::new(7);
+        let terms = StageTerms { last: 1.7, before: -0.8, slope: 0.3, first: -0.2 };
+        for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
+            for count in [0, 1, 5, 16, 67] {
+                let [last, slope, first, start, gone] = [0; 5].map(|_| random(count, &mut rng));
+                let sources = StageSources { last: &last, slope: &slope, first: &first, start: &start };
+                for is_alike in [true, false] {
+                    let mass = |at: usize| if is_alike { 3.0 } else { 1.0 + at as f32 };
+                    let masses: Vec<f32> = (0..count).map(mass).collect();
+                    let (mut way, mut at) = (gone.clone(), slope.clone());
+                    if is_alike {
+                        next_stage(level, terms, 1.0 / 3.0, sources, &mut way, &mut at);
+                    } else {
+                        next_stage_each(level, terms, &masses, sources, &mut way, &mut at);
+                    }
+                    let stages: Vec<_> = way.into_iter().zip(at).map(|(way, at)| [way, at]).collect();
+                    let oracle = next_stage_one_by_one(terms, &masses, sources, &gone);
+                    assert_eq!(stages, oracle, "{count} at {level:?}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn particles_move_as_one_by_one_at_every_level() {

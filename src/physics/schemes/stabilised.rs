@@ -19,7 +19,8 @@ use super::stepper::{SchemeWorkspace, Stepper};
 use crate::math::{Real, Vector};
 use crate::physics::forces;
 use crate::physics::forces::links::Configuration;
-use crate::physics::model::plan;
+use crate::physics::kernels::{self, StageSources, StageTerms};
+use crate::physics::model::{Values, plan};
 use crate::physics::report::Recorder;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::pull;
@@ -134,28 +135,51 @@ fn go<R: Real>(stepper: &mut Stepper<'_, R>, stage: Stage) {
     let SchemeWorkspace { stages, position, velocity, force, .. } = &mut *stepper.workspace;
     let StageWorkspace { held, start, first, moved: [moved_before, moved], changed: [changed_before, changed] } =
         stages;
-    let [of_last, of_before] = [stage.last, stage.before].map(R::from_f64);
-    let [of_slope, of_first] = [stage.slope, stage.first].map(|of| R::from_f64(of) * substep.dt);
-    let next = |before: R::Vec3, last: R::Vec3, slope: R::Vec3, first: R::Vec3| {
-        last * of_last + before * of_before + slope * of_slope + first * of_first
-    };
+    let [last, before] = [stage.last, stage.before].map(R::from_f64);
+    let [slope, first_slope] = [stage.slope, stage.first].map(|of| R::from_f64(of) * substep.dt);
+    let terms = StageTerms { last, before, slope, first: first_slope };
     for body in awake(substep.model, &substep.state.bodies) {
-        for (local, particle) in body.particles.clone().enumerate() {
-            if body.is_pinned(local) {
+        let own = body.particles.clone();
+        let begun = &substep.state.position[own.clone()];
+        let ways = StageSources {
+            last: &moved[own.clone()],
+            slope: &velocity[own.clone()],
+            first: &start[own.clone()],
+            start: begun,
+        };
+        kernels::next_stage(
+            substep.plan.simd,
+            terms,
+            R::ONE,
+            ways,
+            &mut moved_before[own.clone()],
+            &mut position[own.clone()],
+        );
+        let changes = StageSources {
+            last: &changed[own.clone()],
+            slope: &force[own.clone()],
+            first: &first[own.clone()],
+            start: &start[own.clone()],
+        };
+        let (gone, at) = (&mut changed_before[own.clone()], &mut velocity[own.clone()]);
+        match &body.masses {
+            Values::Uniform(mass) => kernels::next_stage(substep.plan.simd, terms, R::ONE / *mass, changes, gone, at),
+            Values::Each(masses) => kernels::next_stage_each(substep.plan.simd, terms, masses, changes, gone, at),
+        }
+        if body.pinned != Values::Uniform(false) {
+            for (_, particle) in own.enumerate().filter(|(local, _)| body.is_pinned(*local)) {
                 position[particle] = substep.state.position[particle];
-                continue;
+                velocity[particle] = start[particle];
+                (moved_before[particle], changed_before[particle]) = (R::Vec3::ZERO, R::Vec3::ZERO);
             }
-            let inverse_mass = body.inverse_mass(local);
-            moved_before[particle] = next(moved_before[particle], moved[particle], velocity[particle], start[particle]);
-            let [slope, at_first] = [force[particle], first[particle]].map(|force| force * inverse_mass);
-            changed_before[particle] = next(changed_before[particle], changed[particle], slope, at_first);
-            position[particle] = substep.state.position[particle] + moved_before[particle];
-            velocity[particle] = start[particle] + changed_before[particle];
         }
     }
     for held in held {
         let [before, last] = held.taken;
-        held.taken = [last, next(before, last, held.taking[1], held.taking[0])];
+        held.taken = [
+            last,
+            last * terms.last + before * terms.before + held.taking[1] * terms.slope + held.taking[0] * terms.first,
+        ];
     }
     std::mem::swap(moved_before, moved);
     std::mem::swap(changed_before, changed);
