@@ -20,7 +20,8 @@ pub struct Settings {
     pub contact: ContactRule,
     /// Whether bodies meet each other.
     pub body_contact: bool,
-    /// Whether automatic stepping may hand a scene to the implicit integrator that it would have to divide too finely.
+    /// Whether automatic stepping may hand a scene that it would have to divide finely to the stabilised scheme or to the
+    /// implicit one, where that is cheaper.
     pub allow_implicit: bool,
     /// Whether cells that are crushed or turned inside out are pushed back to shape.
     pub inversion_recovery: bool,

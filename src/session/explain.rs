@@ -78,7 +78,7 @@ impl Session {
     pub(super) fn find_trouble(&mut self) {
         self.trouble = Some(self.explain_divergence());
         let plan = self.simulation.plan();
-        let excess = match plan.dt_safe_secs() {
+        let excess = match plan.limits_at_work().dt_safe_secs {
             Some(safe_secs) if plan.scheme != Scheme::Implicit => plan.substep_secs() / safe_secs,
             _ => 0.0,
         };
@@ -106,8 +106,8 @@ impl Session {
         if !Integrator::from(plan.scheme).has_stable_step() {
             return self.without_stable_step();
         }
-        let (dt_secs, limits) = (plan.substep_secs(), &plan.limits);
-        let safe_secs = plan.dt_safe_secs().unwrap_or(f64::INFINITY);
+        let (dt_secs, limits) = (plan.substep_secs(), plan.limits_at_work());
+        let safe_secs = plan.limits_at_work().dt_safe_secs.unwrap_or(f64::INFINITY);
         if dt_secs <= safe_secs || plan.scheme == Scheme::Implicit {
             return self.told(EXPLODED, format!("{STOPPED}. Nothing in the scene is known to be the reason."));
         }

@@ -69,9 +69,9 @@ impl Prediction {
         let simulation = session.simulation();
         let plan = simulation.plan();
         let figure = |term: Term, dt_limit_secs| LimitFigures { term: term.name(), dt_limit_secs };
-        let mut limits: Vec<_> = plan.limits.terms.iter().map(|&(term, limit)| figure(term, limit)).collect();
+        let mut limits: Vec<_> = plan.limits_at_work().terms.iter().map(|&(term, limit)| figure(term, limit)).collect();
         limits.push(figure(Term::User, Some(plan.dt_secs)));
-        limits.push(figure(Term::Combined, plan.limits.dt_limit_secs));
+        limits.push(figure(Term::Combined, plan.limits_at_work().dt_limit_secs));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
         let substeps_per_frame = libm::ceil(FRAME_SECS / plan.substep_secs()) as u64;
         let Speed { factor, slowed } = measured(session.simulation());
@@ -87,9 +87,9 @@ impl Prediction {
             particles: simulation.model().particle_count(),
             links: simulation.model().link_counts().iter().sum(),
             memory_bytes: session.memory_bytes(),
-            dt_limit_secs: plan.limits.dt_limit_secs,
-            dt_safe_secs: plan.limits.dt_safe_secs,
-            limited_by: plan.limits.limited_by(plan.dt_secs).name(),
+            dt_limit_secs: plan.limits_at_work().dt_limit_secs,
+            dt_safe_secs: plan.limits_at_work().dt_safe_secs,
+            limited_by: plan.limits_at_work().limited_by(plan.dt_secs).name(),
             integrator: Integrator::from(plan.scheme).name(),
             candidates: plan.scheme_costs.iter().map(candidate).collect(),
             limits,

@@ -45,7 +45,7 @@ impl Session {
     /// Why the speed asked for is not reached; empty when it is.
     pub(super) fn slowness(&self, links: usize) -> String {
         let plan = self.simulation.plan();
-        let limit = plan.limits.limited_by(plan.dt_secs).words();
+        let limit = plan.limits_at_work().limited_by(plan.dt_secs).words();
         let is_divided = plan.substeps > 1 && plan.scheme != Scheme::Implicit;
         let facts = Facts {
             speed: self.speed,

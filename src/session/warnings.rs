@@ -53,7 +53,7 @@ fn taken_over(settings: &Settings, plan: &Plan) -> Option<String> {
     (taken != settings.integrator && taken == Integrator::Implicit).then(|| {
         format!(
             "{} would need {} substeps in every step of {} with {}: {} has taken over, with steps of {}; it quiets \
-             vibrations sooner (without “Implicit where stiff” they stay, in slow motion)",
+             vibrations sooner (without “Other schemes where cheaper” they stay, in slow motion)",
             plan.limits.limited_by(settings.dt).words(),
             plan.limits.substeps(settings.dt),
             step_text(settings.dt),

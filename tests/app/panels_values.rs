@@ -136,7 +136,7 @@ fn nothing_chosen_shows_the_scene() {
     window.click("manual");
     assert_eq!(window.scene().settings.stepping, Stepping::Manual);
     for (label, is_on) in [
-        ("Implicit where stiff", (|settings| settings.allow_implicit) as fn(&Settings) -> bool),
+        ("Other schemes where cheaper", (|settings| settings.allow_implicit) as fn(&Settings) -> bool),
         ("Bodies collide", |settings| settings.body_contact),
         ("Sleep at rest", |settings| settings.sleeping),
         ("Turn crushed cells back", |settings| settings.inversion_recovery),

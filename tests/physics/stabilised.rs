@@ -26,10 +26,8 @@ fn the_stabilised_scheme_is_stable_below_its_limit() {
 /// motion.
 #[test]
 fn it_finds_the_same_motion_with_fewer_evaluations_where_damping_limits() {
-    let mut scene = hanging();
-    scene.bodies[0].material = Material::Springs(springs(100.0, 2.0, 0.008));
-    scene.settings.stepping = Stepping::Auto;
-    (scene.settings.dt, scene.settings.integrator) = (4e-3, Integrator::Stabilised);
+    let mut scene = damped();
+    scene.settings.integrator = Integrator::Stabilised;
     let after = |scene: &Scene| {
         let mut simulation = simulate::<f64>(scene);
         shake(&mut simulation);
@@ -45,6 +43,50 @@ fn it_finds_the_same_motion_with_fewer_evaluations_where_damping_limits() {
     assert!(2 * evaluations < evaluations_of_euler, "{evaluations} against {evaluations_of_euler} evaluations");
     let [error, error_of_euler] = [positions, positions_of_euler].map(|of| rms_distance(&of, &reference));
     assert!(error < 1e-5 && error_of_euler < 1e-5, "{error:e} m and {error_of_euler:e} m of a metre");
+}
+
+/// Steps of 4 ms that semi-implicit Euler would have to divide into many.
+fn damped() -> Scene {
+    let mut scene = hanging();
+    scene.bodies[0].material = Material::Springs(springs(100.0, 2.0, 0.008));
+    (scene.settings.stepping, scene.settings.dt) = (Stepping::Auto, 4e-3);
+    scene
+}
+
+#[test]
+fn automatic_stepping_takes_it_within_each_step_where_it_is_cheaper_and_only_there() {
+    let plan = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = damped();
+        change(&mut scene);
+        let simulation = simulate::<f64>(&scene);
+        (Integrator::from(simulation.plan().scheme), simulation.plan().span, simulation.plan().substeps)
+    };
+    assert_eq!(plan(&|_| ()), (Integrator::Stabilised, 1, 1), "a step at once");
+    assert_eq!(plan(&|scene| scene.settings.dt = 0.012), (Integrator::Stabilised, 1, 3), "none is longer than 4 ms");
+    assert_eq!(plan(&|scene| scene.settings.dt = 1e-4).0, Integrator::SemiImplicit, "no need");
+    assert_eq!(plan(&|scene| scene.settings.allow_implicit = false).0, Integrator::SemiImplicit, "as told");
+    assert_eq!(plan(&|scene| scene.settings.stepping = Stepping::Manual).0, Integrator::SemiImplicit, "as told");
+    let by_verlet = plan(&|scene| scene.settings.integrator = Integrator::Verlet).0;
+    assert_ne!(by_verlet, Integrator::Stabilised, "not in the place of what was chosen");
+    let undamped = |scene: &mut Scene| scene.bodies[0].material = Material::Springs(springs(1e4, 0.0, 0.008));
+    assert_ne!(plan(&undamped).0, Integrator::Stabilised, "vibrations leave it no long step");
+}
+
+/// What a person sees after a step, and what is saved then, is at its end.
+#[test]
+fn every_step_of_a_scene_that_it_takes_moves_it() {
+    for name in ["coupler-20", "coupler-40", "spot"] {
+        let scene = (presets::preset(name).expect("a preset").build)();
+        let mut simulation = Simulation::<f32>::from_scene(&scene, "".as_ref()).expect("a sound scene");
+        assert_eq!(Integrator::from(simulation.plan().scheme), Integrator::Stabilised, "{name}");
+        for step in 1..=3 {
+            let before = simulation.hash();
+            simulation.step();
+            let secs = f64::from(step) * scene.settings.dt;
+            assert!((simulation.state().time_secs - secs).abs() < 1e-12, "{name} after {step} steps");
+            assert_ne!(simulation.hash(), before, "{name} moves in step {step}");
+        }
+    }
 }
 
 /// A well damped cube above a plane, turned and thrown along it.

@@ -11,9 +11,10 @@ use crate::physics::{share, team};
 use crate::scene::Settings;
 use crate::scene::settings::Stepping;
 
-/// The longest step of the implicit integrator where it takes over, s: four a frame. Longer ones are cheaper for the same
-/// simulated time, and quiet a vibration of 5 Hz in one period instead of three.
-const LONGEST_IMPLICIT_SECS: f64 = 0.25 * FRAME_SECS;
+/// The longest step of a scheme that takes over, s: four a frame. Longer ones of the implicit scheme are cheaper for the
+/// same simulated time, and quiet a vibration of 5 Hz in one period instead of three; those of the stabilised one hardly are,
+/// and what meets an obstacle does so four times a frame at least.
+const LONGEST_SECS: f64 = 0.25 * FRAME_SECS;
 
 /// The least limit of the work of a substep: one try in which every round takes all iterations.
 const LEAST_WORK: u64 = 6_560;
@@ -29,9 +30,9 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         Scheme::SemiImplicit => limits.clone(),
         _ => SceneLimits::of(model, contact_rule, Scheme::SemiImplicit),
     };
-    let rates = match chosen {
-        Scheme::Stabilised => stage_rates(model, &limits),
-        _ => StageRates::default(),
+    let stabilised = || match chosen {
+        Scheme::Stabilised => limits.clone(),
+        _ => SceneLimits::of(model, contact_rule, Scheme::Stabilised),
     };
     let has_force = |family: usize| {
         model.bodies.iter().any(|body| {
@@ -44,19 +45,29 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let by_thesis = contact && contact_rule == ContactRule::Thesis;
     let asked_for = if divided { Division::of(&limits, settings.dt) } else { Division::whole(settings.dt) };
     let mut ways = vec![(chosen, asked_for)];
-    if divided && chosen == Scheme::Stabilised && !is_longer(&limits, &semi_implicit) {
+    let mut of_stages = (chosen == Scheme::Stabilised).then(stabilised);
+    if divided && of_stages.as_ref().is_some_and(|limits| !is_longer(limits, &semi_implicit)) {
         // A vibration with hardly any damping leaves it no step.
         ways = vec![(Scheme::SemiImplicit, Division::of(&semi_implicit, settings.dt))];
     }
     // Who asks for a step that needs no division wants it for its error.
     if divided && asked_for.substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
-        ways.push((Scheme::Implicit, Division::near(settings.dt, LONGEST_IMPLICIT_SECS)));
+        // Who chose another scheme than the default one wants that.
+        if chosen == Scheme::SemiImplicit {
+            let limits = of_stages.insert(stabilised());
+            if is_longer(limits, &semi_implicit) {
+                ways.push((Scheme::Stabilised, Division::of_whole_steps(limits, settings.dt)));
+            }
+        }
+        ways.push((Scheme::Implicit, Division::near(settings.dt, LONGEST_SECS)));
     }
+    let damping_rate = of_stages.as_ref().map_or(0.0, |limits| limits.damping_rate);
     let cost = |&(scheme, division): &(Scheme, Division)| {
-        scheme_cost::of(model, &semi_implicit, &rates, scheme, division.substep_secs())
+        scheme_cost::of(model, &semi_implicit, damping_rate, scheme, division.substep_secs())
     };
     let scheme_costs: Vec<_> = ways.iter().map(cost).collect();
     let scheme = SchemeCost::cheapest(&scheme_costs).map_or(chosen, |cost| cost.scheme);
+    let rates = of_stages.filter(|_| scheme == Scheme::Stabilised).map(|limits| stage_rates(model, limits));
     let Division { dt_secs, substeps, span } = ways.iter().find(|way| way.0 == scheme).map_or(asked_for, |way| way.1);
     let plan = Plan {
         scheme,
@@ -64,7 +75,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         dt_secs,
         substeps,
         span,
-        stage_rates: rates,
+        stage_rates: rates.unwrap_or_default(),
         halvings: 0,
         ends_explicitly: false,
         most_work: u64::MAX,
@@ -157,6 +168,13 @@ impl Division {
         Self { dt_secs: dt_secs.min(limits.longest_step_secs()), substeps: limits.substeps(dt_secs), span: 1 }
     }
 
+    /// Into as many as are safe and no longer than [`LONGEST_SECS`], each within a step: what is seen and saved after a step
+    /// is at its end.
+    fn of_whole_steps(limits: &SceneLimits, dt_secs: f64) -> Self {
+        let longest = limits.dt_safe_secs.map_or(LONGEST_SECS, |safe| safe.min(LONGEST_SECS));
+        Self { span: 1, ..Self::near(dt_secs, longest) }
+    }
+
     /// None.
     fn whole(dt_secs: f64) -> Self {
         Self { dt_secs, substeps: 1, span: 1 }
@@ -174,12 +192,11 @@ fn is_longer(one: &SceneLimits, other: &SceneLimits) -> bool {
 }
 
 /// What the bodies' damping asks of the stabilised scheme.
-fn stage_rates<R: Real>(model: &Model<R>, limits: &SceneLimits) -> StageRates {
+fn stage_rates<R: Real>(model: &Model<R>, limits: SceneLimits) -> StageRates {
     StageRates {
-        at_rest: limits.damping_rate,
         strained: any_state::damping_rate(model) + limits.push_rate,
-        dt_safe_secs: limits.dt_safe_secs,
         own: model.bodies.iter().map(any_state::own_rates).collect(),
+        limits,
     }
 }
 

@@ -17,8 +17,9 @@
 
 use crate::math::Real;
 use crate::physics::limits::{SceneLimits, Term};
-use crate::physics::model::plan::{SOLVE_WORK, SchemeCost, StageRates};
+use crate::physics::model::plan::{SOLVE_WORK, SchemeCost};
 use crate::physics::model::{BodyModel, Model, Scheme};
+use crate::physics::schemes::chebyshev::stages_for;
 
 // The weights of operations, in units of a link that is worked out in its box. Each was measured once, in the widest
 // vector instructions and on one thread: coupler-20, coupler-40, spot and cubes of 5, 10 and 20 cells.
@@ -47,17 +48,18 @@ const ITERATIONS_WITH_GRIDS: f64 = 25.0;
 /// `½ ln(2/ε)` for the share that a solution may miss.
 const ITERATIONS_A_ROOT: f64 = 5.0;
 
-/// What a scheme costs in substeps of this length; `semi_implicit` are the limits of semi-implicit Euler.
+/// What a scheme costs in substeps of this length; `semi_implicit` are the limits of semi-implicit Euler, `damping_rate` (1/s)
+/// is what the stabilised scheme has stages for.
 pub(super) fn of<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
-    rates: &StageRates,
+    damping_rate: f64,
     scheme: Scheme,
     substep_secs: f64,
 ) -> SchemeCost {
     let substep = match scheme {
         Scheme::Implicit => solutions(model, condition(semi_implicit, substep_secs)),
-        Scheme::Stabilised => f64::from(rates.stages_at_rest(substep_secs)) * evaluation(model),
+        Scheme::Stabilised => f64::from(stages_for(damping_rate * substep_secs)) * evaluation(model),
         Scheme::Rk4 => 4.0 * evaluation(model),
         Scheme::Rk2 => 2.0 * evaluation(model),
         Scheme::SemiImplicit | Scheme::Explicit | Scheme::Verlet => evaluation(model),
@@ -131,7 +133,8 @@ mod tests {
         assert_eq!([soft.scheme, stiff.scheme], [Scheme::SemiImplicit, Scheme::Implicit]);
         for plan in [soft, stiff] {
             let schemes: Vec<_> = plan.scheme_costs.iter().map(|cost| cost.scheme).collect();
-            assert_eq!(schemes, [Scheme::SemiImplicit, Scheme::Implicit], "what was asked for comes first");
+            let all = [Scheme::SemiImplicit, Scheme::Stabilised, Scheme::Implicit];
+            assert_eq!(schemes, all, "what was asked for comes first");
             let taken = plan.scheme_costs.iter().find(|cost| cost.scheme == plan.scheme).expect("one of them");
             assert!((taken.substep_secs / plan.substep_secs() - 1.0).abs() < 1e-12, "{taken:?}");
         }

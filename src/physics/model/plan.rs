@@ -76,12 +76,10 @@ impl SchemeCost {
 /// Rates that the stabilised scheme has as many stages for as they ask for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StageRates {
-    /// The largest rate of damping of bodies at rest with a margin, 1/s.
-    pub at_rest: f64,
-    /// The same in any state, 1/s.
+    /// Its stability limits, with the largest rate of damping of bodies at rest.
+    pub limits: SceneLimits,
+    /// That rate in any state, 1/s.
     pub strained: f64,
-    /// The longest substep that automatic stepping takes with it, s; none where nothing limits it.
-    pub dt_safe_secs: Option<f64>,
     /// What a particle's links resist with while their other ends stand still, over its mass, by body: stiffness, 1/s²,
     /// and damping, 1/s.
     pub own: Vec<[f64; 2]>,
@@ -90,7 +88,7 @@ pub struct StageRates {
 impl StageRates {
     /// Stages of a substep of so many seconds.
     pub fn stages_at_rest(&self, secs: f64) -> u32 {
-        stages_for(self.at_rest * secs)
+        stages_for(self.limits.damping_rate * secs)
     }
 
     /// The same where a body is strained.
@@ -139,7 +137,7 @@ pub struct Plan {
     pub parts: u32,
     /// What damping asks of the stabilised scheme; of no use to others.
     pub stage_rates: StageRates,
-    /// The predicted stability limits the subdivision follows from.
+    /// The predicted stability limits of the scheme that was asked for: what a division of its steps follows from.
     pub limits: SceneLimits,
     /// Which families have a link with a force, in any body.
     pub families: [bool; 3],
@@ -184,10 +182,9 @@ impl Plan {
         !self.watched
     }
 
-    /// The longest substep that automatic stepping takes with the explicit scheme in use, or with the one that was asked
-    /// for, s; none where nothing limits it.
-    pub fn dt_safe_secs(&self) -> Option<f64> {
-        if self.scheme == Scheme::Stabilised { self.stage_rates.dt_safe_secs } else { self.limits.dt_safe_secs }
+    /// The stability limits of the explicit scheme in use, or of the one that was asked for.
+    pub fn limits_at_work(&self) -> &SceneLimits {
+        if self.scheme == Scheme::Stabilised { &self.stage_rates.limits } else { &self.limits }
     }
 
     /// The longest part of a substep in which cells near inversion are pushed, s.

@@ -9,12 +9,12 @@ const FAR: f64 = 1e4;
 /// Every tunable of a scene.
 pub const PARAMS: &[Param] = &[
     integer("version", 1, VERSION as i64, "The version of the scene format."),
-    number("settings.dt", "s", 1e-6, 0.1, "The step asked for; automatic stepping divides it where it must.").log(),
+    number("settings.dt", "s", 1e-6, 0.1, "The step asked for; automatic stepping divides it where it must. Well damped bodies cost less in steps of 4 ms than of 1 ms.").log(),
     words("settings.integrator", &["semi_implicit", "explicit", "verlet", "rk2", "rk4", "stabilised", "implicit"], "The scheme that advances a step; explicit and rk2 are never quite stable and step as they are told."),
     words("settings.stepping", &["auto", "manual"], "Whether the program divides steps so that they stay stable."),
     words("settings.contact", &["implicit", "thesis"], "How obstacles push back; the thesis's rule is there to teach with."),
     flag("settings.body_contact", "Whether bodies meet each other; where it is off they pass through one another."),
-    flag("settings.allow_implicit", "Whether automatic stepping may choose the implicit scheme where it would need very many steps."),
+    flag("settings.allow_implicit", "Whether automatic stepping may choose the stabilised or the implicit scheme where that is cheaper than the steps it would need."),
     flag("settings.inversion_recovery", "Whether cells that are crushed or turned inside out are pushed back to shape."),
     flag("settings.sleeping", "Whether a body at rest is left alone until something touches it or a value changes, and one that fell out of the scene until it is brought back; it costs nothing then."),
     number("settings.gravity", "m/s²", -1000.0, 1000.0, "Acceleration of gravity; a single number g means (0, −g, 0).").of(3),

@@ -43,7 +43,8 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
             commands.extend(edits::alone(Edit::Settings(Settings { stepping, ..old.clone() })));
         }
         let mut settings = old.clone();
-        let mut changed = flag_ui(ui, "settings.allow_implicit", "Implicit where stiff", &mut settings.allow_implicit);
+        let mut changed =
+            flag_ui(ui, "settings.allow_implicit", "Other schemes where cheaper", &mut settings.allow_implicit);
         changed |= flag_ui(ui, "settings.body_contact", "Bodies collide", &mut settings.body_contact);
         changed |= flag_ui(ui, "settings.sleeping", "Sleep at rest", &mut settings.sleeping);
         changed |=
