@@ -5,8 +5,8 @@
 
 use glam::{DMat3, DVec3};
 
-/// Newton's method is at its end when a place changes by no more than this.
-const SETTLED: f64 = 1e-11;
+/// Newton's method is at its end when a place changes by no more than this: what is left is of the order of its square.
+const SETTLED: f64 = 1e-6;
 
 /// Most rounds of it: a cell that is not crushed needs three to six.
 const ROUNDS: usize = 16;
@@ -55,11 +55,14 @@ impl Cell {
         let least = LEAST_VOLUME * cell_size * cell_size * cell_size;
         let mut at = from;
         for _ in 0..ROUNDS {
-            let slopes = self.slopes(at);
-            if slopes.determinant().partial_cmp(&least)? != std::cmp::Ordering::Greater {
+            let DMat3 { x_axis, y_axis, z_axis } = self.slopes(at);
+            let across = [y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis)];
+            let volume = x_axis.dot(across[0]);
+            if volume.partial_cmp(&least)? != std::cmp::Ordering::Greater {
                 return None;
             }
-            let way = slopes.inverse() * (point - self.point(at));
+            let left = (point - self.point(at)) * (1.0 / volume);
+            let way = DVec3::from(across.map(|across| across.dot(left)));
             at = (at + way).clamp(DVec3::splat(-REACH), DVec3::splat(1.0 + REACH));
             if way.abs().max_element() <= SETTLED {
                 return Some(at);

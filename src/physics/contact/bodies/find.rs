@@ -23,6 +23,9 @@ use crate::physics::report::Counters;
 /// A point on the face between two cells is in either, though rounding puts it outside both by less than this, in cells.
 const TOLERANCE: f64 = 1e-4;
 
+/// A point that is outside a cell by no more than this is as good as in it, and looked for in no other.
+const NOTHING: f64 = 1e-9;
+
 /// The way out leads against the outside of a point where their directions' product is below this.
 const AGAINST: f64 = -0.2;
 
@@ -117,7 +120,7 @@ fn look(seen: &mut Seen, number: u32, cell: &Cell, around: &Aabb<f64>, cell_size
     let Some(at) = cell.locate(seen.ahead, DVec3::splat(0.5), cell_size) else { return };
     let beyond = outside(at);
     if beyond <= TOLERANCE && beyond < seen.outside {
-        (seen.cell, seen.at, seen.outside) = (number, at, beyond);
+        (seen.cell, seen.at, seen.outside) = (number, at, if beyond <= NOTHING { 0.0 } else { beyond });
     }
 }
 

@@ -7,10 +7,10 @@
 use super::constraint::{Mover, PointConstraint, Rubbing};
 
 /// Rounds at most.
-const ROUNDS: usize = 24;
+const ROUNDS: usize = 12;
 
 /// The contacts have settled where none changes by more than this share of the largest impulse of the first round.
-const SETTLED_SHARE: f64 = 1e-4;
+const SETTLED_SHARE: f64 = 1e-3;
 
 /// Energies are known to this share of what moves.
 const ROUNDING: f64 = 1e-12;
