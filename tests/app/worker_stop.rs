@@ -15,7 +15,7 @@ const SOON: Duration = Duration::from_millis(200);
 const PATIENCE: Duration = Duration::from_mins(2);
 
 /// A stiff cube that hangs by its top. The implicit integrator takes seconds for a substep of it.
-const HEAVY: &str = "(version: 1, bodies: [(shape: cube(cells: 40, size: 0.5), material: springs(structural: \
+const HEAVY: &str = "(version: 1, bodies: [(shape: cube(cells: 70, size: 0.5), material: springs(structural: \
                      (stiffness: 1e4, damping: 0), shear: (stiffness: 1e7, damping: 250), bending: (stiffness: 5e3, \
                      damping: 60), particle_mass: 1e-3), pins: [(min: (-9, 0.2, -9), max: (9, 9, 9))])])";
 

@@ -153,7 +153,8 @@ fn what_is_repeated_of_files_and_arguments_is_short_and_steers_no_terminal() {
     }
     folder.write(
         "named.ron",
-        "(version: 1, bodies: [(name: \"\u{1b}[2J\", shape: cube(cells: 1)), (shape: cube(cells: 1))])",
+        "(version: 1, settings: (body_contact: false), bodies: [(name: \"\u{1b}[2J\", shape: cube(cells: 1)), (shape: \
+         cube(cells: 1))])",
     );
     let ran = folder.run("run named.ron --seconds 0");
     assert!(ran.notes.contains("in each other's way") && !ran.notes.contains('\u{1b}'), "{:?}", ran.notes);
