@@ -4,8 +4,8 @@
 //! still    for 0.5 s no particle was faster than 1e-3 body sizes a second
 //! at rest  still, and none is further than 1e-5 body sizes from where it was then, nor than 1 % of a free fall
 //! asleep   velocities are zero; no forces, no contact, no motion; its contacts stay known to be shown
-//! awake    by a body that comes near, a hand, new parameters, settings or obstacles, a throw, another place or another motion; never a body that
-//!          has fallen out of the scene
+//! awake    by a body that comes near, a hand, new parameters, settings or obstacles, a throw, another place or another
+//!          motion; never a body that has fallen out of the scene
 //! ```
 //!
 //! The speed alone would take the top of a flight or the end of a swing for rest; the way since the body was first still
