@@ -50,7 +50,9 @@ pub(super) fn predict<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::
 pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
     let count = stepper.substep.stages();
     let (ahead, mut stages) = Stages::new(count);
-    begin(stepper);
+    if !begin(stepper, recorder) {
+        return;
+    }
     go(stepper, Stage { last: 0.0, before: 0.0, slope: ahead, first: 0.0 });
     // How much of the substep is over at the stages.
     let (mut share_before, mut share) = (0.0, ahead);
@@ -76,26 +78,41 @@ pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::V
     }
 }
 
-/// The first stage is the state, but that what is held has the velocity it is held at.
-fn begin<R: Real>(stepper: &mut Stepper<'_, R>) {
+/// The first stage is the state, but that what is held has the velocity it is held at, and the forces are those of that.
+/// Says whether there is one: not where the substep is given up.
+fn begin<R: Real>(stepper: &mut Stepper<'_, R>, recorder: &mut Recorder<'_>) -> bool {
     let SchemeWorkspace { stages, velocity, force, .. } = &mut *stepper.workspace;
     let StageWorkspace { held, start, moved, changed, .. } = stages;
     start.copy_from_slice(&stepper.substep.state.velocity);
-    for held in held {
+    for held in &mut *held {
         held.begin(&mut start[held.particle]);
     }
+    let state = stepper.substep.state;
+    let is_changed = held.iter().any(|held| start[held.particle] != state.velocity[held.particle]);
     velocity.copy_from_slice(start);
-    force.copy_from_slice(stepper.force);
     for stage in moved.iter_mut().chain(changed) {
         stage.fill(R::Vec3::ZERO);
     }
-    add_pull(stepper);
+    if is_changed {
+        // Forces of the velocities it had would drive its neighbours as if it still had them.
+        let at = Configuration { position: &state.position, velocity, residual: None };
+        forces::evaluate(stepper.substep, at, force, None, stepper.forces, recorder);
+        recorder.enter(plan::Stage::Integrate);
+        if recorder.stops() {
+            return false;
+        }
+        add_constant(stepper);
+    } else {
+        force.copy_from_slice(stepper.force);
+        add_pull(stepper);
+    }
     hold(stepper, R::ZERO);
     let SchemeWorkspace { stages: StageWorkspace { held, first, .. }, force, .. } = &mut *stepper.workspace;
     for held in held {
         held.taking[0] = held.taking[1];
     }
     first.copy_from_slice(force);
+    true
 }
 
 /// Adds to the forces at a stage what is constant over the substep: the thesis's contact and the hand's pull.
