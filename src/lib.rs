@@ -128,9 +128,8 @@
 //! physics/stepping/mod.rs         advance         part by part
 //! physics/step/mod.rs             substep         the stages of a part
 //! physics/forces/mod.rs           evaluate        all forces
-//! physics/forces/boxed.rs         add             those of links, of a thread's shares
+//! physics/forces/particles.rs     add             those of links, of a thread's shares, and what they do to velocities
 //! physics/kernels/sweep.rs        add_forces      piece by piece
-//! physics/forces/particles.rs     kick_some       forces → velocities, which move the particles
 //! app/worker/publish.rs           publish         what leaves the thread, once a frame
 //! session/draw.rs                 draw_list       particles → DrawList
 //! ```

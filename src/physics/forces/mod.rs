@@ -1,13 +1,11 @@
 //! Forces of gravity and of the links (GC §2).
 
-mod boxed;
 pub(in crate::physics) mod links;
 pub(in crate::physics) mod particles;
 pub(in crate::physics) mod recovery;
 
-use boxed::LinkForces;
 use links::{Configuration, elastic_force, for_each_exact_link, is_damped};
-use particles::{Kick, weigh};
+use particles::{Kick, LinkForces, weigh};
 
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
