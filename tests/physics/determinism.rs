@@ -5,6 +5,7 @@ use std::cell::Cell;
 
 use gelatin::physics::{Arrival, SimdLevel};
 use gelatin::scene::material::Solid;
+use gelatin::scene::settings::Integrator;
 use gelatin::scene::{Material, Scene};
 
 use crate::support::{ball, cube, falling, lattices, plane, run, simulate, springs};
@@ -33,7 +34,10 @@ fn the_same_scene_gives_the_same_bits_and_another_one_does_not() {
 fn every_level_of_vector_instructions_gives_the_same_bits() {
     let mut solid = landing();
     solid.bodies[0].material = Material::Solid(Solid { young_modulus: 2e4, ..Solid::default() });
-    for scene in [landing(), solid] {
+    let mut stiff = landing();
+    stiff.bodies[0].material = Material::Springs(springs(1e6, 0.2, 0.01));
+    stiff.settings.integrator = Integrator::Implicit;
+    for scene in [landing(), solid, stiff] {
         let hash = |level: SimdLevel| {
             let mut simulation = simulate::<f32>(&scene);
             simulation.plan_mut().simd = level;

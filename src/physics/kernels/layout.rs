@@ -47,7 +47,7 @@ const PLACE: [usize; 125] = {
 
 /// The most places in blocks for each link: past that a walk along the list of links is no slower, as a link of it takes
 /// as long as 4 places of the narrowest vector instructions.
-const MOST_PLACES_A_LINK: usize = 4;
+pub(super) const MOST_PLACES_A_LINK: usize = 4;
 
 /// The most corners of the box for each particle: past that the box takes more memory than the list of the links.
 pub(in crate::physics) const MOST_CORNERS_A_PARTICLE: usize = 16;

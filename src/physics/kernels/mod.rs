@@ -22,7 +22,8 @@
 //! # Practice
 //!
 //! [`Layout`] follows from the lattice alone and is shared between compilations; [`BoxedLinks`] adds the constants of the
-//! links; both are constant. A [`Piece`] is what a sweep works in, one for each thread that has a part of the body. A body that fills so little of its box
+//! links; both are constant. A [`Piece`] is what a sweep works in, one for each thread that has a part of the body.
+//! [`Tangents`] are how the forces change, as a matrix: the implicit scheme multiplies with it. A body that fills so little of its box
 //! that going through the list of its links is cheaper has no layout: what counts is the number of places in blocks for
 //! each link, which is the same on every machine.
 
@@ -36,6 +37,7 @@ mod level;
 mod motion;
 mod piece;
 mod sweep;
+mod tangent;
 
 pub(in crate::physics) use bounds::{GROUP, are_finite, bounds, motion_bounds};
 pub(in crate::physics) use boxed::BoxedLinks;
@@ -44,6 +46,7 @@ pub use level::SimdLevel;
 pub(in crate::physics) use motion::{StageSources, StageTerms, advance, kick, kick_each, next_stage, next_stage_each};
 pub(in crate::physics) use piece::{Piece, pieces};
 pub(in crate::physics) use sweep::{Pass, Start, add_forces};
+pub(in crate::physics) use tangent::{Tangents, tangent_bytes};
 
 #[cfg(test)]
 mod oracle_tests;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{BoxedLinks, Layout, Pass, SimdLevel, Start, add_forces, pieces};
+use super::{BoxedLinks, Layout, Pass, SimdLevel, Start, Tangents, add_forces, pieces};
 use crate::geometry::Lattice;
 use crate::geometry::voxel::Cells;
 use crate::math::rng::Rng;
@@ -287,4 +287,106 @@ fn a_pass_that_is_given_up_looks_at_no_more_links() {
     let all: usize = families.iter().map(|family| family.links.len()).sum();
     // Two panels, of 4096 corners with up to 16 links each.
     assert!((1 << 16..=2 << 16).contains(&count) && count < all as u64, "{count} of {all}");
+}
+
+/// The step that matrices of links are made for, s.
+const DT: f64 = 0.05;
+
+/// The third of the trace on the diagonal of every particle and the product with a vector of `dt² K⁺ + dt C`, link by
+/// link, and the sum of the sizes of what each product is made of.
+fn listed_product<R: Real>(
+    families: &[LinkFamily<R>; 3],
+    position: &[R::Vec3],
+    chosen: [bool; 3],
+    of: &[DVec3],
+) -> (Vec<f64>, Vec<DVec3>, Vec<f64>) {
+    let count = position.len();
+    let (mut diagonal, mut product, mut scale) = (vec![0.0; count], vec![DVec3::ZERO; count], vec![0.0; count]);
+    for (family, _) in families.iter().zip(chosen).filter(|(_, chosen)| *chosen) {
+        for (number, link) in family.links.iter().enumerate() {
+            let [i, j] = link.ends.map(|end| end as usize);
+            let d = (position[j] - position[i]).to_dvec3();
+            if d == DVec3::ZERO {
+                continue;
+            }
+            let [stiffness, damping] = family.constants(number).map(Real::to_f64);
+            let (length, rest) = (d.length(), link.rest_length.to_f64());
+            let across = DT * DT * stiffness / rest * (1.0 - rest / length).max(0.0);
+            let along = DT * DT * stiffness / rest - across + DT * damping / rest;
+            let difference = of[i] - of[j];
+            let part = difference * across + d * (along * d.dot(difference) / (length * length));
+            product[i] += part;
+            product[j] -= part;
+            for end in [i, j] {
+                diagonal[end] += across + along / 3.0;
+                scale[end] += (across + along) * difference.length();
+            }
+        }
+    }
+    (diagonal, product, scale)
+}
+
+/// The same from the kernel.
+fn boxed_product<R: Real>(
+    links: &BoxedLinks<R>,
+    position: &[R::Vec3],
+    choice: (SimdLevel, [bool; 3]),
+    of: &[DVec3],
+) -> (Vec<f64>, Vec<DVec3>) {
+    let mut tangents = Tangents::new(std::iter::once(links));
+    let (mut diagonal, mut product) = (vec![0.0; of.len()], vec![DVec3::ZERO; of.len()]);
+    tangents.make(links, choice, DT, position, |particle, third| diagonal[particle] += third);
+    tangents.add_product(links, choice.0, of, &mut product);
+    (diagonal, product)
+}
+
+/// Roundings of the sum of all sizes by which a product may differ from that along the list. A link's resistance across its
+/// direction is a difference that has lost as many digits as it is less than its stiffness.
+const ROUNDINGS_OF_A_PRODUCT: f64 = 3.0;
+
+fn compare_products<R: Real>() -> f64 {
+    let mut rng = Rng::new(12);
+    let mut farthest = 0.0_f64;
+    for Shape { name, lattice } in &shapes() {
+        let [position, _] = motion::<R>(lattice);
+        let of: Vec<_> = position.iter().map(|_| DVec3::from([0; 3].map(|_| rng.between(-1.0, 1.0)))).collect();
+        for material in [Material::Alike, Material::Mixed] {
+            let families = families::<R>(lattice, material, [0.1, 0.0, 0.3]);
+            let links = in_box(lattice, &families);
+            for chosen in [[true; 3], [true, true, false], [false, true, false]] {
+                let (diagonal, expected, scale) = listed_product(&families, &position, chosen, &of);
+                let first = boxed_product(&links, &position, (SimdLevel::Portable, chosen), &of);
+                let off = largest_difference::<f64>(&first.1, &expected, &scale) * f64::EPSILON / R::EPSILON.to_f64();
+                farthest = farthest.max(off);
+                for (found, expected) in first.0.iter().zip(&diagonal) {
+                    assert!((found - expected).abs() <= 10.0 * R::EPSILON.to_f64() * expected, "{name} {material:?}");
+                }
+                for level in levels() {
+                    let at_level = boxed_product(&links, &position, (level, chosen), &of);
+                    assert!(at_level == first, "{name} {material:?} {chosen:?}: other bits at {}", level.name());
+                }
+            }
+        }
+    }
+    farthest
+}
+
+#[test]
+fn the_matrix_of_links_in_their_box_is_that_along_their_list() {
+    for farthest in [compare_products::<f32>(), compare_products::<f64>()] {
+        assert!(farthest <= ROUNDINGS_OF_A_PRODUCT, "{farthest} roundings off");
+    }
+}
+
+#[test]
+fn a_matrix_of_the_wrong_links_is_seen() {
+    let Shape { lattice, .. } = shape("block", [8, 8, 8], |_| true);
+    let [position, velocity] = motion::<f32>(&lattice);
+    let of: Vec<_> = velocity.iter().map(|v| v.to_dvec3()).collect();
+    let families = families::<f32>(&lattice, Material::Mixed, [0.1; 3]);
+    let links = in_box(&lattice, &families);
+    let (_, expected, scale) = listed_product(&families, &position, [true; 3], &of);
+    let (_, product) = boxed_product(&links, &position, (SimdLevel::best(), [true, true, false]), &of);
+    let off = largest_difference::<f64>(&product, &expected, &scale) * f64::EPSILON / f64::from(f32::EPSILON);
+    assert!(off > 1000.0 * ROUNDINGS_OF_A_PRODUCT, "without bending: {off} roundings");
 }

@@ -143,7 +143,7 @@ fn sweep<R: Real>(
 }
 
 #[inline(always)]
-fn add<R: Real>(sum: &[R; BLOCK], to: &mut [R; BLOCK]) {
+pub(super) fn add<R: Real>(sum: &[R; BLOCK], to: &mut [R; BLOCK]) {
     for (sum, to) in sum.iter().zip(to) {
         *to += *sum;
     }
@@ -151,7 +151,7 @@ fn add<R: Real>(sum: &[R; BLOCK], to: &mut [R; BLOCK]) {
 
 /// Brings vectors of the particles to their corners. `origin` is the particle and the corner that are counted as nothing.
 #[inline(always)]
-fn spread<R: Real>(runs: &[Run], origin: [usize; 2], from: &[R::Vec3], [x, y, z]: &mut [Vec<R>; 3]) {
+pub(super) fn spread<R: Real>(runs: &[Run], origin: [usize; 2], from: &[R::Vec3], [x, y, z]: &mut [Vec<R>; 3]) {
     for run in runs {
         let [particles, corners] = run.past(origin);
         let (x, y, z) = (&mut x[corners.clone()], &mut y[corners.clone()], &mut z[corners]);
@@ -184,24 +184,24 @@ fn collect<R: Real>(runs: &[Run], origin: [usize; 2], [x, y, z]: &[Vec<R>; 3], t
 
 /// All of the components of vectors. Spelled out, like all that the loops call: a closure given to `map` is a call there.
 #[inline(always)]
-fn slices<T>([x, y, z]: &[Vec<T>; 3]) -> [&[T]; 3] {
+pub(super) fn slices<T>([x, y, z]: &[Vec<T>; 3]) -> [&[T]; 3] {
     [x, y, z]
 }
 
 /// A block of each of the components.
 #[inline(always)]
-fn lanes_of<T>([x, y, z]: [&[T]; 3], first: usize) -> [&[T; BLOCK]; 3] {
+pub(super) fn lanes_of<T>([x, y, z]: [&[T]; 3], first: usize) -> [&[T; BLOCK]; 3] {
     [lanes(x, first), lanes(y, first), lanes(z, first)]
 }
 
 /// A block of what there is for each corner.
 #[inline(always)]
-fn lanes<T>(of: &[T], first: usize) -> &[T; BLOCK] {
+pub(super) fn lanes<T>(of: &[T], first: usize) -> &[T; BLOCK] {
     of[first..].first_chunk().expect("there is room for a block past the last corner")
 }
 
 /// The same, to write.
 #[inline(always)]
-fn lanes_mut<T>(of: &mut [T], first: usize) -> &mut [T; BLOCK] {
+pub(super) fn lanes_mut<T>(of: &mut [T], first: usize) -> &mut [T; BLOCK] {
     of[first..].first_chunk_mut().expect("there is room for a block past the last corner")
 }

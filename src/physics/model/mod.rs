@@ -139,6 +139,11 @@ impl<R: Real> BodyModel<R> {
         }
     }
 
+    /// Links of all families.
+    pub(in crate::physics) fn link_count(&self) -> usize {
+        self.links.iter().map(|family| family.links.len()).sum()
+    }
+
     /// Whether it is to meet other bodies.
     pub fn meets_others(&self) -> bool {
         self.among_bodies.hull.is_some()

@@ -3,8 +3,11 @@
 use crate::physics::model::Values;
 use glam::{DMat3, DVec3};
 
+use super::matrix::Factor;
 use super::system::{ImplicitWorkspace, System};
+use super::vectors::{add_scaled, dot, scale, scale_and_add};
 use crate::math::Real;
+use crate::physics::model::BodyModel;
 
 /// Iterations of one solve: some twenty times those a stiff body takes.
 const MOST_ITERATIONS: u64 = 400;
@@ -15,6 +18,26 @@ const TOLERANCE: f64 = 1e-4;
 /// The least share of the right-hand side that a solution may miss, however slow the body: what is held by friction on
 /// a slope would creep by what is missed.
 const FINEST_TOLERANCE: f64 = 1e-7;
+
+/// The share of what the equations of a round miss in the beginning that a rough solution may miss.
+const ROUGH: f64 = 0.1;
+
+/// How far equations are solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Accuracy {
+    /// Until it makes no difference to the motion.
+    Full,
+    /// As far as it takes to see what constraints do.
+    Rough,
+}
+
+/// What a solve came to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Solve {
+    pub(super) iterations: u64,
+    /// Whether it is as near as a full one is to be.
+    pub(super) is_full: bool,
+}
 
 impl<R: Real> System<'_, R> {
     /// Where the iteration starts: with the velocities now and, where nothing holds the body, its motion as a whole.
@@ -36,17 +59,14 @@ impl<R: Real> System<'_, R> {
             }
         }
         for constraint in &mut *self.constraints {
-            constraint
-                .hold_against(1.0 / self.workspace.inverse_diagonal[constraint.particle - self.body.particles.start]);
+            constraint.hold_against(self.workspace.diagonal[constraint.particle - self.body.particles.start]);
         }
         (moving.min(known) * TOLERANCE * TOLERANCE).max(known * FINEST_TOLERANCE * FINEST_TOLERANCE)
     }
 
     /// What the equations miss of being fulfilled.
     fn find_residual(&mut self, touched: bool) {
-        let mut product = std::mem::take(&mut self.workspace.product);
-        self.times(&self.workspace.velocity, &mut product);
-        self.workspace.product = product;
+        self.times(Factor::Velocity);
         let ImplicitWorkspace { residual, right_hand_side, product, velocity, .. } = &mut *self.workspace;
         for (local, residual) in residual[..self.body.particles.len()].iter_mut().enumerate() {
             *residual = right_hand_side[local] - product[local];
@@ -59,60 +79,58 @@ impl<R: Real> System<'_, R> {
         }
     }
 
-    /// Conjugate gradients with the constraints as they are, until they are solved or it `stops`. Returns how many iterations
-    /// it took.
-    pub(super) fn iterate(&mut self, enough: f64, stops: &dyn Fn() -> bool) -> u64 {
+    /// Conjugate gradients with the constraints as they are, until they are solved as far as is to be or it `stops`.
+    pub(super) fn iterate(&mut self, enough: f64, accuracy: Accuracy, stops: &dyn Fn() -> bool) -> Solve {
         let count = self.body.particles.len();
         self.find_residual(true);
         self.precondition();
         self.workspace.before[..count].copy_from_slice(&self.workspace.velocity[..count]);
         self.workspace.residual_before[..count].copy_from_slice(&self.workspace.residual[..count]);
         let mut missed = self.scale_residual();
+        let goal = match accuracy {
+            Accuracy::Full => enough,
+            Accuracy::Rough => enough.max(ROUGH * ROUGH * missed),
+        };
         self.add_coarse();
-        let mut size = dot(&self.workspace.residual[..count], &self.workspace.scaled[..count]);
+        let level = self.level;
+        let mut size = dot(level, &self.workspace.residual[..count], &self.workspace.scaled[..count]);
         self.workspace.search[..count].copy_from_slice(&self.workspace.scaled[..count]);
         let mut iterations = 0;
-        while iterations < MOST_ITERATIONS && missed > enough {
+        while iterations < MOST_ITERATIONS && missed > goal {
             if stops() {
                 break;
             }
-            let mut product = std::mem::take(&mut self.workspace.product);
-            self.times(&self.workspace.search, &mut product);
+            self.times(Factor::Search);
+            let ImplicitWorkspace { search, product, velocity, residual, .. } = &mut *self.workspace;
             for constraint in &*self.constraints {
                 let local = constraint.particle - self.body.particles.start;
-                product[local] += *constraint.matrix() * self.workspace.search[local];
+                product[local] += *constraint.matrix() * search[local];
             }
-            self.workspace.product = product;
-            let ImplicitWorkspace { search, product, velocity, residual, .. } = &mut *self.workspace;
-            let curvature = dot(&search[..count], &product[..count]);
+            let curvature = dot(level, &search[..count], &product[..count]);
             if curvature.is_nan() || curvature <= 0.0 {
                 break;
             }
             let length = size / curvature;
-            for local in 0..count {
-                velocity[local] += search[local] * length;
-                residual[local] -= product[local] * length;
-            }
+            add_scaled(level, length, &search[..count], &mut velocity[..count]);
+            add_scaled(level, -length, &product[..count], &mut residual[..count]);
             missed = self.scale_residual();
             self.add_coarse();
-            let smaller = dot(&self.workspace.residual[..count], &self.workspace.scaled[..count]);
+            let smaller = dot(level, &self.workspace.residual[..count], &self.workspace.scaled[..count]);
             let keep = smaller / size;
             let ImplicitWorkspace { search, scaled, .. } = &mut *self.workspace;
-            for (search, scaled) in search[..count].iter_mut().zip(&scaled[..count]) {
-                *search = *scaled + *search * keep;
-            }
+            scale_and_add(level, keep, &scaled[..count], &mut search[..count]);
             size = smaller;
             iterations += 1;
         }
-        iterations
+        Solve { iterations, is_full: missed <= enough }
     }
 
     /// The inverse blocks of touched particles.
     fn precondition(&mut self) {
-        let ImplicitWorkspace { inverse_blocks, inverse_diagonal, .. } = &mut *self.workspace;
+        let ImplicitWorkspace { inverse_blocks, diagonal, .. } = &mut *self.workspace;
         inverse_blocks.clear();
         for own in self.constraints.chunk_by(|a, b| a.particle == b.particle) {
-            let diagonal = 1.0 / inverse_diagonal[own[0].particle - self.body.particles.start];
+            let diagonal = diagonal[own[0].particle - self.body.particles.start];
             let block = own
                 .iter()
                 .fold(DMat3::from_diagonal(DVec3::splat(diagonal)), |sum, constraint| sum + *constraint.matrix());
@@ -128,43 +146,33 @@ impl<R: Real> System<'_, R> {
     /// would hardly count.
     fn scale_residual(&mut self) -> f64 {
         let ImplicitWorkspace { residual, scaled, inverse_diagonal, inverse_blocks, .. } = &mut *self.workspace;
-        let mut sum = 0.0;
-        for local in 0..self.body.particles.len() {
-            if self.body.is_pinned(local) {
-                scaled[local] = DVec3::ZERO;
-            } else {
-                scaled[local] = residual[local] * inverse_diagonal[local];
-                sum += residual[local].dot(scaled[local]);
-            }
-        }
+        let count = self.body.particles.len();
+        let size = scale(self.level, &residual[..count], &inverse_diagonal[..count], &mut scaled[..count]);
         let touched = self.constraints.chunk_by(|a, b| a.particle == b.particle);
         for (own, block) in touched.zip(inverse_blocks) {
             let local = own[0].particle - self.body.particles.start;
             scaled[local] = *block * residual[local];
         }
-        sum
+        size
     }
 
     /// Adds what the coarse grids make of the residual.
     fn add_coarse(&mut self) {
         let ImplicitWorkspace { grids, scaled, residual, .. } = &mut *self.workspace;
         let Some(grids) = grids[self.number].as_mut().filter(|_| self.uses_grids) else { return };
-        let residual = |local: usize| if self.body.is_pinned(local) { DVec3::ZERO } else { residual[local] };
-        grids.correct(residual, |local, part| {
-            if !self.body.is_pinned(local) {
-                scaled[local] += part;
-            }
-        });
+        let count = self.body.particles.len();
+        let (residual, scaled) = (&mut residual[..count], &mut scaled[..count]);
+        Self::hold_pinned(self.body, residual);
+        grids.correct(self.level, residual, scaled);
+        Self::hold_pinned(self.body, scaled);
     }
-}
 
-/// The inner product: four sums in a fixed order.
-pub(super) fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
-    let mut sums = [0.0; 4];
-    for (a, b) in a.chunks(4).zip(b.chunks(4)) {
-        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += a.dot(*b);
+    /// Makes what there is of held particles nothing.
+    fn hold_pinned(body: &BodyModel<R>, of: &mut [DVec3]) {
+        if let Values::Each(pinned) = &body.pinned {
+            for (of, _) in of.iter_mut().zip(pinned).filter(|(_, pinned)| **pinned) {
+                *of = DVec3::ZERO;
+            }
         }
     }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
 }

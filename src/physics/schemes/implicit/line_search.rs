@@ -13,7 +13,7 @@
 
 use super::system::{ImplicitWorkspace, System};
 use crate::math::Real;
-use crate::physics::schemes::implicit::conjugate::dot;
+use crate::physics::schemes::implicit::vectors::dot;
 
 /// Where the potential rises by no more than this share of how it fell at first, it is as good as level.
 const LEVEL: f64 = 0.1;
@@ -39,7 +39,7 @@ impl<R: Real> System<'_, R> {
                 let local = constraint.particle - first;
                 constraint.impulse(at[local]).dot(search[local])
             });
-            touched.sum::<f64>() - dot(&residual[..count], &search[..count])
+            touched.sum::<f64>() - dot(self.level, &residual[..count], &search[..count])
         });
         let slope = |share: f64| {
             let touched = self.constraints.iter().map(|constraint| {

@@ -7,6 +7,7 @@ use crate::math::{Real, Vector};
 use crate::physics::forces::links::for_each_tangent;
 use crate::physics::forces::recovery;
 use crate::physics::interaction::Grab;
+use crate::physics::model::BodyModel;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::BodyMemory;
 
@@ -20,31 +21,24 @@ impl<R: Real> System<'_, R> {
         stops: &dyn Fn() -> bool,
     ) {
         let dt = self.dt;
-        let ImplicitWorkspace { blocks, right_hand_side, inverse_diagonal, velocity: now, .. } = &mut *self.workspace;
+        let ImplicitWorkspace { tangents, blocks, right_hand_side, diagonal, velocity: now, .. } = &mut *self.workspace;
         for (local, force) in force.iter().enumerate() {
             let mass = self.body.mass(local).to_f64();
             now[local] = velocity[local].to_dvec3();
             right_hand_side[local] = now[local] * mass + force.to_dvec3() * dt;
-            inverse_diagonal[local] = mass;
+            diagonal[local] = mass;
         }
-        blocks.clear();
-        for_each_tangent(self.body, plan.families, position, stops, |[i, j], tangent| {
-            let stiff = dt * dt * tangent.stiffness.to_f64();
-            let across = stiff * tangent.geometric_share.to_f64();
-            let damping = dt * tangent.damping.to_f64();
-            let along = stiff - across + damping;
-            let direction = tangent.direction.to_dvec3();
-            let diagonal = across + along / 3.0;
-            inverse_diagonal[i as usize] += diagonal;
-            inverse_diagonal[j as usize] += diagonal;
-            let along = R::Vec3::from_dvec3(direction * along.sqrt());
-            blocks.push(LinkBlock { ends: [i, j], across: R::from_f64(across), along });
-        });
+        if let Some(links) = &self.body.boxed_links {
+            let choice = (self.level, plan.families);
+            tangents.make(links, choice, dt, position, |local, third| diagonal[local] += third);
+        } else {
+            make_blocks(self.body, plan.families, dt, position, blocks, diagonal, stops);
+        }
         self.workspace.resistances.clear();
         self.workspace.resistances.extend(recovery::resistances(self.body, memory, position));
-        let ImplicitWorkspace { resistances, inverse_diagonal, .. } = &mut *self.workspace;
+        let ImplicitWorkspace { resistances, diagonal, .. } = &mut *self.workspace;
         for resistance in resistances {
-            resistance.for_each_diagonal(|corner, diagonal| inverse_diagonal[corner] += dt * dt * diagonal);
+            resistance.for_each_diagonal(|corner, added| diagonal[corner] += dt * dt * added);
         }
         if let Some(grab) = self.grab {
             let first = self.body.particles.start;
@@ -53,11 +47,13 @@ impl<R: Real> System<'_, R> {
             for &(particle, weight) in &grab.weights {
                 let (local, weight) = (particle - first, weight.to_f64());
                 self.workspace.right_hand_side[local] += away * (dt * grab.stiffness.to_f64() * weight);
-                self.workspace.inverse_diagonal[local] += resistance * weight * weight;
+                self.workspace.diagonal[local] += resistance * weight * weight;
             }
         }
-        for diagonal in &mut self.workspace.inverse_diagonal[..self.body.particles.len()] {
-            *diagonal = 1.0 / *diagonal;
+        let ImplicitWorkspace { diagonal, inverse_diagonal, .. } = &mut *self.workspace;
+        for local in 0..self.body.particles.len() {
+            let inverse = if self.body.is_pinned(local) { 0.0 } else { 1.0 / diagonal[local] };
+            inverse_diagonal[local] = DVec3::splat(inverse);
         }
     }
 
@@ -65,27 +61,77 @@ impl<R: Real> System<'_, R> {
         self.dt * (self.dt * grab.stiffness.to_f64() + grab.damping(self.body).to_f64())
     }
 
-    /// The matrix without constraints times a vector.
-    pub(super) fn times(&self, of: &[DVec3], product: &mut [DVec3]) {
-        for (local, of) in of[..self.body.particles.len()].iter().enumerate() {
-            product[local] = *of * self.body.mass(local).to_f64();
+    /// The matrix without constraints times a vector of the workspace.
+    pub(super) fn times(&mut self, of: Factor) {
+        let Self { body, level, .. } = *self;
+        let resistance_of_hand = self.grab.map_or(0.0, |grab| self.grab_resistance(grab));
+        let ImplicitWorkspace { velocity, search, product, tangents, blocks, resistances, .. } = &mut *self.workspace;
+        let of = match of {
+            Factor::Velocity => &velocity[..body.particles.len()],
+            Factor::Search => &search[..body.particles.len()],
+        };
+        for (local, of) in of.iter().enumerate() {
+            product[local] = *of * body.mass(local).to_f64();
         }
-        for block in &self.workspace.blocks {
-            let [i, j] = block.ends.map(|end| end as usize);
-            let part = block.times(of[i] - of[j]);
-            product[i] += part;
-            product[j] -= part;
+        if let Some(links) = &body.boxed_links {
+            tangents.add_product(links, level, of, product);
+        } else {
+            add_product(blocks, of, product);
         }
-        for resistance in &self.workspace.resistances {
+        for resistance in resistances {
             resistance.add_product(self.dt * self.dt, of, product);
         }
         if let Some(grab) = self.grab {
-            let first = self.body.particles.start;
+            let first = body.particles.start;
             let speed: DVec3 = grab.weights.iter().map(|&(particle, w)| of[particle - first] * w.to_f64()).sum();
-            let pull = speed * self.grab_resistance(grab);
+            let pull = speed * resistance_of_hand;
             for &(particle, weight) in &grab.weights {
                 product[particle - first] += pull * weight.to_f64();
             }
         }
+    }
+}
+
+/// What the matrix is multiplied with.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Factor {
+    /// The velocities as they are.
+    Velocity,
+    /// The direction in which they change.
+    Search,
+}
+
+/// The blocks of all links along their list, and what they have on the diagonal: the third of its trace, by particle.
+fn make_blocks<R: Real>(
+    body: &BodyModel<R>,
+    families: [bool; 3],
+    dt: f64,
+    position: &[R::Vec3],
+    blocks: &mut Vec<LinkBlock<R>>,
+    diagonals: &mut [f64],
+    stops: &dyn Fn() -> bool,
+) {
+    blocks.clear();
+    for_each_tangent(body, families, position, stops, |[i, j], tangent| {
+        let stiff = dt * dt * tangent.stiffness.to_f64();
+        let across = stiff * tangent.geometric_share.to_f64();
+        let damping = dt * tangent.damping.to_f64();
+        let along = stiff - across + damping;
+        let direction = tangent.direction.to_dvec3();
+        let diagonal = across + along / 3.0;
+        diagonals[i as usize] += diagonal;
+        diagonals[j as usize] += diagonal;
+        let along = R::Vec3::from_dvec3(direction * along.sqrt());
+        blocks.push(LinkBlock { ends: [i, j], across: R::from_f64(across), along });
+    });
+}
+
+/// Adds the product of such blocks with a vector.
+fn add_product<R: Real>(blocks: &[LinkBlock<R>], of: &[DVec3], product: &mut [DVec3]) {
+    for block in blocks {
+        let [i, j] = block.ends.map(|end| end as usize);
+        let part = block.times(of[i] - of[j]);
+        product[i] += part;
+        product[j] -= part;
     }
 }

@@ -9,10 +9,12 @@
 //! K⁺ leaves out what a squashed link does across its direction, which could push outwards: so the matrix is positive
 //! definite whatever the state. Contact is in it as `(dt² k + dt d) n nᵀ`, friction as a resistance `c (I − n nᵀ)`;
 //! which of its constraints push and how much each resists is found by solving again, from the last solution or from
-//! where on the way to it the potential was least. Conjugate gradients in double precision, whatever the state is in:
+//! where on the way to it the potential was least; as long as that changes a solution need not be exact. Conjugate gradients in double precision, whatever the state is in:
 //! what is held by friction is a million times stiffer than what is not. Preconditioned by the diagonal, by its whole 3×3
 //! block where a particle touches something, and by coarser grids of the body where it is stiff ([`multigrid`]); sums in
 //! a fixed order, body by body: the result is a function of the state alone.
+
+#![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
 
 pub(in crate::physics) mod balance;
 mod conjugate;
@@ -20,15 +22,18 @@ mod line_search;
 mod matrix;
 mod multigrid;
 pub(super) mod system;
+mod vectors;
 
 use glam::{DMat3, DVec3};
 
+use self::conjugate::Accuracy;
 use self::multigrid::Multigrid;
 use self::system::{LinkBlock, System};
 use crate::geometry::LatticeCounts;
 use crate::math::{Real, Vector};
 use crate::physics::contact::ContactConstraint;
 use crate::physics::forces::recovery::Resistance;
+use crate::physics::kernels::{MOST_CORNERS_A_PARTICLE, tangent_bytes};
 use crate::physics::report::Recorder;
 use crate::physics::schemes::stepper::Stepper;
 use crate::physics::step::substep::Substep;
@@ -39,13 +44,20 @@ const ROUNDS: usize = 16;
 /// The last of these, which end with what is safe whatever the others have come to.
 const CAREFUL_ROUNDS: usize = 2;
 
+/// The first of these, which are solved no further than it takes to see what constraints do, as long as they change: in the
+/// others the hunt for them has a solution to go by.
+const ROUGH_ROUNDS: usize = 8;
+
 /// What the workspace takes in single precision for some bodies, bytes: the equations of the largest, the coarse grids of
 /// each.
 pub(in crate::physics) fn bytes(bodies: &[LatticeCounts]) -> usize {
-    let vectors = 8 * size_of::<DVec3>() + size_of::<f64>();
+    let vectors = 9 * size_of::<DVec3>() + size_of::<f64>();
     let of_surface = size_of::<DMat3>() + size_of::<Resistance>();
     let equations = |body: &LatticeCounts| {
-        body.all_links() * size_of::<LinkBlock<f32>>() + body.particles * vectors + body.surface * of_surface
+        let of_links = tangent_bytes(body.all_links(), body.grid_corners.min(MOST_CORNERS_A_PARTICLE * body.particles));
+        of_links.max(body.all_links() * size_of::<LinkBlock<f32>>())
+            + body.particles * vectors
+            + body.surface * of_surface
     };
     bodies.iter().map(equations).max().unwrap_or(0) + bodies.iter().map(Multigrid::bytes).sum::<usize>()
 }
@@ -70,22 +82,29 @@ pub(super) fn solve<R: Real>(
         constraints = others;
         let range = body.particles.clone();
         let grab = grab.filter(|grab| grab.body == number);
-        let mut system = System { body, number, dt: dt.to_f64(), grab, constraints: own, uses_grids: false, workspace };
+        let (dt, level) = (dt.to_f64(), plan.simd);
+        let mut system = System { body, number, dt, level, grab, constraints: own, uses_grids: false, workspace };
         let own = [&state.position[..], &state.velocity, force].map(|of| &of[range.clone()]);
         system.assemble(plan, &state.bodies[number], own, &|| recorder.stops());
         system.prepare_grids(plan.families, own[0]);
         let enough = system.start();
+        let mut is_rough = !system.constraints.is_empty();
         for round in 1..=ROUNDS {
+            let accuracy = if is_rough && round <= ROUGH_ROUNDS { Accuracy::Rough } else { Accuracy::Full };
+            let solve = system.iterate(enough, accuracy, &|| recorder.stops());
             recorder.counters.solves += 1;
-            recorder.counters.iterations += system.iterate(enough, &|| recorder.stops());
+            recorder.counters.iterations += solve.iterations;
             if recorder.has_stopped() {
                 return;
             }
             let went_all_the_way = round + CAREFUL_ROUNDS > ROUNDS || system.hold_back();
             let again = system.reconsider(round + CAREFUL_ROUNDS >= ROUNDS);
-            if went_all_the_way && !again {
+            let is_settled = went_all_the_way && !again;
+            if is_settled && (solve.is_full || accuracy == Accuracy::Full) {
                 break;
             }
+            // What stays the same in a rough solution is solved for before it counts.
+            is_rough = !is_settled;
         }
         system.finish(&mut velocity[range]);
     }
@@ -100,7 +119,7 @@ impl<R: Real> System<'_, R> {
     fn prepare_grids(&mut self, families: [bool; 3], position: &[R::Vec3]) {
         let Some(grids) = &mut self.workspace.grids[self.number] else { return };
         let count = self.body.particles.len();
-        let resists: f64 = self.workspace.inverse_diagonal[..count].iter().map(|inverse| 1.0 / inverse).sum();
+        let resists: f64 = self.workspace.diagonal[..count].iter().sum();
         self.uses_grids = resists > STIFF * self.body.total_mass().to_f64();
         if self.uses_grids {
             grids.prepare(self.body, families, self.dt, position);

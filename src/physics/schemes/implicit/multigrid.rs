@@ -29,6 +29,7 @@ use self::grid::{Grid, Parts, Share};
 use self::parents::Parents;
 use crate::geometry::LatticeCounts;
 use crate::math::{Real, Vector};
+use crate::physics::kernels::SimdLevel;
 use crate::physics::model::BodyModel;
 
 /// A body of fewer particles is solved as fast without.
@@ -166,48 +167,69 @@ impl Multigrid {
         }
     }
 
-    /// What the coarse grids make of a residual, N·s: tells the change of each particle's velocity, m/s.
-    pub(super) fn correct(&mut self, residual: impl Fn(usize) -> DVec3, mut tell: impl FnMut(usize, DVec3)) {
+    /// Adds what the coarse grids make of a residual, N·s, to the change of each particle's velocity, m/s.
+    pub(super) fn correct(&mut self, level: SimdLevel, residual: &[DVec3], change: &mut [DVec3]) {
         let Self { parents, rotations, grids, bottom, .. } = self;
-        let Some(finest) = grids.first_mut() else { return };
-        finest.load.fill(DVec3::ZERO);
-        for particle in 0..parents.len() {
-            let (corners, weight) = parents.of(particle);
-            let part = residual(particle) * weight;
-            for &corner in corners {
-                finest.load[corner as usize] += part;
-            }
-        }
-        for (load, rotation) in finest.load.iter_mut().zip(&*rotations) {
-            *load = rotation.transpose() * *load;
-        }
-        cycle(grids, bottom);
-        let Some(finest) = grids.first_mut() else { return };
-        for (solution, rotation) in finest.solution.iter_mut().zip(&*rotations) {
-            *solution = *rotation * *solution;
-        }
-        for particle in 0..parents.len() {
-            let (corners, weight) = parents.of(particle);
-            let sum = corners.iter().fold(DVec3::ZERO, |sum, &corner| sum + finest.solution[corner as usize]);
-            tell(particle, sum * weight);
-        }
+        level.run(
+            #[inline(always)]
+            || {
+                let Some(finest) = grids.first_mut() else { return };
+                restrict(parents, rotations, residual, &mut finest.load);
+                cycle(grids, bottom);
+                let Some(finest) = grids.first_mut() else { return };
+                prolong(parents, rotations, &mut finest.solution, change);
+            },
+        );
     }
 }
 
-/// Solves roughly for the load of the first grid.
-fn cycle(grids: &mut [Grid], bottom: &mut Bottom) {
-    let Some((grid, coarser)) = grids.split_first_mut() else { return };
-    let Some(next) = coarser.first_mut() else {
-        bottom.solve(&grid.load, &mut grid.solution);
-        return;
-    };
-    grid.forth();
-    grid.restrict(&mut next.load);
-    cycle(coarser, bottom);
-    if let Some(next) = coarser.first() {
-        grid.prolong(&next.solution);
+/// The load of the finest of the grids.
+#[inline(always)]
+fn restrict(parents: &Parents, rotations: &[DMat3], residual: &[DVec3], load: &mut [DVec3]) {
+    load.fill(DVec3::ZERO);
+    for (particle, residual) in residual.iter().enumerate() {
+        let (corners, weight) = parents.of(particle);
+        let part = *residual * weight;
+        for &corner in corners {
+            load[corner as usize] += part;
+        }
     }
-    grid.back();
+    for (load, rotation) in load.iter_mut().zip(rotations) {
+        *load = rotation.transpose() * *load;
+    }
+}
+
+/// What the solution on the finest of the grids is for the particles; it is turned.
+#[inline(always)]
+fn prolong(parents: &Parents, rotations: &[DMat3], solution: &mut [DVec3], change: &mut [DVec3]) {
+    for (solution, rotation) in solution.iter_mut().zip(rotations) {
+        *solution = *rotation * *solution;
+    }
+    for (particle, change) in change.iter_mut().enumerate() {
+        let (corners, weight) = parents.of(particle);
+        let sum = corners.iter().fold(DVec3::ZERO, |sum, &corner| sum + solution[corner as usize]);
+        *change += sum * weight;
+    }
+}
+
+/// Solves roughly for the load of the first grid: down to the coarsest, and back.
+#[inline(always)]
+fn cycle(grids: &mut [Grid], bottom: &mut Bottom) {
+    for finer in 1..grids.len() {
+        if let [.., grid, next] = &mut grids[..=finer] {
+            grid.forth();
+            grid.restrict(&mut next.load);
+        }
+    }
+    if let Some(coarsest) = grids.last_mut() {
+        bottom.solve(&coarsest.load, &mut coarsest.solution);
+    }
+    for finer in (1..grids.len()).rev() {
+        if let [.., grid, next] = &mut grids[..=finer] {
+            grid.prolong(&next.solution);
+            grid.back();
+        }
+    }
 }
 
 #[cfg(test)]
@@ -252,7 +274,7 @@ mod tests {
 
     fn corrected(grids: &mut Multigrid, residual: &[DVec3]) -> Vec<DVec3> {
         let mut found = vec![DVec3::ZERO; residual.len()];
-        grids.correct(|particle| residual[particle], |particle, part| found[particle] = part);
+        grids.correct(SimdLevel::best(), residual, &mut found);
         found
     }
 

@@ -7,6 +7,7 @@ use crate::math::{Real, Vector};
 use crate::physics::contact::ContactConstraint;
 use crate::physics::forces::recovery::Resistance;
 use crate::physics::interaction::Grab;
+use crate::physics::kernels::{SimdLevel, Tangents};
 use crate::physics::model::{BodyModel, Model};
 
 /// A link's block of the matrix: `across I + along alongᵀ` between its ends. In the precision of the state: reading these
@@ -29,10 +30,16 @@ impl<R: Real> LinkBlock<R> {
 /// What the equations of the largest body are solved in.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics::schemes) struct ImplicitWorkspace<R: Real> {
+    /// The links of a body in its box, ...
+    pub(super) tangents: Tangents<R>,
+    /// ... and of one that has none, in their order.
     pub(super) blocks: Vec<LinkBlock<R>>,
     /// Of cells that are pushed back from inversion.
     pub(super) resistances: Vec<Resistance>,
-    pub(super) inverse_diagonal: Vec<f64>,
+    /// What the matrix has on its diagonal without constraints, by particle, kg, ...
+    pub(super) diagonal: Vec<f64>,
+    /// ... and its inverse for each component; zero where a particle is pinned.
+    pub(super) inverse_diagonal: Vec<DVec3>,
     /// The inverse blocks of the touched particles, one for each constraint; only the first of a particle's counts.
     pub(super) inverse_blocks: Vec<DMat3>,
     pub(super) right_hand_side: Vec<DVec3>,
@@ -53,14 +60,16 @@ impl<R: Real> ImplicitWorkspace<R> {
     pub(in crate::physics::schemes) fn new(model: &Model<R>) -> Self {
         let most = |count: fn(&BodyModel<R>) -> usize| model.bodies.iter().map(count).max().unwrap_or(0);
         let particles = most(|body| body.particles.len());
-        let links = most(|body| body.links.iter().map(|family| family.links.len()).sum());
+        let links = most(|body| if body.boxed_links.is_some() { 0 } else { body.link_count() });
         // What is crushed or touched beyond a body's surface makes room for itself once.
         let surface = most(|body| body.lattice.surface);
         let vectors = || vec![DVec3::ZERO; particles];
         Self {
+            tangents: Tangents::new(model.bodies.iter().filter_map(|body| body.boxed_links.as_ref())),
             blocks: Vec::with_capacity(links),
             resistances: Vec::with_capacity(surface),
-            inverse_diagonal: vec![0.0; particles],
+            diagonal: vec![0.0; particles],
+            inverse_diagonal: vectors(),
             inverse_blocks: Vec::with_capacity(surface),
             right_hand_side: vectors(),
             velocity: vectors(),
@@ -81,6 +90,8 @@ pub(super) struct System<'a, R: Real> {
     /// Its place among the bodies.
     pub(super) number: usize,
     pub(super) dt: f64,
+    /// The instructions that products are worked out with.
+    pub(super) level: SimdLevel,
     pub(super) grab: Option<&'a Grab<R>>,
     pub(super) constraints: &'a mut [ContactConstraint],
     /// Whether the coarse grids take part.

@@ -29,6 +29,8 @@ pub(super) struct Grid {
     pub(super) load: Vec<DVec3>,
     /// m/s.
     pub(super) solution: Vec<DVec3>,
+    /// What is left of the load, N·s.
+    residual: Vec<DVec3>,
     /// What the rows are without contact where contact resists, and where that is.
     free: Vec<(u32, [DMat3; ROW])>,
     is_held: Vec<bool>,
@@ -40,7 +42,7 @@ impl Grid {
         + size_of::<[u32; SELF]>()
         + size_of::<[DMat3; ROW]>()
         + size_of::<DMat3>()
-        + 2 * size_of::<DVec3>();
+        + 3 * size_of::<DVec3>();
 
     /// A grid without a matrix.
     pub(super) fn new(corners: Vec<[u32; 3]>) -> Self {
@@ -64,6 +66,7 @@ impl Grid {
             inverse: vec![DMat3::ZERO; count],
             load: vec![DVec3::ZERO; count],
             solution: vec![DVec3::ZERO; count],
+            residual: vec![DVec3::ZERO; count],
             free: Vec::new(),
             is_held: vec![false; count],
         }
@@ -182,41 +185,60 @@ impl Grid {
     }
 
     /// What the corners before one do to it.
-    #[inline]
+    #[inline(always)]
     fn before(&self, number: usize) -> DVec3 {
-        let (near, row) = (&self.near[number], &self.rows[number]);
-        near.iter().zip(row).fold(DVec3::ZERO, |sum, (near, block)| sum + *block * self.solution[*near as usize])
+        let (near, row) = (&self.near[number], numbers(&self.rows[number]));
+        // Four numbers at a time, of which the last is of the next column: compilers make vectors of that.
+        let mut sums = [[0.0; 4]; 3];
+        for (place, near) in near.iter().enumerate() {
+            let solution = self.solution[*near as usize].to_array();
+            for (axis, (sum, value)) in sums.iter_mut().zip(solution).enumerate() {
+                let column: &[f64; 4] = row[9 * place + 3 * axis..].first_chunk().expect("the diagonal comes after it");
+                for (sum, factor) in sum.iter_mut().zip(column) {
+                    *sum += factor * value;
+                }
+            }
+        }
+        DVec3::from_array([0, 1, 2].map(|axis| sums[0][axis] + sums[1][axis] + sums[2][axis]))
     }
 
-    /// What a corner does to those before it.
-    #[inline]
-    fn to_those_before(&self, number: usize, mut tell: impl FnMut(usize, DVec3)) {
+    /// Takes what a corner does to those before it from their loads.
+    #[inline(always)]
+    fn take_from_those_before(&self, number: usize, load: &mut [DVec3]) {
         let (near, row, own) = (&self.near[number], &self.rows[number], self.solution[number]);
-        near.iter().zip(row).for_each(|(near, block)| tell(*near as usize, block.transpose() * own));
-    }
-
-    /// Gauss–Seidel from nothing, in the order of corners.
-    pub(super) fn forth(&mut self) {
-        for number in self.all() {
-            self.solution[number] = DVec3::ZERO;
-            self.solution[number] = self.inverse[number] * (self.load[number] - self.before(number));
+        for (near, block) in near.iter().zip(row) {
+            load[*near as usize] -= DVec3::new(block.x_axis.dot(own), block.y_axis.dot(own), block.z_axis.dot(own));
         }
     }
 
-    /// Hands what is left after [`Self::forth`] on to the parents: what the corners after each do to it.
+    /// Gauss–Seidel from nothing, in the order of corners. The residual is what the corners after each do to it.
+    #[inline(always)]
+    pub(super) fn forth(&mut self) {
+        let mut residual = std::mem::take(&mut self.residual);
+        self.solution.fill(DVec3::ZERO);
+        residual.fill(DVec3::ZERO);
+        for number in self.all() {
+            self.solution[number] = self.inverse[number] * (self.load[number] - self.before(number));
+            self.take_from_those_before(number, &mut residual);
+        }
+        self.residual = residual;
+    }
+
+    /// Hands what is left after [`Self::forth`] on to the parents.
+    #[inline(always)]
     pub(super) fn restrict(&self, load: &mut [DVec3]) {
         load.fill(DVec3::ZERO);
-        for number in self.all() {
-            self.to_those_before(number, |before, part| {
-                let (corners, weight) = self.parents.of(before);
-                for &corner in corners {
-                    load[corner as usize] -= part * weight;
-                }
-            });
+        for (number, residual) in self.residual.iter().enumerate() {
+            let (corners, weight) = self.parents.of(number);
+            let part = *residual * weight;
+            for &corner in corners {
+                load[corner as usize] += part;
+            }
         }
     }
 
     /// Adds the solution of the next coarser grid.
+    #[inline(always)]
     pub(super) fn prolong(&mut self, coarse: &[DVec3]) {
         for (number, solution) in self.solution.iter_mut().enumerate() {
             let (corners, weight) = self.parents.of(number);
@@ -225,11 +247,12 @@ impl Grid {
     }
 
     /// Gauss–Seidel against the order of corners. The load is worked off.
+    #[inline(always)]
     pub(super) fn back(&mut self) {
         let mut load = std::mem::take(&mut self.load);
         for number in self.all().rev() {
             self.solution[number] = self.inverse[number] * (load[number] - self.before(number));
-            self.to_those_before(number, |before, part| load[before] -= part);
+            self.take_from_those_before(number, &mut load);
         }
         self.load = load;
     }
@@ -237,6 +260,12 @@ impl Grid {
     fn all(&self) -> Range<usize> {
         0..self.corners.len()
     }
+}
+
+/// A row, number by number: block by block and column by column.
+#[inline(always)]
+fn numbers(row: &[DMat3; ROW]) -> &[f64; 9 * ROW] {
+    bytemuck::cast_slice(row).first_chunk().expect("nine in each")
 }
 
 /// The inverse of a block on the diagonal: nothing where all that hangs on the corner is held.

@@ -1,0 +1,275 @@
+//! The matrix of the implicit scheme's equations over the box of a body: a symmetric block for each link, made of the
+//! links as they stand, and the product of all of them with a vector.
+//!
+//! A link's block is `across I + along alongᵀ` between its ends: on velocities v it is a force `B (vᵢ − vⱼ)` on one end and
+//! the opposite on the other. Blocks are in the precision of the state, as reading them is what a product takes longest
+//! for, and the matrix may be a little off as long as it is the same throughout; vectors and sums are in double precision.
+
+use glam::DVec3;
+
+use crate::math::Real;
+use crate::physics::kernels::block::{Lanes, Mask};
+use crate::physics::kernels::boxed::{BoxedLinks, EachLaw, Law, TermLaw};
+use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, MOST_PLACES_A_LINK, Run, STENCIL, Term};
+use crate::physics::kernels::level::SimdLevel;
+use crate::physics::kernels::sweep::{add, lanes, lanes_mut, lanes_of, slices, spread};
+
+/// The blocks of a body's links in its box, and what products with them are worked out in.
+#[derive(Clone, Debug, Default)]
+pub(in crate::physics) struct Tangents<R> {
+    blocks: Vec<TermBlocks<R>>,
+    families: [bool; 3],
+    /// Positions, m.
+    position: [Vec<R>; 3],
+    /// The vector that is multiplied.
+    factor: [Vec<f64>; 3],
+    /// The product; while blocks are made, what they have on the diagonal.
+    sum: [Vec<f64>; 3],
+}
+
+/// The blocks of the links of one direction that start in one block of corners; zero where none starts.
+#[derive(Clone, Debug)]
+struct TermBlocks<R> {
+    across: [R; BLOCK],
+    along: [[R; BLOCK]; 3],
+}
+
+/// What they take at most in single precision, bytes, for a body with so many links and corners of its box.
+pub(in crate::physics) fn tangent_bytes(links: usize, corners: usize) -> usize {
+    let places = (STENCIL.len() * corners).min(MOST_PLACES_A_LINK * links);
+    places * size_of::<[f32; 4]>() + corners * size_of::<([f32; 3], [f64; 6])>()
+}
+
+impl<R: Real> Tangents<R> {
+    /// Room for the largest of some bodies.
+    pub(in crate::physics) fn new<'a>(bodies: impl Iterator<Item = &'a BoxedLinks<R>>) -> Self {
+        let [terms, corners] = bodies.fold([0; 2], |[terms, corners], links| {
+            let layout = &links.layout;
+            [layout.terms.len().max(terms), layout.corners.max(corners)]
+        });
+        let zeros = [R::ZERO; BLOCK];
+        Self {
+            blocks: vec![TermBlocks { across: zeros, along: [zeros; 3] }; terms],
+            families: [false; 3],
+            position: [(); 3].map(|()| vec![R::ZERO; corners]),
+            factor: [(); 3].map(|()| vec![0.0; corners]),
+            sum: [(); 3].map(|()| vec![0.0; corners]),
+        }
+    }
+
+    /// Makes the blocks of a body whose particles are at `position` (m), for a step of `dt` (s):
+    ///
+    /// ```text
+    /// dt² K⁺ + dt C of a link = across I + along d̂ d̂ᵀ
+    /// across = dt² max(0, k/l0 − k/l)      along = dt² k/l0 − across + dt d/l0
+    /// ```
+    ///
+    /// Tells `diagonal` for each particle the third of the trace of what they add to its block on the diagonal.
+    pub(in crate::physics) fn make(
+        &mut self,
+        links: &BoxedLinks<R>,
+        (level, families): (SimdLevel, [bool; 3]),
+        dt: f64,
+        position: &[R::Vec3],
+        mut diagonal: impl FnMut(usize, f64),
+    ) {
+        let Self { blocks, families: chosen, position: places, factor, sum } = self;
+        let layout = &*links.layout;
+        *chosen = families;
+        // Corners without a particle count nothing, but must be finite.
+        for factor in factor {
+            factor.fill(0.0);
+        }
+        let [sum, ..] = sum;
+        sum.fill(0.0);
+        let secs = [dt * dt, dt].map(R::from_f64);
+        level.run(
+            #[inline(always)]
+            || {
+                spread(&layout.runs, [0; 2], position, places);
+                make_all(links, families, secs, slices(places), blocks, sum);
+            },
+        );
+        for Run { particles, corner } in &layout.runs {
+            for (particle, sum) in particles.clone().zip(&sum[*corner..]) {
+                diagonal(particle, *sum);
+            }
+        }
+    }
+
+    /// Adds the product of all blocks with a vector by particle to another.
+    pub(in crate::physics) fn add_product(
+        &mut self,
+        links: &BoxedLinks<R>,
+        level: SimdLevel,
+        of: &[DVec3],
+        product: &mut [DVec3],
+    ) {
+        let Self { blocks, families, factor, sum, .. } = self;
+        let layout = &*links.layout;
+        level.run(
+            #[inline(always)]
+            || {
+                spread::<f64>(&layout.runs, [0; 2], of, factor);
+                let [sum_x, sum_y, sum_z] = sum;
+                sum_x.fill(0.0);
+                sum_y.fill(0.0);
+                sum_z.fill(0.0);
+                multiply_all(layout, *families, slices(factor), blocks, sum_x, sum_y, sum_z);
+                for run in &layout.runs {
+                    let [particles, corners] = run.past([0; 2]);
+                    let (x, y, z) = (&sum_x[corners.clone()], &sum_y[corners.clone()], &sum_z[corners]);
+                    for (((product, x), y), z) in product[particles].iter_mut().zip(x).zip(y).zip(z) {
+                        *product += DVec3::new(*x, *y, *z);
+                    }
+                }
+            },
+        );
+    }
+}
+
+#[inline(always)]
+fn make_all<R: Real>(
+    links: &BoxedLinks<R>,
+    families: [bool; 3],
+    secs: [R; 2],
+    position: [&[R]; 3],
+    blocks: &mut [TermBlocks<R>],
+    diagonal: &mut [f64],
+) {
+    let Layout { offsets, masks, terms, .. } = &*links.layout;
+    let ones = [R::ONE; BLOCK];
+    for block in &links.layout.blocks {
+        let of_corners = lanes(masks, block.first);
+        let near = lanes_of(position, block.first);
+        let mut sum = [0.0; BLOCK];
+        for number in block.terms.clone() {
+            let Term { slot, .. } = terms[number];
+            if !families[FAMILY[slot]] {
+                continue;
+            }
+            let other = block.first + offsets[slot];
+            let far = lanes_of(position, other);
+            let mask = Mask { of_corners, bit: 1 << slot };
+            let (law, constants) = match links.law(number, slot) {
+                TermLaw::Alike(law) => (*law, [&ones; 2]),
+                TermLaw::Each(each) => {
+                    let EachLaw { unit, stiffness, damping } = &**each;
+                    (*unit, [stiffness, damping])
+                }
+            };
+            make_term(
+                law,
+                constants,
+                secs,
+                mask,
+                [near, far],
+                &mut blocks[number],
+                &mut sum,
+                lanes_mut(diagonal, other),
+            );
+        }
+        add(&sum, lanes_mut(diagonal, block.first));
+    }
+}
+
+/// The blocks of the links of one direction that start in one block of corners, with what they have on the diagonal of
+/// their first ends and of the others. All of `law`, so many times its stiffness and damping.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, clippy::assign_op_pattern, reason = "as of the forces of links")]
+fn make_term<R: Real>(
+    law: Law<R>,
+    [stiffness, damping]: [&[R; BLOCK]; 2],
+    [squared_secs, secs]: [R; 2],
+    mask: Mask<'_>,
+    [[near_x, near_y, near_z], [far_x, far_y, far_z]]: [Lanes<'_, R>; 2],
+    blocks: &mut TermBlocks<R>,
+    on_near: &mut [f64; BLOCK],
+    on_far: &mut [f64; BLOCK],
+) {
+    let TermBlocks { across: all_across, along: [along_x, along_y, along_z] } = blocks;
+    for lane in 0..BLOCK {
+        let dx = far_x[lane] - near_x[lane];
+        let dy = far_y[lane] - near_y[lane];
+        let dz = far_z[lane] - near_z[lane];
+        let squared = dx * dx + dy * dy + dz * dz;
+        let inverse = R::ONE / squared.sqrt();
+        // Ends in one place have no direction, and where no link starts there may be anything.
+        let is_there = squared > R::ZERO && mask.of_corners[lane] & mask.bit != 0;
+        let stiff = squared_secs * (law.slope * stiffness[lane]);
+        let turned = stiff - squared_secs * (law.stiffness * stiffness[lane]) * inverse;
+        let across = if turned > R::ZERO { turned } else { R::ZERO };
+        let along = stiff - across + secs * (law.damping * damping[lane]);
+        let across = if is_there { across } else { R::ZERO };
+        let along = if is_there { along } else { R::ZERO };
+        let factor = if is_there { along.sqrt() * inverse } else { R::ZERO };
+        all_across[lane] = across;
+        along_x[lane] = dx * factor;
+        along_y[lane] = dy * factor;
+        along_z[lane] = dz * factor;
+        let third = across.to_f64() + along.to_f64() * (1.0 / 3.0);
+        on_near[lane] = on_near[lane] + third;
+        on_far[lane] = on_far[lane] + third;
+    }
+}
+
+#[inline(always)]
+fn multiply_all<R: Real>(
+    layout: &Layout,
+    families: [bool; 3],
+    factor: [&[f64]; 3],
+    blocks: &[TermBlocks<R>],
+    sum_x: &mut [f64],
+    sum_y: &mut [f64],
+    sum_z: &mut [f64],
+) {
+    let Layout { offsets, terms, .. } = layout;
+    for block in &layout.blocks {
+        let near = lanes_of(factor, block.first);
+        let mut sum = [[0.0; BLOCK]; 3];
+        for number in block.terms.clone() {
+            let slot = terms[number].slot;
+            if families[FAMILY[slot]] {
+                let other = block.first + offsets[slot];
+                let far = lanes_of(factor, other);
+                let (x, y, z) = (lanes_mut(sum_x, other), lanes_mut(sum_y, other), lanes_mut(sum_z, other));
+                multiply(&blocks[number], near, far, &mut sum, x, y, z);
+            }
+        }
+        add(&sum[0], lanes_mut(sum_x, block.first));
+        add(&sum[1], lanes_mut(sum_y, block.first));
+        add(&sum[2], lanes_mut(sum_z, block.first));
+    }
+}
+
+/// The product of the blocks of one term: it is added to that of the first ends and taken from that of the others.
+#[inline(always)]
+#[expect(clippy::assign_op_pattern, reason = "as of the forces of links")]
+fn multiply<R: Real>(
+    blocks: &TermBlocks<R>,
+    [near_x, near_y, near_z]: Lanes<'_, f64>,
+    [far_x, far_y, far_z]: Lanes<'_, f64>,
+    [on_near_x, on_near_y, on_near_z]: &mut [[f64; BLOCK]; 3],
+    on_far_x: &mut [f64; BLOCK],
+    on_far_y: &mut [f64; BLOCK],
+    on_far_z: &mut [f64; BLOCK],
+) {
+    let TermBlocks { across, along: [along_x, along_y, along_z] } = blocks;
+    for lane in 0..BLOCK {
+        let across = across[lane].to_f64();
+        let (ax, ay, az) = (along_x[lane].to_f64(), along_y[lane].to_f64(), along_z[lane].to_f64());
+        let dx = near_x[lane] - far_x[lane];
+        let dy = near_y[lane] - far_y[lane];
+        let dz = near_z[lane] - far_z[lane];
+        let along = ax * dx + ay * dy + az * dz;
+        let x = across * dx + ax * along;
+        let y = across * dy + ay * along;
+        let z = across * dz + az * along;
+        on_near_x[lane] = on_near_x[lane] + x;
+        on_near_y[lane] = on_near_y[lane] + y;
+        on_near_z[lane] = on_near_z[lane] + z;
+        on_far_x[lane] = on_far_x[lane] - x;
+        on_far_y[lane] = on_far_y[lane] - y;
+        on_far_z[lane] = on_far_z[lane] - z;
+    }
+}
