@@ -2,6 +2,7 @@
 
 use super::contact::{BodyContact, ContactConstraint, ContactRecord};
 use super::model::Link;
+use super::state::press::Press;
 use crate::geometry::LatticeCounts;
 use crate::physics::kernels::{BYTES_A_CORNER, MOST_CORNERS_A_PARTICLE};
 use crate::physics::model::Scheme;
@@ -44,7 +45,7 @@ pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
 /// Where a particle would be, and its place among those that meet, bytes.
 const AMONG_BODIES: usize = size_of::<[f64; 3]>() + size_of::<u32>();
 /// A particle of the outside, the cells around it, and what it takes to solve for its contact, bytes.
-const OF_A_HULL: usize = size_of::<[u32; 10]>() + 2 * size_of::<BodyContact>();
+const OF_A_HULL: usize = size_of::<[u32; 10]>() + 2 * size_of::<BodyContact>() + 2 * size_of::<Press>();
 
 /// A lattice, and the model that is made of it.
 fn of_body(body: &LatticeCounts) -> usize {

@@ -97,5 +97,6 @@ pub use observe::scalars::Quantity;
 pub use report::{Counters, LastSubstep, StageTimer, StepReport};
 pub use simulation::{Arrival, BodyMotion, Simulation};
 pub use state::moving::{Approach, Sweep};
+pub use state::press::Press;
 pub use state::{BodyMemory, RecoveryAccount, State};
 pub use team::{choose_step_threads, step_threads};

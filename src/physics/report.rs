@@ -54,6 +54,8 @@ pub struct Counters {
     pub slowed: u64,
     /// Work that moving obstacles did, J.
     pub obstacle_work_j: f64,
+    /// Work that parted bodies which were inside each other without having pressed, J.
+    pub parting_work_j: f64,
     /// The fastest surface of an obstacle that a particle met in any of them, m/s.
     pub fastest_surface_m_s: f64,
 }
@@ -98,6 +100,7 @@ impl Counters {
         self.halved += other.halved;
         self.slowed += other.slowed;
         self.obstacle_work_j += other.obstacle_work_j;
+        self.parting_work_j += other.parting_work_j;
         self.fastest_surface_m_s = self.fastest_surface_m_s.max(other.fastest_surface_m_s);
     }
 }

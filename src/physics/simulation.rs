@@ -65,6 +65,7 @@ impl<R: Real> Simulation<R> {
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
         self.state.fit_scheme(&plan);
         self.state.fit_sleep(&plan);
+        self.state.fit_presses(&plan);
         self.wake_all();
         self.workspace.fit(&model, &plan);
         self.model = model;
@@ -81,6 +82,7 @@ impl<R: Real> Simulation<R> {
                 self.set_body_motion(body, &before.body_motion(old));
             }
         }
+        self.carry_presses_over(before, kept);
         self.state.sweeps.clone_from(&before.state.sweeps);
         self.state.steps = before.state.steps;
         self.state.substep = rescaled(before.state.substep, before.plan.substeps, self.plan.substeps);

@@ -1,7 +1,7 @@
 //! A simulation's state as bytes, exactly: what the window and `gelatin run --save-state` write and go on from.
 //!
 //! ```text
-//! "gelatin-state 9\n"                                       magic and version
+//! "gelatin-state 10\n"                                      magic and version
 //! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
@@ -21,6 +21,9 @@
 //! obstacles that sweep: a count u64, and of each
 //!         its place                                        one u64
 //!         middle, turn as a quaternion, time left          eight f64
+//! springs between bodies: a count u64, and of each
+//!         the particle, its body, the body it is in        three u64
+//!         how far it is pressed                            one f64
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
 
@@ -35,13 +38,14 @@ use super::state_reader::Reader;
 use super::{Session, SessionError};
 use crate::disk::{self, fnv1a};
 use crate::physics::Approach;
+use crate::physics::Press;
 use crate::physics::RecoveryAccount;
 use crate::physics::Sweep;
 use crate::text::echo;
 
 /// A larger file is no state: more particles than a body may have.
 const MAX_BYTES: u64 = 4 << 30;
-const MAGIC: &[u8] = b"gelatin-state 9\n";
+const MAGIC: &[u8] = b"gelatin-state 10\n";
 
 /// What a state says of itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,6 +156,11 @@ impl Session {
             bytes.extend((*obstacle as u64).to_le_bytes());
             let numbers = center.to_array().into_iter().chain(rotation.to_array()).chain([*left_secs]);
             bytes.extend(numbers.flat_map(f64::to_le_bytes));
+        }
+        bytes.extend((state.presses.len() as u64).to_le_bytes());
+        for Press { bodies: [own, other], particle, depth_m } in &state.presses {
+            bytes.extend([*particle as u64, *own as u64, *other as u64].iter().flat_map(|word| word.to_le_bytes()));
+            bytes.extend(depth_m.to_le_bytes());
         }
         let checksum = fnv1a(&bytes);
         bytes.extend(checksum.to_le_bytes());

@@ -8,6 +8,7 @@ use super::state_error::StateFileError;
 use crate::physics::Approach;
 use crate::physics::BodyMemory;
 use crate::physics::MOST_HALVINGS;
+use crate::physics::Press;
 use crate::physics::RecoveryAccount;
 use crate::physics::Sweep;
 use crate::physics::{BodyModel, Model};
@@ -93,6 +94,7 @@ impl<'a> Reader<'a> {
         let (bodies, anchor) = self.body_memories(model)?;
         let approaches = self.approaches(model)?;
         let sweeps = self.sweeps(model)?;
+        let presses = self.presses(model)?;
         if !self.rest.is_empty() {
             return Err(StateFileError::Length { field: "all the numbers".to_owned() });
         }
@@ -108,6 +110,7 @@ impl<'a> Reader<'a> {
             bodies,
             approaches,
             sweeps,
+            presses,
             steps: counts.steps,
             // Saved under settings that divide a step further, it is at its last substep here.
             substep: counts.substep.min(plan.substeps - 1),
@@ -221,6 +224,31 @@ impl<'a> Reader<'a> {
             sweeps.push(Sweep { obstacle, center, rotation, left_secs });
         }
         Ok(sweeps)
+    }
+
+    /// The springs between bodies.
+    fn presses(&mut self, model: &Model<f32>) -> Result<Vec<Press>, StateFileError> {
+        let field = "the springs between bodies";
+        let mut presses: Vec<Press> = Vec::new();
+        for _ in 0..self.u64(field)? {
+            let particle = place((self.u64(field)?, model.particle_count()))?;
+            let bodies =
+                [place((self.u64(field)?, model.bodies.len()))?, place((self.u64(field)?, model.bodies.len()))?];
+            let is_own = model.bodies[bodies[0]].particles.contains(&particle) && bodies[0] != bodies[1];
+            need(
+                is_own,
+                field,
+                format!("one of particle {particle} and bodies {bodies:?}"),
+                "a particle of the first",
+            )?;
+            let depth_m = self.f64(field)?;
+            let is_depth = (0.0..f64::INFINITY).contains(&depth_m);
+            need(is_depth, "how far a spring between bodies is pressed", depth_m, "a length of 0 m or more")?;
+            let ascends = presses.last().is_none_or(|last| (last.particle, last.bodies[1]) < (particle, bodies[1]));
+            need(ascends, field, "out of order", "every particle in a body once, in their order")?;
+            presses.push(Press { bodies, particle, depth_m });
+        }
+        Ok(presses)
     }
 
     fn chunk<const N: usize>(&mut self, field: &str) -> Result<[u8; N], StateFileError> {

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use super::state_error::StateFileError;
 use super::{Command, Session};
 use crate::disk::fnv1a;
-use crate::scene::edit::{Edit, ObstacleId};
+use crate::physics::Press;
+use crate::scene::edit::{BodyId, Edit, ObstacleId};
 use crate::scene::settings::Settings;
 use crate::scene::{ObstacleShape, presets};
 
@@ -77,6 +78,7 @@ fn every_number_of_a_state_is_checked() {
         (word(CELLS + 36, u64::MAX), "the count of still substeps of body 0 is"),
         (word(CELLS + 44, 3), "not as many bytes as the obstacles on their way"),
         (word(CELLS + 52, 3), "not as many bytes as the obstacles that sweep"),
+        (word(CELLS + 60, 3), "not as many bytes as the springs between bodies"),
     ];
     for (said, words) in said {
         assert!(said.starts_with("the state is damaged: ") && said.contains(words), "{words:?} in {said:?}");
@@ -170,4 +172,67 @@ fn a_state_saved_while_an_obstacle_sweeps_goes_on_bit_for_bit() {
     }
     assert_eq!(first.simulation().state(), second.simulation().state(), "the same motion");
     assert_ne!(first.simulation().hash(), at_once.simulation().hash(), "the sweep is part of it");
+}
+
+/// Two cubes on each other.
+fn stacked() -> Session {
+    let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
+    let mut upper = scene.bodies[0].clone();
+    upper.pose.position[1] += 1.05;
+    scene.bodies.push(upper);
+    Session::new(scene, PathBuf::new(), "stacked".to_owned()).expect("it resolves")
+}
+
+#[test]
+fn a_state_saved_while_bodies_press_each_other_goes_on_bit_for_bit() {
+    let mut first = stacked();
+    let press = |session: &Session| session.simulation().state().presses.iter().any(|press| press.depth_m > 0.0);
+    let alone = (0..5000).take_while(|_| first.step() && !press(&first)).count();
+    assert!(alone < 5000, "they meet");
+    (0..20).for_each(|_| assert!(first.step(), "they press each other"));
+    let [mut second, mut forgetful] = [stacked(), stacked()];
+    second.set_state_bytes(&first.state_bytes()).expect("a state of the same scene");
+    let mut state = first.simulation().state().clone();
+    state.presses.clear();
+    forgetful.replace_state(state);
+    for session in [&mut first, &mut second, &mut forgetful] {
+        (0..100).for_each(|_| assert!(session.step(), "it goes on"));
+    }
+    assert_eq!(first.simulation().state(), second.simulation().state(), "the same motion");
+    assert_ne!(first.simulation().hash(), forgetful.simulation().hash(), "what is pressed is part of it");
+}
+
+#[test]
+fn springs_between_bodies_are_checked() {
+    let said = |change: &dyn Fn(&mut Vec<Press>)| {
+        let mut session = stacked();
+        let mut state = session.simulation().state().clone();
+        state.presses = vec![
+            Press { bodies: [0, 1], particle: 5, depth_m: 0.01 },
+            Press { bodies: [1, 0], particle: 1005, depth_m: 0.02 },
+        ];
+        change(&mut state.presses);
+        session.replace_state(state);
+        let bytes = session.state_bytes();
+        stacked().set_state_bytes(&bytes).err().map_or("nothing".to_owned(), |error| error.to_string())
+    };
+    assert_eq!(said(&|_| ()), "nothing", "these may be");
+    assert!(said(&|presses| presses.reverse()).contains("out of order"));
+    assert!(said(&|presses| presses[1].bodies = [0, 1]).contains("one of particle 1005 and bodies [0, 1]"));
+    assert!(said(&|presses| presses[0].bodies = [0, 0]).contains("a particle of the first"));
+    assert!(said(&|presses| presses[0].depth_m = f64::NAN).contains("is NaN, and a length of 0 m or more"));
+    assert!(said(&|presses| presses[0].depth_m = -1.0).contains("is -1"));
+}
+
+#[test]
+fn a_body_that_is_added_leaves_those_that_press_each_other_as_they_are() {
+    let mut alone = stacked();
+    (0..1500).for_each(|_| assert!(alone.step(), "it falls"));
+    let mut edited = stacked();
+    edited.set_state_bytes(&alone.state_bytes()).expect("a state of the same scene");
+    let mut far = edited.scene().bodies[0].clone();
+    far.pose.position = [4.0, 3.0, 0.0];
+    let place = edited.scene().bodies.len();
+    edited.handle(Command::Edit(Edit::InsertBody(BodyId(place), Box::new(far)))).expect("it can be added");
+    assert_eq!(edited.simulation().state().presses, alone.simulation().state().presses, "they still press");
 }

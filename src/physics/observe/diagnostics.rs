@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::bodies::PairLaw;
-use crate::physics::contact::{self, BodyContact, ContactRecord, Placed};
+use crate::physics::contact::{ContactRecord, Placed};
 use crate::physics::forces;
 use crate::physics::forces::recovery;
 use crate::physics::model::Scheme;
@@ -111,7 +111,6 @@ struct Ahead<'a, R: Real> {
     state: &'a State<R>,
     next: State<R>,
     contacts: Vec<ContactRecord<R>>,
-    body_contacts: Vec<BodyContact>,
     /// Whether the velocities of the state are those at its time.
     is_on_time: bool,
     /// The share of the change of velocity that is over at the state's time.
@@ -143,8 +142,8 @@ impl<'a, R: Real> Ahead<'a, R> {
         let ending = substep(model, &way, part, inputs, &mut next, &mut workspace, &mut Recorder::new(timer));
         let share = schemes::share_to_center(state, &next);
         let is_on_time = is_on_time || ending == Ending::Diverged;
-        let contact::ContactWorkspace { contacts, bodies, .. } = workspace.contact;
-        Self { model, state, next, contacts, body_contacts: bodies.contacts, is_on_time, share }
+        let contacts = workspace.contact.contacts;
+        Self { model, state, next, contacts, is_on_time, share }
     }
 
     fn centred_velocity(&self, particle: usize, asleep: bool) -> DVec3 {
@@ -214,10 +213,10 @@ impl<'a, R: Real> Ahead<'a, R> {
             };
             sum.energy.contact += body.contacts[contact.obstacle].to_f64().energy(-contact.gap.to_f64());
         }
-        for contact in &self.body_contacts {
+        for press in &state.presses {
             // Of one body among others that whose point is inside another.
-            if bodies.contains(&contact.bodies[0]) {
-                sum.energy.contact += PairLaw::of(model, contact.bodies).energy(-contact.gap);
+            if bodies.contains(&press.bodies[0]) {
+                sum.energy.contact += PairLaw::of(model, press.bodies).energy(press.depth_m);
             }
         }
         sum.finite &= sum.energy.total().is_finite() && sum.momentum.is_finite() && sum.center.is_finite();

@@ -8,6 +8,7 @@ use crate::physics::contact::arrive;
 use crate::physics::model::BodyModel;
 use crate::physics::state::BodyMemory;
 use crate::physics::state::moving::Approach;
+use crate::physics::state::press::Press;
 
 /// How a body moves: a copy of its part of the state.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +56,7 @@ impl<R: Real> Simulation<R> {
         let own = motion.approaches.iter().filter(there).map(|approach| Approach { body, ..*approach });
         self.state.approaches.extend(own);
         self.state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
+        self.state.presses.retain(|press| !press.bodies.contains(&body));
         self.wake(body);
         self.state.reserve(&self.model);
         self.workspace.contact.touch_all();
@@ -114,6 +116,25 @@ impl<R: Real> Simulation<R> {
         };
         self.set_body_motion(body, &motion);
         self.let_obstacles_approach(body);
+    }
+
+    /// Takes over the springs between bodies that `before` had too; `kept` names, for each body, the one it was.
+    pub(super) fn carry_presses_over(&mut self, before: &Self, kept: &[Option<usize>]) {
+        let body_now = |body: usize| kept.iter().position(|old| *old == Some(body));
+        let first = |simulation: &Self, body: usize| simulation.model.bodies[body].particles.start;
+        let same =
+            |old: usize, now: usize| before.model.bodies[old].particles.len() == self.model.bodies[now].particles.len();
+        let presses = before.state.presses.iter().filter_map(|press| {
+            let [one, other] = press.bodies.map(body_now);
+            let bodies = [one?, other?];
+            let are_the_same = same(press.bodies[0], bodies[0]) && same(press.bodies[1], bodies[1]);
+            let particle = press.particle - first(before, press.bodies[0]) + first(self, bodies[0]);
+            are_the_same.then_some(Press { bodies, particle, ..*press })
+        });
+        let mut presses: Vec<Press> = presses.collect();
+        presses.sort_unstable_by_key(Press::place);
+        self.state.presses = presses;
+        self.state.fit_presses(&self.plan);
     }
 
     /// Obstacles that a body was put into come to it gently.

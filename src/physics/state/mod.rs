@@ -3,9 +3,11 @@
 pub(in crate::physics) mod fallen;
 pub(in crate::physics) mod hash;
 pub(in crate::physics) mod moving;
+pub(in crate::physics) mod press;
 pub(in crate::physics) mod sleep;
 
 use moving::{Approach, Sweep};
+use press::Press;
 
 use super::model::Model;
 use crate::math::{Real, Vector};
@@ -43,6 +45,8 @@ pub struct State<R: Real> {
     pub approaches: Vec<Approach>,
     /// Obstacles that were moved while time runs and sweep to their places in the model.
     pub sweeps: Vec<Sweep>,
+    /// The springs of contact between bodies that touch each other, by particle and body.
+    pub presses: Vec<Press>,
     /// Whole steps taken.
     pub steps: u64,
     /// Substeps taken of the step that is under way.
@@ -153,6 +157,7 @@ impl<R: Real> State<R> {
             bodies: vec![BodyMemory::default(); model.bodies.len()],
             approaches: Vec::new(),
             sweeps: Vec::new(),
+            presses: Vec::new(),
             steps: 0,
             substep: 0,
             part: 0,
@@ -177,6 +182,9 @@ impl<R: Real> State<R> {
             let listed = memory.near_inversion.len();
             memory.near_inversion.reserve_exact(body.lattice.cells.len() - listed.min(body.lattice.cells.len()));
         }
+        let meeting = model.bodies.iter().filter(|body| body.among_bodies.hull.is_some());
+        let most: usize = meeting.map(|body| body.lattice.surface).sum();
+        self.presses.reserve_exact(most.saturating_sub(self.presses.len()));
     }
 
     /// Remembers what the scheme of a plan needs and no more. A scheme that begins starts from a velocity that is not
@@ -202,6 +210,13 @@ impl<R: Real> State<R> {
         if self.anchor.len() != count {
             self.anchor = vec![R::Vec3::ZERO; count];
             self.bodies.iter_mut().for_each(BodyMemory::wake);
+        }
+    }
+
+    /// Forgets springs between bodies where none meet.
+    pub(super) fn fit_presses(&mut self, plan: &Plan) {
+        if plan.between_bodies.is_none() {
+            self.presses.clear();
         }
     }
 

@@ -274,7 +274,7 @@ fn is_sound<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &
 /// Moves everything, and remembers what the next substep of the scheme needs of this one.
 fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<R>, workspace: &mut StepWorkspace<R>) {
     let dt = R::from_f64(part.secs);
-    let StepWorkspace { force, thesis_force, velocity, scheme, .. } = workspace;
+    let StepWorkspace { force, thesis_force, velocity, scheme, .. } = &mut *workspace;
     schemes::remember(model, plan, dt, force, thesis_force.as_deref(), state);
     move_particles(model, plan, dt, state, scheme.moving(velocity));
     if sleep::asleep(state) == 0 {
@@ -286,6 +286,9 @@ fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<
         }
     }
     state.time_secs += part.secs;
+    if plan.between_bodies.is_some() {
+        std::mem::swap(&mut state.presses, &mut workspace.contact.bodies.presses);
+    }
 }
 
 /// Halves the velocities of bodies until they gain no energy from nowhere by them; what does even then stands still.
@@ -332,9 +335,7 @@ fn predicted_velocities<R: Real>(
         contact::bodies::meet(begun, velocity, &mut contact.bodies, recorder);
         recorder.enter(Stage::Integrate);
     } else {
-        contact.bodies.keep_of_sleepers(begun.state);
-        recorder.last.body_contacts = contact.bodies.pushing();
-        recorder.note_depth_between_bodies(0.0);
+        contact::bodies::keep_apart(begun, &mut contact.bodies, recorder);
     }
     if meets_implicitly(begun.plan) {
         contact::respond(begun, velocity, contact, recorder);
@@ -368,6 +369,7 @@ fn predicted_velocities<R: Real>(
 /// Writes the velocities at the end of a substep as the implicit scheme solves for them.
 fn solved_velocities<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let (mut stepper, contact, velocity) = workspace.stepper(begun);
+    contact::bodies::keep_apart(begun, &mut contact.bodies, recorder);
     if meets_implicitly(begun.plan) {
         stepper.fall(velocity);
         contact::find_constraints(begun, velocity, contact, recorder);

@@ -6,7 +6,10 @@
 //! where the point is, so is the sum of the moments.
 //!
 //! Along the normal it is the response of obstacles ([`crate::physics::contact::response`]), a spring with critical damping
-//! taken implicitly: with the depth p and the speed `u` at the end, `J = dt (k (p − dt u) − d u)`.
+//! taken implicitly: pressed by p and with the speed `u` at the end, `J = dt (k (p − dt u) − d u)`.
+//!
+//! What presses the spring is the speed, not the place: a point that finds itself deep inside, as its body began there, or
+//! its way out is another of a sudden, has no energy to give. It is parted from the other body at a gentle speed.
 
 use glam::DVec3;
 
@@ -40,13 +43,37 @@ pub(super) struct PointConstraint {
     resistance: f64,
     /// The least speed along the normal, m/s: nothing comes deeper than the limit, or than it was.
     slowest: f64,
-    friction: [f64; 2],
+    /// The speed that a point deeper than its spring is pressed is parted with, m/s.
+    parting: f64,
+    spring: SpringBefore,
+    law: PairLaw,
     /// The impulse so far along the normal, N·s, and across it.
     pushed: f64,
     rubbed: DVec3,
-    /// The energy of its spring when the substep began, J.
-    pub(super) stored: f64,
 }
+
+/// The spring of a contact when a substep begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpringBefore {
+    /// How deep the point is inside, m; less than nothing outside.
+    pub(super) depth: f64,
+    /// How far the spring is pressed, m; no more than that.
+    pub(super) pressed: f64,
+}
+
+/// What a contact gives the bodies, J.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Given {
+    /// By its push, and to its spring.
+    pub(super) normal: f64,
+    /// By friction: less than nothing, if it is one.
+    pub(super) friction: f64,
+    /// The most that parting may give.
+    pub(super) parting: f64,
+}
+
+/// Points are parted by this share of what they are too deep in a second at most.
+const PARTING_RATE: f64 = 10.0;
 
 /// Which friction is worked out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,14 +83,14 @@ pub(super) enum Rubbing {
 }
 
 impl PointConstraint {
-    /// A contact of these movers with these weights, whose gap (m) was so much when a substep of `dt` (s) began. None where
-    /// all of them are held.
+    /// A contact of these movers with these weights, as it is when a substep of `dt` (s) begins. None where all of them are
+    /// held.
     pub(super) fn new(
         law: &PairLaw,
         movers: ([u32; 9], &[Mover]),
         weights: [f64; 9],
         normal: DVec3,
-        gap: f64,
+        spring: SpringBefore,
         dt: f64,
     ) -> Option<Self> {
         let (movers, all) = movers;
@@ -73,13 +100,25 @@ impl PointConstraint {
         }
         let damping = 2.0 * (law.stiffness / mobility).sqrt();
         let resistance = dt * (dt * law.stiffness + damping);
-        let pressed = dt * law.stiffness * (-gap).min(law.depth_limit);
-        // What began deeper leaves gently: it is not shot out.
-        let push = if -gap > law.depth_limit { pressed.min(resistance * law.gentle) } else { pressed };
-        let slowest = -(law.depth_limit.max(-gap) + gap) / dt;
-        let (stored, friction) = (law.energy(-gap), law.friction);
-        let (pushed, rubbed) = (0.0, DVec3::ZERO);
-        Some(Self { movers, weights, mobility, normal, push, resistance, slowest, friction, pushed, rubbed, stored })
+        let SpringBefore { depth, pressed } = spring;
+        let parting = law.gentle.min(PARTING_RATE * (depth - pressed.max(0.0)).max(0.0));
+        let push = dt * law.stiffness * pressed.min(law.depth_limit);
+        let push = if parting > 0.0 { push.max(resistance * parting) } else { push };
+        let slowest = -(law.depth_limit.max(depth) - depth) / dt;
+        Some(Self {
+            movers,
+            weights,
+            mobility,
+            normal,
+            push,
+            resistance,
+            slowest,
+            parting,
+            spring,
+            law: *law,
+            pushed: 0.0,
+            rubbed: DVec3::ZERO,
+        })
     }
 
     /// Forgets what it did.
@@ -105,8 +144,8 @@ impl PointConstraint {
             let sliding = past - self.normal * along;
             let wanted = self.rubbed - sliding * (1.0 / self.mobility);
             let strength = wanted.length();
-            let held = strength <= self.friction[0] * pushed;
-            let most = if held { strength } else { (self.friction[1] * pushed).min(strength) };
+            let held = strength <= self.law.friction[0] * pushed;
+            let most = if held { strength } else { (self.law.friction[1] * pushed).min(strength) };
             let rubbed = if strength > 0.0 { wanted * (most / strength) } else { DVec3::ZERO };
             change += rubbed - self.rubbed;
             self.rubbed = rubbed;
@@ -120,7 +159,47 @@ impl PointConstraint {
 
     /// The speed of the point past the cell, m/s.
     pub(super) fn past(&self, movers: &[Mover]) -> DVec3 {
-        let of = self.movers.iter().zip(self.weights);
-        of.fold(DVec3::ZERO, |sum, (mover, weight)| sum + movers[*mover as usize].velocity * weight)
+        self.sum(|mover| movers[mover].velocity)
+    }
+
+    /// How far its spring is pressed at the end of a substep of `dt` (s), m.
+    pub(super) fn pressed_at_end(&self, movers: &[Mover], dt: f64) -> f64 {
+        let way = dt * self.past(movers).dot(self.normal);
+        let SpringBefore { depth, pressed } = self.spring;
+        (pressed - way).min(depth - way).clamp(0.0, self.law.depth_limit)
+    }
+
+    /// What it gives the bodies in a substep of `dt` (s), J: the energy of their motion and what its spring has more. An impulse
+    /// changes the energy of motion by itself times the mean of the speeds before and after.
+    pub(super) fn given(&self, movers: &[Mover], dt: f64) -> Given {
+        let mean = 0.5 * (self.sum(|mover| movers[mover].before) + self.past(movers));
+        Given {
+            normal: self.pushed * mean.dot(self.normal) + self.stored(movers, dt),
+            friction: self.rubbed.dot(mean),
+            parting: 0.5 * self.parting * self.parting / self.mobility,
+        }
+    }
+
+    /// What parting the two does in a substep of `dt` (s) from these velocities of movers (m/s), J: the force times the way, in
+    /// the mean of this substep and the one before. What pulls them together may be as strong, so that nothing moves any faster.
+    pub(super) fn parting_work(&self, from: impl Fn(&Mover) -> DVec3, movers: &[Mover], dt: f64) -> f64 {
+        if self.parting <= 0.0 {
+            return 0.0;
+        }
+        let mean = 0.5 * (self.sum(|mover| from(&movers[mover])) + self.past(movers));
+        (self.pushed * mean.dot(self.normal) + self.stored(movers, dt)).max(0.0)
+    }
+
+    /// What its spring has more at the end of a substep of `dt` (s), J.
+    fn stored(&self, movers: &[Mover], dt: f64) -> f64 {
+        self.law.energy(self.pressed_at_end(movers, dt)) - self.law.energy(self.spring.pressed)
+    }
+
+    /// The weighted sum of what each mover has.
+    fn sum(&self, of: impl Fn(usize) -> DVec3) -> DVec3 {
+        self.movers
+            .iter()
+            .zip(self.weights)
+            .fold(DVec3::ZERO, |sum, (mover, weight)| sum + of(*mover as usize) * weight)
     }
 }

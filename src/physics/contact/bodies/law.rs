@@ -12,7 +12,7 @@ const DEPTH_SHARE: f64 = 0.02;
 /// ... than this share of the smaller cell.
 const CELL_SHARE: f64 = 0.25;
 
-/// Bodies that began inside each other come apart no faster than this share of the smaller one's size in a second.
+/// Bodies that are inside each other without having pressed come apart no faster than this share of the smaller one's size in a second.
 const GENTLE_SHARE: f64 = 0.5;
 
 /// The contact of a point of one body with a cell of another.
@@ -22,7 +22,7 @@ pub(in crate::physics) struct PairLaw {
     pub(super) stiffness: f64,
     /// Deeper than this it pushes no harder, m; and nothing comes deeper that was not.
     pub(super) depth_limit: f64,
-    /// How fast what was deeper leaves at most, m/s.
+    /// How fast what is deeper than its spring is pressed leaves at most, m/s.
     pub(super) gentle: f64,
     /// Coulomb's coefficients, at rest and sliding.
     pub(super) friction: [f64; 2],
@@ -42,10 +42,9 @@ impl PairLaw {
         Self { stiffness, depth_limit, gentle: GENTLE_SHARE * size, friction }
     }
 
-    /// The energy of a point's spring at a depth (m), J: no more than at the limit, as what is deeper leaves at a speed that
-    /// is given, and takes from it what it has no more.
-    pub(in crate::physics) fn energy(&self, depth: f64) -> f64 {
-        let sprung = depth.clamp(0.0, self.depth_limit);
+    /// The energy of a point's spring that is pressed so far (m), J.
+    pub(in crate::physics) fn energy(&self, pressed: f64) -> f64 {
+        let sprung = pressed.clamp(0.0, self.depth_limit);
         0.5 * self.stiffness * sprung * sprung
     }
 }

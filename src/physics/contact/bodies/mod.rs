@@ -6,7 +6,8 @@
 //!             ([`crate::physics::model::Hull`]), carried along by the cell (cell); points are sorted into a grid (buckets)
 //! constraint  each is a contact of nine weighted particles with one effective mass: the same force on the point as, turned
 //!             about, on the cell, where the point is: momentum and angular momentum stay as they are
-//! solve       a spring with critical damping taken implicitly and Coulomb friction, all contacts together, in a fixed order
+//! solve       a spring with critical damping taken implicitly and Coulomb friction, all contacts together, in a fixed order;
+//!             how far each is pressed is in the state
 //! record      what met, to be drawn and counted
 //! ```
 //!
@@ -36,11 +37,12 @@ use glam::DVec3;
 
 use self::buckets::NONE;
 use self::cell::Cell;
-use self::constraint::{Mover, PointConstraint};
+use self::constraint::{Mover, PointConstraint, SpringBefore};
 use self::find::Found;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
+use crate::physics::state::press::Press;
 use crate::physics::step::substep::Substep;
 
 /// Changes the predicted velocities of all particles of bodies that meet each other within this substep.
@@ -77,13 +79,20 @@ pub(in crate::physics) fn meet<R: Real>(
             }
         }
     }
-    let BodiesWorkspace { constraints, movers, contacts, mover_of, moved, .. } = &mut *workspace;
-    solve::solve(constraints, movers);
+    let BodiesWorkspace { constraints, movers, contacts, presses, mover_of, moved, .. } = &mut *workspace;
     let (dt, mut deepest) = (substep.dt.to_f64(), 0.0_f64);
+    solve::solve(constraints, movers, dt);
     for (contact, constraint) in contacts[kept..].iter_mut().zip(constraints) {
         contact.force = constraint.impulse() / dt;
         deepest = deepest.max(-(contact.gap + dt * constraint.past(movers).dot(contact.normal)));
+        let from = |mover: &Mover| {
+            if mover.mobility > 0.0 { state.velocity[mover.particle as usize].to_dvec3() } else { mover.before }
+        };
+        recorder.counters.parting_work_j += constraint.parting_work(from, movers, dt);
+        let BodyContact { bodies, particle, .. } = *contact;
+        presses.push(Press { bodies, particle, depth_m: constraint.pressed_at_end(movers, dt) });
     }
+    presses.sort_unstable_by_key(Press::place);
     recorder.note_depth_between_bodies(deepest);
     for mover in movers.drain(..) {
         mover_of[mover.particle as usize] = NONE;
@@ -94,6 +103,17 @@ pub(in crate::physics) fn meet<R: Real>(
         }
     }
     recorder.last.body_contacts = workspace.pushing();
+}
+
+/// Bodies meet nobody within this substep but in their sleep.
+pub(in crate::physics) fn keep_apart<R: Real>(
+    substep: Substep<'_, R>,
+    workspace: &mut BodiesWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    workspace.keep_of_sleepers(substep.state);
+    recorder.last.body_contacts = workspace.pushing();
+    recorder.note_depth_between_bodies(0.0);
 }
 
 /// Finds where everything would be at the end of the substep.
@@ -147,8 +167,11 @@ fn add<R: Real>(
     all[1..].iter_mut().zip(weights).for_each(|(all, weight)| *all = -weight);
     let speed_of = |place: usize| workspace.movers[movers[place] as usize].before * all[place];
     let past = (0..9).fold(DVec3::ZERO, |sum, place| sum + speed_of(place));
-    let gap = -found.depth - dt * past.dot(found.normal);
-    let Some(constraint) = PointConstraint::new(law, (movers, &workspace.movers), all, found.normal, gap, dt) else {
+    let depth = found.depth + dt * past.dot(found.normal);
+    let known = state.presses.binary_search_by_key(&(particle, of_cell), Press::place);
+    let pressed = depth.min(known.map_or(0.0, |place| state.presses[place].depth_m));
+    let (spring, gap) = (SpringBefore { depth, pressed }, -depth);
+    let Some(constraint) = PointConstraint::new(law, (movers, &workspace.movers), all, found.normal, spring, dt) else {
         return;
     };
     workspace.constraints.push(constraint);

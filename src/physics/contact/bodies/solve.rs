@@ -1,10 +1,10 @@
 //! What contacts between bodies do together: projected Gauss–Seidel, in a fixed order.
 //!
 //! Without friction the rounds go down a convex function of the impulses, which is nothing where they are nothing: wherever
-//! they end, the particles have gained no more than the springs had. Friction has no such function. Where it comes to more
-//! it is left out, and the rounds are gone again.
+//! they end, the particles have gained no more than the springs lost and parting gives. Friction has no such function. Where
+//! it gives energy, or has the others give more, it is left out, and the rounds are gone again.
 
-use super::constraint::{Mover, PointConstraint, Rubbing};
+use super::constraint::{Given, Mover, PointConstraint, Rubbing};
 
 /// Rounds at most.
 const ROUNDS: usize = 12;
@@ -15,18 +15,26 @@ const SETTLED_SHARE: f64 = 1e-3;
 /// Energies are known to this share of what moves.
 const ROUNDING: f64 = 1e-12;
 
-/// Finds the impulses of all contacts and the velocities that they leave.
-pub(super) fn solve(constraints: &mut [PointConstraint], movers: &mut [Mover]) {
+/// Finds the impulses of all contacts in a substep of `dt` (s) and the velocities that they leave.
+pub(super) fn solve(constraints: &mut [PointConstraint], movers: &mut [Mover], dt: f64) {
     settle(Rubbing::Coulomb, constraints, movers);
-    let (gained, had) = energies(movers);
-    let stored: f64 = constraints.iter().map(|constraint| constraint.stored).sum();
-    if gained > stored + ROUNDING * had {
+    let rounding = ROUNDING * energy(movers);
+    let given = given(constraints, movers, dt);
+    if given.friction > rounding || given.normal + given.friction > given.parting + rounding {
         constraints.iter_mut().for_each(PointConstraint::reset);
         for mover in &mut *movers {
             mover.velocity = mover.before;
         }
         settle(Rubbing::Nothing, constraints, movers);
     }
+}
+
+/// What all contacts give the bodies together.
+fn given(constraints: &[PointConstraint], movers: &[Mover], dt: f64) -> Given {
+    constraints.iter().fold(Given::default(), |sum, constraint| {
+        let Given { normal, friction, parting } = constraint.given(movers, dt);
+        Given { normal: sum.normal + normal, friction: sum.friction + friction, parting: sum.parting + parting }
+    })
 }
 
 fn settle(rubbing: Rubbing, constraints: &mut [PointConstraint], movers: &mut [Mover]) {
@@ -45,13 +53,8 @@ fn settle(rubbing: Rubbing, constraints: &mut [PointConstraint], movers: &mut [M
     }
 }
 
-/// What the movers gained, and what they had, J.
-fn energies(movers: &[Mover]) -> (f64, f64) {
-    movers.iter().filter(|mover| mover.mobility > 0.0).fold((0.0, 0.0), |(gained, had), mover| {
-        let half_mass = 0.5 / mover.mobility;
-        // The difference of two squares, without the loss of taking one from the other.
-        let change = mover.velocity - mover.before;
-        let sum = mover.velocity + mover.before;
-        (gained + half_mass * change.dot(sum), had + half_mass * mover.before.length_squared())
-    })
+/// The energy that the movers had, J.
+fn energy(movers: &[Mover]) -> f64 {
+    let moving = movers.iter().filter(|mover| mover.mobility > 0.0);
+    moving.map(|mover| 0.5 / mover.mobility * mover.before.length_squared()).sum()
 }

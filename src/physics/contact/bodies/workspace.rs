@@ -10,6 +10,7 @@ use crate::math::{Aabb, Real};
 use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::State;
+use crate::physics::state::press::Press;
 
 /// What contact between bodies works in; of no length where there is none.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +30,8 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(in crate::physics) moved: Vec<(usize, R::Vec3)>,
     /// What met in the last substep, in the order of bodies and points.
     pub(in crate::physics) contacts: Vec<BodyContact>,
+    /// Their springs as they are at its end, by particle and body.
+    pub(in crate::physics) presses: Vec<Press>,
 }
 
 impl<R: Real> BodiesWorkspace<R> {
@@ -51,6 +54,7 @@ impl<R: Real> BodiesWorkspace<R> {
             moved: Vec::with_capacity(count),
             constraints: Vec::with_capacity(all),
             contacts: Vec::with_capacity(all),
+            presses: Vec::with_capacity(all),
         }
     }
 
@@ -66,7 +70,10 @@ impl<R: Real> BodiesWorkspace<R> {
 
     /// Forgets all contacts but those between bodies that sleep, and what these moved.
     pub(in crate::physics) fn keep_of_sleepers(&mut self, state: &State<R>) {
+        let sleep = |bodies: &[usize; 2]| bodies.iter().all(|body| state.bodies[*body].asleep);
         self.moved.clear();
-        self.contacts.retain(|contact| contact.bodies.iter().all(|body| state.bodies[*body].asleep));
+        self.contacts.retain(|contact| sleep(&contact.bodies));
+        self.presses.clear();
+        self.presses.extend(state.presses.iter().filter(|press| sleep(&press.bodies)));
     }
 }
