@@ -23,6 +23,9 @@ const INLAID: f64 = 0.15;
 /// The share of scenes whose body is pinned, from its top down or from one side.
 const HELD: f64 = 0.2;
 
+/// The share of scenes whose bodies meet each other; in the others they pass through each other.
+const MEETING: f64 = 0.8;
+
 /// How much heavier than the first a second body is, or the first than it, and one solid of a body than the other.
 const MASS_RATIO: f64 = 1000.0;
 
@@ -51,8 +54,6 @@ pub fn extreme(seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
     if draw.chance(0.2) {
         let other = draw.heavier_or_lighter(&scene.bodies[0], springs);
         scene.bodies.push(other);
-        // Each is judged by itself, which what one gives the other would upset.
-        scene.settings.body_contact = false;
     }
     scene.settings.dt = draw.decades(-4.0, -1.0);
     scene.settings.inversion_recovery = draw.chance(0.8);
@@ -69,6 +70,7 @@ pub fn extreme(seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
     }
     let mut last = Draw(Rng::new(seeds.next_u64()));
     last.hold(&mut scene, size);
+    scene.settings.body_contact = Draw(Rng::new(seeds.next_u64())).chance(MEETING);
     let disturbances = disturb::disturbances(&mut more, &scene, size);
     (scene, disturbances)
 }
@@ -266,6 +268,7 @@ mod tests {
         some("great gravity", &|scene| scene.settings.gravity[1] < -999.0);
         some("two bodies", &|scene| scene.bodies.len() == 2);
         some("more bodies", &|scene| scene.bodies.len() > 2);
+        some("bodies that meet", &|scene| scene.bodies.len() > 1 && scene.settings.body_contact);
         some("pins", &|scene| !scene.bodies[0].pins.is_empty());
         some("no implicit integrator", &|scene| !scene.settings.allow_implicit);
         some("two solids in a body", &|scene| !scene.bodies[0].inlays.is_empty());

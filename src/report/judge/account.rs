@@ -37,8 +37,8 @@ pub(super) struct Account {
     rounding: Rounding,
     now: Diagnostics,
     substeps: u64,
-    /// Sums over the window: own energy, what it may be.
-    sums: [f64; 2],
+    /// Sums over the window: own energy, what it may be without work from outside, and that work.
+    sums: [f64; 3],
     looks: u32,
     /// The largest that start and work came to, J.
     turnover: f64,
@@ -66,7 +66,7 @@ impl Account {
             rounding: Rounding::of(&simulation.model().bodies[body]),
             now,
             substeps: 0,
-            sums: [0.0; 2],
+            sums: [0.0; 3],
             looks: 0,
             turnover: own_at_start,
             gain: None,
@@ -85,32 +85,35 @@ impl Account {
         self.fastest_push = self.fastest_push.max(speed);
     }
 
-    /// Looks at the energy; none of a body that fell out of the scene, which stays where it was seen last.
+    /// Looks at the energy; none of a body that fell out of the scene, which stays what it was when it was seen last.
     pub(super) fn look<R: Real>(
         &mut self,
         simulation: &Simulation<R>,
         now: Diagnostics,
         taken: &StepReport,
     ) -> Option<EnergySample> {
-        if simulation.state().bodies[self.body].gone {
-            return None;
+        let is_gone = simulation.state().bodies[self.body].gone;
+        if !is_gone {
+            self.now = now;
+            self.rounding.see(self.now.bounds);
+            let Energy { elastic, contact, recovery, .. } = self.now.energy;
+            let held = elastic + contact + recovery;
+            self.held = self.held.max(held);
+            if self.fastest_push > 0.0 {
+                self.squeezed = self.squeezed.max(held);
+            }
+            if self.fastest_push > 0.0 || self.looks == 0 && self.substeps == 0 {
+                self.released = self.released.max(fastest_release(simulation, self.body));
+            }
         }
-        self.now = now;
-        self.rounding.see(self.now.bounds);
-        let Energy { elastic, contact, recovery, .. } = self.now.energy;
-        let held = elastic + contact + recovery;
-        self.held = self.held.max(held);
-        if self.fastest_push > 0.0 {
-            self.squeezed = self.squeezed.max(held);
-        }
-        if self.fastest_push > 0.0 || self.looks == 0 && self.substeps == 0 {
-            self.released = self.released.max(fastest_release(simulation, self.body));
-        }
-        let allowed = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity + self.work;
+        let by_itself = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity;
+        let allowed = by_itself + self.work;
         self.turnover = self.turnover.max(allowed);
-        self.sums = [self.sums[0] + own(&self.now), self.sums[1] + allowed];
+        for (sum, now) in self.sums.iter_mut().zip([own(&self.now), by_itself, self.work]) {
+            *sum += now;
+        }
         self.looks += 1;
-        Some(EnergySample {
+        (!is_gone).then(|| EnergySample {
             time_secs: simulation.state().time_secs,
             body: self.body,
             kinetic: self.now.energy.kinetic,
@@ -122,23 +125,39 @@ impl Account {
             allowed,
             substeps: taken.counters.substeps,
             halved: taken.counters.halved,
-            contacts: taken.last.contacts,
+            contacts: taken.last.contacts + taken.last.body_contacts,
             depth_m: taken.last.max_penetration_m,
         })
     }
 
-    /// Closes a window and tells of its gain as a share.
-    pub(super) fn close(&mut self, substeps: u64) -> f64 {
-        self.substeps = substeps;
-        let [own, allowed] = self.sums.map(|sum| sum / f64::from(self.looks.max(1)));
-        (self.sums, self.looks) = ([0.0; 2], 0);
-        let gain = own - allowed;
-        let share =
-            (gain - self.rounding.energy(self.substeps) - self.unresolved()) / self.turnover.max(f64::MIN_POSITIVE);
+    /// Closes a window of some bodies that share what they have, and tells of their gain as a share.
+    pub(super) fn close(those: &mut [&mut Self], substeps: u64) -> f64 {
+        let (mut sum, mut excused, mut turnover) = ([0.0, 0.0, 0.0_f64], 0.0, 0.0);
+        for account in &mut *those {
+            account.substeps = substeps;
+            let [own, by_itself, work] = account.sums.map(|sum| sum / f64::from(account.looks.max(1)));
+            (account.sums, account.looks) = ([0.0; 3], 0);
+            // Work from outside is counted for all bodies together.
+            sum = [sum[0] + own, sum[1] + by_itself, if work.abs() > sum[2].abs() { work } else { sum[2] }];
+            excused += account.rounding.energy(substeps) + account.unresolved();
+            turnover += account.turnover;
+        }
+        let [own, allowed] = [sum[0], sum[1] + sum[2]];
+        let share = (own - allowed - excused) / turnover.max(f64::MIN_POSITIVE);
         if share > GAIN || share.is_nan() {
-            self.gain = Some(format!("{own:e} J where {allowed:e} J can be, body {}", self.body));
+            let bodies: Vec<String> = those.iter().map(|account| account.body.to_string()).collect();
+            let words = match &bodies[..] {
+                [body] => format!("body {body}"),
+                bodies => format!("bodies {}", bodies.join(", ")),
+            };
+            those[0].gain = Some(format!("{own:e} J where {allowed:e} J can be, {words}"));
         }
         share
+    }
+
+    /// The most energy that it had to give to others, J.
+    pub(super) fn turnover(&self) -> f64 {
+        self.turnover
     }
 
     /// What gravity gives a body that is let go in the middle of a substep, J: steps cannot tell when. It is nothing but
@@ -148,14 +167,15 @@ impl Account {
         0.5 * self.start.mass_kg * speed * speed
     }
 
-    pub(super) fn fault(&self, seconds: f64) -> Option<(Fault, String)> {
+    /// What is wrong, where others could give the body so much energy (J).
+    pub(super) fn fault(&self, seconds: f64, given: f64) -> Option<(Fault, String)> {
         if !self.now.finite {
             return Some((Fault::NotFinite, format!("after {seconds} s")));
         }
         if let Some(words) = &self.gain {
             return Some((Fault::Energy, format!("{words}, after {seconds} s")));
         }
-        let [reach, furthest] = [self.reach(seconds), self.furthest()];
+        let [reach, furthest] = [self.reach(seconds, given), self.furthest()];
         (furthest > REACH * reach).then(|| (Fault::Reach, format!("{furthest} m away of {reach} m, after {seconds} s")))
     }
 
@@ -163,10 +183,12 @@ impl Account {
     /// obstacles that push it and its own size, m. A body that is squeezed between obstacles leaves faster than they move,
     /// like a pip between fingers: by what its springs held. Where links are next to nothing, one particle leaves with all
     /// that the spring of its own contact held. A light part that is caught by an obstacle while the heavy rest flies on
-    /// is thrown by what the springs between them held. What rounding may show it may fly apart with.
-    fn reach(&self, seconds: f64) -> f64 {
+    /// is thrown by what the springs between them held. What rounding may show it may fly apart with, and what other bodies
+    /// could give it.
+    fn reach(&self, seconds: f64, given: f64) -> f64 {
         let stored = (self.own_at_start - self.start.energy.kinetic).max(self.squeezed)
             + self.meddling
+            + given
             + self.rounding.energy(self.substeps);
         let whole = (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
         let thrown = (2.0 * self.held.max(0.0) / self.light_kg).sqrt();

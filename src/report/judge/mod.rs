@@ -5,17 +5,20 @@
 //! own energy   motion (velocities half a step before × after), links, recovery, and the penalty springs of contact;
 //!              mean over 1/60 s and no fewer than eight substeps
 //! work         what gravity did to the body since the start, moving obstacles (force × velocity of the surface) and what
-//!              else was done to it from outside: obstacles that stand still do none, as what they give back was
+//!              else was done to it from outside, and what parted bodies that were inside each other, which no spring
+//!              held: obstacles that stand still do none, as what they give back was
 //!              stored in their penalty springs, at the start too where a body was put into them
 //! faultless    own energy ≤ own energy at the start + work + 5 % of the largest that sum has been,
 //!              and what rounding shows and a fall within one substep gives, both next to nothing in common scenes
 //! ```
 //!
-//! Each body is judged by itself, so that a heavy one does not hide a light one.
+//! Each body is judged by itself, so that a heavy one does not hide a light one, until it meets another: from then on they
+//! are judged together, with all that they have met.
 
 mod account;
 mod energy_sample;
 mod fault;
+mod met;
 mod rounding;
 #[cfg(test)]
 mod tests;
@@ -28,6 +31,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use account::Account;
+use met::Met;
 
 use super::disturb::Disturbance;
 use crate::geometry::Lattice;
@@ -165,6 +169,7 @@ pub struct Watch {
     /// Looks taken.
     looked: u64,
     bodies: Vec<Account>,
+    met: Met,
     /// What was looked at in the last substep.
     looks: Vec<EnergySample>,
     forces: u64,
@@ -195,6 +200,7 @@ impl Watch {
         };
         let bodies = (0..).zip(simulation.diagnostics_of_each());
         let bodies = bodies.map(|(body, start)| Account::open(simulation, body, start));
+        let met = Met::new(simulation.model().bodies.len());
         Self {
             patience,
             links,
@@ -203,6 +209,7 @@ impl Watch {
             between_looks: window.div_ceil(LOOKS),
             looked: 0,
             bodies: bodies.collect(),
+            met,
             looks: Vec::new(),
             forces: 0,
             taken: StepReport::default(),
@@ -280,8 +287,10 @@ impl Watch {
             self.taken.add(&report);
             self.forces += report.counters.link_forces + report.counters.iterations * self.links;
             for account in &mut self.bodies {
-                account.push(report.counters.fastest_surface_m_s, report.counters.obstacle_work_j);
+                let work = report.counters.obstacle_work_j + report.counters.parting_work_j;
+                account.push(report.counters.fastest_surface_m_s, work);
             }
+            simulation.body_contacts().iter().for_each(|contact| self.met.meet(contact.bodies));
             let is_whole = simulation.state().is_between_substeps();
             if report.diverged {
                 return Advance::Diverged;
@@ -299,14 +308,34 @@ impl Watch {
             if let Some(now) = seen.next() {
                 self.looks.extend(account.look(simulation, now, &self.taken));
             }
-            if close {
-                self.verdict.largest_gain = self.verdict.largest_gain.max(account.close(self.verdict.substeps));
-            }
         }
-        let fault = self.bodies.iter().find_map(|account| account.fault(self.verdict.simulated_secs));
+        if close {
+            self.close();
+        }
+        let fault = (0..self.bodies.len())
+            .find_map(|body| self.bodies[body].fault(self.verdict.simulated_secs, self.given_by_others(body)));
         if let Some((fault, words)) = fault {
             self.condemn(fault, words);
         }
+    }
+
+    /// Closes the window of every body, together with those that it has met.
+    fn close(&mut self) {
+        let Self { bodies, met, verdict, .. } = self;
+        for first in 0..bodies.len() {
+            let those = bodies.iter_mut().zip(met.first()).filter(|(_, of)| **of == first);
+            let mut those: Vec<&mut Account> = those.map(|(account, _)| account).collect();
+            if !those.is_empty() {
+                verdict.largest_gain = verdict.largest_gain.max(Account::close(&mut those, verdict.substeps));
+            }
+        }
+    }
+
+    /// What those that a body has met could have given it at most, J.
+    fn given_by_others(&self, body: usize) -> f64 {
+        let first = self.met.first();
+        let others = self.bodies.iter().enumerate().filter(|(other, _)| *other != body && first[*other] == first[body]);
+        others.map(|(_, account)| account.turnover()).sum()
     }
 
     fn condemn(&mut self, fault: Fault, words: String) {

@@ -118,6 +118,38 @@ fn the_work_of_an_obstacle_may_be_had_and_more_may_not() {
     assert_eq!(gained.fault, Some(Fault::Energy), "{gained:?}");
 }
 
+/// A cube floats, a heavy one hits it; later what floats has `share` more kinetic energy.
+fn hit(share: f32) -> Verdict {
+    let mut scene = Scene { bodies: vec![Body::default(); 2], ..Scene::default() };
+    scene.settings.gravity = [0.0; 3];
+    for (body, [x, speed, mass]) in scene.bodies.iter_mut().zip([[0.0, 0.0, 1e-3], [-1.1, 3.0, 1.0]]) {
+        (body.pose.position, body.velocity) = ([x, 0.0, 0.0], [speed, 0.0, 0.0]);
+        body.shape = Shape::Cube(CubeShape { cells: 3, size: 1.0 });
+        let Material::Springs(springs) = &mut body.material else { unreachable!("it has springs") };
+        springs.particle_mass = mass;
+    }
+    let light = Simulation::<f32>::new(&scene, &lattices(&scene).expect("cubes")).model().bodies[0].particles.clone();
+    let mut substeps = 0;
+    seen(&scene, |simulation, _| {
+        substeps += 1;
+        if share > 0.0 && simulation.state().time_secs > 0.3 && substeps > 0 {
+            substeps = i64::MIN;
+            let mut state = simulation.state().clone();
+            state.velocity[light.clone()].iter_mut().for_each(|v| *v *= (1.0 + share).sqrt());
+            simulation.set_state(state);
+        }
+    })
+}
+
+#[test]
+fn what_one_body_gives_another_may_be_had_and_more_may_not() {
+    let sound = hit(0.0);
+    assert!(sound.fault.is_none() && sound.simulated_secs > 0.45, "it floats away at twice the speed: {sound:?}");
+    let gained = hit(2000.0);
+    assert_eq!(gained.fault, Some(Fault::Energy), "{gained:?}");
+    assert!(gained.words.contains("bodies 0, 1"), "both are judged: {gained:?}");
+}
+
 /// A soft cube without gravity, in steps so long that an obstacle sweeps to its place in one of them.
 fn soft_cube(velocity: [f64; 3], ground: f64) -> Scene {
     let [structural, none] = [20.0, 0.0].map(|stiffness| Spring { stiffness, damping: 0.0 });
