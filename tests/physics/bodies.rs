@@ -214,7 +214,8 @@ fn a_thin_slab_does_not_pass_through_another() {
 
 #[test]
 fn bodies_that_begin_inside_each_other_come_apart_gently() {
-    for offset in [[0.1, 0.5, 0.05], [0.5, 0.0, 0.0], [0.3, 0.3, 0.3], [0.02, 0.8, 0.0]] {
+    let offsets = [[0.1, 0.5, 0.05], [0.5, 0.0, 0.0], [0.3, 0.3, 0.3], [0.02, 0.8, 0.0], [0.0; 3], [1e-3, 2e-4, 0.0]];
+    for offset in offsets {
         let mut simulation = simulate::<f64>(&free(vec![jelly(5, [0.0; 3], [0.0; 3]), jelly(4, offset, [0.0; 3])]));
         let held = simulation.diagnostics().energy.contact;
         assert!(held.abs() < 1e-12, "from {offset:?}: nothing has pressed anything, {held} J");

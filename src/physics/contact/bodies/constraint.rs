@@ -140,7 +140,9 @@ impl PointConstraint {
         let pushed = (self.pushed + sprung.max(stopped)).max(0.0);
         let mut change = self.normal * (pushed - self.pushed);
         self.pushed = pushed;
-        if rubbing == Rubbing::Coulomb {
+        // What is far deeper than its spring is pressed does not rub: points that leave by all sides would hold each other.
+        let is_pressed_there = self.spring.depth - self.spring.pressed.max(0.0) <= self.law.depth_limit;
+        if rubbing == Rubbing::Coulomb && is_pressed_there {
             let sliding = past - self.normal * along;
             let wanted = self.rubbed - sliding * (1.0 / self.mobility);
             let strength = wanted.length();

@@ -9,7 +9,8 @@
 //!
 //! A point has an outside of its own: away from the middle of the cells around it. It is pushed out only against that, so
 //! that a slab of one cell is not pushed on through another that it is more than half way into, and the edge of a cube on
-//! a cube is not pushed off sideways.
+//! a cube is not pushed off sideways. Of a body that is for the most part inside another that would be every way at once: its
+//! points all leave the same way, by which its middle is away from that of the other.
 
 use glam::DVec3;
 
@@ -28,6 +29,9 @@ const NOTHING: f64 = 1e-9;
 
 /// The way out leads against the outside of a point where their directions' product is below this.
 const AGAINST: f64 = -0.2;
+
+/// A body is for the most part inside another where this share of its points is.
+const MOST: f64 = 0.5;
 
 /// A point of a body in a cell of another.
 #[derive(Clone, Copy, Debug)]
@@ -87,21 +91,30 @@ pub(super) fn find<R: Real>(
     counters.narrow_tests_saved += all_tests - tests.min(all_tests);
 }
 
-/// The ways out of the points that were found, in their order.
+/// The ways out of the points that were found, in their order; `boxes` are those around the bodies, m.
 pub(super) fn ways_out<R: Real>(
     model: &Model<R>,
     [of_points, of_cells]: [usize; 2],
     seen: &[Seen],
     ahead: &[DVec3],
+    boxes: &[Aabb<f64>],
 ) -> impl Iterator<Item = Found> {
     let [points, cells] = [of_points, of_cells].map(|number| &model.bodies[number]);
+    let inside = seen.iter().filter(|seen| seen.cell != NONE).count();
+    let is_in = points.among_bodies.hull.as_ref().is_some_and(|hull| inside as f64 > MOST * hull.points.len() as f64);
+    // Of two in the same place the later one in the list leaves upwards.
+    let upwards = if of_points > of_cells { DVec3::Y } else { DVec3::NEG_Y };
+    let away = is_in.then(|| (boxes[of_points].center() - boxes[of_cells].center()).try_normalize().unwrap_or(upwards));
     seen.iter().filter(|seen| seen.cell != NONE).filter_map(move |seen| {
         let carriers = cells.lattice.cells[seen.cell as usize];
         let cell = Cell(carriers.map(|corner| ahead[cells.particles.start + corner as usize]));
         let [hull, ways] = [points, cells].map(|body| body.among_bodies.hull.as_deref());
         let (hull, ways) = (hull?, &ways?.ways[seen.cell as usize]);
-        let out = outward(points, hull.around(seen.point as usize), seen.ahead, &ahead[points.particles.clone()]);
-        let (normal, depth) = way_out(&cell, seen.at, ways, out)?;
+        let own = || outward(points, hull.around(seen.point as usize), seen.ahead, &ahead[points.particles.clone()]);
+        let (normal, depth) = match away {
+            Some(away) => way_along(&cell, seen.at, ways, away),
+            None => way_out(&cell, seen.at, ways, own())?,
+        };
         let point = hull.points[seen.point as usize];
         Some(Found { point, carriers, at: seen.at, normal, depth })
     })
@@ -131,23 +144,36 @@ fn outward<R: Real>(body: &BodyModel<R>, around: &[u32], point: DVec3, ahead: &[
     (point - sum / (8.0 * around.len() as f64)).normalize_or_zero()
 }
 
-/// The normal of the nearest side of a body that a point of a cell may leave it by, and how deep it is there, m. The sides are
-/// at rest along the axes of the cell, so many cells away, and are carried along as the cell is deformed at the place.
+/// The normal of the nearest side of a body that a point of a cell may leave it by, and how deep it is there, m.
 fn way_out(cell: &Cell, at: DVec3, ways: &[u32; 6], outward: DVec3) -> Option<(DVec3, f64)> {
-    // How the place changes with the point: the normals of the cell's layers, longer where these are thinner.
-    let layers = cell.slopes(at).inverse().transpose();
+    let leads_out = |normal: DVec3| outward == DVec3::ZERO || outward.dot(normal) < AGAINST;
     let mut best: Option<(DVec3, f64)> = None;
-    for axis in 0..3 {
-        let across = layers.col(axis);
-        let per_metre = across.length();
-        for (way, towards, left) in [(2 * axis, -1.0, at[axis]), (2 * axis + 1, 1.0, 1.0 - at[axis])] {
-            let normal = across * (towards / per_metre);
-            let depth = (f64::from(ways[way]) + left) / per_metre;
-            let leads_out = outward == DVec3::ZERO || outward.dot(normal) < AGAINST;
-            if leads_out && best.is_none_or(|(_, least)| depth < least) {
-                best = Some((normal, depth));
-            }
+    for (normal, depth) in sides(cell, at, ways) {
+        if leads_out(normal) && best.is_none_or(|(_, least)| depth < least) {
+            best = Some((normal, depth));
         }
     }
     best
+}
+
+/// The same of the side that leads along a direction the most.
+fn way_along(cell: &Cell, at: DVec3, ways: &[u32; 6], along: DVec3) -> (DVec3, f64) {
+    let [first, others @ ..] = sides(cell, at, ways);
+    let better =
+        |best: (DVec3, f64), side: (DVec3, f64)| if side.0.dot(along) > best.0.dot(along) { side } else { best };
+    others.into_iter().fold(first, better)
+}
+
+/// The normals of a body's six sides as a point of a cell may leave by them, and how deep it is there, m. The sides are at
+/// rest along the axes of the cell, so many cells away, and are carried along as the cell is deformed at the place.
+fn sides(cell: &Cell, at: DVec3, ways: &[u32; 6]) -> [(DVec3, f64); 6] {
+    // How the place changes with the point: the normals of the cell's layers, longer where these are thinner.
+    let layers = cell.slopes(at).inverse().transpose();
+    std::array::from_fn(|way| {
+        let (axis, is_up) = (way / 2, way % 2 == 1);
+        let across = layers.col(axis);
+        let per_metre = across.length();
+        let (towards, left) = if is_up { (1.0, 1.0 - at[axis]) } else { (-1.0, at[axis]) };
+        (across * (towards / per_metre), (f64::from(ways[way]) + left) / per_metre)
+    })
 }

@@ -72,10 +72,11 @@ pub(in crate::physics) fn meet<R: Real>(
                 recorder.enter(Stage::Contact);
                 // Taken out, so that what is found may be written down beside it.
                 let (seen, ahead) = (std::mem::take(&mut workspace.seen), std::mem::take(&mut workspace.ahead));
-                for found in find::ways_out(model, ordered, &seen, &ahead) {
+                let boxes = std::mem::take(&mut workspace.boxes);
+                for found in find::ways_out(model, ordered, &seen, &ahead, &boxes) {
                     add(substep, ordered, &law, &found, velocity, dt, workspace);
                 }
-                (workspace.seen, workspace.ahead) = (seen, ahead);
+                (workspace.seen, workspace.ahead, workspace.boxes) = (seen, ahead, boxes);
             }
         }
     }
