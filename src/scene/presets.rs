@@ -1,6 +1,6 @@
 //! The scenes that the program carries. Tests, benches, the window and the command line use the same ones.
 
-use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin, UpAxis};
+use super::body::{Body, CellsShape, CubeShape, ModelShape, PinBox, Pose, Shape, Skin, UpAxis};
 use super::material::{Material, Solid, Spring, Springs};
 use super::obstacle::{Obstacle, ObstacleShape, Plane, Sphere};
 use super::settings::{Settings, Stepping};
@@ -51,7 +51,7 @@ pub fn ground_only() -> Scene {
 /// its steps are.
 const DAMPED_DT_SECS: f64 = 4e-3;
 
-const PRESETS: [Preset; 13] = [
+const PRESETS: [Preset; 15] = [
     Preset { name: DEFAULT, summary: "A jelly cube falls on the ground beside a sphere.", build: cube_on_plane },
     Preset {
         name: "cube-on-sphere",
@@ -81,6 +81,8 @@ const PRESETS: [Preset; 13] = [
         summary: "A soft cube hits the ground so hard that cells stay inside out.",
         build: broken,
     },
+    Preset { name: "newton", summary: "A row of jelly cubes on ice is hit from one side.", build: newton },
+    Preset { name: "hook", summary: "A heavy U falls into another that hangs, and hooks into it.", build: hook },
 ];
 
 fn cube_on_plane() -> Scene {
@@ -140,21 +142,26 @@ fn on_incline(angle_deg: f64, friction: f64) -> Scene {
 
 fn u_on_sphere() -> Scene {
     const SIZE: f64 = 0.11;
-    let is_filled = |i, j| !(3..6).contains(&i) || j < 3;
-    let mut list = Vec::new();
-    for k in 0..3 {
-        for j in 0..8 {
-            list.extend((0..9).filter(|&i| is_filled(i, j)).map(|i| [i, j, k]));
-        }
-    }
     let body = Body {
         name: "U".to_owned(),
-        shape: Shape::Cells(CellsShape { list, size: SIZE }),
+        shape: u(3, SIZE),
         pose: Pose { position: [0.2, 1.9, 0.05], rotation_deg: [0.0, 25.0, 0.0] },
         material: jelly(SIZE),
         ..Body::default()
     };
     looking_at([0.0, 0.9, 0.0], 6.0, scene(body, vec![ball([0.0, 0.5, 0.0], 0.5)]))
+}
+
+/// A U of cells of so many metres: legs of three by so many cells, three apart.
+fn u(depth: i32, size: f64) -> Shape {
+    let is_filled = |i, j| !(3..6).contains(&i) || j < 3;
+    let mut list = Vec::new();
+    for k in 0..depth {
+        for j in 0..8 {
+            list.extend((0..9).filter(|&i| is_filled(i, j)).map(|i| [i, j, k]));
+        }
+    }
+    Shape::Cells(CellsShape { list, size })
 }
 
 fn tree() -> Scene {
@@ -233,6 +240,50 @@ fn broken() -> Scene {
     scene.settings.inversion_recovery = false;
     scene.view.overlays.cells = true;
     scene
+}
+
+/// Without friction: what hits the first goes on in the last.
+fn newton() -> Scene {
+    const SIZE: f64 = 0.4;
+    let cube = |place: u32| Body {
+        name: format!("Jelly {}", place + 1),
+        shape: Shape::Cube(CubeShape { cells: 8, size: SIZE }),
+        pose: Pose { position: [0.55 * f64::from(place) - 1.1, 0.5 * SIZE, 0.0], ..Pose::default() },
+        material: damped(&jelly(SIZE / 8.0), 0.2),
+        friction_static: 0.0,
+        friction_dynamic: 0.0,
+        ..Body::default()
+    };
+    let mut bodies: Vec<Body> = (0..5).map(cube).collect();
+    bodies[0].pose.position[0] = -1.8;
+    bodies[0].velocity = [3.0, 0.0, 0.0];
+    let mut scene = looking_at([0.1, 0.2, 0.0], 4.8, scene(Body::default(), Vec::new()));
+    scene.bodies = bodies;
+    let ice = &mut scene.obstacles[0];
+    (ice.friction_static, ice.friction_dynamic) = (0.0, 0.0);
+    scene
+}
+
+/// The one that falls has its bridge between the legs of the other, across, and its legs on either side.
+fn hook() -> Scene {
+    const SIZE: f64 = 0.1;
+    let body = |name: &str, pose: Pose| Body {
+        name: name.to_owned(),
+        shape: u(2, SIZE),
+        pose,
+        material: damped(&jelly(SIZE), 2.0),
+        skin: Skin::Cells,
+        ..Body::default()
+    };
+    let mut held = body("Hanging", Pose { position: [0.0, 1.8, 0.0], ..Pose::default() });
+    held.pins = vec![PinBox { min: [-1.0, 0.25, -1.0], max: [1.0; 3] }];
+    let mut heavy = body("Heavy", Pose { position: [0.0, 1.8, 0.0], rotation_deg: [180.0, 90.0, 0.0] });
+    if let Material::Springs(springs) = &mut heavy.material {
+        springs.particle_mass *= 5.0;
+    }
+    let mut scene = looking_at([0.0, 1.3, 0.0], 4.6, scene(held, Vec::new()));
+    scene.bodies.push(heavy);
+    turned(35.0, 12.0, scene)
 }
 
 fn carried(name: &str) -> ModelShape {

@@ -3,9 +3,13 @@
 
 use std::path::PathBuf;
 
+use gelatin::physics::Simulation;
 use gelatin::scene::presets::{preset, presets};
+use gelatin::scene::{Material, Scene};
 use gelatin::session::Session;
 use gelatin::session::run::{RunFigures, run};
+
+use crate::support::simulate;
 
 /// Speed below which a body counts as at rest, m/s.
 const AT_REST: f64 = 5e-3;
@@ -51,9 +55,50 @@ fn the_steep_incline_slides() {
 }
 
 #[test]
+fn what_hits_the_row_goes_on_in_its_last() {
+    let mut simulation = simulate::<f64>(&(preset("newton").expect("a preset").build)());
+    let along = |simulation: &Simulation<f64>| [0, 1, 2, 3, 4].map(|body| simulation.diagnostics_of(body).momentum.x);
+    let before = along(&simulation);
+    simulation.run_for(1.5);
+    let after = along(&simulation);
+    let sum = |of: [f64; 5]| of.iter().sum::<f64>();
+    assert!((sum(after) / sum(before) - 1.0).abs() < 1e-9, "on ice momentum is kept: {before:?}, then {after:?}");
+    let most_of_others = after[..4].iter().copied().fold(0.0, f64::max);
+    assert!(after[4] > 0.4 * before[0] && most_of_others < 0.2 * before[0], "{before:?}, then {after:?}");
+}
+
+/// How far the middle of the heavy U is above the ground after some time, m.
+fn height_of_heavy_u(change: impl Fn(&mut Scene), secs: f64) -> f64 {
+    let mut scene = (preset("hook").expect("a preset").build)();
+    change(&mut scene);
+    let mut simulation = simulate::<f32>(&scene);
+    assert!(!simulation.run_for(secs).diverged, "it stays sound");
+    simulation.diagnostics_of(1).center.y
+}
+
+#[test]
+fn a_u_stays_hooked_in_another_also_at_a_hundred_times_its_weight() {
+    let held = height_of_heavy_u(|_| (), 8.0);
+    assert!((1.2..1.7).contains(&held), "it hangs at {held} m");
+    let passed = height_of_heavy_u(|scene| scene.settings.body_contact = false, 2.0);
+    assert!(passed < 0.6, "without contact it falls to {passed} m");
+    let pulled = |scene: &mut Scene| {
+        scene.settings.gravity[1] *= 100.0;
+        for body in &mut scene.bodies {
+            let Material::Springs(springs) = &mut body.material else { unreachable!("they have springs") };
+            for spring in [&mut springs.structural, &mut springs.shear, &mut springs.bending] {
+                (spring.stiffness, spring.damping) = (100.0 * spring.stiffness, 10.0 * spring.damping);
+            }
+        }
+    };
+    let held = height_of_heavy_u(pulled, 10.0);
+    assert!((1.2..1.7).contains(&held), "pulled it hangs at {held} m");
+}
+
+#[test]
 fn every_preset_is_there() {
     let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
     let wanted = "cube-on-plane cube-on-sphere incline incline-slide u-on-sphere tree coupler-7 coupler-8 coupler-20 \
-                  coupler-40 spot exploding broken";
+                  coupler-40 spot exploding broken newton hook";
     assert_eq!(names, wanted.split_whitespace().collect::<Vec<_>>(), "in the order of the list");
 }
