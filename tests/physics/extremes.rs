@@ -79,6 +79,7 @@ fn scenes_that_once_exploded_do_not() {
         (3_051_302_913, 8723),
         (3_051_302_913, 2854),
         (2_946_822_479, 7824),
+        (777_041, 616),
     ];
     for (seed, number) in scenes {
         let (scene, disturbances) = extreme(seed, number);

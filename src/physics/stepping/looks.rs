@@ -17,8 +17,12 @@ const UNSEEN_SHARE: f64 = 0.2;
 /// Whether it is time to look at bodies that were well at the last look: in every [`LOOK_SECS`], sooner the faster their
 /// particles move past each other.
 pub(in crate::physics) fn is_time_to_look<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
-    let between_looks = model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, plan, state)));
-    is_due_every(plan, state, between_looks)
+    is_due_every(plan, state, secs_between(model, plan, state))
+}
+
+/// How long bodies may go without a look, as fast as their particles move past each other now, s.
+pub(in crate::physics) fn secs_between<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> f64 {
+    model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, plan, state)))
 }
 
 /// How long a body's cells may stay unseen as fast as its particles move past each other now, s.

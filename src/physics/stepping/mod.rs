@@ -59,6 +59,7 @@ pub(super) fn advance<R: Real>(
         arrive::pass(model, &workspace.contact.contacts, part.secs, state);
         sweep::pass(model, part.secs, state);
         division.take();
+        division.divide_further(model, plan, state);
     }
     recorder.leave(ending == Ending::Diverged)
 }
@@ -79,6 +80,12 @@ pub(in crate::physics) fn parts_now<R: Real>(
 struct Division {
     parts: u32,
     left: u32,
+    /// How long each of them is, s.
+    secs: f64,
+    /// How many there are while a body is strained; it is looked out for between them where those are more.
+    while_strained: u32,
+    /// How long ago it was, s.
+    unseen_secs: f64,
     /// What takes them.
     scheme: Scheme,
     /// Whether bodies come near each other.
@@ -95,7 +102,16 @@ impl Division {
         let while_strained = met.filter(|_| plan.is_divided()).map_or(plan.parts, |met| met.strained_parts);
         let parts = strain::parts_now(model, plan, while_strained, state).max(near.unwrap_or(1));
         let scheme = met.map_or(plan.scheme, |met| met.scheme);
-        Self { parts, left: parts, scheme, bodies_are_near: near.is_some(), is_explicit: false }
+        Self {
+            parts,
+            left: parts,
+            secs: plan.substep_secs() / f64::from(parts),
+            while_strained,
+            unseen_secs: 0.0,
+            scheme,
+            bodies_are_near: near.is_some(),
+            is_explicit: false,
+        }
     }
 
     /// The part that comes next; none where all are taken.
@@ -120,7 +136,7 @@ impl Division {
             () => Gain::Take,
         };
         Some(Part {
-            secs: plan.substep_secs() / f64::from(self.parts) * (length as f64 / whole as f64),
+            secs: self.secs * (length as f64 / whole as f64),
             scheme: if self.is_explicit { Scheme::SemiImplicit } else { self.scheme },
             is_strained: self.parts > 1,
             bodies_are_near: self.bodies_are_near,
@@ -133,6 +149,21 @@ impl Division {
     /// The part was taken.
     fn take(&mut self) {
         (self.left, self.is_explicit) = (self.left - 1, false);
+    }
+
+    /// Divides what is left into shorter parts where bodies come near each other and one of them has become strained since the
+    /// substep began.
+    fn divide_further<R: Real>(&mut self, model: &Model<R>, plan: &Plan, state: &mut State<R>) {
+        if !self.bodies_are_near || self.left == 0 || self.parts >= self.while_strained {
+            return;
+        }
+        self.unseen_secs += self.secs;
+        if strain::is_strained_by_now(model, plan, state, &mut self.unseen_secs, self.secs) {
+            let left = (u64::from(self.left) * u64::from(self.while_strained)).div_ceil(u64::from(self.parts));
+            let left = u32::try_from(left).unwrap_or(u32::MAX);
+            self.secs *= f64::from(self.left) / f64::from(left);
+            (self.parts, self.left) = (self.while_strained.max(left + 1), left);
+        }
     }
 
     /// The part was refused: it is halved, or left to the explicit scheme.

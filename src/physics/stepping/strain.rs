@@ -44,7 +44,7 @@ pub(in crate::physics) fn parts_now<R: Real>(
     }
     let mut by_way = 1;
     if state.bodies.iter().any(|memory| memory.strained) || looks::is_time_to_look(model, plan, state) {
-        by_way = look(model, plan, state);
+        by_way = look(model, plan, state, plan.substep_secs());
     }
     // The longer substeps of the stabilised scheme would bear little of what pushes cells back that are near inversion.
     let is_crushed = |body: &BodyModel<R>, memory: &BodyMemory| {
@@ -55,11 +55,28 @@ pub(in crate::physics) fn parts_now<R: Real>(
     if is_strained { while_strained.max(by_way) } else { 1 }
 }
 
-/// Looks at the links, and tells into how many parts a substep has to be divided for the ways that those of strained bodies
-/// go in it.
-fn look<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>) -> u32 {
+/// Looks at the links between two parts of a substep of no strained body, where it is due `unseen` (s) after the last look;
+/// the next part is so long, s. Says whether a body is strained now: one that is caught in a long substep that another scheme
+/// takes in parts, for bodies that come near each other, would go through the rest of them as if it were at rest.
+pub(in crate::physics) fn is_strained_by_now<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    state: &mut State<R>,
+    unseen: &mut f64,
+    secs: f64,
+) -> bool {
+    if *unseen + secs > looks::secs_between(model, plan, state) {
+        *unseen = 0.0;
+        look(model, plan, state, secs);
+    }
+    state.bodies.iter().any(|memory| memory.strained && !memory.asleep)
+}
+
+/// Looks at the links, as they are and as they would be after so many seconds, and tells into how many parts such a time has
+/// to be divided for the ways that those of strained bodies go in it.
+fn look<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>, secs: f64) -> u32 {
     let calm_substeps = looks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
-    let secs = R::from_f64(plan.substep_secs());
+    let secs = R::from_f64(secs);
     let mut longest_way = R::ZERO;
     for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
         let strain = STRAINS[usize::from(!memory.strained)];
