@@ -22,7 +22,8 @@
 //! # Practice
 //!
 //! [`Layout`] follows from the lattice alone and is shared between compilations; [`BoxedLinks`] adds the constants of the
-//! links; both are constant. A [`Piece`] is what a sweep works in, one for each thread that has a part of the body.
+//! links; both are constant. A [`Piece`] is what a sweep works in, one for each thread that has a part of the body,
+//! with room for no more than what is under way.
 //! [`Tangents`] are how the forces change, as a matrix: the implicit scheme multiplies with it. A body that fills so little of its box
 //! that going through the list of its links is cheaper has no layout: what counts is the number of places in blocks for
 //! each link, which is the same on every machine.

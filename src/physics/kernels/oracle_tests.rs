@@ -35,6 +35,9 @@ fn shapes() -> Vec<Shape> {
     shapes.extend([[30, 30, 1], [30, 1, 30], [1, 30, 30]].map(|dims| shape("sheet", dims, full)));
     let mut rng = Rng::new(11);
     shapes.extend([0.5, 0.8].map(|share| shape("subset", [9, 8, 7], |_| rng.between(0.0, 1.0) < share)));
+    // More corners than a window has, also where they are halved.
+    shapes.push(shape("block", [9, 9, 300], full));
+    shapes.push(shape("subset", [9, 300, 9], |_| rng.between(0.0, 1.0) < 0.8));
     shapes.push(shape("shell", [12, 12, 12], |cell| cell.iter().any(|c| [0, 11].contains(c))));
     shapes
 }
@@ -257,6 +260,16 @@ fn links_without_length_have_no_force() {
     for level in levels() {
         let (force, _) = boxed(&links, &[point.clone(), velocity.clone()], [[true; 3]; 2], level);
         assert!(force.iter().all(|force| *force == glam::Vec3::ZERO), "all particles in one place");
+    }
+}
+
+#[test]
+fn a_window_has_less_room_than_a_large_body() {
+    let Shape { lattice, .. } = shape("block", [9, 9, 300], |_| true);
+    let links = in_box(&lattice, &families::<f32>(&lattice, Material::Alike, [0.1; 3]));
+    for piece in pieces(&links, &[]).into_iter().chain(pieces(&links, &[0.5])) {
+        let (room, own) = (piece.position[0].len(), piece.own.len());
+        assert!(room < own, "{room} places for {own} corners");
     }
 }
 

@@ -23,15 +23,19 @@ use crate::physics::kernels::layout::{BLOCK, Layout, Run};
 /// and that their links take well below a thousandth of a second, as before each panel it is asked whether to go on.
 const PANEL: usize = 4096;
 
-/// A piece of a body in its box, and what a sweep over it works in: positions, velocities and forces component by component.
-/// Corners without a particle stay where they are put at first.
+/// How many times the corners that a panel reaches there is room for, in a piece that has more: the more, the less often the
+/// corners that the next panel needs are brought to the front, and the less of the room is in the caches.
+const WINDOW: usize = 3;
+
+/// A piece of a body in its box, and what a sweep over it works in: positions, velocities and forces component by component,
+/// in a window of its corners that goes along with the panels. There may be anything at corners without a particle.
 #[derive(Clone, Debug)]
 pub(in crate::physics) struct Piece<R> {
     /// The particles whose forces it works out, by their numbers in the body.
     pub(in crate::physics) particles: Range<usize>,
     /// The links that start in it.
     pub(in crate::physics) links: u64,
-    /// The corner of the first place.
+    /// The corner of the first place as a sweep begins.
     pub(super) first: usize,
     /// Its own corners.
     pub(super) own: Range<usize>,
@@ -48,6 +52,10 @@ pub(in crate::physics) struct Piece<R> {
 pub(super) struct Panel {
     /// The blocks; of the first panels also those before the piece that reach it.
     pub(super) blocks: Range<usize>,
+    /// The first corner that it needs, ...
+    pub(super) first: usize,
+    /// ... and those that are reached for the first time, up to the last that it needs.
+    pub(super) reached: Range<usize>,
     /// The particles that are read for the first time.
     pub(super) read: Vec<Run>,
     /// The corners of the piece that get a force for the first time, and the particles there.
@@ -90,9 +98,11 @@ impl<R: Real> Piece<R> {
         let blocks = before..blocks.end;
         let first = first_of(before).min(own.start);
         let past = if is_last { layout.corners } else { own.end + reach };
-        let room = || [(); 3].map(|()| vec![R::ZERO; past - first]);
         let particles = particles_before(layout, own.start)..particles_before(layout, own.end);
         let panels = panels(layout, blocks, &own, &(first..past), particles.start);
+        let widest = panels.iter().map(|panel| panel.reached.end - panel.first).max().unwrap_or(0);
+        let places = (past - first).min(WINDOW * widest);
+        let room = || [(); 3].map(|()| vec![R::ZERO; places]);
         Self { particles, links, first, own, panels, position: room(), velocity: room(), force: room() }
     }
 }
@@ -112,6 +122,8 @@ fn panels(layout: &Layout, blocks: Range<usize>, own: &Range<usize>, read: &Rang
         let begun = reached.max(own.start)..reaches.min(own.end).max(reached.max(own.start));
         panels.push(Panel {
             blocks: next..end,
+            first: layout.blocks[..end].get(next).map_or(complete, |block| block.first.min(complete)).min(reached),
+            reached: reached..reaches.max(reached),
             read: runs_within(layout, &(reached..reaches)),
             begun: (begun.clone(), runs_within(layout, &begun)),
             complete: runs_within(layout, &(complete..ends)),

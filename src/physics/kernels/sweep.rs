@@ -46,17 +46,21 @@ pub(in crate::physics) fn add_forces<R: Real>(
     done: &mut impl FnMut(Range<usize>, &[R::Vec3]),
 ) -> u64 {
     let Piece { particles, first, own, panels, position, velocity, force: boxed, .. } = piece;
-    let first = *first;
-    for boxed in &mut *boxed {
-        boxed[..own.start - first].fill(R::ZERO);
-        boxed[own.end - first..].fill(R::ZERO);
-    }
-    let (origin, is_damped) = ([particles.start, first], pass.damped.contains(&true));
+    let mut first = *first;
+    let is_damped = pass.damped.contains(&true);
     let mut evaluated = 0;
     for panel in panels {
         if stops() {
             break;
         }
+        if panel.reached.end - first > boxed[0].len() {
+            let live = panel.first - first..panel.reached.start - first;
+            for room in position.iter_mut().chain(&mut *velocity).chain(&mut *boxed) {
+                room.copy_within(live.clone(), 0);
+            }
+            first = panel.first;
+        }
+        let origin = [particles.start, first];
         evaluated += pass.level.run(
             #[inline(always)]
             || {
@@ -65,6 +69,10 @@ pub(in crate::physics) fn add_forces<R: Real>(
                     spread(&panel.read, [0, first], motion[1], velocity);
                 }
                 let (begun, runs) = &panel.begun;
+                if *begun != panel.reached {
+                    // What links do beyond the piece is forgotten.
+                    fill(R::Vec3::ZERO, panel.reached.start - first..panel.reached.end - first, boxed);
+                }
                 match start {
                     Start::Alike(start) => fill(start, begun.start - first..begun.end - first, boxed),
                     Start::Each => spread(runs, origin, force, boxed),
