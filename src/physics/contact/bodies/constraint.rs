@@ -61,6 +61,13 @@ pub(super) struct SpringBefore {
     pub(super) pressed: f64,
 }
 
+impl SpringBefore {
+    /// How much deeper the point is than the spring is pressed, m.
+    fn beyond(&self) -> f64 {
+        (self.depth - self.pressed.max(0.0)).max(0.0)
+    }
+}
+
 /// What a contact gives the bodies, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Given {
@@ -101,7 +108,7 @@ impl PointConstraint {
         let damping = 2.0 * (law.stiffness / mobility).sqrt();
         let resistance = dt * (dt * law.stiffness + damping);
         let SpringBefore { depth, pressed } = spring;
-        let parting = law.gentle.min(PARTING_RATE * (depth - pressed.max(0.0)).max(0.0));
+        let parting = law.gentle.min(PARTING_RATE * spring.beyond());
         let push = dt * law.stiffness * pressed.min(law.depth_limit);
         let push = if parting > 0.0 { push.max(resistance * parting) } else { push };
         let slowest = -(law.depth_limit.max(depth) - depth) / dt;
@@ -141,8 +148,7 @@ impl PointConstraint {
         let mut change = self.normal * (pushed - self.pushed);
         self.pushed = pushed;
         // What is far deeper than its spring is pressed does not rub: points that leave by all sides would hold each other.
-        let is_pressed_there = self.spring.depth - self.spring.pressed.max(0.0) <= self.law.depth_limit;
-        if rubbing == Rubbing::Coulomb && is_pressed_there {
+        if rubbing == Rubbing::Coulomb && self.spring.beyond() <= self.law.depth_limit {
             let sliding = past - self.normal * along;
             let wanted = self.rubbed - sliding * (1.0 / self.mobility);
             let strength = wanted.length();
@@ -167,8 +173,7 @@ impl PointConstraint {
     /// How far its spring is pressed at the end of a substep of `dt` (s), m.
     pub(super) fn pressed_at_end(&self, movers: &[Mover], dt: f64) -> f64 {
         let way = dt * self.past(movers).dot(self.normal);
-        let SpringBefore { depth, pressed } = self.spring;
-        (pressed - way).min(depth - way).clamp(0.0, self.law.depth_limit)
+        (self.spring.pressed - way).clamp(0.0, self.law.depth_limit)
     }
 
     /// What it gives the bodies in a substep of `dt` (s), J: the energy of their motion and what its spring has more. An impulse
