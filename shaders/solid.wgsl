@@ -1,4 +1,4 @@
-// Obstacles: matt planes, two-sided, with an edge and lines in metres of their own, and matt spheres.
+// Obstacles: matt planes, two-sided, with an edge and lines in metres of their own, and matt closed forms.
 
 struct Plane {
     @builtin(position) position: vec4f,
@@ -59,7 +59,7 @@ fn bare_plane(in: Plane) -> @location(0) vec4f {
     return vec4f(plane_albedo(in) * (in.sky + in.lamp), 1.0);
 }
 
-struct Sphere {
+struct Closed {
     @builtin(position) position: vec4f,
     @location(0) world: vec3f,
     @location(1) normal: vec3f,
@@ -67,20 +67,25 @@ struct Sphere {
 }
 
 @vertex
-fn sphere(
+fn closed(
     @location(0) position: vec3f,
+    @location(1) own_normal: vec3f,
     @location(2) center: vec3f,
     @location(3) axis_x: vec3f,
     @location(4) axis_y: vec3f,
     @location(5) axis_z: vec3f,
     @location(7) color: vec3f,
-) -> Sphere {
+) -> Closed {
     let arm = axis_x * position.x + axis_y * position.y + axis_z * position.z;
-    return Sphere(frame.clip_from_world * vec4f(center + arm, 1.0), center + arm, arm, color);
+    // Longer axes lean the normal away from themselves.
+    let lengths = vec3f(dot(axis_x, axis_x), dot(axis_y, axis_y), dot(axis_z, axis_z));
+    let share = own_normal / lengths;
+    let normal = axis_x * share.x + axis_y * share.y + axis_z * share.z;
+    return Closed(frame.clip_from_world * vec4f(center + arm, 1.0), center + arm, normalize(normal), color);
 }
 
 @fragment
-fn sphere_fragment(in: Sphere) -> @location(0) vec4f {
+fn closed_fragment(in: Closed) -> @location(0) vec4f {
     let normal = normalize(in.normal);
     let share = light_share(shadow_place(in.world, normal));
     let light = sky_light(normal) + lamp_light(normal) * share;

@@ -1,11 +1,11 @@
-//! What the pointer holds in the view: the jelly by a point of its surface, or a ball. Pure: pictures and rays in,
-//! commands out; knows neither a window nor which button was pressed.
+//! What the pointer holds in the view: the jelly by a point of its surface, or an obstacle with an inside. Pure: pictures
+//! and rays in, commands out; knows neither a window nor which button was pressed.
 
 use glam::Vec3;
 
 use crate::math::Aabb;
 use crate::scene::edit::{BodyId, Edit, ObstacleId};
-use crate::scene::{Obstacle, ObstacleShape, Scene};
+use crate::scene::{ObstacleShape, Scene};
 use crate::session::{Command, Pull};
 use crate::view::draw_list::Selected;
 use crate::view::pick::nearest;
@@ -37,13 +37,13 @@ pub fn target(scene: &Scene, draw_list: &DrawList, ray: &Ray) -> Option<(Target,
     Some((target, hit))
 }
 
-/// Whether the pointer can take hold of a thing by itself: the jelly to pull it, a ball to move it. A plane lies under
-/// everything and would be moved unawares; it is moved by its handles.
+/// Whether the pointer can take hold of a thing by itself: the jelly to pull it, a ball or a box to move it. A plane lies
+/// under everything and would be moved unawares; it is moved by its handles.
 pub fn can_be_held(scene: &Scene, target: Target) -> bool {
     match target {
         Target::Body(_) => true,
         Target::Obstacle(id) => {
-            scene.obstacles.get(id.0).is_some_and(|obstacle| matches!(obstacle.shape, ObstacleShape::Sphere(_)))
+            scene.obstacles.get(id.0).is_some_and(|obstacle| !matches!(obstacle.shape, ObstacleShape::Plane(_)))
         }
     }
 }
@@ -99,7 +99,7 @@ struct Held {
 #[derive(Clone, Debug)]
 enum Grip {
     Jelly { body: BodyId, weights: Vec<(u32, f32)> },
-    Ball { obstacle: ObstacleId, center_from_point: Vec3 },
+    Obstacle { obstacle: ObstacleId, center_from_point: Vec3 },
 }
 
 impl Hand {
@@ -109,9 +109,9 @@ impl Hand {
         let what = match (target, hit.what) {
             (Target::Body(body), Thing::Skin { weights, .. }) => Grip::Jelly { body, weights },
             (Target::Obstacle(obstacle), _) => {
-                let ObstacleShape::Sphere(sphere) = scene.obstacles.get(obstacle.0)?.shape else { return None };
-                let center = glam::DVec3::from(sphere.center).as_vec3();
-                Grip::Ball { obstacle, center_from_point: center - hit.point }
+                let held = scene.obstacles.get(obstacle.0).filter(|_| can_be_held(scene, target))?;
+                let center = glam::DVec3::from(held.shape.center()).as_vec3();
+                Grip::Obstacle { obstacle, center_from_point: center - hit.point }
             }
             (Target::Body(_), Thing::Solid(_)) => return None,
         };
@@ -143,11 +143,10 @@ impl Hand {
                 let pull = Pull { body: *body, weights: weights.clone(), target: to.to_array() };
                 Some(Command::Grab(Some(pull)))
             }
-            Grip::Ball { obstacle, center_from_point } => {
+            Grip::Obstacle { obstacle, center_from_point } => {
                 let old = scene.obstacles.get(obstacle.0)?;
-                let ObstacleShape::Sphere(mut sphere) = old.shape else { return None };
-                sphere.center = (to + *center_from_point).as_dvec3().to_array();
-                let moved = Obstacle { shape: ObstacleShape::Sphere(sphere), ..old.clone() };
+                let mut moved = old.clone();
+                *moved.shape.center_mut() = (to + *center_from_point).as_dvec3().to_array();
                 Some(Command::Drag(Edit::Obstacle(*obstacle, Box::new(moved))))
             }
         }
@@ -157,7 +156,7 @@ impl Hand {
     pub fn release(&mut self) -> Option<Command> {
         self.held.take().map(|held| match held.what {
             Grip::Jelly { .. } => Command::Grab(None),
-            Grip::Ball { .. } => Command::EndEdit,
+            Grip::Obstacle { .. } => Command::EndEdit,
         })
     }
 }
@@ -167,6 +166,7 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
+    use crate::scene::obstacle::Cuboid;
     use crate::scene::presets::preset;
     use crate::session::Session;
 
@@ -217,6 +217,23 @@ mod tests {
         let off = glam::DVec3::from(ball.center).distance(glam::DVec3::new(1.5, 0.8, -0.3));
         assert!(off < 1e-5, "0.4 m up, like the pointer: {:?}", ball.center);
         assert!(matches!(hand.release(), Some(Command::EndEdit)), "the drag is one change");
+    }
+
+    #[test]
+    fn a_box_is_held_by_the_side_it_was_taken_at_and_stays_as_it_is_turned() {
+        let (mut scene, _) = picture();
+        let turned = Cuboid { center: [-1.5, 0.5, 0.0], rotation_deg: [0.0, 30.0, 0.0], half_extents: [0.3; 3] };
+        scene.obstacles[1].shape = ObstacleShape::Box(turned);
+        let mut session = Session::new(scene.clone(), PathBuf::new(), String::new()).expect("it resolves");
+        let mut hand = Hand::default();
+        let taken = hand.take(&scene, &session.draw_list(), &from_the_front(-1.4, 0.6), Vec3::NEG_Z);
+        assert_eq!(taken, Some(Target::Obstacle(ObstacleId(1))));
+        let Some(Command::Drag(Edit::Obstacle(_, moved))) = hand.drag(&scene, &from_the_front(-1.4, 1.0)) else {
+            panic!("the box is moved")
+        };
+        let ObstacleShape::Box(moved) = moved.shape else { panic!("a box stays one") };
+        assert!((moved.center[1] - 0.9).abs() < 1e-5, "0.4 m up, like the pointer: {:?}", moved.center);
+        assert_eq!(Cuboid { center: turned.center, ..moved }, turned, "and nothing else");
     }
 
     #[test]

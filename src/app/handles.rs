@@ -112,30 +112,23 @@ fn handle_at(scene: &Scene, chosen: Option<Target>, sight: &Sight) -> Option<(Ob
 fn gizmo_of(scene: &Scene, chosen: Option<Target>) -> Option<(ObstacleId, Gizmo)> {
     let Some(Target::Obstacle(id)) = chosen else { return None };
     let obstacle = scene.obstacles.get(id.0).filter(|obstacle| !obstacle.hidden)?;
-    let (center, turns) = match obstacle.shape {
-        ObstacleShape::Plane(plane) => (plane.center, true),
-        ObstacleShape::Sphere(sphere) => (sphere.center, false),
-    };
-    Some((id, Gizmo::new(DVec3::from(center).as_vec3(), turns)))
+    let center = DVec3::from(obstacle.shape.center()).as_vec3();
+    Some((id, Gizmo::new(center, obstacle.shape.rotation_deg().is_some())))
 }
 
-fn dragged(shape: ObstacleShape, drag: Drag) -> ObstacleShape {
-    match (shape, drag) {
-        (ObstacleShape::Plane(mut plane), Drag::Move(way)) => {
-            plane.center = (DVec3::from(plane.center) + way.as_dvec3()).to_array();
-            ObstacleShape::Plane(plane)
+fn dragged(mut shape: ObstacleShape, drag: Drag) -> ObstacleShape {
+    match drag {
+        Drag::Move(way) => {
+            *shape.center_mut() = (DVec3::from(shape.center()) + way.as_dvec3()).to_array();
         }
-        (ObstacleShape::Plane(mut plane), Drag::Turn { axis, angle_rad }) => {
-            let turn = DMat3::from_axis_angle(axis.as_dvec3(), f64::from(angle_rad));
-            plane.rotation_deg = to_euler_deg(&(turn * from_euler_deg(plane.rotation_deg)));
-            ObstacleShape::Plane(plane)
+        Drag::Turn { axis, angle_rad } => {
+            if let Some(rotation_deg) = shape.rotation_deg_mut() {
+                let turn = DMat3::from_axis_angle(axis.as_dvec3(), f64::from(angle_rad));
+                *rotation_deg = to_euler_deg(&(turn * from_euler_deg(*rotation_deg)));
+            }
         }
-        (ObstacleShape::Sphere(mut sphere), Drag::Move(way)) => {
-            sphere.center = (DVec3::from(sphere.center) + way.as_dvec3()).to_array();
-            ObstacleShape::Sphere(sphere)
-        }
-        (ObstacleShape::Sphere(sphere), Drag::Turn { .. }) => ObstacleShape::Sphere(sphere),
     }
+    shape
 }
 
 #[cfg(test)]
@@ -143,6 +136,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::scene::obstacle::{Cylinder, Sphere};
     use crate::scene::presets::preset;
 
     const SIZE: Vec2 = Vec2::new(800.0, 600.0);
@@ -186,6 +180,18 @@ mod tests {
         };
         let [x, y, z] = ball.center;
         assert!((x - 1.5).abs() < 1e-6 && (z + 0.3).abs() < 1e-6 && y > 0.5, "up, and nowhere else: {:?}", ball.center);
+    }
+
+    #[test]
+    fn a_cylinder_is_turned_by_a_ring_about_its_own_middle() {
+        let cylinder = ObstacleShape::Cylinder(Cylinder::default());
+        let turned = dragged(cylinder, Drag::Turn { axis: Vec3::Z, angle_rad: 0.5 });
+        let off = DVec3::from(turned.center()).distance(DVec3::from(cylinder.center()));
+        assert!(off < 1e-12, "it stays where it is");
+        let [x, y, z] = turned.rotation_deg().expect("it has been turned");
+        assert!(x.abs() + y.abs() < 1e-5 && (z - 0.5_f64.to_degrees()).abs() < 1e-4, "about z alone: {x}, {y}, {z}");
+        let ball = ObstacleShape::Sphere(Sphere::default());
+        assert_eq!(dragged(ball, Drag::Turn { axis: Vec3::Z, angle_rad: 0.5 }), ball, "nobody sees a ball turn");
     }
 
     #[test]

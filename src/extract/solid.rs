@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::math::rotation::from_euler_deg;
-use crate::scene::obstacle::{Obstacle, ObstacleShape};
+use crate::scene::obstacle::{Capsule, Cylinder, Obstacle, ObstacleShape, Sphere};
 use crate::view::Solid;
 
 /// The visible obstacles of a scene, in its order.
@@ -13,16 +13,26 @@ pub fn solids(obstacles: &[Obstacle]) -> Vec<Solid> {
 
 #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
 fn solid(shape: &ObstacleShape) -> Solid {
-    match shape {
+    let turn = from_euler_deg(shape.rotation_deg().unwrap_or_default());
+    let center = DVec3::from(shape.center()).as_vec3();
+    let arm = |half_height: f64| (turn.y_axis * half_height).as_vec3();
+    match *shape {
         ObstacleShape::Plane(plane) => {
-            let rotation = from_euler_deg(plane.rotation_deg);
             // z before x: their cross product is the plane's own y.
-            let [x, z] = [DVec3::X, DVec3::Z].map(|axis| (rotation * axis).as_vec3());
+            let [x, z] = [DVec3::X, DVec3::Z].map(|axis| (turn * axis).as_vec3());
             let [half_x, half_z] = plane.half_extents.map(|half| half as f32);
-            Solid::Plane { center: DVec3::from(plane.center).as_vec3(), axes: [z, x], half_extents: [half_z, half_x] }
+            Solid::Plane { center, axes: [z, x], half_extents: [half_z, half_x] }
         }
-        ObstacleShape::Sphere(sphere) => {
-            Solid::Sphere { center: DVec3::from(sphere.center).as_vec3(), radius: sphere.radius as f32 }
+        ObstacleShape::Sphere(Sphere { radius, .. }) => Solid::Sphere { center, radius: radius as f32 },
+        ObstacleShape::Box(cuboid) => {
+            let axes = [turn.x_axis, turn.y_axis, turn.z_axis].map(DVec3::as_vec3);
+            Solid::Box { center, axes, half_extents: cuboid.half_extents.map(|half| half as f32) }
+        }
+        ObstacleShape::Capsule(Capsule { radius, half_height, .. }) => {
+            Solid::Capsule { center, arm: arm(half_height), radius: radius as f32 }
+        }
+        ObstacleShape::Cylinder(Cylinder { radius, half_height, .. }) => {
+            Solid::Cylinder { center, arm: arm(half_height), radius: radius as f32 }
         }
     }
 }
@@ -32,7 +42,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::scene::obstacle::{Plane, Sphere};
+    use crate::scene::obstacle::Plane;
 
     #[test]
     fn a_turned_plane_keeps_its_extents_and_its_upper_side() {

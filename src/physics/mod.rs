@@ -89,8 +89,8 @@ pub use model::plan::{
     BodyContactPlan, MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, SchemeCost, Stage, StageRates,
 };
 pub use model::{
-    BodyModel, ContactModel, ContactRule, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel,
-    RecoveryModel, Scheme, Values,
+    BodyModel, ContactModel, ContactRule, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, OrientedForm,
+    OrientedModel, PlaneModel, RecoveryModel, Scheme, Values,
 };
 pub use observe::diagnostics::{Diagnostics, Energy};
 pub use observe::scalars::Quantity;

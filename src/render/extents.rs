@@ -12,14 +12,14 @@ use crate::view::{DrawList, Solid};
 pub(super) struct Extents {
     /// The box around each skin, in their order, m; empty for absent bodies and where no particle is finite.
     pub(super) skins: Vec<Aabb<f32>>,
-    /// The box around all skins and spheres, m.
+    /// The box around all skins and closed obstacles, m.
     pub(super) core: Aabb<f32>,
     /// The largest side of the smallest of them, m; infinite where there is none.
     pub(super) smallest: f32,
 }
 
 impl Extents {
-    /// Of the skins carried by the given ranges of particles, and of the spheres.
+    /// Of the skins carried by the given ranges of particles, and of the closed obstacles.
     pub(super) fn new(particles_of_skins: impl Iterator<Item = Range<usize>>, draw_list: &DrawList) -> Self {
         let skins: Vec<Aabb<f32>> = particles_of_skins
             .map(|range| {
@@ -28,8 +28,8 @@ impl Extents {
                 Aabb::around(carrying.iter().map(|&point| Vec3::from(point)).filter(|point| point.is_finite()))
             })
             .collect();
-        let spheres = draw_list.solids.iter().filter(|solid| matches!(solid, Solid::Sphere { .. }));
-        let all = skins.iter().copied().filter(is_full).chain(spheres.map(Solid::bounds));
+        let closed = draw_list.solids.iter().filter(|solid| !solid.is_plane());
+        let all = skins.iter().copied().filter(is_full).chain(closed.map(Solid::bounds));
         let (core, smallest) = all.fold((Aabb::empty(), f32::INFINITY), |(core, smallest), one| {
             (core.joined(one), smallest.min(one.size().max_element()))
         });

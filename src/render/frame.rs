@@ -41,7 +41,7 @@ impl Lay {
         draw_list.skins.iter().zip(sound).map(|(skin, size)| BodyInstance { color: skin.color, size }).collect()
     }
 
-    /// One per obstacle.
+    /// Those of all obstacles, in their order.
     pub(super) fn solids(&self, draw_list: &DrawList) -> Vec<SolidInstance> {
         let light = shadow_fit::unit_direction(draw_list.light.direction);
         let margin = 2.0 * self.contact.reach + 4.0 * self.shadow.texel;
@@ -50,12 +50,12 @@ impl Lay {
                 Solid::Plane { center, axes, half_extents } => {
                     shadowed_part((center, axes, half_extents), self.casters, light, margin)
                 }
-                Solid::Sphere { .. } => Default::default(),
+                _ => Default::default(),
             };
             let color = if solid.is_floor() { draw_list.style.floor } else { draw_list.style.obstacle };
-            SolidInstance::new(solid, color, part.map(|corner| corner.to_array()))
+            SolidInstance::of(solid, color, part.map(|corner| corner.to_array()))
         };
-        draw_list.solids.iter().map(instance).collect()
+        draw_list.solids.iter().flat_map(instance).collect()
     }
 
     /// What every drawing pass knows.

@@ -131,17 +131,19 @@ impl BodyInstance {
     pub const ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![3 => Float32x3, 4 => Float32];
 }
 
-/// A vertex of the unit square (in x and y) or the unit sphere.
+/// A vertex of one of the shapes that obstacles are made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SolidVertex {
     /// Within −1..1.
     pub position: [f32; 3],
+    /// Of unit length, outwards.
+    pub normal: [f32; 3],
 }
 
 impl SolidVertex {
-    /// The vertex inputs of `solid.wgsl` and of the passes that draw depth.
-    pub const ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
+    /// The vertex inputs of `solid.wgsl`; the first serves the passes that draw depth.
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
 }
 
 /// Where an obstacle is: the inputs of `solid.wgsl` that are the same for a whole obstacle.
@@ -156,7 +158,7 @@ pub struct SolidInstance {
     pub axis_y: [f32; 3],
     /// Where the shape's z axis ends, m from the middle.
     pub axis_z: [f32; 3],
-    /// Half the sides of a plane, m; 0 for a sphere.
+    /// Half the sides of a plane, m; 0 for anything else.
     pub half_extents: [f32; 2],
     /// Linear red, green, blue.
     pub color: [f32; 3],

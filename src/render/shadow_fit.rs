@@ -24,15 +24,11 @@ pub(super) struct ShadowFit {
 
 /// Whether an obstacle is drawn into the shadow map.
 pub(super) fn casts(solid: &Solid, others: Aabb<f32>) -> bool {
-    match *solid {
-        Solid::Sphere { .. } => true,
-        Solid::Plane { .. } => {
-            !solid.is_floor() && solid.bounds().size().length() < WIDEST_PLANE * others.size().length()
-        }
-    }
+    let is_narrow = || solid.bounds().size().length() < WIDEST_PLANE * others.size().length();
+    !solid.is_plane() || !solid.is_floor() && is_narrow()
 }
 
-/// The box around everything that casts a shadow, m, where `core` is around bodies and spheres.
+/// The box around everything that casts a shadow, m, where `core` is around bodies and closed obstacles.
 pub(super) fn casters(draw_list: &DrawList, core: Aabb<f32>) -> Aabb<f32> {
     let casting = draw_list.solids.iter().filter(|solid| casts(solid, core));
     casting.fold(core, |bounds, solid| bounds.joined(solid.bounds()))

@@ -1,7 +1,10 @@
-//! The shapes of obstacles: a square and a ball that never change, drawn with an instance each.
+//! The shapes of obstacles: a square, a ball, a cube and a tube with ends. They never change; an obstacle is drawn as one
+//! of them, a capsule as a tube between two balls, with an instance for each.
 
 use std::f32::consts::PI;
 use std::ops::Range;
+
+use glam::Vec3;
 
 use super::buffer::filled;
 use super::layout::{SolidInstance, SolidVertex};
@@ -13,13 +16,58 @@ const SIDES: u16 = 64;
 /// Where the square is cut into nine parts; stands for the corners of the middle one, see `solid.wgsl`.
 const CUTS: [f32; 4] = [-1.0, -0.5, 0.5, 1.0];
 
-/// A unit square and a unit ball on the device.
+/// What obstacles are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Piece {
+    Square,
+    Ball,
+    Cube,
+    Tube,
+}
+
+/// A piece where an obstacle has it: its middle, and where its axes end, m from the middle.
+type Placed = (Piece, Vec3, [Vec3; 3]);
+
+/// What an obstacle is drawn as.
+fn pieces(solid: &Solid) -> impl Iterator<Item = Placed> + use<> {
+    let ball = |center: Vec3, radius: f32| (Piece::Ball, center, Vec3::AXES.map(|axis| axis * radius));
+    let tube = |center: Vec3, arm: Vec3, radius: f32| {
+        let side = arm.normalize_or(Vec3::Y).any_orthonormal_vector();
+        let other = side.cross(arm.normalize_or(Vec3::Y));
+        (Piece::Tube, center, [side * radius, arm, other * radius])
+    };
+    let pieces = match *solid {
+        Solid::Plane { center, axes: [u, v], half_extents: [a, b] } => {
+            [Some((Piece::Square, center, [u * a, v * b, u.cross(v)])), None, None]
+        }
+        Solid::Sphere { center, radius } => [Some(ball(center, radius)), None, None],
+        Solid::Box { center, axes: [u, v, w], half_extents: [a, b, c] } => {
+            [Some((Piece::Cube, center, [u * a, v * b, w * c])), None, None]
+        }
+        Solid::Cylinder { center, arm, radius } => [Some(tube(center, arm, radius)), None, None],
+        Solid::Capsule { center, arm, radius } => {
+            let ends = [center - arm, center + arm].map(|end| Some(ball(end, radius)));
+            [Some(tube(center, arm, radius)), ends[0], ends[1]]
+        }
+    };
+    pieces.into_iter().flatten()
+}
+
+/// The pieces of all obstacles, by their instances.
+fn placed_pieces(solids: &[Solid]) -> impl Iterator<Item = (u32, Piece, &Solid)> {
+    let all = solids.iter().flat_map(|solid| pieces(solid).map(move |(piece, ..)| (piece, solid)));
+    (0..).zip(all).map(|(instance, (piece, solid))| (instance, piece, solid))
+}
+
+/// The shapes on the device.
 #[derive(Debug)]
 pub(super) struct Shapes {
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     square: Range<u32>,
     ball: Range<u32>,
+    cube: Range<u32>,
+    tube: Range<u32>,
     /// The middle one of the square's nine parts, then the eight around it.
     parts: [Range<u32>; 2],
 }
@@ -29,7 +77,7 @@ impl Shapes {
         let mut vertices: Vec<SolidVertex> = Vec::new();
         let mut indices: Vec<u32> = Vec::new();
         for (y, x) in CUTS.into_iter().flat_map(|y| CUTS.map(|x| (y, x))) {
-            vertices.push(SolidVertex { position: [x, y, 0.0] });
+            vertices.push(SolidVertex { position: [x, y, 0.0], normal: [0.0, 0.0, 1.0] });
         }
         let add = |indices: &mut Vec<u32>, quads: &[[u32; 4]]| {
             let begun = count(indices.len());
@@ -40,15 +88,19 @@ impl Shapes {
         let around: Vec<[u32; 4]> = (0..9).filter(|&part| part != 4).map(|part| quad(part / 3, part % 3)).collect();
         let square = add(&mut indices, &[[0, 3, 12, 15]]);
         let parts = [add(&mut indices, &[quad(1, 1)]), add(&mut indices, &around)];
-        let begun = count(indices.len());
-        add_ball(&mut vertices, &mut indices);
-        let ball = begun..count(indices.len());
+        let [ball, cube, tube] = [add_ball, add_cube, add_tube].map(|add| {
+            let begun = count(indices.len());
+            add(&mut vertices, &mut indices);
+            begun..count(indices.len())
+        });
         let buffer = |label, contents: &[u8], usage| filled(device, queue, label, contents, usage);
         Self {
             vertices: buffer("solid shapes", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::VERTEX),
             indices: buffer("solid triangles", bytemuck::cast_slice(&indices), wgpu::BufferUsages::INDEX),
             square,
             ball,
+            cube,
+            tube,
             parts,
         }
     }
@@ -64,7 +116,7 @@ impl Shapes {
         self.draw(pass, solids, instances, |solid| solids.get(index).is_some_and(|one| std::ptr::eq(one, solid)));
     }
 
-    /// Draws those of the obstacles that are wanted, each with the instance of the same place.
+    /// Draws those of the obstacles that are wanted, each with its own instances.
     pub(super) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -73,12 +125,14 @@ impl Shapes {
         wanted: impl Fn(&Solid) -> bool,
     ) {
         self.bind(pass, instances);
-        for (instance, solid) in (0..).zip(solids).filter(|(_, solid)| wanted(solid)) {
-            let range = match solid {
-                Solid::Plane { .. } => self.square.clone(),
-                Solid::Sphere { .. } => self.ball.clone(),
+        for (instance, piece, _) in placed_pieces(solids).filter(|(_, _, solid)| wanted(solid)) {
+            let range = match piece {
+                Piece::Square => &self.square,
+                Piece::Ball => &self.ball,
+                Piece::Cube => &self.cube,
+                Piece::Tube => &self.tube,
             };
-            pass.draw_indexed(range, 0, instance..instance + 1);
+            pass.draw_indexed(range.clone(), 0, instance..instance + 1);
         }
     }
 
@@ -93,8 +147,7 @@ impl Shapes {
         self.bind(pass, instances);
         for (pipeline, range) in pipelines.into_iter().zip(&self.parts) {
             pass.set_pipeline(pipeline);
-            let planes = (0..).zip(solids).filter(|(_, solid)| matches!(solid, Solid::Plane { .. }));
-            for (instance, _) in planes {
+            for (instance, ..) in placed_pieces(solids).filter(|(_, piece, _)| *piece == Piece::Square) {
                 pass.draw_indexed(range.clone(), 0, instance..instance + 1);
             }
         }
@@ -108,18 +161,20 @@ impl Shapes {
 }
 
 impl SolidInstance {
-    /// An obstacle in a colour; shadows may fall on the given part of a plane.
-    pub(super) fn new(solid: &Solid, color: [f32; 3], shadowed_part: [[f32; 2]; 2]) -> Self {
-        let (center, axes, half_extents) = match *solid {
-            Solid::Plane { center, axes: [u, v], half_extents: [a, b] } => (center, [u * a, v * b, u.cross(v)], [a, b]),
-            Solid::Sphere { center, radius } => (
-                center,
-                glam::Mat3::from_diagonal(glam::Vec3::splat(radius)).to_cols_array_2d().map(Into::into),
-                [0.0; 2],
-            ),
+    /// Those of an obstacle in a colour; shadows may fall on the given part of a plane.
+    pub(super) fn of(
+        solid: &Solid,
+        color: [f32; 3],
+        shadowed_part: [[f32; 2]; 2],
+    ) -> impl Iterator<Item = Self> + use<> {
+        let half_extents = match *solid {
+            Solid::Plane { half_extents, .. } => half_extents,
+            _ => [0.0; 2],
         };
-        let [axis_x, axis_y, axis_z] = axes.map(|axis: glam::Vec3| axis.to_array());
-        Self { center: center.to_array(), axis_x, axis_y, axis_z, half_extents, color, shadowed_part }
+        pieces(solid).map(move |(_, center, axes)| {
+            let [axis_x, axis_y, axis_z] = axes.map(|axis: Vec3| axis.to_array());
+            Self { center: center.to_array(), axis_x, axis_y, axis_z, half_extents, color, shadowed_part }
+        })
     }
 }
 
@@ -131,7 +186,8 @@ fn add_ball(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
         let (sin_polar, cos_polar) = (PI * f32::from(ring) / f32::from(rings)).sin_cos();
         for side in 0..=SIDES {
             let (sin, cos) = (2.0 * PI * f32::from(side) / f32::from(SIDES)).sin_cos();
-            vertices.push(SolidVertex { position: [sin_polar * cos, cos_polar, sin_polar * sin] });
+            let position = [sin_polar * cos, cos_polar, sin_polar * sin];
+            vertices.push(SolidVertex { position, normal: position });
         }
     }
     let row = u32::from(SIDES) + 1;
@@ -150,7 +206,83 @@ fn add_ball(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
     }
 }
 
+/// A cube whose sides are 2, with sharp edges.
+fn add_cube(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
+    for axis in 0..3 {
+        for outwards in [1.0, -1.0] {
+            let first = count(vertices.len());
+            let [n, u, v] = [axis, (axis + 1) % 3, (axis + 2) % 3].map(|axis| Vec3::AXES[axis]);
+            let normal = (n * outwards).to_array();
+            for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
+                // Seen from outside the first turn is to the left on either side.
+                let position = (n * outwards + u * (a * outwards) + v * b).to_array();
+                vertices.push(SolidVertex { position, normal });
+            }
+            indices.extend([0, 1, 2, 1, 3, 2].map(|corner| first + corner));
+        }
+    }
+}
+
+/// A cylinder about y of radius 1 from −1 to 1, with sharp rims.
+fn add_tube(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
+    let around = |side: u16| (2.0 * PI * f32::from(side) / f32::from(SIDES)).sin_cos();
+    let first = count(vertices.len());
+    for (sin, cos) in (0..=SIDES).map(around) {
+        vertices.extend([1.0, -1.0].map(|y| SolidVertex { position: [cos, y, sin], normal: [cos, 0.0, sin] }));
+    }
+    for side in 0..u32::from(SIDES) {
+        let [above, below, next_above, next_below] = [0, 1, 2, 3].map(|corner| first + 2 * side + corner);
+        indices.extend([above, next_above, below, next_above, next_below, below]);
+    }
+    for y in [1.0, -1.0] {
+        let middle = count(vertices.len());
+        let rim = (0..=SIDES).map(around).map(|(sin, cos)| [cos, y, sin]);
+        let normal = [0.0, y, 0.0];
+        let corners = std::iter::once([0.0, y, 0.0]).chain(rim);
+        vertices.extend(corners.map(|position| SolidVertex { position, normal }));
+        for side in 0..u32::from(SIDES) {
+            let [one, next] = [middle + 1 + side, middle + 2 + side];
+            indices.extend(if y > 0.0 { [middle, next, one] } else { [middle, one, next] });
+        }
+    }
+}
+
 #[expect(clippy::cast_possible_truncation, reason = "the shapes have a few thousand vertices")]
 fn count(length: usize) -> u32 {
     length as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_shapes_turn_counter_clockwise_seen_from_outside() {
+        for add in [add_ball, add_cube, add_tube] {
+            let (mut vertices, mut indices) = (Vec::new(), Vec::new());
+            add(&mut vertices, &mut indices);
+            let mut volume = 0.0;
+            for corners in indices.chunks(3) {
+                let [a, b, c] = [0, 1, 2].map(|corner| vertices[corners[corner] as usize]);
+                let at = [a, b, c].map(|vertex| Vec3::from(vertex.position));
+                let turned = (at[1] - at[0]).cross(at[2] - at[0]);
+                for vertex in [a, b, c] {
+                    assert!(turned.dot(Vec3::from(vertex.normal)) > 0.0, "{corners:?} faces the way of its normals");
+                }
+                volume += at[0].dot(at[1].cross(at[2])) / 6.0;
+            }
+            assert!(volume > 4.0 && volume < 8.1, "a ball, a cube and a tube around a unit have {volume}");
+        }
+    }
+
+    #[test]
+    fn a_capsule_has_three_instances_and_what_follows_it_its_own() {
+        let capsule = Solid::Capsule { center: Vec3::Y, arm: Vec3::X, radius: 0.5 };
+        let ball = Solid::Sphere { center: Vec3::ZERO, radius: 1.0 };
+        let found: Vec<_> =
+            placed_pieces(&[ball, capsule, ball]).map(|(instance, piece, _)| (instance, piece)).collect();
+        let wanted = [Piece::Ball, Piece::Tube, Piece::Ball, Piece::Ball, Piece::Ball];
+        assert!(found.into_iter().eq((0..).zip(wanted)));
+        assert_eq!(SolidInstance::of(&capsule, [0.0; 3], Default::default()).count(), 3);
+    }
 }

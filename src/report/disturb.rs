@@ -8,7 +8,7 @@ use crate::geometry::Lattice;
 use crate::math::Real;
 use crate::physics::Arrival;
 use crate::physics::Simulation;
-use crate::scene::{ObstacleShape, Scene};
+use crate::scene::Scene;
 
 /// Something that happens at some time.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,13 +70,11 @@ fn move_one(draw: &mut Draw, scene: &mut Scene, size: f64) {
     let last = scene.obstacles.len() - 1;
     let number = draw.whole(0, i32::try_from(last).unwrap_or(0));
     let add = |at: &mut [f64; 3], by: [f64; 3]| at.iter_mut().zip(by).for_each(|(at, by)| *at += by);
-    match scene.obstacles.get_mut(usize::try_from(number).unwrap_or(0)).map(|obstacle| &mut obstacle.shape) {
-        Some(ObstacleShape::Plane(plane)) => {
-            add(&mut plane.center, way);
-            add(&mut plane.rotation_deg, turn);
+    if let Some(obstacle) = scene.obstacles.get_mut(usize::try_from(number).unwrap_or(0)) {
+        add(obstacle.shape.center_mut(), way);
+        if let Some(rotation_deg) = obstacle.shape.rotation_deg_mut() {
+            add(rotation_deg, turn);
         }
-        Some(ObstacleShape::Sphere(sphere)) => add(&mut sphere.center, way),
-        None => (),
     }
 }
 

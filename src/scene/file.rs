@@ -315,7 +315,9 @@ mod tests {
             assert!(!jargon.iter().any(|word| message.contains(word)), "{text}: {message}");
         }
         let form = refusal("(version: 1, obstacles: [(name: \"a\")])");
-        assert!(form.contains("`plane` and `sphere`"), "{form}");
+        assert!(form.contains("one of `plane`, `sphere`, `box`, `capsule` and `cylinder`"), "{form}");
+        let several = refusal("(version: 1, obstacles: [(box: (), capsule: ())])");
+        assert!(several.contains("not several"), "{several}");
         let value = refusal("(version: 1, settings: (dt: 7.0))");
         assert_eq!(value, "a.ron: settings.dt = 7 s is outside 1e-6 … 0.1 s (line 1)");
     }

@@ -150,9 +150,27 @@ fn ground_below(obstacles: &[Obstacle], from: DVec3, down: DVec3) -> Option<Grou
             (aside < sphere.radius * sphere.radius && way >= 0.0)
                 .then(|| (way, ((offset + down * way) / sphere.radius).normalize_or(-down)))
         }
+        // The box around it: what lies on one that is turned is moved aside by hand.
+        ObstacleShape::Box(_) | ObstacleShape::Capsule(_) | ObstacleShape::Cylinder(_) => {
+            hit_box(&obstacle.shape.bounds(), from, down).map(|way| (way, -down))
+        }
     });
     let (way, normal) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(Ground { point: from + down * way, normal })
+}
+
+/// How far below a place a box lies.
+fn hit_box(bounds: &Aabb<f64>, from: DVec3, down: DVec3) -> Option<f64> {
+    let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
+    for axis in 0..3 {
+        let [low, high] = [bounds.min[axis], bounds.max[axis]].map(|side| (side - from[axis]) / down[axis]);
+        if down[axis] != 0.0 {
+            (enter, leave) = (enter.max(low.min(high)), leave.min(low.max(high)));
+        } else if from[axis] < bounds.min[axis] || from[axis] > bounds.max[axis] {
+            return None;
+        }
+    }
+    (enter > 0.0 && enter <= leave).then_some(enter)
 }
 
 /// How far below a place a plane lies, and its normal there.

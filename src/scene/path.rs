@@ -4,8 +4,8 @@
 use serde_json::{Number, Value};
 use thiserror::Error;
 
-use super::Scene;
 use super::param::{self, Kind, PARAMS, Param, Problem};
+use super::{ObstacleShape, Scene};
 use crate::text::{distance, echo};
 
 /// Why a path or a value was refused. The scene is then unchanged.
@@ -48,7 +48,7 @@ pub enum PathError {
 const FORMS: [(&str, &[&str]); 3] = [
     ("bodies.*.shape", &["cube", "cells", "model"]),
     ("bodies.*.material", &["springs", "solid"]),
-    ("obstacles.*", &["plane", "sphere"]),
+    ("obstacles.*", &ObstacleShape::NAMES),
 ];
 
 /// Sets the value at a path. A path into a form that the body or obstacle does not have now switches to that form
@@ -192,7 +192,7 @@ mod tests {
 
     use super::*;
     use crate::scene::body::PinBox;
-    use crate::scene::obstacle::Sphere;
+    use crate::scene::obstacle::{Cuboid, Sphere};
     use crate::scene::{ObstacleShape, Shape, presets};
 
     fn changed(path: &str, text: &str) -> Result<Scene, String> {
@@ -245,6 +245,14 @@ mod tests {
         );
         let scene = changed("obstacles.0.sphere.radius", "0.3").expect("a switch");
         assert_eq!(scene.obstacles[0].shape, ObstacleShape::Sphere(Sphere { radius: 0.3, ..Sphere::default() }));
+        let scene = changed("obstacles.0.box.half_extents", "1, 2, 3").expect("a switch");
+        let wanted = Cuboid { half_extents: [1.0, 2.0, 3.0], ..Cuboid::default() };
+        assert_eq!(scene.obstacles[0].shape, ObstacleShape::Box(wanted));
+        for path in ["obstacles.0.capsule.radius", "obstacles.0.cylinder.half_height"] {
+            assert!(changed(path, "2").is_ok(), "{path} is a switch");
+            let refused = changed(path, "0").expect_err("nothing is that flat");
+            assert!(refused.contains("is outside"), "{refused}");
+        }
     }
 
     #[test]

@@ -69,7 +69,7 @@ impl Surroundings {
         for obstacle in &scene.obstacles {
             match Floor::new(obstacle) {
                 Some(floor) => made.floors.push(floor),
-                None => made.blocks.push(bounds(&obstacle.shape)),
+                None => made.blocks.push(obstacle.shape.bounds()),
             }
         }
         made
@@ -154,7 +154,7 @@ impl Floor {
         let turn = rotation::from_euler_deg(plane.rotation_deg);
         let normal = turn.y_axis;
         let level = (1.0 - normal.y * normal.y).max(0.0).sqrt() <= STEEPEST;
-        level.then(|| Self { plane, axes: [turn.x_axis, turn.z_axis], normal, bounds: bounds(&obstacle.shape) })
+        level.then(|| Self { plane, axes: [turn.x_axis, turn.z_axis], normal, bounds: obstacle.shape.bounds() })
     }
 
     /// Its height at a place seen from above, m; none beside it.
@@ -165,19 +165,6 @@ impl Floor {
         let inside = (0..2).all(|axis| offset.dot(self.axes[axis]).abs() <= self.plane.half_extents[axis]);
         inside.then_some(center.y + offset.y)
     }
-}
-
-/// The box around an obstacle, m.
-fn bounds(shape: &ObstacleShape) -> Aabb<f64> {
-    let (center, reach) = match shape {
-        ObstacleShape::Sphere(sphere) => (DVec3::from(sphere.center), DVec3::splat(sphere.radius)),
-        ObstacleShape::Plane(plane) => {
-            let turn = rotation::from_euler_deg(plane.rotation_deg);
-            let [a, b] = plane.half_extents;
-            (DVec3::from(plane.center), turn.x_axis.abs() * a + turn.z_axis.abs() * b)
-        }
-    };
-    Aabb { min: center - reach, max: center + reach }
 }
 
 /// Places seen from above on a grid around a place, nearest first.

@@ -7,7 +7,7 @@ use crate::math::rng::Rng;
 use crate::scene::body::{CubeShape, Inlay, PinBox, Pose};
 use crate::scene::edit::{BodyId, Edit, ObstacleId};
 use crate::scene::material::{Solid, Spring, Springs};
-use crate::scene::obstacle::{ObstacleShape, Plane, Sphere};
+use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, ObstacleShape, Plane, Sphere};
 use crate::scene::presets::preset;
 use crate::scene::resolve::resolve;
 use crate::scene::settings::{ContactRule, Stepping};
@@ -179,11 +179,17 @@ impl Hand {
     }
 
     fn obstacle(&mut self) -> Obstacle {
-        let shape = if self.below(2) == 0 {
-            ObstacleShape::Sphere(Sphere { center: self.vector(2.0), radius: self.number(0.1, 1.0) })
-        } else {
-            let half_extents = [self.number(0.1, 5.0), self.number(0.1, 5.0)];
-            ObstacleShape::Plane(Plane { center: self.vector(2.0), rotation_deg: self.vector(90.0), half_extents })
+        let (center, rotation_deg) = (self.vector(2.0), self.vector(90.0));
+        let [radius, half_height] = [0; 2].map(|_| self.number(0.1, 1.0));
+        let shape = match self.below(5) {
+            0 => ObstacleShape::Sphere(Sphere { center, radius }),
+            1 => ObstacleShape::Box(Cuboid { center, rotation_deg, half_extents: [radius, half_height, radius] }),
+            2 => ObstacleShape::Capsule(Capsule { center, rotation_deg, radius, half_height }),
+            3 => ObstacleShape::Cylinder(Cylinder { center, rotation_deg, radius, half_height }),
+            _ => {
+                let half_extents = [self.number(0.1, 5.0), self.number(0.1, 5.0)];
+                ObstacleShape::Plane(Plane { center, rotation_deg, half_extents })
+            }
         };
         Obstacle { shape, friction_static: self.number(0.0, 1.0), ..Obstacle::default() }
     }

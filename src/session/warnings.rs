@@ -4,7 +4,7 @@ use super::Session;
 use super::step_words::step_text;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::BodyMemory;
-use crate::physics::{BodyModel, Model, ObstacleModel, ObstacleShape};
+use crate::physics::{BodyModel, Model};
 use crate::physics::{Plan, State};
 use crate::scene::settings::{Integrator, Settings, Stepping};
 use crate::scene::{self, Scene, named};
@@ -67,7 +67,7 @@ fn taken_over(settings: &Settings, plan: &Plan) -> Option<String> {
 /// An obstacle that fits between two particles passes through a body unnoticed.
 fn small_obstacles<R: Real>(scene: &Scene, model: &Model<R>) -> Vec<String> {
     let largest_cell = model.bodies.iter().map(|body| body.lattice.grid.cell_size).fold(0.0, f64::max);
-    let sizes = model.obstacles.iter().map(smallest_extent).enumerate();
+    let sizes = scene.obstacles.iter().map(|obstacle| obstacle.shape.width()).enumerate();
     sizes
         .filter(|(_, size)| *size < largest_cell)
         .map(|(index, size)| {
@@ -79,13 +79,6 @@ fn small_obstacles<R: Real>(scene: &Scene, model: &Model<R>) -> Vec<String> {
             )
         })
         .collect()
-}
-
-fn smallest_extent<R: Real>(obstacle: &ObstacleModel<R>) -> f64 {
-    match &obstacle.shape {
-        ObstacleShape::Sphere { radius, .. } => 2.0 * radius.to_f64(),
-        ObstacleShape::Plane(plane) => 2.0 * plane.half_extents[0].min(plane.half_extents[1]).to_f64(),
-    }
 }
 
 /// Bodies whose cells positions do not resolve so far from the origin: links push by what rounding makes of their lengths.

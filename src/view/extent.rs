@@ -31,17 +31,14 @@ impl DrawList {
     /// near the rest counts; all of it where there is nothing else.
     pub fn bounds(&self) -> Aabb<f32> {
         let small = |core: Aabb<f32>| {
-            move |solid: &&Solid| match solid {
-                Solid::Sphere { .. } => true,
-                Solid::Plane { .. } => {
-                    let wide = if solid.is_floor() { WIDE_FLOOR } else { WIDE_SLOPE };
-                    solid.bounds().size().max_element() <= wide * core.size().max_element()
-                }
+            move |solid: &&Solid| {
+                let wide = if solid.is_floor() { WIDE_FLOOR } else { WIDE_SLOPE };
+                !solid.is_plane() || solid.bounds().size().max_element() <= wide * core.size().max_element()
             }
         };
         let join = |bounds: Aabb<f32>, solid: &Solid| bounds.joined(solid.bounds());
-        let spheres = self.solids.iter().filter(|solid| matches!(solid, Solid::Sphere { .. }));
-        let core = spheres.fold(self.body_bounds(), join);
+        let closed = self.solids.iter().filter(|solid| !solid.is_plane());
+        let core = closed.fold(self.body_bounds(), join);
         if core.min.cmpgt(core.max).any() {
             return self.solids.iter().fold(core, join);
         }
@@ -63,7 +60,7 @@ impl DrawList {
             Solid::Plane { center, half_extents: [a, b], .. } => {
                 (solid.is_floor() && 2.0 * a.min(b) >= needed).then_some(center.y)
             }
-            Solid::Sphere { .. } => None,
+            _ => None,
         });
         heights.reduce(f32::min)
     }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{DrawList, Ray, Skin, Solid};
+use super::{DrawList, Ray, Skin};
 
 /// What a line of sight meets first in a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +37,7 @@ pub fn nearest(draw_list: &DrawList, ray: &Ray) -> Option<Hit> {
         Some((Thing::Skin { skin: place, weights }, distance))
     });
     let solids = draw_list.solids.iter().enumerate();
-    let solids = solids.filter_map(|(place, solid)| Some((Thing::Solid(place), hit_solid(solid, ray)?)));
+    let solids = solids.filter_map(|(place, solid)| Some((Thing::Solid(place), solid.hit(ray)?)));
     let first = skins.chain(solids).min_by(|a, b| a.1.total_cmp(&b.1));
     first.map(|(what, distance)| Hit { what, point: ray.at(distance), distance })
 }
@@ -61,24 +61,12 @@ fn weights_at(skin: &Skin, particles: &[[f32; 3]], triangle: usize, point: Vec3)
     weights
 }
 
-fn hit_solid(solid: &Solid, ray: &Ray) -> Option<f32> {
-    match *solid {
-        Solid::Sphere { center, radius } => ray.hit_sphere(center, radius),
-        Solid::Plane { center, axes, half_extents } => {
-            let distance = ray.hit_plane(center, axes[0].cross(axes[1]))?;
-            let offset = ray.at(distance) - center;
-            let inside = (0..2).all(|axis| offset.dot(axes[axis]).abs() <= half_extents[axis]);
-            inside.then_some(distance)
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::view::{SkinInstance, SkinVertex};
+    use crate::view::{SkinInstance, SkinVertex, Solid};
 
     const DOWN: Ray = Ray { origin: Vec3::new(0.25, 3.0, 0.25), direction: Vec3::NEG_Y };
 

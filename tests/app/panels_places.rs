@@ -53,6 +53,9 @@ fn new_things_come_where_a_person_looks_and_are_shown_if_they_are_out_of_sight()
         ("+ Cube", Target::Body(BodyId(1))),
         ("+ Sphere", Target::Obstacle(ObstacleId(2))),
         ("+ Plane", Target::Obstacle(ObstacleId(2))),
+        ("+ Box", Target::Obstacle(ObstacleId(2))),
+        ("+ Capsule", Target::Obstacle(ObstacleId(2))),
+        ("+ Cylinder", Target::Obstacle(ObstacleId(2))),
     ] {
         let mut window = looking_at(at);
         window.click(button);
@@ -61,10 +64,7 @@ fn new_things_come_where_a_person_looks_and_are_shown_if_they_are_out_of_sight()
         assert_eq!(state.ui.frame, Some(Framing::Arrived), "{button}: the camera looks whether it is in sight");
         let place: DVec3 = match target {
             Target::Body(id) => window.scene().bodies[id.0].pose.position.into(),
-            Target::Obstacle(id) => match window.scene().obstacles[id.0].shape {
-                ObstacleShape::Sphere(sphere) => sphere.center.into(),
-                ObstacleShape::Plane(plane) => plane.center.into(),
-            },
+            Target::Obstacle(id) => window.scene().obstacles[id.0].shape.center().into(),
         };
         assert!((place - at).with_y(0.0).length() < 0.1 && place.y < 1.0, "{button}: {place}");
     }
@@ -86,7 +86,7 @@ fn a_copy_comes_beside_its_original_wherever_that_is_now() {
         .iter()
         .filter_map(|obstacle| match obstacle.shape {
             ObstacleShape::Sphere(sphere) => Some(sphere.center.into()),
-            ObstacleShape::Plane(_) => None,
+            _ => None,
         })
         .collect();
     let off = balls[0].distance(balls[1]);

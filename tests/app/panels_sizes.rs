@@ -90,7 +90,7 @@ fn the_list_of_keys_fits_the_smallest_window() {
 fn all_that_can_be_added_is_inside_every_window() {
     for size in SIZES {
         let window = Window::sized("cube-on-plane", size, Theme::Dark);
-        for name in ["+ Cube", "+ Model…", "+ Sphere", "+ Plane"] {
+        for name in ["+ Cube", "+ Model…", "+ Plane", "+ Sphere", "+ Box", "+ Capsule", "+ Cylinder"] {
             let rect = window.rect(name);
             assert!(rect.right() <= size[0] - 4.0 && rect.bottom() <= size[1], "{name} at {rect} in {size:?}");
         }

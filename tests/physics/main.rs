@@ -4,6 +4,7 @@ mod analytic;
 mod bodies;
 mod bounds;
 mod cantilever;
+mod closed_obstacles;
 mod contact;
 mod determinism;
 mod economy;

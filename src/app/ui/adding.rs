@@ -6,10 +6,9 @@ use glam::DVec3;
 use super::edits::alone;
 use super::{Running, UiState};
 use crate::app::hand::Target;
-use crate::math::rotation;
 use crate::scene::body::{CubeShape, Pose};
 use crate::scene::edit::{BodyId, Edit, ObstacleId};
-use crate::scene::obstacle::{Plane, Sphere};
+use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Plane, Sphere};
 use crate::scene::placement::{Look, Surroundings};
 use crate::scene::{Body, Obstacle, ObstacleShape, Scene, Shape};
 use crate::session::Command;
@@ -25,8 +24,50 @@ const FLOOR: f64 = 4.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum New {
     Cube,
-    Sphere,
+    Obstacle(Form),
+}
+
+/// The form of a new obstacle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
     Plane,
+    Sphere,
+    Box,
+    Capsule,
+    Cylinder,
+}
+
+impl Form {
+    /// What a new one is called.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Plane => "Plane",
+            Self::Sphere => "Sphere",
+            Self::Box => "Box",
+            Self::Capsule => "Capsule",
+            Self::Cylinder => "Cylinder",
+        }
+    }
+
+    /// Among things of this size (m).
+    fn shape(self, size: f64) -> ObstacleShape {
+        match self {
+            Self::Plane => {
+                let (rotation_deg, half_extents) = ([0.0, 0.0, SLOPE_DEG], [0.6 * size; 2]);
+                ObstacleShape::Plane(Plane { rotation_deg, half_extents, ..Plane::default() })
+            }
+            Self::Sphere => ObstacleShape::Sphere(Sphere { radius: 0.4 * size, ..Sphere::default() }),
+            Self::Box => ObstacleShape::Box(Cuboid { half_extents: [0.3 * size; 3], ..Cuboid::default() }),
+            Self::Capsule => {
+                let (radius, half_height) = (0.25 * size, 0.25 * size);
+                ObstacleShape::Capsule(Capsule { radius, half_height, ..Capsule::default() })
+            }
+            Self::Cylinder => {
+                let (radius, half_height) = (0.3 * size, 0.3 * size);
+                ObstacleShape::Cylinder(Cylinder { radius, half_height, ..Cylinder::default() })
+            }
+        }
+    }
 }
 
 /// What is there already, as bodies are now.
@@ -55,18 +96,15 @@ pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, comman
             };
             add_body(body, scene, state, commands);
         }
-        New::Sphere => {
-            let radius = 0.4 * size;
-            let center = there.place(state.look, DVec3::splat(2.0 * radius), 0.0).to_array();
-            let shape = ObstacleShape::Sphere(Sphere { center, radius });
-            add_obstacle(Obstacle { name: "Sphere".to_owned(), shape, ..Obstacle::default() }, scene, state, commands);
-        }
-        New::Plane => {
-            let mut plane =
-                Plane { rotation_deg: [0.0, 0.0, SLOPE_DEG], half_extents: [0.6 * size; 2], ..Plane::default() };
-            plane.center = there.place(state.look, box_of(&plane), 0.0).to_array();
-            let shape = ObstacleShape::Plane(plane);
-            add_obstacle(Obstacle { name: "Plane".to_owned(), shape, ..Obstacle::default() }, scene, state, commands);
+        New::Obstacle(form) => {
+            let mut shape = form.shape(size);
+            *shape.center_mut() = there.place(state.look, shape.bounds().size(), 0.0).to_array();
+            add_obstacle(
+                Obstacle { name: form.name().to_owned(), shape, ..Obstacle::default() },
+                scene,
+                state,
+                commands,
+            );
         }
     }
 }
@@ -88,16 +126,15 @@ pub(super) fn duplicate(target: Target, running: Running<'_>, state: &mut UiStat
         }
         Target::Obstacle(id) => {
             let mut obstacle = scene.obstacles[id.0].clone();
-            let near = |at: [f64; 3]| Look { at: at.into(), ..state.look };
-            match &mut obstacle.shape {
-                ObstacleShape::Plane(plane) if box_of(plane).max_element() > FLOOR * usual_size(scene) => {
+            let shape = &mut obstacle.shape;
+            let size = shape.bounds().size();
+            match shape {
+                ObstacleShape::Plane(plane) if size.max_element() > FLOOR * usual_size(scene) => {
                     plane.center[0] += 2.2 * plane.half_extents[0];
                 }
-                ObstacleShape::Plane(plane) => {
-                    plane.center = there.place(near(plane.center), box_of(plane), 0.0).to_array();
-                }
-                ObstacleShape::Sphere(sphere) => {
-                    sphere.center = there.place(near(sphere.center), DVec3::splat(2.0 * sphere.radius), 0.0).to_array();
+                _ => {
+                    let near = Look { at: shape.center().into(), ..state.look };
+                    *shape.center_mut() = there.place(near, size, 0.0).to_array();
                 }
             }
             add_obstacle(obstacle, scene, state, commands);
@@ -115,13 +152,6 @@ fn add_obstacle(obstacle: Obstacle, scene: &Scene, state: &mut UiState, commands
     let place = ObstacleId(scene.obstacles.len());
     state.awaited = Some(Target::Obstacle(place));
     commands.extend(alone(Edit::InsertObstacle(place, Box::new(obstacle))));
-}
-
-/// The size of the box around a plane, m.
-fn box_of(plane: &Plane) -> DVec3 {
-    let turn = rotation::from_euler_deg(plane.rotation_deg);
-    let [a, b] = plane.half_extents;
-    2.0 * (turn.x_axis.abs() * a + turn.z_axis.abs() * b)
 }
 
 /// How large things are in a scene, m.

@@ -31,7 +31,7 @@ const RIGHT: [Group; 2] = [
     (
         "In the view",
         &[
-            ("Left drag", "pull the jelly, move a ball; elsewhere turn"),
+            ("Left drag", "pull the jelly, move a ball or a box; elsewhere turn"),
             ("Middle drag", "turn; with shift pan, with ctrl zoom"),
             ("Right drag", "pan"),
             ("Wheel", "zoom, to the pointer"),

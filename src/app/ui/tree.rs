@@ -2,7 +2,7 @@
 
 use egui::{Align, Button, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 
-use super::adding::{self, New};
+use super::adding::{self, Form, New};
 use super::icon::{Icon, small_button_ui};
 use super::{Running, UiState, actions, edits, theme, things};
 use crate::app::hand::Target;
@@ -12,17 +12,24 @@ use crate::scene::edit::{BodyId, ObstacleId};
 use crate::session::Command;
 
 /// What can be added; `None` is a model, which has to be found first.
-const NEW: [(&str, Option<New>); 4] =
-    [("+ Cube", Some(New::Cube)), ("+ Model…", None), ("+ Sphere", Some(New::Sphere)), ("+ Plane", Some(New::Plane))];
-/// From this width on (points) they stand in one row.
-const ONE_ROW_NEEDS: f32 = 290.0;
+const NEW: [(&str, Option<New>); 7] = [
+    ("+ Cube", Some(New::Cube)),
+    ("+ Model…", None),
+    ("+ Plane", Some(New::Obstacle(Form::Plane))),
+    ("+ Sphere", Some(New::Obstacle(Form::Sphere))),
+    ("+ Box", Some(New::Obstacle(Form::Box))),
+    ("+ Capsule", Some(New::Obstacle(Form::Capsule))),
+    ("+ Cylinder", Some(New::Obstacle(Form::Cylinder))),
+];
+/// From this width on (points) four of them stand in one row.
+const FOUR_NEED: f32 = 290.0;
 
 /// The list, with the buttons that add to it.
 pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let scene = running.scene;
     let width = ui.available_width() - theme::SCROLL_BAR;
-    let columns = if width < ONE_ROW_NEEDS { 2 } else { 4 };
-    let (rows, gap) = ((NEW.len() / columns) as f32, ui.spacing().item_spacing.x);
+    let columns = if width < FOUR_NEED { 2 } else { 4 };
+    let (rows, gap) = (NEW.len().div_ceil(columns) as f32, ui.spacing().item_spacing.x);
     let buttons = (ui.spacing().interact_size.y + ui.spacing().item_spacing.y) * rows + 16.0;
     let room = (ui.available_height() - buttons).max(60.0);
     ScrollArea::vertical().max_height(room).auto_shrink([false, false]).show(ui, |ui| {

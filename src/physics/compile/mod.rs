@@ -2,6 +2,7 @@
 //! placed, links measured, obstacles framed, steps planned.
 
 mod assembly;
+mod obstacles;
 pub(in crate::physics) mod other_form;
 mod plan;
 mod recovery;
@@ -14,12 +15,10 @@ mod waves;
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use thiserror::Error;
 
-use super::model::{
-    AmongBodies, BodyModel, ContactModel, Hull, LinkFamily, Model, ObstacleModel, ObstacleShape, PlaneModel, Values,
-};
+use super::model::{AmongBodies, BodyModel, Hull, LinkFamily, Model, Values};
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
 use crate::physics::kernels::{BoxedLinks, Layout};
@@ -27,17 +26,11 @@ use crate::physics::limits::{any_state, lattice};
 use crate::physics::model::plan::Plan;
 use crate::physics::simulation::{Arrival, Simulation};
 use crate::physics::state::fallen;
-use crate::scene::obstacle::{ContactStiffness, Plane};
 use crate::scene::param::{self, Problem};
 use crate::scene::resolve::{ResolveError, resolve};
-use crate::scene::{self, Body, Material, Obstacle, Scene};
+use crate::scene::{Body, Material, Scene};
 use assembly::Assembled;
-
-/// Stiffness of the default contact over the particle's mass, 1/s².
-const AUTO_STIFFNESS: f64 = 1e5;
-
-/// No particle rests, or ends a step, deeper in an obstacle than this share of its body's size.
-pub const DEPTH_SHARE: f64 = 0.02;
+pub use obstacles::DEPTH_SHARE;
 
 /// Why a scene cannot be simulated.
 #[derive(Debug, Error)]
@@ -106,7 +99,7 @@ pub(super) fn compile<R: Real>(
     let gravity = DVec3::from(scene.settings.gravity);
     let mut model = Model {
         bodies: Vec::new(),
-        obstacles: obstacles(&scene.obstacles),
+        obstacles: obstacles::obstacles(&scene.obstacles),
         gravity: R::Vec3::from_dvec3(gravity),
         fall_limit: None,
     };
@@ -199,7 +192,7 @@ fn compile_body<R: Real>(
         contacts: scene
             .obstacles
             .iter()
-            .map(|obstacle| contact(obstacle, heaviest, size, load, lattice.grid.cell_size))
+            .map(|obstacle| obstacles::contact(obstacle, heaviest, size, load, lattice.grid.cell_size))
             .collect(),
         among_bodies: AmongBodies {
             hull: meets_others.then(|| known_hull.unwrap_or_else(|| Arc::new(Hull::new(lattice)))),
@@ -231,70 +224,6 @@ fn heaviest_load(lattice: &Lattice) -> f64 {
         }
     }
     f64::from(column).max(lattice.corners.len() as f64 / layer as f64)
-}
-
-fn contact<R: Real>(obstacle: &Obstacle, mass: f64, size: f64, load: f64, cell_size: f64) -> ContactModel<R> {
-    let depth_limit = DEPTH_SHARE * size;
-    let stiffness = match obstacle.stiffness {
-        ContactStiffness::Given(stiffness) => stiffness,
-        ContactStiffness::Auto => (AUTO_STIFFNESS * mass).max(load / depth_limit),
-    };
-    ContactModel {
-        stiffness: R::from_f64(stiffness),
-        damping: R::from_f64(2.0 * (stiffness * mass).sqrt()),
-        depth_limit: R::from_f64(depth_limit),
-        thesis_threshold: R::from_f64(cell_size),
-    }
-}
-
-fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>> {
-    let mut planes = 0;
-    obstacles
-        .iter()
-        .map(|obstacle| {
-            let (shape, bounds) = match obstacle.shape {
-                scene::ObstacleShape::Plane(plane) => {
-                    let side_row = planes;
-                    planes += 1;
-                    plane_model(&plane, side_row)
-                }
-                scene::ObstacleShape::Sphere(sphere) => {
-                    let center = DVec3::from(sphere.center);
-                    let shape = ObstacleShape::Sphere {
-                        center: R::Vec3::from_dvec3(center),
-                        radius: R::from_f64(sphere.radius),
-                    };
-                    let reach = DVec3::splat(sphere.radius);
-                    (shape, Aabb::around([center - reach, center + reach]))
-                }
-            };
-            // Rounding to R must not shrink the box below the obstacle.
-            let margin = 1e-5 * (bounds.size().max_element() + bounds.center().abs().max_element());
-            let bounds = bounds.grown(margin);
-            ObstacleModel {
-                shape,
-                carry: None,
-                bounds: Aabb { min: R::Vec3::from_dvec3(bounds.min), max: R::Vec3::from_dvec3(bounds.max) },
-                friction_static: R::from_f64(obstacle.friction_static),
-                friction_dynamic: R::from_f64(obstacle.friction_dynamic),
-            }
-        })
-        .collect()
-}
-
-fn plane_model<R: Real>(plane: &Plane, side_row: usize) -> (ObstacleShape<R>, Aabb<f64>) {
-    let DMat3 { x_axis, y_axis, z_axis } = rotation::from_euler_deg(plane.rotation_deg);
-    let center = DVec3::from(plane.center);
-    let [a, b] = plane.half_extents;
-    let corners = [(-a, -b), (-a, b), (a, -b), (a, b)].map(|(x, z)| center + x_axis * x + z_axis * z);
-    let shape = ObstacleShape::Plane(PlaneModel {
-        center: R::Vec3::from_dvec3(center),
-        axes: [R::Vec3::from_dvec3(x_axis), R::Vec3::from_dvec3(z_axis)],
-        half_extents: plane.half_extents.map(R::from_f64),
-        normal: R::Vec3::from_dvec3(y_axis),
-        side_row,
-    });
-    (shape, Aabb::around(corners))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::math::{Real, Vector};
-use crate::physics::model::{BodyModel, Carry, Model, ObstacleModel, ObstacleShape, PlaneModel};
+use crate::physics::model::{BodyModel, Carry, Model, ObstacleModel};
 use crate::physics::state::moving::Approach;
 
 /// How fast an obstacle on its way speeds up and slows down, body sizes a second squared: out of half a body of any size
@@ -39,9 +39,7 @@ pub(super) fn met<R: Real>(
 fn moved<R: Real>(obstacle: &ObstacleModel<R>, before: DVec3, after: DVec3, moves: bool) -> ObstacleModel<R> {
     let mut met = obstacle.clone();
     let [from, to] = [before, after].map(R::Vec3::from_dvec3);
-    let center = match &mut met.shape {
-        ObstacleShape::Plane(PlaneModel { center, .. }) | ObstacleShape::Sphere { center, .. } => center,
-    };
+    let center = met.shape.center_mut();
     let placed = *center;
     *center = placed + to;
     let [x, y, z] = DVec3::AXES.map(R::Vec3::from_dvec3);

@@ -259,7 +259,7 @@ impl<'a, R: Real> Candidate<'a, R> {
         let path = velocity * self.substep.dt;
         let side = match shape {
             ObstacleShape::Plane(plane) => self.substep.state.side[plane.side_row][self.particle],
-            ObstacleShape::Sphere { .. } => 0,
+            ObstacleShape::Sphere { .. } | ObstacleShape::Oriented(_) => 0,
         };
         if self.substep.plan.broad_phase && side == 0 && !broad::sweep::<R>(from, path).overlaps(bounds) {
             return None;

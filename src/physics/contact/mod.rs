@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! broad phase   box of a body's motion against box of an obstacle, then box of a particle's motion
-//! narrow phase  does this particle cross the obstacle's surface in this step, on which side, where (plane, sphere)
+//! narrow phase  does this particle cross the obstacle's surface in this step, on which side, where
 //! response      a stiff, critically damped spring taken implicitly, then Coulomb friction (response)
 //! ```
 //!

@@ -1,4 +1,4 @@
-//! A surface as one particle meets it.
+//! A surface as one particle meets it, and as a line crosses it.
 
 use crate::math::Real;
 
@@ -9,4 +9,15 @@ pub(in crate::physics::contact) struct Surface<R: Real> {
     pub(in crate::physics::contact) normal: R::Vec3,
     /// Distance of the particle from the surface along the normal when the substep begins, m; negative inside.
     pub(in crate::physics::contact) gap: R,
+}
+
+/// The part of a line `from + t way` that is inside a form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::physics::contact) struct Crossing<R: Real> {
+    /// t where the line enters.
+    pub(in crate::physics::contact) enter: R,
+    /// t where it leaves.
+    pub(in crate::physics::contact) leave: R,
+    /// Unit normal of the surface where it enters, outwards.
+    pub(in crate::physics::contact) normal: R::Vec3,
 }

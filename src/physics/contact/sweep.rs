@@ -2,11 +2,13 @@
 //! in their way. The substep sees a moving obstacle at the end of its way through that substep, with the rigid motion
 //! that brings it there ([`Carry`]).
 
+use std::mem::discriminant;
+
 use glam::{DMat3, DQuat, DVec3};
 
 use super::placed::Placed;
 use crate::math::{Aabb, FRAME_SECS, Real, Vector};
-use crate::physics::model::{Carry, Model, ObstacleModel, ObstacleShape, PlaneModel};
+use crate::physics::model::{Carry, Model, ObstacleModel, ObstacleShape, OrientedModel, PlaneModel};
 use crate::physics::state::State;
 use crate::physics::state::moving::Sweep;
 
@@ -30,6 +32,10 @@ impl Frame {
                 Self { center: plane.center.to_dvec3(), rotation }
             }
             ObstacleShape::Sphere { center, .. } => Self { center: center.to_dvec3(), rotation: DQuat::IDENTITY },
+            ObstacleShape::Oriented(OrientedModel { center, axes, .. }) => {
+                let [x, y, z] = axes.map(Vector::to_dvec3);
+                Self { center: center.to_dvec3(), rotation: DQuat::from_mat3(&DMat3::from_cols(x, y, z)) }
+            }
         }
     }
 
@@ -146,11 +152,12 @@ pub(in crate::physics) fn keep_sides<R: Real>(
 }
 
 fn same_form<R: Real>(a: &ObstacleShape<R>, b: &ObstacleShape<R>) -> bool {
-    matches!(
-        (a, b),
+    match (a, b) {
         (ObstacleShape::Plane(_), ObstacleShape::Plane(_))
-            | (ObstacleShape::Sphere { .. }, ObstacleShape::Sphere { .. })
-    )
+        | (ObstacleShape::Sphere { .. }, ObstacleShape::Sphere { .. }) => true,
+        (ObstacleShape::Oriented(a), ObstacleShape::Oriented(b)) => discriminant(&a.form) == discriminant(&b.form),
+        _ => false,
+    }
 }
 
 fn place<R: Real>(obstacle: &mut ObstacleModel<R>, frame: Frame) {
@@ -162,5 +169,10 @@ fn place<R: Real>(obstacle: &mut ObstacleModel<R>, frame: Frame) {
             plane.normal = R::Vec3::from_dvec3(turned.y_axis);
         }
         ObstacleShape::Sphere { center, .. } => *center = R::Vec3::from_dvec3(frame.center),
+        ObstacleShape::Oriented(oriented) => {
+            let turned = DMat3::from_quat(frame.rotation);
+            oriented.center = R::Vec3::from_dvec3(frame.center);
+            oriented.axes = [turned.x_axis, turned.y_axis, turned.z_axis].map(R::Vec3::from_dvec3);
+        }
     }
 }

@@ -9,7 +9,7 @@ use super::record::ContactRecord;
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
-use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape, PlaneModel};
+use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape, OrientedModel, PlaneModel};
 use crate::physics::report::Recorder;
 use crate::physics::step::substep::Substep;
 
@@ -50,6 +50,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
                 let found = match &obstacle.shape {
                     ObstacleShape::Plane(plane) => past_plane(plane, contact, at),
                     ObstacleShape::Sphere { center, radius } => inside_sphere(*center, *radius, at, velocity * dt),
+                    ObstacleShape::Oriented(oriented) => inside_oriented(oriented, at),
                 };
                 let Some((normal, depth)) = found else { continue };
                 let pressing = force[particle];
@@ -97,6 +98,12 @@ fn inside_sphere<R: Real>(center: R::Vec3, radius: R, at: R::Vec3, path: R::Vec3
     let along = offset.dot(normal);
     let depth = (along * along - distance * distance + radius * radius).max(R::ZERO).sqrt() - along;
     Some((normal, depth))
+}
+
+/// The thesis has no such forms; the way out is the nearest.
+fn inside_oriented<R: Real>(oriented: &OrientedModel<R>, at: R::Vec3) -> Option<(R::Vec3, R)> {
+    let nearest = super::narrow::oriented::meet(oriented, at, R::Vec3::ZERO)?;
+    Some((nearest.normal, -nearest.gap))
 }
 
 fn reaction<R: Real>(normal: R::Vec3, depth: R, contact: &ContactModel<R>, force: R::Vec3) -> R::Vec3 {

@@ -1,29 +1,19 @@
 //! The way on which a body gets out of an obstacle that was put into it (its minimum translation): the direction in
 //! which the obstacle pushes all of it, and how far back it has to start so that nothing of the body is inside.
 
+mod oriented;
+mod way;
+
 use glam::DVec3;
 
 use super::narrow::plane::rounding_margin;
 use crate::math::{Real, Vector};
 use crate::physics::model::{BodyModel, Model, ObstacleShape, PlaneModel};
-
-/// How many times its length a way counts that leads straight down: there may be a floor.
-const DOWNWARDS: f64 = 4.0;
+pub(super) use way::WayOut;
+use way::{SAME_MIDDLE, free, shortest};
 
 /// A plane carries what is on its side where that faces up by more than this cosine.
 const CARRIES: f64 = 0.3;
-
-/// Middles this near each other, over the body's size, are in one place.
-const SAME_MIDDLE: f64 = 1e-6;
-
-/// A way out.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct WayOut {
-    /// Its direction, of length 1.
-    pub(super) way: DVec3,
-    /// Its length, m.
-    pub(super) length_m: f64,
-}
 
 /// What is known of an obstacle and a body from before the obstacle was put elsewhere.
 #[derive(Clone, Copy, Debug)]
@@ -72,19 +62,8 @@ pub(super) fn way_out<R: Real>(
             };
             ball.way_out(model, body, was, position)
         }
+        ObstacleShape::Oriented(solid) => oriented::way_out(model, body, solid, memory.shape, position),
     }
-}
-
-/// The cheapest of some ways, by their length and whether they lead down.
-fn shortest(gravity: DVec3, ways: impl Iterator<Item = WayOut>) -> Option<WayOut> {
-    let down = gravity.normalize_or_zero();
-    let cost = |out: &WayOut| out.length_m * (1.0 + (DOWNWARDS - 1.0) * out.way.dot(down).max(0.0));
-    ways.min_by(|a, b| cost(a).total_cmp(&cost(b)))
-}
-
-/// The particles of a body that are free to move, in the state's arrays.
-fn free<R: Real>(body: &BodyModel<R>) -> impl Iterator<Item = usize> {
-    body.particles.clone().enumerate().filter(|(local, _)| !body.is_pinned(*local)).map(|(_, particle)| particle)
 }
 
 /// A plane and a body.
@@ -208,7 +187,7 @@ mod tests {
 
     use super::*;
     use crate::physics::Simulation;
-    use crate::scene::obstacle::{Plane, Sphere};
+    use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Plane, Sphere};
     use crate::scene::resolve::resolve;
     use crate::scene::{Body, Obstacle, ObstacleShape as Shape, Scene};
 
@@ -260,10 +239,32 @@ mod tests {
     }
 
     #[test]
+    fn a_closed_form_moves_a_body_along_one_of_its_axes_or_up() {
+        let cuboid = |center: [f64; 3], half_extents| {
+            Shape::Box(Cuboid { center, rotation_deg: [0.0, 30.0, 0.0], half_extents })
+        };
+        // It reaches 0.1 m into the body from below, from above and as a board within, thinner than a cell.
+        check(cuboid([0.0, -0.6, 0.0], [2.0, 0.2, 2.0]), DVec3::Y, 0.1);
+        check(cuboid([0.0, 0.5, 0.0], [2.0, 0.1, 2.0]), DVec3::NEG_Y, 0.1);
+        check(cuboid([0.0, -0.4, 0.0], [2.0, 0.001, 2.0]), DVec3::Y, 0.101);
+        let rod = |x: f64| {
+            let (center, rotation_deg) = ([x, 0.0, 0.0], [90.0, 0.0, 0.0]);
+            Shape::Cylinder(Cylinder { center, rotation_deg, radius: 0.2, half_height: 2.0 })
+        };
+        // The nearest particles are half a cell of 1/9 m above and below its middle.
+        check(rod(-0.6), DVec3::X, (0.04_f64 - 1.0 / 324.0).sqrt() - 0.1);
+        let capsule = Capsule { center: [0.0, -0.6, 0.0], rotation_deg: [0.0; 3], radius: 0.2, half_height: 0.1 };
+        let up = out_of(Shape::Capsule(capsule)).expect("inside");
+        assert!(up.way.distance(DVec3::Y) < 1e-9 && up.length_m > 0.15, "{up:?}");
+    }
+
+    #[test]
     fn what_is_beside_a_body_is_not_inside() {
         for shape in [upright(0.6), level(-0.51), ball([0.0, 1.0, 0.0], 0.4)] {
             assert_eq!(out_of(shape), None, "{shape:?}");
         }
+        let beside = Cuboid { center: [0.0, 0.8, 0.0], rotation_deg: [0.0; 3], half_extents: [1.0, 0.29, 1.0] };
+        assert_eq!(out_of(Shape::Box(beside)), None, "a box above it");
         let small = Plane { center: [0.0, 0.0, 2.0], rotation_deg: [0.0; 3], half_extents: [1.0; 2] };
         assert_eq!(out_of(Shape::Plane(small)), None, "the rectangle ends before the body");
     }

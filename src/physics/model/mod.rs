@@ -3,6 +3,7 @@
 
 mod hull;
 pub(in crate::physics) mod link;
+mod obstacle;
 pub(in crate::physics) mod plan;
 mod scheme;
 
@@ -11,12 +12,14 @@ pub use scheme::Scheme;
 pub(in crate::physics) use hull::Hull;
 pub(in crate::physics) use link::LinkConstants;
 pub use link::{Link, LinkFamily};
+pub(in crate::physics) use obstacle::Carry;
+pub use obstacle::{ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel};
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use crate::geometry::Lattice;
-use crate::math::{Aabb, Real, Vector};
+use crate::math::Real;
 use crate::physics::kernels::BoxedLinks;
 
 /// Everything about a scene that a step reads and never writes.
@@ -201,70 +204,6 @@ pub struct RecoveryModel<R> {
     pub pull: R,
     /// For how long soft links flow in a substep, s; not at all where they are part of the equations that are solved.
     pub flow_secs: R,
-}
-
-/// An obstacle as the narrow phase sees it.
-#[derive(Clone, Debug)]
-pub struct ObstacleModel<R: Real> {
-    /// Form and place.
-    pub shape: ObstacleShape<R>,
-    /// The box around it and, while it moves, its way, m.
-    pub bounds: Aabb<R>,
-    /// How it moves within the coming substep; none where it stands still.
-    pub(in crate::physics) carry: Option<Carry<R>>,
-    /// Coulomb coefficient of rest.
-    pub friction_static: R,
-    /// Coulomb coefficient of motion.
-    pub friction_dynamic: R,
-}
-
-/// A rigid motion from the beginning to the end of a substep: `x ↦ turn (x − from) + to`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::physics) struct Carry<R: Real> {
-    /// A point at the beginning, m.
-    pub(in crate::physics) from: R::Vec3,
-    /// The same point at the end, m.
-    pub(in crate::physics) to: R::Vec3,
-    /// The columns of the rotation.
-    pub(in crate::physics) turn: [R::Vec3; 3],
-}
-
-impl<R: Real> Carry<R> {
-    /// Where a point that rides along ends.
-    #[inline]
-    pub(in crate::physics) fn apply(&self, point: R::Vec3) -> R::Vec3 {
-        let [x, y, z] = (point - self.from).components();
-        self.turn[0] * x + self.turn[1] * y + self.turn[2] * z + self.to
-    }
-}
-
-/// Form and place of an obstacle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ObstacleShape<R: Real> {
-    /// A finite plane.
-    Plane(PlaneModel<R>),
-    /// A ball.
-    Sphere {
-        /// The middle, m.
-        center: R::Vec3,
-        /// The radius, m.
-        radius: R,
-    },
-}
-
-/// A rectangle in space: its middle, its two axes, its normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlaneModel<R: Real> {
-    /// The middle, m.
-    pub center: R::Vec3,
-    /// Unit vectors along the rectangle's own axes.
-    pub axes: [R::Vec3; 2],
-    /// Half the extents along the axes, m.
-    pub half_extents: [R; 2],
-    /// Unit normal.
-    pub normal: R::Vec3,
-    /// Which of the state's rows of sides belongs to this plane.
-    pub side_row: usize,
 }
 
 /// How obstacles push back.

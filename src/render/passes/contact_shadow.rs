@@ -4,7 +4,6 @@ use super::depth::{Casters, DepthPass};
 use crate::render::contact_fit::CONTACT_SIZE;
 use crate::render::shader;
 use crate::render::target::attachment;
-use crate::view::Solid;
 
 /// Heights over two distances of softening; filtered when looked up, which full floats need not be.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg16Float;
@@ -57,7 +56,7 @@ impl ContactShadowPass {
         frame: &wgpu::BindGroup,
         casters: Casters<'_>,
     ) {
-        self.below.run(encoder, frame, casters, |solid| matches!(solid, Solid::Sphere { .. }));
+        self.below.run(encoder, frame, casters, |solid| !solid.is_plane());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("soften"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {

@@ -73,7 +73,7 @@ impl DepthPass {
         let per_vertex = wgpu::VertexStepMode::Vertex;
         let body = [Some(vertex_layout::<DeformedVertex>(per_vertex, &DeformedVertex::ATTRIBUTES[..1]))];
         let obstacle = [
-            Some(vertex_layout::<SolidVertex>(per_vertex, &SolidVertex::ATTRIBUTES)),
+            Some(vertex_layout::<SolidVertex>(per_vertex, &SolidVertex::ATTRIBUTES[..1])),
             Some(vertex_layout::<SolidInstance>(wgpu::VertexStepMode::Instance, &SolidInstance::ATTRIBUTES[..4])),
         ];
         let map = attachment(device, label, DEPTH_FORMAT, [size; 2], 1, wgpu::TextureUsages::TEXTURE_BINDING);

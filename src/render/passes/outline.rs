@@ -1,10 +1,10 @@
-//! The outline of what is selected. First a mask of it, then lines along the edges of its silhouette (or around a sphere)
+//! The outline of what is selected. First a mask of it, then lines along the edges of its silhouette (or around an obstacle)
 //! that are drawn only where the mask is empty: what is left of them covers none of it.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::silhouette::SilhouettePass;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
@@ -24,8 +24,10 @@ use crate::view::{DrawList, Selected, Solid};
 const WIDTH: f32 = 2.5;
 /// What is left of it behind other things.
 const HIDDEN: f32 = 0.35;
-/// Lines around a sphere.
+/// Lines around a circle.
 const SIDES: u16 = 128;
+/// What lies less than this share of its distance ahead of the eye, which looks at the middle, has the eye among it.
+const NEAREST: f32 = 1e-3;
 /// How much of a pixel the selected thing covers.
 const MASK_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
 
@@ -117,7 +119,7 @@ impl OutlinePass {
         let vertex = wgpu::VertexStepMode::Vertex;
         let body = [Some(vertex_layout::<DeformedVertex>(vertex, &DeformedVertex::ATTRIBUTES[..1]))];
         let obstacle = [
-            Some(vertex_layout::<SolidVertex>(vertex, &SolidVertex::ATTRIBUTES)),
+            Some(vertex_layout::<SolidVertex>(vertex, &SolidVertex::ATTRIBUTES[..1])),
             Some(vertex_layout::<SolidInstance>(instance, &SolidInstance::ATTRIBUTES[..4])),
         ];
         Self {
@@ -317,6 +319,21 @@ fn around(kept: &mut Option<Around>, solid: &Solid, eye: Vec3) -> Arc<Vec<Segmen
             [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| center + u * a * x + v * b * y).to_vec()
         }
         Solid::Sphere { center, radius } => silhouette(center, radius, eye),
+        Solid::Box { center, axes: [u, v, w], half_extents: [a, b, c] } => {
+            let corner = |signs: [f32; 3]| center + u * (a * signs[0]) + v * (b * signs[1]) + w * (c * signs[2]);
+            let corners = (0..8_u8).map(|bits| [1, 2, 4].map(|bit| if bits & bit == 0 { -1.0 } else { 1.0 }));
+            seen_around(corners.map(corner).collect(), eye)
+        }
+        Solid::Cylinder { center, arm, radius } => {
+            let (u, v) = arm.normalize_or(Vec3::Y).any_orthonormal_pair();
+            let rim = |end: Vec3| circle(end, u * radius, v * radius);
+            seen_around(rim(center - arm).chain(rim(center + arm)).collect(), eye)
+        }
+        Solid::Capsule { center, arm, radius } => {
+            let ends = [center - arm, center + arm].map(|end| silhouette(end, radius, eye));
+            // From within one of the balls there is none.
+            if ends.iter().any(Vec::is_empty) { Vec::new() } else { seen_around(ends.concat(), eye) }
+        }
     };
     let next = corners.iter().cycle().skip(1);
     let segments = Arc::new(corners.iter().zip(next).map(|(&a, &b)| Segment::new(a, b, [1.0; 4], 1.0)).collect());
@@ -333,9 +350,45 @@ fn silhouette(center: Vec3, radius: f32, eye: Vec3) -> Vec<Vec3> {
     }
     let (u, v) = to_eye.normalize().any_orthonormal_pair();
     let reach = radius * (1.0 - share * share).sqrt();
+    circle(center + to_eye * share * share, u * reach, v * reach).collect()
+}
+
+/// The points around a circle with these two arms.
+fn circle(center: Vec3, u: Vec3, v: Vec3) -> impl Iterator<Item = Vec3> {
     let side = |side: u16| (TAU * f32::from(side) / f32::from(SIDES)).sin_cos();
-    let point = |(sin, cos): (f32, f32)| center + to_eye * share * share + (u * cos + v * sin) * reach;
-    (0..SIDES).map(side).map(point).collect()
+    (0..SIDES).map(side).map(move |(sin, cos)| center + u * cos + v * sin)
+}
+
+/// Those of some points of a convex thing that lie around it as the eye sees it, in their order (the convex hull of what is
+/// seen, by Andrew's monotone chains); nothing where the eye is among them.
+fn seen_around(points: Vec<Vec3>, eye: Vec3) -> Vec<Vec3> {
+    let middle = points.iter().sum::<Vec3>() / points.len() as f32;
+    let Some(ahead) = (middle - eye).try_normalize() else { return Vec::new() };
+    let (right, up) = ahead.any_orthonormal_pair();
+    let seen = |point: Vec3| {
+        let offset = point - eye;
+        let depth = offset.dot(ahead);
+        (depth > NEAREST * offset.length()).then(|| (Vec2::new(offset.dot(right), offset.dot(up)) / depth, point))
+    };
+    let Some(mut seen) = points.into_iter().map(seen).collect::<Option<Vec<(Vec2, Vec3)>>>() else {
+        return Vec::new();
+    };
+    seen.sort_by(|(a, _), (b, _)| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let mut around: Vec<(Vec2, Vec3)> = Vec::new();
+    for chain in [seen.clone(), seen.into_iter().rev().collect()] {
+        let begun = around.len();
+        for point in chain {
+            while let [.., a, b] = around[begun..]
+                && (b.0 - a.0).perp_dot(point.0 - b.0) <= 0.0
+            {
+                around.pop();
+            }
+            around.push(point);
+        }
+        // The last one begins the other chain.
+        around.pop();
+    }
+    around.into_iter().map(|(_, point)| point).collect()
 }
 
 #[cfg(test)]
@@ -351,6 +404,20 @@ mod tests {
             assert!(off.abs() < 1e-4, "the line of sight is a tangent there: {off}");
         }
         assert_eq!(silhouette(center, radius, center + Vec3::X * 0.5), [], "from within there is none");
+    }
+
+    #[test]
+    fn corners_that_are_seen_in_front_of_a_box_are_not_around_it() {
+        let corners: Vec<Vec3> =
+            (0..8_u8).map(|bits| [1, 2, 4].map(|bit| if bits & bit == 0 { -1.0 } else { 1.0 }).into()).collect();
+        let around = seen_around(corners.clone(), Vec3::new(4.0, 5.0, 6.0));
+        assert_eq!(around.len(), 6, "of a box seen aslant: {around:?}");
+        assert!(
+            !around.contains(&Vec3::ONE) && !around.contains(&Vec3::NEG_ONE),
+            "neither the nearest nor the farthest"
+        );
+        assert_eq!(seen_around(corners.clone(), Vec3::Z * 5.0).len(), 4, "of a box seen straight");
+        assert_eq!(seen_around(corners, Vec3::X * 0.2), [], "from within there is none");
     }
 
     #[test]

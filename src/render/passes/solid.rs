@@ -1,4 +1,4 @@
-//! Obstacles: planes in two parts, one that shadows may fall on and the rest, and spheres.
+//! Obstacles: planes in two parts, one that shadows may fall on and the rest, and closed forms.
 
 use super::{Drawing, Entries, drawing_pipeline_with, vertex_layout};
 use crate::render::layout::{SolidInstance, SolidVertex};
@@ -12,7 +12,7 @@ use crate::view::Solid;
 pub(in crate::render) struct SolidPass {
     /// The part of planes that shadows may fall on, then the rest.
     planes: [wgpu::RenderPipeline; 2],
-    spheres: wgpu::RenderPipeline,
+    closed: wgpu::RenderPipeline,
 }
 
 impl SolidPass {
@@ -46,7 +46,7 @@ impl SolidPass {
         let closed = Drawing { cull: Some(wgpu::Face::Back), ..drawing };
         Self {
             planes: ["shadowed_plane", "bare_plane"].map(|fragment| pipeline("plane", fragment, &drawing)),
-            spheres: pipeline("sphere", "sphere_fragment", &closed),
+            closed: pipeline("closed", "closed_fragment", &closed),
         }
     }
 
@@ -57,8 +57,8 @@ impl SolidPass {
         solids: &[Solid],
         instances: &wgpu::Buffer,
     ) {
-        pass.set_pipeline(&self.spheres);
-        shapes.draw(pass, solids, instances, |solid| matches!(solid, Solid::Sphere { .. }));
+        pass.set_pipeline(&self.closed);
+        shapes.draw(pass, solids, instances, |solid| !solid.is_plane());
         let [shadowed, bare] = &self.planes;
         shapes.draw_parts(pass, solids, instances, [shadowed, bare]);
     }

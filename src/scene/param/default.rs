@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::definition::Param;
 use crate::scene::body::{CellsShape, CubeShape, Inlay, ModelShape, PinBox};
-use crate::scene::obstacle::{Plane, Sphere};
+use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Plane, Sphere};
 use crate::scene::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid};
 
 impl Param {
@@ -57,6 +57,9 @@ fn defaults() -> Scene {
         obstacles: vec![
             obstacle(ObstacleShape::Plane(Plane::default())),
             obstacle(ObstacleShape::Sphere(Sphere::default())),
+            obstacle(ObstacleShape::Box(Cuboid::default())),
+            obstacle(ObstacleShape::Capsule(Capsule::default())),
+            obstacle(ObstacleShape::Cylinder(Cylinder::default())),
         ],
         ..Scene::default()
     }

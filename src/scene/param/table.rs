@@ -63,6 +63,17 @@ pub const PARAMS: &[Param] = &[
     number("obstacles.*.plane.half_extents", "m", 1e-3, FAR, "Half the plane's extents along its own x and z axes.").of(2).log(),
     number("obstacles.*.sphere.center", "m", -FAR, FAR, "The middle of the sphere.").of(3),
     number("obstacles.*.sphere.radius", "m", 1e-3, FAR, "The radius of the sphere.").log(),
+    number("obstacles.*.box.center", "m", -FAR, FAR, "The middle of the box.").of(3),
+    number("obstacles.*.box.rotation_deg", "°", -360.0, 360.0, "Turns about x, then y, then z (fixed axes).").of(3),
+    number("obstacles.*.box.half_extents", "m", 1e-3, FAR, "Half the sides of the box along its own axes.").of(3).log(),
+    number("obstacles.*.capsule.center", "m", -FAR, FAR, "The middle of the capsule.").of(3),
+    number("obstacles.*.capsule.rotation_deg", "°", -360.0, 360.0, "Turns about x, then y, then z (fixed axes); none is upright.").of(3),
+    number("obstacles.*.capsule.radius", "m", 1e-3, FAR, "The radius of the capsule and of its round ends.").log(),
+    number("obstacles.*.capsule.half_height", "m", 1e-3, FAR, "Half the length of the capsule without its round ends.").log(),
+    number("obstacles.*.cylinder.center", "m", -FAR, FAR, "The middle of the cylinder.").of(3),
+    number("obstacles.*.cylinder.rotation_deg", "°", -360.0, 360.0, "Turns about x, then y, then z (fixed axes); none is upright.").of(3),
+    number("obstacles.*.cylinder.radius", "m", 1e-3, FAR, "The radius of the cylinder.").log(),
+    number("obstacles.*.cylinder.half_height", "m", 1e-3, FAR, "Half the length of the cylinder.").log(),
     Param {
         kind: Kind::NumberOr { word: "auto", min: 0.0, max: 1e9 },
         ..number("obstacles.*.stiffness", "N/m", 0.0, 1e9, "How hard the obstacle pushes a particle back; auto chooses so that resting bodies sink little.").log()

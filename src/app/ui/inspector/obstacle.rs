@@ -6,7 +6,7 @@ use super::section::section_ui;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, Interaction, field_ui, slider_ui, vector_ui};
 use crate::scene::edit::{Edit, ObstacleId};
-use crate::scene::obstacle::ContactStiffness;
+use crate::scene::obstacle::{Capsule, ContactStiffness, Cylinder};
 use crate::scene::{Obstacle, ObstacleShape, Scene};
 use crate::session::Command;
 
@@ -43,7 +43,35 @@ fn place_ui(ui: &mut Ui, id: ObstacleId, obstacle: &mut Obstacle) -> Interaction
             interaction.and(field_ui(ui, &path("sphere.radius"), "Radius", &mut sphere.radius));
             interaction
         }
+        ObstacleShape::Box(cuboid) => {
+            let mut interaction = vector_ui(ui, &path("box.center"), "Centre", &AXES, &mut cuboid.center);
+            interaction.and(vector_ui(ui, &path("box.rotation_deg"), "Rotation", &AXES, &mut cuboid.rotation_deg));
+            interaction.and(vector_ui(ui, &path("box.half_extents"), "Half sides", &AXES, &mut cuboid.half_extents));
+            interaction
+        }
+        ObstacleShape::Capsule(Capsule { center, rotation_deg, radius, half_height }) => {
+            let path = |what: &str| path(&format!("capsule.{what}"));
+            round_ui(ui, path, [center, rotation_deg], [radius, half_height])
+        }
+        ObstacleShape::Cylinder(Cylinder { center, rotation_deg, radius, half_height }) => {
+            let path = |what: &str| path(&format!("cylinder.{what}"));
+            round_ui(ui, path, [center, rotation_deg], [radius, half_height])
+        }
     }
+}
+
+/// A capsule or a cylinder.
+fn round_ui(
+    ui: &mut Ui,
+    path: impl Fn(&str) -> String,
+    [center, rotation_deg]: [&mut [f64; 3]; 2],
+    [radius, half_height]: [&mut f64; 2],
+) -> Interaction {
+    let mut interaction = vector_ui(ui, &path("center"), "Centre", &AXES, center);
+    interaction.and(vector_ui(ui, &path("rotation_deg"), "Rotation", &AXES, rotation_deg));
+    interaction.and(field_ui(ui, &path("radius"), "Radius", radius));
+    interaction.and(field_ui(ui, &path("half_height"), "Half height", half_height));
+    interaction
 }
 
 fn contact_ui(ui: &mut Ui, id: ObstacleId, obstacle: &mut Obstacle) -> Interaction {

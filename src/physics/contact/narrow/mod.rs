@@ -1,6 +1,11 @@
 //! Where a particle's motion crosses the surface of an obstacle: one file for every shape.
 
+mod capsule;
+mod cuboid;
+mod cylinder;
+pub(super) mod oriented;
 pub(super) mod plane;
+mod round;
 pub(super) mod sphere;
 
 use super::surface::Surface;
@@ -13,5 +18,6 @@ pub(super) fn meet<R: Real>(shape: &ObstacleShape<R>, side: i8, from: R::Vec3, p
     match shape {
         ObstacleShape::Plane(plane) => plane::meet(plane, side, from, path),
         ObstacleShape::Sphere { center, radius } => sphere::meet(*center, *radius, from, path),
+        ObstacleShape::Oriented(oriented) => oriented::meet(oriented, from, path),
     }
 }

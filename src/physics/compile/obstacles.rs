@@ -1,0 +1,115 @@
+//! Obstacles of a scene → obstacles of a model, and how bodies meet them.
+
+use glam::{DMat3, DVec3};
+
+use crate::math::{Aabb, Real, Vector, rotation};
+use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel};
+use crate::scene::obstacle::{Capsule, ContactStiffness, Cylinder, Plane};
+use crate::scene::{self, Obstacle};
+
+/// Stiffness of the default contact over the particle's mass, 1/s².
+const AUTO_STIFFNESS: f64 = 1e5;
+
+/// No particle rests, or ends a step, deeper in an obstacle than this share of its body's size.
+pub const DEPTH_SHARE: f64 = 0.02;
+
+/// Nor deeper than this share of the way to the middle of a box, a capsule or a cylinder: past the middle the nearest way
+/// out is the other side.
+const THIN_SHARE: f64 = 0.5;
+
+/// How a body of this size (m) meets an obstacle; `mass` is that of its heaviest particle (kg), `load` what one may have to
+/// carry (N).
+pub(super) fn contact<R: Real>(
+    obstacle: &Obstacle,
+    mass: f64,
+    size: f64,
+    load: f64,
+    cell_size: f64,
+) -> ContactModel<R> {
+    let thin = obstacle.shape.half_thickness().map_or(f64::INFINITY, |half| THIN_SHARE * half);
+    let depth_limit = (DEPTH_SHARE * size).min(thin);
+    let stiffness = match obstacle.stiffness {
+        ContactStiffness::Given(stiffness) => stiffness,
+        ContactStiffness::Auto => (AUTO_STIFFNESS * mass).max(load / depth_limit),
+    };
+    ContactModel {
+        stiffness: R::from_f64(stiffness),
+        damping: R::from_f64(2.0 * (stiffness * mass).sqrt()),
+        depth_limit: R::from_f64(depth_limit),
+        thesis_threshold: R::from_f64(cell_size),
+    }
+}
+
+/// The obstacles of a scene.
+pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>> {
+    let mut planes = 0;
+    obstacles
+        .iter()
+        .map(|obstacle| {
+            let (shape, bounds) = match obstacle.shape {
+                scene::ObstacleShape::Plane(plane) => {
+                    let side_row = planes;
+                    planes += 1;
+                    plane_model(&plane, side_row)
+                }
+                scene::ObstacleShape::Sphere(sphere) => {
+                    let center = DVec3::from(sphere.center);
+                    let shape = ObstacleShape::Sphere {
+                        center: R::Vec3::from_dvec3(center),
+                        radius: R::from_f64(sphere.radius),
+                    };
+                    let reach = DVec3::splat(sphere.radius);
+                    (shape, Aabb::around([center - reach, center + reach]))
+                }
+                scene::ObstacleShape::Box(cuboid) => {
+                    let form = OrientedForm::Box { half_extents: cuboid.half_extents.map(R::from_f64) };
+                    oriented(&obstacle.shape, cuboid.rotation_deg, form)
+                }
+                scene::ObstacleShape::Capsule(Capsule { rotation_deg, radius, half_height, .. }) => {
+                    let [radius, half_height] = [radius, half_height].map(R::from_f64);
+                    oriented(&obstacle.shape, rotation_deg, OrientedForm::Capsule { radius, half_height })
+                }
+                scene::ObstacleShape::Cylinder(Cylinder { rotation_deg, radius, half_height, .. }) => {
+                    let [radius, half_height] = [radius, half_height].map(R::from_f64);
+                    oriented(&obstacle.shape, rotation_deg, OrientedForm::Cylinder { radius, half_height })
+                }
+            };
+            // Rounding to R must not shrink the box below the obstacle.
+            let margin = 1e-5 * (bounds.size().max_element() + bounds.center().abs().max_element());
+            let bounds = bounds.grown(margin);
+            ObstacleModel {
+                shape,
+                carry: None,
+                bounds: Aabb { min: R::Vec3::from_dvec3(bounds.min), max: R::Vec3::from_dvec3(bounds.max) },
+                friction_static: R::from_f64(obstacle.friction_static),
+                friction_dynamic: R::from_f64(obstacle.friction_dynamic),
+            }
+        })
+        .collect()
+}
+
+fn oriented<R: Real>(
+    shape: &scene::ObstacleShape,
+    rotation_deg: [f64; 3],
+    form: OrientedForm<R>,
+) -> (ObstacleShape<R>, Aabb<f64>) {
+    let turn = rotation::from_euler_deg(rotation_deg);
+    let axes = [turn.x_axis, turn.y_axis, turn.z_axis].map(R::Vec3::from_dvec3);
+    let center = R::Vec3::from_dvec3(DVec3::from(shape.center()));
+    (ObstacleShape::Oriented(OrientedModel { center, axes, form }), shape.bounds())
+}
+
+fn plane_model<R: Real>(plane: &Plane, side_row: usize) -> (ObstacleShape<R>, Aabb<f64>) {
+    let DMat3 { x_axis, y_axis, z_axis } = rotation::from_euler_deg(plane.rotation_deg);
+    let center = DVec3::from(plane.center);
+    let [a, b] = plane.half_extents;
+    let corners = [(-a, -b), (-a, b), (a, -b), (a, b)].map(|(x, z)| center + x_axis * x + z_axis * z);
+    let shape = ObstacleShape::Plane(PlaneModel {
+        center: R::Vec3::from_dvec3(center),
+        axes: [R::Vec3::from_dvec3(x_axis), R::Vec3::from_dvec3(z_axis)],
+        half_extents: plane.half_extents.map(R::from_f64),
+        normal: R::Vec3::from_dvec3(y_axis),
+        side_row,
+    });
+    (shape, Aabb::around(corners))
+}

@@ -1,0 +1,33 @@
+//! Ways out, and which of them is taken.
+
+use glam::DVec3;
+
+use crate::math::Real;
+use crate::physics::model::BodyModel;
+
+/// How many times its length a way counts that leads straight down: there may be a floor.
+const DOWNWARDS: f64 = 4.0;
+
+/// Middles this near each other, over the body's size, are in one place.
+pub(super) const SAME_MIDDLE: f64 = 1e-6;
+
+/// A way out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::physics::contact) struct WayOut {
+    /// Its direction, of length 1.
+    pub(in crate::physics::contact) way: DVec3,
+    /// Its length, m.
+    pub(in crate::physics::contact) length_m: f64,
+}
+
+/// The cheapest of some ways, by their length and whether they lead down.
+pub(super) fn shortest(gravity: DVec3, ways: impl Iterator<Item = WayOut>) -> Option<WayOut> {
+    let down = gravity.normalize_or_zero();
+    let cost = |out: &WayOut| out.length_m * (1.0 + (DOWNWARDS - 1.0) * out.way.dot(down).max(0.0));
+    ways.min_by(|a, b| cost(a).total_cmp(&cost(b)))
+}
+
+/// The particles of a body that are free to move, in the state's arrays.
+pub(super) fn free<R: Real>(body: &BodyModel<R>) -> impl Iterator<Item = usize> {
+    body.particles.clone().enumerate().filter(|(local, _)| !body.is_pinned(*local)).map(|(_, particle)| particle)
+}

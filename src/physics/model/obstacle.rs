@@ -1,0 +1,145 @@
+//! Obstacles as the narrow phase sees them.
+
+use crate::math::{Aabb, Real, Vector};
+
+/// An obstacle as the narrow phase sees it.
+#[derive(Clone, Debug)]
+pub struct ObstacleModel<R: Real> {
+    /// Form and place.
+    pub shape: ObstacleShape<R>,
+    /// The box around it and, while it moves, its way, m.
+    pub bounds: Aabb<R>,
+    /// How it moves within the coming substep; none where it stands still.
+    pub(in crate::physics) carry: Option<Carry<R>>,
+    /// Coulomb coefficient of rest.
+    pub friction_static: R,
+    /// Coulomb coefficient of motion.
+    pub friction_dynamic: R,
+}
+
+/// A rigid motion from the beginning to the end of a substep: `x ↦ turn (x − from) + to`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::physics) struct Carry<R: Real> {
+    /// A point at the beginning, m.
+    pub(in crate::physics) from: R::Vec3,
+    /// The same point at the end, m.
+    pub(in crate::physics) to: R::Vec3,
+    /// The columns of the rotation.
+    pub(in crate::physics) turn: [R::Vec3; 3],
+}
+
+impl<R: Real> Carry<R> {
+    /// Where a point that rides along ends.
+    #[inline]
+    pub(in crate::physics) fn apply(&self, point: R::Vec3) -> R::Vec3 {
+        let [x, y, z] = (point - self.from).components();
+        self.turn[0] * x + self.turn[1] * y + self.turn[2] * z + self.to
+    }
+}
+
+/// Form and place of an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObstacleShape<R: Real> {
+    /// A finite plane.
+    Plane(PlaneModel<R>),
+    /// A ball.
+    Sphere {
+        /// The middle, m.
+        center: R::Vec3,
+        /// The radius, m.
+        radius: R,
+    },
+    /// A box, a capsule or a cylinder.
+    Oriented(OrientedModel<R>),
+}
+
+impl<R: Real> ObstacleShape<R> {
+    /// The middle, m.
+    pub(in crate::physics) fn center_mut(&mut self) -> &mut R::Vec3 {
+        match self {
+            Self::Plane(PlaneModel { center, .. })
+            | Self::Sphere { center, .. }
+            | Self::Oriented(OrientedModel { center, .. }) => center,
+        }
+    }
+}
+
+/// A rectangle in space: its middle, its two axes, its normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneModel<R: Real> {
+    /// The middle, m.
+    pub center: R::Vec3,
+    /// Unit vectors along the rectangle's own axes.
+    pub axes: [R::Vec3; 2],
+    /// Half the extents along the axes, m.
+    pub half_extents: [R; 2],
+    /// Unit normal.
+    pub normal: R::Vec3,
+    /// Which of the state's rows of sides belongs to this plane.
+    pub side_row: usize,
+}
+
+/// A closed form with three axes of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrientedModel<R: Real> {
+    /// The middle, m.
+    pub center: R::Vec3,
+    /// Unit vectors along its own x, y and z.
+    pub axes: [R::Vec3; 3],
+    /// What it is in those axes.
+    pub form: OrientedForm<R>,
+}
+
+/// A closed form about the origin, as it stands unturned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OrientedForm<R> {
+    /// A box.
+    Box {
+        /// Half its sides, m.
+        half_extents: [R; 3],
+    },
+    /// A cylinder about y that ends in half balls.
+    Capsule {
+        /// Of the cylinder and the balls, m.
+        radius: R,
+        /// Half the length of the cylinder, without the balls, m.
+        half_height: R,
+    },
+    /// A cylinder about y.
+    Cylinder {
+        /// The radius, m.
+        radius: R,
+        /// Half the length, m.
+        half_height: R,
+    },
+}
+
+impl<R: Real> OrientedModel<R> {
+    /// A direction in its own axes.
+    #[inline]
+    pub(in crate::physics) fn own(&self, direction: R::Vec3) -> R::Vec3 {
+        let [x, y, z] = self.axes.map(|axis| direction.dot(axis));
+        R::Vec3::new(x, y, z)
+    }
+
+    /// A direction in its own axes as the scene has it.
+    #[inline]
+    pub(in crate::physics) fn in_scene(&self, own: R::Vec3) -> R::Vec3 {
+        let [x, y, z] = own.components();
+        self.axes[0] * x + self.axes[1] * y + self.axes[2] * z
+    }
+
+    /// The same in double precision.
+    pub(in crate::physics) fn to_f64(self) -> OrientedModel<f64> {
+        let form = match self.form {
+            OrientedForm::Box { half_extents } => OrientedForm::Box { half_extents: half_extents.map(R::to_f64) },
+            OrientedForm::Capsule { radius, half_height } => {
+                OrientedForm::Capsule { radius: radius.to_f64(), half_height: half_height.to_f64() }
+            }
+            OrientedForm::Cylinder { radius, half_height } => {
+                OrientedForm::Cylinder { radius: radius.to_f64(), half_height: half_height.to_f64() }
+            }
+        };
+        OrientedModel { center: self.center.to_dvec3(), axes: self.axes.map(R::Vec3::to_dvec3), form }
+    }
+}
