@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::*;
-use crate::report::extremes::extreme_scene;
+use crate::report::extremes::{Edition, extreme_of};
 use crate::report::judge::{Patience, judge};
 use crate::scene::edit::Edit;
 use crate::scene::presets::preset;
@@ -134,7 +134,7 @@ fn is_jargon(words: &str) -> bool {
 fn what_a_person_reads_has_no_paths_in_it() {
     let mut read = Vec::new();
     for number in 0..60 {
-        let mut scene = extreme_scene(7, number);
+        let mut scene = extreme_of(Edition::First, 7, number).0;
         scene.settings.stepping = if number % 2 == 0 { Stepping::Manual } else { Stepping::Auto };
         for obstacle in &mut scene.obstacles {
             obstacle.friction_dynamic = obstacle.friction_static + 0.1;

@@ -1,7 +1,7 @@
 //! Random extreme scenes in automatic mode: nothing explodes (R2). The judge's own tests, in which it must find
 //! something, are beside it.
 
-use gelatin::report::extremes::{extreme, lattices};
+use gelatin::report::extremes::{Edition, extreme_of, lattices};
 use gelatin::report::judge::{Patience, judge_disturbed};
 
 /// Another seed than that of the command, whose scenes were looked at one by one.
@@ -15,7 +15,7 @@ fn no_extreme_scene_explodes() {
     let mut found = Vec::new();
     let mut whole = 0;
     for number in 0..SCENES {
-        let (scene, disturbances) = extreme(SEED, number);
+        let (scene, disturbances) = extreme_of(Edition::First, SEED, number);
         let lattices = lattices(&scene).expect("sound shapes");
         let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, patience);
         whole += u64::from(!verdict.cut_short);
@@ -82,7 +82,7 @@ fn scenes_that_once_exploded_do_not() {
         (777_041, 616),
     ];
     for (seed, number) in scenes {
-        let (scene, disturbances) = extreme(seed, number);
+        let (scene, disturbances) = extreme_of(Edition::First, seed, number);
         let lattices = lattices(&scene).expect("sound shapes");
         let patience = Patience { seconds: 2.0, most_link_forces: 20_000_000 };
         let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, patience);

@@ -6,7 +6,7 @@ use super::*;
 use crate::math::rng::Rng;
 use crate::physics::Arrival;
 use crate::report::disturb::What;
-use crate::report::extremes::{extreme, extreme_scene, lattices};
+use crate::report::extremes::{Edition, extreme_of, lattices};
 use crate::scene::body::{CubeShape, Pose};
 use crate::scene::material::{Material, Spring, Springs};
 use crate::scene::obstacle::{ContactStiffness, Plane, Sphere};
@@ -43,7 +43,7 @@ fn a_sound_motion_is_left_alone() {
 #[test]
 fn a_body_that_is_squeezed_may_leave_faster_than_it_is_pushed() {
     // A ball of 300 m presses a body into the ground at 28 km/s and leaves it.
-    let (scene, disturbances) = extreme(1, 6809);
+    let (scene, disturbances) = extreme_of(Edition::First, 1, 6809);
     let lattices = lattices(&scene).expect("sound shapes");
     let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, PATIENCE);
     assert_eq!(verdict.fault, None, "{verdict:?}");
@@ -232,7 +232,7 @@ fn a_particle_without_links_to_speak_of_gets_as_far_as_its_own_contact_throws_it
 #[test]
 fn a_light_part_gets_as_far_as_the_heavy_rest_throws_it_and_no_further() {
     // Its light half is caught between two planes while the heavy one flies on.
-    let scene = extreme_scene(1_623_209_670, 3728);
+    let scene = extreme_of(Edition::First, 1_623_209_670, 3728).0;
     let catapult = |way: f32| {
         seen(&scene, |simulation, substep| {
             if substep == 40 {
@@ -289,7 +289,7 @@ fn a_nan_is_seen() {
 #[test]
 fn what_takes_too_long_is_cut_short_and_says_so() {
     let hasty = Patience { most_link_forces: 100_000, ..PATIENCE };
-    let scene = extreme_scene(1, 7);
+    let scene = extreme_of(Edition::First, 1, 7).0;
     let verdict = judge::<f32>(&scene, &lattices(&scene).expect("sound shapes"), hasty);
     let cut_short = seen(&scene, |_, _| ()).substeps > verdict.substeps;
     assert_eq!(verdict.cut_short, cut_short, "{verdict:?}");
