@@ -86,7 +86,8 @@ pub use interaction::Grab;
 pub use kernels::SimdLevel;
 pub use limits::{SAFETY, SceneLimits, Term};
 pub use model::plan::{
-    BodyContactPlan, MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, SchemeCost, Stage, StageRates,
+    BodyContactPlan, MOST_HALVINGS, MOST_PARTS_BETWEEN_BODIES, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, SchemeCost, Stage,
+    StageRates,
 };
 pub use model::{
     BodyModel, ContactModel, ContactRule, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, OrientedForm,

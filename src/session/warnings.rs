@@ -3,7 +3,7 @@
 use super::Session;
 use super::step_words::step_text;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::BodyMemory;
+use crate::physics::{BodyMemory, MOST_PARTS_BETWEEN_BODIES};
 use crate::physics::{BodyModel, Model};
 use crate::physics::{Plan, State};
 use crate::scene::settings::{Integrator, Settings, Stepping};
@@ -109,6 +109,13 @@ fn unresolved<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec
 fn no_body_contact<R: Real>(settings: &Settings, plan: &Plan, model: &Model<R>) -> Option<String> {
     let are_to_meet = model.bodies.iter().filter(|body| body.meets_others()).count() > 1;
     (are_to_meet && plan.between_bodies.is_none()).then(|| {
+        if settings.stepping == Stepping::Auto {
+            return format!(
+                "bodies pass through each other: they are so stiff that a step of {} would be taken in more than \
+                 {MOST_PARTS_BETWEEN_BODIES} parts where they meet; softer or heavier ones collide",
+                step_text(plan.substep_secs())
+            );
+        }
         format!(
             "bodies pass through each other with {} in manual steps: automatic stepping leaves bodies that meet to {}",
             settings.integrator.words(),
@@ -152,7 +159,7 @@ mod tests {
 
     use super::*;
     use crate::scene::obstacle::Sphere;
-    use crate::scene::{Body, Material, Obstacle, ObstacleShape};
+    use crate::scene::{Body, Material, Obstacle, ObstacleShape, Springs};
 
     fn warnings(change: impl FnOnce(&mut Scene)) -> Vec<String> {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
@@ -233,5 +240,12 @@ mod tests {
         });
         assert!(said.len() == 1 && said[0].contains("pass through each other with implicit Euler"), "{said:?}");
         assert_eq!(warnings(by_hand), Vec::<String>::new(), "one body meets none");
+        let said = warnings(|scene| {
+            let mut stiff = Springs { particle_mass: 1e-6, ..Springs::default() };
+            stiff.structural.stiffness = 1e8;
+            scene.bodies[0].material = Material::Springs(stiff);
+            scene.bodies.push(Body { name: "Other".to_owned(), ..scene.bodies[0].clone() });
+        });
+        assert!(said.iter().any(|said| said.contains("so stiff that a step of")), "{said:?}");
     }
 }

@@ -455,3 +455,19 @@ fn random_bodies_thrown_at_each_other_gain_nothing() {
     let gain = gain(&random(1), thrown);
     assert!(gain > 1e-2, "who throws them is found out: {gain}");
 }
+
+#[test]
+fn bodies_too_stiff_to_be_taken_in_parts_pass_through_each_other() {
+    let stiff = |stiffness: f64| {
+        let mut scene = free(vec![jelly(2, [0.0; 3], [0.0; 3]), jelly(2, [1.5, 0.0, 0.0], [-3.0, 0.0, 0.0])]);
+        for body in &mut scene.bodies {
+            body.material = Material::Springs(springs(stiffness, 0.0, 1e-6));
+        }
+        simulate::<f32>(&scene)
+    };
+    assert!(stiff(1e4).plan().between_bodies.is_some_and(|met| met.parts > 100), "these take many parts");
+    let mut stiffest = stiff(1e8);
+    assert_eq!(stiffest.plan().between_bodies, None, "of these a step would never end");
+    run(&mut stiffest, 1.0);
+    assert!(stiffest.diagnostics_of(1).center.x < -1.0, "the other side");
+}

@@ -5,7 +5,9 @@ use crate::math::{FRAME_SECS, Real};
 use crate::physics::compile::scheme_cost;
 use crate::physics::kernels::SimdLevel;
 use crate::physics::limits::{SceneLimits, any_state};
-use crate::physics::model::plan::{BodyContactPlan, MOST_HALVINGS, MOST_WORK_A_FRAME, Plan, SchemeCost, StageRates};
+use crate::physics::model::plan::{
+    BodyContactPlan, MOST_HALVINGS, MOST_PARTS_BETWEEN_BODIES, MOST_WORK_A_FRAME, Plan, SchemeCost, StageRates,
+};
 use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
 use crate::physics::{share, team};
 use crate::scene::Settings;
@@ -119,7 +121,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
 
 /// How substeps of `secs` are taken in which bodies come near each other. Contact between bodies is an impulse on predicted
 /// velocities: the schemes that have no place for it leave such substeps to the default one, in parts, where steps are
-/// `divided`; where they are not, nothing meets.
+/// `divided`; where they are not, or would be into more parts than anyone waits for, nothing meets.
 fn between_bodies<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
@@ -139,6 +141,9 @@ fn between_bodies<R: Real>(
         return None;
     }
     let parts = semi_implicit.dt_safe_secs.map_or(1.0, |safe| (secs / safe).max(1.0));
+    if parts > f64::from(MOST_PARTS_BETWEEN_BODIES) {
+        return None;
+    }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from one up, saturating")]
     let parts = libm::ceil(parts) as u32;
     let scheme = Scheme::SemiImplicit;

@@ -97,6 +97,10 @@ impl StageRates {
     }
 }
 
+/// Bodies whose substeps would have to be divided further where they come near each other pass through each other: they are
+/// millions of times as stiff as jelly, and a second of them would take hours.
+pub const MOST_PARTS_BETWEEN_BODIES: u32 = 1 << 14;
+
 /// How substeps are taken in which bodies come near each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BodyContactPlan {
