@@ -321,12 +321,14 @@ impl Watch {
 
     /// Closes the window of every body, together with those that it has met.
     fn close(&mut self) {
-        let Self { bodies, met, verdict, .. } = self;
+        let Self { bodies, met, verdict, taken, .. } = self;
+        // Rounding goes by the parts of substeps, too.
+        let parts = taken.counters.substeps.max(verdict.substeps);
         for first in 0..bodies.len() {
             let those = bodies.iter_mut().zip(met.first()).filter(|(_, of)| **of == first);
             let mut those: Vec<&mut Account> = those.map(|(account, _)| account).collect();
             if !those.is_empty() {
-                verdict.largest_gain = verdict.largest_gain.max(Account::close(&mut those, verdict.substeps));
+                verdict.largest_gain = verdict.largest_gain.max(Account::close(&mut those, parts));
             }
         }
     }
