@@ -101,7 +101,7 @@ fn shattering_cube() -> Scene {
 fn work_has_a_limit_that_is_told_and_gives_no_energy() {
     let mut simulation = simulate::<f32>(&shattering_cube());
     assert!(simulation.plan().halvings > 0, "the implicit integrator is at work");
-    let most = 2000;
+    let most = 500;
     simulation.plan_mut().most_work = most;
     let start = simulation.diagnostics().energy.total();
     let (mut slowed, mut gained) = (0, f64::NEG_INFINITY);
