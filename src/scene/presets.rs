@@ -51,7 +51,7 @@ pub fn ground_only() -> Scene {
 /// its steps are.
 const DAMPED_DT_SECS: f64 = 4e-3;
 
-const PRESETS: [Preset; 15] = [
+const PRESETS: [Preset; 16] = [
     Preset { name: DEFAULT, summary: "A jelly cube falls on the ground beside a sphere.", build: cube_on_plane },
     Preset {
         name: "cube-on-sphere",
@@ -83,6 +83,7 @@ const PRESETS: [Preset; 15] = [
     },
     Preset { name: "newton", summary: "A row of jelly cubes on ice is hit from one side.", build: newton },
     Preset { name: "hook", summary: "A heavy U falls into another that hangs, and hooks into it.", build: hook },
+    Preset { name: "stack", summary: "Five cubes of jelly stand on each other.", build: stack },
 ];
 
 fn cube_on_plane() -> Scene {
@@ -257,7 +258,7 @@ fn newton() -> Scene {
     let mut bodies: Vec<Body> = (0..5).map(cube).collect();
     bodies[0].pose.position[0] = -1.8;
     bodies[0].velocity = [3.0, 0.0, 0.0];
-    let mut scene = looking_at([0.1, 0.2, 0.0], 4.8, scene(Body::default(), Vec::new()));
+    let mut scene = looking_at([-0.2, 0.2, 0.0], 6.4, scene(Body::default(), Vec::new()));
     scene.bodies = bodies;
     let ice = &mut scene.obstacles[0];
     (ice.friction_static, ice.friction_dynamic) = (0.0, 0.0);
@@ -284,6 +285,21 @@ fn hook() -> Scene {
     let mut scene = looking_at([0.0, 1.3, 0.0], 4.6, scene(held, Vec::new()));
     scene.bodies.push(heavy);
     turned(35.0, 12.0, scene)
+}
+
+/// Set down with a small gap between one and the next.
+fn stack() -> Scene {
+    const SIZE: f64 = 0.6;
+    const CELLS: u32 = 5;
+    let cube = |place: u32| Body {
+        name: format!("Jelly {}", place + 1),
+        shape: Shape::Cube(CubeShape { cells: CELLS, size: SIZE }),
+        pose: Pose { position: [0.0, 0.5 * SIZE + 0.62 * f64::from(place), 0.0], ..Pose::default() },
+        material: damped(&jelly(SIZE / f64::from(CELLS)), 3.0),
+        ..Body::default()
+    };
+    let bodies = (0..5).map(cube).collect();
+    Scene { bodies, ..looking_at([0.0, 1.4, 0.0], 7.0, scene(Body::default(), Vec::new())) }
 }
 
 fn carried(name: &str) -> ModelShape {

@@ -96,9 +96,20 @@ fn a_u_stays_hooked_in_another_also_at_a_hundred_times_its_weight() {
 }
 
 #[test]
+fn the_stack_stands() {
+    let figures = after_eight_seconds("stack");
+    is_sound(&figures);
+    assert!(figures.max_speed < AT_REST, "it moves at {} m/s", figures.max_speed);
+    assert!(figures.body_contacts > 100, "{} contacts between five cubes", figures.body_contacts);
+    assert!(figures.max_penetration_m <= 0.02 * 0.6, "it is {} m deep", figures.max_penetration_m);
+    let [_, top, _] = figures.bounds.max;
+    assert!(top > 2.9 && top < 3.0, "five cubes of 0.6 m reach up to {top} m");
+}
+
+#[test]
 fn every_preset_is_there() {
     let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
     let wanted = "cube-on-plane cube-on-sphere incline incline-slide u-on-sphere tree coupler-7 coupler-8 coupler-20 \
-                  coupler-40 spot exploding broken newton hook";
+                  coupler-40 spot exploding broken newton hook stack";
     assert_eq!(names, wanted.split_whitespace().collect::<Vec<_>>(), "in the order of the list");
 }
