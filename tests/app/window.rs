@@ -21,7 +21,7 @@ const HIGH: ViewRect = ViewRect { origin: Vec2::new(360.0, 60.0), size: Vec2::ne
 /// Where the stiffness of the structural springs is typed.
 const STIFFNESS: [i32; 2] = [1218, 185];
 /// The button that adds a sphere.
-const ADD_SPHERE: [i32; 2] = [52, 735];
+const ADD_SPHERE: [i32; 2] = [137, 683];
 /// The panel of values.
 pub(super) const VALUES: ViewRect = ViewRect { origin: Vec2::new(950.0, 45.0), size: Vec2::new(325.0, 700.0) };
 /// The list of bodies and obstacles.

@@ -3,7 +3,7 @@
 use super::window::{IN_VIEW, JELLY, VALUES, Window, alone};
 
 /// The button that opens the assistant for models.
-const ADD_MODEL: [i32; 2] = [137, 703];
+const ADD_MODEL: [i32; 2] = [137, 655];
 /// Where the first menu opens.
 const FILE: [i32; 2] = [30, 20];
 /// A place in the margin of every dialog.

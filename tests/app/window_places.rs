@@ -6,7 +6,7 @@ use glam::Vec2;
 use super::window::{IN_VIEW, Window, alone};
 
 /// The button that adds a cube.
-const ADD_CUBE: [i32; 2] = [52, 703];
+const ADD_CUBE: [i32; 2] = [52, 655];
 /// What lies between the panels.
 const BETWEEN: ViewRect = ViewRect { origin: Vec2::new(192.0, 45.0), size: Vec2::new(750.0, 710.0) };
 /// The middle of what lies between the panels, up to the card at the bottom.

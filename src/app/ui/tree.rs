@@ -23,6 +23,8 @@ const NEW: [(&str, Option<New>); 7] = [
 ];
 /// From this width on (points) four of them stand in one row.
 const FOUR_NEED: f32 = 290.0;
+/// Between their rows, points: close together, so that a low window shows a list above them.
+const BETWEEN_ROWS: f32 = 2.0;
 
 /// The list, with the buttons that add to it.
 pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
@@ -30,7 +32,7 @@ pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, co
     let width = ui.available_width() - theme::SCROLL_BAR;
     let columns = if width < FOUR_NEED { 2 } else { 4 };
     let (rows, gap) = (NEW.len().div_ceil(columns) as f32, ui.spacing().item_spacing.x);
-    let buttons = (ui.spacing().interact_size.y + ui.spacing().item_spacing.y) * rows + 16.0;
+    let buttons = (ui.spacing().interact_size.y + BETWEEN_ROWS) * rows + 16.0;
     let room = (ui.available_height() - buttons).max(60.0);
     ScrollArea::vertical().max_height(room).auto_shrink([false, false]).show(ui, |ui| {
         ui.set_max_width(width);
@@ -47,6 +49,7 @@ pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, co
     ui.scope(|ui| {
         ui.set_max_width(width);
         ui.separator();
+        ui.spacing_mut().item_spacing.y = BETWEEN_ROWS;
         let width = (width + gap) / columns as f32 - gap;
         let size = vec2(width.floor(), ui.spacing().interact_size.y);
         for row in NEW.chunks(columns) {
