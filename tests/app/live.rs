@@ -89,6 +89,13 @@ impl Window {
         self.wait();
     }
 
+    /// Chooses a thing in the list, which is scrolled to it.
+    pub(crate) fn choose_thing(&mut self, name: &str) {
+        self.control(name).scroll_to_me();
+        self.wait();
+        self.click(name);
+    }
+
     /// Clicks twice on what is called `label`.
     pub(crate) fn double_click(&mut self, label: &str) {
         for _ in 0..2 {

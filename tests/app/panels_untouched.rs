@@ -129,7 +129,7 @@ fn panels_are_scrolled_without_an_edit() {
     let mut window = Window::on(scene(), "odd", SIZES[0], Theme::Dark);
     for thing in THINGS {
         if let Some(thing) = thing {
-            window.click(thing);
+            window.choose_thing(thing);
         }
         let right = window.harness.state().ui.view_rect.right();
         // On a track the wheel steps its value.
