@@ -40,6 +40,8 @@ pub(super) struct Account {
     /// Sums over the window: own energy, what it may be without work from outside, and that work.
     sums: [f64; 3],
     looks: u32,
+    /// What it might have had more at the last look, J.
+    lacks: f64,
     /// The largest that start and work came to, J.
     turnover: f64,
     gain: Option<String>,
@@ -68,6 +70,7 @@ impl Account {
             substeps: 0,
             sums: [0.0; 3],
             looks: 0,
+            lacks: 0.0,
             turnover: own_at_start,
             gain: None,
         }
@@ -109,7 +112,12 @@ impl Account {
         let by_itself = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity;
         let allowed = by_itself + self.work;
         self.turnover = self.turnover.max(allowed);
-        for (sum, now) in self.sums.iter_mut().zip([own(&self.now), by_itself, self.work]) {
+        // One that is gone has what it had not when it was seen last: another may have it.
+        if !is_gone {
+            self.lacks = (allowed - own(&self.now)).max(0.0);
+        }
+        let terms = if is_gone { [0.0, self.lacks, 0.0] } else { [own(&self.now), by_itself, self.work] };
+        for (sum, now) in self.sums.iter_mut().zip(terms) {
             *sum += now;
         }
         self.looks += 1;

@@ -50,6 +50,14 @@ fn a_body_that_is_squeezed_may_leave_faster_than_it_is_pushed() {
 }
 
 #[test]
+fn a_body_that_falls_out_after_it_was_put_back_has_gained_nothing() {
+    let (scene, disturbances) = extreme_of(Edition::Second, 2_950_612_423, 4861);
+    let lattices = lattices(&scene).expect("sound shapes");
+    let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, PATIENCE);
+    assert_eq!(verdict.fault, None, "{verdict:?}");
+}
+
+#[test]
 fn an_explosion_is_seen() {
     let mut scene = falling_cube();
     scene.settings.stepping = Stepping::Manual;
