@@ -12,7 +12,8 @@ const DEPTH_SHARE: f64 = 0.02;
 /// ... than this share of the smaller cell.
 const CELL_SHARE: f64 = 0.25;
 
-/// Bodies that are inside each other without having pressed come apart no faster than this share of the smaller one's size in a second.
+/// Bodies that are inside each other without having pressed come apart no faster than this share of the smaller one's size
+/// in a second.
 const GENTLE_SHARE: f64 = 0.5;
 
 /// The contact of a point of one body with a cell of another.
