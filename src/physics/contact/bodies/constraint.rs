@@ -43,8 +43,10 @@ pub(super) struct PointConstraint {
     resistance: f64,
     /// The least speed along the normal, m/s: nothing comes deeper than the limit, or than it was.
     slowest: f64,
-    /// The speed that a point deeper than its spring is pressed is parted with, m/s.
+    /// The speed that a point deeper than its spring is pressed is parted with, m/s, ...
     parting: f64,
+    /// ... and the most that is done for it, N·s.
+    most_parting: f64,
     spring: SpringBefore,
     law: PairLaw,
     /// The impulse so far along the normal, N·s, and across it.
@@ -82,6 +84,10 @@ pub(super) struct Given {
 /// Points are parted by this share of what they are too deep in a second at most.
 const PARTING_RATE: f64 = 10.0;
 
+/// What parts them pushes no harder than gives them that speed in one over this, 1/s, beside the weight on them: links that pull
+/// them together are not worked against for ever.
+const PARTING_PUSH: f64 = 100.0;
+
 /// Which friction is worked out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rubbing {
@@ -109,8 +115,8 @@ impl PointConstraint {
         let resistance = dt * (dt * law.stiffness + damping);
         let SpringBefore { depth, pressed } = spring;
         let parting = law.gentle.min(PARTING_RATE * spring.beyond());
+        let most_parting = dt * (law.load + PARTING_PUSH * parting / mobility);
         let push = dt * law.stiffness * pressed.min(law.depth_limit);
-        let push = if parting > 0.0 { push.max(resistance * parting) } else { push };
         let slowest = -(law.depth_limit.max(depth) - depth) / dt;
         Some(Self {
             movers,
@@ -121,6 +127,7 @@ impl PointConstraint {
             resistance,
             slowest,
             parting,
+            most_parting,
             spring,
             law: *law,
             pushed: 0.0,
@@ -142,9 +149,11 @@ impl PointConstraint {
     pub(super) fn solve(&mut self, rubbing: Rubbing, movers: &mut [Mover]) -> f64 {
         let past = self.past(movers);
         let along = past.dot(self.normal);
-        let sprung = (self.push - self.resistance * along - self.pushed) / (1.0 + self.resistance * self.mobility);
-        let stopped = (self.slowest - along) / self.mobility;
-        let pushed = (self.pushed + sprung.max(stopped)).max(0.0);
+        let [sprung, parted] = [self.push, self.resistance * self.parting].map(|push| {
+            self.pushed + (push - self.resistance * along - self.pushed) / (1.0 + self.resistance * self.mobility)
+        });
+        let stopped = self.pushed + (self.slowest - along) / self.mobility;
+        let pushed = sprung.max(parted.min(self.most_parting)).max(stopped).max(0.0);
         let mut change = self.normal * (pushed - self.pushed);
         self.pushed = pushed;
         // What is far deeper than its spring is pressed does not rub: points that leave by all sides would hold each other.

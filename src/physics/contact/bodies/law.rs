@@ -23,6 +23,8 @@ pub(in crate::physics) struct PairLaw {
     pub(super) stiffness: f64,
     /// Deeper than this it pushes no harder, m; and nothing comes deeper that was not.
     pub(super) depth_limit: f64,
+    /// The most that one point may have to carry, N.
+    pub(super) load: f64,
     /// How fast what is deeper than its spring is pressed leaves at most, m/s.
     pub(super) gentle: f64,
     /// Coulomb's coefficients, at rest and sliding.
@@ -38,9 +40,10 @@ impl PairLaw {
         let cell = smaller([one, other].map(|body| body.lattice.grid.cell_size));
         let [a, b] = [one, other].map(|body| &body.among_bodies);
         let depth_limit = (DEPTH_SHARE * size).min(CELL_SHARE * cell);
-        let stiffness = (STIFFNESS_OVER_MASS * a.heaviest.max(b.heaviest)).max((a.load + b.load) / depth_limit);
+        let load = a.load + b.load;
+        let stiffness = (STIFFNESS_OVER_MASS * a.heaviest.max(b.heaviest)).max(load / depth_limit);
         let friction = [0, 1].map(|which| (a.friction[which] * b.friction[which]).sqrt());
-        Self { stiffness, depth_limit, gentle: GENTLE_SHARE * size, friction }
+        Self { stiffness, depth_limit, load, gentle: GENTLE_SHARE * size, friction }
     }
 
     /// The energy of a point's spring that is pressed so far (m), J.
