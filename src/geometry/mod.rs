@@ -4,12 +4,14 @@
 pub mod embed;
 pub mod import;
 pub mod lattice;
+pub mod surface;
 pub mod trimesh;
 pub mod up_axis;
 pub mod voxel;
 pub mod watch;
 
 pub use lattice::{Family, Lattice, LatticeCounts};
+pub use surface::Surface;
 pub use trimesh::TriMesh;
 pub use up_axis::UpAxis;
 pub use watch::Watch;

@@ -103,7 +103,7 @@ impl TriMesh {
     }
 
     /// For every vertex the first one (in a fixed order) at exactly the same position.
-    fn weld(&self) -> Vec<u32> {
+    pub(super) fn weld(&self) -> Vec<u32> {
         // Adding zero makes the two zeros one.
         let key = |&vertex: &u32| (self.positions[vertex as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
         let mut order: Vec<u32> = (0..).take(self.positions.len()).collect();

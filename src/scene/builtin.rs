@@ -5,6 +5,8 @@ pub const PREFIX: &str = "builtin:";
 
 /// Every model carried: its name and the bytes of its OBJ file.
 pub const MODELS: &[(&str, &[u8])] = &[
+    ("bowl.obj", include_bytes!("../../assets/bowl.obj")),
+    ("comb.obj", include_bytes!("../../assets/comb.obj")),
     ("coupler.obj", include_bytes!("../../assets/coupler.obj")),
     ("spot.obj", include_bytes!("../../assets/spot.obj")),
     ("tree.obj", include_bytes!("../../assets/tree.obj")),

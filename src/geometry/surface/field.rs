@@ -1,0 +1,97 @@
+//! How far it is at least to a surface, from a coarse grid of distances with a finer one near the surface: most points are
+//! so far away that nothing need be searched for.
+
+use glam::{DVec3, UVec3};
+
+/// Cells along the longest extent.
+const COARSE: f64 = 16.0;
+/// Cells along an edge of a coarse cell near the surface.
+const FINE: u32 = 4;
+/// What rounding may take from a distance kept in single precision, over the size of the surface.
+const ROUNDING: f64 = 1e-6;
+
+/// The grid.
+#[derive(Clone, Debug)]
+pub(super) struct Field {
+    origin: DVec3,
+    cell: f64,
+    dims: UVec3,
+    /// The distance from the middle of every cell, negative inside, and where its finer cells begin.
+    coarse: Vec<(f32, u32)>,
+    fine: Vec<f32>,
+}
+
+/// What is known of a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Bound {
+    /// It is outside, at least that far.
+    Outside(f64),
+    /// It is inside.
+    Inside,
+    /// It is no farther than that from the surface, on either side.
+    Near(f64),
+}
+
+impl Field {
+    /// Of a surface in a box `±extent` about the origin that has this signed `distance`.
+    #[expect(clippy::cast_possible_truncation, reason = "a few dozen cells, and what is lost is allowed for")]
+    pub(super) fn new(extent: DVec3, distance: impl Fn(DVec3) -> f64) -> Self {
+        let cell = 2.0 * extent.max_element() / COARSE;
+        let dims = (extent * 2.0 / cell).ceil().max(DVec3::ONE).as_uvec3() + 2;
+        let origin = dims.as_dvec3() * (-0.5 * cell);
+        let mut field = Self { origin, cell, dims, coarse: Vec::new(), fine: Vec::new() };
+        let reach = 0.5 * cell * 3.0_f64.sqrt();
+        for z in 0..dims.z {
+            for y in 0..dims.y {
+                for x in 0..dims.x {
+                    let corner = origin + UVec3::new(x, y, z).as_dvec3() * cell;
+                    let middle = distance(corner + 0.5 * cell);
+                    let first = if middle.abs() <= reach { field.fine.len() as u32 } else { u32::MAX };
+                    field.coarse.push((middle as f32, first));
+                    if first == u32::MAX {
+                        continue;
+                    }
+                    let part = cell / f64::from(FINE);
+                    for number in 0..FINE * FINE * FINE {
+                        let place = UVec3::new(number % FINE, number / FINE % FINE, number / (FINE * FINE));
+                        field.fine.push(distance(corner + (place.as_dvec3() + 0.5) * part) as f32);
+                    }
+                }
+            }
+        }
+        field
+    }
+
+    /// What is known of a point.
+    pub(super) fn bound(&self, at: DVec3) -> Bound {
+        let place = (at - self.origin) / self.cell;
+        let size = self.dims.as_dvec3();
+        if !(place.cmpge(DVec3::ZERO) & place.cmplt(size)).all() {
+            let beyond = (-place).max(place - size).max(DVec3::ZERO);
+            // The grid reaches a cell beyond the surface.
+            return Bound::Outside(beyond.length() * self.cell);
+        }
+        let index = place.as_uvec3();
+        let (middle, first) = self.coarse[(index.x + self.dims.x * (index.y + self.dims.y * index.z)) as usize];
+        let within = place - place.floor();
+        if first == u32::MAX {
+            return Self::told(f64::from(middle), ((within - 0.5) * self.cell).length());
+        }
+        let part = (within * f64::from(FINE)).as_uvec3().min(UVec3::splat(FINE - 1));
+        let middle = self.fine[(first + part.x + FINE * (part.y + FINE * part.z)) as usize];
+        let from_middle = within - (part.as_dvec3() + 0.5) / f64::from(FINE);
+        Self::told(f64::from(middle), (from_middle * self.cell).length())
+    }
+
+    /// From the distance at a place so far away.
+    fn told(distance: f64, away: f64) -> Bound {
+        let least = distance.abs() - away - ROUNDING;
+        if least <= 0.0 {
+            Bound::Near(distance.abs() + away + ROUNDING)
+        } else if distance > 0.0 {
+            Bound::Outside(least)
+        } else {
+            Bound::Inside
+        }
+    }
+}

@@ -1,0 +1,368 @@
+//! A mesh as something that stops things: how far a point is from it and on which side, and where a line goes through it.
+//!
+//! ```text
+//! mesh ─► vertices at one place made one, triangles turned alike ─► a tree of boxes over them
+//!                                                                 └► a grid of distances: most points are far away
+//! ```
+//!
+//! A mesh whose every edge has two triangles has an inside. The sign of a distance is then that of the normal of the
+//! nearest face, edge or corner, where the normal of a corner is the sum of those of its faces, each times its angle
+//! there (Bærentzen and Aanæs, *Signed distance computation using the angle weighted pseudonormal*, 2005). Any other mesh
+//! has two sides and no inside.
+//!
+//! Everything is in double precision and follows from the mesh alone. Lengths are over the mesh's own: its longest extent is
+//! 1, and the middle of its box is the origin.
+
+mod field;
+mod orient;
+mod tree;
+mod triangle;
+
+use glam::DVec3;
+use thiserror::Error;
+
+use super::TriMesh;
+use crate::math::Aabb;
+use field::{Bound, Field};
+use orient::{NONE, Oriented, orient};
+use tree::Tree;
+use triangle::Feature;
+
+/// The most triangles of a surface: it takes half a gigabyte then.
+pub const MAX_TRIANGLES: usize = 2_000_000;
+
+/// Triangles looked at to find how thick a surface is.
+const PROBES: usize = 2000;
+
+/// The share of a closed surface that may be thinner than it is said to be: its sharp edges.
+const THINNER: f64 = 0.05;
+
+/// Why a mesh is no surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum SurfaceError {
+    /// No triangle has an area.
+    #[error("it has no triangle with an area, so there is nothing to meet")]
+    Nothing,
+    /// Too large to hold.
+    #[error("it has {triangles} triangles, at most {MAX_TRIANGLES} can be met; reduce the model first")]
+    TooMany {
+        /// How many it has.
+        triangles: usize,
+    },
+}
+
+/// A mesh as something that stops things.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    positions: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    /// The triangle beyond every edge.
+    neighbours: Vec<[u32; 3]>,
+    normals: Vec<DVec3>,
+    corner_normals: Vec<DVec3>,
+    /// Whether a vertex is on the rim of a surface that is not closed.
+    on_rim: Vec<bool>,
+    is_closed: bool,
+    own_length: f64,
+    half_extents: DVec3,
+    half_thickness: f64,
+    tree: Tree,
+    field: Field,
+}
+
+/// The point of a surface nearest to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearestPoint {
+    /// The point.
+    pub point: DVec3,
+    /// The normal of the surface there, of length 1: the weighted one of an edge or a corner.
+    pub normal: DVec3,
+    /// Whether it is inside a face, so that the way to it is along the normal.
+    pub is_on_face: bool,
+    /// Whether it is on the rim of a surface that is not closed.
+    pub is_on_rim: bool,
+    /// How far it is.
+    pub distance: f64,
+}
+
+/// Where a line goes through a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pierced {
+    /// How far along the line, 1 at its end.
+    pub t: f64,
+    /// The normal of the triangle, of length 1.
+    pub normal: DVec3,
+}
+
+impl Surface {
+    /// The surface of a mesh.
+    ///
+    /// # Errors
+    /// If it has no triangle with an area, or too many.
+    pub fn new(mesh: &TriMesh) -> Result<Self, SurfaceError> {
+        if mesh.triangles.len() > MAX_TRIANGLES {
+            return Err(SurfaceError::TooMany { triangles: mesh.triangles.len() });
+        }
+        let bounds = mesh.bounds();
+        let own_length = bounds.size().max_element();
+        if mesh.is_degenerate() || own_length.is_nan() || own_length <= 0.0 {
+            return Err(SurfaceError::Nothing);
+        }
+        let positions: Vec<DVec3> = mesh.positions.iter().map(|at| (*at - bounds.center()) / own_length).collect();
+        let triangles = welded(mesh, &positions);
+        if triangles.is_empty() {
+            return Err(SurfaceError::Nothing);
+        }
+        let corners: Vec<_> = triangles.iter().map(|t| t.map(|vertex| positions[vertex as usize])).collect();
+        let (tree, order) = Tree::new(&corners);
+        let triangles = order.into_iter().map(|triangle| triangles[triangle as usize]).collect();
+        let Oriented { triangles, neighbours, is_closed } = orient(&positions, triangles);
+        let mut surface = Self {
+            normals: Vec::new(),
+            corner_normals: vec![DVec3::ZERO; positions.len()],
+            on_rim: vec![false; positions.len()],
+            positions,
+            triangles,
+            neighbours,
+            is_closed,
+            own_length,
+            half_extents: bounds.size() * (0.5 / own_length),
+            half_thickness: f64::INFINITY,
+            tree,
+            field: Field::new(DVec3::ONE, |_| 0.0),
+        };
+        surface.find_normals();
+        surface.field = Field::new(surface.half_extents, |at| surface.searched_distance(at));
+        if is_closed {
+            surface.half_thickness = surface.thickness() * 0.5;
+        }
+        Ok(surface)
+    }
+
+    /// Whether it has an inside; otherwise it has two sides.
+    pub fn is_closed(&self) -> bool {
+        self.is_closed
+    }
+
+    /// The longest extent of the mesh as it was, in its own unit.
+    pub fn own_length(&self) -> f64 {
+        self.own_length
+    }
+
+    /// Half the box around it; the longest is 1/2.
+    pub fn half_extents(&self) -> DVec3 {
+        self.half_extents
+    }
+
+    /// How far it is to the middle of what is thinnest but for sharp edges; infinite where it has no inside.
+    pub fn half_thickness(&self) -> f64 {
+        self.half_thickness
+    }
+
+    /// The vertices.
+    pub fn positions(&self) -> &[DVec3] {
+        &self.positions
+    }
+
+    /// The triangles; counter-clockwise from outside where it is closed.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The triangle beyond every edge of a triangle, the first one from its first corner to the second; none is a number
+    /// that no triangle has.
+    pub fn neighbours(&self) -> &[[u32; 3]] {
+        &self.neighbours
+    }
+
+    /// The normals of the triangles, of length 1.
+    pub fn normals(&self) -> &[DVec3] {
+        &self.normals
+    }
+
+    /// Whether a point is known to be outside and farther away than this, without a search.
+    pub fn is_beyond(&self, at: DVec3, reach: f64) -> bool {
+        matches!(self.field.bound(at), Bound::Outside(least) if least > reach)
+    }
+
+    /// The point of the surface nearest to another.
+    pub fn nearest(&self, at: DVec3) -> NearestPoint {
+        let most = match self.field.bound(at) {
+            Bound::Near(most) => most,
+            Bound::Inside | Bound::Outside(_) => f64::INFINITY,
+        };
+        self.search(at, most)
+    }
+
+    /// Whether a point is inside.
+    pub fn holds(&self, at: DVec3) -> bool {
+        self.is_closed
+            && match self.field.bound(at) {
+                Bound::Outside(_) => false,
+                Bound::Inside => true,
+                Bound::Near(most) => self.search(at, most).is_within(at),
+            }
+    }
+
+    /// Where the line `from + t way`, t from 0 to 1, first goes through the surface; through the faces that it meets from
+    /// outside alone where these are the ones that are asked for.
+    pub fn pierced(&self, from: DVec3, way: DVec3, from_outside: bool) -> Option<Pierced> {
+        let over = DVec3::ONE / way;
+        let entry = |bounds: &Aabb<f64>| {
+            let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+            for axis in 0..3 {
+                let (low, high) = (bounds.min[axis] - SLACK - from[axis], bounds.max[axis] + SLACK - from[axis]);
+                if way[axis] == 0.0 {
+                    if low > 0.0 || high < 0.0 {
+                        return None;
+                    }
+                    continue;
+                }
+                let (a, b) = (low * over[axis], high * over[axis]);
+                (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
+            }
+            (enter <= leave).then_some(enter)
+        };
+        let mut first: Option<Pierced> = None;
+        self.tree.walk(1.0, entry, |leaf, mut most| {
+            for triangle in leaf {
+                let normal = self.normals[triangle];
+                if from_outside && way.dot(normal) >= 0.0 {
+                    continue;
+                }
+                let t = triangle::crossing(self.corners(triangle), from, way);
+                if let Some(t) = t.filter(|t| (0.0..=1.0).contains(t) && first.is_none_or(|found| *t < found.t)) {
+                    first = Some(Pierced { t, normal });
+                    most = t;
+                }
+            }
+            most
+        });
+        first
+    }
+
+    fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        self.triangles[triangle].map(|vertex| self.positions[vertex as usize])
+    }
+
+    /// The nearest point, which is known to be no farther than `most`.
+    fn search(&self, at: DVec3, most: f64) -> NearestPoint {
+        let entry = |bounds: &Aabb<f64>| {
+            let off = (bounds.min - at).max(at - bounds.max).max(DVec3::ZERO);
+            Some(off.length_squared())
+        };
+        let mut best = (f64::INFINITY, 0, DVec3::ZERO, Feature::Face);
+        self.tree.walk(most * most * (1.0 + 1e-9) + 1e-18, entry, |leaf, mut most| {
+            for triangle in leaf {
+                let (point, feature) = triangle::nearest(self.corners(triangle), at);
+                let squared = point.distance_squared(at);
+                if squared < best.0 {
+                    best = (squared, triangle, point, feature);
+                    most = most.min(squared);
+                }
+            }
+            most
+        });
+        let (squared, triangle, point, feature) = best;
+        let across = |edge: usize| self.neighbours[triangle][edge];
+        let (normal, is_on_rim) = match feature {
+            Feature::Face => (self.normals[triangle], false),
+            Feature::Edge(edge) => match across(edge) {
+                NONE => (self.normals[triangle], true),
+                other => (self.normals[triangle] + self.normals[other as usize], false),
+            },
+            Feature::Corner(corner) => {
+                let vertex = self.triangles[triangle][corner] as usize;
+                (self.corner_normals[vertex], self.on_rim[vertex])
+            }
+        };
+        let normal = normal.try_normalize().unwrap_or(self.normals[triangle]);
+        NearestPoint { point, normal, is_on_face: feature == Feature::Face, is_on_rim, distance: squared.sqrt() }
+    }
+
+    fn searched_distance(&self, at: DVec3) -> f64 {
+        let nearest = self.search(at, f64::INFINITY);
+        if self.is_closed && nearest.is_within(at) { -nearest.distance } else { nearest.distance }
+    }
+
+    fn find_normals(&mut self) {
+        let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize_or_zero();
+        self.normals = (0..self.triangles.len()).map(|triangle| normal(self.corners(triangle))).collect();
+        for (number, triangle) in self.triangles.iter().enumerate() {
+            let at = self.corners(number);
+            for corner in 0..3 {
+                let [before, here, after] = [2, 0, 1].map(|step| at[(corner + step) % 3]);
+                let (one, other) = (after - here, before - here);
+                let angle = libm::atan2(one.cross(other).length(), one.dot(other));
+                self.corner_normals[triangle[corner] as usize] += self.normals[number] * angle;
+                if self.neighbours[number][corner] == NONE {
+                    self.on_rim[triangle[corner] as usize] = true;
+                    self.on_rim[triangle[(corner + 1) % 3] as usize] = true;
+                }
+            }
+        }
+        for normal in &mut self.corner_normals {
+            *normal = normal.normalize_or_zero();
+        }
+    }
+
+    /// How far it is through a closed surface where it is thinnest, but for its sharp edges.
+    fn thickness(&self) -> f64 {
+        let step = self.triangles.len().div_ceil(PROBES);
+        let probe = |triangle: usize| {
+            let [a, b, c] = self.corners(triangle);
+            let area = (b - a).cross(c - a).length();
+            let (from, way) = ((a + b + c) / 3.0, self.normals[triangle] * -2.0);
+            let from = from + way * 1e-9;
+            // What is met from within faces the other way.
+            let through = self.pierced(from, way, false).map_or(1.0, |found| found.t * 2.0);
+            (through, area)
+        };
+        let mut probes: Vec<_> = (0..self.triangles.len()).step_by(step).map(probe).collect();
+        probes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut left = THINNER * probes.iter().map(|(_, area)| area).sum::<f64>();
+        let thinnest = probes.iter().find(|(_, area)| {
+            left -= area;
+            left <= 0.0
+        });
+        thinnest.map_or(1.0, |(through, _)| *through)
+    }
+}
+
+/// How much larger boxes are for a line, over the size of the surface: it must not slip between triangles.
+const SLACK: f64 = 1e-9;
+
+impl NearestPoint {
+    /// Whether a point with this one nearest to it is inside a closed surface.
+    fn is_within(&self, at: DVec3) -> bool {
+        (at - self.point).dot(self.normal) < 0.0
+    }
+}
+
+/// The triangles of a mesh over the first vertex at each place: those with an area, and each once, whichever way it faces.
+fn welded(mesh: &TriMesh, positions: &[DVec3]) -> Vec<[u32; 3]> {
+    let weld = mesh.weld();
+    let triangles = mesh.triangles.iter().map(|triangle| triangle.map(|vertex| weld[vertex as usize]));
+    let has_area = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
+        (b - a).cross(c - a).length() > 1e-18
+    };
+    let mut triangles: Vec<_> = triangles.filter(has_area).collect();
+    let key = |triangle: &[u32; 3]| {
+        let mut corners = *triangle;
+        corners.sort_unstable();
+        corners
+    };
+    let mut order: Vec<usize> = (0..triangles.len()).collect();
+    order.sort_by_key(|number| (key(&triangles[*number]), *number));
+    let mut is_first = vec![true; triangles.len()];
+    for pair in order.windows(2) {
+        is_first[pair[1]] = key(&triangles[pair[0]]) != key(&triangles[pair[1]]);
+    }
+    let mut first = is_first.into_iter();
+    triangles.retain(|_| first.next().unwrap_or(true));
+    triangles
+}
+
+#[cfg(test)]
+mod tests;
