@@ -161,7 +161,7 @@
 //! # Words
 //!
 //! particle · link (a spring between two particles, of the family structural, shear or bending) · cell (a filled
-//! voxel) · lattice (particles and links of a body at rest) · body · obstacle (plane, sphere, box, capsule or cylinder) ·
+//! voxel) · lattice (particles and links of a body at rest) · body · obstacle (plane, sphere, box, capsule, cylinder or mesh) ·
 //! material · scene ·
 //! edit · command · model · plan · state · step (one dt, divided into substeps) · frame (one picture) · contact · skin
 //! (the drawn surface) · overlay (what explains a picture) · draw list · pass · preset · report.

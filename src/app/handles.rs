@@ -69,7 +69,7 @@ impl Handles {
     pub fn drag(&self, to: Vec2) -> Option<Command> {
         let Held { id, start, gizmo, handle, from } = self.held.as_ref()?;
         let drag = gizmo.drag(&from.camera, from.size, *handle, from.pointer, to)?;
-        let obstacle = Obstacle { shape: dragged(start.shape, drag), ..start.clone() };
+        let obstacle = Obstacle { shape: dragged(start.shape.clone(), drag), ..start.clone() };
         Some(Command::Drag(Edit::Obstacle(*id, Box::new(obstacle))))
     }
 
@@ -186,12 +186,16 @@ mod tests {
     fn a_cylinder_is_turned_by_a_ring_about_its_own_middle() {
         let cylinder = ObstacleShape::Cylinder(Cylinder::default());
         let turned = dragged(cylinder, Drag::Turn { axis: Vec3::Z, angle_rad: 0.5 });
-        let off = DVec3::from(turned.center()).distance(DVec3::from(cylinder.center()));
+        let off = DVec3::from(turned.center()).distance(DVec3::from(Cylinder::default().center));
         assert!(off < 1e-12, "it stays where it is");
         let [x, y, z] = turned.rotation_deg().expect("it has been turned");
         assert!(x.abs() + y.abs() < 1e-5 && (z - 0.5_f64.to_degrees()).abs() < 1e-4, "about z alone: {x}, {y}, {z}");
         let ball = ObstacleShape::Sphere(Sphere::default());
-        assert_eq!(dragged(ball, Drag::Turn { axis: Vec3::Z, angle_rad: 0.5 }), ball, "nobody sees a ball turn");
+        assert_eq!(
+            dragged(ball.clone(), Drag::Turn { axis: Vec3::Z, angle_rad: 0.5 }),
+            ball,
+            "nobody sees a ball turn"
+        );
     }
 
     #[test]

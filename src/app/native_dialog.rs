@@ -44,6 +44,7 @@ impl NativeDialog {
             let chosen = match purpose {
                 PathUse::OpenScene => dialog.set_title("Open scene").add_filter("Gelatin scene", &["ron"]).pick_file(),
                 PathUse::OpenModel => dialog.set_title("Load model").add_filter("OBJ model", &["obj"]).pick_file(),
+                PathUse::OpenMesh => dialog.set_title("Add mesh").add_filter("OBJ model", &["obj"]).pick_file(),
                 PathUse::OpenState => {
                     dialog.set_title("Open state").add_filter("Gelatin state", &["state"]).pick_file()
                 }

@@ -122,6 +122,10 @@ fn problems(error: &anyhow::Error) -> Vec<Problem> {
         (None, Some(SessionError::Shape { index, source })) => {
             vec![Problem { path: format!("bodies.{index}.{}", source.path()), message: message.clone() }]
         }
+        (None, Some(SessionError::Mesh { index, source })) => {
+            let path = format!("obstacles.{index}.{}", source.path().replace("shape.model", "mesh"));
+            vec![Problem { path, message: message.clone() }]
+        }
         _ => Vec::new(),
     };
     if found.is_empty() { vec![Problem { path: String::new(), message }] } else { found }

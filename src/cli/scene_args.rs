@@ -12,11 +12,12 @@ use crate::disk;
 use crate::machine;
 use crate::scene::body::{MAX_DIVISIONS, ModelShape, UpAxis};
 use crate::scene::param::{self, Param};
+use crate::scene::resolve::load_meshes;
 use crate::scene::{Scene, Shape, path, presets};
-use crate::session::Session;
 use crate::session::document::{Opened, differs, is_scene_path};
 use crate::session::run::{choose_simd_level, simd_levels};
 use crate::session::threads::{choose_threads, choose_threads_beside_window};
+use crate::session::{Session, SessionError};
 use crate::text::{echo, echo_path};
 
 /// The scene and what is set on it.
@@ -98,6 +99,7 @@ impl Changes {
         let mut opened = open(scene)?;
         let before = opened.scene.clone();
         self.apply(&mut opened.scene)?;
+        load_meshes(&mut opened.scene, &opened.base_dir, &()).map_err(SessionError::from)?;
         // What was asked for of a preset or a model can be asked for again; a file differs from what is shown now.
         opened.unsaved = opened.file.is_some() && differs(&before, &opened.scene);
         Ok(opened)

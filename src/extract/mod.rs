@@ -6,4 +6,5 @@ pub mod overlay;
 pub mod scalars;
 pub mod skin;
 pub mod solid;
+pub mod solid_mesh;
 pub mod view;

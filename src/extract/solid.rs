@@ -2,21 +2,23 @@
 
 use glam::DVec3;
 
+use super::solid_mesh::SolidMeshes;
 use crate::math::rotation::from_euler_deg;
 use crate::scene::obstacle::{Capsule, Cylinder, Obstacle, ObstacleShape, Sphere};
 use crate::view::Solid;
 
 /// The visible obstacles of a scene, in its order.
-pub fn solids(obstacles: &[Obstacle]) -> Vec<Solid> {
-    obstacles.iter().filter(|obstacle| !obstacle.hidden).map(|obstacle| solid(&obstacle.shape)).collect()
+pub fn solids(obstacles: &[Obstacle], meshes: &mut SolidMeshes) -> Vec<Solid> {
+    let shown = obstacles.iter().filter(|obstacle| !obstacle.hidden);
+    shown.filter_map(|obstacle| solid(&obstacle.shape, meshes)).collect()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
-fn solid(shape: &ObstacleShape) -> Solid {
+fn solid(shape: &ObstacleShape, meshes: &mut SolidMeshes) -> Option<Solid> {
     let turn = from_euler_deg(shape.rotation_deg().unwrap_or_default());
     let center = DVec3::from(shape.center()).as_vec3();
     let arm = |half_height: f64| (turn.y_axis * half_height).as_vec3();
-    match *shape {
+    Some(match *shape {
         ObstacleShape::Plane(plane) => {
             // z before x: their cross product is the plane's own y.
             let [x, z] = [DVec3::X, DVec3::Z].map(|axis| (turn * axis).as_vec3());
@@ -34,7 +36,13 @@ fn solid(shape: &ObstacleShape) -> Solid {
         ObstacleShape::Cylinder(Cylinder { radius, half_height, .. }) => {
             Solid::Cylinder { center, arm: arm(half_height), radius: radius as f32 }
         }
-    }
+        ObstacleShape::Mesh(ref mesh) => {
+            let surface = mesh.surface()?;
+            let scale = mesh.scale(&surface);
+            let axes = [turn.x_axis, turn.y_axis, turn.z_axis].map(|axis| (axis * scale).as_vec3());
+            Solid::Mesh { center, axes, mesh: meshes.get(&surface) }
+        }
+    })
 }
 
 #[cfg(test)]
@@ -48,7 +56,8 @@ mod tests {
     fn a_turned_plane_keeps_its_extents_and_its_upper_side() {
         let plane = Plane { rotation_deg: [0.0, 90.0, 90.0], half_extents: [2.0, 3.0], ..Plane::default() };
         let turned = Obstacle { shape: ObstacleShape::Plane(plane), ..Obstacle::default() };
-        let [Solid::Plane { axes: [z, x], half_extents, .. }] = solids(&[turned])[..] else {
+        let [Solid::Plane { axes: [z, x], half_extents, .. }] = solids(&[turned], &mut SolidMeshes::default())[..]
+        else {
             panic!("a plane stays a plane")
         };
         let off = (half_extents[0] - 3.0).abs() + (half_extents[1] - 2.0).abs();
@@ -62,6 +71,7 @@ mod tests {
         let shown = Obstacle { shape: sphere, ..Obstacle::default() };
         let hidden = Obstacle { hidden: true, ..shown.clone() };
         let center = Vec3::new(1.0, 2.0, 3.0);
-        assert_eq!(solids(&[hidden, shown]), [Solid::Sphere { center, radius: 0.5 }], "only the visible one");
+        let found = solids(&[hidden, shown], &mut SolidMeshes::default());
+        assert_eq!(found, [Solid::Sphere { center, radius: 0.5 }], "only the visible one");
     }
 }

@@ -90,8 +90,8 @@ pub use model::plan::{
     StageRates,
 };
 pub use model::{
-    BodyModel, ContactModel, ContactRule, Link, LinkFamily, Model, ObstacleModel, ObstacleShape, OrientedForm,
-    OrientedModel, PlaneModel, RecoveryModel, Scheme, Values,
+    BodyModel, ContactModel, ContactRule, Link, LinkFamily, MeshModel, Model, ObstacleModel, ObstacleShape,
+    OrientedForm, OrientedModel, PlaneModel, RecoveryModel, Scheme, Values,
 };
 pub use observe::diagnostics::{Diagnostics, Energy};
 pub use observe::scalars::Quantity;

@@ -106,6 +106,7 @@ impl Renderer {
         let gpu = Device { device, queue };
         self.outline.prepare(gpu, draw_list, frame.size, &self.meshes, &mut counters.overlay_bytes)?;
 
+        self.shapes.update(device, queue, &draw_list.solids);
         let particles_of_skins = self.meshes.skins.iter().map(|skin| skin.particles.clone());
         let lay = Lay::new(draw_list, Extents::new(particles_of_skins, draw_list), self.output.quality);
         let (bodies, solids) = (lay.bodies(draw_list), lay.solids(draw_list));

@@ -1,14 +1,16 @@
 //! The shapes of obstacles: a square, a ball, a cube and a tube with ends. They never change; an obstacle is drawn as one
-//! of them, a capsule as a tube between two balls, with an instance for each.
+//! of them, a capsule as a tube between two balls, with an instance for each. The mesh of an obstacle is
+//! a shape of its own, which is kept as long as the obstacle is there.
 
 use std::f32::consts::PI;
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::Vec3;
 
 use super::buffer::filled;
 use super::layout::{SolidInstance, SolidVertex};
-use crate::view::Solid;
+use crate::view::{Solid, SolidCorner, SolidMesh};
 
 /// Sides of the ball's equator; half as many from pole to pole. Every triangle is paid for twice a frame, and a
 /// silhouette of as many sides is off the round one by a pixel where the ball fills a picture of 1000.
@@ -23,6 +25,8 @@ enum Piece {
     Ball,
     Cube,
     Tube,
+    /// The obstacle's own.
+    Mesh,
 }
 
 /// A piece where an obstacle has it: its middle, and where its axes end, m from the middle.
@@ -49,8 +53,14 @@ fn pieces(solid: &Solid) -> impl Iterator<Item = Placed> + use<> {
             let ends = [center - arm, center + arm].map(|end| Some(ball(end, radius)));
             [Some(tube(center, arm, radius)), ends[0], ends[1]]
         }
+        Solid::Mesh { center, axes, .. } => [Some((Piece::Mesh, center, axes)), None, None],
     };
     pieces.into_iter().flatten()
+}
+
+/// The mesh of an obstacle that is one.
+fn mesh_of(solid: &Solid) -> Option<&Arc<SolidMesh>> {
+    if let Solid::Mesh { mesh, .. } = solid { Some(mesh) } else { None }
 }
 
 /// The pieces of all obstacles, by their instances.
@@ -70,6 +80,16 @@ pub(super) struct Shapes {
     tube: Range<u32>,
     /// The middle one of the square's nine parts, then the eight around it.
     parts: [Range<u32>; 2],
+    /// The meshes of obstacles.
+    meshes: Vec<MeshShape>,
+}
+
+/// A mesh on the device.
+#[derive(Debug)]
+struct MeshShape {
+    mesh: Arc<SolidMesh>,
+    corners: wgpu::Buffer,
+    count: u32,
 }
 
 impl Shapes {
@@ -102,6 +122,26 @@ impl Shapes {
             cube,
             tube,
             parts,
+            meshes: Vec::new(),
+        }
+    }
+
+    /// Brings the meshes of some obstacles to the device, and takes those of no obstacle from it.
+    pub(super) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, solids: &[Solid]) {
+        let wanted = || solids.iter().filter_map(mesh_of);
+        self.meshes.retain(|shape| wanted().any(|mesh| Arc::ptr_eq(mesh, &shape.mesh)));
+        for mesh in wanted() {
+            if self.meshes.iter().any(|shape| Arc::ptr_eq(mesh, &shape.mesh)) {
+                continue;
+            }
+            let vertex = |corner: &SolidCorner| SolidVertex {
+                position: corner.position.to_array(),
+                normal: corner.normal.to_array(),
+            };
+            let vertices: Vec<SolidVertex> = mesh.corners.iter().map(vertex).collect();
+            let contents = bytemuck::cast_slice(&vertices);
+            let corners = filled(device, queue, "solid mesh", contents, wgpu::BufferUsages::VERTEX);
+            self.meshes.push(MeshShape { mesh: Arc::clone(mesh), corners, count: count(vertices.len()) });
         }
     }
 
@@ -125,12 +165,21 @@ impl Shapes {
         wanted: impl Fn(&Solid) -> bool,
     ) {
         self.bind(pass, instances);
-        for (instance, piece, _) in placed_pieces(solids).filter(|(_, _, solid)| wanted(solid)) {
+        for (instance, piece, solid) in placed_pieces(solids).filter(|(_, _, solid)| wanted(solid)) {
             let range = match piece {
                 Piece::Square => &self.square,
                 Piece::Ball => &self.ball,
                 Piece::Cube => &self.cube,
                 Piece::Tube => &self.tube,
+                Piece::Mesh => {
+                    let own = |shape: &&MeshShape| mesh_of(solid).is_some_and(|mesh| Arc::ptr_eq(mesh, &shape.mesh));
+                    if let Some(shape) = self.meshes.iter().find(own) {
+                        pass.set_vertex_buffer(0, shape.corners.slice(..));
+                        pass.draw(0..shape.count, instance..instance + 1);
+                        pass.set_vertex_buffer(0, self.vertices.slice(..));
+                    }
+                    continue;
+                }
             };
             pass.draw_indexed(range.clone(), 0, instance..instance + 1);
         }
@@ -247,7 +296,7 @@ fn add_tube(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "the shapes have a few thousand vertices")]
+#[expect(clippy::cast_possible_truncation, reason = "no shape has more than a few million vertices")]
 fn count(length: usize) -> u32 {
     length as u32
 }
@@ -279,8 +328,9 @@ mod tests {
     fn a_capsule_has_three_instances_and_what_follows_it_its_own() {
         let capsule = Solid::Capsule { center: Vec3::Y, arm: Vec3::X, radius: 0.5 };
         let ball = Solid::Sphere { center: Vec3::ZERO, radius: 1.0 };
-        let found: Vec<_> =
-            placed_pieces(&[ball, capsule, ball]).map(|(instance, piece, _)| (instance, piece)).collect();
+        let found: Vec<_> = placed_pieces(&[ball.clone(), capsule.clone(), ball])
+            .map(|(instance, piece, _)| (instance, piece))
+            .collect();
         let wanted = [Piece::Ball, Piece::Tube, Piece::Ball, Piece::Ball, Piece::Ball];
         assert!(found.into_iter().eq((0..).zip(wanted)));
         assert_eq!(SolidInstance::of(&capsule, [0.0; 3], Default::default()).count(), 3);

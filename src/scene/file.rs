@@ -315,7 +315,7 @@ mod tests {
             assert!(!jargon.iter().any(|word| message.contains(word)), "{text}: {message}");
         }
         let form = refusal("(version: 1, obstacles: [(name: \"a\")])");
-        assert!(form.contains("one of `plane`, `sphere`, `box`, `capsule` and `cylinder`"), "{form}");
+        assert!(form.contains("one of `plane`, `sphere`, `box`, `capsule`, `cylinder` and `mesh`"), "{form}");
         let several = refusal("(version: 1, obstacles: [(box: (), capsule: ())])");
         assert!(several.contains("not several"), "{several}");
         let value = refusal("(version: 1, settings: (dt: 7.0))");

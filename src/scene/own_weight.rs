@@ -151,7 +151,7 @@ fn ground_below(obstacles: &[Obstacle], from: DVec3, down: DVec3) -> Option<Grou
                 .then(|| (way, ((offset + down * way) / sphere.radius).normalize_or(-down)))
         }
         // The box around it: what lies on one that is turned is moved aside by hand.
-        ObstacleShape::Box(_) | ObstacleShape::Capsule(_) | ObstacleShape::Cylinder(_) => {
+        ObstacleShape::Box(_) | ObstacleShape::Capsule(_) | ObstacleShape::Cylinder(_) | ObstacleShape::Mesh(_) => {
             hit_box(&obstacle.shape.bounds(), from, down).map(|way| (way, -down))
         }
     });

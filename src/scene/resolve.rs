@@ -8,11 +8,13 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::body::{ModelShape, Shape};
-use super::builtin;
+use super::obstacle::Mesh;
+use super::{ObstacleShape, Scene, builtin};
 use crate::geometry::import::{self, ImportError, Imported};
+use crate::geometry::surface::SurfaceError;
 use crate::geometry::voxel::{Cells, CellsError, Grid, VoxelReport, VoxelizeError, VoxelizeOptions, voxelize};
 use crate::geometry::watch::CancelOnly;
-use crate::geometry::{Lattice, LatticeCounts, TriMesh, UpAxis, Watch};
+use crate::geometry::{Lattice, LatticeCounts, Surface, TriMesh, UpAxis, Watch};
 
 /// The most particles of a body: its links alone then take more than a gigabyte.
 pub const MAX_PARTICLES: usize = 8_000_000;
@@ -58,11 +60,27 @@ pub enum ResolveError {
         /// The name asked for.
         name: String,
     },
+    /// The model cannot be met.
+    #[error("{model} cannot be an obstacle")]
+    Surface {
+        /// The model's path.
+        model: String,
+        /// Why.
+        source: SurfaceError,
+    },
     /// Too many particles to hold.
     #[error("the body would have {particles} particles, at most {MAX_PARTICLES} can be held; use fewer divisions")]
     TooManyParticles {
         /// How many it would have.
         particles: usize,
+    },
+    /// An obstacle too long or too short to simulate.
+    #[error("{model}: the obstacle would be {length_m:e} m long; set its length to something from 1e-4 to 1e4 m")]
+    MeshLength {
+        /// The model's path.
+        model: String,
+        /// The longest extent, m.
+        length_m: f64,
     },
     /// Too long or too short to simulate.
     #[error("{model}: the body would be {length_m:e} m long; set its length to something from 1e-4 to 1e4 m")]
@@ -79,9 +97,11 @@ impl ResolveError {
     pub fn path(&self) -> &'static str {
         match self {
             Self::Cells(_) => "shape",
-            Self::Import(_) | Self::NoSuchBuiltin { .. } | Self::Voxelize { .. } => "shape.model.path",
+            Self::Import(_) | Self::NoSuchBuiltin { .. } | Self::Voxelize { .. } | Self::Surface { .. } => {
+                "shape.model.path"
+            }
             Self::TooManyParticles { .. } => "shape.model.divisions",
-            Self::Length { .. } => "shape.model.length",
+            Self::Length { .. } | Self::MeshLength { .. } => "shape.model.length",
         }
     }
 }
@@ -164,6 +184,52 @@ pub fn load_model(path: &str, base_dir: &Path, watch: &dyn Watch) -> Result<Impo
         }
         None => Ok(import::load_watched(&base_dir.join(path), &CancelOnly(watch))?),
     }
+}
+
+/// Why the model of an obstacle cannot be met.
+#[derive(Debug, Error)]
+#[error("obstacles.{obstacle}: its model cannot be met")]
+pub struct MeshError {
+    /// The obstacle's place, from 0.
+    pub obstacle: usize,
+    /// Why.
+    pub source: ResolveError,
+}
+
+/// Reads the models of all obstacles that have not been read. Relative paths start at `base_dir`.
+///
+/// # Errors
+/// The first that cannot be read or met.
+pub fn load_meshes(scene: &mut Scene, base_dir: &Path, watch: &dyn Watch) -> Result<(), MeshError> {
+    for place in 0..scene.obstacles.len() {
+        let (known, rest) = scene.obstacles.split_at_mut(place);
+        let Some(ObstacleShape::Mesh(mesh)) = rest.first_mut().map(|obstacle| &mut obstacle.shape) else { continue };
+        if mesh.surface().is_some() {
+            continue;
+        }
+        let twin = known.iter().find_map(|obstacle| match &obstacle.shape {
+            ObstacleShape::Mesh(twin) if twin.path == mesh.path && twin.up == mesh.up => twin.surface(),
+            _ => None,
+        });
+        let surface = match twin {
+            Some(surface) => surface,
+            None => load_surface(mesh, base_dir, watch).map_err(|source| MeshError { obstacle: place, source })?,
+        };
+        mesh.load(surface);
+    }
+    Ok(())
+}
+
+/// Reads the model of an obstacle.
+pub fn load_surface(mesh: &Mesh, base_dir: &Path, watch: &dyn Watch) -> Result<Arc<Surface>, ResolveError> {
+    let mut model = load_model(&mesh.path, base_dir, watch)?.mesh;
+    mesh.up.found(&model).turn(&mut model);
+    let surface = Surface::new(&model).map_err(|source| ResolveError::Surface { model: mesh.path.clone(), source })?;
+    let length_m = mesh.scale(&surface);
+    if !(LENGTHS[0]..=LENGTHS[1]).contains(&length_m) {
+        return Err(ResolveError::MeshLength { model: mesh.path.clone(), length_m });
+    }
+    Ok(Arc::new(surface))
 }
 
 fn fill_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<Filled, ResolveError> {

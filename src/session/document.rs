@@ -14,7 +14,7 @@ use thiserror::Error;
 use crate::disk::{self, fnv1a, folder_of};
 use crate::scene::file::SceneFileError;
 use crate::scene::view_settings::CameraSettings;
-use crate::scene::{Scene, Shape, ViewSettings, builtin, presets};
+use crate::scene::{ObstacleShape, Scene, Shape, ViewSettings, builtin, presets};
 
 /// What a scene without a file is called.
 pub const UNTITLED: &str = "untitled";
@@ -32,10 +32,10 @@ pub enum SaveError {
     #[error("{} has changed on the disk since it was opened; use Save as… to replace it or to keep both", .0.display())]
     ChangedOnDisk(PathBuf),
     /// A model's place cannot be written into the file.
-    #[error("the model of body {}: {} is not UTF-8, so it cannot be written; rename the folder", index + 1, path.display())]
+    #[error("the model of {whose}: {} is not UTF-8, so it cannot be written; rename the folder", path.display())]
     ModelPath {
-        /// The body's place.
-        index: usize,
+        /// The body or obstacle.
+        whose: String,
         /// Where its model is.
         path: PathBuf,
     },
@@ -85,7 +85,13 @@ impl Opened {
             Shape::Model(model) if !model.path.starts_with(builtin::PREFIX) => Some(self.base_dir.join(&model.path)),
             _ => None,
         });
-        models.chain(self.file.clone()).collect()
+        let meshes = self.scene.obstacles.iter().filter_map(|obstacle| match &obstacle.shape {
+            ObstacleShape::Mesh(mesh) if !mesh.path.starts_with(builtin::PREFIX) => {
+                Some(self.base_dir.join(&mesh.path))
+            }
+            _ => None,
+        });
+        models.chain(meshes).chain(self.file.clone()).collect()
     }
 }
 
@@ -172,14 +178,11 @@ fn fingerprint(file: &Path) -> Option<u64> {
 pub fn moved(scene: &Scene, from: &Path, to: &Path) -> Result<Scene, SaveError> {
     let mut scene = scene.clone();
     let [from, to] = [from, to].map(|folder| plain(&absolute(folder)));
-    for (index, body) in scene.bodies.iter_mut().enumerate() {
-        if let Shape::Model(model) = &mut body.shape
-            && !model.path.starts_with(builtin::PREFIX)
-            && (from != to || Path::new(&model.path).is_absolute())
-        {
-            let path = seen_from(&from.join(&model.path), &to);
-            let text = path.to_str().map(|text| if cfg!(windows) { text.replace('\\', "/") } else { text.to_owned() });
-            model.path = text.ok_or(SaveError::ModelPath { index, path })?;
+    for (whose, path) in model_paths(&mut scene) {
+        if from != to || Path::new(&*path).is_absolute() {
+            let found = seen_from(&from.join(&*path), &to);
+            let text = found.to_str().map(|text| if cfg!(windows) { text.replace('\\', "/") } else { text.to_owned() });
+            *path = text.ok_or(SaveError::ModelPath { whose, path: found })?;
         }
     }
     Ok(scene)
@@ -189,15 +192,25 @@ pub fn moved(scene: &Scene, from: &Path, to: &Path) -> Result<Scene, SaveError> 
 pub fn anchored(scene: &Scene, base_dir: &Path) -> Scene {
     let mut scene = scene.clone();
     let base_dir = absolute(base_dir);
-    for body in &mut scene.bodies {
-        if let Shape::Model(model) = &mut body.shape
-            && !model.path.starts_with(builtin::PREFIX)
-            && let Some(path) = base_dir.join(&model.path).to_str()
-        {
-            path.clone_into(&mut model.path);
+    for (_, path) in model_paths(&mut scene) {
+        if let Some(anchored) = base_dir.join(&*path).to_str().map(str::to_owned) {
+            *path = anchored;
         }
     }
     scene
+}
+
+/// The paths of all models that are files, and whose they are.
+fn model_paths(scene: &mut Scene) -> impl Iterator<Item = (String, &mut String)> {
+    let bodies = (1..).zip(&mut scene.bodies).filter_map(|(number, body)| match &mut body.shape {
+        Shape::Model(model) => Some((format!("body {number}"), &mut model.path)),
+        _ => None,
+    });
+    let obstacles = (1..).zip(&mut scene.obstacles).filter_map(|(number, obstacle)| match &mut obstacle.shape {
+        ObstacleShape::Mesh(mesh) => Some((format!("obstacle {number}"), &mut mesh.path)),
+        _ => None,
+    });
+    bodies.chain(obstacles).filter(|(_, path)| !path.starts_with(builtin::PREFIX))
 }
 
 /// An absolute path as seen from an absolute folder without `.` and `..`.

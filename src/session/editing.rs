@@ -10,7 +10,7 @@ use crate::physics::Simulation;
 use crate::physics::{Arrival, BodyMotion};
 use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, body_impact};
 use crate::scene::param::Problem;
-use crate::scene::resolve::Jelly;
+use crate::scene::resolve::{Jelly, load_meshes};
 use crate::scene::{Body, Scene};
 
 impl Session {
@@ -125,6 +125,7 @@ impl Session {
         let edited_body = if let Edit::Body(id, _) = &edit { Some(id.0) } else { None };
         let mut scene = Scene::clone(&self.scene);
         let applied = scene.apply(edit).map_err(|error| self.in_words(error))?;
+        load_meshes(&mut scene, self.library.base_dir(), &())?;
         match applied.impact {
             Impact::Topology => self.rebuild(&scene, &kept_bodies)?,
             Impact::Parameters | Impact::Motion => {

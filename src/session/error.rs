@@ -9,10 +9,16 @@ use super::state_error::StateError;
 use crate::machine::bytes_text;
 use crate::scene::edit::EditError;
 use crate::scene::file::SceneFileError;
-use crate::scene::resolve::ResolveError;
+use crate::scene::resolve::{MeshError, ResolveError};
 
 /// Speeds a person may ask for, simulated seconds a wall second.
 pub(super) const SPEEDS: [f64; 2] = [0.01, 10.0];
+
+impl From<MeshError> for SessionError {
+    fn from(MeshError { obstacle, source }: MeshError) -> Self {
+        Self::Mesh { index: obstacle, source }
+    }
+}
 
 /// Why a session refuses something.
 #[derive(Debug, Error)]
@@ -21,6 +27,15 @@ pub enum SessionError {
     #[error("the shape of body {}", index + 1)]
     Shape {
         /// The body's place.
+        index: usize,
+        /// Why.
+        #[source]
+        source: ResolveError,
+    },
+    /// The model of an obstacle cannot be met.
+    #[error("the model of obstacle {}", index + 1)]
+    Mesh {
+        /// The obstacle's place.
         index: usize,
         /// Why.
         #[source]

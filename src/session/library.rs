@@ -1,7 +1,7 @@
 //! Shapes that have been made ready, so that none is filled with cells twice: not when its body is edited, not when it
 //! comes back by undo, though its file may be gone by then.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::geometry::Watch;
 use crate::scene::Shape;
@@ -23,6 +23,11 @@ impl Library {
     /// An empty one; relative model paths start at `base_dir`.
     pub(super) fn new(base_dir: PathBuf) -> Self {
         Self { base_dir, entries: Vec::new(), filled: Vec::new() }
+    }
+
+    /// The folder that relative model paths start at.
+    pub(super) fn base_dir(&self) -> &Path {
+        &self.base_dir
     }
 
     /// How large a shape is, which need not be made ready for that.

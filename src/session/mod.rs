@@ -66,6 +66,7 @@ use crate::geometry::Watch;
 use crate::machine::threads::kept_awake;
 use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
+use crate::scene::resolve::load_meshes;
 use bodies::Bodies;
 use clock::{Clock, Stretch};
 use costs::Costs;
@@ -145,7 +146,13 @@ impl Session {
         Self::start(scene, self.document.clone(), self.library.clone(), &())
     }
 
-    fn start(scene: Scene, document: Document, mut library: Library, watch: &dyn Watch) -> Result<Self, SessionError> {
+    fn start(
+        mut scene: Scene,
+        document: Document,
+        mut library: Library,
+        watch: &dyn Watch,
+    ) -> Result<Self, SessionError> {
+        load_meshes(&mut scene, library.base_dir(), watch)?;
         let mut bodies = Bodies::resolve(&scene, &mut library, watch)?;
         bodies.dress(&scene);
         let simulation = Simulation::new(&scene, &bodies.lattices());
@@ -346,6 +353,8 @@ mod cure_tests;
 mod fallen_tests;
 #[cfg(test)]
 mod history_tests;
+#[cfg(test)]
+mod mesh_tests;
 #[cfg(test)]
 mod random_tests;
 #[cfg(test)]

@@ -19,7 +19,8 @@ const SAMPLE_CELLS: u32 = 3;
 
 /// The bytes that a scene of bodies of these sizes takes without a window.
 pub(super) fn needed(scene: &Scene, outlines: &[Outline]) -> u64 {
-    let planes = scene.obstacles.iter().filter(|obstacle| matches!(obstacle.shape, ObstacleShape::Plane(_))).count();
+    let has_sides = |shape: &ObstacleShape| matches!(shape, ObstacleShape::Plane(_) | ObstacleShape::Mesh(_));
+    let planes = scene.obstacles.iter().filter(|obstacle| has_sides(&obstacle.shape)).count();
     let size = Size { obstacles: scene.obstacles.len(), planes, scheme: scheme(scene, outlines) };
     let counts: Vec<_> = outlines.iter().map(|outline| outline.counts).collect();
     let vertices = |outline: &Outline| outline.mesh_vertices.max(outline.counts.surface) as u64;

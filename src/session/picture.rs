@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::extract::overlay::OverlaySource;
+use crate::extract::solid_mesh::SolidMeshes;
 use crate::scene::ColorBy;
 use crate::scene::view_settings::Overlays;
 use crate::view::Overlay;
@@ -17,6 +18,7 @@ pub(super) struct Picture {
     pub(super) automatic_range: [f32; 2],
     pub(super) overlay: Overlay,
     pub(super) overlay_source: OverlaySource,
+    pub(super) solid_meshes: SolidMeshes,
 }
 
 impl Picture {

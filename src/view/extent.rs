@@ -130,7 +130,10 @@ mod tests {
     fn the_floor_is_the_lowest_level_plane_with_room_for_all() {
         let slope =
             Solid::Plane { center: Vec3::NEG_Y, axes: [Vec3::new(0.6, 0.8, 0.0), Vec3::Z], half_extents: [9.0; 2] };
-        assert_eq!(picture(vec![level(0.2, 3.0), level(-1.0, 10.0), level(-3.0, 0.1), slope]).floor(), Some(-1.0));
+        assert_eq!(
+            picture(vec![level(0.2, 3.0), level(-1.0, 10.0), level(-3.0, 0.1), slope.clone()]).floor(),
+            Some(-1.0)
+        );
         assert_eq!(picture(vec![slope]).floor(), None, "a slope is none");
     }
 }

@@ -22,6 +22,7 @@ pub mod ray;
 pub mod skin;
 pub mod skin_vertex;
 pub mod solid;
+mod solid_mesh;
 pub mod style;
 
 pub use camera::Camera;
@@ -39,4 +40,5 @@ pub use ray::Ray;
 pub use skin::Skin;
 pub use skin_vertex::SkinVertex;
 pub use solid::Solid;
+pub use solid_mesh::{SolidCorner, SolidEdge, SolidMesh};
 pub use style::Style;

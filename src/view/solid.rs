@@ -1,12 +1,14 @@
 //! The forms of obstacles, to draw and to point at.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
-use super::Ray;
+use super::{Ray, SolidMesh};
 use crate::math::Aabb;
 
 /// An obstacle's form.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Solid {
     /// A two-sided rectangle `center ± half_extents[0] axes[0] ± half_extents[1] axes[1]`.
     Plane {
@@ -51,6 +53,15 @@ pub enum Solid {
         /// The radius, m.
         radius: f32,
     },
+    /// A mesh.
+    Mesh {
+        /// The middle of its box, m.
+        center: Vec3,
+        /// Where its own axes point; at right angles, as long as its unit, m.
+        axes: [Vec3; 3],
+        /// What it is in these axes.
+        mesh: Arc<SolidMesh>,
+    },
 }
 
 /// The least share of a floor's normal that points up.
@@ -81,6 +92,10 @@ impl Solid {
                 let across = (Vec3::ONE - along * along).max(Vec3::ZERO);
                 (center, arm.abs() + Vec3::new(across.x.sqrt(), across.y.sqrt(), across.z.sqrt()) * radius)
             }
+            Self::Mesh { center, axes: [u, v, w], ref mesh } => {
+                let Vec3 { x, y, z } = mesh.half_extents;
+                (center, u.abs() * x + v.abs() * y + w.abs() * z)
+            }
         };
         Aabb { min: center - reach, max: center + reach }
     }
@@ -103,6 +118,11 @@ impl Solid {
                 first(slabs.fold(EVER, common))
             }
             Self::Cylinder { center, arm, radius } => first(in_cylinder(ray, center, arm, radius)),
+            Self::Mesh { center, axes, ref mesh } => {
+                let own = |v: Vec3| Vec3::from(axes.map(|axis| v.dot(axis) / axis.length_squared()));
+                // A distance is as many times the direction in either axes.
+                mesh.hit(&Ray { origin: own(ray.origin - center), direction: own(ray.direction) })
+            }
             Self::Capsule { center, arm, radius } => {
                 // All three are one convex piece.
                 let ends = [center - arm, center + arm].into_iter().filter_map(|end| ray.hit_sphere(end, radius));

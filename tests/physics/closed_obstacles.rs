@@ -63,7 +63,7 @@ fn a_cube_rests_on_every_face_and_end() {
     let ends = [[0.0; 3], [180.0, 30.0, 0.0]].map(|turn| cylinder(turn, 1.2, 0.4));
     for shape in boxes.into_iter().chain(ends) {
         for integrator in [Integrator::SemiImplicit, Integrator::Verlet, Integrator::Stabilised, Integrator::Implicit] {
-            let mut scene = above(shape, 0.02);
+            let mut scene = above(shape.clone(), 0.02);
             scene.settings.integrator = integrator;
             let mut simulation = simulate::<f32>(&scene);
             run(&mut simulation, 2.0);
@@ -83,7 +83,7 @@ fn over_edges_and_round_sides_it_is_never_deeper_than_it_may_be() {
     let capsules = round.map(|turn| capsule(turn, 0.3, 0.5));
     let cylinders = round.map(|turn| cylinder(turn, 0.3, 0.5));
     for shape in boxes.into_iter().chain(capsules).chain(cylinders) {
-        let mut simulation = simulate::<f32>(&above(shape, 0.1));
+        let mut simulation = simulate::<f32>(&above(shape.clone(), 0.1));
         let before = simulation.diagnostics().energy.total();
         for _ in 0..40 {
             run(&mut simulation, 0.025);
@@ -102,7 +102,7 @@ fn friction_holds_on_a_slope_below_its_limit_and_lets_go_above() {
         let turn = [0.0, 0.0, -20.0];
         let along = from_euler_deg(turn) * DVec3::X;
         for shape in [board([0.0; 3], turn, [4.0, 0.5, 2.0]), cylinder(turn, 4.0, 0.5)] {
-            let mut scene = above(shape, 0.0);
+            let mut scene = above(shape.clone(), 0.0);
             scene.bodies[0].pose.rotation_deg = turn;
             scene.bodies[0].pose.position = (from_euler_deg(turn) * DVec3::Y * 1.01).to_array();
             let (was, now) = (&mut scene.obstacles[0], friction);
@@ -122,7 +122,7 @@ fn nothing_passes_a_thin_one_at_any_speed() {
     for shape in [board([0.0; 3], [0.0; 3], [3.0, 0.01, 3.0]), cylinder([0.0; 3], 3.0, 0.01)] {
         for integrator in [Integrator::SemiImplicit, Integrator::Stabilised, Integrator::Implicit] {
             for (speed, dt) in [(1.0, 1e-3), (10.0, 1e-3), (100.0, 1e-3), (1000.0, 1e-3), (100.0, 0.1)] {
-                let mut scene = above(shape, 0.5);
+                let mut scene = above(shape.clone(), 0.5);
                 scene.settings.gravity = [0.0; 3];
                 (scene.settings.integrator, scene.settings.dt) = (integrator, dt);
                 scene.bodies[0].velocity = [0.0, -speed, 0.0];
@@ -148,14 +148,14 @@ fn one_that_is_dragged_through_a_body_takes_all_of_it_along() {
     }
     for shape in shapes {
         for way in [0.5, 1.5, 5.0] {
-            let mut scene = above(shape, 0.0);
+            let mut scene = above(shape.clone(), 0.0);
             scene.bodies[0].pose.position = [0.0, 1.5, 0.0];
             scene.settings.gravity = [0.0; 3];
             let mut simulation = simulate::<f32>(&scene);
             run(&mut simulation, 0.01);
             let moved = &mut scene.obstacles[0].shape;
             moved.center_mut()[0] += way;
-            let moved = *moved;
+            let moved = moved.clone();
             simulation.set_parameters(&scene, &lattices(&scene), &[Some(0)], Arrival::Swept);
             run(&mut simulation, 0.05);
             let deep = deepest(&simulation, &moved);
@@ -173,13 +173,13 @@ fn one_that_is_put_into_a_body_moves_it_out_whole() {
         capsule([0.0, 0.0, 90.0], 0.2, 0.4),
         cylinder([30.0, 0.0, 0.0], 0.3, 0.3),
     ] {
-        let mut scene = above(shape, 5.0);
+        let mut scene = above(shape.clone(), 5.0);
         scene.bodies[0].pose.position = [0.0, 0.5, 0.0];
         scene.obstacles = vec![plane([0.0; 3], [0.0; 3], [0.6, 0.5])];
         let mut simulation = simulate::<f32>(&scene);
         run(&mut simulation, 0.5);
         *shape.center_mut() = [0.2, 0.4, 0.1];
-        scene.obstacles.push(Obstacle { shape, ..Obstacle::default() });
+        scene.obstacles.push(Obstacle { shape: shape.clone(), ..Obstacle::default() });
         simulation.set_parameters(&scene, &lattices(&scene), &[Some(0), None], Arrival::Placed);
         assert_eq!(simulation.state().approaches.len(), 1, "{shape:?}: it is inside");
         for _ in 0..30 {

@@ -13,6 +13,7 @@ mod fallen;
 mod friction;
 mod golden;
 mod integrators;
+mod mesh_obstacles;
 mod placing;
 mod presets;
 mod recovery;

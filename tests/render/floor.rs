@@ -87,7 +87,7 @@ fn the_grid_never_draws_over_bodies_or_obstacles() {
     let ball = Solid::Sphere { center: Vec3::new(1.6, -0.5, 0.0), radius: 0.6 };
     // Below the ground and through it.
     for height in [-1.0, 0.2] {
-        let scene = DrawList { camera, solids: vec![ball], ..cube_at(Vec3::Y * height) };
+        let scene = DrawList { camera, solids: vec![ball.clone()], ..cube_at(Vec3::Y * height) };
         let [with, without] = with_and_without_ground(&scene);
         for middle in [Vec3::new(0.2, height, 0.1), Vec3::new(1.6, -0.5, 0.0)] {
             let at = camera.pixel_of(middle, whole(SIZE)).unwrap();

@@ -140,8 +140,9 @@ fn bodies_can_be_seen_through() {
         studio.picture(&scene, SIZE)
     };
     let middle = |image: &Image| i32::from(image.pixel([120, 120]).unwrap()[0]);
-    let mut change =
-        |see_through| (middle(&picture(vec![ball], see_through)) - middle(&picture(Vec::new(), see_through))).abs();
+    let mut change = |see_through| {
+        (middle(&picture(vec![ball.clone()], see_through)) - middle(&picture(Vec::new(), see_through))).abs()
+    };
     assert!(change(0.0) < 10, "a solid body hides what is behind it: {}", change(0.0));
     assert!(change(0.9) > 20, "one seen through does not: {}", change(0.9));
 }

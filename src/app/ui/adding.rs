@@ -1,14 +1,16 @@
 //! How new bodies and obstacles come: as large as what is there, where a person looks, on what is there and apart from
 //! other things.
 
+use std::path::Path;
+
 use glam::DVec3;
 
 use super::edits::alone;
 use super::{Running, UiState};
 use crate::app::hand::Target;
-use crate::scene::body::{CubeShape, Pose};
+use crate::scene::body::{CubeShape, Pose, UpAxis};
 use crate::scene::edit::{BodyId, Edit, ObstacleId};
-use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Plane, Sphere};
+use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Mesh, Plane, Sphere};
 use crate::scene::placement::{Look, Surroundings};
 use crate::scene::{Body, Obstacle, ObstacleShape, Scene, Shape};
 use crate::session::Command;
@@ -19,6 +21,8 @@ const DROP: f64 = 0.2;
 const SLOPE_DEG: f64 = -15.0;
 /// A plane larger than this many times its surroundings is a floor: another one like it goes beside it.
 const FLOOR: f64 = 4.0;
+/// The length of a new mesh, over that of things.
+const MESH_SIZE: f64 = 1.5;
 
 /// Something new in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,6 +111,18 @@ pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, comman
             );
         }
     }
+}
+
+/// Adds a model as an obstacle, about as large as what is there, and chooses it.
+pub(super) fn add_mesh(path: &Path, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+    let scene = running.scene;
+    let length = MESH_SIZE * usual_size(scene);
+    // Only once the file is read it is known how wide it is.
+    let center = surroundings(running).place(state.look, DVec3::splat(length), 0.0).to_array();
+    let name = path.file_stem().map_or_else(|| "Mesh".to_owned(), |stem| stem.to_string_lossy().into_owned());
+    let path = path.to_string_lossy().into_owned();
+    let shape = ObstacleShape::Mesh(Mesh { path, center, length, up: UpAxis::Auto, ..Mesh::default() });
+    add_obstacle(Obstacle { name, shape, ..Obstacle::default() }, scene, state, commands);
 }
 
 /// Adds another one like something, near it, and chooses it.

@@ -25,7 +25,6 @@ const LEAST_FREE: f32 = 0.25;
 
 /// What the panels remember between frames and the session need not know.
 #[derive(Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "independent wishes and choices, each made or not")]
 pub struct UiState {
     /// The scenes to choose from.
     pub presets: &'static [Preset],
@@ -59,8 +58,6 @@ pub struct UiState {
     pub origin: [f64; 3],
     /// A material that was chosen for a body that is too large for it.
     pub too_heavy: Option<TooHeavy>,
-    /// A person asked to load a model.
-    pub load_model: bool,
     /// Which panels are open.
     pub panels: Panels,
     /// How wide the panels beside the view are.
@@ -115,7 +112,6 @@ impl UiState {
             renaming: None,
             origin: [0.0, 1.0, 0.0],
             too_heavy: None,
-            load_model: false,
             panels: Panels::default(),
             widths: Widths::default(),
             files: FilesState::default(),

@@ -3,6 +3,7 @@
 use egui::{Align, Button, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 
 use super::adding::{self, Form, New};
+use super::files::FileAction;
 use super::icon::{Icon, small_button_ui};
 use super::{Running, UiState, actions, edits, theme, things};
 use crate::app::hand::Target;
@@ -11,15 +12,27 @@ use crate::scene::Scene;
 use crate::scene::edit::{BodyId, ObstacleId};
 use crate::session::Command;
 
-/// What can be added; `None` is a model, which has to be found first.
-const NEW: [(&str, Option<New>); 7] = [
-    ("+ Cube", Some(New::Cube)),
-    ("+ Model…", None),
-    ("+ Plane", Some(New::Obstacle(Form::Plane))),
-    ("+ Sphere", Some(New::Obstacle(Form::Sphere))),
-    ("+ Box", Some(New::Obstacle(Form::Box))),
-    ("+ Capsule", Some(New::Obstacle(Form::Capsule))),
-    ("+ Cylinder", Some(New::Obstacle(Form::Cylinder))),
+/// What a button adds.
+#[derive(Clone, Copy)]
+enum Adds {
+    /// Something that is known.
+    Known(New),
+    /// A model as a body, which has to be found first.
+    Model,
+    /// A model as an obstacle.
+    Mesh,
+}
+
+/// What can be added.
+const NEW: [(&str, Adds); 8] = [
+    ("+ Cube", Adds::Known(New::Cube)),
+    ("+ Model…", Adds::Model),
+    ("+ Plane", Adds::Known(New::Obstacle(Form::Plane))),
+    ("+ Sphere", Adds::Known(New::Obstacle(Form::Sphere))),
+    ("+ Box", Adds::Known(New::Obstacle(Form::Box))),
+    ("+ Capsule", Adds::Known(New::Obstacle(Form::Capsule))),
+    ("+ Cylinder", Adds::Known(New::Obstacle(Form::Cylinder))),
+    ("+ Mesh…", Adds::Mesh),
 ];
 /// From this width on (points) four of them stand in one row.
 const FOUR_NEED: f32 = 290.0;
@@ -58,8 +71,9 @@ pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, co
                 for (label, new) in row {
                     let clicked = ui.add_sized(size, Button::new(*label)).clicked();
                     match new {
-                        Some(new) if clicked => adding::create(*new, running, state, commands),
-                        None if clicked => state.load_model = true,
+                        Adds::Known(new) if clicked => adding::create(*new, running, state, commands),
+                        Adds::Model if clicked => state.files.ask(FileAction::LoadModel),
+                        Adds::Mesh if clicked => state.files.ask(FileAction::AddMesh),
                         _ => (),
                     }
                 }

@@ -27,7 +27,7 @@ use crate::physics::model::plan::Plan;
 use crate::physics::simulation::{Arrival, Simulation};
 use crate::physics::state::fallen;
 use crate::scene::param::{self, Problem};
-use crate::scene::resolve::{ResolveError, resolve};
+use crate::scene::resolve::{MeshError, ResolveError, load_meshes, resolve};
 use crate::scene::{Body, Material, Scene};
 use assembly::Assembled;
 pub use obstacles::DEPTH_SHARE;
@@ -38,6 +38,9 @@ pub enum SceneError {
     /// A value is not allowed.
     #[error(transparent)]
     Value(#[from] Problem),
+    /// The model of an obstacle cannot be met.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     /// A shape gives no particles.
     #[error("bodies.{body}: its shape cannot be made of cells")]
     Shape {
@@ -57,11 +60,13 @@ impl<R: Real> Simulation<R> {
         if let Some(problem) = param::validate(scene).into_iter().next() {
             return Err(problem.into());
         }
+        let mut scene = scene.clone();
+        load_meshes(&mut scene, folder, &())?;
         let lattices = scene.bodies.iter().enumerate().map(|(body, described)| {
             let jelly = resolve(&described.shape, folder, &());
             jelly.map(|jelly| jelly.lattice).map_err(|source| SceneError::Shape { body, source })
         });
-        Ok(Self::new(scene, &lattices.collect::<Result<Vec<_>, _>>()?))
+        Ok(Self::new(&scene, &lattices.collect::<Result<Vec<_>, _>>()?))
     }
 
     /// A scene at its start. `lattices` are those of the scene's bodies, in their order.

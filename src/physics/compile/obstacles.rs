@@ -3,8 +3,10 @@
 use glam::{DMat3, DVec3};
 
 use crate::math::{Aabb, Real, Vector, rotation};
-use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel};
-use crate::scene::obstacle::{Capsule, ContactStiffness, Cylinder, Plane};
+use crate::physics::model::{
+    ContactModel, MeshModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel,
+};
+use crate::scene::obstacle::{Capsule, ContactStiffness, Cylinder, Mesh, Plane};
 use crate::scene::{self, Obstacle};
 
 /// Stiffness of the default contact over the particle's mass, 1/s².
@@ -13,7 +15,7 @@ const AUTO_STIFFNESS: f64 = 1e5;
 /// No particle rests, or ends a step, deeper in an obstacle than this share of its body's size.
 pub const DEPTH_SHARE: f64 = 0.02;
 
-/// Nor deeper than this share of the way to the middle of a box, a capsule or a cylinder: past the middle the nearest way
+/// Nor deeper than this share of the way to the middle of a closed form: past the middle the nearest way
 /// out is the other side.
 const THIN_SHARE: f64 = 0.5;
 
@@ -42,15 +44,14 @@ pub(super) fn contact<R: Real>(
 
 /// The obstacles of a scene.
 pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>> {
-    let mut planes = 0;
+    let mut sides = 0;
     obstacles
         .iter()
         .map(|obstacle| {
-            let (shape, bounds) = match obstacle.shape {
+            let (shape, bounds) = match &obstacle.shape {
                 scene::ObstacleShape::Plane(plane) => {
-                    let side_row = planes;
-                    planes += 1;
-                    plane_model(&plane, side_row)
+                    sides += 1;
+                    plane_model(plane, sides - 1)
                 }
                 scene::ObstacleShape::Sphere(sphere) => {
                     let center = DVec3::from(sphere.center);
@@ -65,13 +66,17 @@ pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>
                     let form = OrientedForm::Box { half_extents: cuboid.half_extents.map(R::from_f64) };
                     oriented(&obstacle.shape, cuboid.rotation_deg, form)
                 }
-                scene::ObstacleShape::Capsule(Capsule { rotation_deg, radius, half_height, .. }) => {
+                &scene::ObstacleShape::Capsule(Capsule { rotation_deg, radius, half_height, .. }) => {
                     let [radius, half_height] = [radius, half_height].map(R::from_f64);
                     oriented(&obstacle.shape, rotation_deg, OrientedForm::Capsule { radius, half_height })
                 }
-                scene::ObstacleShape::Cylinder(Cylinder { rotation_deg, radius, half_height, .. }) => {
+                &scene::ObstacleShape::Cylinder(Cylinder { rotation_deg, radius, half_height, .. }) => {
                     let [radius, half_height] = [radius, half_height].map(R::from_f64);
                     oriented(&obstacle.shape, rotation_deg, OrientedForm::Cylinder { radius, half_height })
+                }
+                scene::ObstacleShape::Mesh(mesh) => {
+                    let model = mesh_model(mesh, &mut sides);
+                    (ObstacleShape::Mesh(model), obstacle.shape.bounds())
                 }
             };
             // Rounding to R must not shrink the box below the obstacle.
@@ -97,6 +102,24 @@ fn oriented<R: Real>(
     let axes = [turn.x_axis, turn.y_axis, turn.z_axis].map(R::Vec3::from_dvec3);
     let center = R::Vec3::from_dvec3(DVec3::from(shape.center()));
     (ObstacleShape::Oriented(OrientedModel { center, axes, form }), shape.bounds())
+}
+
+/// # Panics
+/// If the model of the obstacle has not been read: whoever opens a scene does that first.
+fn mesh_model<R: Real>(mesh: &Mesh, sides: &mut usize) -> MeshModel<R> {
+    let surface = mesh.surface().expect("models of obstacles are read when a scene is opened");
+    let turn = rotation::from_euler_deg(mesh.rotation_deg);
+    let side_row = (!surface.is_closed()).then(|| {
+        *sides += 1;
+        *sides - 1
+    });
+    MeshModel {
+        center: R::Vec3::from_dvec3(DVec3::from(mesh.center)),
+        axes: [turn.x_axis, turn.y_axis, turn.z_axis].map(R::Vec3::from_dvec3),
+        length: mesh.scale(&surface),
+        surface,
+        side_row,
+    }
 }
 
 fn plane_model<R: Real>(plane: &Plane, side_row: usize) -> (ObstacleShape<R>, Aabb<f64>) {

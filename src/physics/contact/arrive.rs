@@ -23,7 +23,7 @@ use super::placed::Placed;
 use super::record::ContactRecord;
 use super::way_out::{Memory, WayOut, way_out};
 use crate::math::{Real, Vector};
-use crate::physics::model::{BodyModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
+use crate::physics::model::{BodyModel, MeshModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::state::State;
 use crate::physics::state::moving::Approach;
 
@@ -126,6 +126,7 @@ pub(in crate::physics) fn pass<R: Real>(
 fn is_same_place<R: Real>(a: &ObstacleShape<R>, b: &ObstacleShape<R>) -> bool {
     match (a, b) {
         (ObstacleShape::Plane(a), ObstacleShape::Plane(b)) => PlaneModel { side_row: b.side_row, ..*a } == *b,
+        (ObstacleShape::Mesh(a), ObstacleShape::Mesh(b)) => MeshModel { side_row: b.side_row, ..a.clone() } == *b,
         _ => a == b,
     }
 }

@@ -6,7 +6,6 @@
 
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::kernels::{GROUP, motion_bounds};
-use crate::physics::model::ObstacleShape;
 use crate::physics::step::substep::Substep;
 
 /// What the broad phase finds of one body.
@@ -74,8 +73,8 @@ impl<R: Real> Near<R> {
         if self.groups[group].overlaps(&obstacle.bounds.grown(self.reach)) {
             return true;
         }
-        let ObstacleShape::Plane(plane) = &obstacle.shape else { return false };
-        let own = &substep.state.side[plane.side_row][substep.model.bodies[number].particles.clone()];
+        let Some(row) = obstacle.shape.side_row() else { return false };
+        let own = &substep.state.side[row][substep.model.bodies[number].particles.clone()];
         own.chunks(GROUP).nth(group).is_some_and(|sides| sides.iter().any(|side| *side != 0))
     }
 }

@@ -257,10 +257,7 @@ impl<'a, R: Real> Candidate<'a, R> {
         let ObstacleModel { shape, bounds, carry, .. } = self.substep.obstacles.met(self.body, obstacle);
         let from = self.substep.state.position[self.particle];
         let path = velocity * self.substep.dt;
-        let side = match shape {
-            ObstacleShape::Plane(plane) => self.substep.state.side[plane.side_row][self.particle],
-            ObstacleShape::Sphere { .. } | ObstacleShape::Oriented(_) => 0,
-        };
+        let side = shape.side_row().map_or(0, |row| self.substep.state.side[row][self.particle]);
         if self.substep.plan.broad_phase && side == 0 && !broad::sweep::<R>(from, path).overlaps(bounds) {
             return None;
         }

@@ -4,7 +4,7 @@ use super::narrow;
 use super::placed::Placed;
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
-use crate::physics::model::{Model, ObstacleShape};
+use crate::physics::model::{MeshModel, Model, ObstacleShape};
 use crate::physics::report::Recorder;
 use crate::physics::state::State;
 
@@ -30,8 +30,8 @@ pub(in crate::physics) fn remember_sides<R: Real>(
                 continue;
             }
             *touching = false;
-            if let ObstacleShape::Plane(plane) = shape {
-                state.side[plane.side_row][body.particles.clone()].fill(0);
+            if let Some(row) = shape.side_row() {
+                state.side[row][body.particles.clone()].fill(0);
             }
         }
     }
@@ -45,13 +45,23 @@ pub(in crate::physics) fn remember_sides<R: Real>(
         counters.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
         counters.fastest_surface_m_s = counters.fastest_surface_m_s.max(contact.surface_velocity.length().to_f64());
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
-        let ObstacleShape::Plane(plane) = &obstacles.met(number, contact.obstacle).shape else {
-            deepest = deepest.max(depth);
-            continue;
+        let shape = &obstacles.met(number, contact.obstacle).shape;
+        let at = state.position[contact.particle];
+        let (row, margin, upper) = match shape {
+            ObstacleShape::Plane(plane) => {
+                let upper = contact.normal.dot(plane.normal) > R::ZERO;
+                (plane.side_row, narrow::plane::rounding_margin(plane, at), upper)
+            }
+            ObstacleShape::Mesh(mesh @ MeshModel { side_row: Some(row), .. }) => {
+                (*row, narrow::mesh::rounding_margin(mesh, at), narrow::mesh::is_upper(mesh, at, contact.normal))
+            }
+            _ => {
+                deepest = deepest.max(depth);
+                continue;
+            }
         };
-        if depth >= -narrow::plane::rounding_margin::<R>(plane, state.position[contact.particle]) {
-            let upper = contact.normal.dot(plane.normal) > R::ZERO;
-            state.side[plane.side_row][contact.particle] = if upper { 1 } else { -1 };
+        if depth >= -margin {
+            state.side[row][contact.particle] = if upper { 1 } else { -1 };
             workspace.touching[number * model.obstacles.len() + contact.obstacle] = true;
             deepest = deepest.max(depth);
         }

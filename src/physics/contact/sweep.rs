@@ -3,12 +3,13 @@
 //! that brings it there ([`Carry`]).
 
 use std::mem::discriminant;
+use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3};
 
 use super::placed::Placed;
 use crate::math::{Aabb, FRAME_SECS, Real, Vector};
-use crate::physics::model::{Carry, Model, ObstacleModel, ObstacleShape, OrientedModel, PlaneModel};
+use crate::physics::model::{Carry, MeshModel, Model, ObstacleModel, ObstacleShape, OrientedModel, PlaneModel};
 use crate::physics::state::State;
 use crate::physics::state::moving::Sweep;
 
@@ -32,7 +33,8 @@ impl Frame {
                 Self { center: plane.center.to_dvec3(), rotation }
             }
             ObstacleShape::Sphere { center, .. } => Self { center: center.to_dvec3(), rotation: DQuat::IDENTITY },
-            ObstacleShape::Oriented(OrientedModel { center, axes, .. }) => {
+            ObstacleShape::Oriented(OrientedModel { center, axes, .. })
+            | ObstacleShape::Mesh(MeshModel { center, axes, .. }) => {
                 let [x, y, z] = axes.map(Vector::to_dvec3);
                 Self { center: center.to_dvec3(), rotation: DQuat::from_mat3(&DMat3::from_cols(x, y, z)) }
             }
@@ -128,10 +130,16 @@ pub(in crate::physics) fn keep_sides<R: Real>(
 ) {
     for (place, (obstacle, before)) in new.obstacles.iter().zip(kept).enumerate() {
         let before = before.map(|before| &old.all()[before].shape);
+        let sweeps = state.sweeps.iter().any(|sweep| sweep.obstacle == place);
+        if let (ObstacleShape::Mesh(mesh), Some(ObstacleShape::Mesh(was))) = (&obstacle.shape, before) {
+            let stayed = MeshModel { side_row: mesh.side_row, ..was.clone() } == *mesh;
+            if let (Some(row), Some(row_before), true) = (mesh.side_row, was.side_row, sweeps || stayed) {
+                state.side[row].clone_from(&sides[row_before]);
+            }
+        }
         let (ObstacleShape::Plane(plane), Some(ObstacleShape::Plane(was))) = (&obstacle.shape, before) else {
             continue;
         };
-        let sweeps = state.sweeps.iter().any(|sweep| sweep.obstacle == place);
         state.side[plane.side_row].clone_from(&sides[was.side_row]);
         let stayed = PlaneModel { side_row: plane.side_row, ..*was } == *plane;
         if sweeps || stayed {
@@ -156,6 +164,7 @@ fn same_form<R: Real>(a: &ObstacleShape<R>, b: &ObstacleShape<R>) -> bool {
         (ObstacleShape::Plane(_), ObstacleShape::Plane(_))
         | (ObstacleShape::Sphere { .. }, ObstacleShape::Sphere { .. }) => true,
         (ObstacleShape::Oriented(a), ObstacleShape::Oriented(b)) => discriminant(&a.form) == discriminant(&b.form),
+        (ObstacleShape::Mesh(a), ObstacleShape::Mesh(b)) => Arc::ptr_eq(&a.surface, &b.surface),
         _ => false,
     }
 }
@@ -169,10 +178,11 @@ fn place<R: Real>(obstacle: &mut ObstacleModel<R>, frame: Frame) {
             plane.normal = R::Vec3::from_dvec3(turned.y_axis);
         }
         ObstacleShape::Sphere { center, .. } => *center = R::Vec3::from_dvec3(frame.center),
-        ObstacleShape::Oriented(oriented) => {
+        ObstacleShape::Oriented(OrientedModel { center, axes, .. })
+        | ObstacleShape::Mesh(MeshModel { center, axes, .. }) => {
             let turned = DMat3::from_quat(frame.rotation);
-            oriented.center = R::Vec3::from_dvec3(frame.center);
-            oriented.axes = [turned.x_axis, turned.y_axis, turned.z_axis].map(R::Vec3::from_dvec3);
+            *center = R::Vec3::from_dvec3(frame.center);
+            *axes = [turned.x_axis, turned.y_axis, turned.z_axis].map(R::Vec3::from_dvec3);
         }
     }
 }

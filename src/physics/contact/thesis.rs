@@ -9,7 +9,7 @@ use super::record::ContactRecord;
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
-use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape, OrientedModel, PlaneModel};
+use crate::physics::model::{ContactModel, MeshModel, ObstacleModel, ObstacleShape, OrientedModel, PlaneModel};
 use crate::physics::report::Recorder;
 use crate::physics::step::substep::Substep;
 
@@ -51,6 +51,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
                     ObstacleShape::Plane(plane) => past_plane(plane, contact, at),
                     ObstacleShape::Sphere { center, radius } => inside_sphere(*center, *radius, at, velocity * dt),
                     ObstacleShape::Oriented(oriented) => inside_oriented(oriented, at),
+                    ObstacleShape::Mesh(mesh) => past_mesh(mesh, contact, at),
                 };
                 let Some((normal, depth)) = found else { continue };
                 let pressing = force[particle];
@@ -104,6 +105,12 @@ fn inside_sphere<R: Real>(center: R::Vec3, radius: R, at: R::Vec3, path: R::Vec3
 fn inside_oriented<R: Real>(oriented: &OrientedModel<R>, at: R::Vec3) -> Option<(R::Vec3, R)> {
     let nearest = super::narrow::oriented::meet(oriented, at, R::Vec3::ZERO)?;
     Some((nearest.normal, -nearest.gap))
+}
+
+/// An open mesh acts on the side of its normals, as a plane does.
+fn past_mesh<R: Real>(mesh: &MeshModel<R>, contact: &ContactModel<R>, at: R::Vec3) -> Option<(R::Vec3, R)> {
+    let (normal, depth) = super::narrow::mesh::past(mesh, at)?;
+    (mesh.side_row.is_none() || depth <= contact.thesis_threshold).then_some((normal, depth))
 }
 
 fn reaction<R: Real>(normal: R::Vec3, depth: R, contact: &ContactModel<R>, force: R::Vec3) -> R::Vec3 {

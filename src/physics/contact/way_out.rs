@@ -1,6 +1,7 @@
 //! The way on which a body gets out of an obstacle that was put into it (its minimum translation): the direction in
 //! which the obstacle pushes all of it, and how far back it has to start so that nothing of the body is inside.
 
+mod mesh;
 mod oriented;
 mod way;
 
@@ -63,6 +64,7 @@ pub(super) fn way_out<R: Real>(
             ball.way_out(model, body, was, position)
         }
         ObstacleShape::Oriented(solid) => oriented::way_out(model, body, solid, memory.shape, position),
+        ObstacleShape::Mesh(mesh) => mesh::way_out(model, body, mesh, memory.shape, position),
     }
 }
 
@@ -215,25 +217,25 @@ mod tests {
         Shape::Sphere(Sphere { center, radius })
     }
 
-    fn check(shape: Shape, way: DVec3, length_m: f64) {
-        let out = out_of(shape).expect("inside");
+    fn check(shape: &Shape, way: DVec3, length_m: f64) {
+        let out = out_of(shape.clone()).expect("inside");
         assert!(out.way.distance(way) < 1e-9, "{shape:?}: {out:?}");
         assert!((out.length_m - length_m).abs() < 1e-6, "{shape:?}: {out:?}, not {length_m} m");
     }
 
     #[test]
     fn a_plane_moves_a_body_to_the_nearer_side_and_rather_up_than_down() {
-        check(upright(0.2), DVec3::NEG_X, 0.3);
-        check(upright(-0.4), DVec3::X, 0.1);
-        check(level(0.2), DVec3::Y, 0.7);
-        check(level(0.45), DVec3::NEG_Y, 0.05);
+        check(&upright(0.2), DVec3::NEG_X, 0.3);
+        check(&upright(-0.4), DVec3::X, 0.1);
+        check(&level(0.2), DVec3::Y, 0.7);
+        check(&level(0.45), DVec3::NEG_Y, 0.05);
     }
 
     #[test]
     fn a_ball_moves_a_body_along_the_line_of_their_middles_or_up() {
         // The nearest particles are half a cell of 1/9 m beside the line in both directions.
-        check(ball([-0.6, 0.0, 0.0], 0.4), DVec3::X, (0.16_f64 - 2.0 / 324.0).sqrt() - 0.1);
-        check(ball([0.0; 3], 0.1), DVec3::Y, (0.01_f64 - 2.0 / 324.0).sqrt() + 0.5);
+        check(&ball([-0.6, 0.0, 0.0], 0.4), DVec3::X, (0.16_f64 - 2.0 / 324.0).sqrt() - 0.1);
+        check(&ball([0.0; 3], 0.1), DVec3::Y, (0.01_f64 - 2.0 / 324.0).sqrt() + 0.5);
         let sideways = out_of(ball([0.1, 0.3, 0.0], 0.3)).expect("inside");
         assert!(sideways.way.distance(DVec3::NEG_X) < 1e-9, "not down through the body: {sideways:?}");
     }
@@ -244,15 +246,15 @@ mod tests {
             Shape::Box(Cuboid { center, rotation_deg: [0.0, 30.0, 0.0], half_extents })
         };
         // It reaches 0.1 m into the body from below, from above and as a board within, thinner than a cell.
-        check(cuboid([0.0, -0.6, 0.0], [2.0, 0.2, 2.0]), DVec3::Y, 0.1);
-        check(cuboid([0.0, 0.5, 0.0], [2.0, 0.1, 2.0]), DVec3::NEG_Y, 0.1);
-        check(cuboid([0.0, -0.4, 0.0], [2.0, 0.001, 2.0]), DVec3::Y, 0.101);
+        check(&cuboid([0.0, -0.6, 0.0], [2.0, 0.2, 2.0]), DVec3::Y, 0.1);
+        check(&cuboid([0.0, 0.5, 0.0], [2.0, 0.1, 2.0]), DVec3::NEG_Y, 0.1);
+        check(&cuboid([0.0, -0.4, 0.0], [2.0, 0.001, 2.0]), DVec3::Y, 0.101);
         let rod = |x: f64| {
             let (center, rotation_deg) = ([x, 0.0, 0.0], [90.0, 0.0, 0.0]);
             Shape::Cylinder(Cylinder { center, rotation_deg, radius: 0.2, half_height: 2.0 })
         };
         // The nearest particles are half a cell of 1/9 m above and below its middle.
-        check(rod(-0.6), DVec3::X, (0.04_f64 - 1.0 / 324.0).sqrt() - 0.1);
+        check(&rod(-0.6), DVec3::X, (0.04_f64 - 1.0 / 324.0).sqrt() - 0.1);
         let capsule = Capsule { center: [0.0, -0.6, 0.0], rotation_deg: [0.0; 3], radius: 0.2, half_height: 0.1 };
         let up = out_of(Shape::Capsule(capsule)).expect("inside");
         assert!(up.way.distance(DVec3::Y) < 1e-9 && up.length_m > 0.15, "{up:?}");
@@ -261,7 +263,7 @@ mod tests {
     #[test]
     fn what_is_beside_a_body_is_not_inside() {
         for shape in [upright(0.6), level(-0.51), ball([0.0, 1.0, 0.0], 0.4)] {
-            assert_eq!(out_of(shape), None, "{shape:?}");
+            assert_eq!(out_of(shape.clone()), None, "{shape:?}");
         }
         let beside = Cuboid { center: [0.0, 0.8, 0.0], rotation_deg: [0.0; 3], half_extents: [1.0, 0.29, 1.0] };
         assert_eq!(out_of(Shape::Box(beside)), None, "a box above it");

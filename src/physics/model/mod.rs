@@ -13,7 +13,7 @@ pub(in crate::physics) use hull::Hull;
 pub(in crate::physics) use link::LinkConstants;
 pub use link::{Link, LinkFamily};
 pub(in crate::physics) use obstacle::Carry;
-pub use obstacle::{ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel};
+pub use obstacle::{MeshModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel};
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,5 +1,10 @@
 //! Obstacles as the narrow phase sees them.
 
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::geometry::Surface;
 use crate::math::{Aabb, Real, Vector};
 
 /// An obstacle as the narrow phase sees it.
@@ -38,7 +43,7 @@ impl<R: Real> Carry<R> {
 }
 
 /// Form and place of an obstacle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ObstacleShape<R: Real> {
     /// A finite plane.
     Plane(PlaneModel<R>),
@@ -51,6 +56,8 @@ pub enum ObstacleShape<R: Real> {
     },
     /// A box, a capsule or a cylinder.
     Oriented(OrientedModel<R>),
+    /// A mesh.
+    Mesh(MeshModel<R>),
 }
 
 impl<R: Real> ObstacleShape<R> {
@@ -59,7 +66,18 @@ impl<R: Real> ObstacleShape<R> {
         match self {
             Self::Plane(PlaneModel { center, .. })
             | Self::Sphere { center, .. }
-            | Self::Oriented(OrientedModel { center, .. }) => center,
+            | Self::Oriented(OrientedModel { center, .. })
+            | Self::Mesh(MeshModel { center, .. }) => center,
+        }
+    }
+
+    /// Which of the state's rows of sides belongs to it; none of what has an inside.
+    #[inline]
+    pub(in crate::physics) fn side_row(&self) -> Option<usize> {
+        match self {
+            Self::Plane(plane) => Some(plane.side_row),
+            Self::Mesh(mesh) => mesh.side_row,
+            Self::Sphere { .. } | Self::Oriented(_) => None,
         }
     }
 }
@@ -77,6 +95,52 @@ pub struct PlaneModel<R: Real> {
     pub normal: R::Vec3,
     /// Which of the state's rows of sides belongs to this plane.
     pub side_row: usize,
+}
+
+/// A mesh with three axes of its own.
+#[derive(Clone, Debug)]
+pub struct MeshModel<R: Real> {
+    /// The middle of its box, m.
+    pub center: R::Vec3,
+    /// Unit vectors along its own x, y and z.
+    pub axes: [R::Vec3; 3],
+    /// The longest extent, m: the unit of the surface.
+    pub length: f64,
+    /// The surface about the origin, over its length.
+    pub surface: Arc<Surface>,
+    /// Which of the state's rows of sides belongs to it; none of a closed mesh.
+    pub side_row: Option<usize>,
+}
+
+impl<R: Real> PartialEq for MeshModel<R> {
+    fn eq(&self, other: &Self) -> bool {
+        let same = |a: f64, b: f64| a.to_bits() == b.to_bits();
+        Arc::ptr_eq(&self.surface, &other.surface)
+            && same(self.length, other.length)
+            && (self.center, self.axes, self.side_row) == (other.center, other.axes, other.side_row)
+    }
+}
+
+impl<R: Real> MeshModel<R> {
+    /// A point in its own axes and unit.
+    #[inline]
+    pub(in crate::physics) fn own(&self, point: R::Vec3) -> DVec3 {
+        self.own_way((point - self.center).to_dvec3())
+    }
+
+    /// A way (m) in its own axes and unit.
+    #[inline]
+    pub(in crate::physics) fn own_way(&self, way: DVec3) -> DVec3 {
+        let [x, y, z] = self.axes.map(|axis| way.dot(axis.to_dvec3()));
+        DVec3::new(x, y, z) / self.length
+    }
+
+    /// A direction in its own axes as the scene has it.
+    #[inline]
+    pub(in crate::physics) fn in_scene(&self, own: DVec3) -> DVec3 {
+        let [x, y, z] = self.axes.map(Vector::to_dvec3);
+        x * own.x + y * own.y + z * own.z
+    }
 }
 
 /// A closed form with three axes of its own.

@@ -4,7 +4,7 @@ use crate::geometry::Family;
 use crate::math::Real;
 use crate::physics::kernels::SimdLevel;
 use crate::physics::limits::SceneLimits;
-use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
+use crate::physics::model::{ContactRule, Model, Scheme};
 use crate::physics::schemes::chebyshev::stages_for;
 
 /// The most halvings of a substep of the implicit integrator.
@@ -247,5 +247,5 @@ impl Plan {
 
 /// Planes among the obstacles of a model.
 pub(in crate::physics) fn plane_count<R: Real>(model: &Model<R>) -> usize {
-    model.obstacles.iter().filter(|obstacle| matches!(obstacle.shape, ObstacleShape::Plane(_))).count()
+    model.obstacles.iter().filter(|obstacle| obstacle.shape.side_row().is_some()).count()
 }

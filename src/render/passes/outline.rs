@@ -334,10 +334,19 @@ fn around(kept: &mut Option<Around>, solid: &Solid, eye: Vec3) -> Arc<Vec<Segmen
             // From within one of the balls there is none.
             if ends.iter().any(Vec::is_empty) { Vec::new() } else { seen_around(ends.concat(), eye) }
         }
+        Solid::Mesh { .. } => Vec::new(),
     };
-    let next = corners.iter().cycle().skip(1);
-    let segments = Arc::new(corners.iter().zip(next).map(|(&a, &b)| Segment::new(a, b, [1.0; 4], 1.0)).collect());
-    *kept = Some(Around { solid: *solid, eye, segments: Arc::clone(&segments) });
+    let segment = |a: Vec3, b: Vec3| Segment::new(a, b, [1.0; 4], 1.0);
+    let segments = if let Solid::Mesh { center, axes, mesh } = solid {
+        let own = Vec3::from(axes.map(|axis| (eye - *center).dot(axis) / axis.length_squared()));
+        let placed = |at: Vec3| *center + axes[0] * at.x + axes[1] * at.y + axes[2] * at.z;
+        mesh.silhouette(own).map(|ends| segment(placed(ends[0]), placed(ends[1]))).collect()
+    } else {
+        let next = corners.iter().cycle().skip(1);
+        corners.iter().zip(next).map(|(&a, &b)| segment(a, b)).collect()
+    };
+    let segments: Arc<Vec<Segment>> = Arc::new(segments);
+    *kept = Some(Around { solid: solid.clone(), eye, segments: Arc::clone(&segments) });
     segments
 }
 

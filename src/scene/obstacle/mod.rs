@@ -1,10 +1,12 @@
 //! Obstacles: fixed things that bodies meet.
 
+mod mesh;
 mod shape;
 mod stiffness;
 
 use serde::{Deserialize, Serialize};
 
+pub use mesh::{Loaded, Mesh};
 pub use shape::{Capsule, Cuboid, Cylinder, ObstacleShape, Plane, Sphere};
 pub use stiffness::ContactStiffness;
 
@@ -54,6 +56,8 @@ struct ObstacleFile {
     capsule: Option<Capsule>,
     #[serde(skip_serializing_if = "Option::is_none")]
     cylinder: Option<Cylinder>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mesh: Option<Mesh>,
     stiffness: ContactStiffness,
     friction_static: f64,
     friction_dynamic: f64,
@@ -77,6 +81,7 @@ impl From<Obstacle> for ObstacleFile {
             cuboid: None,
             capsule: None,
             cylinder: None,
+            mesh: None,
             stiffness: obstacle.stiffness,
             friction_static: obstacle.friction_static,
             friction_dynamic: obstacle.friction_dynamic,
@@ -88,6 +93,7 @@ impl From<Obstacle> for ObstacleFile {
             ObstacleShape::Box(cuboid) => file.cuboid = Some(cuboid),
             ObstacleShape::Capsule(capsule) => file.capsule = Some(capsule),
             ObstacleShape::Cylinder(cylinder) => file.cylinder = Some(cylinder),
+            ObstacleShape::Mesh(mesh) => file.mesh = Some(mesh),
         }
         file
     }
@@ -103,13 +109,18 @@ impl TryFrom<ObstacleFile> for Obstacle {
             file.cuboid.map(ObstacleShape::Box),
             file.capsule.map(ObstacleShape::Capsule),
             file.cylinder.map(ObstacleShape::Cylinder),
+            file.mesh.map(ObstacleShape::Mesh),
         ];
         let mut given = given.into_iter().flatten();
         let shape = match (given.next(), given.next()) {
             (Some(shape), None) => shape,
-            (None, _) => return Err("an obstacle needs one of `plane`, `sphere`, `box`, `capsule` and `cylinder`"),
+            (None, _) => {
+                return Err("an obstacle needs one of `plane`, `sphere`, `box`, `capsule`, `cylinder` and `mesh`");
+            }
             (Some(_), Some(_)) => {
-                return Err("an obstacle is one of `plane`, `sphere`, `box`, `capsule` and `cylinder`, not several");
+                return Err(
+                    "an obstacle is one of `plane`, `sphere`, `box`, `capsule`, `cylinder` and `mesh`, not several",
+                );
             }
         };
         Ok(Self {

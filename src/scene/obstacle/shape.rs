@@ -3,10 +3,11 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::Mesh;
 use crate::math::{Aabb, rotation};
 
 /// The form and place of an obstacle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ObstacleShape {
     /// A finite, two-sided plane.
     Plane(Plane),
@@ -18,11 +19,13 @@ pub enum ObstacleShape {
     Capsule(Capsule),
     /// A cylinder.
     Cylinder(Cylinder),
+    /// A model.
+    Mesh(Mesh),
 }
 
 impl ObstacleShape {
     /// The names of the shapes in a scene file.
-    pub const NAMES: [&str; 5] = ["plane", "sphere", "box", "capsule", "cylinder"];
+    pub const NAMES: [&str; 6] = ["plane", "sphere", "box", "capsule", "cylinder", "mesh"];
 
     /// The middle, m.
     pub fn center(&self) -> [f64; 3] {
@@ -32,6 +35,7 @@ impl ObstacleShape {
             Self::Box(cuboid) => cuboid.center,
             Self::Capsule(capsule) => capsule.center,
             Self::Cylinder(cylinder) => cylinder.center,
+            Self::Mesh(mesh) => mesh.center,
         }
     }
 
@@ -43,13 +47,20 @@ impl ObstacleShape {
             Self::Box(cuboid) => &mut cuboid.center,
             Self::Capsule(capsule) => &mut capsule.center,
             Self::Cylinder(cylinder) => &mut cylinder.center,
+            Self::Mesh(mesh) => &mut mesh.center,
         }
     }
 
     /// How it is turned (degrees); a sphere is not.
     pub fn rotation_deg(&self) -> Option<[f64; 3]> {
-        let mut shape = *self;
-        shape.rotation_deg_mut().copied()
+        match self {
+            Self::Plane(plane) => Some(plane.rotation_deg),
+            Self::Sphere(_) => None,
+            Self::Box(cuboid) => Some(cuboid.rotation_deg),
+            Self::Capsule(capsule) => Some(capsule.rotation_deg),
+            Self::Cylinder(cylinder) => Some(cylinder.rotation_deg),
+            Self::Mesh(mesh) => Some(mesh.rotation_deg),
+        }
     }
 
     /// The same, to turn it.
@@ -60,6 +71,7 @@ impl ObstacleShape {
             Self::Box(cuboid) => Some(&mut cuboid.rotation_deg),
             Self::Capsule(capsule) => Some(&mut capsule.rotation_deg),
             Self::Cylinder(cylinder) => Some(&mut cylinder.rotation_deg),
+            Self::Mesh(mesh) => Some(&mut mesh.rotation_deg),
         }
     }
 
@@ -76,18 +88,26 @@ impl ObstacleShape {
                 let across = (DVec3::ONE - y * y).max(DVec3::ZERO).to_array().map(f64::sqrt);
                 y.abs() * half_height + DVec3::from(across) * radius
             }
+            Self::Mesh(ref mesh) => {
+                let [a, b, c] = mesh.half_extents().to_array();
+                x.abs() * a + y.abs() * b + z.abs() * c
+            }
         };
         let center = DVec3::from(self.center());
         Aabb { min: center - reach, max: center + reach }
     }
 
-    /// How far it is at least from the middle to the surface, m; none of a plane, which has no inside, and of a sphere.
+    /// How far it is at least from the middle to the surface, m; none of what has no inside, and of a sphere.
     pub fn half_thickness(&self) -> Option<f64> {
         match *self {
             Self::Plane(_) | Self::Sphere(_) => None,
             Self::Box(Cuboid { half_extents: [a, b, c], .. }) => Some(a.min(b).min(c)),
             Self::Capsule(Capsule { radius, .. }) => Some(radius),
             Self::Cylinder(Cylinder { radius, half_height, .. }) => Some(radius.min(half_height)),
+            Self::Mesh(ref mesh) => {
+                let surface = mesh.surface().filter(|surface| surface.is_closed())?;
+                Some(surface.half_thickness() * mesh.scale(&surface))
+            }
         }
     }
 
@@ -98,9 +118,18 @@ impl ObstacleShape {
             Self::Sphere(Sphere { radius, .. })
             | Self::Capsule(Capsule { radius, .. })
             | Self::Cylinder(Cylinder { radius, .. }) => 2.0 * radius,
-            Self::Box(Cuboid { half_extents: [a, b, c], .. }) => 2.0 * a.min(b).max(a.max(b).min(c)),
+            Self::Box(Cuboid { half_extents: [a, b, c], .. }) => second(a, b, c),
+            Self::Mesh(ref mesh) => {
+                let [a, b, c] = mesh.half_extents().to_array();
+                second(a, b, c)
+            }
         }
     }
+}
+
+/// The second smallest of the sides of a box, of which half are given.
+fn second(a: f64, b: f64, c: f64) -> f64 {
+    2.0 * a.min(b).max(a.max(b).min(c))
 }
 
 /// A finite, two-sided plane: a rectangle in any orientation.

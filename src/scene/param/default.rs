@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::definition::Param;
 use crate::scene::body::{CellsShape, CubeShape, Inlay, ModelShape, PinBox};
-use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Plane, Sphere};
+use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Mesh, Plane, Sphere};
 use crate::scene::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid};
 
 impl Param {
@@ -39,6 +39,7 @@ pub(in crate::scene) fn specimen() -> Scene {
     let mut scene = defaults();
     let model = ModelShape { path: "builtin:tree.obj".to_owned(), ..ModelShape::default() };
     scene.bodies[2].shape = Shape::Model(model);
+    scene.obstacles[5].shape = ObstacleShape::Mesh(Mesh { path: "builtin:tree.obj".to_owned(), ..Mesh::default() });
     scene
 }
 
@@ -60,6 +61,7 @@ fn defaults() -> Scene {
             obstacle(ObstacleShape::Box(Cuboid::default())),
             obstacle(ObstacleShape::Capsule(Capsule::default())),
             obstacle(ObstacleShape::Cylinder(Cylinder::default())),
+            obstacle(ObstacleShape::Mesh(Mesh::default())),
         ],
         ..Scene::default()
     }

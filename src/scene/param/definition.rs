@@ -10,6 +10,9 @@ use crate::text::echo;
 /// Where a model file is named.
 pub(super) const MODEL_PATH: &str = "bodies.*.shape.model.path";
 
+/// The same of an obstacle.
+pub(super) const MESH_PATH: &str = "obstacles.*.mesh.path";
+
 /// A value a person can set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Param {
@@ -103,7 +106,9 @@ impl Param {
             },
             (Kind::NumberOr { word, .. }, Value::String(text)) if text == word => None,
             (Kind::Word(words), Value::String(text)) if words.contains(&text.as_str()) => None,
-            (Kind::Text, Value::String(text)) if self.path == MODEL_PATH && text.trim().is_empty() => {
+            (Kind::Text, Value::String(text))
+                if [MODEL_PATH, MESH_PATH].contains(&self.path) && text.trim().is_empty() =>
+            {
                 Some("\"\" names no file; give a path, or builtin:NAME".to_owned())
             }
             (Kind::Flag, Value::Bool(_)) | (Kind::Text, Value::String(_)) => None,

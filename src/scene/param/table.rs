@@ -1,6 +1,6 @@
 //! The table of every tunable. Reads like a list; what a row means is in the module above.
 
-use super::definition::{Kind, MODEL_PATH, Param};
+use super::definition::{Kind, MESH_PATH, MODEL_PATH, Param};
 use crate::scene::VERSION;
 
 /// Metres to the edge of the world: further out a single-precision position is coarser than a millimetre.
@@ -74,6 +74,11 @@ pub const PARAMS: &[Param] = &[
     number("obstacles.*.cylinder.rotation_deg", "°", -360.0, 360.0, "Turns about x, then y, then z (fixed axes); none is upright.").of(3),
     number("obstacles.*.cylinder.radius", "m", 1e-3, FAR, "The radius of the cylinder.").log(),
     number("obstacles.*.cylinder.half_height", "m", 1e-3, FAR, "Half the length of the cylinder.").log(),
+    text(MESH_PATH, "The model file of the obstacle, relative to the scene file; builtin:NAME for one the program carries."),
+    number("obstacles.*.mesh.center", "m", -FAR, FAR, "The middle of the box of the model.").of(3),
+    number("obstacles.*.mesh.rotation_deg", "°", -360.0, 360.0, "Turns about x, then y, then z (fixed axes).").of(3),
+    number("obstacles.*.mesh.length", "m", 0.0, 1e3, "Longest extent after scaling; 0 keeps the file's own size."),
+    words("obstacles.*.mesh.up", &["auto", "y", "z", "x", "minus_y", "minus_z", "minus_x"], "The axis of the model's file that points up; auto is z where the model stands only that way, y otherwise."),
     Param {
         kind: Kind::NumberOr { word: "auto", min: 0.0, max: 1e9 },
         ..number("obstacles.*.stiffness", "N/m", 0.0, 1e9, "How hard the obstacle pushes a particle back; auto chooses so that resting bodies sink little.").log()

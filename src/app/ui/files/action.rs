@@ -17,6 +17,8 @@ pub enum FileAction {
     SaveAs,
     /// The assistant that makes a model into jelly.
     LoadModel,
+    /// Choose a model and add it as an obstacle.
+    AddMesh,
     /// The dialog to go on from a saved state.
     OpenState,
     /// The dialog to save the present state.

@@ -19,7 +19,7 @@ use std::path::Path;
 
 use egui::Ui;
 
-use super::{Running, UiState};
+use super::{Running, UiState, adding};
 use crate::session::{Command, Status};
 use state::PathDialog;
 
@@ -39,9 +39,6 @@ pub(super) fn files_ui(
     commands: &mut Vec<Command>,
 ) {
     drop::drop_ui(ui, state);
-    if std::mem::take(&mut state.load_model) {
-        state.files.ask(FileAction::LoadModel);
-    }
     // One thing at a time: a simulation that broke comes first.
     if status.trouble.is_none() {
         recovery_card::recovery_card_ui(ui, state);
@@ -51,6 +48,9 @@ pub(super) fn files_ui(
     }
     if let Some(running) = running {
         load_model::load_model_ui(ui, running, state, commands);
+        if let Some(path) = state.files.mesh.take() {
+            adding::add_mesh(&path, running, state, commands);
+        }
     }
     question::hold_back(status, &mut state.files, commands);
     question::question_ui(ui, status, &mut state.files, commands);
@@ -90,6 +90,10 @@ fn begin(action: FileAction, status: &Status, state: &mut UiState, commands: &mu
         FileAction::LoadModel => {
             let start = files.model_folder(status);
             files.load_model(&start);
+        }
+        FileAction::AddMesh => {
+            let start = files.model_folder(status);
+            files.dialog = Some(PathDialog::new(PathUse::OpenMesh, &start));
         }
         FileAction::Recover => question::wish(Wish::Recover, status, files),
         FileAction::Quit => question::wish(Wish::Quit, status, files),

@@ -1,6 +1,6 @@
 //! The dialogs that ask for a path: open a scene or a state, save one.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use egui::{RichText, Ui};
 
@@ -22,10 +22,10 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, files: &mut FilesState, commands: &mut
     let name = match dialog.purpose {
         PathUse::SaveScene => "Save scene as",
         PathUse::OpenScene | PathUse::OpenModel => "Open scene",
+        PathUse::OpenMesh => "Add mesh",
         PathUse::SaveState => "Save state as",
         PathUse::OpenState => "Open state",
     };
-    let saves = matches!(dialog.purpose, PathUse::SaveScene | PathUse::SaveState);
     let mut done = false;
     let escaped = dialog_ui(ui, name, 560.0, |ui| {
         let height = (ui.ctx().content_rect().height() - REST).clamp(60.0, LIST_HEIGHT);
@@ -40,11 +40,16 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, files: &mut FilesState, commands: &mut
         ui.add_space(6.0);
         buttons_ui(ui, |ui| {
             let verdict = dialog.field.verdict().clone();
+            let act = match dialog.purpose {
+                PathUse::SaveScene | PathUse::SaveState => "Save",
+                PathUse::OpenMesh => "Add",
+                PathUse::OpenScene | PathUse::OpenModel | PathUse::OpenState => "Open",
+            };
             let (label, ready) = match &verdict {
                 Verdict::Replaces(_) => ("Replace", true),
                 Verdict::Model(_) => ("Load model…", true),
-                Verdict::Usable(..) => (if saves { "Save" } else { "Open" }, true),
-                _ => (if saves { "Save" } else { "Open" }, false),
+                Verdict::Usable(..) => (act, true),
+                _ => (act, false),
             };
             let confirmed = main_button_ui(ui, label, ready).clicked() || (response.entered && ready);
             let cancelled = ui.button("Cancel").clicked();
@@ -66,6 +71,10 @@ fn confirm(verdict: Verdict, purpose: PathUse, files: &mut FilesState, commands:
         }
         (Verdict::Usable(path, _) | Verdict::Replaces(path), PathUse::SaveState) => {
             commands.push(Command::SaveState { path });
+        }
+        (Verdict::Usable(path, _), PathUse::OpenMesh) => {
+            files.folders.model = path.parent().map(Path::to_owned);
+            files.mesh = Some(path);
         }
         (Verdict::Usable(path, _), PathUse::OpenState) => commands.push(Command::OpenState { path }),
         (Verdict::Model(path), _) => files.load_model(&path),

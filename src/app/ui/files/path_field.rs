@@ -29,6 +29,8 @@ pub enum PathUse {
     SaveScene,
     /// A model is read from it.
     OpenModel,
+    /// The model of an obstacle is read from it.
+    OpenMesh,
     /// A state is read from it.
     OpenState,
     /// The state is written to it.
@@ -228,10 +230,11 @@ fn judge(purpose: PathUse, text: &str) -> Verdict {
         PathUse::SaveState => judge_target(path, "state"),
         _ if !path.exists() => Verdict::Unusable(format!("{} does not exist", path.display())),
         _ if path.is_dir() => Verdict::Unusable(format!("{} is a folder", path.display())),
-        PathUse::OpenModel if is_scene_path(&path) => {
+        PathUse::OpenModel | PathUse::OpenMesh if is_scene_path(&path) => {
             Verdict::Unusable(format!("{} is a scene, not a model; use Open…", path.display()))
         }
         PathUse::OpenModel => Verdict::Usable(path, String::new()),
+        PathUse::OpenMesh => Verdict::Usable(path, "A model: it will stop bodies and keep its form".to_owned()),
         PathUse::OpenScene if is_model_path(&path) => Verdict::Model(path),
         PathUse::OpenState => match state_file::summary(&path) {
             Ok(state) => Verdict::Usable(path, format!("A state of {} at {:.3} s", state.scene, state.time_secs)),
@@ -295,7 +298,7 @@ fn entries(purpose: PathUse, text: &str) -> Vec<Entry> {
         typed.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default()
     };
     let fits = |path: &Path| match purpose {
-        PathUse::OpenModel => is_model_path(path),
+        PathUse::OpenModel | PathUse::OpenMesh => is_model_path(path),
         PathUse::OpenScene | PathUse::SaveScene => is_scene_path(path),
         PathUse::OpenState | PathUse::SaveState => has_ending(path, "state"),
     };

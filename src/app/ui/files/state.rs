@@ -40,6 +40,8 @@ pub struct FilesState {
     /// Refused saves that a person has answered.
     pub(super) answered_refusals: u32,
     pub(super) model: Option<LoadModel>,
+    /// The model that was chosen to be an obstacle.
+    pub(super) mesh: Option<PathBuf>,
 }
 
 impl FilesState {

@@ -4,6 +4,7 @@
 mod body;
 mod light;
 mod material;
+mod mesh;
 mod obstacle;
 mod own_weight;
 mod section;

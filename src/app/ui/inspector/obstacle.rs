@@ -2,6 +2,7 @@
 
 use egui::Ui;
 
+use super::mesh::mesh_ui;
 use super::section::section_ui;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, Interaction, field_ui, slider_ui, vector_ui};
@@ -57,6 +58,7 @@ fn place_ui(ui: &mut Ui, id: ObstacleId, obstacle: &mut Obstacle) -> Interaction
             let path = |what: &str| path(&format!("cylinder.{what}"));
             round_ui(ui, path, [center, rotation_deg], [radius, half_height])
         }
+        ObstacleShape::Mesh(mesh) => mesh_ui(ui, |what| path(&format!("mesh.{what}")), mesh),
     }
 }
 

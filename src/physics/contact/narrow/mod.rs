@@ -3,6 +3,7 @@
 mod capsule;
 mod cuboid;
 mod cylinder;
+pub(super) mod mesh;
 pub(super) mod oriented;
 pub(super) mod plane;
 mod round;
@@ -12,12 +13,13 @@ use super::surface::Surface;
 use crate::math::Real;
 use crate::physics::model::ObstacleShape;
 
-/// The surface as a particle meets it that starts at `from`, moves by `path` past the obstacle, and touched the plane on
-/// `side` before; none where it meets none.
+/// The surface as a particle meets it that starts at `from`, moves by `path` past the obstacle, and touched a plane
+/// or an open mesh on `side` before; none where it meets none.
 pub(super) fn meet<R: Real>(shape: &ObstacleShape<R>, side: i8, from: R::Vec3, path: R::Vec3) -> Option<Surface<R>> {
     match shape {
         ObstacleShape::Plane(plane) => plane::meet(plane, side, from, path),
         ObstacleShape::Sphere { center, radius } => sphere::meet(*center, *radius, from, path),
         ObstacleShape::Oriented(oriented) => oriented::meet(oriented, from, path),
+        ObstacleShape::Mesh(mesh) => mesh::meet(mesh, side, from, path),
     }
 }

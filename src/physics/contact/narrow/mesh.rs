@@ -1,0 +1,138 @@
+//! Narrow phase against a mesh.
+//!
+//! ```text
+//!        from ●               from outside: the plane of the first triangle that the path goes through
+//!              ╲ path
+//!     ╱╲____╱╲__╳____
+//!    ╱           ╲   ╲        from inside: the nearest point of the surface, which is the shortest way out
+//!   ╱             ◌   ╲
+//! ```
+//!
+//! A mesh that is not closed has two sides, as a plane has: what touches it keeps the side that it came from as long as
+//! it is over the surface and behind it or moving into it. Which side that is, +1 or −1, is told by the normal of the
+//! nearest triangle; neighbours all face one way.
+
+use glam::DVec3;
+
+use crate::geometry::surface::NearestPoint;
+use crate::math::{Real, Vector};
+use crate::physics::contact::surface::Surface;
+use crate::physics::model::MeshModel;
+
+/// A point so near to the surface, over its length, has no direction to it but the normal.
+const ON_IT: f64 = 1e-9;
+
+/// How a particle at `from` that would move by `path` meets the mesh; `side` is the side of an open mesh that it touched.
+pub(in crate::physics::contact) fn meet<R: Real>(
+    mesh: &MeshModel<R>,
+    side: i8,
+    from: R::Vec3,
+    path: R::Vec3,
+) -> Option<Surface<R>> {
+    let (at, way) = (mesh.own(from), mesh.own_way(path.to_dvec3()));
+    // What touches an open mesh may be deeper behind it than it moves.
+    if side == 0 && mesh.surface.is_beyond(at, way.length()) {
+        return None;
+    }
+    let met = if mesh.side_row.is_none() {
+        meet_closed(mesh, at, way)
+    } else {
+        meet_open(mesh, side, at, way, rounding_margin(mesh, from).to_f64() / mesh.length)
+    };
+    met.map(|(normal, gap)| surface(mesh, normal, gap))
+}
+
+fn meet_closed<R: Real>(mesh: &MeshModel<R>, at: DVec3, way: DVec3) -> Option<(DVec3, f64)> {
+    let nearest = mesh.surface.nearest(at);
+    let off = at - nearest.point;
+    if off.dot(nearest.normal) <= 0.0 {
+        return Some((direction(&nearest, -off), -nearest.distance));
+    }
+    if nearest.distance > way.length() {
+        return None;
+    }
+    entered(mesh, at, way, true)
+}
+
+fn meet_open<R: Real>(mesh: &MeshModel<R>, side: i8, at: DVec3, way: DVec3, margin: f64) -> Option<(DVec3, f64)> {
+    let free = || entered(mesh, at, way, false).or_else(|| ends_on(mesh, at, way, margin));
+    if side == 0 {
+        return free();
+    }
+    let nearest = mesh.surface.nearest(at);
+    if nearest.is_on_rim {
+        return free();
+    }
+    let off = at - nearest.point;
+    let facing = nearest.normal * f64::from(side);
+    if off.dot(facing) < 0.0 {
+        let is_told = nearest.is_on_face || nearest.distance < ON_IT;
+        let out = if is_told { facing } else { off * (-1.0 / nearest.distance) };
+        return Some((out, -nearest.distance));
+    }
+    if nearest.distance + way.dot(facing) < margin {
+        return Some((facing, nearest.distance));
+    }
+    free()
+}
+
+/// The plane of an open mesh where a path ends so near to it that rounding may carry what goes there through it unseen.
+fn ends_on<R: Real>(mesh: &MeshModel<R>, at: DVec3, way: DVec3, margin: f64) -> Option<(DVec3, f64)> {
+    let end = at + way;
+    if mesh.surface.is_beyond(end, margin) {
+        return None;
+    }
+    let nearest = mesh.surface.nearest(end);
+    if nearest.distance >= margin || nearest.is_on_rim {
+        return None;
+    }
+    let height = (at - nearest.point).dot(nearest.normal);
+    let is_upper = if height == 0.0 { way.dot(nearest.normal) <= 0.0 } else { height > 0.0 };
+    Some(if is_upper { (nearest.normal, height) } else { (-nearest.normal, -height) })
+}
+
+/// The direction out for a point that is behind the surface: `out` leads to the nearest point.
+fn direction(nearest: &NearestPoint, out: DVec3) -> DVec3 {
+    if nearest.is_on_face || nearest.distance < ON_IT { nearest.normal } else { out / nearest.distance }
+}
+
+/// Where a path goes through the surface.
+fn entered<R: Real>(mesh: &MeshModel<R>, at: DVec3, way: DVec3, from_outside: bool) -> Option<(DVec3, f64)> {
+    let hit = mesh.surface.pierced(at, way, from_outside)?;
+    let normal = if way.dot(hit.normal) < 0.0 { hit.normal } else { -hit.normal };
+    Some((normal, -way.dot(normal) * hit.t))
+}
+
+/// As the scene has it.
+fn surface<R: Real>(mesh: &MeshModel<R>, normal: DVec3, gap: f64) -> Surface<R> {
+    Surface { normal: R::Vec3::from_dvec3(mesh.in_scene(normal)), gap: R::from_f64(gap * mesh.length) }
+}
+
+/// How deep a point is behind the surface, m, and the way out; of an open mesh behind the side of its normals.
+pub(in crate::physics::contact) fn past<R: Real>(mesh: &MeshModel<R>, at: R::Vec3) -> Option<(R::Vec3, R)> {
+    let at = mesh.own(at);
+    if mesh.surface.is_beyond(at, 0.0) && mesh.side_row.is_none() {
+        return None;
+    }
+    let nearest = mesh.surface.nearest(at);
+    let off = at - nearest.point;
+    let is_past = off.dot(nearest.normal) <= 0.0 && !nearest.is_on_rim;
+    let Surface { normal, gap } = surface(mesh, direction(&nearest, -off), -nearest.distance);
+    is_past.then_some((normal, -gap))
+}
+
+/// Whether a contact on an open mesh is on the side of its normals.
+pub(in crate::physics::contact) fn is_upper<R: Real>(mesh: &MeshModel<R>, at: R::Vec3, normal: R::Vec3) -> bool {
+    let own = mesh.surface.nearest(mesh.own(at)).normal;
+    mesh.in_scene(own).dot(normal.to_dvec3()) > 0.0
+}
+
+/// How far rounding may move a particle through the surface unseen, m.
+pub(in crate::physics::contact) fn rounding_margin<R: Real>(mesh: &MeshModel<R>, at: R::Vec3) -> R {
+    let extent = |v: R::Vec3| v.components().into_iter().fold(R::ZERO, |sum, x| sum + x.abs());
+    R::EPSILON * R::from_f64(4.0) * (extent(at) + extent(mesh.center) + R::from_f64(mesh.length))
+}
+
+#[cfg(test)]
+#[path = "mesh_tests.rs"]
+mod tests;

@@ -1,0 +1,112 @@
+//! The way out of a mesh: to where most of what is inside is nearest to the surface, away from its middle, or up.
+
+use glam::DVec3;
+
+use super::way::{SAME_MIDDLE, WayOut, free, shortest};
+use crate::math::{Real, Vector};
+use crate::physics::model::{BodyModel, MeshModel, Model, ObstacleShape};
+
+/// What is out on one side of a mesh may be in on the next: so often a way is made longer.
+const ROUNDS: usize = 12;
+
+/// Farther ahead of what is in the box around a mesh there is nothing of it.
+const REACH: f64 = 8.0;
+
+/// What is this far out of a mesh, over its length, is out.
+const CLEAR: f64 = 1e-6;
+
+/// The shortest of some ways out; `was` is what the body met before, if it was one like it.
+pub(super) fn way_out<R: Real>(
+    model: &Model<R>,
+    body: &BodyModel<R>,
+    mesh: &MeshModel<R>,
+    was: Option<&ObstacleShape<R>>,
+    position: &[R::Vec3],
+) -> Option<WayOut> {
+    let was = match was {
+        Some(ObstacleShape::Mesh(was)) => Some(was),
+        _ => None,
+    };
+    let margin = 8.0 * R::EPSILON.to_f64() * (mesh.length + mesh.center.to_dvec3().abs().max_element());
+    let depth = |mesh: &MeshModel<R>, at: R::Vec3| {
+        let at = mesh.own(at);
+        if mesh.surface.holds(at) { mesh.surface.nearest(at).distance * mesh.length } else { 0.0 }
+    };
+    // As deep as it was in contact before, a particle may stay.
+    let allowed = |at: R::Vec3| was.map_or(0.0, |was| depth(was, at)) + margin;
+    let inside = free(body).map(|particle| position[particle]).filter(|at| depth(mesh, *at) > allowed(*at));
+    let inside: Vec<DVec3> = inside.map(|at| mesh.own(at)).collect();
+    let pierced = pierced(body, mesh, position);
+    if inside.is_empty() && pierced.is_empty() {
+        return None;
+    }
+    let mut outwards = DVec3::ZERO;
+    for at in &inside {
+        outwards += mesh.surface.nearest(*at).point - *at;
+    }
+    let facing: DVec3 = pierced.iter().map(|(_, normal)| *normal).sum();
+    let up = (-model.gravity.to_dvec3()).try_normalize().unwrap_or(DVec3::Y);
+    let count = body.particles.len().max(1) as f64;
+    let at = |particle: usize| position[particle].to_dvec3();
+    let radial = body.particles.clone().map(at).sum::<DVec3>() / count - mesh.center.to_dvec3();
+    // Where the middles meet, what is between them is rounding and no direction.
+    let told = (radial.length() > SAME_MIDDLE * body.size.to_f64()).then_some(radial);
+    let [outwards, facing] = [outwards, facing].map(|own| mesh.in_scene(own));
+    let ways = [outwards, facing, -facing, up].into_iter().chain(told).filter_map(DVec3::try_normalize);
+    let points: Vec<DVec3> =
+        free(body).map(|p| mesh.own(position[p])).chain(pierced.iter().map(|(at, _)| *at)).collect();
+    let length_m = |way: DVec3| {
+        let own = mesh.own_way(way) * mesh.length;
+        let length = if pierced.is_empty() { length_out(mesh, &inside, own) } else { length_past(mesh, &points, own) };
+        mesh.length * length + margin
+    };
+    let found = shortest(model.gravity.to_dvec3(), ways.map(|way| WayOut { way, length_m: length_m(way) }));
+    found.filter(|out| out.length_m > margin)
+}
+
+/// How far points have to go along a way of length 1 until none of them is inside, in the mesh's own axes and unit.
+fn length_out<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], way: DVec3) -> f64 {
+    let ahead = |at: DVec3| mesh.surface.pierced(at, way * REACH, false).map(|hit| hit.t * REACH);
+    let mut gone = 0.0;
+    for _ in 0..ROUNDS {
+        let deeper = |at: &DVec3| {
+            let at = *at + way * gone;
+            if mesh.surface.holds(at) { ahead(at).unwrap_or(0.0) + CLEAR } else { 0.0 }
+        };
+        let more = points.iter().map(deeper).fold(0.0, f64::max);
+        if more <= 0.0 {
+            break;
+        }
+        gone += more;
+    }
+    gone
+}
+
+/// How far points have to go until none of them has any of the mesh ahead: where links go right through it, particles on
+/// both its sides are outside.
+fn length_past<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], way: DVec3) -> f64 {
+    let last = |at: &DVec3| {
+        let back = mesh.surface.pierced(*at + way * REACH, way * -REACH, false);
+        back.map_or(0.0, |hit| REACH * (1.0 - hit.t) + CLEAR)
+    };
+    points.iter().map(last).fold(0.0, f64::max)
+}
+
+/// Where links of the body go through it, in its own axes and unit, with the normals there.
+fn pierced<R: Real>(body: &BodyModel<R>, mesh: &MeshModel<R>, position: &[R::Vec3]) -> Vec<(DVec3, DVec3)> {
+    let first = body.particles.start;
+    let links = body.links.iter().flat_map(|family| family.links.iter());
+    let ends = links.map(|link| link.ends.map(|end| mesh.own(position[first + end as usize])));
+    let pierced = ends.filter_map(|[a, b]| {
+        let way = b - a;
+        if mesh.surface.is_beyond(a, way.length()) || mesh.surface.holds(a) || mesh.surface.holds(b) {
+            return None;
+        }
+        let hit = mesh.surface.pierced(a, way, false)?;
+        // Within a thin wall, a little behind its near side.
+        let through = if mesh.surface.is_closed() { CLEAR } else { 0.0 };
+        let normal = if way.dot(hit.normal) < 0.0 { hit.normal } else { -hit.normal };
+        Some((a + way * hit.t - normal * through, normal))
+    });
+    pierced.collect()
+}
