@@ -88,6 +88,11 @@ impl Lattice {
         LatticeCounts { particles: corners.len(), links, cells: cells.len(), surface: *surface, grid_corners }
     }
 
+    /// The lowest grid corner of a cell.
+    pub fn low(&self, cell: u32) -> [u32; 3] {
+        self.corners[self.cells[cell as usize][0] as usize]
+    }
+
     /// The position of a particle at rest, in the grid's coordinates, m.
     pub fn rest_position(&self, particle: usize) -> DVec3 {
         self.grid.corner(self.corners[particle])

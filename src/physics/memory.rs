@@ -38,7 +38,7 @@ pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
     let moving = bodies.iter().map(|body| of_motion(body, size)).sum::<usize>();
     let implicit = if size.scheme == Some(Scheme::Implicit) { implicit_bytes(bodies) } else { 0 };
     let made = bodies.iter().map(|body| body.particles * WHILE_MADE).max().unwrap_or(0);
-    let meeting = if bodies.len() > 1 { bodies.iter().map(of_meeting).sum() } else { 0 };
+    let meeting = bodies.iter().map(of_meeting).sum::<usize>();
     (lasting + moving + implicit + made.max(moving) + meeting) as u64
 }
 
@@ -54,7 +54,7 @@ fn of_body(body: &LatticeCounts) -> usize {
     body.particles * OF_A_MODEL + body.all_links() * link + body.cells * cell
 }
 
-/// What a body has to meet others.
+/// What a body has to meet others and itself.
 fn of_meeting(body: &LatticeCounts) -> usize {
     let cell = size_of::<[u32; 6]>();
     body.particles * AMONG_BODIES + body.surface * OF_A_HULL + body.cells * cell

@@ -280,6 +280,11 @@ impl<R: Real> Simulation<R> {
         &self.workspace.contact.bodies.contacts
     }
 
+    /// The pairs of bodies that pushed each other at any time within the last substep.
+    pub fn met(&self) -> &[[usize; 2]] {
+        &self.workspace.contact.bodies.met
+    }
+
     /// Energies, momentum, extremes.
     pub fn diagnostics(&self) -> Diagnostics {
         Diagnostics::of(&self.model, &self.plan, &self.state)

@@ -27,6 +27,8 @@ pub struct Body {
     pub pins: Vec<PinBox>,
     /// Whether it meets other bodies.
     pub collides: bool,
+    /// Whether it meets itself where it folds.
+    pub self_collides: bool,
     /// Coulomb coefficient below which a particle stays where it touches another body; of the two bodies' the geometric mean.
     pub friction_static: f64,
     /// The same of a particle that slides.
@@ -48,6 +50,7 @@ impl Default for Body {
             inlays: Vec::new(),
             pins: Vec::new(),
             collides: true,
+            self_collides: true,
             friction_static: 0.6,
             friction_dynamic: 0.5,
             skin: Skin::default(),

@@ -1,7 +1,7 @@
 //! A simulation's state as bytes, exactly: what the window and `gelatin run --save-state` write and go on from.
 //!
 //! ```text
-//! "gelatin-state 10\n"                                      magic and version
+//! "gelatin-state 11\n"                                      magic and version
 //! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
@@ -10,9 +10,10 @@
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
 //! bodies: each a count u64 and as many cells u32             watched as they may invert
-//!         1 if asleep + 2 if strained + 4 if stuck + 8 if gone, ns slow in a knot,
+//!         1 if asleep + 2 if strained + 4 if stuck + 8 if gone + 16 if near itself, ns slow in a knot,
 //!         substeps it has been calm after strain                           three u32
-//!         J that recovery took of its energy, the share of the pull         two f64
+//!         J that recovery took of its energy, the share of the pull,
+//!         cells by which it may still fold until that is looked for       three f64
 //!         substeps it has been still                                       u64
 //!         where still: its particles × 3 f32                 where they were when they came to be still
 //! obstacles on their way: a count u64, and of each
@@ -45,7 +46,7 @@ use crate::text::echo;
 
 /// A larger file is no state: more particles than a body may have.
 const MAX_BYTES: u64 = 4 << 30;
-const MAGIC: &[u8] = b"gelatin-state 10\n";
+const MAGIC: &[u8] = b"gelatin-state 11\n";
 
 /// What a state says of itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,12 +134,12 @@ impl Session {
         for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
-            let flags = [memory.asleep, memory.strained, memory.stuck, memory.gone].map(u32::from);
+            let flags = [memory.asleep, memory.strained, memory.stuck, memory.gone, memory.near_itself].map(u32::from);
             let flags = flags.iter().rev().fold(0, |all, flag| 2 * all + flag);
             let words = [flags, memory.knotted_nanos, memory.calm_substeps];
             bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
             let RecoveryAccount { taken_j, pull_share } = memory.account;
-            bytes.extend([taken_j, pull_share].iter().flat_map(|number| number.to_le_bytes()));
+            bytes.extend([taken_j, pull_share, memory.apart].iter().flat_map(|number| number.to_le_bytes()));
             bytes.extend(memory.still_substeps.to_le_bytes());
             if memory.still_substeps > 0 {
                 let anchor = &state.anchor[body.particles.clone()];

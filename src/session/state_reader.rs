@@ -149,8 +149,8 @@ impl<'a> Reader<'a> {
         need(last == 0 || (last as usize) < cells, &field, format!("one with cell {last}"), "a cell of the body")?;
         let field = of_body("the memory");
         let [flags, knotted_nanos, calm_substeps] = [self.u32(&field)?, self.u32(&field)?, self.u32(&field)?];
-        need(flags < 16, &field, flags, "a sum of 1, 2, 4 and 8")?;
-        let [asleep, strained, stuck, gone] = [1, 2, 4, 8].map(|flag| flags & flag != 0);
+        need(flags < 32, &field, flags, "a sum of 1, 2, 4, 8 and 16")?;
+        let [asleep, strained, stuck, gone, near_itself] = [1, 2, 4, 8, 16].map(|flag| flags & flag != 0);
         need(strained || calm_substeps == 0, &field, "one that is calm after no strain", "0 substeps")?;
         need(asleep || !gone, &field, "one of a body that has fallen out and is awake", "one that sleeps")?;
         let field = of_body("the account of recovery");
@@ -158,6 +158,9 @@ impl<'a> Reader<'a> {
         need(taken_j.is_finite(), &field, format!("{taken_j} J"), "a finite number")?;
         need((0.0..=1.0).contains(&pull_share), &field, format!("a share of {pull_share}"), "0 to 1")?;
         let account = RecoveryAccount { taken_j, pull_share };
+        let field = of_body("the way to the next look at folds");
+        let apart = self.f64(&field)?;
+        need(apart.is_finite(), &field, format!("{apart} cells"), "a finite number")?;
         let field = of_body("the count of still substeps");
         let still_substeps = self.u64(&field)?;
         need(still_substeps < MOST_STEPS, &field, still_substeps, "a count below 2^53")?;
@@ -175,6 +178,8 @@ impl<'a> Reader<'a> {
             still_substeps,
             asleep,
             gone,
+            near_itself,
+            apart,
         })
     }
 

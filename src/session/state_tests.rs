@@ -75,10 +75,11 @@ fn every_number_of_a_state_is_checked() {
         (refused(CELLS + 16, &7_u32.to_le_bytes()), "calm after no strain, and 0 substeps"),
         (number(CELLS + 20, f64::NAN), "the account of recovery of body 0 is NaN J, and a finite number"),
         (number(CELLS + 28, 1.5), "the account of recovery of body 0 is a share of 1.5, and 0 to 1"),
-        (word(CELLS + 36, u64::MAX), "the count of still substeps of body 0 is"),
-        (word(CELLS + 44, 3), "not as many bytes as the obstacles on their way"),
-        (word(CELLS + 52, 3), "not as many bytes as the obstacles that sweep"),
-        (word(CELLS + 60, 3), "not as many bytes as the springs between bodies"),
+        (number(CELLS + 36, f64::NAN), "the way to the next look at folds of body 0 is NaN cells, and a finite number"),
+        (word(CELLS + 44, u64::MAX), "the count of still substeps of body 0 is"),
+        (word(CELLS + 52, 3), "not as many bytes as the obstacles on their way"),
+        (word(CELLS + 60, 3), "not as many bytes as the obstacles that sweep"),
+        (word(CELLS + 68, 3), "not as many bytes as the springs between bodies"),
     ];
     for (said, words) in said {
         assert!(said.starts_with("the state is damaged: ") && said.contains(words), "{words:?} in {said:?}");

@@ -10,6 +10,7 @@ mod determinism;
 mod economy;
 mod extremes;
 mod fallen;
+mod folds;
 mod friction;
 mod golden;
 mod integrators;

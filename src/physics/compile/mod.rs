@@ -18,7 +18,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use thiserror::Error;
 
-use super::model::{AmongBodies, BodyModel, Hull, LinkFamily, Model, Values};
+use super::model::{AmongBodies, BodyModel, LinkFamily, Model, Values};
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
 use crate::physics::kernels::{BoxedLinks, Layout};
@@ -172,7 +172,7 @@ fn compile_body<R: Real>(
     let boxed_links = layout.map(|layout| BoxedLinks::new(layout, lattice, &links));
     let load = heaviest_load(lattice) * heaviest * gravity;
     let meets_others = scene.settings.body_contact && body.collides && scene.bodies.len() > 1;
-    let known_hull = known.and_then(|body| body.among_bodies.hull.clone());
+    let hull = known.map_or_else(Arc::default, |body| Arc::clone(&body.among_bodies.hull));
     let [recovery_stiffness, recovery_mass] = match &body.material {
         _ if !scene.settings.inversion_recovery => [0.0, particle_mass],
         Material::Springs(springs) => recovery::of_springs(springs, lattice),
@@ -200,7 +200,9 @@ fn compile_body<R: Real>(
             .map(|obstacle| obstacles::contact(obstacle, heaviest, size, load, lattice.grid.cell_size))
             .collect(),
         among_bodies: AmongBodies {
-            hull: meets_others.then(|| known_hull.unwrap_or_else(|| Arc::new(Hull::new(lattice)))),
+            meets_others,
+            meets_itself: scene.settings.body_contact && body.self_collides,
+            hull,
             friction: [body.friction_static, body.friction_dynamic],
             heaviest,
             load,

@@ -8,7 +8,7 @@ use crate::physics::limits::{SceneLimits, any_state};
 use crate::physics::model::plan::{
     BodyContactPlan, MOST_HALVINGS, MOST_PARTS_BETWEEN_BODIES, MOST_WORK_A_FRAME, Plan, SchemeCost, StageRates,
 };
-use crate::physics::model::{ContactRule, Model, ObstacleShape, Scheme};
+use crate::physics::model::{BodyModel, ContactRule, Model, ObstacleShape, Scheme};
 use crate::physics::{share, team};
 use crate::scene::Settings;
 use crate::scene::settings::Stepping;
@@ -119,7 +119,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     Plan { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
 }
 
-/// How substeps of `secs` are taken in which bodies come near each other. Contact between bodies is an impulse on predicted
+/// How substeps of `secs` are taken in which bodies come near each other or themselves. Contact between bodies is an impulse on predicted
 /// velocities: the schemes that have no place for it leave such substeps to the default one, in parts, where steps are
 /// `divided`; where they are not, or would be into more parts than anyone waits for, nothing meets.
 fn between_bodies<R: Real>(
@@ -129,7 +129,8 @@ fn between_bodies<R: Real>(
     secs: f64,
     divided: bool,
 ) -> Option<BodyContactPlan> {
-    if model.bodies.iter().filter(|body| body.among_bodies.hull.is_some()).count() < 2 {
+    let meeting = model.bodies.iter().filter(|body| body.meets_others()).count();
+    if meeting < 2 && !model.bodies.iter().any(BodyModel::meets_itself) {
         return None;
     }
     let has_place = !matches!(scheme, Scheme::Implicit | Scheme::Stabilised);

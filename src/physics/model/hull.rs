@@ -16,6 +16,9 @@ use crate::geometry::Lattice;
 /// No cell.
 const NONE: u32 = u32::MAX;
 
+/// Points of a body come no deeper into it than through so many of its cells.
+const DEEPEST: u32 = 1;
+
 /// The outside of a body and the ways there, by local numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::physics) struct Hull {
@@ -24,8 +27,12 @@ pub(in crate::physics) struct Hull {
     /// Where the cells around each of them begin in `around`, and where they end.
     starts: Vec<u32>,
     around: Vec<u32>,
+    /// What is about each of the points.
+    pub(in crate::physics) surroundings: Vec<Surroundings>,
     /// For every cell how many cells of the body follow it towards −x, +x, −y, +y, −z and +z.
     pub(in crate::physics) ways: Vec<[u32; 6]>,
+    /// Cells that have no more than [`DEEPEST`] others between them and the outside along the shortest way, ascending.
+    pub(in crate::physics) outer: Vec<u32>,
 }
 
 impl Hull {
@@ -53,12 +60,50 @@ impl Hull {
                 }
             }
         }
-        Self { points, starts, around, ways: ways(lattice) }
+        let own = |point: usize| &around[starts[point] as usize..starts[point + 1] as usize];
+        let surroundings = points.iter().enumerate();
+        let surroundings = surroundings.map(|(place, point)| Surroundings::of(lattice, *point, own(place))).collect();
+        let ways = ways(lattice);
+        let is_outer = |ways: &[u32; 6]| ways.iter().any(|way| *way <= DEEPEST);
+        let outer = (0..).zip(&ways).filter(|(_, ways)| is_outer(ways)).map(|(cell, _)| cell).collect();
+        Self { points, starts, around, surroundings, ways, outer }
     }
 
     /// The cells around a point of the outside, by its place in `points`.
     pub(in crate::physics) fn around(&self, point: usize) -> &[u32] {
         &self.around[self.starts[point] as usize..self.starts[point + 1] as usize]
+    }
+}
+
+/// What is about a point of a hull: its corner in the grid, and which of the 4 × 4 × 4 cells about it touch one of which it is
+/// a corner, or are one; a bit each, x fastest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::physics) struct Surroundings {
+    corner: [u32; 3],
+    touching: u64,
+}
+
+impl Surroundings {
+    /// That of a particle with these cells around it.
+    fn of(lattice: &Lattice, particle: u32, around: &[u32]) -> Self {
+        let corner = lattice.corners[particle as usize];
+        let touching = around.iter().flat_map(|cell| {
+            // Of a cell of which it is a corner the lowest place in the block is 0 or 1.
+            let first: [u32; 3] = std::array::from_fn(|axis| lattice.low(*cell)[axis] + 1 - corner[axis]);
+            (0..27).map(move |number| [first[0] + number % 3, first[1] + number / 3 % 3, first[2] + number / 9])
+        });
+        Self { corner, touching: touching.fold(0, |mask, place| mask | 1 << Self::bit(place)) }
+    }
+
+    /// Whether the cell with this lowest corner touches one around the point, or is one.
+    #[inline]
+    pub(in crate::physics) fn touch(&self, low: [u32; 3]) -> bool {
+        let place: [u32; 3] = std::array::from_fn(|axis| (low[axis] + 2).wrapping_sub(self.corner[axis]));
+        place.iter().all(|place| *place < 4) && self.touching >> Self::bit(place) & 1 == 1
+    }
+
+    fn bit([i, j, k]: [u32; 3]) -> u32 {
+        i + 4 * (j + 4 * k)
     }
 }
 
@@ -116,6 +161,28 @@ mod tests {
             assert!(around.iter().all(|cell| lattice.cells[*cell as usize].contains(point)), "its own cells");
             assert_eq!(around.len(), lattice.cells.iter().filter(|cell| cell.contains(point)).count(), "all of them");
         }
+    }
+
+    #[test]
+    fn the_surroundings_of_a_point_are_the_cells_that_touch_those_around_it() {
+        let mut rng = crate::math::rng::Rng::new(4);
+        let list: Vec<[i32; 3]> = (0..125).map(|place| [place % 5, place / 5 % 5, place / 25]).collect();
+        let some: Vec<[i32; 3]> = list.into_iter().filter(|_| rng.between(0.0, 1.0) < 0.4).collect();
+        let (lattice, hull) = hull(&some);
+        let touch = |one: u32, other: u32| {
+            let [one, other] = [one, other].map(|cell| lattice.low(cell));
+            (0..3).all(|axis| one[axis].abs_diff(other[axis]) <= 1)
+        };
+        let mut apart = 0;
+        for point in 0..hull.points.len() {
+            for (cell, _) in (0..).zip(&lattice.cells) {
+                let together = hull.around(point).iter().any(|own| touch(*own, cell));
+                let seen = hull.surroundings[point].touch(lattice.low(cell));
+                assert_eq!(seen, together, "point {point}, cell {cell}");
+                apart += usize::from(!together);
+            }
+        }
+        assert!(apart > 0, "some are apart");
     }
 
     #[test]

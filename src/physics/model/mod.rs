@@ -9,14 +9,14 @@ mod scheme;
 
 pub use scheme::Scheme;
 
-pub(in crate::physics) use hull::Hull;
+pub(in crate::physics) use hull::{Hull, Surroundings};
 pub(in crate::physics) use link::LinkConstants;
 pub use link::{Link, LinkFamily};
 pub(in crate::physics) use obstacle::Carry;
 pub use obstacle::{MeshModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel};
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::geometry::Lattice;
 use crate::math::Real;
@@ -99,15 +99,17 @@ pub struct BodyModel<R: Real> {
     pub recovery: RecoveryModel<R>,
     /// How it meets each obstacle, in the obstacles' order.
     pub contacts: Vec<ContactModel<R>>,
-    /// How it meets other bodies.
+    /// How it meets other bodies and itself.
     pub(in crate::physics) among_bodies: AmongBodies,
 }
 
-/// How a body meets others.
+/// How a body meets others and itself.
 #[derive(Clone, Debug)]
 pub(in crate::physics) struct AmongBodies {
-    /// What it shows to others; none where it meets none.
-    pub(in crate::physics) hull: Option<Arc<Hull>>,
+    pub(in crate::physics) meets_others: bool,
+    pub(in crate::physics) meets_itself: bool,
+    /// What it shows to them, once something comes near.
+    pub(in crate::physics) hull: Arc<OnceLock<Hull>>,
     /// Coulomb's coefficients, at rest and sliding; of two bodies their geometric means count.
     pub(in crate::physics) friction: [f64; 2],
     /// Mass of its heaviest particle, kg.
@@ -149,7 +151,17 @@ impl<R: Real> BodyModel<R> {
 
     /// Whether it is to meet other bodies.
     pub fn meets_others(&self) -> bool {
-        self.among_bodies.hull.is_some()
+        self.among_bodies.meets_others
+    }
+
+    /// Whether it is to meet itself.
+    pub fn meets_itself(&self) -> bool {
+        self.among_bodies.meets_itself
+    }
+
+    /// What it shows to others and itself.
+    pub(in crate::physics) fn hull(&self) -> &Hull {
+        self.among_bodies.hull.get_or_init(|| Hull::new(&self.lattice))
     }
 
     /// The inverse of a particle's mass (local number), 1/kg.

@@ -224,7 +224,11 @@ impl Plan {
         };
         leave_out(!self.recovery, "recovery from inversion", "it is switched off, or no link has a stiffness");
         leave_out(!self.contact, "contact", "there is no obstacle, or no body");
-        leave_out(self.between_bodies.is_none(), "contact between bodies", "no two bodies may collide");
+        leave_out(
+            self.between_bodies.is_none(),
+            "contact between bodies",
+            "no body may collide with another or with itself",
+        );
         leave_out(self.contact && !self.spheres, "sphere contact", "there is no sphere");
         leave_out(self.contact && !self.friction, "friction", "all its coefficients are zero");
         leave_out(!self.sleeping, "sleeping", "it is switched off");

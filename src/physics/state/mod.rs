@@ -67,7 +67,7 @@ pub struct State<R: Real> {
 
 /// What is remembered of a body as a whole: choices that hold for longer than a substep.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[expect(clippy::struct_excessive_bools, reason = "four choices that are remembered, each made or not")]
+#[expect(clippy::struct_excessive_bools, reason = "five choices that are remembered, each made or not")]
 pub struct BodyMemory {
     /// Cells that are watched as they may invert, ascending.
     pub near_inversion: Vec<u32>,
@@ -87,6 +87,10 @@ pub struct BodyMemory {
     pub asleep: bool,
     /// Whether it has fallen out of the scene: it sleeps until it is put elsewhere.
     pub gone: bool,
+    /// Whether parts of it that are apart at rest were near each other when this was looked for last.
+    pub near_itself: bool,
+    /// How far its particles may move past each other until it is looked for again, in cells.
+    pub apart: f64,
 }
 
 /// What the recovery of a body from inversion took of its energy and gave back.
@@ -112,7 +116,7 @@ impl BodyMemory {
         near_inversion.clear();
         near_inversion.extend_from_slice(&of.near_inversion);
         let Self { near_inversion: _, strained, calm_substeps, knotted_nanos, stuck, account, .. } = *of;
-        let Self { still_substeps, asleep, gone, .. } = *of;
+        let Self { still_substeps, asleep, gone, near_itself, apart, .. } = *of;
         *self = Self {
             near_inversion,
             strained,
@@ -123,6 +127,8 @@ impl BodyMemory {
             still_substeps,
             asleep,
             gone,
+            near_itself,
+            apart,
         };
     }
 
@@ -182,7 +188,7 @@ impl<R: Real> State<R> {
             let listed = memory.near_inversion.len();
             memory.near_inversion.reserve_exact(body.lattice.cells.len() - listed.min(body.lattice.cells.len()));
         }
-        let meeting = model.bodies.iter().filter(|body| body.among_bodies.hull.is_some());
+        let meeting = model.bodies.iter().filter(|body| body.meets_others() && model.bodies.len() > 1);
         let most: usize = meeting.map(|body| body.lattice.surface).sum();
         self.presses.reserve_exact(most.saturating_sub(self.presses.len()));
     }

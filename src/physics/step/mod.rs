@@ -341,6 +341,9 @@ fn predicted_velocities<R: Real>(
         contact::respond(begun, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
     }
+    if begun.bodies_are_near {
+        contact::bodies::count_parting(begun, velocity, &contact.bodies, recorder);
+    }
     if begun.scheme == Scheme::Stabilised {
         contact.hold(begun, stepper.force, velocity, &mut stepper.workspace.stages.held);
     }

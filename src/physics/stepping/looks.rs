@@ -20,21 +20,37 @@ pub(in crate::physics) fn is_time_to_look<R: Real>(model: &Model<R>, plan: &Plan
     is_due_every(plan, state, secs_between(model, plan, state))
 }
 
-/// How long bodies may go without a look, as fast as their particles move past each other now, s.
-pub(in crate::physics) fn secs_between<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> f64 {
-    model.bodies.iter().fold(LOOK_SECS, |secs, body| secs.min(unseen_secs(body, plan, state)))
+/// The same, of bodies whose particles move past each other as fast as that, m/s.
+pub(in crate::physics) fn is_time_to_look_at<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    state: &State<R>,
+    spreads: &[f64],
+) -> bool {
+    let secs = model.bodies.iter().zip(spreads).map(|(body, spread)| unseen_secs(body, *spread));
+    is_due_every(plan, state, secs.fold(LOOK_SECS, f64::min))
 }
 
-/// How long a body's cells may stay unseen as fast as its particles move past each other now, s.
-fn unseen_secs<R: Real>(body: &BodyModel<R>, plan: &Plan, state: &State<R>) -> f64 {
+/// How long bodies may go without a look, as fast as their particles move past each other now, s.
+pub(in crate::physics) fn secs_between<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> f64 {
+    let secs = model.bodies.iter().map(|body| unseen_secs(body, spread(body, plan, state)));
+    secs.fold(LOOK_SECS, f64::min)
+}
+
+/// How fast the particles of a body move past each other, m/s: no two of them faster.
+pub(in crate::physics) fn spread<R: Real>(body: &BodyModel<R>, plan: &Plan, state: &State<R>) -> f64 {
     let velocity = &state.velocity[body.particles.clone()];
     if velocity.is_empty() {
-        return LOOK_SECS;
+        return 0.0;
     }
-    // Bounds of the components: cheap, and no larger than the differences between particles.
+    // Bounds of the components: cheap.
     let bounds = bounds::<R>(plan.simd, velocity);
-    let fastest = (bounds.max - bounds.min).length().to_f64();
-    if fastest > 0.0 { UNSEEN_SHARE / (body.inverse_cell_size.to_f64() * fastest) } else { LOOK_SECS }
+    (bounds.max - bounds.min).length().to_f64()
+}
+
+/// How long a body's cells may stay unseen whose particles move past each other as fast as that (m/s), s.
+fn unseen_secs<R: Real>(body: &BodyModel<R>, spread: f64) -> f64 {
+    if spread > 0.0 { UNSEEN_SHARE / (body.inverse_cell_size.to_f64() * spread) } else { LOOK_SECS }
 }
 
 /// How many substeps last so long, at least one: for what is counted in substeps.

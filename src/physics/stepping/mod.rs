@@ -4,7 +4,7 @@
 //! ```text
 //! step       one dt: `Plan::substeps` substeps, as many as the bound of the scheme asks for at rest
 //! substep    whole; or in `Plan::parts` equal parts while links are strained (strain), and in as many as bodies need that
-//!            come near each other, by a scheme that has a place for their contact (`Plan::between_bodies`)
+//!            come near each other or themselves, by a scheme that has a place for their contact (`Plan::between_bodies`)
 //! part       with the implicit scheme it may be refused, as its linear equations would give energy from nowhere: it is
 //!            halved then, down to what an explicit scheme can take, which takes the smallest where that is refused too
 //! work       past `Plan::most_work` nothing is halved any more: parts are as long as the grid of halves allows, and
@@ -38,6 +38,8 @@ pub(super) fn advance<R: Real>(
     timer: &mut dyn StageTimer,
 ) -> StepReport {
     let mut recorder = Recorder::new(timer);
+    workspace.contact.bodies.met.clear();
+    workspace.contact.bodies.remember_folds(state);
     let mut division = Division::of(model, plan, state, &mut workspace.contact.bodies);
     let mut ending = Ending::Taken;
     while let Some(part) = division.next(plan, state, &mut recorder.counters) {
@@ -46,6 +48,7 @@ pub(super) fn advance<R: Real>(
         let inputs = Inputs { obstacles, grab: grab.filter(|grab| !state.bodies[grab.body].gone) };
         ending = substep(model, plan, part, inputs, state, workspace, &mut recorder);
         if ending == Ending::Stopped {
+            workspace.contact.bodies.forget_looks(state);
             break;
         }
         state.work = state.work.saturating_add(recorder.counters.implicit_work() - work_before);
@@ -97,10 +100,14 @@ struct Division {
 impl Division {
     /// Of the coming substep.
     fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>, workspace: &mut BodiesWorkspace<R>) -> Self {
-        let near = bodies::parts(model, plan, state, &mut workspace.motions);
+        let looks_out = plan.parts > 0 || plan.between_bodies.is_some();
+        workspace.spreads.clear();
+        let bodies = model.bodies.iter().filter(|_| looks_out);
+        workspace.spreads.extend(bodies.map(|body| looks::spread(body, plan, state)));
+        let near = bodies::parts(model, plan, state, workspace);
         let met = plan.between_bodies.filter(|_| near.is_some());
         let while_strained = met.filter(|_| plan.is_divided()).map_or(plan.parts, |met| met.strained_parts);
-        let parts = strain::parts_now(model, plan, while_strained, state).max(near.unwrap_or(1));
+        let parts = strain::parts_now(model, plan, while_strained, &workspace.spreads, state).max(near.unwrap_or(1));
         let scheme = met.map_or(plan.scheme, |met| met.scheme);
         Self {
             parts,

@@ -32,18 +32,20 @@ const CALM_SUBSTEPS: u64 = 100;
 const MOST_WAY: f64 = 0.5;
 
 /// Looks at the links where it is due, as they are and as they would be after the substep, and tells into how many parts
-/// the coming substep is divided: one, or these at least while a body is strained. None at all where nothing is looked at.
+/// the coming substep is divided: one, or these at least while a body is strained. `spreads` tells how fast the particles of
+/// each body move past each other, m/s.
 pub(in crate::physics) fn parts_now<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     while_strained: u32,
+    spreads: &[f64],
     state: &mut State<R>,
 ) -> u32 {
     if while_strained == 0 {
         return 1;
     }
     let mut by_way = 1;
-    if state.bodies.iter().any(|memory| memory.strained) || looks::is_time_to_look(model, plan, state) {
+    if state.bodies.iter().any(|memory| memory.strained) || looks::is_time_to_look_at(model, plan, state, spreads) {
         by_way = look(model, plan, state, plan.substep_secs());
     }
     // The longer substeps of the stabilised scheme would bear little of what pushes cells back that are near inversion.
@@ -132,6 +134,7 @@ mod tests {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
         scene.settings.gravity = [0.0; 3];
         (scene.settings.dt, scene.settings.allow_implicit) = (dt, false);
+        scene.bodies[0].self_collides = false;
         let lattice = resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice;
         (scene, vec![lattice])
     }

@@ -290,7 +290,7 @@ impl Watch {
                 let work = report.counters.obstacle_work_j + report.counters.parting_work_j;
                 account.push(report.counters.fastest_surface_m_s, work);
             }
-            simulation.body_contacts().iter().for_each(|contact| self.met.meet(contact.bodies));
+            simulation.met().iter().for_each(|pair| self.met.meet(*pair));
             let is_whole = simulation.state().is_between_substeps();
             if report.diverged {
                 return Advance::Diverged;

@@ -53,6 +53,7 @@ pub const PARAMS: &[Param] = &[
     number("bodies.*.pins.*.min", "m", -FAR, FAR, "The lowest corner of a box whose particles are held.").of(3),
     number("bodies.*.pins.*.max", "m", -FAR, FAR, "The highest corner of a box whose particles are held.").of(3),
     flag("bodies.*.collides", "Whether the body meets other bodies; it always meets obstacles."),
+    flag("bodies.*.self_collides", "Whether parts of the body that are apart at rest meet each other."),
     number("bodies.*.friction_static", "", 0.0, 10.0, "Coulomb coefficient between touching bodies below which they do not slide; of two bodies the geometric mean counts."),
     number("bodies.*.friction_dynamic", "", 0.0, 10.0, "Coulomb coefficient between bodies that slide past each other; of two bodies the geometric mean counts."),
     words("bodies.*.skin", &["auto", "cells"], "Which surface is drawn: the model's own where there is one, or the cells'."),

@@ -22,11 +22,13 @@ pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut
     section_ui(ui, "Shape", true, |ui| shape_ui(ui, id, body, running.status.bodies.get(id.0), commands));
 }
 
-/// How it meets other bodies.
+/// How it meets other bodies and itself.
 fn contact_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
     let path = |what: &str| format!("bodies.{}.{what}", id.0);
     let mut changed = body.clone();
-    if flag_ui(ui, &path("collides"), "Collides with bodies", &mut changed.collides) {
+    let others = flag_ui(ui, &path("collides"), "Collides with bodies", &mut changed.collides);
+    let itself = flag_ui(ui, &path("self_collides"), "Collides with itself", &mut changed.self_collides);
+    if others || itself {
         commands.extend(edits::alone(Edit::Body(id, Box::new(changed))));
         return;
     }

@@ -1,5 +1,7 @@
 //! Points sorted into a uniform grid, so that a cell looks at those near it only.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::math::Aabb;
@@ -80,15 +82,24 @@ impl Buckets {
 
     /// The points in the buckets that a box meets, by their places in what was sorted.
     pub(super) fn near(&self, bounds: &Aabb<f64>) -> impl Iterator<Item = usize> {
+        self.rows(bounds).flat_map(|row| self.order[row].iter().copied())
+    }
+
+    /// All of them, row by row of buckets, by their places in [`Buckets::order`].
+    pub(super) fn rows(&self, bounds: &Aabb<f64>) -> impl Iterator<Item = Range<usize>> {
         let (low, high) = (self.place(bounds.min), self.place(bounds.max));
         let [nx, ny, _] = self.dims;
         (low[2]..=high[2]).flat_map(move |k| {
-            (low[1]..=high[1]).flat_map(move |j| {
+            (low[1]..=high[1]).map(move |j| {
                 let row = nx * (j + ny * k);
-                let [first, last] = [row + low[0], row + high[0] + 1].map(|bucket| self.starts[bucket] as usize);
-                self.order[first..last].iter().copied()
+                self.starts[row + low[0]] as usize..self.starts[row + high[0] + 1] as usize
             })
         })
+    }
+
+    /// The places of all points in what was sorted, bucket by bucket.
+    pub(super) fn order(&self) -> &[usize] {
+        &self.order
     }
 
     fn bucket(&self, point: DVec3) -> usize {

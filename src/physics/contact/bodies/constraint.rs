@@ -61,6 +61,8 @@ pub(super) struct SpringBefore {
     pub(super) depth: f64,
     /// How far the spring is pressed, m; no more than that.
     pub(super) pressed: f64,
+    /// How fast the first of its particles leaves its own body by the way that it would be parted, m/s: it was parted before.
+    pub(super) leaving: f64,
 }
 
 impl SpringBefore {
@@ -113,8 +115,9 @@ impl PointConstraint {
         }
         let damping = 2.0 * (law.stiffness / mobility).sqrt();
         let resistance = dt * (dt * law.stiffness + damping);
-        let SpringBefore { depth, pressed } = spring;
-        let parting = law.gentle.min(PARTING_RATE * spring.beyond());
+        let SpringBefore { depth, pressed, leaving } = spring;
+        // Where one is soft and light, each cell would be parted from the next, faster and faster, and the body blown up.
+        let parting = if leaving < law.gentle { law.gentle.min(PARTING_RATE * spring.beyond()) } else { 0.0 };
         let most_parting = dt * (law.load + PARTING_PUSH * parting / mobility);
         let push = dt * law.stiffness * pressed.min(law.depth_limit);
         let slowest = -(law.depth_limit.max(depth) - depth) / dt;
@@ -196,13 +199,13 @@ impl PointConstraint {
         }
     }
 
-    /// What parting the two does in a substep of `dt` (s) from these velocities of movers (m/s), J: the force times the way, in
-    /// the mean of this substep and the one before. What pulls them together may be as strong, so that nothing moves any faster.
-    pub(super) fn parting_work(&self, from: impl Fn(&Mover) -> DVec3, movers: &[Mover], dt: f64) -> f64 {
+    /// What parting the two does in a substep of `dt` (s) in which movers have these velocities in the mean (m/s), J: the force
+    /// times the way. What pulls them together may be as strong, so that nothing moves any faster.
+    pub(super) fn parting_work(&self, mean: impl Fn(&Mover) -> DVec3, movers: &[Mover], dt: f64) -> f64 {
         if self.parting <= 0.0 {
             return 0.0;
         }
-        let mean = 0.5 * (self.sum(|mover| from(&movers[mover])) + self.past(movers));
+        let mean = self.sum(|mover| mean(&movers[mover]));
         (self.pushed * mean.dot(self.normal) + self.stored(movers, dt)).max(0.0)
     }
 

@@ -7,6 +7,9 @@
 //! way out  along the six axes of the cell, of those that lead against the point's own outside the shortest
 //! ```
 //!
+//! Of a body and itself only the cells near its outside are looked at, and no cell that touches one around the point
+//! ([`super::itself`]).
+//!
 //! A point has an outside of its own: away from the middle of the cells around it. It is pushed out only against that, so
 //! that a slab of one cell is not pushed on through another that it is more than half way into, and the edge of a cube on
 //! a cube is not pushed off sideways. Of a body that is for the most part inside another that would be every way at once: its
@@ -58,7 +61,7 @@ pub(super) fn find<R: Real>(
 ) {
     let [points, cells] = [of_points, of_cells].map(|number| &model.bodies[number]);
     let BodiesWorkspace { ahead, boxes, seen, buckets, .. } = workspace;
-    let Some(hull) = &points.among_bodies.hull else { return };
+    let (hull, is_itself) = (points.hull(), of_points == of_cells);
     let cell_size = cells.lattice.grid.cell_size;
     let other = boxes[of_cells].grown(TOLERANCE * cell_size);
     seen.clear();
@@ -75,15 +78,22 @@ pub(super) fn find<R: Real>(
             buckets.sort(seen, &bounds, cell_size);
         }
         let own = &ahead[cells.particles.clone()];
-        for (number, corners) in (0..).zip(&cells.lattice.cells) {
-            let cell = Cell(corners.map(|corner| own[corner as usize]));
+        #[expect(clippy::cast_possible_truncation, reason = "cells are counted in 32 bits")]
+        let all = 0..cells.lattice.cells.len() as u32;
+        let (all, outer) = if is_itself { (0..0, hull.outer.as_slice()) } else { (all, &[][..]) };
+        for number in all.chain(outer.iter().copied()) {
+            let cell = Cell(cells.lattice.cells[number as usize].map(|corner| own[corner as usize]));
             let around = Aabb::<f64>::around(cell.0).grown(TOLERANCE * cell_size);
+            let low = cells.lattice.low(number);
+            let mut look = |seen: &mut Seen| {
+                if !is_itself || !hull.surroundings[seen.point as usize].touch(low) {
+                    look(seen, number, &cell, &around, cell_size, &mut tests);
+                }
+            };
             if !is_broad {
-                (0..seen.len()).for_each(|place| look(&mut seen[place], number, &cell, &around, cell_size, &mut tests));
+                seen.iter_mut().for_each(look);
             } else if around.overlaps(&bounds) {
-                buckets.near(&around).for_each(|place| {
-                    look(&mut seen[place], number, &cell, &around, cell_size, &mut tests);
-                });
+                buckets.near(&around).for_each(|place| look(&mut seen[place]));
             }
         }
     }
@@ -101,15 +111,15 @@ pub(super) fn ways_out<R: Real>(
 ) -> impl Iterator<Item = Found> {
     let [points, cells] = [of_points, of_cells].map(|number| &model.bodies[number]);
     let inside = seen.iter().filter(|seen| seen.cell != NONE).count();
-    let is_in = points.among_bodies.hull.as_ref().is_some_and(|hull| inside as f64 > MOST * hull.points.len() as f64);
+    let is_itself = of_points == of_cells;
+    let is_in = !is_itself && inside as f64 > MOST * points.hull().points.len() as f64;
     // Of two in the same place the later one in the list leaves upwards.
     let upwards = if of_points > of_cells { DVec3::Y } else { DVec3::NEG_Y };
     let away = is_in.then(|| (boxes[of_points].center() - boxes[of_cells].center()).try_normalize().unwrap_or(upwards));
     seen.iter().filter(|seen| seen.cell != NONE).filter_map(move |seen| {
         let carriers = cells.lattice.cells[seen.cell as usize];
         let cell = Cell(carriers.map(|corner| ahead[cells.particles.start + corner as usize]));
-        let [hull, ways] = [points, cells].map(|body| body.among_bodies.hull.as_deref());
-        let (hull, ways) = (hull?, &ways?.ways[seen.cell as usize]);
+        let (hull, ways) = (points.hull(), &cells.hull().ways[seen.cell as usize]);
         let own = || outward(points, hull.around(seen.point as usize), seen.ahead, &ahead[points.particles.clone()]);
         let (normal, depth) = match away {
             Some(away) => way_along(&cell, seen.at, ways, away),

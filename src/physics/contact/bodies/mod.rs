@@ -1,7 +1,9 @@
-//! Contact of bodies with each other: points of the outside of one against the deformed cells of another.
+//! Contact of bodies with each other and with themselves: points of the outside of one against the deformed cells of
+//! another, or of the same where these are not near at rest.
 //!
 //! ```text
 //! near        which bodies come near each other in the substep, and into how many parts it has to be divided for that
+//! itself      which come near themselves: what belongs together at rest is left out
 //! find        which points would be inside which cells at its end, and the way out: a distance field of the body at rest
 //!             ([`crate::physics::model::Hull`]), carried along by the cell (cell); points are sorted into a grid (buckets)
 //! constraint  each is a contact of nine weighted particles with one effective mass: the same force on the point as, turned
@@ -22,7 +24,9 @@ mod buckets;
 mod cell;
 mod constraint;
 mod find;
+mod itself;
 mod law;
+mod motion;
 mod near;
 mod record;
 mod solve;
@@ -53,32 +57,25 @@ pub(in crate::physics) fn meet<R: Real>(
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, state, plan, .. } = substep;
+    workspace.make_room(model);
     workspace.keep_of_sleepers(state);
     recorder.enter(Stage::BroadPhase);
     look_ahead(substep, velocity, workspace);
     let kept = workspace.contacts.len();
     workspace.constraints.clear();
-    for second in 1..model.bodies.len() {
+    workspace.movers.clear();
+    for second in 0..model.bodies.len() {
         for first in 0..second {
-            let (pair, dt) = ([first, second], substep.dt.to_f64());
+            let pair = [first, second];
             let both_asleep = pair.iter().all(|body| state.bodies[*body].asleep);
-            if both_asleep || !near::may_meet(model, state, pair) || !overlap(workspace, plan.broad_phase, pair) {
-                continue;
-            }
-            let law = PairLaw::of(model, pair);
-            for ordered in [[first, second], [second, first]] {
-                recorder.enter(Stage::BroadPhase);
-                find::find(model, ordered, plan.broad_phase, workspace, &mut recorder.counters);
-                recorder.enter(Stage::Contact);
-                // Taken out, so that what is found may be written down beside it.
-                let (seen, ahead) = (std::mem::take(&mut workspace.seen), std::mem::take(&mut workspace.ahead));
-                let boxes = std::mem::take(&mut workspace.boxes);
-                for found in find::ways_out(model, ordered, &seen, &ahead, &boxes) {
-                    add(substep, ordered, &law, &found, velocity, dt, workspace);
-                }
-                (workspace.seen, workspace.ahead, workspace.boxes) = (seen, ahead, boxes);
+            if !both_asleep && near::may_meet(model, state, pair) && overlap(workspace, plan.broad_phase, pair) {
+                meet_in(substep, [first, second], velocity, workspace, recorder);
+                meet_in(substep, [second, first], velocity, workspace, recorder);
             }
         }
+    }
+    for body in near::near_themselves(model, state) {
+        meet_in(substep, [body, body], velocity, workspace, recorder);
     }
     let BodiesWorkspace { constraints, movers, contacts, presses, mover_of, moved, .. } = &mut *workspace;
     let (dt, mut deepest) = (substep.dt.to_f64(), 0.0_f64);
@@ -86,16 +83,12 @@ pub(in crate::physics) fn meet<R: Real>(
     for (contact, constraint) in contacts[kept..].iter_mut().zip(constraints) {
         contact.force = constraint.impulse() / dt;
         deepest = deepest.max(-(contact.gap + dt * constraint.past(movers).dot(contact.normal)));
-        let from = |mover: &Mover| {
-            if mover.mobility > 0.0 { state.velocity[mover.particle as usize].to_dvec3() } else { mover.before }
-        };
-        recorder.counters.parting_work_j += constraint.parting_work(from, movers, dt);
         let BodyContact { bodies, particle, .. } = *contact;
         presses.push(Press { bodies, particle, depth_m: constraint.pressed_at_end(movers, dt) });
     }
     presses.sort_unstable_by_key(Press::place);
     recorder.note_depth_between_bodies(deepest);
-    for mover in movers.drain(..) {
+    for mover in movers {
         mover_of[mover.particle as usize] = NONE;
         if mover.velocity != mover.before {
             let (particle, after) = (mover.particle as usize, R::Vec3::from_dvec3(mover.velocity));
@@ -103,7 +96,53 @@ pub(in crate::physics) fn meet<R: Real>(
             moved.push((particle, after));
         }
     }
+    // Contacts of a pair follow each other.
+    for of_pair in workspace.contacts[kept..].chunk_by(|one, next| one.bodies == next.bodies) {
+        let (pair, has_pushed) = (of_pair[0].bodies, of_pair.iter().any(|contact| contact.force != DVec3::ZERO));
+        if has_pushed && !workspace.met.contains(&pair) {
+            workspace.met.push(pair);
+        }
+    }
     recorder.last.body_contacts = workspace.pushing();
+}
+
+/// Counts the work of parting bodies, once the velocities at the end are known: obstacles may have changed them since.
+pub(in crate::physics) fn count_parting<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &[R::Vec3],
+    workspace: &BodiesWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    let Substep { state, dt, .. } = substep;
+    let mean = |mover: &Mover| {
+        let particle = mover.particle as usize;
+        let both = state.velocity[particle].to_dvec3() + velocity[particle].to_dvec3();
+        if mover.mobility > 0.0 { both * 0.5 } else { mover.before }
+    };
+    let work = |constraint: &PointConstraint| constraint.parting_work(mean, &workspace.movers, dt.to_f64());
+    recorder.counters.parting_work_j += workspace.constraints.iter().map(work).sum::<f64>();
+}
+
+/// Finds which points of one body meet which cells of another, or of the same, and writes the contacts down.
+fn meet_in<R: Real>(
+    substep: Substep<'_, R>,
+    ordered: [usize; 2],
+    velocity: &[R::Vec3],
+    workspace: &mut BodiesWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    let Substep { model, plan, dt, .. } = substep;
+    recorder.enter(Stage::BroadPhase);
+    find::find(model, ordered, plan.broad_phase, workspace, &mut recorder.counters);
+    recorder.enter(Stage::Contact);
+    let law = PairLaw::of(model, ordered);
+    // Taken out, so that what is found may be written down beside it.
+    let (seen, ahead) = (std::mem::take(&mut workspace.seen), std::mem::take(&mut workspace.ahead));
+    let boxes = std::mem::take(&mut workspace.boxes);
+    for found in find::ways_out(model, ordered, &seen, &ahead, &boxes) {
+        add(substep, ordered, &law, &found, velocity, dt.to_f64(), workspace);
+    }
+    (workspace.seen, workspace.ahead, workspace.boxes) = (seen, ahead, boxes);
 }
 
 /// Bodies meet nobody within this substep but in their sleep.
@@ -122,15 +161,18 @@ fn look_ahead<R: Real>(substep: Substep<'_, R>, velocity: &[R::Vec3], workspace:
     let Substep { model, state, dt, .. } = substep;
     let dt = dt.to_f64();
     workspace.boxes.clear();
+    workspace.drifts.clear();
     for (number, body) in model.bodies.iter().enumerate() {
-        let mut bounds = Aabb::<f64>::empty();
+        let (mut bounds, mut sum) = (Aabb::<f64>::empty(), DVec3::ZERO);
         for particle in body.particles.clone() {
             let at = state.position[particle].to_dvec3();
-            let way = if state.bodies[number].asleep { DVec3::ZERO } else { velocity[particle].to_dvec3() * dt };
-            workspace.ahead[particle] = at + way;
-            bounds = bounds.include(at + way);
+            let fast = if state.bodies[number].asleep { DVec3::ZERO } else { velocity[particle].to_dvec3() };
+            workspace.ahead[particle] = at + fast * dt;
+            bounds = bounds.include(at + fast * dt);
+            sum += fast;
         }
         workspace.boxes.push(bounds);
+        workspace.drifts.push(sum * (1.0 / body.particles.len() as f64));
     }
 }
 
@@ -158,6 +200,10 @@ fn add<R: Real>(
     // The weights that make the point of the cell's particles where they are now: with them no moment is left over.
     let now = Cell(carriers.map(|carrier| state.position[carrier].to_dvec3()));
     let place = now.locate(state.position[particle].to_dvec3(), found.at, cells.lattice.grid.cell_size);
+    if place.is_none() && of_point == of_cell {
+        // A body that turned itself by what it does to itself would not come to rest.
+        return;
+    }
     let weights = Cell::weights(place.unwrap_or(found.at));
     let mut movers = [0; 9];
     movers[0] = mover(substep, of_point, particle, velocity, workspace);
@@ -171,7 +217,12 @@ fn add<R: Real>(
     let depth = found.depth + dt * past.dot(found.normal);
     let known = state.presses.binary_search_by_key(&(particle, of_cell), Press::place);
     let pressed = depth.min(known.map_or(0.0, |place| state.presses[place].depth_m));
-    let (spring, gap) = (SpringBefore { depth, pressed }, -depth);
+    let leaving = |place: usize| {
+        let drift = workspace.drifts[if place == 0 { of_point } else { of_cell }];
+        (workspace.movers[movers[place] as usize].before - drift).dot(found.normal) * all[place].signum()
+    };
+    let leaving = (0..9).map(leaving).fold(0.0, f64::max);
+    let (spring, gap) = (SpringBefore { depth, pressed, leaving }, -depth);
     let Some(constraint) = PointConstraint::new(law, (movers, &workspace.movers), all, found.normal, spring, dt) else {
         return;
     };

@@ -1,11 +1,14 @@
-//! Which bodies come near each other in a substep, and what that asks of it.
+//! Which bodies come near each other or themselves in a substep, and what that asks of it.
 //!
 //! Boxes around the motion of whole bodies: where none overlap nothing else is looked at, and the substep is taken as it
 //! would be if there were one body only. Where two do, the substep is divided so that no point travels more than half a
-//! cell relative to what it may meet, and a body that sleeps is woken by one that comes.
+//! cell relative to what it may meet, and a body that sleeps is woken by one that comes. Whether a body is near itself is
+//! looked for where its particles can have come so far ([`super::itself`]).
 
+use super::itself;
+use super::motion::Motion;
+use super::workspace::BodiesWorkspace;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::kernels::bounds;
 use crate::physics::model::Model;
 use crate::physics::model::plan::{BodyContactPlan, Plan};
 use crate::physics::state::State;
@@ -20,31 +23,32 @@ const MARGIN: f64 = 0.25;
 /// No substep is divided further for that: at 1 ms and cells of 1 cm bodies are caught that meet at 1280 m/s.
 const MOST_PARTS: u32 = 256;
 
-/// Where a body is in the coming substep, and how fast.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct Motion<R: Real> {
-    /// Around where it is and where it would come to, m.
-    bounds: Aabb<R>,
-    /// Around its velocities, m/s.
-    velocity: Aabb<R>,
-}
-
-/// Into how many parts the coming substep has to be divided for bodies that come near each other; none where none do. Wakes
-/// bodies that sleep where one comes.
+/// Into how many parts the coming substep has to be divided for bodies that come near each other or themselves; none where
+/// none do. Wakes bodies that sleep where one comes.
 pub(in crate::physics) fn parts<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     state: &mut State<R>,
-    motions: &mut Vec<Motion<R>>,
+    workspace: &mut BodiesWorkspace<R>,
 ) -> Option<u32> {
     let BodyContactPlan { parts, .. } = plan.between_bodies?;
     if sleep::is_quiet(state) {
         return None;
     }
     let secs = R::from_f64(plan.substep_secs());
-    motions.clear();
-    motions.extend((0..model.bodies.len()).map(|body| motion(model, plan, state, body, secs)));
+    look_at_each(model, plan, state, workspace);
     let (mut longest, mut are_near) = (0.0_f64, false);
+    for number in near_themselves(model, state) {
+        are_near = true;
+        let body = &model.bodies[number];
+        let way = workspace.spreads[number] * plan.substep_secs();
+        longest = longest.max(way / (LONGEST_WAY * body.lattice.grid.cell_size));
+    }
+    let motions = &mut workspace.motions;
+    motions.clear();
+    if model.bodies.len() > 1 {
+        motions.extend((0..model.bodies.len()).map(|body| Motion::of(model, plan, state, body, secs)));
+    }
     for second in 1..model.bodies.len() {
         for first in 0..second {
             let pair = [first, second];
@@ -78,18 +82,34 @@ pub(in crate::physics) fn parts<R: Real>(
 
 /// Whether two bodies meet at all: neither has fallen out of the scene, and both are to.
 pub(super) fn may_meet<R: Real>(model: &Model<R>, state: &State<R>, pair: [usize; 2]) -> bool {
-    pair.iter().all(|body| model.bodies[*body].among_bodies.hull.is_some() && !state.bodies[*body].gone)
+    pair.iter().all(|body| model.bodies[*body].meets_others() && !state.bodies[*body].gone)
 }
 
-fn motion<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize, secs: R) -> Motion<R> {
-    let own = model.bodies[body].particles.clone();
-    let at = bounds::<R>(plan.simd, &state.position[own.clone()]);
-    if state.bodies[body].asleep {
-        return Motion { bounds: at, velocity: Aabb { min: R::Vec3::ZERO, max: R::Vec3::ZERO } };
+/// Bodies that are near themselves and meet themselves. What is tied in a knot does not: its parts have to pass each other for
+/// recovery to undo it.
+pub(super) fn near_themselves<R: Real>(model: &Model<R>, state: &State<R>) -> impl Iterator<Item = usize> {
+    let bodies = model.bodies.iter().zip(&state.bodies).enumerate();
+    let are_near = bodies.filter(|(_, (body, memory))| {
+        body.meets_itself() && memory.near_itself && !memory.asleep && memory.knotted_nanos == 0 && !memory.stuck
+    });
+    are_near.map(|(number, _)| number)
+}
+
+/// Looks which bodies are near themselves: those whose particles may have moved past each other by as much as there was left
+/// at the last look.
+fn look_at_each<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>, workspace: &mut BodiesWorkspace<R>) {
+    for (number, body) in model.bodies.iter().enumerate() {
+        let memory = &mut state.bodies[number];
+        if !body.meets_itself() || memory.asleep {
+            continue;
+        }
+        let way = workspace.spreads[number] * plan.substep_secs() / body.lattice.grid.cell_size;
+        memory.apart -= way;
+        if memory.apart.is_nan() || memory.apart <= 0.0 {
+            let position = &state.position[body.particles.clone()];
+            (memory.near_itself, memory.apart) = itself::look(body, position, way, workspace);
+        }
     }
-    let velocity = bounds::<R>(plan.simd, &state.velocity[own]);
-    let ahead = Aabb { min: at.min + velocity.min * secs, max: at.max + velocity.max * secs };
-    Motion { bounds: at.joined(ahead), velocity }
 }
 
 /// Wakes the one of two bodies that sleeps where the other moves.

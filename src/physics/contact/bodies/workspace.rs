@@ -4,30 +4,40 @@ use glam::DVec3;
 
 use super::buckets::{Buckets, NONE, Seen};
 use super::constraint::{Mover, PointConstraint};
-use super::near::Motion;
+use super::motion::Motion;
 use super::record::BodyContact;
 use crate::math::{Aabb, Real};
-use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
+use crate::physics::model::{Model, Surroundings};
 use crate::physics::state::State;
 use crate::physics::state::press::Press;
 
-/// What contact between bodies works in; of no length where there is none.
+/// What contact between bodies works in; of no length where there is none, nor for one body before it comes near itself.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct BodiesWorkspace<R: Real> {
-    pub(in crate::physics) motions: Vec<Motion<R>>,
+    /// How fast the particles of each body move past each other, m/s.
+    pub(in crate::physics) spreads: Vec<f64>,
+    /// What was remembered of each body's folds before the substep under way.
+    folds: Vec<(bool, f64)>,
+    pub(super) motions: Vec<Motion<R>>,
     /// Where every particle would be at the end of the substep, m.
     pub(super) ahead: Vec<DVec3>,
     /// The boxes around each body there, m.
     pub(super) boxes: Vec<Aabb<f64>>,
+    /// The mean velocity of each body's particles, m/s.
+    pub(super) drifts: Vec<DVec3>,
     pub(super) seen: Vec<Seen>,
     pub(super) buckets: Buckets,
+    /// Points in the order of the buckets: where they are, m, and the cells that they do not meet.
+    pub(super) sorted: Vec<(DVec3, Surroundings)>,
     /// The place of a particle among the movers.
     pub(super) mover_of: Vec<u32>,
     pub(super) movers: Vec<Mover>,
     pub(super) constraints: Vec<PointConstraint>,
     /// The particles that contact between bodies has just given another velocity, and that velocity, m/s.
     pub(in crate::physics) moved: Vec<(usize, R::Vec3)>,
+    /// The pairs of bodies that pushed each other since this was cleared.
+    pub(in crate::physics) met: Vec<[usize; 2]>,
     /// What met in the last substep, in the order of bodies and points.
     pub(in crate::physics) contacts: Vec<BodyContact>,
     /// Their springs as they are at its end, by particle and body.
@@ -37,24 +47,53 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
 impl<R: Real> BodiesWorkspace<R> {
     /// Room for a model.
     pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
-        if plan.between_bodies.is_none() {
-            return Self::default();
+        let bodies = model.bodies.len();
+        let (spreads, folds) = (Vec::with_capacity(bodies), Vec::with_capacity(bodies));
+        let mut room = Self { spreads, folds, ..Self::default() };
+        if plan.between_bodies.is_some() && model.bodies.len() > 1 {
+            room.make_room(model);
         }
+        room
+    }
+
+    /// Makes room, where there is none yet.
+    pub(super) fn make_room(&mut self, model: &Model<R>) {
         let (count, bodies) = (model.particle_count(), model.bodies.len());
+        if self.ahead.len() == count {
+            return;
+        }
         let surfaces = || model.bodies.iter().map(|body| body.lattice.surface);
         let (all, largest) = (surfaces().sum(), surfaces().max().unwrap_or(0));
-        Self {
+        *self = Self {
+            spreads: std::mem::take(&mut self.spreads),
+            folds: std::mem::take(&mut self.folds),
             motions: Vec::with_capacity(bodies),
             ahead: vec![DVec3::ZERO; count],
             boxes: Vec::with_capacity(bodies),
+            drifts: Vec::with_capacity(bodies),
             seen: Vec::with_capacity(largest),
             buckets: Buckets::new(largest),
+            sorted: Vec::new(),
             mover_of: vec![NONE; count],
             movers: Vec::with_capacity(count),
             moved: Vec::with_capacity(count),
+            met: Vec::with_capacity((bodies * bodies).min(all)),
             constraints: Vec::with_capacity(all),
             contacts: Vec::with_capacity(all),
             presses: Vec::with_capacity(all),
+        };
+    }
+
+    /// Remembers what is known of the folds of bodies, before it is looked for them.
+    pub(in crate::physics) fn remember_folds(&mut self, state: &State<R>) {
+        self.folds.clear();
+        self.folds.extend(state.bodies.iter().map(|memory| (memory.near_itself, memory.apart)));
+    }
+
+    /// Nothing has been looked for.
+    pub(in crate::physics) fn forget_looks(&self, state: &mut State<R>) {
+        for (memory, folds) in state.bodies.iter_mut().zip(&self.folds) {
+            (memory.near_itself, memory.apart) = *folds;
         }
     }
 

@@ -1,0 +1,121 @@
+//! Which points and cells of one body meet: those that do not belong together at rest.
+//!
+//! ```text
+//!    +───+───+───+───+───+
+//!    │ a │ a │ b │ c │ c │      the point ● is a corner of the cells a, and b touch one of these: it is kept from them by
+//!    +───●───+───+───+───+      links. It meets all others, c.
+//!    │ a │ a │ b │ c │ c │
+//! ```
+//!
+//! No such cell is nearer to it at rest than a cell size. So a body is not near itself as long as it is deformed alike
+//! all over: with `x = A X + u` and the least stretch σ of A no point and cell of it that meet are nearer than `σ − 2 max |u|`, in
+//! cell sizes. Only where that tells nothing are points and cells looked at.
+
+use glam::{DMat3, DVec3};
+
+use super::buckets::{NONE, Seen};
+use super::cell::{Cell, outside};
+use super::workspace::BodiesWorkspace;
+use crate::math::{Aabb, Real, Vector};
+use crate::physics::model::BodyModel;
+
+/// A body is near itself where a point is no further from a cell than this, in cells, ...
+const NEAR: f64 = 0.5;
+
+/// ... or than particles move past each other in a substep, and this for what forces add to that, ...
+const MARGIN: f64 = 0.3;
+
+/// ... but than this: less than what they are apart at rest. What moves further in a substep may be caught late, inside.
+const FURTHEST: f64 = 0.8;
+
+/// Nothing is looked for further away, in cells.
+const MEASURED: f64 = 1.0;
+
+/// Every so many particles have a say in how a body is deformed as a whole.
+const APART: usize = 17;
+
+/// Whether a body at these positions (m) is near itself, and how far its particles may move past each other until that has to
+/// be looked for again, in cells; they move by `way` in a substep.
+pub(super) fn look<R: Real>(
+    body: &BodyModel<R>,
+    position: &[R::Vec3],
+    way: f64,
+    workspace: &mut BodiesWorkspace<R>,
+) -> (bool, f64) {
+    let near = (MARGIN + way).clamp(NEAR, FURTHEST);
+    let distance = match least_distance(body, position) {
+        Some(distance) if distance > near => distance,
+        _ => measured_distance(body, position, workspace),
+    };
+    let is_near = distance <= near;
+    (is_near, if is_near { near } else { distance } - MARGIN)
+}
+
+/// What points and cells that meet are apart at least, in cells, where a body is deformed much alike; none where it is flat.
+fn least_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3]) -> Option<f64> {
+    let (size, corners) = (body.lattice.grid.cell_size, &body.lattice.corners);
+    let corner = |particle: usize| DVec3::from(corners[particle].map(f64::from));
+    let some = || {
+        (0..position.len()).step_by(1 + position.len() / (APART * APART)).map(|p| (position[p].to_dvec3(), corner(p)))
+    };
+    let mean = 1.0 / some().count() as f64;
+    let sum = some().fold([DVec3::ZERO; 2], |[at, was], (x, corner)| [at + x, was + corner]);
+    let [middle, middle_at_rest] = sum.map(|sum| sum * mean);
+    let (mut now, mut at_rest) = (DMat3::ZERO, DMat3::ZERO);
+    for (x, was) in some().map(|(x, corner)| (x - middle, corner - middle_at_rest)) {
+        now += DMat3::from_cols(x * was.x, x * was.y, x * was.z);
+        at_rest += DMat3::from_cols(was * was.x, was * was.y, was * was.z);
+    }
+    let stretch = now * at_rest.try_inverse()?;
+    let off = position.iter().zip(corners).fold(0.0_f64, |off, (at, corner)| {
+        let was = DVec3::from(corner.map(f64::from)) - middle_at_rest;
+        off.max((at.to_dvec3() - middle - stretch * was).length_squared())
+    });
+    // Gershgorin's bound of the least eigenvalue.
+    let squared = (stretch.transpose() * stretch).to_cols_array_2d();
+    let least = (0..3).map(|axis| 2.0 * squared[axis][axis] - squared[axis].iter().map(|of| of.abs()).sum::<f64>());
+    let least = least.fold(f64::INFINITY, f64::min).max(0.0).sqrt();
+    let distance = (least - 2.0 * off.sqrt()) / size;
+    distance.is_finite().then_some(distance)
+}
+
+/// The same, point by point and cell by cell, as far as it is no more than [`MEASURED`].
+fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspace: &mut BodiesWorkspace<R>) -> f64 {
+    let (hull, size) = (body.hull(), body.lattice.grid.cell_size);
+    let BodiesWorkspace { seen, buckets, sorted, .. } = workspace;
+    let at = |particle: u32| position[particle as usize].to_dvec3();
+    seen.clear();
+    seen.extend((0..).zip(&hull.points).map(|(point, particle)| Seen {
+        point,
+        ahead: at(*particle),
+        cell: NONE,
+        at: DVec3::ZERO,
+        outside: f64::INFINITY,
+    }));
+    let bounds = Aabb::<f64>::around(seen.iter().map(|seen| seen.ahead));
+    if !(bounds.min.is_finite() && bounds.max.is_finite()) {
+        return MEASURED;
+    }
+    buckets.sort(seen, &bounds, size);
+    sorted.clear();
+    sorted.extend(buckets.order().iter().map(|place| {
+        let Seen { point, ahead, .. } = seen[*place];
+        (ahead, hull.surroundings[point as usize])
+    }));
+    let mut least = MEASURED;
+    // Nothing comes near a cell further inside first.
+    for number in hull.outer.iter().copied().filter(|cell| hull.ways[*cell as usize].contains(&0)) {
+        let cell = Cell(body.lattice.cells[number as usize].map(at));
+        let (around, low) = (Aabb::<f64>::around(cell.0), body.lattice.low(number));
+        let within = around.grown(least * size);
+        for (point, surroundings) in buckets.rows(&within).flat_map(|row| &sorted[row]) {
+            let boxed = (*point - point.clamp(around.min, around.max)).abs().max_element() / size;
+            if boxed >= least || surroundings.touch(low) {
+                continue;
+            }
+            let place = cell.locate(*point, DVec3::splat(0.5), size);
+            least = least.min(place.map_or(boxed, outside).max(boxed));
+        }
+    }
+    least
+}
