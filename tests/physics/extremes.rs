@@ -82,8 +82,15 @@ fn scenes_that_once_exploded_do_not() {
         (777_041, 616),
     ];
     // A heavy body in a light one that links hold there; a light one in a heavy one that an obstacle pushes as well; a light
-    // one that a heavy one hits within a substep, and has left at its end; a soft light one in the same place as a heavy one.
-    let second = [(2_950_612_423, 1290), (3_014_289_722, 662), (3_014_289_722, 1580), (3_532_797_356, 134)];
+    // one that a heavy one hits within a substep, and has left at its end; a soft light one in the same place as a heavy one;
+    // one that keeps another from going deeper.
+    let second = [
+        (2_950_612_423, 1290),
+        (3_014_289_722, 662),
+        (3_014_289_722, 1580),
+        (3_532_797_356, 134),
+        (2_313_755_053, 1455),
+    ];
     let [scenes, second] = [(Edition::First, &scenes[..]), (Edition::Second, &second)]
         .map(|(edition, scenes)| scenes.iter().map(move |(seed, number)| (edition, *seed, *number)));
     for (edition, seed, number) in scenes.chain(second) {

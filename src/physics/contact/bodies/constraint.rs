@@ -199,10 +199,10 @@ impl PointConstraint {
         }
     }
 
-    /// What parting the two does in a substep of `dt` (s) in which movers have these velocities in the mean (m/s), J: the force
+    /// What parting the two, and keeping them from going deeper, does in a substep of `dt` (s) in which movers have these velocities in the mean (m/s), J: the force
     /// times the way. What pulls them together may be as strong, so that nothing moves any faster.
     pub(super) fn parting_work(&self, mean: impl Fn(&Mover) -> DVec3, movers: &[Mover], dt: f64) -> f64 {
-        if self.parting <= 0.0 {
+        if self.spring.beyond() <= 0.0 {
             return 0.0;
         }
         let mean = self.sum(|mover| mean(&movers[mover]));
