@@ -11,6 +11,7 @@ use crate::app::hand::Target;
 use crate::scene::body::{CubeShape, Pose, UpAxis};
 use crate::scene::edit::{BodyId, Edit, ObstacleId};
 use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Mesh, Plane, Sphere};
+use crate::scene::param::{self, Kind};
 use crate::scene::placement::{Look, Surroundings};
 use crate::scene::{Body, Obstacle, ObstacleShape, Scene, Shape};
 use crate::session::Command;
@@ -90,7 +91,7 @@ pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, comman
                 Shape::Cube(_) => Some(body.material.clone()),
                 _ => None,
             });
-            let position = there.place(state.look, DVec3::splat(size), DROP * size).to_array();
+            let position = within(there.place(state.look, DVec3::splat(size), DROP * size));
             let body = Body {
                 name: "Cube".to_owned(),
                 shape: Shape::Cube(CubeShape { size, ..CubeShape::default() }),
@@ -102,7 +103,7 @@ pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, comman
         }
         New::Obstacle(form) => {
             let mut shape = form.shape(size);
-            *shape.center_mut() = there.place(state.look, shape.bounds().size(), 0.0).to_array();
+            *shape.center_mut() = within(there.place(state.look, shape.bounds().size(), 0.0));
             add_obstacle(
                 Obstacle { name: form.name().to_owned(), shape, ..Obstacle::default() },
                 scene,
@@ -118,7 +119,7 @@ pub(super) fn add_mesh(path: &Path, running: Running<'_>, state: &mut UiState, c
     let scene = running.scene;
     let length = MESH_SIZE * usual_size(scene);
     // Only once the file is read it is known how wide it is.
-    let center = surroundings(running).place(state.look, DVec3::splat(length), 0.0).to_array();
+    let center = within(surroundings(running).place(state.look, DVec3::splat(length), 0.0));
     let name = path.file_stem().map_or_else(|| "Mesh".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let path = path.to_string_lossy().into_owned();
     let shape = ObstacleShape::Mesh(Mesh { path, center, length, up: UpAxis::Auto, ..Mesh::default() });
@@ -136,7 +137,7 @@ pub(super) fn duplicate(target: Target, running: Running<'_>, state: &mut UiStat
                 let at = if original.gone { state.look.at } else { original.center.into() };
                 let size = DVec3::from(original.start_size);
                 let above = DROP * size.max_element();
-                body.pose.position = there.place(Look { at, ..state.look }, size, above).to_array();
+                body.pose.position = within(there.place(Look { at, ..state.look }, size, above));
             }
             add_body(body, scene, state, commands);
         }
@@ -147,10 +148,11 @@ pub(super) fn duplicate(target: Target, running: Running<'_>, state: &mut UiStat
             match shape {
                 ObstacleShape::Plane(plane) if size.max_element() > FLOOR * usual_size(scene) => {
                     plane.center[0] += 2.2 * plane.half_extents[0];
+                    plane.center = within(plane.center.into());
                 }
                 _ => {
                     let near = Look { at: shape.center().into(), ..state.look };
-                    *shape.center_mut() = there.place(near, size, 0.0).to_array();
+                    *shape.center_mut() = within(there.place(near, size, 0.0));
                 }
             }
             add_obstacle(obstacle, scene, state, commands);
@@ -168,6 +170,15 @@ fn add_obstacle(obstacle: Obstacle, scene: &Scene, state: &mut UiState, commands
     let place = ObstacleId(scene.obstacles.len());
     state.awaited = Some(Target::Obstacle(place));
     commands.extend(alone(Edit::InsertObstacle(place, Box::new(obstacle))));
+}
+
+/// A place where something may be: as near to one beyond the edge of the world as the world goes.
+fn within(place: DVec3) -> [f64; 3] {
+    let edge = match param::find("bodies.*.pose.position").map(|param| param.kind) {
+        Some(Kind::Number { max, .. }) => max,
+        _ => f64::INFINITY,
+    };
+    place.clamp(DVec3::splat(-edge), DVec3::splat(edge)).to_array()
 }
 
 /// How large things are in a scene, m.
@@ -188,5 +199,16 @@ fn length(shape: &Shape) -> f64 {
             };
             cells.size * (0..3).map(extent).fold(0.0, f64::max)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_added_at_the_edge_of_the_world_stays_in_it() {
+        let place = DVec3::from(within(DVec3::new(10_001.5, -3.0, -2e5)));
+        assert!(place.distance(DVec3::new(1e4, -3.0, -1e4)) < 1e-9, "{place}");
     }
 }
