@@ -1,22 +1,24 @@
 //! Obstacles as things to draw.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::solid_mesh::SolidMeshes;
 use crate::math::rotation::from_euler_deg;
 use crate::scene::obstacle::{Capsule, Cylinder, Obstacle, ObstacleShape, Sphere};
 use crate::view::Solid;
 
-/// The visible obstacles of a scene, in its order.
-pub fn solids(obstacles: &[Obstacle], meshes: &mut SolidMeshes) -> Vec<Solid> {
+/// The visible obstacles of a scene after so much simulated time, in its order.
+pub fn solids(obstacles: &[Obstacle], secs: f64, meshes: &mut SolidMeshes) -> Vec<Solid> {
     let shown = obstacles.iter().filter(|obstacle| !obstacle.hidden);
-    shown.filter_map(|obstacle| solid(&obstacle.shape, meshes)).collect()
+    shown.filter_map(|obstacle| solid(obstacle, secs, meshes)).collect()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
-fn solid(shape: &ObstacleShape, meshes: &mut SolidMeshes) -> Option<Solid> {
-    let turn = from_euler_deg(shape.rotation_deg().unwrap_or_default());
-    let center = DVec3::from(shape.center()).as_vec3();
+fn solid(obstacle: &Obstacle, secs: f64, meshes: &mut SolidMeshes) -> Option<Solid> {
+    let shape = &obstacle.shape;
+    let (way, turned) = obstacle.motion.map(|motion| motion.rigid().at(secs)).unwrap_or_default();
+    let turn = DMat3::from_quat(turned) * from_euler_deg(shape.rotation_deg().unwrap_or_default());
+    let center = (DVec3::from(shape.center()) + way).as_vec3();
     let arm = |half_height: f64| (turn.y_axis * half_height).as_vec3();
     Some(match *shape {
         ObstacleShape::Plane(plane) => {
@@ -56,7 +58,7 @@ mod tests {
     fn a_turned_plane_keeps_its_extents_and_its_upper_side() {
         let plane = Plane { rotation_deg: [0.0, 90.0, 90.0], half_extents: [2.0, 3.0], ..Plane::default() };
         let turned = Obstacle { shape: ObstacleShape::Plane(plane), ..Obstacle::default() };
-        let [Solid::Plane { axes: [z, x], half_extents, .. }] = solids(&[turned], &mut SolidMeshes::default())[..]
+        let [Solid::Plane { axes: [z, x], half_extents, .. }] = solids(&[turned], 0.0, &mut SolidMeshes::default())[..]
         else {
             panic!("a plane stays a plane")
         };
@@ -71,7 +73,7 @@ mod tests {
         let shown = Obstacle { shape: sphere, ..Obstacle::default() };
         let hidden = Obstacle { hidden: true, ..shown.clone() };
         let center = Vec3::new(1.0, 2.0, 3.0);
-        let found = solids(&[hidden, shown], &mut SolidMeshes::default());
+        let found = solids(&[hidden, shown], 0.0, &mut SolidMeshes::default());
         assert_eq!(found, [Solid::Sphere { center, radius: 0.5 }], "only the visible one");
     }
 }

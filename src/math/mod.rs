@@ -4,9 +4,11 @@
 pub mod aabb;
 pub mod frame;
 pub mod real;
+pub mod rigid_motion;
 pub mod rng;
 pub mod rotation;
 
 pub use aabb::Aabb;
 pub use frame::{FRAME, FRAME_SECS};
 pub use real::{Real, Vector, components, components_mut};
+pub use rigid_motion::RigidMotion;

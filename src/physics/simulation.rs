@@ -53,13 +53,14 @@ impl<R: Real> Simulation<R> {
         debug_assert_eq!(model.particle_count(), self.model.particle_count(), "the bodies must be the same");
         let old = Placed::now(&self.model, &self.state);
         self.state.sweeps = match arrival {
-            Arrival::Swept => sweep::sweeps(&old, &model, kept),
+            Arrival::Swept => sweep::sweeps(&old, &self.model, &model, kept, &self.state),
             Arrival::Placed => Vec::new(),
         };
         let sides = std::mem::take(&mut self.state.side);
         self.state.fit_sides(&model);
         sweep::keep_sides(&old, &model, kept, &sides, &mut self.state);
-        arrive::begin(&old, &model, kept, &sides, &mut self.state);
+        let placed = Placed::now(&model, &self.state);
+        arrive::begin(&old, &model, &placed, kept, &sides, &mut self.state);
         // The share of the step that was taken stays taken: expensive steps come to an end however often they are
         // edited.
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
@@ -159,6 +160,9 @@ impl<R: Real> Simulation<R> {
         }
         if !self.state.sweeps.is_empty() {
             self.wake_all();
+        }
+        if self.model.moves_by_itself() {
+            sleep::wake_near_moving(&self.model, self.obstacles.all(), &mut self.state);
         }
         for approach in self.state.approaches.iter().filter(|approach| !approach.waits) {
             self.state.bodies[approach.body].wake();
@@ -265,9 +269,9 @@ impl<R: Real> Simulation<R> {
         self.state.bodies.iter_mut().for_each(BodyMemory::wake);
     }
 
-    /// Whether all bodies sleep: a step then changes nothing but the time.
+    /// Whether all bodies sleep and no obstacle moves: a step then changes nothing but the time.
     pub fn is_asleep(&self) -> bool {
-        sleep::is_quiet(&self.state)
+        sleep::is_quiet(&self.state) && !self.model.moves_by_itself()
     }
 
     /// What the last substep found of contact, by particle; of bodies asleep what they keep.

@@ -4,6 +4,7 @@
 use serde_json::{Number, Value};
 use thiserror::Error;
 
+use super::obstacle::Motion;
 use super::param::{self, Kind, PARAMS, Param, Problem};
 use super::{ObstacleShape, Scene};
 use crate::text::{distance, echo};
@@ -45,10 +46,11 @@ pub enum PathError {
 }
 
 /// The nodes that are one of several forms, and the names of the forms.
-const FORMS: [(&str, &[&str]); 3] = [
+const FORMS: [(&str, &[&str]); 4] = [
     ("bodies.*.shape", &["cube", "cells", "model"]),
     ("bodies.*.material", &["springs", "solid"]),
     ("obstacles.*", &ObstacleShape::NAMES),
+    ("obstacles.*.motion", &Motion::NAMES),
 ];
 
 /// Sets the value at a path. A path into a form that the body or obstacle does not have now switches to that form
@@ -58,7 +60,10 @@ pub fn set(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathError> {
     let (path, text) = (path.trim(), text.trim());
     let refused = |reason: String| PathError::BadText { path: echo(path), text: echo(text), allowed: reason };
     let mut tree = serde_json::to_value(&*scene).map_err(|error| refused(error.to_string()))?;
-    let value = if let Some(param) = param::find(path) {
+    let stops = param::matches("obstacles.*.motion", path) && ["none", "null"].contains(&text);
+    let value = if stops {
+        Value::Null
+    } else if let Some(param) = param::find(path) {
         parse(param, path, text).ok_or_else(|| refused(allowed(param, path)))?
     } else {
         // Whether there is such a path at all is the first thing to know.
@@ -66,7 +71,7 @@ pub fn set(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathError> {
         parse_tree(text).ok_or_else(|| refused("what a scene file may have there".to_owned()))?
     };
     match (path.rsplit_once('.'), value) {
-        (Some((above, name)), Value::Null) if param::find(path).is_some_and(Param::is_optional) => {
+        (Some((above, name)), Value::Null) if stops || param::find(path).is_some_and(Param::is_optional) => {
             if let Value::Object(fields) = navigate(&mut tree, above, path)? {
                 fields.remove(name);
             }
@@ -104,7 +109,9 @@ fn navigate<'a>(tree: &'a mut Value, path: &str, asked: &str) -> Result<&'a mut 
             Value::Object(fields) => {
                 if !fields.contains_key(name) {
                     let default = param::default_at(&here).ok_or_else(unknown)?;
-                    if let Some((_, forms)) = FORMS.iter().find(|(pattern, _)| param::matches(pattern, &above)) {
+                    let is_form =
+                        |(pattern, forms): &&(&str, &[&str])| param::matches(pattern, &above) && forms.contains(&name);
+                    if let Some((_, forms)) = FORMS.iter().find(is_form) {
                         fields.retain(|field, _| !forms.contains(&field.as_str()));
                     }
                     fields.insert(name.to_owned(), default);
@@ -199,7 +206,7 @@ mod tests {
 
     use super::*;
     use crate::scene::body::PinBox;
-    use crate::scene::obstacle::{Cuboid, Sphere};
+    use crate::scene::obstacle::{Cuboid, Oscillate, Sphere, Turn};
     use crate::scene::{ObstacleShape, Shape, presets};
 
     fn changed(path: &str, text: &str) -> Result<Scene, String> {
@@ -261,6 +268,22 @@ mod tests {
             let refused = changed(path, "0").expect_err("nothing is that flat");
             assert!(refused.contains("is outside"), "{refused}");
         }
+    }
+
+    #[test]
+    fn a_motion_is_set_switched_and_taken_away() {
+        let mut scene = (presets::presets()[0].build)();
+        let shape = scene.obstacles[0].shape.clone();
+        set(&mut scene, "obstacles.0.motion.turn.turns_per_sec", "2").expect("it turns");
+        let turn = Turn { turns_per_sec: 2.0, ..Turn::default() };
+        assert_eq!((&scene.obstacles[0].motion, &scene.obstacles[0].shape), (&Some(Motion::Turn(turn)), &shape));
+        set(&mut scene, "obstacles.0.motion.oscillate.amplitude", "0.2").expect("it swings");
+        let swing = Oscillate { amplitude: 0.2, ..Oscillate::default() };
+        assert_eq!(scene.obstacles[0].motion, Some(Motion::Oscillate(swing)));
+        let refused = set(&mut scene, "obstacles.0.motion.oscillate.axis", "0, 0, 0").expect_err("no axis");
+        assert!(refused.to_string().contains("is no axis"), "{refused}");
+        set(&mut scene, "obstacles.0.motion", "none").expect("it stops");
+        assert_eq!((&scene.obstacles[0].motion, &scene.obstacles[0].shape), (&None, &shape));
     }
 
     #[test]

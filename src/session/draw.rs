@@ -36,7 +36,11 @@ impl Session {
             particles: Arc::clone(&self.picture.particles),
             scalars: self.picture.scalars.clone(),
             color_range: view.color_range.map_or(self.picture.automatic_range, |range| range.map(|end| end as f32)),
-            solids: extract::solid::solids(&self.scene.obstacles, &mut self.picture.solid_meshes),
+            solids: extract::solid::solids(
+                &self.scene.obstacles,
+                self.simulation.state().time_secs,
+                &mut self.picture.solid_meshes,
+            ),
             overlay: self.picture.overlay.clone(),
             ..DrawList::default()
         }

@@ -6,9 +6,10 @@ use egui::{Key, Modifiers};
 use gelatin::app::hand::Target;
 use gelatin::app::theme::Theme;
 use gelatin::app::ui::Framing;
-use gelatin::app::ui::files::{FileAction, Wish, Work};
-use gelatin::scene::ColorBy;
+use gelatin::app::ui::files::{FileAction, PathUse, Wish, Work};
 use gelatin::scene::edit::{BodyId, ObstacleId};
+use gelatin::scene::obstacle::Motion;
+use gelatin::scene::{ColorBy, ObstacleShape};
 use gelatin::session::Command;
 use gelatin::session::jellify::jellify;
 use gelatin::session::progress::Progress;
@@ -89,6 +90,31 @@ fn a_model_is_chosen_as_soon_as_it_is_there() {
     window.wait();
     window.click("Discard");
     assert_eq!(window.harness.state().ui.selection, None, "nothing comes along with an empty scene");
+}
+
+#[test]
+fn a_mesh_is_found_added_chosen_and_set_in_motion() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("wedge.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").expect("a file");
+    let mut window = Window::open("cube-on-plane");
+    let place = window.scene().obstacles.len();
+    window.click("+ Mesh…");
+    window.harness.state_mut().ui.files.browsed(PathUse::OpenMesh, Some(&path));
+    window.wait();
+    window.click("Add");
+    let wedge = window.scene().obstacles[place].clone();
+    let ObstacleShape::Mesh(mesh) = &wedge.shape else { panic!("a mesh") };
+    assert!(wedge.name == "wedge" && mesh.surface().is_some_and(|surface| surface.is_closed()), "{wedge:?}");
+    assert_eq!(window.harness.state().ui.selection, Some(Target::Obstacle(ObstacleId(place))), "it is chosen");
+    window.click("Motion");
+    window.wait();
+    window.click("Kind");
+    window.click("Turns");
+    assert!(matches!(window.scene().obstacles[place].motion, Some(Motion::Turn(_))), "it turns");
+    window.click("Undo");
+    window.click("Undo");
+    assert_eq!(window.scene().obstacles.len(), place, "all of it is taken back");
 }
 
 #[test]

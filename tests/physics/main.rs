@@ -15,6 +15,7 @@ mod friction;
 mod golden;
 mod integrators;
 mod mesh_obstacles;
+mod moving_obstacles;
 mod placing;
 mod presets;
 mod recovery;

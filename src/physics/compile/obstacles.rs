@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::math::{Aabb, Real, Vector, rotation};
+use crate::math::{Aabb, Real, RigidMotion, Vector, rotation};
 use crate::physics::model::{
     ContactModel, MeshModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel,
 };
@@ -82,8 +82,11 @@ pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>
             // Rounding to R must not shrink the box below the obstacle.
             let margin = 1e-5 * (bounds.size().max_element() + bounds.center().abs().max_element());
             let bounds = bounds.grown(margin);
+            let motion = obstacle.motion.map(|motion| motion.rigid());
+            let bounds = motion.map_or(bounds, |motion| around_all(&bounds, &motion));
             ObstacleModel {
                 shape,
+                motion,
                 carry: None,
                 bounds: Aabb { min: R::Vec3::from_dvec3(bounds.min), max: R::Vec3::from_dvec3(bounds.max) },
                 friction_static: R::from_f64(obstacle.friction_static),
@@ -91,6 +94,12 @@ pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>
             }
         })
         .collect()
+}
+
+/// The box around everything that what is in a box may come to by its own motion.
+fn around_all(bounds: &Aabb<f64>, motion: &RigidMotion) -> Aabb<f64> {
+    let reach = DVec3::splat(0.5 * bounds.size().length() + motion.reach());
+    Aabb { min: bounds.center() - reach, max: bounds.center() + reach }
 }
 
 fn oriented<R: Real>(

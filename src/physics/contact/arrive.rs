@@ -35,17 +35,18 @@ const PRESS: f64 = 3.0;
 const RELEASE: f64 = 0.5;
 
 /// After `state` was fitted to the obstacles of `new`: those that are elsewhere than in `old` at once come gently to the
-/// bodies they would be inside of. `kept` names, for each obstacle, the one it was. Those that sweep get there by
+/// bodies they would be inside of. `kept` names, for each obstacle, the one it was, `placed` has them where they are now. Those that sweep get there by
 /// themselves.
 pub(in crate::physics) fn begin<R: Real>(
     old: &Placed<R>,
     new: &Model<R>,
+    placed: &Placed<R>,
     kept: &[Option<usize>],
     sides: &[Vec<i8>],
     state: &mut State<R>,
 ) {
     let running = std::mem::take(&mut state.approaches);
-    for (obstacle, (was, ObstacleModel { shape, .. })) in kept.iter().zip(&new.obstacles).enumerate() {
+    for (obstacle, (was, ObstacleModel { shape, .. })) in kept.iter().zip(placed.all()).enumerate() {
         let sweeps = state.sweeps.iter().any(|sweep| sweep.obstacle == obstacle);
         let stays = was.is_some_and(|was| sweeps || is_same_place(&old.all()[was].shape, shape));
         for (number, body) in new.bodies.iter().enumerate() {

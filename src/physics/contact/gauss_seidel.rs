@@ -119,6 +119,7 @@ mod tests {
         ObstacleModel {
             shape: ObstacleShape::Sphere { center: DVec3::ZERO, radius: 1.0 },
             bounds: Aabb::empty(),
+            motion: None,
             carry: None,
             friction_static: friction,
             friction_dynamic: friction,

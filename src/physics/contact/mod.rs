@@ -19,6 +19,7 @@ mod candidate;
 mod constraint;
 mod gauss_seidel;
 mod held;
+mod moving;
 mod narrow;
 pub(super) mod placed;
 mod record;

@@ -1,6 +1,6 @@
 //! Where obstacles are as bodies meet them: at their places in the model, or on their way there.
 
-use super::approach;
+use super::{approach, moving};
 use crate::math::Real;
 use crate::physics::model::{Model, ObstacleModel};
 use crate::physics::state::State;
@@ -33,14 +33,17 @@ impl<R: Real> Placed<R> {
 
     /// As they move in the next `secs`; where they are none, as they stand.
     pub(in crate::physics) fn place(&mut self, model: &Model<R>, state: &State<R>, secs: f64) {
-        let moves = !state.sweeps.is_empty() || !state.approaches.is_empty();
+        let moves = !state.sweeps.is_empty() || !state.approaches.is_empty() || model.moves_by_itself();
         if !moves && !self.moves {
             return;
         }
         self.moves = moves;
         self.obstacles.clone_from(&model.obstacles);
-        for sweep in &state.sweeps {
-            self.obstacles[sweep.obstacle] = sweep.place(&model.obstacles[sweep.obstacle], secs);
+        for (place, arrived) in model.obstacles.iter().enumerate() {
+            let sweep = state.sweeps.iter().find(|sweep| sweep.obstacle == place);
+            if sweep.is_some() || arrived.motion.is_some() {
+                self.obstacles[place] = moving::placed(sweep, arrived, state.time_secs, secs);
+            }
         }
         self.displaced.clear();
         for approach in &state.approaches {

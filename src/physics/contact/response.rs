@@ -108,6 +108,7 @@ mod tests {
         let obstacle = ObstacleModel {
             shape: ObstacleShape::Sphere { center: DVec3::ZERO, radius: 1.0 },
             bounds: Aabb::empty(),
+            motion: None,
             carry: None,
             friction_static: friction[0],
             friction_dynamic: friction[1],

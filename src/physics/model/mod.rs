@@ -45,6 +45,11 @@ pub(in crate::physics) struct FallLimit<R: Real> {
 }
 
 impl<R: Real> Model<R> {
+    /// Whether any obstacle moves by itself.
+    pub fn moves_by_itself(&self) -> bool {
+        self.obstacles.iter().any(|obstacle| obstacle.motion.is_some())
+    }
+
     /// Particles in all bodies.
     pub fn particle_count(&self) -> usize {
         self.bodies.last().map_or(0, |body| body.particles.end)

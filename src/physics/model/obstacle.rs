@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::geometry::Surface;
-use crate::math::{Aabb, Real, Vector};
+use crate::math::{Aabb, Real, RigidMotion, Vector};
 
 /// An obstacle as the narrow phase sees it.
 #[derive(Clone, Debug)]
@@ -14,6 +14,8 @@ pub struct ObstacleModel<R: Real> {
     pub shape: ObstacleShape<R>,
     /// The box around it and, while it moves, its way, m.
     pub bounds: Aabb<R>,
+    /// How it moves by itself about where `shape` has it at the beginning of time.
+    pub motion: Option<RigidMotion>,
     /// How it moves within the coming substep; none where it stands still.
     pub(in crate::physics) carry: Option<Carry<R>>,
     /// Coulomb coefficient of rest.

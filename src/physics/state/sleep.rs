@@ -4,7 +4,7 @@
 //! still    for 0.5 s no particle was faster than 1e-3 body sizes a second
 //! at rest  still, and none is further than 1e-5 body sizes from where it was then, nor than 1 % of a free fall
 //! asleep   velocities are zero; no forces, no contact, no motion; its contacts stay known to be shown
-//! awake    by a body that comes near, a hand, new parameters, settings or obstacles, a throw, another place or another
+//! awake    by a body or an obstacle that moves and comes near, a hand, new parameters, settings or obstacles, a throw, another place or another
 //!          motion; never a body that has fallen out of the scene
 //! ```
 //!
@@ -14,9 +14,9 @@
 //! counted in substeps and kept in the [`State`], so that a saved motion goes on bit for bit, sleep included. What drifts
 //! more slowly than 2e-5 body sizes a second is stopped: no picture tells it from rest.
 
-use crate::math::{FRAME_SECS, Real, Vector};
+use crate::math::{Aabb, FRAME_SECS, Real, Vector};
 use crate::physics::model::plan::Plan;
-use crate::physics::model::{BodyModel, Model};
+use crate::physics::model::{BodyModel, Model, ObstacleModel};
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::stepping::looks;
 
@@ -95,6 +95,23 @@ pub(in crate::physics) fn watch<R: Real>(
         if !memory.asleep && memory.still_substeps > long_enough {
             (memory.asleep, memory.still_substeps) = (true, long_enough);
             state.velocity[body.particles.clone()].fill(R::Vec3::ZERO);
+        }
+    }
+}
+
+/// Wakes every body that an obstacle that moves by itself may come to, and keeps it awake.
+pub(in crate::physics) fn wake_near_moving<R: Real>(
+    model: &Model<R>,
+    placed: &[ObstacleModel<R>],
+    state: &mut State<R>,
+) {
+    for (number, body) in model.bodies.iter().enumerate() {
+        let position = &state.position[body.particles.clone()];
+        let is_near = |obstacle: &ObstacleModel<R>| {
+            position.iter().any(|at| Aabb { min: *at, max: *at }.overlaps(&obstacle.bounds))
+        };
+        if placed.iter().any(|obstacle| obstacle.motion.is_some() && is_near(obstacle)) {
+            state.bodies[number].wake();
         }
     }
 }

@@ -1,16 +1,18 @@
-//! Obstacles: fixed things that bodies meet.
+//! Obstacles: rigid things that bodies meet, standing still or moving by themselves.
 
 mod mesh;
+mod motion;
 mod shape;
 mod stiffness;
 
 use serde::{Deserialize, Serialize};
 
 pub use mesh::{Loaded, Mesh};
+pub use motion::{Motion, Oscillate, Turn};
 pub use shape::{Capsule, Cuboid, Cylinder, ObstacleShape, Plane, Sphere};
 pub use stiffness::ContactStiffness;
 
-/// A fixed thing that bodies meet.
+/// A rigid thing that bodies meet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ObstacleFile", into = "ObstacleFile")]
 pub struct Obstacle {
@@ -18,6 +20,8 @@ pub struct Obstacle {
     pub name: String,
     /// Its form and place.
     pub shape: ObstacleShape,
+    /// How it moves by itself; none where it stands still.
+    pub motion: Option<Motion>,
     /// Contact stiffness.
     pub stiffness: ContactStiffness,
     /// Coulomb coefficient below which a touching particle stays.
@@ -33,6 +37,7 @@ impl Default for Obstacle {
         Self {
             name: String::new(),
             shape: ObstacleShape::Plane(Plane::default()),
+            motion: None,
             stiffness: ContactStiffness::Auto,
             friction_static: 0.6,
             friction_dynamic: 0.5,
@@ -58,6 +63,8 @@ struct ObstacleFile {
     cylinder: Option<Cylinder>,
     #[serde(skip_serializing_if = "Option::is_none")]
     mesh: Option<Mesh>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    motion: Option<Motion>,
     stiffness: ContactStiffness,
     friction_static: f64,
     friction_dynamic: f64,
@@ -82,6 +89,7 @@ impl From<Obstacle> for ObstacleFile {
             capsule: None,
             cylinder: None,
             mesh: None,
+            motion: obstacle.motion,
             stiffness: obstacle.stiffness,
             friction_static: obstacle.friction_static,
             friction_dynamic: obstacle.friction_dynamic,
@@ -126,6 +134,7 @@ impl TryFrom<ObstacleFile> for Obstacle {
         Ok(Self {
             name: file.name,
             shape,
+            motion: file.motion,
             stiffness: file.stiffness,
             friction_static: file.friction_static,
             friction_dynamic: file.friction_dynamic,

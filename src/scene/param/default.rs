@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::definition::Param;
 use crate::scene::body::{CellsShape, CubeShape, Inlay, ModelShape, PinBox};
-use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Mesh, Plane, Sphere};
+use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Mesh, Motion, Oscillate, Plane, Sphere, Turn};
 use crate::scene::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid};
 
 impl Param {
@@ -49,6 +49,7 @@ fn defaults() -> Scene {
     let solid =
         |shape| Body { material: Material::Solid(Solid::default()), inlays: vec![Inlay::default()], ..body(shape) };
     let obstacle = |shape| Obstacle { shape, ..Obstacle::default() };
+    let moving = |shape, motion| Obstacle { motion: Some(motion), ..obstacle(shape) };
     Scene {
         bodies: vec![
             body(Shape::Cube(CubeShape::default())),
@@ -59,8 +60,8 @@ fn defaults() -> Scene {
             obstacle(ObstacleShape::Plane(Plane::default())),
             obstacle(ObstacleShape::Sphere(Sphere::default())),
             obstacle(ObstacleShape::Box(Cuboid::default())),
-            obstacle(ObstacleShape::Capsule(Capsule::default())),
-            obstacle(ObstacleShape::Cylinder(Cylinder::default())),
+            moving(ObstacleShape::Capsule(Capsule::default()), Motion::Turn(Turn::default())),
+            moving(ObstacleShape::Cylinder(Cylinder::default()), Motion::Oscillate(Oscillate::default())),
             obstacle(ObstacleShape::Mesh(Mesh::default())),
         ],
         ..Scene::default()

@@ -123,6 +123,9 @@ impl Param {
             "view.light.direction" if zero => {
                 Some("(0, 0, 0) points nowhere; give a direction towards the light".to_owned())
             }
+            "obstacles.*.motion.turn.axis" | "obstacles.*.motion.oscillate.axis" if zero => {
+                Some("(0, 0, 0) is no axis; give a direction".to_owned())
+            }
             "view.color_range" if entries.first().and_then(Value::as_f64) >= entries.get(1).and_then(Value::as_f64) => {
                 Some("a range whose first number is not below its second".to_owned())
             }

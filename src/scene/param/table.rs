@@ -80,6 +80,11 @@ pub const PARAMS: &[Param] = &[
     number("obstacles.*.mesh.rotation_deg", "°", -360.0, 360.0, "Turns about x, then y, then z (fixed axes).").of(3),
     number("obstacles.*.mesh.length", "m", 0.0, 1e3, "Longest extent after scaling; 0 keeps the file's own size."),
     words("obstacles.*.mesh.up", &["auto", "y", "z", "x", "minus_y", "minus_z", "minus_x"], "The axis of the model's file that points up; auto is z where the model stands only that way, y otherwise."),
+    number("obstacles.*.motion.turn.axis", "", -100.0, 100.0, "The axis in the scene about which the obstacle turns, through its middle; any length but zero.").of(3),
+    number("obstacles.*.motion.turn.turns_per_sec", "1/s", -20.0, 20.0, "Turns a second; less than nothing the other way."),
+    number("obstacles.*.motion.oscillate.axis", "", -100.0, 100.0, "The axis in the scene along which the obstacle swings; any length but zero.").of(3),
+    number("obstacles.*.motion.oscillate.amplitude", "m", 0.0, 100.0, "The farthest that the obstacle gets from its middle."),
+    number("obstacles.*.motion.oscillate.period_secs", "s", 0.1, 1e3, "The time that the obstacle takes to swing to one side, to the other and back.").log(),
     Param {
         kind: Kind::NumberOr { word: "auto", min: 0.0, max: 1e9 },
         ..number("obstacles.*.stiffness", "N/m", 0.0, 1e9, "How hard the obstacle pushes a particle back; auto chooses so that resting bodies sink little.").log()

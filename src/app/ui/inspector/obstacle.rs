@@ -3,6 +3,7 @@
 use egui::Ui;
 
 use super::mesh::mesh_ui;
+use super::motion::motion_ui;
 use super::section::section_ui;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, Interaction, field_ui, slider_ui, vector_ui};
@@ -20,6 +21,10 @@ pub(super) fn obstacle_ui(ui: &mut Ui, id: ObstacleId, scene: &Scene, commands: 
     let mut changed = obstacle.clone();
     let mut interaction = Interaction::default();
     section_ui(ui, "Place", true, |ui| interaction.and(place_ui(ui, id, &mut changed)));
+    section_ui(ui, "Motion", changed.motion.is_some(), |ui| {
+        let path = |what: &str| format!("obstacles.{}.motion.{what}", id.0);
+        interaction.and(motion_ui(ui, path, &mut changed.motion));
+    });
     section_ui(ui, "Contact", true, |ui| interaction.and(contact_ui(ui, id, &mut changed)));
     interaction.send(|| Edit::Obstacle(id, Box::new(changed)), commands);
 }
