@@ -2,7 +2,7 @@
 
 use super::body::{Body, CellsShape, CubeShape, ModelShape, PinBox, Pose, Shape, Skin, UpAxis};
 use super::material::{Material, Solid, Spring, Springs};
-use super::obstacle::{Obstacle, ObstacleShape, Plane, Sphere};
+use super::obstacle::{Cuboid, Cylinder, Mesh, Motion, Obstacle, ObstacleShape, Oscillate, Plane, Sphere, Turn};
 use super::settings::{Settings, Stepping};
 use super::view_settings::{CameraSettings, ViewSettings};
 use super::{Family, MaterialValue, Scene, builtin};
@@ -51,7 +51,7 @@ pub fn ground_only() -> Scene {
 /// its steps are.
 const DAMPED_DT_SECS: f64 = 4e-3;
 
-const PRESETS: [Preset; 16] = [
+const PRESETS: [Preset; 19] = [
     Preset { name: DEFAULT, summary: "A jelly cube falls on the ground beside a sphere.", build: cube_on_plane },
     Preset {
         name: "cube-on-sphere",
@@ -84,6 +84,9 @@ const PRESETS: [Preset; 16] = [
     Preset { name: "newton", summary: "A row of jelly cubes on ice is hit from one side.", build: newton },
     Preset { name: "hook", summary: "A heavy U falls into another that hangs, and hooks into it.", build: hook },
     Preset { name: "stack", summary: "Five cubes of jelly stand on each other.", build: stack },
+    Preset { name: "pile", summary: "A dozen jellies of four shapes fall into a bowl.", build: pile },
+    Preset { name: "comb", summary: "A press that goes up and down squeezes a jelly into a comb.", build: comb },
+    Preset { name: "conveyor", summary: "Jellies ride on turning rollers and fall off their end.", build: conveyor },
 ];
 
 fn cube_on_plane() -> Scene {
@@ -300,6 +303,89 @@ fn stack() -> Scene {
     };
     let bodies = (0..5).map(cube).collect();
     Scene { bodies, ..looking_at([0.0, 1.4, 0.0], 7.0, scene(Body::default(), Vec::new())) }
+}
+
+/// Cubes, balls, bars and tiles of cells, one after another.
+fn pile() -> Scene {
+    const SIZE: f64 = 0.11;
+    let filled = |dims: [i32; 3]| {
+        let rows = (0..dims[2]).flat_map(move |k| (0..dims[1]).map(move |j| [j, k]));
+        rows.flat_map(move |[j, k]| (0..dims[0]).map(move |i| [i, j, k])).collect::<Vec<_>>()
+    };
+    let is_round = |cell: &[i32; 3]| cell.iter().map(|&at| (2 * at - 3) * (2 * at - 3)).sum::<i32>() <= 24;
+    let ball = filled([4; 3]).into_iter().filter(is_round).collect();
+    let shapes = [filled([3; 3]), ball, filled([6, 2, 2]), filled([4, 2, 3])];
+    let body = |place: usize| {
+        let (number, angle) = (place as f64, 2.4 * place as f64);
+        let position = [0.3 * libm::cos(angle), 0.75 + 0.3 * number, 0.3 * libm::sin(angle)];
+        Body {
+            name: format!("Jelly {}", place + 1),
+            shape: Shape::Cells(CellsShape { list: shapes[place % 4].clone(), size: SIZE }),
+            pose: Pose { position, rotation_deg: [20.0, 37.0, 53.0].map(|turn| (turn * number) % 180.0) },
+            material: damped(&jelly(SIZE), 2.0),
+            ..Body::default()
+        }
+    };
+    let bowl = Obstacle { friction_static: 0.3, friction_dynamic: 0.3, ..mesh("Bowl", "bowl.obj", 2.6) };
+    let bodies = (0..12).map(body).collect();
+    turned(-30.0, 34.0, Scene { bodies, ..looking_at([0.0, 1.8, 0.0], 11.5, scene(Body::default(), vec![bowl])) })
+}
+
+/// Its cells are as large as the teeth are thick: particles meet every tooth.
+fn comb() -> Scene {
+    const SIZE: f64 = 0.6;
+    const CELLS: u32 = 10;
+    let cube = Body {
+        name: "Jelly".to_owned(),
+        shape: Shape::Cube(CubeShape { cells: CELLS, size: SIZE }),
+        pose: Pose { position: [0.0, 0.8, 0.0], ..Pose::default() },
+        material: damped(&jelly(SIZE / f64::from(CELLS)), 2.0),
+        ..Body::default()
+    };
+    let press = Cuboid { center: [0.0, 1.4, 0.0], half_extents: [0.5, 0.05, 0.4], ..Cuboid::default() };
+    let down = Oscillate { axis: [0.0, -1.0, 0.0], amplitude: 0.4, period_secs: 4.0 };
+    let press = Obstacle {
+        name: "Press".to_owned(),
+        shape: ObstacleShape::Box(press),
+        motion: Some(Motion::Oscillate(down)),
+        ..Obstacle::default()
+    };
+    let comb = mesh("Comb", "comb.obj", 1.2);
+    turned(-40.0, 18.0, looking_at([0.0, 0.7, 0.0], 5.0, scene(cube, vec![comb, press])))
+}
+
+/// The rollers' tops go along x at a metre a second.
+fn conveyor() -> Scene {
+    const RADIUS: f64 = 0.2;
+    const HEIGHT: f64 = 0.6;
+    let roller = |place: u32| {
+        let center = [0.42 * f64::from(place) - 1.8, HEIGHT, 0.0];
+        let shape = Cylinder { center, rotation_deg: [90.0, 0.0, 0.0], radius: RADIUS, half_height: 0.7 };
+        Obstacle {
+            name: format!("Roller {}", place + 1),
+            shape: ObstacleShape::Cylinder(shape),
+            motion: Some(Motion::Turn(Turn { axis: [0.0, 0.0, -1.0], turns_per_sec: 0.8 })),
+            ..Obstacle::default()
+        }
+    };
+    let jelly_at = |name: &str, cells: u32, size: f64, x: f64| Body {
+        name: name.to_owned(),
+        shape: Shape::Cube(CubeShape { cells, size }),
+        pose: Pose { position: [x, HEIGHT + RADIUS + 0.55 * size, 0.0], ..Pose::default() },
+        material: damped(&jelly(size / f64::from(cells)), 2.0),
+        ..Body::default()
+    };
+    let rollers = (0..9).map(roller).collect();
+    let bodies = vec![jelly_at("Small jelly", 5, 0.5, -1.5), jelly_at("Jelly", 8, 0.8, -0.4)];
+    let rolling = scene(Body::default(), rollers);
+    turned(-25.0, 22.0, Scene { bodies, ..looking_at([0.3, 0.6, 0.0], 8.0, rolling) })
+}
+
+/// A model that the program carries as an obstacle of so many metres that stands on the ground.
+fn mesh(name: &str, model: &str, length: f64) -> Obstacle {
+    let mut mesh = Mesh { path: carried(model).path, length, ..Mesh::default() };
+    mesh.center = [0.0, mesh.half_extents().y, 0.0];
+    Obstacle { name: name.to_owned(), shape: ObstacleShape::Mesh(mesh), ..Obstacle::default() }
 }
 
 fn carried(name: &str) -> ModelShape {

@@ -107,9 +107,39 @@ fn the_stack_stands() {
 }
 
 #[test]
+fn the_pile_comes_to_rest_in_the_bowl() {
+    let figures = after_eight_seconds("pile");
+    assert!(figures.finite && figures.inverted_cells == 0, "{figures:?}");
+    let [low, high] = [figures.bounds.min, figures.bounds.max];
+    assert!(low[1] > 0.05 && high[0] < 1.3 && low[0] > -1.3 && high[2] < 1.3 && low[2] > -1.3, "{:?}", figures.bounds);
+    assert!(figures.max_speed < 0.3 && figures.body_contacts > 50, "{} m/s", figures.max_speed);
+}
+
+#[test]
+fn the_comb_stops_what_is_pressed_into_it() {
+    let figures = after_eight_seconds("comb");
+    assert!(figures.finite && figures.inverted_cells == 0, "{figures:?}");
+    let [low, high] = [figures.bounds.min, figures.bounds.max];
+    assert!(low[1] > 0.1 && high[1] < 1.3 && high[0] < 0.7 && low[0] > -0.7, "{:?}", figures.bounds);
+}
+
+#[test]
+fn the_conveyor_carries_both_jellies_off_its_end() {
+    let mut simulation = simulate::<f64>(&(preset("conveyor").expect("a preset").build)());
+    simulation.run_for(1.0);
+    let [start, front] = [0, 1].map(|body| simulation.diagnostics_of(body).center.x);
+    assert!(start > -1.4 && front > -0.1, "both are on their way after a second: {start} m, {front} m");
+    simulation.run_for(5.0);
+    for body in [0, 1] {
+        let end = simulation.diagnostics_of(body);
+        assert!(end.center.x > 1.5 && end.center.y < 0.7, "jelly {body} has come down beyond the end: {}", end.center);
+    }
+}
+
+#[test]
 fn every_preset_is_there() {
     let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
     let wanted = "cube-on-plane cube-on-sphere incline incline-slide u-on-sphere tree coupler-7 coupler-8 coupler-20 \
-                  coupler-40 spot exploding broken newton hook stack";
+                  coupler-40 spot exploding broken newton hook stack pile comb conveyor";
     assert_eq!(names, wanted.split_whitespace().collect::<Vec<_>>(), "in the order of the list");
 }
