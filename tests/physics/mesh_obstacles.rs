@@ -7,8 +7,9 @@ use gelatin::geometry::{Surface, TriMesh};
 use gelatin::math::rotation::from_euler_deg;
 use gelatin::physics::{Arrival, SimdLevel, Simulation};
 use gelatin::report::disturb::{Disturbance, What};
+use gelatin::report::extremes::{Edition, extreme_of};
 use gelatin::report::judge::{Patience, judge_disturbed};
-use gelatin::scene::obstacle::{Cuboid, Mesh, Plane};
+use gelatin::scene::obstacle::{Cuboid, Mesh, Motion, Oscillate, Plane, Turn};
 use gelatin::scene::settings::{ContactRule, Integrator};
 use gelatin::scene::{Obstacle, ObstacleShape, Scene};
 use glam::DVec3;
@@ -287,4 +288,51 @@ fn a_bowl_that_is_swept_about_does_the_work_that_bodies_gain() {
     let patience = Patience { seconds: 0.9, most_link_forces: 200_000_000 };
     let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices(&scene), patience);
     assert!(verdict.fault.is_none(), "{}", verdict.words);
+}
+
+/// A random extreme scene whose closed obstacles are bowls, combs and sheets of their sizes, some of which move.
+fn among_meshes(seed: u64, number: u64) -> Scene {
+    let (mut scene, _) = extreme_of(Edition::Second, seed, number);
+    for (place, obstacle) in (number..).zip(&mut scene.obstacles) {
+        let size = obstacle.shape.bounds().size().max_element();
+        if matches!(obstacle.shape, ObstacleShape::Plane(_)) || size > 1e3 {
+            continue;
+        }
+        let rotation_deg = obstacle.shape.rotation_deg().unwrap_or([20.0, 70.0, 130.0]);
+        let mut shape = match place % 3 {
+            0 => bowl(),
+            1 => ObstacleShape::Mesh(Mesh { path: "builtin:comb.obj".to_owned(), ..Mesh::default() }),
+            _ => obstacle_of_sheet(),
+        };
+        if let ObstacleShape::Mesh(mesh) = &mut shape {
+            (mesh.center, mesh.rotation_deg, mesh.length) = (obstacle.shape.center(), rotation_deg, size);
+        }
+        obstacle.shape = shape;
+        obstacle.motion = match place % 5 {
+            0 => Some(Motion::Turn(Turn { axis: [1.0, 2.0, 3.0], turns_per_sec: 0.3 })),
+            1 => Some(Motion::Oscillate(Oscillate { amplitude: (0.3 * size).min(50.0), ..Oscillate::default() })),
+            _ => None,
+        };
+    }
+    scene
+}
+
+fn obstacle_of_sheet() -> ObstacleShape {
+    let mut mesh = sheet(0.5, 4);
+    // A fold, so that it has an edge.
+    mesh.positions.iter_mut().for_each(|at| at.y = 0.3 * at.x.abs());
+    obstacle(&mesh)
+}
+
+#[test]
+fn no_random_extreme_scene_among_meshes_explodes() {
+    const SCENES: u64 = 120;
+    let patience = Patience { seconds: 1.0, most_link_forces: 1_000_000 };
+    let mut found = Vec::new();
+    for number in 0..SCENES {
+        let scene = among_meshes(11, number);
+        let verdict = judge_disturbed::<f32>(&scene, &[], &lattices(&scene), patience);
+        found.extend(verdict.fault.map(|fault| format!("scene {number}: {}: {}", fault.words(), verdict.words)));
+    }
+    assert!(found.is_empty(), "{} of {SCENES}:\n{}", found.len(), found.join("\n"));
 }

@@ -18,7 +18,8 @@ pub(super) struct Field {
     dims: UVec3,
     /// The distance from the middle of every cell, negative inside, and where its finer cells begin.
     coarse: Vec<(f32, u32)>,
-    fine: Vec<f32>,
+    /// The distance from the middle of every finer cell, and the triangle that is nearest to it.
+    fine: Vec<(f32, u32)>,
 }
 
 /// What is known of a point.
@@ -28,14 +29,19 @@ pub(super) enum Bound {
     Outside(f64),
     /// It is inside.
     Inside,
-    /// It is no farther than that from the surface, on either side.
-    Near(f64),
+    /// It is near the surface, on either side.
+    Near {
+        /// It is no farther than that.
+        most: f64,
+        /// A triangle that is near.
+        triangle: u32,
+    },
 }
 
 impl Field {
-    /// Of a surface in a box `±extent` about the origin that has this signed `distance`.
+    /// Of a surface in a box `±extent` about the origin that has this signed `distance`, and this triangle nearest to a point.
     #[expect(clippy::cast_possible_truncation, reason = "a few dozen cells, and what is lost is allowed for")]
-    pub(super) fn new(extent: DVec3, distance: impl Fn(DVec3) -> f64) -> Self {
+    pub(super) fn new(extent: DVec3, distance: impl Fn(DVec3) -> (f64, u32)) -> Self {
         let cell = 2.0 * extent.max_element() / COARSE;
         let dims = (extent * 2.0 / cell).ceil().max(DVec3::ONE).as_uvec3() + 2;
         let origin = dims.as_dvec3() * (-0.5 * cell);
@@ -45,7 +51,7 @@ impl Field {
             for y in 0..dims.y {
                 for x in 0..dims.x {
                     let corner = origin + UVec3::new(x, y, z).as_dvec3() * cell;
-                    let middle = distance(corner + 0.5 * cell);
+                    let (middle, _) = distance(corner + 0.5 * cell);
                     let first = if middle.abs() <= reach { field.fine.len() as u32 } else { u32::MAX };
                     field.coarse.push((middle as f32, first));
                     if first == u32::MAX {
@@ -54,7 +60,8 @@ impl Field {
                     let part = cell / f64::from(FINE);
                     for number in 0..FINE * FINE * FINE {
                         let place = UVec3::new(number % FINE, number / FINE % FINE, number / (FINE * FINE));
-                        field.fine.push(distance(corner + (place.as_dvec3() + 0.5) * part) as f32);
+                        let (distance, triangle) = distance(corner + (place.as_dvec3() + 0.5) * part);
+                        field.fine.push((distance as f32, triangle));
                     }
                 }
             }
@@ -75,19 +82,19 @@ impl Field {
         let (middle, first) = self.coarse[(index.x + self.dims.x * (index.y + self.dims.y * index.z)) as usize];
         let within = place - place.floor();
         if first == u32::MAX {
-            return Self::told(f64::from(middle), ((within - 0.5) * self.cell).length());
+            return Self::told(f64::from(middle), ((within - 0.5) * self.cell).length(), 0);
         }
         let part = (within * f64::from(FINE)).as_uvec3().min(UVec3::splat(FINE - 1));
-        let middle = self.fine[(first + part.x + FINE * (part.y + FINE * part.z)) as usize];
+        let (middle, triangle) = self.fine[(first + part.x + FINE * (part.y + FINE * part.z)) as usize];
         let from_middle = within - (part.as_dvec3() + 0.5) / f64::from(FINE);
-        Self::told(f64::from(middle), (from_middle * self.cell).length())
+        Self::told(f64::from(middle), (from_middle * self.cell).length(), triangle)
     }
 
     /// From the distance at a place so far away.
-    fn told(distance: f64, away: f64) -> Bound {
+    fn told(distance: f64, away: f64, triangle: u32) -> Bound {
         let least = distance.abs() - away - ROUNDING;
         if least <= 0.0 {
-            Bound::Near(distance.abs() + away + ROUNDING)
+            Bound::Near { most: distance.abs() + away + ROUNDING, triangle }
         } else if distance > 0.0 {
             Bound::Outside(least)
         } else {

@@ -83,6 +83,8 @@ pub struct NearestPoint {
     pub is_on_rim: bool,
     /// How far it is.
     pub distance: f64,
+    /// Its triangle.
+    pub triangle: u32,
 }
 
 /// Where a line goes through a surface.
@@ -129,7 +131,7 @@ impl Surface {
             half_extents: bounds.size() * (0.5 / own_length),
             half_thickness: f64::INFINITY,
             tree,
-            field: Field::new(DVec3::ONE, |_| 0.0),
+            field: Field::new(DVec3::ONE, |_| (1.0, 0)),
         };
         surface.find_normals();
         surface.field = Field::new(surface.half_extents, |at| surface.searched_distance(at));
@@ -188,10 +190,16 @@ impl Surface {
     /// The point of the surface nearest to another.
     pub fn nearest(&self, at: DVec3) -> NearestPoint {
         let most = match self.field.bound(at) {
-            Bound::Near(most) => most,
+            Bound::Near { most, triangle } => most.min(self.distance_to(triangle, at)),
             Bound::Inside | Bound::Outside(_) => f64::INFINITY,
         };
         self.search(at, most)
+    }
+
+    /// The same, found sooner where a triangle is known that is near; it may be any.
+    pub fn nearest_beside(&self, at: DVec3, triangle: u32) -> NearestPoint {
+        let known = if (triangle as usize) < self.triangles.len() { triangle } else { 0 };
+        self.search(at, self.distance_to(known, at))
     }
 
     /// Whether a point is inside.
@@ -200,7 +208,7 @@ impl Surface {
             && match self.field.bound(at) {
                 Bound::Outside(_) => false,
                 Bound::Inside => true,
-                Bound::Near(most) => self.search(at, most).is_within(at),
+                Bound::Near { .. } => self.nearest(at).is_within(at),
             }
     }
 
@@ -245,6 +253,10 @@ impl Surface {
         self.triangles[triangle].map(|vertex| self.positions[vertex as usize])
     }
 
+    fn distance_to(&self, triangle: u32, at: DVec3) -> f64 {
+        triangle::nearest(self.corners(triangle as usize), at).0.distance(at)
+    }
+
     /// The nearest point, which is known to be no farther than `most`.
     fn search(&self, at: DVec3, most: f64) -> NearestPoint {
         let entry = |bounds: &Aabb<f64>| {
@@ -277,12 +289,16 @@ impl Surface {
             }
         };
         let normal = normal.try_normalize().unwrap_or(self.normals[triangle]);
-        NearestPoint { point, normal, is_on_face: feature == Feature::Face, is_on_rim, distance: squared.sqrt() }
+        let is_on_face = feature == Feature::Face;
+        let triangle = u32::try_from(triangle).unwrap_or_default();
+        NearestPoint { point, normal, is_on_face, is_on_rim, distance: squared.sqrt(), triangle }
     }
 
-    fn searched_distance(&self, at: DVec3) -> f64 {
+    /// The signed distance by a search, and the nearest triangle.
+    fn searched_distance(&self, at: DVec3) -> (f64, u32) {
         let nearest = self.search(at, f64::INFINITY);
-        if self.is_closed && nearest.is_within(at) { -nearest.distance } else { nearest.distance }
+        let distance = if self.is_closed && nearest.is_within(at) { -nearest.distance } else { nearest.distance };
+        (distance, nearest.triangle)
     }
 
     fn find_normals(&mut self) {

@@ -64,6 +64,9 @@ fn the_grid_of_distances_changes_nothing_but_time() {
         for at in points() {
             let (found, searched) = (surface.nearest(at), surface.search(at, f64::INFINITY));
             assert_eq!(found.point, searched.point, "{at}");
+            for known in [0, 7, u32::MAX] {
+                assert_eq!(surface.nearest_beside(at, known), searched, "{at}, beside triangle {known}");
+            }
             assert_eq!(surface.holds(at), searched.is_within(at), "{at}");
         }
     }

@@ -44,7 +44,7 @@ pub(super) fn contact<R: Real>(
 
 /// The obstacles of a scene.
 pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>> {
-    let mut sides = 0;
+    let (mut sides, mut meshes) = (0, 0);
     obstacles
         .iter()
         .map(|obstacle| {
@@ -75,7 +75,8 @@ pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>
                     oriented(&obstacle.shape, rotation_deg, OrientedForm::Cylinder { radius, half_height })
                 }
                 scene::ObstacleShape::Mesh(mesh) => {
-                    let model = mesh_model(mesh, &mut sides);
+                    let model = mesh_model(mesh, &mut sides, meshes);
+                    meshes += 1;
                     (ObstacleShape::Mesh(model), obstacle.shape.bounds())
                 }
             };
@@ -115,7 +116,7 @@ fn oriented<R: Real>(
 
 /// # Panics
 /// If the model of the obstacle has not been read: whoever opens a scene does that first.
-fn mesh_model<R: Real>(mesh: &Mesh, sides: &mut usize) -> MeshModel<R> {
+fn mesh_model<R: Real>(mesh: &Mesh, sides: &mut usize, place: usize) -> MeshModel<R> {
     let surface = mesh.surface().expect("models of obstacles are read when a scene is opened");
     let turn = rotation::from_euler_deg(mesh.rotation_deg);
     let side_row = (!surface.is_closed()).then(|| {
@@ -128,6 +129,7 @@ fn mesh_model<R: Real>(mesh: &Mesh, sides: &mut usize) -> MeshModel<R> {
         length: mesh.scale(&surface),
         surface,
         side_row,
+        place,
     }
 }
 

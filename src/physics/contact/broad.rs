@@ -4,8 +4,10 @@
 //! near without a look at boxes, as a pressed-in particle may rest just outside a flat obstacle's box. The result is
 //! therefore bit for bit that of testing everything.
 
+use super::narrow::mesh::rounding_margin;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::kernels::{GROUP, motion_bounds};
+use crate::physics::model::{ObstacleModel, ObstacleShape};
 use crate::physics::step::substep::Substep;
 
 /// What the broad phase finds of one body.
@@ -70,12 +72,23 @@ impl<R: Real> Near<R> {
 
     fn is_near(&self, substep: Substep<'_, R>, number: usize, group: usize, near: u32) -> bool {
         let obstacle = substep.obstacles.met(number, near as usize);
-        if self.groups[group].overlaps(&obstacle.bounds.grown(self.reach)) {
+        if self.groups[group].overlaps(&obstacle.bounds.grown(self.reach)) && self.may_reach(obstacle, group) {
             return true;
         }
         let Some(row) = obstacle.shape.side_row() else { return false };
         let own = &substep.state.side[row][substep.model.bodies[number].particles.clone()];
         own.chunks(GROUP).nth(group).is_some_and(|sides| sides.iter().any(|side| *side != 0))
+    }
+
+    /// Whether the motion of a group in the box around an obstacle may come near the obstacle itself, as far as is known
+    /// without a look at every particle.
+    fn may_reach(&self, obstacle: &ObstacleModel<R>, group: usize) -> bool {
+        let ObstacleShape::Mesh(mesh) = &obstacle.shape else { return true };
+        let bounds = &self.groups[group];
+        let margin = rounding_margin(mesh, bounds.center()) * R::from_f64(2.0);
+        let half = (bounds.size().length() * R::from_f64(0.5) + self.reach + margin).to_f64();
+        // One that moves comes towards them.
+        obstacle.carry.is_some() || !mesh.surface.is_beyond(mesh.own(bounds.center()), half / mesh.length)
     }
 }
 

@@ -4,7 +4,7 @@
 use super::account;
 use super::broad;
 use super::gauss_seidel;
-use super::narrow;
+use super::narrow::{self, mesh::Known};
 use super::record::ContactRecord;
 use super::response::{self, Friction};
 use super::surface::Surface;
@@ -92,7 +92,7 @@ impl<R: Real> Candidates<'_, '_, R> {
                     if body.is_pinned(local) || has_met() {
                         continue;
                     }
-                    let mut candidate = Candidate::new(*substep, number, particle);
+                    let mut candidate = Candidate::new(*substep, number, particle, &mut workspace.known);
                     let before = velocity[particle];
                     velocity[particle] = candidate.resolve(
                         before,
@@ -119,14 +119,19 @@ pub(super) struct Candidate<'a, R: Real> {
     /// The body's place among the bodies.
     pub(super) body: usize,
     pub(super) particle: usize,
+    /// What is known of this particle and every mesh.
+    known: &'a mut [Known],
     pub(super) tests: u64,
     pub(super) sphere_tests: u64,
     pub(super) frictions: u64,
 }
 
 impl<'a, R: Real> Candidate<'a, R> {
-    pub(super) fn new(substep: Substep<'a, R>, body: usize, particle: usize) -> Self {
-        Self { substep, body, particle, tests: 0, sphere_tests: 0, frictions: 0 }
+    /// What is `known` is that of all particles.
+    pub(super) fn new(substep: Substep<'a, R>, body: usize, particle: usize, known: &'a mut [Known]) -> Self {
+        let meshes = known.len() / substep.model.particle_count().max(1);
+        let known = &mut known[particle * meshes..][..meshes];
+        Self { substep, body, particle, known, tests: 0, sphere_tests: 0, frictions: 0 }
     }
 
     /// Adds what it tested.
@@ -263,9 +268,13 @@ impl<'a, R: Real> Candidate<'a, R> {
         }
         self.tests += 1;
         self.sphere_tests += u64::from(matches!(shape, ObstacleShape::Sphere { .. }));
-        let Some(carry) = carry else { return Some((narrow::meet(shape, side, from, path)?, R::Vec3::ZERO)) };
+        let mut meet = |from, path| match shape {
+            ObstacleShape::Mesh(mesh) => narrow::mesh::meet(mesh, side, from, path, &mut self.known[mesh.place]),
+            _ => narrow::meet(shape, side, from, path),
+        };
+        let Some(carry) = carry else { return Some((meet(from, path)?, R::Vec3::ZERO)) };
         let carried = carry.apply(from);
-        let surface = narrow::meet(shape, side, carried, from + path - carried)?;
+        let surface = meet(carried, from + path - carried)?;
         Some((surface, (carried - from) * (R::ONE / self.substep.dt)))
     }
 }

@@ -56,7 +56,7 @@ pub(in crate::physics) fn find<R: Real>(
             if body.is_pinned(local) {
                 continue;
             }
-            let mut candidate = Candidate::new(substep, number, particle);
+            let mut candidate = Candidate::new(substep, number, particle, &mut workspace.known);
             let size = body.size.to_f64();
             for &near in &workspace.near.obstacles {
                 let obstacle = near as usize;
@@ -117,7 +117,7 @@ pub(in crate::physics) fn finish<R: Real>(
                 continue;
             }
             let over_dt = R::ONE / dt;
-            let mut candidate = Candidate::new(substep, number, particle);
+            let mut candidate = Candidate::new(substep, number, particle, &mut workspace.known);
             let first = workspace.contacts.len();
             for obstacle in 0..model.obstacles.len() {
                 let record = match own.iter().find(|constraint| constraint.obstacle == obstacle) {

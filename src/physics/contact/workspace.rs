@@ -3,6 +3,7 @@
 use super::bodies::BodiesWorkspace;
 use super::broad::Near;
 use super::constraint::ContactConstraint;
+use super::narrow::mesh::Known;
 use super::record::ContactRecord;
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
@@ -25,6 +26,8 @@ pub(crate) struct ContactWorkspace<R: Real> {
     /// For every body and obstacle whether they are near without a look at boxes: planes of which a side is remembered,
     /// and all before the first substep.
     pub(super) touching: Vec<bool>,
+    /// What is known of every particle and mesh, by particle.
+    pub(super) known: Vec<Known>,
     /// What the implicit integrator solves for, by particle.
     pub(in crate::physics) constraints: Vec<ContactConstraint>,
     /// What contact between bodies works in, and what it found.
@@ -43,6 +46,7 @@ impl<R: Real> ContactWorkspace<R> {
             near: Near::new(largest, model.obstacles.len()),
             contacts: Vec::with_capacity(pairs),
             touching: vec![true; model.bodies.len() * model.obstacles.len()],
+            known: vec![Known::default(); model.particle_count() * model.mesh_count()],
             constraints: Vec::with_capacity(solved_for),
             bodies: BodiesWorkspace::new(model, plan),
         }

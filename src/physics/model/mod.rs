@@ -45,6 +45,11 @@ pub(in crate::physics) struct FallLimit<R: Real> {
 }
 
 impl<R: Real> Model<R> {
+    /// Obstacles that are meshes.
+    pub(in crate::physics) fn mesh_count(&self) -> usize {
+        self.obstacles.iter().filter(|obstacle| matches!(obstacle.shape, ObstacleShape::Mesh(_))).count()
+    }
+
     /// Whether any obstacle moves by itself.
     pub fn moves_by_itself(&self) -> bool {
         self.obstacles.iter().any(|obstacle| obstacle.motion.is_some())

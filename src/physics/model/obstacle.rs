@@ -112,6 +112,8 @@ pub struct MeshModel<R: Real> {
     pub surface: Arc<Surface>,
     /// Which of the state's rows of sides belongs to it; none of a closed mesh.
     pub side_row: Option<usize>,
+    /// Its place among the meshes.
+    pub place: usize,
 }
 
 impl<R: Real> PartialEq for MeshModel<R> {

@@ -22,28 +22,68 @@ use crate::physics::model::MeshModel;
 /// A point so near to the surface, over its length, has no direction to it but the normal.
 const ON_IT: f64 = 1e-9;
 
+/// How much farther than its way the surface must be from a particle, over its length, to be left alone for what is known.
+const SPARE: f64 = 1e-9;
+
+/// What was found when a particle was last looked at closely: it makes the next look shorter and changes nothing else.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::physics::contact) struct Known {
+    /// Where it was, in the mesh's own axes and unit.
+    at: DVec3,
+    /// How far the surface was then; nothing where it was behind it.
+    clear: f64,
+    /// What was nearest; none before the first look.
+    nearest: Option<NearestPoint>,
+}
+
+impl Known {
+    /// Whether the surface cannot be within `reach`.
+    #[inline]
+    fn is_clear(&self, at: DVec3, reach: f64) -> bool {
+        self.clear > 0.0 && self.clear - at.distance(self.at) > reach + SPARE
+    }
+
+    /// Looks closely.
+    fn nearest<R: Real>(&mut self, mesh: &MeshModel<R>, at: DVec3) -> NearestPoint {
+        // It is asked about more than once in a substep.
+        if let Some(nearest) = self.nearest.filter(|_| at == self.at) {
+            return nearest;
+        }
+        let triangle = self.nearest.map_or(0, |nearest| nearest.triangle);
+        let nearest = mesh.surface.nearest_beside(at, triangle);
+        let is_outside = mesh.side_row.is_some() || (at - nearest.point).dot(nearest.normal) > 0.0;
+        *self = Self { at, clear: if is_outside { nearest.distance } else { 0.0 }, nearest: Some(nearest) };
+        nearest
+    }
+}
+
 /// How a particle at `from` that would move by `path` meets the mesh; `side` is the side of an open mesh that it touched.
 pub(in crate::physics::contact) fn meet<R: Real>(
     mesh: &MeshModel<R>,
     side: i8,
     from: R::Vec3,
     path: R::Vec3,
+    known: &mut Known,
 ) -> Option<Surface<R>> {
     let (at, way) = (mesh.own(from), mesh.own_way(path.to_dvec3()));
+    let margin = if mesh.side_row.is_some() { rounding_margin(mesh, from).to_f64() / mesh.length } else { 0.0 };
+    let reach = way.length() + margin;
     // What touches an open mesh may be deeper behind it than it moves.
-    if side == 0 && mesh.surface.is_beyond(at, way.length()) {
+    if side == 0 && (known.is_clear(at, reach) || mesh.surface.is_beyond(at, reach)) {
         return None;
     }
+    let nearest = known.nearest(mesh, at);
     let met = if mesh.side_row.is_none() {
-        meet_closed(mesh, at, way)
+        meet_closed(mesh, nearest, at, way)
+    } else if side == 0 && nearest.distance > reach {
+        None
     } else {
-        meet_open(mesh, side, at, way, rounding_margin(mesh, from).to_f64() / mesh.length)
+        meet_open(mesh, side, nearest, at, way, margin)
     };
     met.map(|(normal, gap)| surface(mesh, normal, gap))
 }
 
-fn meet_closed<R: Real>(mesh: &MeshModel<R>, at: DVec3, way: DVec3) -> Option<(DVec3, f64)> {
-    let nearest = mesh.surface.nearest(at);
+fn meet_closed<R: Real>(mesh: &MeshModel<R>, nearest: NearestPoint, at: DVec3, way: DVec3) -> Option<(DVec3, f64)> {
     let off = at - nearest.point;
     if off.dot(nearest.normal) <= 0.0 {
         return Some((direction(&nearest, -off), -nearest.distance));
@@ -54,13 +94,16 @@ fn meet_closed<R: Real>(mesh: &MeshModel<R>, at: DVec3, way: DVec3) -> Option<(D
     entered(mesh, at, way, true)
 }
 
-fn meet_open<R: Real>(mesh: &MeshModel<R>, side: i8, at: DVec3, way: DVec3, margin: f64) -> Option<(DVec3, f64)> {
+fn meet_open<R: Real>(
+    mesh: &MeshModel<R>,
+    side: i8,
+    nearest: NearestPoint,
+    at: DVec3,
+    way: DVec3,
+    margin: f64,
+) -> Option<(DVec3, f64)> {
     let free = || entered(mesh, at, way, false).or_else(|| ends_on(mesh, at, way, margin));
-    if side == 0 {
-        return free();
-    }
-    let nearest = mesh.surface.nearest(at);
-    if nearest.is_on_rim {
+    if side == 0 || nearest.is_on_rim {
         return free();
     }
     let off = at - nearest.point;
