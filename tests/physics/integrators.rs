@@ -372,13 +372,17 @@ fn bodies_that_land_together_move_as_each_would_alone() {
 fn what_rests_does_not_iterate_without_end_with_friction_and_without() {
     for (slope, friction) in [(0.3, 0.5), (0.0, 0.0)] {
         for_all_stiff(|stiffness, dt| {
-            let (scene, _) = stiff(stiffness, dt, slope, [friction; 2]);
-            let mut simulation = simulate::<f32>(&scene);
-            run(&mut simulation, 4.0);
             let (mut solves, mut substeps) = (0, 0);
-            for _ in 0..100 {
-                let report = simulation.step();
-                (solves, substeps) = (solves + report.counters.solves, substeps + report.counters.substeps);
+            // Of what hardly damped bodies still do after so long, rounding decides: one start is no measure.
+            for aside in 0..4 {
+                let (mut scene, _) = stiff(stiffness, dt, slope, [friction; 2]);
+                scene.bodies[0].pose.position[2] += 0.01 * f64::from(aside);
+                let mut simulation = simulate::<f32>(&scene);
+                run(&mut simulation, 4.0);
+                for _ in 0..100 {
+                    let report = simulation.step();
+                    (solves, substeps) = (solves + report.counters.solves, substeps + report.counters.substeps);
+                }
             }
             let case = format!("k {stiffness}, dt {dt}, friction {friction}");
             assert!(solves <= 8 * substeps, "{case}: {solves} solves in {substeps} substeps at rest");

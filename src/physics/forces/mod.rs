@@ -1,15 +1,17 @@
 //! Forces of gravity and of the links (GC §2).
 
+pub(in crate::physics) mod exact;
 pub(in crate::physics) mod links;
 pub(in crate::physics) mod particles;
 pub(in crate::physics) mod recovery;
 
-use links::{Configuration, elastic_force, for_each_exact_link, is_damped};
+use exact::ExactLinks;
+use links::{Configuration, is_damped};
 use particles::{Kick, LinkForces, weigh};
 
-use crate::math::{Real, Vector};
-use crate::physics::model::Model;
+use crate::math::Real;
 use crate::physics::model::plan::{Plan, Stage};
+use crate::physics::model::{Model, Scheme};
 use crate::physics::report::Recorder;
 use crate::physics::share::{Share, shares};
 use crate::physics::state::BodyMemory;
@@ -22,6 +24,8 @@ use crate::physics::team;
 pub(super) struct ForceWorkspace<R: Real> {
     /// What recovery from inversion works in.
     pub(super) recovery: recovery::RecoveryWorkspace<R>,
+    /// What links are worked out in where they must be exact.
+    pub(super) exact: ExactLinks,
     /// How many threads work them out.
     pub(super) threads: usize,
     /// What each of them has.
@@ -34,9 +38,14 @@ impl<R: Real> ForceWorkspace<R> {
         self.shares.iter().all(|share| share.is_finite)
     }
 
-    /// Room for a model and so many threads.
-    pub(super) fn new(model: &Model<R>, threads: usize) -> Self {
-        Self { recovery: recovery::RecoveryWorkspace::new(model), threads, shares: shares(model, threads) }
+    /// Room for a model under a plan.
+    pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
+        Self {
+            recovery: recovery::RecoveryWorkspace::new(model),
+            exact: if plan.scheme == Scheme::Implicit { ExactLinks::new(model) } else { ExactLinks::default() },
+            threads: plan.threads,
+            shares: shares(model, plan.threads),
+        }
     }
 }
 
@@ -61,9 +70,15 @@ pub(super) fn evaluate<R: Real>(
             for body in awake(model, &state.bodies) {
                 weigh(model, body, 0..body.particles.len(), &mut force[body.particles.clone()]);
             }
-            if let (Some(residual), true) = (residual, plan.runs(Stage::Links)) {
+            if residual.is_some() && plan.runs(Stage::Links) {
                 recorder.enter(Stage::Links);
-                exact_links(substep, at.position, residual, force, recorder);
+                for (number, body) in model.bodies.iter().enumerate() {
+                    if !state.bodies[number].asleep {
+                        let force = &mut force[body.particles.clone()];
+                        let evaluated = workspace.exact.add_forces(substep, number, force, &|| recorder.stops());
+                        recorder.counters.link_forces += evaluated;
+                    }
+                }
             }
         }
     }
@@ -100,32 +115,6 @@ fn weight_and_links<R: Real>(
     }
     recorder.counters.link_forces += shares.iter().map(|share| share.evaluated).sum::<u64>();
     recorder.counters.damped_link_forces += damped_links(substep.model, substep.plan, &substep.state.bodies);
-}
-
-/// The elastic forces of all links, added in double precision, of positions and what rounding has kept back from them:
-/// the rounding of a position is a force of many weights where links are as stiff as only the implicit integrator takes
-/// them.
-fn exact_links<R: Real>(
-    Substep { model, plan, state, .. }: Substep<'_, R>,
-    position: &[R::Vec3],
-    residual: &[R::Vec3],
-    force: &mut [R::Vec3],
-    recorder: &mut Recorder<'_>,
-) {
-    let mut evaluated = 0;
-    for body in awake(model, &state.bodies) {
-        let own = body.particles.clone();
-        let force = &mut force[own.clone()];
-        let [position, residual] = [position, residual].map(|of| &of[own.clone()]);
-        for_each_exact_link(body, plan.families, [position, residual], &|| recorder.stops(), |[i, j], link| {
-            let on_i = elastic_force::<f64>(link.d, link.inverse_rest_length, link.stiffness);
-            let on_i = R::Vec3::from_dvec3(on_i);
-            force[i] += on_i;
-            force[j] -= on_i;
-            evaluated += 1;
-        });
-    }
-    recorder.counters.link_forces += evaluated;
 }
 
 /// Links whose damping is worked out in an evaluation of all forces.

@@ -53,7 +53,7 @@ impl<R: Real> LinkForces<'_, R> {
             if let (Some(boxed), Some(piece)) = (&body.boxed_links, &mut share.piece) {
                 let damped = [0, 1, 2].map(|family| plan.families[family] && is_damped(plan, &body.links[family]));
                 let pass = Pass { level: plan.simd, families: plan.families, damped };
-                let mut done = |stretch: Range<usize>, force: &[R::Vec3]| kicks.kick(stretch, force);
+                let mut done = |stretch: Range<usize>, force: &mut [R::Vec3]| kicks.kick(stretch, force);
                 share.evaluated =
                     kernels::add_forces(boxed, pass, [position, velocity], start, own, piece, stops, &mut done);
             } else {

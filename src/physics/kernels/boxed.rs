@@ -44,6 +44,22 @@ pub(super) enum TermLaw<R> {
     Each(Box<EachLaw<R>>),
 }
 
+impl<R: Real> TermLaw<R> {
+    fn in_double(&self, inverse_rest_length: f64) -> TermLaw<f64> {
+        match self {
+            Self::Alike(Law { stiffness, damping, .. }) => {
+                let [stiffness, damping] = [stiffness, damping].map(|of| of.to_f64());
+                TermLaw::Alike(Law { stiffness, slope: stiffness * inverse_rest_length, damping })
+            }
+            Self::Each(each) => {
+                let EachLaw { stiffness, damping, .. } = &**each;
+                let [stiffness, damping] = [stiffness, damping].map(|of| of.map(Real::to_f64));
+                TermLaw::Each(Box::new(EachLaw { unit: Law::new([1.0; 2], inverse_rest_length), stiffness, damping }))
+            }
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 enum Laws<R> {
     /// All links of a direction are alike.
@@ -58,21 +74,25 @@ pub(in crate::physics) struct BoxedLinks<R> {
     /// Where they are.
     pub(in crate::physics) layout: Arc<Layout>,
     laws: Laws<R>,
+    /// Of the links of each direction, 1/m.
+    inverse_rest_length: [f64; 16],
 }
 
 impl<R: Real> BoxedLinks<R> {
     /// The links of a lattice in its box.
     pub(in crate::physics) fn new(layout: Arc<Layout>, lattice: &Lattice, families: &[LinkFamily<R>; 3]) -> Self {
-        let inverse_rest_length: [R; 16] = STENCIL.map(|step| {
+        let exact: [f64; 16] = STENCIL.map(|step| {
             let squared: i32 = step.iter().map(|d| d * d).sum();
-            R::from_f64(1.0 / (lattice.grid.cell_size * f64::from(squared).sqrt()))
+            1.0 / (lattice.grid.cell_size * f64::from(squared).sqrt())
         });
+        let inverse_rest_length = exact.map(R::from_f64);
         let largest = |slot: usize| {
             let LinkFamily { stiffness, damping, .. } = families[FAMILY[slot]];
             Law::new([stiffness, damping], inverse_rest_length[slot])
         };
         if families.iter().all(|family| matches!(family.constants, LinkConstants::Uniform(_))) {
-            return Self { layout, laws: Laws::OfSlot(std::array::from_fn(|slot| TermLaw::Alike(largest(slot)))) };
+            let laws = Laws::OfSlot(std::array::from_fn(|slot| TermLaw::Alike(largest(slot))));
+            return Self { layout, laws, inverse_rest_length: exact };
         }
         let mut laws: Vec<_> = layout.terms.iter().map(|term| TermLaw::Alike(largest(term.slot))).collect();
         for (number, family) in families.iter().enumerate() {
@@ -91,7 +111,25 @@ impl<R: Real> BoxedLinks<R> {
                 }
             }
         }
-        Self { layout, laws: Laws::OfTerm(laws) }
+        Self { layout, laws: Laws::OfTerm(laws), inverse_rest_length: exact }
+    }
+
+    /// The same in double precision, with rest lengths that are not rounded.
+    pub(in crate::physics) fn in_double(&self) -> BoxedLinks<f64> {
+        let Self { layout, laws, inverse_rest_length } = self;
+        let law = |slot: usize, of: &TermLaw<R>| of.in_double(inverse_rest_length[slot]);
+        let laws = match laws {
+            Laws::OfSlot(laws) => Laws::OfSlot(std::array::from_fn(|slot| law(slot, &laws[slot]))),
+            Laws::OfTerm(laws) => {
+                Laws::OfTerm(layout.terms.iter().zip(laws).map(|(term, of)| law(term.slot, of)).collect())
+            }
+        };
+        BoxedLinks { layout: Arc::clone(layout), laws, inverse_rest_length: *inverse_rest_length }
+    }
+
+    /// How many blocks there are.
+    pub(in crate::physics) fn block_count(&self) -> usize {
+        self.layout.blocks.len()
     }
 
     /// What the links of a term are made of.

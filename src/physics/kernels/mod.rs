@@ -33,6 +33,7 @@
 mod block;
 mod bounds;
 mod boxed;
+mod energy;
 mod layout;
 mod level;
 mod motion;
@@ -42,6 +43,7 @@ mod tangent;
 
 pub(in crate::physics) use bounds::{GROUP, are_finite, bounds, motion_bounds};
 pub(in crate::physics) use boxed::BoxedLinks;
+pub(in crate::physics) use energy::{LinkSum, sum_over_links};
 pub(in crate::physics) use layout::{BYTES_A_CORNER, Layout, MOST_CORNERS_A_PARTICLE};
 pub use level::SimdLevel;
 pub(in crate::physics) use motion::{StageSources, StageTerms, advance, kick, kick_each, next_stage, next_stage_each};

@@ -105,6 +105,13 @@ impl<R: Real> Piece<R> {
         let room = || [(); 3].map(|()| vec![R::ZERO; places]);
         Self { particles, links, first, own, panels, position: room(), velocity: room(), force: room() }
     }
+
+    /// How many blocks begin in it.
+    pub(in crate::physics) fn block_count(&self, links: &BoxedLinks<R>) -> usize {
+        let [first, end] = [self.own.start, self.own.end]
+            .map(|corner| links.layout.blocks.partition_point(|block| block.first < corner));
+        end - first
+    }
 }
 
 /// The panels of a piece, at least one; `read` are the corners it reads, and `origin` is its first particle.

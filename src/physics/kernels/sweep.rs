@@ -43,12 +43,54 @@ pub(in crate::physics) fn add_forces<R: Real>(
     force: &mut [R::Vec3],
     piece: &mut Piece<R>,
     stops: &dyn Fn() -> bool,
-    done: &mut impl FnMut(Range<usize>, &[R::Vec3]),
+    done: &mut impl FnMut(Range<usize>, &mut [R::Vec3]),
 ) -> u64 {
+    let is_damped = pass.damped.contains(&true);
+    let motion = [Some(motion[0]), is_damped.then_some(motion[1])];
+    let mut evaluated = 0;
+    for_each_panel(
+        pass.level,
+        motion,
+        Some((start, force)),
+        piece,
+        stops,
+        #[inline(always)]
+        |Window { blocks, first, own, vectors, sum }| {
+            evaluated += sweep(links, pass, blocks, [first, own], vectors, sum);
+        },
+        done,
+    );
+    evaluated
+}
+
+/// What is worked with while a panel is: the box near its blocks.
+pub(super) struct Window<'a, R> {
+    /// The blocks of the panel.
+    pub(super) blocks: Range<usize>,
+    /// The corner of the first place.
+    pub(super) first: usize,
+    /// The first corner of the piece.
+    pub(super) own: usize,
+    /// The vectors that are read.
+    pub(super) vectors: [[&'a [R]; 3]; 2],
+    /// What is added up.
+    pub(super) sum: &'a mut [Vec<R>; 3],
+}
+
+/// Brings vectors of a body's particles to the box of a piece, panel by panel, has `work` done with them, and brings what it
+/// adds up to the particles of the piece, of which `done` is told once they are complete, a stretch at a time.
+#[inline(always)]
+pub(super) fn for_each_panel<R: Real>(
+    level: SimdLevel,
+    vectors: [Option<&[R::Vec3]>; 2],
+    mut to: Option<(Start<R>, &mut [R::Vec3])>,
+    piece: &mut Piece<R>,
+    stops: &dyn Fn() -> bool,
+    mut work: impl FnMut(Window<'_, R>),
+    done: &mut impl FnMut(Range<usize>, &mut [R::Vec3]),
+) {
     let Piece { particles, first, own, panels, position, velocity, force: boxed, .. } = piece;
     let mut first = *first;
-    let is_damped = pass.damped.contains(&true);
-    let mut evaluated = 0;
     for panel in panels {
         if stops() {
             break;
@@ -61,31 +103,37 @@ pub(in crate::physics) fn add_forces<R: Real>(
             first = panel.first;
         }
         let origin = [particles.start, first];
-        evaluated += pass.level.run(
+        level.run(
             #[inline(always)]
             || {
-                spread(&panel.read, [0, first], motion[0], position);
-                if is_damped {
-                    spread(&panel.read, [0, first], motion[1], velocity);
+                if let Some(one) = vectors[0] {
+                    spread(&panel.read, [0, first], one, position);
                 }
-                let (begun, runs) = &panel.begun;
-                if *begun != panel.reached {
-                    // What links do beyond the piece is forgotten.
-                    fill(R::Vec3::ZERO, panel.reached.start - first..panel.reached.end - first, boxed);
+                if let Some(other) = vectors[1] {
+                    spread(&panel.read, [0, first], other, velocity);
                 }
-                match start {
-                    Start::Alike(start) => fill(start, begun.start - first..begun.end - first, boxed),
-                    Start::Each => spread(runs, origin, force, boxed),
+                if let Some((start, to)) = &to {
+                    let (begun, runs) = &panel.begun;
+                    if *begun != panel.reached {
+                        // What links do beyond the piece is forgotten.
+                        fill(R::Vec3::ZERO, panel.reached.start - first..panel.reached.end - first, boxed);
+                    }
+                    match start {
+                        Start::Alike(start) => fill(*start, begun.start - first..begun.end - first, boxed),
+                        Start::Each => spread(runs, origin, to, boxed),
+                    }
                 }
-                let motion = [slices(position), slices(velocity)];
-                let count = sweep(links, pass, panel.blocks.clone(), [first, own.start], motion, boxed);
-                collect(&panel.complete, origin, boxed, force);
-                count
+                let vectors = [slices(position), slices(velocity)];
+                work(Window { blocks: panel.blocks.clone(), first, own: own.start, vectors, sum: boxed });
+                if let Some((_, to)) = &mut to {
+                    collect(&panel.complete, origin, boxed, to);
+                }
             },
         );
-        done(panel.stretch.clone(), &force[panel.stretch.clone()]);
+        if let Some((_, to)) = &mut to {
+            done(panel.stretch.clone(), &mut to[panel.stretch.clone()]);
+        }
     }
-    evaluated
 }
 
 /// Works through some blocks. Says how many links start there at the corners from `own` on; `first` is the corner of the

@@ -23,6 +23,7 @@ pub(in crate::physics) mod substep;
 
 use super::contact::{self, ContactRecord, Placed};
 use super::forces;
+use super::forces::exact::ExactLinks;
 use super::forces::links::Configuration;
 use super::forces::particles::Kick;
 use super::interaction::Grab;
@@ -69,7 +70,7 @@ impl<R: Real> StepWorkspace<R> {
             velocity: vec![R::Vec3::ZERO; count],
             contact: contact::ContactWorkspace::new(model, plan),
             scheme: schemes::SchemeWorkspace::new(model, plan),
-            forces: forces::ForceWorkspace::new(model, plan.threads),
+            forces: forces::ForceWorkspace::new(model, plan),
             remembered: remembered(model),
         }
     }
@@ -83,7 +84,7 @@ impl<R: Real> StepWorkspace<R> {
 
     /// Goes on with as many threads as a plan wants.
     pub(super) fn fit_threads(&mut self, model: &Model<R>, plan: &Plan) {
-        self.forces = forces::ForceWorkspace::new(model, plan.threads);
+        self.forces = forces::ForceWorkspace::new(model, plan);
     }
 
     /// The scheme at work on a substep whose forces are known, contact's workspace, and where the velocities are
@@ -241,14 +242,14 @@ fn find_velocities<R: Real>(
     if gain == Gain::Take || recorder.has_stopped() {
         return true;
     }
-    let StepWorkspace { velocity, force, contact, .. } = workspace;
+    let StepWorkspace { velocity, force, contact, forces: of_forces, .. } = workspace;
     let end = End { velocity, force, contacts: &contact.contacts };
     let stops = || recorder.stops();
-    if stays_finite(begun, velocity) && !gains_energy(begun, end, &stops) {
+    if stays_finite(begun, velocity) && !gains_energy(begun, end, &mut of_forces.exact, &stops) {
         return true;
     }
     if gain == Gain::Slow {
-        slow(begun, velocity, force, &contact.contacts, &stops);
+        slow(begun, velocity, force, &contact.contacts, &mut of_forces.exact, &stops);
     }
     gain == Gain::Slow
 }
@@ -297,6 +298,7 @@ fn slow<R: Real>(
     velocity: &mut [R::Vec3],
     force: &[R::Vec3],
     contacts: &[ContactRecord<R>],
+    exact: &mut ExactLinks,
     stops: &dyn Fn() -> bool,
 ) {
     let Substep { model, state, dt, .. } = begun;
@@ -306,7 +308,7 @@ fn slow<R: Real>(
             let is_finite =
                 own.clone().all(|p| velocity[p].is_finite() && (state.position[p] + velocity[p] * dt).is_finite());
             let end = End { velocity, force, contacts };
-            if is_finite && !body_gains_energy(begun, number, end, stops) {
+            if is_finite && !body_gains_energy(begun, number, end, exact, stops) {
                 break;
             }
             for velocity in &mut velocity[own.clone()] {

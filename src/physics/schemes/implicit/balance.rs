@@ -13,13 +13,12 @@
 //! Integration", 2006, VIII.6). The work of contact is that of the surfaces, and what it stores in springs counts as the
 //! body's.
 
-use glam::DVec3;
-
 use crate::math::{Real, Vector};
 use crate::physics::contact::ContactRecord;
-use crate::physics::forces::links::{ExactLink, for_each_exact_link};
+use crate::physics::forces::exact::ExactLinks;
 use crate::physics::forces::recovery;
 use crate::physics::interaction::Grab;
+use crate::physics::kernels::LinkSum;
 use crate::physics::model::BodyModel;
 use crate::physics::state::State;
 use crate::physics::step::substep::Substep;
@@ -40,10 +39,11 @@ const UNSOLVED: f64 = 2e-4;
 pub(in crate::physics) fn gains_energy<R: Real>(
     substep: Substep<'_, R>,
     end: End<'_, R>,
+    exact: &mut ExactLinks,
     stops: &dyn Fn() -> bool,
 ) -> bool {
     let mut bodies = 0..substep.model.bodies.len();
-    bodies.any(|number| !substep.state.bodies[number].asleep && body_gains_energy(substep, number, end, stops))
+    bodies.any(|number| !substep.state.bodies[number].asleep && body_gains_energy(substep, number, end, exact, stops))
 }
 
 /// How a substep is to end.
@@ -62,6 +62,7 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
     end: End<'_, R>,
+    exact: &mut ExactLinks,
     stops: &dyn Fn() -> bool,
 ) -> bool {
     let Substep { model, state, dt, grab, .. } = substep;
@@ -77,11 +78,12 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
         grab.filter(|grab| grab.body == number).map_or(0.0, |grab| work_of(grab, body, dt.to_f64(), state, velocity));
     let own = [&state.position[..], &state.velocity, velocity].map(|of| &of[body.particles.clone()]);
     let unfolded = recovery::energy_past_work(body, &state.bodies[number], own, dt);
-    let from_nowhere = gained + of_links(substep, body, velocity, stops) + unfolded + stored - carried - pulled;
+    let from_nowhere =
+        gained + of_links(substep, number, velocity, exact, stops) + unfolded + stored - carried - pulled;
     let bearable = ROUNDING * kinetic + UNSOLVED * turned_over.min(there);
     // What is no number is no balance either.
     from_nowhere.is_nan()
-        || from_nowhere > bearable && from_nowhere > bearable + rounding(substep, body, velocity, stops)
+        || from_nowhere > bearable && from_nowhere > bearable + rounding(substep, number, velocity, exact, stops)
 }
 
 /// What rounding alone may give or take in this substep, J. A body at rest has no energy but this: no division of the
@@ -96,20 +98,20 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
 /// not in the balance of momentum is what damping takes, `c u² − c u w ≥ −c w²/4`.
 fn rounding<R: Real>(
     substep: Substep<'_, R>,
-    body: &BodyModel<R>,
+    number: usize,
     velocity: &[R::Vec3],
+    exact: &mut ExactLinks,
     stops: &dyn Fn() -> bool,
 ) -> f64 {
     let (epsilon, dt) = (R::EPSILON.to_f64(), substep.dt.to_f64());
-    let mut sum = 0.0;
-    for_each_moving_link(substep, body, velocity, stops, |[from, to], link| {
+    let [of_force, of_velocity] = [SUMMED, 0.5].map(|share| share * epsilon);
+    exact.sum(substep, number, velocity, LinkSum::Rounding { of_force, of_velocity }, stops, |[from, to], link| {
         let speeds = from.length() + to.length();
         let force = link.stiffness * (link.d.length() * link.inverse_rest_length - 1.0).abs();
         let resistance = dt * (dt * link.stiffness + 0.5 * link.damping) * link.inverse_rest_length;
-        let missed = 0.5 * epsilon * speeds;
-        sum += SUMMED * epsilon * force * dt * speeds + 0.5 * resistance * missed * missed;
-    });
-    sum
+        let missed = of_velocity * speeds;
+        of_force * force * dt * speeds + 0.5 * resistance * missed * missed
+    })
 }
 
 /// The kinetic energy at the end, what the kinetic energy gains over the work of the forces, and that work, J.
@@ -155,47 +157,26 @@ fn of_contacts<R: Real>(
 /// What the links have in the end past what their forces at the beginning did not do.
 fn of_links<R: Real>(
     substep: Substep<'_, R>,
-    body: &BodyModel<R>,
+    number: usize,
     velocity: &[R::Vec3],
+    exact: &mut ExactLinks,
     stops: &dyn Fn() -> bool,
 ) -> f64 {
     let dt = substep.dt.to_f64();
-    let mut sum = 0.0;
-    for_each_moving_link(substep, body, velocity, stops, |[from, to], link| {
+    exact.sum(substep, number, velocity, LinkSum::PastForces, stops, |[from, to], link| {
         let way = (to - from) * dt;
         let [before, after] = [link.d.length(), (link.d + way).length()];
         if before == 0.0 {
             // It pulls nowhere in the beginning.
             let [strained, later] = [before, after].map(|length| length * link.inverse_rest_length - 1.0);
-            sum += link.stiffness * 0.5 * (later + strained) * after;
-            return;
+            return link.stiffness * 0.5 * (later + strained) * after;
         }
-        // k l0/2 (ε'² − ε²) − k ε δ = k (ε (Δ − δ) + Δ²/2 l0) for a link that gets longer by Δ, which without the turn
-        // would be δ. Both without differences of lengths: in a body at rest they are nothing but rounding.
         let along = link.d.dot(way);
         let longer = (2.0 * along + way.length_squared()) / (before + after);
         let turned = (before * way.length_squared() - longer * along) / (before * (before + after));
         let strain = before * link.inverse_rest_length - 1.0;
-        sum += link.stiffness * (strain * turned + 0.5 * link.inverse_rest_length * longer * longer);
-    });
-    sum
-}
-
-/// Calls `visit` with the velocities (m/s) at the ends of every link of a body and the link between them, until it
-/// `stops`. `velocity` is of all particles.
-fn for_each_moving_link<R: Real>(
-    Substep { plan, state, .. }: Substep<'_, R>,
-    body: &BodyModel<R>,
-    velocity: &[R::Vec3],
-    stops: &dyn Fn() -> bool,
-    mut visit: impl FnMut([DVec3; 2], ExactLink),
-) {
-    let own = body.particles.clone();
-    let [position, residual, velocity] =
-        [&state.position, &state.position_residual, velocity].map(|of| &of[own.clone()]);
-    for_each_exact_link(body, plan.families, [position, residual], stops, |ends, link| {
-        visit(ends.map(|end| velocity[end].to_dvec3()), link);
-    });
+        link.stiffness * (strain * turned + 0.5 * link.inverse_rest_length * longer * longer)
+    })
 }
 
 /// The work of a hand, J.

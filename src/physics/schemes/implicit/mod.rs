@@ -49,17 +49,20 @@ const CAREFUL_ROUNDS: usize = 2;
 const ROUGH_ROUNDS: usize = 8;
 
 /// What the workspace takes in single precision for some bodies, bytes: the equations of the largest, the coarse grids of
-/// each.
+/// each, and what its links are worked out in exactly.
 pub(in crate::physics) fn bytes(bodies: &[LatticeCounts]) -> usize {
     let vectors = 9 * size_of::<DVec3>() + size_of::<f64>();
     let of_surface = size_of::<DMat3>() + size_of::<Resistance>();
+    let corners = |body: &LatticeCounts| body.grid_corners.min(MOST_CORNERS_A_PARTICLE * body.particles);
+    let exact = |body: &LatticeCounts| corners(body) * size_of::<[f64; 9]>();
     let equations = |body: &LatticeCounts| {
-        let of_links = tangent_bytes(body.all_links(), body.grid_corners.min(MOST_CORNERS_A_PARTICLE * body.particles));
+        let of_links = tangent_bytes(body.all_links(), corners(body));
         of_links.max(body.all_links() * size_of::<LinkBlock<f32>>())
-            + body.particles * vectors
+            + body.particles * (vectors + 2 * size_of::<DVec3>())
             + body.surface * of_surface
     };
-    bodies.iter().map(equations).max().unwrap_or(0) + bodies.iter().map(Multigrid::bytes).sum::<usize>()
+    bodies.iter().map(equations).max().unwrap_or(0)
+        + bodies.iter().map(|body| Multigrid::bytes(body) + exact(body)).sum::<usize>()
 }
 
 /// Writes the velocities at the end of the substep.

@@ -5,7 +5,8 @@
 //!
 //! ```text
 //! z = D⁻¹ r + P B Pᵀ r    D the diagonal; P trilinear weights, times the rotation of the body about a coarse corner
-//! B, a V-cycle            Gauss–Seidel forth, the next coarser grid, Gauss–Seidel back; the coarsest is factorised
+//! B, a V-cycle            Gauss–Seidel forth, the next coarser grid, Gauss–Seidel back, colour by colour; the coarsest
+//!                         is factorised
 //! ```
 //!
 //! The matrices of the coarse grids are those of the links at rest, turned with the body: they stay as they are for as
@@ -18,6 +19,7 @@
 
 mod around;
 mod bottom;
+mod colours;
 mod grid;
 mod parents;
 
@@ -35,10 +37,14 @@ use crate::physics::model::BodyModel;
 /// A body of fewer particles is solved as fast without.
 const LEAST_PARTICLES: usize = 100;
 
+/// A body whose coarse corners fill less than one in so many places of their box is solved without: there is a place of every
+/// vector for each.
+const MOST_PLACES_A_CORNER: usize = 8;
+
 /// A grid of no more corners is the coarsest.
 const FEW_CORNERS: usize = 36;
 
-/// The coarse grids of one body, finest first, in double precision: a motion as a whole is a million times less than
+/// The coarse grids of one body, finest first; vectors in double precision: a motion as a whole is a million times less than
 /// what it cancels from.
 #[derive(Clone, Debug)]
 pub(super) struct Multigrid {
@@ -49,6 +55,8 @@ pub(super) struct Multigrid {
     /// What is around each of its corners, and how that has turned.
     around: Vec<Around>,
     rotations: Vec<DMat3>,
+    /// What the corners of the finest get, N·s, and what they give, m/s.
+    load: Vec<DVec3>,
     grids: Vec<Grid>,
     bottom: Bottom,
 }
@@ -60,19 +68,24 @@ impl Multigrid {
         if finest.len() < LEAST_PARTICLES {
             return None;
         }
-        let (corners, parents) = parents::coarsened(finest);
+        let (corners, of_particles) = parents::coarsened(finest);
         let count = corners.len();
-        let mut grids = vec![Grid::new(corners)];
-        while let Some(finer) = grids.last_mut()
-            && finer.corners.len() > FEW_CORNERS
-        {
-            let (corners, parents) = parents::coarsened(&finer.corners);
-            finer.parents = parents;
-            grids.push(Grid::new(corners));
+        let most = |axis: usize| corners.iter().map(|corner| corner[axis] as usize + 1).max().unwrap_or(0);
+        if most(0) * most(1) * most(2) > MOST_PLACES_A_CORNER * count {
+            return None;
         }
-        let bottom = Bottom::new(grids.last().map_or(0, |coarsest| coarsest.corners.len()));
-        let (around, rotations) = (vec![Around::NONE; count], vec![DMat3::IDENTITY; count]);
-        Some(Self { made_for: None, parents, around, rotations, grids, bottom })
+        let (around, rotations, load) =
+            (vec![Around::NONE; count], vec![DMat3::IDENTITY; count], vec![DVec3::ZERO; count]);
+        let mut grids = Vec::new();
+        let mut corners = corners;
+        while corners.len() > FEW_CORNERS {
+            let (coarser, parents) = parents::coarsened(&corners);
+            grids.push(Grid::new(corners, parents, &coarser));
+            corners = coarser;
+        }
+        let bottom = Bottom::new(corners.len());
+        grids.push(Grid::new(corners, Parents::default(), &[]));
+        Some(Self { made_for: None, parents: of_particles, around, rotations, load, grids, bottom })
     }
 
     /// What the grids of a body take, bytes: one corner for eight particles, and for four on a surface.
@@ -82,7 +95,8 @@ impl Multigrid {
         }
         let corners = (body.particles - body.surface) / 8 + body.surface / 4;
         // The coarser grids together have a seventh of the finest.
-        let of_corner = (Grid::BYTES_A_CORNER + 4 * size_of::<u32>()) * 8 / 7 + size_of::<(Around, DMat3)>();
+        let of_corner = (Grid::bytes_a_corner(MOST_PLACES_A_CORNER) + 4 * size_of::<u32>()) * 8 / 7
+            + size_of::<(Around, DMat3, DVec3)>();
         corners * of_corner + body.particles * 5 * size_of::<u32>()
     }
 
@@ -142,7 +156,7 @@ impl Multigrid {
             let (finer, rest) = self.grids.split_at_mut(coarser);
             rest[0].project(&finer[coarser - 1]);
         }
-        self.grids.iter_mut().for_each(Grid::invert_diagonal);
+        self.grids.iter_mut().for_each(Grid::take_over_all);
     }
 
     /// Takes what contact resists with into the matrices, kg, of free particles that are given by their local numbers, and
@@ -161,7 +175,7 @@ impl Multigrid {
                 parts = grid.on_parents(&parts);
             }
         }
-        grids.iter_mut().for_each(Grid::invert_held);
+        grids.iter_mut().for_each(Grid::take_over_held);
         if let Some(coarsest) = grids.last() {
             bottom.factorise(coarsest);
         }
@@ -169,23 +183,29 @@ impl Multigrid {
 
     /// Adds what the coarse grids make of a residual, N·s, to the change of each particle's velocity, m/s.
     pub(super) fn correct(&mut self, level: SimdLevel, residual: &[DVec3], change: &mut [DVec3]) {
-        let Self { parents, rotations, grids, bottom, .. } = self;
+        let Self { parents, rotations, grids, bottom, load, .. } = self;
         level.run(
             #[inline(always)]
             || {
                 let Some(finest) = grids.first_mut() else { return };
-                restrict(parents, rotations, residual, &mut finest.load);
+                restrict(parents, residual, load);
+                for (number, (load, rotation)) in load.iter().zip(&*rotations).enumerate() {
+                    finest.colours.set_load(number, rotation.transpose() * *load);
+                }
                 cycle(grids, bottom);
-                let Some(finest) = grids.first_mut() else { return };
-                prolong(parents, rotations, &mut finest.solution, change);
+                let Some(finest) = grids.first() else { return };
+                for (number, (solution, rotation)) in load.iter_mut().zip(&*rotations).enumerate() {
+                    *solution = *rotation * finest.colours.solution(number);
+                }
+                prolong(parents, load, change);
             },
         );
     }
 }
 
-/// The load of the finest of the grids.
+/// Sums up a vector of particles for the corners that they hang on.
 #[inline(always)]
-fn restrict(parents: &Parents, rotations: &[DMat3], residual: &[DVec3], load: &mut [DVec3]) {
+fn restrict(parents: &Parents, residual: &[DVec3], load: &mut [DVec3]) {
     load.fill(DVec3::ZERO);
     for (particle, residual) in residual.iter().enumerate() {
         let (corners, weight) = parents.of(particle);
@@ -194,17 +214,11 @@ fn restrict(parents: &Parents, rotations: &[DMat3], residual: &[DVec3], load: &m
             load[corner as usize] += part;
         }
     }
-    for (load, rotation) in load.iter_mut().zip(rotations) {
-        *load = rotation.transpose() * *load;
-    }
 }
 
-/// What the solution on the finest of the grids is for the particles; it is turned.
+/// Adds what a solution for the corners is for the particles.
 #[inline(always)]
-fn prolong(parents: &Parents, rotations: &[DMat3], solution: &mut [DVec3], change: &mut [DVec3]) {
-    for (solution, rotation) in solution.iter_mut().zip(rotations) {
-        *solution = *rotation * *solution;
-    }
+fn prolong(parents: &Parents, solution: &[DVec3], change: &mut [DVec3]) {
     for (particle, change) in change.iter_mut().enumerate() {
         let (corners, weight) = parents.of(particle);
         let sum = corners.iter().fold(DVec3::ZERO, |sum, &corner| sum + solution[corner as usize]);
@@ -217,17 +231,17 @@ fn prolong(parents: &Parents, rotations: &[DMat3], solution: &mut [DVec3], chang
 fn cycle(grids: &mut [Grid], bottom: &mut Bottom) {
     for finer in 1..grids.len() {
         if let [.., grid, next] = &mut grids[..=finer] {
-            grid.forth();
-            grid.restrict(&mut next.load);
+            grid.colours.forth();
+            grid.colours.restrict(&mut next.colours);
         }
     }
     if let Some(coarsest) = grids.last_mut() {
-        bottom.solve(&coarsest.load, &mut coarsest.solution);
+        bottom.solve(&mut coarsest.colours);
     }
     for finer in (1..grids.len()).rev() {
         if let [.., grid, next] = &mut grids[..=finer] {
-            grid.prolong(&next.solution);
-            grid.back();
+            grid.colours.prolong(&next.colours);
+            grid.colours.back();
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::colours::Colours;
 use super::grid::Grid;
 
 /// A pivot below this share of its diagonal is rounding: it belongs to what is held.
@@ -45,12 +46,12 @@ impl Bottom {
         }
     }
 
-    /// Writes the solution for a load.
-    pub(super) fn solve(&mut self, load: &[DVec3], solution: &mut [DVec3]) {
+    /// Writes the solution for the load of a grid.
+    pub(super) fn solve(&mut self, grid: &mut Colours) {
         let Self { factor, values } = self;
         let rows = values.len();
-        for (value, load) in values.iter_mut().zip(load.iter().flat_map(glam::DVec3::to_array)) {
-            *value = load;
+        for (number, value) in values.as_chunks_mut().0.iter_mut().enumerate() {
+            *value = grid.load(number).to_array();
         }
         for i in 0..rows {
             let row = &factor[i * rows..][..=i];
@@ -62,8 +63,8 @@ impl Bottom {
             own[0] *= row[i];
             before.iter_mut().zip(row).for_each(|(value, factor)| *value -= factor * own[0]);
         }
-        for (solution, value) in solution.iter_mut().zip(values.as_chunks().0) {
-            *solution = DVec3::from_array(*value);
+        for (number, value) in values.as_chunks().0.iter().enumerate() {
+            grid.set_solution(number, DVec3::from_array(*value));
         }
     }
 }

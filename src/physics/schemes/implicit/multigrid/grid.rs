@@ -1,9 +1,9 @@
-//! One coarse grid: its corners, a symmetric matrix that connects each with its 26 neighbours, and sweeps over it.
+//! One coarse grid: its corners and a symmetric matrix that connects each with its 26 neighbours, as it is made of that of
+//! the finer grid and of contact. [`super::colours`] sweeps over it.
 
-use std::ops::Range;
+use glam::DMat3;
 
-use glam::{DMat3, DVec3};
-
+use super::colours::Colours;
 use super::parents::{Parents, find};
 
 /// The neighbours that come before a corner in their order, and the corner itself.
@@ -23,29 +23,22 @@ pub(super) struct Grid {
     near: Vec<[u32; SELF]>,
     /// The rows of the matrix up to the diagonal, kg; zero where there is no neighbour.
     rows: Vec<[DMat3; ROW]>,
-    /// The inverse of the blocks on its diagonal, 1/kg.
-    inverse: Vec<DMat3>,
-    /// Right-hand side, N·s.
-    pub(super) load: Vec<DVec3>,
-    /// m/s.
-    pub(super) solution: Vec<DVec3>,
-    /// What is left of the load, N·s.
-    residual: Vec<DVec3>,
+    /// What it is swept in.
+    pub(super) colours: Colours,
     /// What the rows are without contact where contact resists, and where that is.
     free: Vec<(u32, [DMat3; ROW])>,
     is_held: Vec<bool>,
 }
 
 impl Grid {
-    /// What a corner takes, most of it where contact resists left out.
-    pub(super) const BYTES_A_CORNER: usize = size_of::<[u32; 3]>()
-        + size_of::<[u32; SELF]>()
-        + size_of::<[DMat3; ROW]>()
-        + size_of::<DMat3>()
-        + 3 * size_of::<DVec3>();
+    /// What a corner takes, where contact resists left out, in a box with so many places for each, bytes.
+    pub(super) const fn bytes_a_corner(places: usize) -> usize {
+        size_of::<[u32; 3]>() + size_of::<[u32; SELF]>() + size_of::<[DMat3; ROW]>() + Colours::bytes_a_corner(places)
+    }
 
-    /// A grid without a matrix.
-    pub(super) fn new(corners: Vec<[u32; 3]>) -> Self {
+    /// A grid without a matrix, and its parents on the next coarser one, whose corners are `coarser`.
+    pub(super) fn new(corners: Vec<[u32; 3]>, parents: Parents, coarser: &[[u32; 3]]) -> Self {
+        let colours = Colours::new(&corners, coarser);
         let count = corners.len();
         let near_of = |(number, corner): (u32, &[u32; 3])| {
             std::array::from_fn(|place| {
@@ -61,12 +54,9 @@ impl Grid {
         Self {
             near,
             corners,
-            parents: Parents::default(),
+            parents,
             rows: vec![[DMat3::ZERO; ROW]; count],
-            inverse: vec![DMat3::ZERO; count],
-            load: vec![DVec3::ZERO; count],
-            solution: vec![DVec3::ZERO; count],
-            residual: vec![DVec3::ZERO; count],
+            colours,
             free: Vec::new(),
             is_held: vec![false; count],
         }
@@ -121,23 +111,22 @@ impl Grid {
         }
     }
 
-    pub(super) fn invert_diagonal(&mut self) {
-        for (inverse, row) in self.inverse.iter_mut().zip(&self.rows) {
-            *inverse = inverted(&row[SELF]);
-        }
+    /// Makes the matrix ready to be swept.
+    pub(super) fn take_over_all(&mut self) {
+        (0..self.corners.len()).for_each(|number| self.take_over(number));
     }
 
     /// Takes away what contact resists with.
     pub(super) fn release(&mut self) {
-        for (number, row) in self.free.drain(..) {
+        while let Some((number, row)) = self.free.pop() {
             let number = number as usize;
-            self.inverse[number] = inverted(&row[SELF]);
             (self.rows[number], self.is_held[number]) = (row, false);
+            self.take_over(number);
         }
     }
 
-    /// Adds what contact resists with, kg, to a particle whose velocity is the sum of `parts` times those of corners. The
-    /// inverses of the diagonal come after it.
+    /// Adds what contact resists with, kg, to a particle whose velocity is the sum of `parts` times those of corners. What is
+    /// swept comes after it.
     pub(super) fn hold(&mut self, parts: &Parts, resistance: &DMat3) {
         for (row, by_row) in parts.all() {
             let number = *row as usize;
@@ -155,11 +144,10 @@ impl Grid {
         }
     }
 
-    /// The inverses on the diagonal where contact resists.
-    pub(super) fn invert_held(&mut self) {
-        for (number, _) in &self.free {
-            let number = *number as usize;
-            self.inverse[number] = inverted(&self.rows[number][SELF]);
+    /// Makes the rows ready to be swept where contact resists.
+    pub(super) fn take_over_held(&mut self) {
+        for at in 0..self.free.len() {
+            self.take_over(self.free[at].0 as usize);
         }
     }
 
@@ -184,88 +172,16 @@ impl Grid {
         before.filter(move |(near, _)| *near != number).chain([(number, self.rows[number][SELF])])
     }
 
-    /// What the corners before one do to it.
-    #[inline(always)]
-    fn before(&self, number: usize) -> DVec3 {
-        let (near, row) = (&self.near[number], numbers(&self.rows[number]));
-        // Four numbers at a time, of which the last is of the next column: compilers make vectors of that.
-        let mut sums = [[0.0; 4]; 3];
-        for (place, near) in near.iter().enumerate() {
-            let solution = self.solution[*near as usize].to_array();
-            for (axis, (sum, value)) in sums.iter_mut().zip(solution).enumerate() {
-                let column: &[f64; 4] = row[9 * place + 3 * axis..].first_chunk().expect("the diagonal comes after it");
-                for (sum, factor) in sum.iter_mut().zip(column) {
-                    *sum += factor * value;
-                }
+    /// Takes what has become of the row of a corner over to where it is swept.
+    fn take_over(&mut self, number: usize) {
+        let row = &self.rows[number];
+        for (step, (near, block)) in self.near[number].iter().zip(row).enumerate() {
+            if *near as usize != number {
+                self.colours.set([number, *near as usize], step, block);
             }
         }
-        DVec3::from_array([0, 1, 2].map(|axis| sums[0][axis] + sums[1][axis] + sums[2][axis]))
+        self.colours.set_inverse(number, &inverted(&row[SELF]));
     }
-
-    /// Takes what a corner does to those before it from their loads.
-    #[inline(always)]
-    fn take_from_those_before(&self, number: usize, load: &mut [DVec3]) {
-        let (near, row, own) = (&self.near[number], &self.rows[number], self.solution[number]);
-        for (near, block) in near.iter().zip(row) {
-            load[*near as usize] -= DVec3::new(block.x_axis.dot(own), block.y_axis.dot(own), block.z_axis.dot(own));
-        }
-    }
-
-    /// Gauss–Seidel from nothing, in the order of corners. The residual is what the corners after each do to it.
-    #[inline(always)]
-    pub(super) fn forth(&mut self) {
-        let mut residual = std::mem::take(&mut self.residual);
-        self.solution.fill(DVec3::ZERO);
-        residual.fill(DVec3::ZERO);
-        for number in self.all() {
-            self.solution[number] = self.inverse[number] * (self.load[number] - self.before(number));
-            self.take_from_those_before(number, &mut residual);
-        }
-        self.residual = residual;
-    }
-
-    /// Hands what is left after [`Self::forth`] on to the parents.
-    #[inline(always)]
-    pub(super) fn restrict(&self, load: &mut [DVec3]) {
-        load.fill(DVec3::ZERO);
-        for (number, residual) in self.residual.iter().enumerate() {
-            let (corners, weight) = self.parents.of(number);
-            let part = *residual * weight;
-            for &corner in corners {
-                load[corner as usize] += part;
-            }
-        }
-    }
-
-    /// Adds the solution of the next coarser grid.
-    #[inline(always)]
-    pub(super) fn prolong(&mut self, coarse: &[DVec3]) {
-        for (number, solution) in self.solution.iter_mut().enumerate() {
-            let (corners, weight) = self.parents.of(number);
-            *solution += corners.iter().fold(DVec3::ZERO, |sum, &corner| sum + coarse[corner as usize]) * weight;
-        }
-    }
-
-    /// Gauss–Seidel against the order of corners. The load is worked off.
-    #[inline(always)]
-    pub(super) fn back(&mut self) {
-        let mut load = std::mem::take(&mut self.load);
-        for number in self.all().rev() {
-            self.solution[number] = self.inverse[number] * (load[number] - self.before(number));
-            self.take_from_those_before(number, &mut load);
-        }
-        self.load = load;
-    }
-
-    fn all(&self) -> Range<usize> {
-        0..self.corners.len()
-    }
-}
-
-/// A row, number by number: block by block and column by column.
-#[inline(always)]
-fn numbers(row: &[DMat3; ROW]) -> &[f64; 9 * ROW] {
-    bytemuck::cast_slice(row).first_chunk().expect("nine in each")
 }
 
 /// The inverse of a block on the diagonal: nothing where all that hangs on the corner is held.

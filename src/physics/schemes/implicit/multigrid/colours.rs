@@ -1,0 +1,483 @@
+//! Gauss–Seidel over a coarse grid, colour by colour.
+//!
+//! Corners whose numbers are even and odd alike have nothing to do with each other: each of these eight colours is relaxed
+//! at once. Those of one colour lie in a box of half the size, with room for one more at each end, so that what is next to a
+//! corner along any direction is at a constant distance, and vector instructions take many corners at a time:
+//!
+//! ```text
+//!   x of the corners    0 1 2 3 4 5 …     even   0 2 4 …     odd   1 3 5 …
+//!   next to an odd one  one less: the even one at the same place; one more: the one at the next place
+//! ```
+//!
+//! A block of the symmetric matrix is kept once, with the corner of the later colour. Blocks are in single precision, as
+//! reading them is what a sweep takes longest for. Vectors are not: what rounding leaves on them is high waves, which a stiff
+//! body resists with more than there was to solve for, and iterations go up by half.
+
+use std::ops::Range;
+
+use glam::{DMat3, DVec3};
+
+use super::parents::find;
+use crate::math::Real;
+
+/// Places of the box that are worked on at a time.
+const LANES: usize = 32;
+
+/// How many colours there are.
+const COLOURS: usize = 8;
+
+/// Steps to the neighbours of a corner: `step = 1 + dx + 3 (1 + dy) + 9 (1 + dz)`.
+const STEPS: usize = 27;
+
+type Lanes = [f64; LANES];
+
+/// Blocks of three rows and columns, row by row.
+type LaneBlocks = [Lanes; 9];
+
+/// The same in single precision.
+type TermBlocks = [[f32; LANES]; 9];
+
+/// The corners of a grid by colours, with the matrix and the vectors of a V-cycle.
+#[derive(Clone, Debug)]
+pub(super) struct Colours {
+    /// Places before the first of a colour.
+    margin: usize,
+    /// Places to the next along each axis.
+    strides: [usize; 3],
+    /// Places of a colour.
+    length: usize,
+    groups: Vec<Group>,
+    /// Which of the groups are of each colour.
+    of_colour: [Range<usize>; COLOURS],
+    /// The blocks of the matrix between a group's corners and those of earlier colours, kg.
+    terms: Vec<Term>,
+    /// The inverses of the blocks on the diagonal, 1/kg, by group.
+    inverse: Vec<LaneBlocks>,
+    /// Where each corner is.
+    places: Vec<Place>,
+    /// Where the corners of the next coarser grid are in what is handed on to them.
+    parents: Vec<u32>,
+    /// Right-hand side, N·s.
+    load: [Vec<f64>; 3],
+    /// m/s.
+    solution: [Vec<f64>; 3],
+    /// What is left of the load, N·s.
+    residual: [Vec<f64>; 3],
+    /// What is handed on to the next coarser grid, and what comes back.
+    coarse: [Vec<f64>; 3],
+}
+
+/// Corners of one colour that are relaxed together.
+#[derive(Clone, Debug)]
+struct Group {
+    /// The place of the first within its colour.
+    first: usize,
+    terms: Range<usize>,
+}
+
+/// The blocks of a group's corners in one direction, to corners of an earlier colour.
+#[derive(Clone, Debug)]
+struct Term {
+    step: usize,
+    /// The place of the neighbour of the corner at place 0 of the colour.
+    offset: usize,
+    blocks: TermBlocks,
+}
+
+/// Where a corner is.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    /// In vectors.
+    at: u32,
+    group: u32,
+    lane: u32,
+}
+
+impl Colours {
+    /// Those of a grid whose corners are x fastest, ascending, without a matrix; `coarser` are the corners of the next one.
+    pub(super) fn new(corners: &[[u32; 3]], coarser: &[[u32; 3]]) -> Self {
+        let most = |axis: usize| corners.iter().map(|corner| corner[axis] as usize).max().unwrap_or(0);
+        // As many as the next coarser grid has, and one that is empty.
+        let [x, y, z] = [0, 1, 2].map(|axis| most(axis).div_ceil(2) + 2);
+        let strides = [1, x, x * y];
+        let margin: usize = strides.iter().sum();
+        let length = x * y * z + 2 * margin + LANES;
+        let flat = |of: [u32; 3]| margin + (0..3).map(|axis| of[axis] as usize * strides[axis]).sum::<usize>();
+        let mut by_colour: [Vec<(usize, usize)>; COLOURS] = Default::default();
+        for (number, corner) in corners.iter().enumerate() {
+            by_colour[colour_of(*corner)].push((flat(corner.map(|c| c / 2)), number));
+        }
+        let mut this = Self {
+            margin,
+            strides,
+            length,
+            groups: Vec::new(),
+            of_colour: Default::default(),
+            terms: Vec::new(),
+            inverse: Vec::new(),
+            places: vec![Place { at: 0, group: 0, lane: 0 }; corners.len()],
+            parents: coarser.iter().map(|corner| as_u32(flat(*corner))).collect(),
+            load: [(); 3].map(|()| vec![0.0; COLOURS * length]),
+            solution: [(); 3].map(|()| vec![0.0; COLOURS * length]),
+            residual: [(); 3].map(|()| vec![0.0; COLOURS * length]),
+            coarse: [(); 3].map(|()| vec![0.0; length]),
+        };
+        for (colour, own) in by_colour.iter().enumerate() {
+            let begin = this.groups.len();
+            for &(place, number) in own {
+                if this.groups[begin..].last().is_none_or(|group| place >= group.first + LANES) {
+                    let first = this.terms.len();
+                    this.groups.push(Group { first: place, terms: first..first });
+                    this.inverse.push([[0.0; LANES]; 9]);
+                }
+                let group = this.groups.len() - 1;
+                let lane = place - this.groups[group].first;
+                this.places[number] =
+                    Place { at: as_u32(colour * length + place), group: as_u32(group), lane: as_u32(lane) };
+                let near = |step: &usize| {
+                    let there =
+                        [0, 1, 2].map(|axis| (corners[number][axis] as usize + along(*step, axis)).checked_sub(1));
+                    let [Some(x), Some(y), Some(z)] = there.map(|at| at.map(as_u32)) else { return false };
+                    find(corners, [x, y, z]).is_some()
+                };
+                for step in (0..STEPS).filter(|step| neighbour(colour, *step) < colour).filter(near) {
+                    let known = this.groups[group].terms.clone();
+                    if this.terms[known].iter().all(|term| term.step != step) {
+                        let offset = this.offset(colour, step);
+                        this.terms.push(Term { step, offset, blocks: [[0.0; LANES]; 9] });
+                        this.groups[group].terms.end += 1;
+                    }
+                }
+            }
+            this.of_colour[colour] = begin..this.groups.len();
+        }
+        this
+    }
+
+    /// The place of the neighbour of the corner at place 0 of a colour.
+    fn offset(&self, colour: usize, step: usize) -> usize {
+        let (mut ahead, mut back) = (neighbour(colour, step) * self.length, 0);
+        for axis in 0..3 {
+            match (along(step, axis), colour >> axis & 1) {
+                // One less than an even corner is the odd one before, one more than an odd one the next even one.
+                (0, 0) => back += self.strides[axis],
+                (2, 1) => ahead += self.strides[axis],
+                _ => {}
+            }
+        }
+        ahead - back
+    }
+
+    /// What a corner takes, bytes: blocks where half of the places are empty, and vectors over `places` of the box.
+    pub(super) const fn bytes_a_corner(places: usize) -> usize {
+        let blocks = size_of::<[f32; 9]>() * (STEPS / 2) + size_of::<[f64; 9]>();
+        2 * blocks + places * size_of::<[f64; 9]>() + size_of::<Place>()
+    }
+
+    /// Sets the block of the matrix in the row of one corner and the column of another, which is a `step` away from it,
+    /// kg, and so that of the other way round.
+    pub(super) fn set(&mut self, [row, column]: [usize; 2], step: usize, block: &DMat3) {
+        let colour = |number: usize| self.places[number].at as usize / self.length;
+        if colour(row) > colour(column) {
+            self.set_term(row, step, &block.transpose());
+        } else {
+            self.set_term(column, STEPS - 1 - step, block);
+        }
+    }
+
+    /// Sets a block by its transpose, column after column of which its rows are.
+    fn set_term(&mut self, row: usize, step: usize, transpose: &DMat3) {
+        let Place { group, lane, .. } = self.places[row];
+        let terms = self.groups[group as usize].terms.clone();
+        if let Some(term) = self.terms[terms].iter_mut().find(|term| term.step == step) {
+            for (lanes, value) in term.blocks.iter_mut().zip(transpose.to_cols_array()) {
+                lanes[lane as usize] = f32::from_f64(value);
+            }
+        }
+    }
+
+    /// Sets the inverse of a corner's block on the diagonal, 1/kg.
+    pub(super) fn set_inverse(&mut self, number: usize, inverse: &DMat3) {
+        let Place { group, lane, .. } = self.places[number];
+        for (lanes, value) in self.inverse[group as usize].iter_mut().zip(inverse.transpose().to_cols_array()) {
+            lanes[lane as usize] = value;
+        }
+    }
+
+    /// The load of a corner.
+    #[inline(always)]
+    pub(super) fn set_load(&mut self, number: usize, load: DVec3) {
+        let at = self.places[number].at as usize;
+        for (of, value) in self.load.iter_mut().zip(load.to_array()) {
+            of[at] = value;
+        }
+    }
+
+    /// The load of a corner.
+    #[inline(always)]
+    pub(super) fn load(&self, number: usize) -> DVec3 {
+        self.at(&self.load, number)
+    }
+
+    /// The solution at a corner.
+    #[inline(always)]
+    pub(super) fn solution(&self, number: usize) -> DVec3 {
+        self.at(&self.solution, number)
+    }
+
+    /// Sets the solution at a corner.
+    #[inline(always)]
+    pub(super) fn set_solution(&mut self, number: usize, solution: DVec3) {
+        let at = self.places[number].at as usize;
+        for (of, value) in self.solution.iter_mut().zip(solution.to_array()) {
+            of[at] = value;
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, of: &[Vec<f64>; 3], number: usize) -> DVec3 {
+        let at = self.places[number].at as usize;
+        let [x, y, z] = of;
+        DVec3::new(x[at], y[at], z[at])
+    }
+
+    /// Relaxes all corners from nothing, in the order of colours. What the later colours do to a corner is left.
+    #[inline(always)]
+    pub(super) fn forth(&mut self) {
+        for of in self.solution.iter_mut().chain(&mut self.residual) {
+            of.fill(0.0);
+        }
+        for colour in 0..COLOURS {
+            let own = colour * self.length;
+            let [load_x, load_y, load_z] = &self.load;
+            let [x, y, z] = &mut self.solution;
+            let ((x, own_x), (y, own_y), (z, own_z)) = (x.split_at_mut(own), y.split_at_mut(own), z.split_at_mut(own));
+            let [left_x, left_y, left_z] = &mut self.residual;
+            for number in self.of_colour[colour].clone() {
+                let Group { first, terms } = &self.groups[number];
+                let load = [&load_x[own..], &load_y[own..], &load_z[own..]];
+                let load = [lanes(load[0], *first), lanes(load[1], *first), lanes(load[2], *first)];
+                relax(
+                    &self.terms[terms.clone()],
+                    &self.inverse[number],
+                    *first,
+                    load,
+                    [x, y, z],
+                    lanes_mut(own_x, *first),
+                    lanes_mut(own_y, *first),
+                    lanes_mut(own_z, *first),
+                    left_x,
+                    left_y,
+                    left_z,
+                );
+            }
+        }
+    }
+
+    /// Relaxes all corners against the order of colours. The load is worked off.
+    #[inline(always)]
+    pub(super) fn back(&mut self) {
+        for colour in (0..COLOURS).rev() {
+            let own = colour * self.length;
+            let [load_x, load_y, load_z] = &mut self.load;
+            let ((left_x, load_x), (left_y, load_y), (left_z, load_z)) =
+                (load_x.split_at_mut(own), load_y.split_at_mut(own), load_z.split_at_mut(own));
+            let [x, y, z] = &mut self.solution;
+            let ((x, own_x), (y, own_y), (z, own_z)) = (x.split_at_mut(own), y.split_at_mut(own), z.split_at_mut(own));
+            for number in self.of_colour[colour].clone() {
+                let Group { first, terms } = &self.groups[number];
+                relax(
+                    &self.terms[terms.clone()],
+                    &self.inverse[number],
+                    *first,
+                    [lanes(load_x, *first), lanes(load_y, *first), lanes(load_z, *first)],
+                    [x, y, z],
+                    lanes_mut(own_x, *first),
+                    lanes_mut(own_y, *first),
+                    lanes_mut(own_z, *first),
+                    left_x,
+                    left_y,
+                    left_z,
+                );
+            }
+        }
+    }
+
+    /// Hands what is left after [`Self::forth`] on to the next coarser grid.
+    #[inline(always)]
+    pub(super) fn restrict(&mut self, coarser: &mut Self) {
+        for (left, coarse) in self.residual.iter().zip(&mut self.coarse) {
+            coarse.fill(0.0);
+            let places = self.margin..self.length - self.margin - LANES;
+            for Hanging { colour, ahead, weight } in hanging(self.strides) {
+                let left = &left[colour * self.length..][places.start - ahead..];
+                for (to, left) in coarse[places.clone()].iter_mut().zip(left) {
+                    *to += *left * weight;
+                }
+            }
+        }
+        for (number, at) in self.parents.iter().enumerate() {
+            let at = *at as usize;
+            let [x, y, z] = &self.coarse;
+            coarser.set_load(number, DVec3::new(x[at], y[at], z[at]));
+        }
+    }
+
+    /// Adds the solution of the next coarser grid.
+    #[inline(always)]
+    pub(super) fn prolong(&mut self, coarser: &Self) {
+        for (number, at) in self.parents.iter().enumerate() {
+            for (coarse, value) in self.coarse.iter_mut().zip(coarser.solution(number).to_array()) {
+                coarse[*at as usize] = value;
+            }
+        }
+        for (coarse, solution) in self.coarse.iter().zip(&mut self.solution) {
+            let places = self.margin..self.length - self.margin - LANES;
+            for Hanging { colour, ahead, weight } in hanging(self.strides) {
+                let solution = &mut solution[colour * self.length..][places.clone()];
+                for (to, coarse) in solution.iter_mut().zip(&coarse[places.start + ahead..]) {
+                    *to += *coarse * weight;
+                }
+            }
+        }
+    }
+}
+
+/// How corners of a colour hang on those of the next coarser grid.
+#[derive(Clone, Copy, Debug)]
+struct Hanging {
+    colour: usize,
+    /// How far the coarse corner's place is past the corner's.
+    ahead: usize,
+    weight: f64,
+}
+
+/// All ways: along each axis along which it is odd a corner lies between two coarse ones.
+fn hanging(strides: [usize; 3]) -> impl Iterator<Item = Hanging> {
+    (0..COLOURS).flat_map(move |colour| {
+        let weight = [1.0, 0.5, 0.25, 0.125][colour.count_ones() as usize];
+        (0..COLOURS).filter(move |past| past & !colour == 0).map(move |past| {
+            let ahead = (0..3).filter(|axis| past >> axis & 1 == 1).map(|axis| strides[axis]).sum();
+            Hanging { colour, ahead, weight }
+        })
+    })
+}
+
+/// Along x, y and z: 1 where odd, one bit each.
+fn colour_of(corner: [u32; 3]) -> usize {
+    (0..3).map(|axis| (corner[axis] as usize & 1) << axis).sum()
+}
+
+/// The component of a step, plus one.
+fn along(step: usize, axis: usize) -> usize {
+    step / [1, 3, 9][axis] % 3
+}
+
+/// The colour of the neighbour of a corner.
+fn neighbour(colour: usize, step: usize) -> usize {
+    (0..3).filter(|axis| along(step, *axis) != 1).fold(colour, |colour, axis| colour ^ 1 << axis)
+}
+
+fn as_u32(of: usize) -> u32 {
+    u32::try_from(of).unwrap_or(u32::MAX)
+}
+
+#[inline(always)]
+fn lanes(of: &[f64], first: usize) -> &Lanes {
+    of[first..].first_chunk().expect("there is room for a group past the last corner")
+}
+
+#[inline(always)]
+fn lanes_mut(of: &mut [f64], first: usize) -> &mut Lanes {
+    of[first..].first_chunk_mut().expect("there is room for a group past the last corner")
+}
+
+/// Relaxes a group of corners of one colour, the first of which is at place `first`: their solution becomes what their load
+/// and the solution `before`, of the earlier colours, make it. What they do to those colours is taken from what is `left`
+/// there.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "what is written is borrowed apart, or no vectors are made of the loops")]
+fn relax(
+    terms: &[Term],
+    inverse: &LaneBlocks,
+    first: usize,
+    load: [&Lanes; 3],
+    [before_x, before_y, before_z]: [&[f64]; 3],
+    x: &mut Lanes,
+    y: &mut Lanes,
+    z: &mut Lanes,
+    left_x: &mut [f64],
+    left_y: &mut [f64],
+    left_z: &mut [f64],
+) {
+    let (mut sum_x, mut sum_y, mut sum_z) = (*load[0], *load[1], *load[2]);
+    for Term { offset, blocks, .. } in terms {
+        let at = offset + first;
+        let by = [lanes(before_x, at), lanes(before_y, at), lanes(before_z, at)];
+        take_products(blocks, by, &mut sum_x, &mut sum_y, &mut sum_z);
+    }
+    write_products(inverse, [&sum_x, &sum_y, &sum_z], x, y, z);
+    for Term { offset, blocks, .. } in terms {
+        let at = offset + first;
+        take_transposed_products(
+            blocks,
+            [x, y, z],
+            lanes_mut(left_x, at),
+            lanes_mut(left_y, at),
+            lanes_mut(left_z, at),
+        );
+    }
+}
+
+#[inline(always)]
+#[expect(clippy::assign_op_pattern, reason = "as of the forces of links")]
+fn take_products(
+    [xx, xy, xz, yx, yy, yz, zx, zy, zz]: &TermBlocks,
+    [x, y, z]: [&Lanes; 3],
+    from_x: &mut Lanes,
+    from_y: &mut Lanes,
+    from_z: &mut Lanes,
+) {
+    for lane in 0..LANES {
+        let (vx, vy, vz) = (x[lane], y[lane], z[lane]);
+        from_x[lane] = from_x[lane] - (f64::from(xx[lane]) * vx + f64::from(xy[lane]) * vy + f64::from(xz[lane]) * vz);
+        from_y[lane] = from_y[lane] - (f64::from(yx[lane]) * vx + f64::from(yy[lane]) * vy + f64::from(yz[lane]) * vz);
+        from_z[lane] = from_z[lane] - (f64::from(zx[lane]) * vx + f64::from(zy[lane]) * vy + f64::from(zz[lane]) * vz);
+    }
+}
+
+#[inline(always)]
+#[expect(clippy::assign_op_pattern, reason = "as of the forces of links")]
+fn take_transposed_products(
+    [xx, xy, xz, yx, yy, yz, zx, zy, zz]: &TermBlocks,
+    [x, y, z]: [&Lanes; 3],
+    from_x: &mut Lanes,
+    from_y: &mut Lanes,
+    from_z: &mut Lanes,
+) {
+    for lane in 0..LANES {
+        let (vx, vy, vz) = (x[lane], y[lane], z[lane]);
+        from_x[lane] = from_x[lane] - (f64::from(xx[lane]) * vx + f64::from(yx[lane]) * vy + f64::from(zx[lane]) * vz);
+        from_y[lane] = from_y[lane] - (f64::from(xy[lane]) * vx + f64::from(yy[lane]) * vy + f64::from(zy[lane]) * vz);
+        from_z[lane] = from_z[lane] - (f64::from(xz[lane]) * vx + f64::from(yz[lane]) * vy + f64::from(zz[lane]) * vz);
+    }
+}
+
+#[inline(always)]
+fn write_products(
+    [xx, xy, xz, yx, yy, yz, zx, zy, zz]: &LaneBlocks,
+    [x, y, z]: [&Lanes; 3],
+    to_x: &mut Lanes,
+    to_y: &mut Lanes,
+    to_z: &mut Lanes,
+) {
+    for lane in 0..LANES {
+        let (vx, vy, vz) = (x[lane], y[lane], z[lane]);
+        to_x[lane] = xx[lane] * vx + xy[lane] * vy + xz[lane] * vz;
+        to_y[lane] = yx[lane] * vx + yy[lane] * vy + yz[lane] * vz;
+        to_z[lane] = zx[lane] * vx + zy[lane] * vy + zz[lane] * vz;
+    }
+}
+
+#[cfg(test)]
+mod tests;
