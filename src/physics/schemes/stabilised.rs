@@ -13,17 +13,20 @@
 //! limit of its depth; where it slides, friction brakes it. What contact takes from the forces is summed over the stages as
 //! they are: that is the force of contact.
 
+use std::ops::Range;
+
 use super::chebyshev::{Stage, Stages};
 use super::held::{AtStage, StageWorkspace};
 use super::stepper::{SchemeWorkspace, Stepper};
 use crate::math::{Real, Vector};
 use crate::physics::forces;
 use crate::physics::forces::links::Configuration;
-use crate::physics::kernels::{self, StageSources, StageTerms};
-use crate::physics::model::{Values, plan};
+use crate::physics::kernels::{self, SimdLevel, StageSources, StageTerms};
+use crate::physics::model::{BodyModel, Values, plan};
 use crate::physics::report::Recorder;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::pull;
+use crate::physics::team::{self, Halves};
 
 /// Writes the velocities that contact and the hand find, m/s: of every particle as if it were alone with what its links
 /// resist with.
@@ -157,39 +160,19 @@ fn go<R: Real>(stepper: &mut Stepper<'_, R>, stage: Stage) {
     let terms = StageTerms { last, before, slope, first: first_slope };
     for body in awake(substep.model, &substep.state.bodies) {
         let own = body.particles.clone();
-        let begun = &substep.state.position[own.clone()];
-        let ways = StageSources {
-            last: &moved[own.clone()],
-            slope: &velocity[own.clone()],
-            first: &start[own.clone()],
-            start: begun,
-        };
-        kernels::next_stage(
-            substep.plan.simd,
+        let next = NextStage {
+            level: substep.plan.simd,
             terms,
-            R::ONE,
-            ways,
-            &mut moved_before[own.clone()],
-            &mut position[own.clone()],
-        );
-        let changes = StageSources {
-            last: &changed[own.clone()],
-            slope: &force[own.clone()],
-            first: &first[own.clone()],
-            start: &start[own.clone()],
+            body,
+            local: 0..own.len(),
+            last: [&moved[own.clone()], &changed[own.clone()]],
+            force: &force[own.clone()],
+            first_force: &first[own.clone()],
+            start: [&substep.state.position[own.clone()], &start[own.clone()]],
+            gone: [&mut moved_before[own.clone()], &mut changed_before[own.clone()]],
+            at: [&mut position[own.clone()], &mut velocity[own]],
         };
-        let (gone, at) = (&mut changed_before[own.clone()], &mut velocity[own.clone()]);
-        match &body.masses {
-            Values::Uniform(mass) => kernels::next_stage(substep.plan.simd, terms, R::ONE / *mass, changes, gone, at),
-            Values::Each(masses) => kernels::next_stage_each(substep.plan.simd, terms, masses, changes, gone, at),
-        }
-        if body.pinned != Values::Uniform(false) {
-            for (_, particle) in own.enumerate().filter(|(local, _)| body.is_pinned(*local)) {
-                position[particle] = substep.state.position[particle];
-                velocity[particle] = start[particle];
-                (moved_before[particle], changed_before[particle]) = (R::Vec3::ZERO, R::Vec3::ZERO);
-            }
-        }
+        team::share(substep.plan.threads, next);
     }
     for held in held {
         let [before, last] = held.taken;
@@ -200,4 +183,90 @@ fn go<R: Real>(stepper: &mut Stepper<'_, R>, stage: Stage) {
     }
     std::mem::swap(moved_before, moved);
     std::mem::swap(changed_before, changed);
+}
+
+/// Fewer particles are not shared out: what they take is no longer than it takes to hand them over.
+const FEWEST_PARTICLES: usize = 2048;
+
+/// The next stage of particles of a body that follow one another, and what it is made of: each of positions and of
+/// velocities.
+struct NextStage<'a, R: Real> {
+    level: SimdLevel,
+    terms: StageTerms<R>,
+    body: &'a BodyModel<R>,
+    /// Their numbers in the body.
+    local: Range<usize>,
+    /// How far the last stage has gone from the state, ...
+    last: [&'a [R::Vec3]; 2],
+    /// ... the forces there, N, and at the first stage, ...
+    force: &'a [R::Vec3],
+    first_force: &'a [R::Vec3],
+    /// ... and the state.
+    start: [&'a [R::Vec3]; 2],
+    /// How far the stage before the last has gone, and then the next.
+    gone: [&'a mut [R::Vec3]; 2],
+    /// Where the last stage is, and then the next.
+    at: [&'a mut [R::Vec3]; 2],
+}
+
+impl<R: Real> Halves for NextStage<'_, R> {
+    fn pieces(&self) -> usize {
+        self.local.len() / FEWEST_PARTICLES
+    }
+
+    fn halve(self) -> [Self; 2] {
+        let Self { level, terms, body, local, last, force, first_force, start, gone, at } = self;
+        let half = local.len() / 2;
+        let [last, start] = [last, start].map(|of| of.map(|of| of.split_at(half)));
+        let ([force, first_force], [gone, at]) =
+            ([force, first_force].map(|of| of.split_at(half)), [gone, at].map(|of| of.map(|of| of.split_at_mut(half))));
+        let ([gone_by, gone_at], [at_by, at_at]) = (gone, at);
+        [
+            Self {
+                level,
+                terms,
+                body,
+                local: local.start..local.start + half,
+                last: last.map(|(low, _)| low),
+                force: force.0,
+                first_force: first_force.0,
+                start: start.map(|(low, _)| low),
+                gone: [gone_by.0, gone_at.0],
+                at: [at_by.0, at_at.0],
+            },
+            Self {
+                level,
+                terms,
+                body,
+                local: local.start + half..local.end,
+                last: last.map(|(_, high)| high),
+                force: force.1,
+                first_force: first_force.1,
+                start: start.map(|(_, high)| high),
+                gone: [gone_by.1, gone_at.1],
+                at: [at_by.1, at_at.1],
+            },
+        ]
+    }
+
+    fn work(self) {
+        let Self { level, terms, body, local, last, force, first_force, start, gone, at } = self;
+        let [[moved, changed], [position, velocity]] = [gone, at];
+        let [begun, begun_velocity] = start;
+        let ways = StageSources { last: last[0], slope: &*velocity, first: begun_velocity, start: begun };
+        kernels::next_stage(level, terms, R::ONE, ways, moved, position);
+        let changes = StageSources { last: last[1], slope: force, first: first_force, start: begun_velocity };
+        match &body.masses {
+            Values::Uniform(mass) => kernels::next_stage(level, terms, R::ONE / *mass, changes, changed, velocity),
+            Values::Each(masses) => {
+                kernels::next_stage_each(level, terms, &masses[local.clone()], changes, changed, velocity);
+            }
+        }
+        if body.pinned != Values::Uniform(false) {
+            for (at, _) in local.enumerate().filter(|(_, local)| body.is_pinned(*local)) {
+                (position[at], velocity[at]) = (begun[at], begun_velocity[at]);
+                (moved[at], changed[at]) = (R::Vec3::ZERO, R::Vec3::ZERO);
+            }
+        }
+    }
 }
