@@ -62,13 +62,21 @@ fn any_number_of_threads_gives_the_same_bits() {
     several.bodies[1].pose.position[1] += 2.0;
     several.bodies[1].material = Material::Solid(Solid { young_modulus: 2e4, ..Solid::default() });
     several.bodies[2].pose.position[1] += 4.0;
-    for scene in [landing(), several] {
+    let mut stiff = several.clone();
+    stiff.bodies.truncate(2);
+    stiff.bodies[0].material = Material::Springs(springs(1e6, 0.2, 0.01));
+    stiff.bodies[1].material = Material::Springs(springs(1e5, 0.2, 0.01));
+    stiff.settings.integrator = Integrator::Implicit;
+    let mut stabilised = landing();
+    stabilised.bodies[0] = cube(17, 1.0, springs(40.0, 0.2, 0.01), [0.0, 0.52, 0.0]);
+    stabilised.settings.integrator = Integrator::Stabilised;
+    for (scene, seconds) in [(landing(), 0.7), (several, 0.7), (stiff, 0.3), (stabilised, 0.05)] {
         for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
             let hash = |threads: usize| {
                 let mut simulation = simulate::<f32>(&scene);
                 simulation.plan_mut().simd = level;
                 simulation.set_threads(threads);
-                within(threads, || run(&mut simulation, 0.7));
+                within(threads, || run(&mut simulation, seconds));
                 simulation.hash()
             };
             let hashes = [1, 2, 3, 8].map(hash);

@@ -11,9 +11,10 @@ use glam::DVec3;
 use crate::math::{Real, Vector};
 use crate::physics::forces::links::{ExactLink, elastic_force, for_each_exact_link};
 use crate::physics::kernels::{self, BoxedLinks, LinkSum, Pass, Piece, Start, pieces};
-use crate::physics::model::Model;
+use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
 use crate::physics::step::substep::Substep;
+use crate::physics::team::{self, Halves};
 
 /// What links are worked out in.
 #[derive(Clone, Debug, Default)]
@@ -36,18 +37,27 @@ struct InDouble {
 }
 
 impl ExactLinks {
-    /// Room for the bodies of a model.
-    pub(in crate::physics) fn new<R: Real>(model: &Model<R>) -> Self {
+    /// Room for the bodies of a model and so many threads.
+    pub(in crate::physics) fn new<R: Real>(model: &Model<R>, threads: usize) -> Self {
+        let all: usize = model.bodies.iter().map(BodyModel::link_count).sum();
         let boxed = model.bodies.iter().filter(|body| body.boxed_links.is_some());
         let particles = boxed.map(|body| body.particles.len()).max().unwrap_or(0);
-        let in_double = |links: &BoxedLinks<R>| {
-            let links = links.in_double();
-            InDouble { pieces: pieces(&links, &[]), links }
+        let in_double = |body: &BodyModel<R>| {
+            let links = body.boxed_links.as_ref()?.in_double();
+            // A body is worth as many threads as it has of all work, which pays for them.
+            let count = (threads * body.link_count()).div_ceil(all);
+            let cuts: Vec<f64> = (1..count).map(|cut| cut as f64 / count as f64).collect();
+            Some(InDouble { pieces: pieces(&links, &cuts), links })
         };
-        let bodies: Vec<_> = model.bodies.iter().map(|body| body.boxed_links.as_ref().map(in_double)).collect();
+        let bodies: Vec<_> = model.bodies.iter().map(in_double).collect();
         let blocks = bodies.iter().flatten().map(|body| body.links.block_count()).max().unwrap_or(0);
         let vectors = || vec![DVec3::ZERO; particles];
         Self { bodies, position: vectors(), vectors: vectors(), sums: vec![0.0; blocks] }
+    }
+
+    /// The links of a body in its box and the pieces that it is cut in, if it has a box.
+    pub(in crate::physics) fn in_box(&mut self, number: usize) -> Option<(&BoxedLinks<f64>, &mut [Piece<f64>])> {
+        self.bodies[number].as_mut().map(|InDouble { links, pieces }| (&*links, &mut pieces[..]))
     }
 
     /// Adds the elastic forces of all links of a body, N; says of how many.
@@ -60,9 +70,9 @@ impl ExactLinks {
     ) -> u64 {
         let body = &model.bodies[number];
         let own = body.particles.clone();
-        let mut evaluated = 0;
         let Some(InDouble { links, pieces }) = &mut self.bodies[number] else {
             let motion = [&state.position, &state.position_residual].map(|of| &of[own.clone()]);
+            let mut evaluated = 0;
             for_each_exact_link(body, plan.families, motion, stops, |[i, j], link| {
                 let on_i = elastic_force::<f64>(link.d, link.inverse_rest_length, link.stiffness);
                 let on_i = R::Vec3::from_dvec3(on_i);
@@ -76,16 +86,23 @@ impl ExactLinks {
         let pass = Pass { level: plan.simd, families: plan.families, damped: [false; 3] };
         let position = &self.position[..own.len()];
         let sums = &mut self.vectors[..own.len()];
-        let mut rest = &mut *sums;
-        for piece in pieces {
-            let of_piece = rest.split_off_mut(..piece.particles.len()).unwrap_or_default();
+        let only = pieces.len() == 1;
+        let work = |piece: &mut Piece<f64>, sums: &mut [DVec3], stops: &dyn Fn() -> bool| {
             let start = Start::Alike(DVec3::ZERO);
-            evaluated += kernels::add_forces(links, pass, [position; 2], start, of_piece, piece, stops, &mut |_, _| ());
+            kernels::add_forces(links, pass, [position; 2], start, sums, piece, stops, &mut |_, _| ());
+        };
+        if only {
+            work(&mut pieces[0], sums, stops);
+        } else if !stops() {
+            let never = |piece: &mut Piece<f64>, sums: &mut [DVec3]| work(piece, sums, &|| false);
+            let of_piece = |piece: &Piece<f64>| piece.particles.len();
+            team::share(plan.threads, ByPiece { pieces, to: sums, of_piece: &of_piece, work: &never });
         }
         for (force, sum) in force.iter_mut().zip(&*sums) {
             *force += R::Vec3::from_dvec3(*sum);
         }
-        evaluated
+        let families = body.links.iter().zip(plan.families);
+        families.filter(|(_, chosen)| *chosen).map(|(family, _)| family.links.len() as u64).sum()
     }
 
     /// A sum over the links of a body whose particles move with `velocity` (of all particles, m/s) in a substep: over the box,
@@ -118,12 +135,53 @@ impl ExactLinks {
         let sums = &mut self.sums[..links.block_count()];
         sums.fill(0.0);
         let choice = (plan.simd, plan.families);
-        let mut rest = &mut *sums;
-        for piece in pieces {
-            let of_piece = rest.split_off_mut(..piece.block_count(links)).unwrap_or_default();
-            kernels::sum_over_links(links, choice, what, dt.to_f64(), motion, piece, of_piece, stops);
+        let only = pieces.len() == 1;
+        let work = |piece: &mut Piece<f64>, sums: &mut [f64], stops: &dyn Fn() -> bool| {
+            kernels::sum_over_links(links, choice, what, dt.to_f64(), motion, piece, sums, stops);
+        };
+        if only {
+            work(&mut pieces[0], sums, stops);
+        } else if !stops() {
+            let never = |piece: &mut Piece<f64>, sums: &mut [f64]| work(piece, sums, &|| false);
+            let of_piece = |piece: &Piece<f64>| piece.block_count(links);
+            team::share(plan.threads, ByPiece { pieces, to: sums, of_piece: &of_piece, work: &never });
         }
         sums.iter().sum()
+    }
+}
+
+/// Work that is done piece by piece, each of which has its own part of what is written.
+pub(in crate::physics) struct ByPiece<'a, T, C, W> {
+    pub(in crate::physics) pieces: &'a mut [Piece<f64>],
+    pub(in crate::physics) to: &'a mut [T],
+    /// How much of it is of a piece.
+    pub(in crate::physics) of_piece: &'a C,
+    pub(in crate::physics) work: &'a W,
+}
+
+impl<T, C, W> Halves for ByPiece<'_, T, C, W>
+where
+    T: Send,
+    C: Fn(&Piece<f64>) -> usize + Sync,
+    W: Fn(&mut Piece<f64>, &mut [T]) + Sync,
+{
+    fn pieces(&self) -> usize {
+        self.pieces.len()
+    }
+
+    fn halve(self) -> [Self; 2] {
+        let Self { pieces, to, of_piece, work } = self;
+        let (low, high) = pieces.split_at_mut(pieces.len() / 2);
+        let (to_low, to_high) = to.split_at_mut(low.iter().map(of_piece).sum());
+        [Self { pieces: low, to: to_low, of_piece, work }, Self { pieces: high, to: to_high, of_piece, work }]
+    }
+
+    fn work(self) {
+        let mut to = self.to;
+        for piece in self.pieces {
+            let own = to.split_off_mut(..(self.of_piece)(piece)).unwrap_or_default();
+            (self.work)(piece, own);
+        }
     }
 }
 
@@ -182,7 +240,7 @@ mod tests {
             bodies_are_near: false,
             grab: None,
         };
-        let mut exact = ExactLinks::new(model);
+        let mut exact = ExactLinks::new(model, 1);
         assert!(exact.bodies[0].is_some(), "it has a box");
         if !in_box {
             exact.bodies[0] = None;

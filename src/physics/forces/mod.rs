@@ -42,7 +42,11 @@ impl<R: Real> ForceWorkspace<R> {
     pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
         Self {
             recovery: recovery::RecoveryWorkspace::new(model),
-            exact: if plan.scheme == Scheme::Implicit { ExactLinks::new(model) } else { ExactLinks::default() },
+            exact: if plan.scheme == Scheme::Implicit {
+                ExactLinks::new(model, plan.threads)
+            } else {
+                ExactLinks::default()
+            },
             threads: plan.threads,
             shares: shares(model, plan.threads),
         }

@@ -5,6 +5,8 @@
 //! the opposite on the other. Blocks are in the precision of the state, as reading them is what a product takes longest
 //! for, and the matrix may be a little off as long as it is the same throughout; vectors and sums are in double precision.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::math::Real;
@@ -12,7 +14,8 @@ use crate::physics::kernels::block::{Lanes, Mask};
 use crate::physics::kernels::boxed::{BoxedLinks, EachLaw, Law, TermLaw};
 use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, MOST_PLACES_A_LINK, Run, STENCIL, Term};
 use crate::physics::kernels::level::SimdLevel;
-use crate::physics::kernels::sweep::{add, lanes, lanes_mut, lanes_of, slices, spread};
+use crate::physics::kernels::piece::Piece;
+use crate::physics::kernels::sweep::{Start, Window, add, for_each_panel, lanes, lanes_mut, lanes_of, slices, spread};
 
 /// The blocks of a body's links in its box, and what products with them are worked out in.
 #[derive(Clone, Debug, Default)]
@@ -21,10 +24,8 @@ pub(in crate::physics) struct Tangents<R> {
     families: [bool; 3],
     /// Positions, m.
     position: [Vec<R>; 3],
-    /// The vector that is multiplied.
-    factor: [Vec<f64>; 3],
-    /// The product; while blocks are made, what they have on the diagonal.
-    sum: [Vec<f64>; 3],
+    /// What blocks have on the diagonal while they are made.
+    diagonal: Vec<f64>,
 }
 
 /// The blocks of the links of one direction that start in one block of corners; zero where none starts.
@@ -37,7 +38,7 @@ struct TermBlocks<R> {
 /// What they take at most in single precision, bytes, for a body with so many links and corners of its box.
 pub(in crate::physics) fn tangent_bytes(links: usize, corners: usize) -> usize {
     let places = (STENCIL.len() * corners).min(MOST_PLACES_A_LINK * links);
-    places * size_of::<[f32; 4]>() + corners * size_of::<([f32; 3], [f64; 6])>()
+    places * size_of::<[f32; 4]>() + corners * size_of::<([f32; 3], f64)>()
 }
 
 impl<R: Real> Tangents<R> {
@@ -52,8 +53,7 @@ impl<R: Real> Tangents<R> {
             blocks: vec![TermBlocks { across: zeros, along: [zeros; 3] }; terms],
             families: [false; 3],
             position: [(); 3].map(|()| vec![R::ZERO; corners]),
-            factor: [(); 3].map(|()| vec![0.0; corners]),
-            sum: [(); 3].map(|()| vec![0.0; corners]),
+            diagonal: vec![0.0; corners],
         }
     }
 
@@ -73,14 +73,9 @@ impl<R: Real> Tangents<R> {
         position: &[R::Vec3],
         mut diagonal: impl FnMut(usize, f64),
     ) {
-        let Self { blocks, families: chosen, position: places, factor, sum } = self;
+        let Self { blocks, families: chosen, position: places, diagonal: sum } = self;
         let layout = &*links.layout;
         *chosen = families;
-        // Corners without a particle count nothing, but must be finite.
-        for factor in factor {
-            factor.fill(0.0);
-        }
-        let [sum, ..] = sum;
         sum.fill(0.0);
         let secs = [dt * dt, dt].map(R::from_f64);
         level.run(
@@ -97,33 +92,26 @@ impl<R: Real> Tangents<R> {
         }
     }
 
-    /// Adds the product of all blocks with a vector by particle to another.
-    pub(in crate::physics) fn add_product(
-        &mut self,
-        links: &BoxedLinks<R>,
+    /// Writes the product of all blocks with a vector by particle for the particles of a piece of the body; `done` is told
+    /// once it is complete, a stretch at a time.
+    pub(in crate::physics) fn multiply(
+        &self,
+        links: &BoxedLinks<f64>,
         level: SimdLevel,
         of: &[DVec3],
+        piece: &mut Piece<f64>,
         product: &mut [DVec3],
+        done: &mut impl FnMut(Range<usize>, &mut [DVec3]),
     ) {
-        let Self { blocks, families, factor, sum, .. } = self;
-        let layout = &*links.layout;
-        level.run(
+        for_each_panel(
+            level,
+            [Some(of), None],
+            Some((Start::Alike(DVec3::ZERO), product)),
+            piece,
+            &|| false,
             #[inline(always)]
-            || {
-                spread::<f64>(&layout.runs, [0; 2], of, factor);
-                let [sum_x, sum_y, sum_z] = sum;
-                sum_x.fill(0.0);
-                sum_y.fill(0.0);
-                sum_z.fill(0.0);
-                multiply_all(layout, *families, slices(factor), blocks, sum_x, sum_y, sum_z);
-                for run in &layout.runs {
-                    let [particles, corners] = run.past([0; 2]);
-                    let (x, y, z) = (&sum_x[corners.clone()], &sum_y[corners.clone()], &sum_z[corners]);
-                    for (((product, x), y), z) in product[particles].iter_mut().zip(x).zip(y).zip(z) {
-                        *product += DVec3::new(*x, *y, *z);
-                    }
-                }
-            },
+            |window| multiply_all(&links.layout, self.families, &self.blocks, window),
+            done,
         );
     }
 }
@@ -217,28 +205,29 @@ fn make_term<R: Real>(
 fn multiply_all<R: Real>(
     layout: &Layout,
     families: [bool; 3],
-    factor: [&[f64]; 3],
     blocks: &[TermBlocks<R>],
-    sum_x: &mut [f64],
-    sum_y: &mut [f64],
-    sum_z: &mut [f64],
+    Window { blocks: some, first, own, vectors: [factor, _], sum: [sum_x, sum_y, sum_z] }: Window<'_, f64>,
 ) {
     let Layout { offsets, terms, .. } = layout;
-    for block in &layout.blocks {
-        let near = lanes_of(factor, block.first);
+    let (sum_x, sum_y, sum_z) = (&mut sum_x[..], &mut sum_y[..], &mut sum_z[..]);
+    for block in &layout.blocks[some] {
+        let at = block.first - first;
+        let near = lanes_of(factor, at);
         let mut sum = [[0.0; BLOCK]; 3];
         for number in block.terms.clone() {
             let slot = terms[number].slot;
-            if families[FAMILY[slot]] {
-                let other = block.first + offsets[slot];
+            // Of the blocks before a piece only what reaches it.
+            let reaches = block.first >= own || block.first + offsets[slot] + BLOCK > own;
+            if families[FAMILY[slot]] && reaches {
+                let other = at + offsets[slot];
                 let far = lanes_of(factor, other);
                 let (x, y, z) = (lanes_mut(sum_x, other), lanes_mut(sum_y, other), lanes_mut(sum_z, other));
                 multiply(&blocks[number], near, far, &mut sum, x, y, z);
             }
         }
-        add(&sum[0], lanes_mut(sum_x, block.first));
-        add(&sum[1], lanes_mut(sum_y, block.first));
-        add(&sum[2], lanes_mut(sum_z, block.first));
+        add(&sum[0], lanes_mut(sum_x, at));
+        add(&sum[1], lanes_mut(sum_y, at));
+        add(&sum[2], lanes_mut(sum_z, at));
     }
 }
 

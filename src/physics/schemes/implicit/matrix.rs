@@ -4,12 +4,15 @@ use glam::DVec3;
 
 use super::system::{ImplicitWorkspace, LinkBlock, System};
 use crate::math::{Real, Vector};
+use crate::physics::forces::exact::ByPiece;
 use crate::physics::forces::links::for_each_tangent;
 use crate::physics::forces::recovery;
 use crate::physics::interaction::Grab;
+use crate::physics::kernels::Piece;
 use crate::physics::model::BodyModel;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::BodyMemory;
+use crate::physics::team;
 
 impl<R: Real> System<'_, R> {
     /// The matrix and the right-hand side without constraints, and the velocities now; unfinished where it `stops`.
@@ -70,12 +73,22 @@ impl<R: Real> System<'_, R> {
             Factor::Velocity => &velocity[..body.particles.len()],
             Factor::Search => &search[..body.particles.len()],
         };
-        for (local, of) in of.iter().enumerate() {
-            product[local] = *of * body.mass(local).to_f64();
-        }
-        if let Some(links) = &body.boxed_links {
-            tangents.add_product(links, level, of, product);
+        let product = &mut product[..of.len()];
+        if let Some((links, pieces)) = self.exact.in_box(self.number) {
+            let multiply = |piece: &mut Piece<f64>, product: &mut [DVec3]| {
+                let first = piece.particles.start;
+                tangents.multiply(links, level, of, piece, product, &mut |stretch, product| {
+                    for (local, product) in (first + stretch.start..).zip(product) {
+                        *product += of[local] * body.mass(local).to_f64();
+                    }
+                });
+            };
+            let of_piece = |piece: &Piece<f64>| piece.particles.len();
+            team::share(self.threads, ByPiece { pieces, to: product, of_piece: &of_piece, work: &multiply });
         } else {
+            for (local, of) in of.iter().enumerate() {
+                product[local] = *of * body.mass(local).to_f64();
+            }
             add_product(blocks, of, product);
         }
         for resistance in resistances {

@@ -85,8 +85,10 @@ pub(super) fn solve<R: Real>(
         constraints = others;
         let range = body.particles.clone();
         let grab = grab.filter(|grab| grab.body == number);
-        let (dt, level) = (dt.to_f64(), plan.simd);
-        let mut system = System { body, number, dt, level, grab, constraints: own, uses_grids: false, workspace };
+        let (dt, level, threads) = (dt.to_f64(), plan.simd, plan.threads);
+        let exact = &mut stepper.forces.exact;
+        let mut system =
+            System { body, number, dt, level, threads, grab, constraints: own, uses_grids: false, exact, workspace };
         let own = [&state.position[..], &state.velocity, force].map(|of| &of[range.clone()]);
         system.assemble(plan, &state.bodies[number], own, &|| recorder.stops());
         system.prepare_grids(plan.families, own[0]);

@@ -5,6 +5,7 @@ use glam::{DMat3, DVec3};
 use super::multigrid::Multigrid;
 use crate::math::{Real, Vector};
 use crate::physics::contact::ContactConstraint;
+use crate::physics::forces::exact::ExactLinks;
 use crate::physics::forces::recovery::Resistance;
 use crate::physics::interaction::Grab;
 use crate::physics::kernels::{SimdLevel, Tangents};
@@ -90,11 +91,15 @@ pub(super) struct System<'a, R: Real> {
     /// Its place among the bodies.
     pub(super) number: usize,
     pub(super) dt: f64,
-    /// The instructions that products are worked out with.
+    /// The instructions that products are worked out with, ...
     pub(super) level: SimdLevel,
+    /// ... and by how many threads.
+    pub(super) threads: usize,
     pub(super) grab: Option<&'a Grab<R>>,
     pub(super) constraints: &'a mut [ContactConstraint],
     /// Whether the coarse grids take part.
     pub(super) uses_grids: bool,
+    /// The links in the box of the body.
+    pub(super) exact: &'a mut ExactLinks,
     pub(super) workspace: &'a mut ImplicitWorkspace<R>,
 }
