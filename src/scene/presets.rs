@@ -1,6 +1,8 @@
 //! The scenes that the program carries. Tests, benches, the window and the command line use the same ones.
 
-use super::body::{Body, CellsShape, CubeShape, ModelShape, PinBox, Pose, Shape, Skin, UpAxis};
+mod meeting;
+
+use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin, UpAxis};
 use super::material::{Material, Solid, Spring, Springs};
 use super::obstacle::{Cuboid, Cylinder, Mesh, Motion, Obstacle, ObstacleShape, Oscillate, Plane, Sphere, Turn};
 use super::settings::{Settings, Stepping};
@@ -51,7 +53,7 @@ pub fn ground_only() -> Scene {
 /// its steps are.
 const DAMPED_DT_SECS: f64 = 4e-3;
 
-const PRESETS: [Preset; 19] = [
+const PRESETS: [Preset; 20] = [
     Preset { name: DEFAULT, summary: "A jelly cube falls on the ground beside a sphere.", build: cube_on_plane },
     Preset {
         name: "cube-on-sphere",
@@ -81,10 +83,15 @@ const PRESETS: [Preset; 19] = [
         summary: "A soft cube hits the ground so hard that cells stay inside out.",
         build: broken,
     },
-    Preset { name: "newton", summary: "A row of jelly cubes on ice is hit from one side.", build: newton },
-    Preset { name: "hook", summary: "A heavy U falls into another that hangs, and hooks into it.", build: hook },
-    Preset { name: "stack", summary: "Five cubes of jelly stand on each other.", build: stack },
-    Preset { name: "pile", summary: "A dozen jellies of four shapes fall into a bowl.", build: pile },
+    Preset { name: "newton", summary: "A row of jelly cubes on ice is hit from one side.", build: meeting::newton },
+    Preset {
+        name: "hook",
+        summary: "A heavy U falls into another that hangs, and hooks into it.",
+        build: meeting::hook,
+    },
+    Preset { name: "stack", summary: "Five cubes of jelly stand on each other.", build: meeting::stack },
+    Preset { name: "fold", summary: "A soft ribbon falls on its end and folds onto itself.", build: meeting::fold },
+    Preset { name: "pile", summary: "A dozen jellies of four shapes fall into a bowl.", build: meeting::pile },
     Preset { name: "comb", summary: "A press that goes up and down squeezes a jelly into a comb.", build: comb },
     Preset { name: "conveyor", summary: "Jellies ride on turning rollers and fall off their end.", build: conveyor },
 ];
@@ -244,91 +251,6 @@ fn broken() -> Scene {
     scene.settings.inversion_recovery = false;
     scene.view.overlays.cells = true;
     scene
-}
-
-/// Without friction: what hits the first goes on in the last.
-fn newton() -> Scene {
-    const SIZE: f64 = 0.4;
-    let cube = |place: u32| Body {
-        name: format!("Jelly {}", place + 1),
-        shape: Shape::Cube(CubeShape { cells: 8, size: SIZE }),
-        pose: Pose { position: [0.55 * f64::from(place) - 1.1, 0.5 * SIZE, 0.0], ..Pose::default() },
-        material: damped(&jelly(SIZE / 8.0), 0.2),
-        friction_static: 0.0,
-        friction_dynamic: 0.0,
-        ..Body::default()
-    };
-    let mut bodies: Vec<Body> = (0..5).map(cube).collect();
-    bodies[0].pose.position[0] = -1.8;
-    bodies[0].velocity = [3.0, 0.0, 0.0];
-    let mut scene = looking_at([-0.2, 0.2, 0.0], 6.4, scene(Body::default(), Vec::new()));
-    scene.bodies = bodies;
-    let ice = &mut scene.obstacles[0];
-    (ice.friction_static, ice.friction_dynamic) = (0.0, 0.0);
-    scene
-}
-
-/// The one that falls has its bridge between the legs of the other, across, and its legs on either side.
-fn hook() -> Scene {
-    const SIZE: f64 = 0.1;
-    let body = |name: &str, pose: Pose| Body {
-        name: name.to_owned(),
-        shape: u(2, SIZE),
-        pose,
-        material: damped(&jelly(SIZE), 2.0),
-        skin: Skin::Cells,
-        ..Body::default()
-    };
-    let mut held = body("Hanging", Pose { position: [0.0, 1.8, 0.0], ..Pose::default() });
-    held.pins = vec![PinBox { min: [-1.0, 0.25, -1.0], max: [1.0; 3] }];
-    let mut heavy = body("Heavy", Pose { position: [0.0, 1.8, 0.0], rotation_deg: [180.0, 90.0, 0.0] });
-    if let Material::Springs(springs) = &mut heavy.material {
-        springs.particle_mass *= 5.0;
-    }
-    let mut scene = looking_at([0.0, 1.3, 0.0], 4.6, scene(held, Vec::new()));
-    scene.bodies.push(heavy);
-    turned(35.0, 12.0, scene)
-}
-
-/// Set down with a small gap between one and the next.
-fn stack() -> Scene {
-    const SIZE: f64 = 0.6;
-    const CELLS: u32 = 5;
-    let cube = |place: u32| Body {
-        name: format!("Jelly {}", place + 1),
-        shape: Shape::Cube(CubeShape { cells: CELLS, size: SIZE }),
-        pose: Pose { position: [0.0, 0.5 * SIZE + 0.62 * f64::from(place), 0.0], ..Pose::default() },
-        material: damped(&jelly(SIZE / f64::from(CELLS)), 3.0),
-        ..Body::default()
-    };
-    let bodies = (0..5).map(cube).collect();
-    Scene { bodies, ..looking_at([0.0, 1.4, 0.0], 7.0, scene(Body::default(), Vec::new())) }
-}
-
-/// Cubes, balls, bars and tiles of cells, one after another.
-fn pile() -> Scene {
-    const SIZE: f64 = 0.11;
-    let filled = |dims: [i32; 3]| {
-        let rows = (0..dims[2]).flat_map(move |k| (0..dims[1]).map(move |j| [j, k]));
-        rows.flat_map(move |[j, k]| (0..dims[0]).map(move |i| [i, j, k])).collect::<Vec<_>>()
-    };
-    let is_round = |cell: &[i32; 3]| cell.iter().map(|&at| (2 * at - 3) * (2 * at - 3)).sum::<i32>() <= 24;
-    let ball = filled([4; 3]).into_iter().filter(is_round).collect();
-    let shapes = [filled([3; 3]), ball, filled([6, 2, 2]), filled([4, 2, 3])];
-    let body = |place: usize| {
-        let (number, angle) = (place as f64, 2.4 * place as f64);
-        let position = [0.3 * libm::cos(angle), 0.75 + 0.3 * number, 0.3 * libm::sin(angle)];
-        Body {
-            name: format!("Jelly {}", place + 1),
-            shape: Shape::Cells(CellsShape { list: shapes[place % 4].clone(), size: SIZE }),
-            pose: Pose { position, rotation_deg: [20.0, 37.0, 53.0].map(|turn| (turn * number) % 180.0) },
-            material: damped(&jelly(SIZE), 2.0),
-            ..Body::default()
-        }
-    };
-    let bowl = Obstacle { friction_static: 0.3, friction_dynamic: 0.3, ..mesh("Bowl", "bowl.obj", 2.6) };
-    let bodies = (0..12).map(body).collect();
-    turned(-30.0, 34.0, Scene { bodies, ..looking_at([0.0, 1.8, 0.0], 11.5, scene(Body::default(), vec![bowl])) })
 }
 
 /// Its cells are as large as the teeth are thick: particles meet every tooth.

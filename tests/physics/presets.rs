@@ -107,6 +107,25 @@ fn the_stack_stands() {
 }
 
 #[test]
+fn the_ribbon_folds_onto_itself_and_lies_in_itself_without_contact() {
+    // Contacts with itself, and how high it lies after 8 s, m.
+    let lying = |self_collides: bool| {
+        let mut scene = (preset("fold").expect("a preset").build)();
+        scene.bodies[0].self_collides = self_collides;
+        let mut simulation = simulate::<f32>(&scene);
+        assert!(!simulation.run_for(8.0).diverged, "it stays sound");
+        let now = simulation.diagnostics();
+        let deepest = simulation.body_contacts().iter().fold(0.0_f64, |deepest, contact| deepest.max(-contact.gap));
+        assert!(deepest <= 0.2 * 0.06, "it is {deepest} m deep in itself");
+        assert!(now.energy.kinetic < 1e-6, "it moves with {} J", now.energy.kinetic);
+        (simulation.body_contacts().len(), now.bounds.max.y)
+    };
+    let [(contacts, top), (none, flat)] = [true, false].map(lying);
+    assert!(contacts > 10 && none == 0, "{contacts} contacts with itself, {none} without");
+    assert!(top > 0.17 && flat < top - 0.03, "three layers of 0.06 m lie {top} m high, and {flat} m without contact");
+}
+
+#[test]
 fn the_pile_comes_to_rest_in_the_bowl() {
     let figures = after_eight_seconds("pile");
     assert!(figures.finite && figures.inverted_cells == 0, "{figures:?}");
@@ -140,6 +159,6 @@ fn the_conveyor_carries_both_jellies_off_its_end() {
 fn every_preset_is_there() {
     let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
     let wanted = "cube-on-plane cube-on-sphere incline incline-slide u-on-sphere tree coupler-7 coupler-8 coupler-20 \
-                  coupler-40 spot exploding broken newton hook stack pile comb conveyor";
+                  coupler-40 spot exploding broken newton hook stack fold pile comb conveyor";
     assert_eq!(names, wanted.split_whitespace().collect::<Vec<_>>(), "in the order of the list");
 }
