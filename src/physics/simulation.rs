@@ -59,7 +59,10 @@ impl<R: Real> Simulation<R> {
         let sides = std::mem::take(&mut self.state.side);
         self.state.fit_sides(&model);
         sweep::keep_sides(&old, &model, kept, &sides, &mut self.state);
+        // Those on their way are still numbered as before.
+        let running = std::mem::take(&mut self.state.approaches);
         let placed = Placed::now(&model, &self.state);
+        self.state.approaches = running;
         arrive::begin(&old, &model, &placed, kept, &sides, &mut self.state);
         // The share of the step that was taken stays taken: expensive steps come to an end however often they are
         // edited.
