@@ -1,13 +1,16 @@
 //! The scenes that the program carries. Tests, benches, the window and the command line use the same ones.
 
 mod meeting;
+mod parts;
 
-use super::body::{Body, CellsShape, CubeShape, ModelShape, Pose, Shape, Skin, UpAxis};
-use super::material::{Material, Solid, Spring, Springs};
-use super::obstacle::{Cuboid, Cylinder, Mesh, Motion, Obstacle, ObstacleShape, Oscillate, Plane, Sphere, Turn};
-use super::settings::{Settings, Stepping};
-use super::view_settings::{CameraSettings, ViewSettings};
-use super::{Family, MaterialValue, Scene, builtin};
+pub use parts::jelly;
+
+use super::Scene;
+use super::body::{Body, CubeShape, ModelShape, Pose, Shape, Skin, UpAxis};
+use super::material::{Material, Spring, Springs};
+use super::obstacle::{Cuboid, Cylinder, Motion, Obstacle, ObstacleShape, Oscillate, Plane, Turn};
+use super::settings::Stepping;
+use parts::{ball, carried, damped, in_steps_of, looking_at, mesh, scene, turned, u};
 
 /// The preset that opens when none is asked for.
 pub const DEFAULT: &str = "cube-on-plane";
@@ -163,18 +166,6 @@ fn u_on_sphere() -> Scene {
     looking_at([0.0, 0.9, 0.0], 6.0, scene(body, vec![ball([0.0, 0.5, 0.0], 0.5)]))
 }
 
-/// A U of cells of so many metres: legs of three by so many cells, three apart.
-fn u(depth: i32, size: f64) -> Shape {
-    let is_filled = |i, j| !(3..6).contains(&i) || j < 3;
-    let mut list = Vec::new();
-    for k in 0..depth {
-        for j in 0..8 {
-            list.extend((0..9).filter(|&i| is_filled(i, j)).map(|i| [i, j, k]));
-        }
-    }
-    Shape::Cells(CellsShape { list, size })
-}
-
 fn tree() -> Scene {
     let shape = ModelShape { divisions: 10, length: 1.5, ..carried("tree.obj") };
     let body = Body { skin: Skin::Cells, ..model_body("Tree", shape, 1.15) };
@@ -303,89 +294,11 @@ fn conveyor() -> Scene {
     turned(-25.0, 22.0, Scene { bodies, ..looking_at([0.3, 0.6, 0.0], 8.0, rolling) })
 }
 
-/// A model that the program carries as an obstacle of so many metres that stands on the ground.
-fn mesh(name: &str, model: &str, length: f64) -> Obstacle {
-    let mut mesh = Mesh { path: carried(model).path, length, ..Mesh::default() };
-    mesh.center = [0.0, mesh.half_extents().y, 0.0];
-    Obstacle { name: name.to_owned(), shape: ObstacleShape::Mesh(mesh), ..Obstacle::default() }
-}
-
-fn carried(name: &str) -> ModelShape {
-    ModelShape { path: format!("{}{name}", builtin::PREFIX), ..ModelShape::default() }
-}
-
 fn model_body(name: &str, shape: ModelShape, height: f64) -> Body {
     let length = if shape.length > 0.0 { shape.length } else { 1.0 };
     let material = jelly(length / f64::from(shape.divisions));
     let pose = Pose { position: [0.0, height, 0.0], ..Pose::default() };
     Body { name: name.to_owned(), shape: Shape::Model(shape), pose, material, ..Body::default() }
-}
-
-/// The default material for cells of another size, so that bodies of the same outer size sag and wobble alike: the
-/// link constants of a given Young's modulus grow with the square of the cell, a particle's mass with its cube. The
-/// damping grows with the cube too: less of it in fine bodies, whose step it would limit. Models fill a small part of
-/// their box, so they are made denser, and stiffer in the same measure.
-pub fn jelly(cell_size: f64) -> Material {
-    const DENSER: f64 = 3.0;
-    let default = Springs::default();
-    let ratio = cell_size / (1.0 / 9.0);
-    let (area, volume) = (DENSER * ratio * ratio, DENSER * ratio * ratio * ratio);
-    // Cells of a millimetre or of ten metres have no such material: they get the nearest one that there is.
-    let spring = |family: Family| Spring {
-        stiffness: MaterialValue::Stiffness(family).in_range(default.family(family).stiffness * area),
-        damping: MaterialValue::Damping(family).in_range(default.family(family).damping * volume),
-    };
-    Material::Springs(Springs {
-        structural: spring(Family::Structural),
-        shear: spring(Family::Shear),
-        bending: spring(Family::Bending),
-        particle_mass: MaterialValue::ParticleMass.in_range(default.particle_mass * volume),
-    })
-}
-
-/// A material with more damping.
-fn damped(material: &Material, factor: f64) -> Material {
-    let springs = match material {
-        Material::Springs(springs) => springs,
-        Material::Solid(solid) => {
-            return Material::Solid(Solid { damping_ratio: solid.damping_ratio * factor, ..*solid });
-        }
-    };
-    let spring = |of: Spring| Spring { damping: of.damping * factor, ..of };
-    Material::Springs(Springs {
-        structural: spring(springs.structural),
-        shear: spring(springs.shear),
-        bending: spring(springs.bending),
-        ..*springs
-    })
-}
-
-/// A body above the ground, with more obstacles.
-fn scene(body: Body, more: Vec<Obstacle>) -> Scene {
-    let plane = Plane { half_extents: [10.0, 10.0], ..Plane::default() };
-    let ground = Obstacle { name: "Ground".to_owned(), shape: ObstacleShape::Plane(plane), ..Obstacle::default() };
-    Scene { bodies: vec![body], obstacles: std::iter::once(ground).chain(more).collect(), ..Scene::default() }
-}
-
-fn ball(center: [f64; 3], radius: f64) -> Obstacle {
-    let shape = ObstacleShape::Sphere(Sphere { center, radius });
-    Obstacle { name: "Sphere".to_owned(), shape, ..Obstacle::default() }
-}
-
-/// The same scene seen from another side.
-fn turned(yaw_deg: f64, pitch_deg: f64, scene: Scene) -> Scene {
-    let camera = CameraSettings { yaw_deg, pitch_deg, ..scene.view.camera };
-    Scene { view: ViewSettings { camera, ..scene.view }, ..scene }
-}
-
-/// The same scene in steps of another length, s.
-fn in_steps_of(dt: f64, scene: Scene) -> Scene {
-    Scene { settings: Settings { dt, ..scene.settings }, ..scene }
-}
-
-fn looking_at(target: [f64; 3], distance: f64, scene: Scene) -> Scene {
-    let camera = CameraSettings { target, distance, ..CameraSettings::default() };
-    Scene { view: ViewSettings { camera, ..ViewSettings::default() }, ..scene }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Bodies that meet each other, and one that meets itself.
 
-use super::{damped, jelly, looking_at, mesh, scene, turned, u};
+use super::parts::{damped, jelly, looking_at, mesh, scene, turned, u};
 use crate::scene::body::{Body, CellsShape, CubeShape, PinBox, Pose, Shape, Skin};
 use crate::scene::material::{Material, Spring, Springs};
 use crate::scene::{Obstacle, Scene};
