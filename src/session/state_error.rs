@@ -6,6 +6,9 @@ use thiserror::Error;
 
 use crate::disk::ReadError;
 
+/// What a state begins with: magic and version.
+pub(super) const MAGIC: &str = "gelatin-state 11\n";
+
 /// Why a state cannot be used.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum StateFileError {
@@ -13,7 +16,10 @@ pub enum StateFileError {
     #[error("this is no state that Gelatin has saved")]
     NotAState,
     /// Written by an earlier or a later program.
-    #[error("this state was written by another version of the program (it begins with {begins:?}, version 8 is read)")]
+    #[error(
+        "this state was written by another version of the program (it begins with {begins:?}, {:?} is read)",
+        MAGIC.trim_end()
+    )]
     OtherVersion {
         /// The first words.
         begins: String,

@@ -33,7 +33,7 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::json;
 
-use super::state_error::{StateError, StateFileError};
+use super::state_error::{MAGIC, StateError, StateFileError};
 use super::state_origin::Origin;
 use super::state_reader::Reader;
 use super::{Session, SessionError};
@@ -46,7 +46,6 @@ use crate::text::echo;
 
 /// A larger file is no state: more particles than a body may have.
 const MAX_BYTES: u64 = 4 << 30;
-const MAGIC: &[u8] = b"gelatin-state 11\n";
 
 /// What a state says of itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +65,7 @@ pub fn summary(path: &Path) -> Result<StateSummary, StateError> {
 
 /// The scene that bytes belong to, and what follows it but for the checksum, which is right.
 fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
-    let Some(contents) = bytes.strip_prefix(MAGIC) else {
+    let Some(contents) = bytes.strip_prefix(MAGIC.as_bytes()) else {
         let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
         return Err(match line.strip_prefix(b"gelatin-state ") {
             Some(version) if version.len() < 8 => {
@@ -109,7 +108,7 @@ impl Session {
     /// The present state as bytes.
     pub fn state_bytes(&self) -> Vec<u8> {
         let state = self.simulation().state();
-        let mut bytes = MAGIC.to_vec();
+        let mut bytes = MAGIC.as_bytes().to_vec();
         let origin = json!(Origin::of(self.title(), &self.scene, self.simulation())).to_string();
         bytes.extend(origin.bytes().chain([b'\n']));
         let counts = [

@@ -248,7 +248,7 @@ fn pipes_and_devices_are_refused_and_not_waited_for() {
 #[test]
 fn runs_that_cannot_be_are_refused() {
     let folder = Folder::new();
-    folder.write("other.state", "gelatin-state 10\nnot much").write("kept.state", "kept");
+    folder.write("other.state", "gelatin-state 11\nnot much").write("kept.state", "kept");
     refused(&folder, "run cube-on-plane --seconds -1", USAGE, &["0 to 86400"]);
     refused(&folder, "run cube-on-plane --seconds nan", USAGE, &["0 to 86400"]);
     refused(&folder, "run cube-on-plane --seconds 0 --from-state gone.state", FAILED, &["gone.state"]);
