@@ -83,13 +83,14 @@ fn scenes_that_once_exploded_do_not() {
     ];
     // A heavy body in a light one that links hold there; a light one in a heavy one that an obstacle pushes as well; a light
     // one that a heavy one hits within a substep, and has left at its end; a soft light one in the same place as a heavy one;
-    // one that keeps another from going deeper.
+    // one that keeps another from going deeper. One that the stabilised scheme tears apart at an edge.
     let second = [
         (2_950_612_423, 1290),
         (3_014_289_722, 662),
         (3_014_289_722, 1580),
         (3_532_797_356, 134),
         (2_313_755_053, 1455),
+        (1_084_280_381, 7685),
     ];
     let [scenes, second] = [(Edition::First, &scenes[..]), (Edition::Second, &second)]
         .map(|(edition, scenes)| scenes.iter().map(move |(seed, number)| (edition, *seed, *number)));

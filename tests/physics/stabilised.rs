@@ -2,7 +2,7 @@
 
 use gelatin::physics::{Grab, Simulation};
 use gelatin::scene::settings::{Integrator, Stepping};
-use gelatin::scene::{Material, Scene, presets};
+use gelatin::scene::{Material, ObstacleShape, Scene, presets};
 use glam::DVec3;
 
 use crate::integrators::{growth, hanging, rms_distance, shake};
@@ -166,6 +166,31 @@ fn a_body_that_tumbles_from_a_ball_is_rubbed_by_coulombs_law_and_comes_to_rest()
     let diagnostics = simulation.diagnostics();
     assert!(simulation.is_asleep(), "{} m/s after 8 s", diagnostics.max_speed);
     assert!(diagnostics.center.y < 0.2, "it lies: its middle is at {} m", diagnostics.center.y);
+}
+
+/// Its substep is as long as a body at rest bears; an edge that catches a part of it tears it within that.
+#[test]
+fn what_is_torn_by_an_edge_within_a_substep_gains_no_energy() {
+    let mut scene = alone(cube(3, 0.01, springs(0.3, 6e-4, 8e-5), [0.0, 0.02, 0.0]), 4e-3);
+    (scene.settings.integrator, scene.settings.stepping) = (Integrator::Stabilised, Stepping::Auto);
+    scene.bodies[0].velocity = [0.0, -1000.0, 0.0];
+    let mut edge = plane([0.01, 0.0, 0.0], [0.0; 3], [0.0; 2]);
+    if let ObstacleShape::Plane(plane) = &mut edge.shape {
+        plane.half_extents = [0.01, 0.1];
+    }
+    let mut simulation = simulate::<f64>(&scene);
+    let free = simulation.step().counters.substeps;
+    scene.obstacles.push(edge);
+    let mut simulation = simulate::<f64>(&scene);
+    assert_eq!(Integrator::from(simulation.plan().scheme), Integrator::Stabilised, "as asked for");
+    let begun = simulation.diagnostics().energy.total();
+    let caught = simulation.step().counters.substeps;
+    assert!(caught > free, "{caught} parts where it is caught, {free} in the air");
+    for step in 1..20 {
+        let has = simulation.diagnostics().energy.total();
+        assert!(has < begun, "{has} J after step {step}, {begun} J at the start");
+        assert!(!simulation.step().diverged, "step {step} is taken");
+    }
 }
 
 #[test]

@@ -41,6 +41,7 @@ use crate::physics::schemes::{self, SchemeWorkspace, Stepper};
 use crate::physics::state::fallen;
 use crate::physics::state::sleep;
 use crate::physics::step::substep::{Gain, Part, Substep};
+use crate::physics::stepping::strain;
 
 /// What a substep works in: allocated once, meaningless between substeps except for reading the last one's forces.
 #[derive(Clone, Debug)]
@@ -122,7 +123,8 @@ pub(super) struct Inputs<'a, R: Real> {
 pub(super) enum Ending {
     /// The state is at its end.
     Taken,
-    /// The state is untouched: the implicit scheme would have given energy from nowhere.
+    /// The state is untouched: the implicit scheme would have given energy from nowhere, or the stabilised one would have
+    /// gone on with a body as if it were at rest that is torn apart in it.
     Refused,
     /// The state is untouched: nobody waits for it any more.
     Stopped,
@@ -225,7 +227,8 @@ fn find_forces<R: Real>(
 }
 
 /// The velocities at the end, contact and hand included. Says whether there are any: the implicit scheme finds none
-/// where its equations would give energy from nowhere and the part is to be refused then.
+/// where its equations would give energy from nowhere and the part is to be refused then, the stabilised scheme none where
+/// what is met tears a body apart that is not strained.
 fn find_velocities<R: Real>(
     begun: Substep<'_, R>,
     gain: Gain,
@@ -235,8 +238,7 @@ fn find_velocities<R: Real>(
 ) -> bool {
     recorder.enter(Stage::Integrate);
     if begun.scheme != Scheme::Implicit {
-        predicted_velocities(begun, prediction, workspace, recorder);
-        return true;
+        return predicted_velocities(begun, prediction, workspace, recorder);
     }
     solved_velocities(begun, workspace, recorder);
     if gain == Gain::Take || recorder.has_stopped() {
@@ -319,13 +321,14 @@ fn slow<R: Real>(
 }
 
 /// Writes the velocities at the end of a substep from those that the forces predict, and the paths of schemes that move
-/// particles by others.
+/// particles by others. Says whether it did: not where the stabilised scheme would go through a long substep, as if the body
+/// were at rest, in which links become many times as long.
 fn predicted_velocities<R: Real>(
     begun: Substep<'_, R>,
     prediction: Prediction,
     workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
-) {
+) -> bool {
     let (mut stepper, contact, velocity) = workspace.stepper(begun);
     if prediction == Prediction::Missing {
         stepper.predict(velocity);
@@ -347,6 +350,10 @@ fn predicted_velocities<R: Real>(
         contact::bodies::count_parting(begun, velocity, &contact.bodies, recorder);
     }
     if begun.scheme == Scheme::Stabilised {
+        let Substep { model, plan, state, dt, is_strained, .. } = begun;
+        if plan.parts > 1 && !is_strained && strain::tear(model, plan, state, velocity, dt) {
+            return false;
+        }
         contact.hold(begun, stepper.force, velocity, &mut stepper.workspace.stages.held);
     }
     stepper.refine(velocity, &contact.bodies.moved, recorder);
@@ -369,6 +376,7 @@ fn predicted_velocities<R: Real>(
         }
         recorder.enter(Stage::Integrate);
     }
+    true
 }
 
 /// Writes the velocities at the end of a substep as the implicit scheme solves for them.

@@ -39,7 +39,11 @@ pub(in crate::physics) fn secs_between<R: Real>(model: &Model<R>, plan: &Plan, s
 
 /// How fast the particles of a body move past each other, m/s: no two of them faster.
 pub(in crate::physics) fn spread<R: Real>(body: &BodyModel<R>, plan: &Plan, state: &State<R>) -> f64 {
-    let velocity = &state.velocity[body.particles.clone()];
+    spread_of::<R>(plan, &state.velocity[body.particles.clone()])
+}
+
+/// The same of particles with these velocities, m/s.
+pub(super) fn spread_of<R: Real>(plan: &Plan, velocity: &[R::Vec3]) -> f64 {
     if velocity.is_empty() {
         return 0.0;
     }
@@ -49,7 +53,7 @@ pub(in crate::physics) fn spread<R: Real>(body: &BodyModel<R>, plan: &Plan, stat
 }
 
 /// How long a body's cells may stay unseen whose particles move past each other as fast as that (m/s), s.
-fn unseen_secs<R: Real>(body: &BodyModel<R>, spread: f64) -> f64 {
+pub(super) fn unseen_secs<R: Real>(body: &BodyModel<R>, spread: f64) -> f64 {
     if spread > 0.0 { UNSEEN_SHARE / (body.inverse_cell_size.to_f64() * spread) } else { LOOK_SECS }
 }
 

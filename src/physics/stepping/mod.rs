@@ -5,6 +5,7 @@
 //! step       one dt: `Plan::substeps` substeps, as many as the bound of the scheme asks for at rest
 //! substep    whole; or in `Plan::parts` equal parts while links are strained (strain), and in as many as bodies need that
 //!            come near each other or themselves, by a scheme that has a place for their contact (`Plan::between_bodies`)
+//!            also where the stabilised scheme finds that what bodies meet tears them apart in it
 //! part       with the implicit scheme it may be refused, as its linear equations would give energy from nowhere: it is
 //!            halved then, down to what an explicit scheme can take, which takes the smallest where that is refused too
 //! work       past `Plan::most_work` nothing is halved any more: parts are as long as the grid of halves allows, and
@@ -49,11 +50,15 @@ pub(super) fn advance<R: Real>(
         ending = substep(model, plan, part, inputs, state, workspace, &mut recorder);
         if ending == Ending::Stopped {
             workspace.contact.bodies.forget_looks(state);
+            division.forget_tears(state);
             break;
         }
         state.work = state.work.saturating_add(recorder.counters.implicit_work() - work_before);
         if ending == Ending::Refused {
-            division.refuse(plan, state, &mut recorder.counters);
+            match part.scheme {
+                Scheme::Implicit => division.refuse(plan, state, &mut recorder.counters),
+                _ => division.divide_torn(model, plan, &workspace.velocity, state),
+            }
             continue;
         }
         if ending == Ending::Diverged {
@@ -95,6 +100,8 @@ struct Division {
     bodies_are_near: bool,
     /// Whether the smallest part was refused, so that the explicit scheme takes it.
     is_explicit: bool,
+    /// Whether the whole was refused, as bodies would be torn apart in it.
+    tears: bool,
 }
 
 impl Division {
@@ -118,6 +125,7 @@ impl Division {
             scheme,
             bodies_are_near: near.is_some(),
             is_explicit: false,
+            tears: false,
         }
     }
 
@@ -170,6 +178,21 @@ impl Division {
             let left = u32::try_from(left).unwrap_or(u32::MAX);
             self.secs *= f64::from(self.left) / f64::from(left);
             (self.parts, self.left) = (self.while_strained.max(left + 1), left);
+        }
+    }
+
+    /// The whole substep was refused as these velocities would tear bodies apart: those are strained from now on.
+    fn divide_torn<R: Real>(&mut self, model: &Model<R>, plan: &Plan, velocity: &[R::Vec3], state: &mut State<R>) {
+        let by_way = strain::look(model, plan, &mut state.bodies, [&state.position, velocity], self.secs);
+        let parts = self.while_strained.max(by_way);
+        (self.parts, self.left, self.secs) = (parts, parts, self.secs / f64::from(parts));
+        self.tears = true;
+    }
+
+    /// Nothing of the substep is taken: that bodies would be torn apart is found again.
+    fn forget_tears<R: Real>(&self, state: &mut State<R>) {
+        if self.tears && self.left == self.parts {
+            state.bodies.iter_mut().filter(|memory| !memory.asleep).for_each(|memory| memory.strained = false);
         }
     }
 

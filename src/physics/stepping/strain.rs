@@ -46,7 +46,7 @@ pub(in crate::physics) fn parts_now<R: Real>(
     }
     let mut by_way = 1;
     if state.bodies.iter().any(|memory| memory.strained) || looks::is_time_to_look_at(model, plan, state, spreads) {
-        by_way = look(model, plan, state, plan.substep_secs());
+        by_way = look(model, plan, &mut state.bodies, [&state.position, &state.velocity], plan.substep_secs());
     }
     // The longer substeps of the stabilised scheme would bear little of what pushes cells back that are near inversion.
     let is_crushed = |body: &BodyModel<R>, memory: &BodyMemory| {
@@ -69,34 +69,43 @@ pub(in crate::physics) fn is_strained_by_now<R: Real>(
 ) -> bool {
     if *unseen + secs > looks::secs_between(model, plan, state) {
         *unseen = 0.0;
-        look(model, plan, state, secs);
+        look(model, plan, &mut state.bodies, [&state.position, &state.velocity], secs);
     }
     state.bodies.iter().any(|memory| memory.strained && !memory.asleep)
 }
 
-/// Looks at the links, as they are and as they would be after so many seconds, and tells into how many parts such a time has
-/// to be divided for the ways that those of strained bodies go in it.
-fn look<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>, secs: f64) -> u32 {
+/// Whether links of a body that is awake and not strained would be beyond the larger strain after so many seconds with these
+/// velocities, m/s: where what it meets leaves them to some particles and stops others.
+pub(in crate::physics) fn tear<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    state: &State<R>,
+    velocity: &[R::Vec3],
+    secs: R,
+) -> bool {
+    let mut bodies = model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep && !memory.strained);
+    bodies.any(|(body, _)| {
+        let [position, velocity] = [&state.position, velocity].map(|of| &of[body.particles.clone()]);
+        looks::unseen_secs(body, looks::spread_of::<R>(plan, velocity)) < secs.to_f64()
+            && is_beyond(body, [position, velocity], STRAINS[1], secs)
+    })
+}
+
+/// Looks at the links, as they are and as they would be after so many seconds with these velocities (m/s), and tells into how
+/// many parts such a time has to be divided for the ways that those of strained bodies go in it.
+pub(in crate::physics) fn look<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    memories: &mut [BodyMemory],
+    [position, velocity]: [&[R::Vec3]; 2],
+    secs: f64,
+) -> u32 {
     let calm_substeps = looks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
     let secs = R::from_f64(secs);
     let mut longest_way = R::ZERO;
-    for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
-        let strain = STRAINS[usize::from(!memory.strained)];
-        let [shortest, longest] = [1.0 - strain, 1.0 + strain].map(R::from_f64);
-        let is_beyond = |d: R::Vec3| {
-            let squared = d.dot(d);
-            squared > longest * longest || squared < shortest * shortest
-        };
-        let [position, velocity] = [&state.position, &state.velocity].map(|of| &of[body.particles.clone()]);
-        // Links without a force, too: their length tells of the angles between others.
-        let links = || {
-            body.links.iter().flat_map(|family| family.links.iter()).map(|link| {
-                let [i, j] = link.ends.map(|end| end as usize);
-                let d = (position[j] - position[i]) * link.inverse_rest_length;
-                (d, (velocity[j] - velocity[i]) * (link.inverse_rest_length * secs))
-            })
-        };
-        if links().any(|(d, way)| is_beyond(d) || is_beyond(d + way)) {
+    for (body, memory) in model.bodies.iter().zip(memories).filter(|(_, memory)| !memory.asleep) {
+        let own = [position, velocity].map(|of| &of[body.particles.clone()]);
+        if is_beyond(body, own, STRAINS[usize::from(!memory.strained)], secs) {
             (memory.strained, memory.calm_substeps) = (true, 0);
         } else if memory.strained {
             memory.calm_substeps += 1;
@@ -105,12 +114,36 @@ fn look<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>, secs: f64)
             }
         }
         if memory.strained {
-            longest_way = links().fold(longest_way, |most, (_, way)| most.max(way.dot(way)));
+            longest_way = links(body, own, secs).fold(longest_way, |most, (_, way)| most.max(way.dot(way)));
         }
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
     let parts = libm::ceil(longest_way.to_f64().sqrt() / MOST_WAY) as u32;
     parts.clamp(1, MOST_PARTS)
+}
+
+/// Whether any link is strained by more than so much, or is after so many seconds.
+fn is_beyond<R: Real>(body: &BodyModel<R>, own: [&[R::Vec3]; 2], strain: f64, secs: R) -> bool {
+    let [shortest, longest] = [1.0 - strain, 1.0 + strain].map(R::from_f64);
+    let is_beyond = |d: R::Vec3| {
+        let squared = d.dot(d);
+        squared > longest * longest || squared < shortest * shortest
+    };
+    links(body, own, secs).any(|(d, way)| is_beyond(d) || is_beyond(d + way))
+}
+
+/// From end to end of each link and how that changes in so many seconds, in lengths at rest; of links without a force, too:
+/// their length tells of the angles between others.
+fn links<R: Real>(
+    body: &BodyModel<R>,
+    [position, velocity]: [&[R::Vec3]; 2],
+    secs: R,
+) -> impl Iterator<Item = (R::Vec3, R::Vec3)> {
+    body.links.iter().flat_map(|family| family.links.iter()).map(move |link| {
+        let [i, j] = link.ends.map(|end| end as usize);
+        let d = (position[j] - position[i]) * link.inverse_rest_length;
+        (d, (velocity[j] - velocity[i]) * (link.inverse_rest_length * secs))
+    })
 }
 
 #[cfg(test)]
