@@ -24,6 +24,13 @@ pub(super) struct Seen {
     pub(super) outside: f64,
 }
 
+impl Seen {
+    /// A point that is in no cell yet.
+    pub(super) const fn of(point: u32, ahead: DVec3) -> Self {
+        Self { point, ahead, cell: NONE, at: DVec3::ZERO, outside: f64::INFINITY }
+    }
+}
+
 /// Most buckets: an array that stays near the processor.
 const MOST: usize = 1 << 13;
 
@@ -124,9 +131,7 @@ mod tests {
     fn every_point_in_a_box_is_near_it_and_few_others_are() {
         let mut rng = Rng::new(7);
         let mut point = |low: f64, high: f64| DVec3::from([0; 3].map(|_| rng.between(low, high)));
-        let seen: Vec<Seen> = (0..500)
-            .map(|place| Seen { point: place, ahead: point(-1.0, 2.0), cell: NONE, at: DVec3::ZERO, outside: 0.0 })
-            .collect();
+        let seen: Vec<Seen> = (0..500).map(|place| Seen::of(place, point(-1.0, 2.0))).collect();
         let bounds = Aabb::<f64>::around(seen.iter().map(|seen| seen.ahead));
         let mut buckets = Buckets::new(500);
         for cell_size in [1e-3, 0.2, 10.0] {

@@ -67,8 +67,7 @@ pub(super) fn find<R: Real>(
     seen.clear();
     seen.extend((0..).zip(&hull.points).filter_map(|(point, particle)| {
         let ahead = ahead[points.particles.start + *particle as usize];
-        let seen = Seen { point, ahead, cell: NONE, at: DVec3::ZERO, outside: f64::INFINITY };
-        (!is_broad || holds(&other, ahead)).then_some(seen)
+        (!is_broad || holds(&other, ahead)).then_some(Seen::of(point, ahead))
     }));
     let all_tests = (hull.points.len() * cells.lattice.cells.len()) as u64;
     let mut tests = 0;

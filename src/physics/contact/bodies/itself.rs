@@ -13,7 +13,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::buckets::{NONE, Seen};
+use super::buckets::Seen;
 use super::cell::{Cell, outside};
 use super::workspace::BodiesWorkspace;
 use crate::math::{Aabb, Real, Vector};
@@ -31,8 +31,8 @@ const FURTHEST: f64 = 0.8;
 /// Nothing is looked for further away, in cells.
 const MEASURED: f64 = 1.0;
 
-/// Every so many particles have a say in how a body is deformed as a whole.
-const APART: usize = 17;
+/// About so many particles have a say in how a body is deformed as a whole.
+const SAMPLES: usize = 300;
 
 /// Whether a body at these positions (m) is near itself, and how far its particles may move past each other until that has to
 /// be looked for again, in cells; they move by `way` in a substep.
@@ -55,9 +55,8 @@ pub(super) fn look<R: Real>(
 fn least_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3]) -> Option<f64> {
     let (size, corners) = (body.lattice.grid.cell_size, &body.lattice.corners);
     let corner = |particle: usize| DVec3::from(corners[particle].map(f64::from));
-    let some = || {
-        (0..position.len()).step_by(1 + position.len() / (APART * APART)).map(|p| (position[p].to_dvec3(), corner(p)))
-    };
+    let some =
+        || (0..position.len()).step_by(1 + position.len() / SAMPLES).map(|p| (position[p].to_dvec3(), corner(p)));
     let mean = 1.0 / some().count() as f64;
     let sum = some().fold([DVec3::ZERO; 2], |[at, was], (x, corner)| [at + x, was + corner]);
     let [middle, middle_at_rest] = sum.map(|sum| sum * mean);
@@ -85,13 +84,7 @@ fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspa
     let BodiesWorkspace { seen, buckets, sorted, .. } = workspace;
     let at = |particle: u32| position[particle as usize].to_dvec3();
     seen.clear();
-    seen.extend((0..).zip(&hull.points).map(|(point, particle)| Seen {
-        point,
-        ahead: at(*particle),
-        cell: NONE,
-        at: DVec3::ZERO,
-        outside: f64::INFINITY,
-    }));
+    seen.extend((0..).zip(&hull.points).map(|(point, particle)| Seen::of(point, at(*particle))));
     let bounds = Aabb::<f64>::around(seen.iter().map(|seen| seen.ahead));
     if !(bounds.min.is_finite() && bounds.max.is_finite()) {
         return MEASURED;
