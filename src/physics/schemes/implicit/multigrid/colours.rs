@@ -414,13 +414,14 @@ fn relax(
     for Term { offset, blocks, .. } in terms {
         let at = offset + first;
         let by = [lanes(before_x, at), lanes(before_y, at), lanes(before_z, at)];
-        take_products(blocks, by, &mut sum_x, &mut sum_y, &mut sum_z);
+        take_products(blocks.each_ref(), by, &mut sum_x, &mut sum_y, &mut sum_z);
     }
     write_products(inverse, [&sum_x, &sum_y, &sum_z], x, y, z);
     for Term { offset, blocks, .. } in terms {
         let at = offset + first;
-        take_transposed_products(
-            blocks,
+        let [xx, xy, xz, yx, yy, yz, zx, zy, zz] = blocks;
+        take_products(
+            [xx, yx, zx, xy, yy, zy, xz, yz, zz],
             [x, y, z],
             lanes_mut(left_x, at),
             lanes_mut(left_y, at),
@@ -432,7 +433,7 @@ fn relax(
 #[inline(always)]
 #[expect(clippy::assign_op_pattern, reason = "as of the forces of links")]
 fn take_products(
-    [xx, xy, xz, yx, yy, yz, zx, zy, zz]: &TermBlocks,
+    [xx, xy, xz, yx, yy, yz, zx, zy, zz]: [&[f32; LANES]; 9],
     [x, y, z]: [&Lanes; 3],
     from_x: &mut Lanes,
     from_y: &mut Lanes,
@@ -443,23 +444,6 @@ fn take_products(
         from_x[lane] = from_x[lane] - (f64::from(xx[lane]) * vx + f64::from(xy[lane]) * vy + f64::from(xz[lane]) * vz);
         from_y[lane] = from_y[lane] - (f64::from(yx[lane]) * vx + f64::from(yy[lane]) * vy + f64::from(yz[lane]) * vz);
         from_z[lane] = from_z[lane] - (f64::from(zx[lane]) * vx + f64::from(zy[lane]) * vy + f64::from(zz[lane]) * vz);
-    }
-}
-
-#[inline(always)]
-#[expect(clippy::assign_op_pattern, reason = "as of the forces of links")]
-fn take_transposed_products(
-    [xx, xy, xz, yx, yy, yz, zx, zy, zz]: &TermBlocks,
-    [x, y, z]: [&Lanes; 3],
-    from_x: &mut Lanes,
-    from_y: &mut Lanes,
-    from_z: &mut Lanes,
-) {
-    for lane in 0..LANES {
-        let (vx, vy, vz) = (x[lane], y[lane], z[lane]);
-        from_x[lane] = from_x[lane] - (f64::from(xx[lane]) * vx + f64::from(yx[lane]) * vy + f64::from(zx[lane]) * vz);
-        from_y[lane] = from_y[lane] - (f64::from(xy[lane]) * vx + f64::from(yy[lane]) * vy + f64::from(zy[lane]) * vz);
-        from_z[lane] = from_z[lane] - (f64::from(xz[lane]) * vx + f64::from(yz[lane]) * vy + f64::from(zz[lane]) * vz);
     }
 }
 
