@@ -90,6 +90,9 @@ const PARTING_RATE: f64 = 10.0;
 /// them together are not worked against for ever.
 const PARTING_PUSH: f64 = 100.0;
 
+/// A spring is pressed no further than takes so many times what it pushes with: rounds settle to less than this.
+const UNSETTLED: f64 = 2.0;
+
 /// Which friction is worked out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rubbing {
@@ -182,10 +185,13 @@ impl PointConstraint {
         self.sum(|mover| movers[mover].velocity)
     }
 
-    /// How far its spring is pressed at the end of a substep of `dt` (s), m.
+    /// How far its spring is pressed at the end of a substep of `dt` (s), m: no further than it was, or by far than takes what
+    /// it pushes with. Where rounds end before all contacts have settled, others lead the point deeper than that, and its
+    /// spring would have energy that nobody gave.
     pub(super) fn pressed_at_end(&self, movers: &[Mover], dt: f64) -> f64 {
         let way = dt * self.past(movers).dot(self.normal);
-        (self.spring.pressed - way).clamp(0.0, self.law.depth_limit)
+        let taken = UNSETTLED * self.pushed / (dt * self.law.stiffness);
+        (self.spring.pressed - way).clamp(0.0, self.spring.pressed.max(taken).min(self.law.depth_limit))
     }
 
     /// What it gives the bodies in a substep of `dt` (s), J: the energy of their motion and what its spring has more. An impulse
