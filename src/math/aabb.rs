@@ -54,6 +54,13 @@ impl<R: Real> Aabb<R> {
         (0..3).all(|axis| a_min[axis] <= b_max[axis] && b_min[axis] <= a_max[axis])
     }
 
+    /// Whether a point is in the box; on its surface counts.
+    #[inline]
+    pub fn holds(&self, point: R::Vec3) -> bool {
+        let (min, max, at) = (self.min.components(), self.max.components(), point.components());
+        (0..3).all(|axis| min[axis] <= at[axis] && at[axis] <= max[axis])
+    }
+
     /// The middle of the box.
     pub fn center(&self) -> R::Vec3 {
         (self.min + self.max) * R::from_f64(0.5)

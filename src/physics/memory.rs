@@ -42,10 +42,12 @@ pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
     (lasting + moving + implicit + made.max(moving) + meeting) as u64
 }
 
-/// Where a particle would be, and its place among those that meet, bytes.
-const AMONG_BODIES: usize = size_of::<[f64; 3]>() + size_of::<u32>();
-/// A particle of the outside, the cells around it, and what it takes to solve for its contact, bytes.
-const OF_A_HULL: usize = size_of::<[u32; 10]>() + 2 * size_of::<BodyContact>() + 2 * size_of::<Press>();
+/// Where a particle would be, and was, and its place among those that meet, bytes.
+const AMONG_BODIES: usize = 2 * size_of::<[f64; 3]>() + size_of::<u32>();
+/// A particle of the outside, the cells around it and near it, and what it takes to solve for its contact, bytes.
+const OF_A_HULL: usize = size_of::<[u32; 10]>() + NEIGHBOURS + 2 * size_of::<BodyContact>() + 2 * size_of::<Press>();
+/// Eight cells that are near a particle, and its places in two lists, bytes.
+const NEIGHBOURS: usize = 8 * size_of::<[u32; 2]>() + 2 * size_of::<u32>();
 
 /// A lattice, and the model that is made of it.
 fn of_body(body: &LatticeCounts) -> usize {

@@ -5,6 +5,9 @@
 
 use glam::{DMat3, DVec3};
 
+/// A point on the face between two cells is in either, though rounding puts it outside both by less than this, in cells.
+pub(super) const TOLERANCE: f64 = 1e-4;
+
 /// Newton's method is at its end when a place changes by no more than this: what is left is of the order of its square.
 const SETTLED: f64 = 1e-6;
 

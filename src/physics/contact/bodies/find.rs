@@ -1,10 +1,10 @@
 //! Which points of one body are inside which cells of another at the end of a substep, if nothing stops them.
 //!
 //! ```text
-//! bodies   the boxes of two bodies overlap, where they would be at the end
-//! points   those of the one's outside that are in the overlap, sorted into buckets
-//! cells    those of the other whose box meets a bucket: is the point in that box, is it in the cell
-//! way out  along the six axes of the cell, of those that lead against the point's own outside the shortest
+//! bodies      the boxes of two bodies overlap, where they would be at the end
+//! neighbours  those of the one's outside that are near cells of the other: kept until bodies have moved
+//! cells       is the point in the box around the cell, is it in the cell
+//! way out     along the six axes of the cell, of those that lead against the point's own outside the shortest
 //! ```
 //!
 //! Of a body and itself only the cells near its outside are looked at, and no cell that touches one around the point
@@ -18,14 +18,12 @@
 use glam::DVec3;
 
 use super::buckets::{NONE, Seen};
-use super::cell::{Cell, outside};
+use super::cell::{Cell, TOLERANCE, outside};
+use super::neighbours::{around, looked_at};
 use super::workspace::BodiesWorkspace;
 use crate::math::{Aabb, Real};
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::report::Counters;
-
-/// A point on the face between two cells is in either, though rounding puts it outside both by less than this, in cells.
-const TOLERANCE: f64 = 1e-4;
 
 /// A point that is outside a cell by no more than this is as good as in it, and looked for in no other.
 const NOTHING: f64 = 1e-9;
@@ -51,51 +49,46 @@ pub(super) struct Found {
     pub(super) depth: f64,
 }
 
-/// Finds the points of one body of a pair that are inside the other, and tells of each, in their order.
+/// Finds the points of one body of a pair that are inside the other: in the broad phase of those that are near
+/// ([`super::neighbours`]), else of all.
 pub(super) fn find<R: Real>(
     model: &Model<R>,
-    [of_points, of_cells]: [usize; 2],
+    of: [usize; 2],
     is_broad: bool,
     workspace: &mut BodiesWorkspace<R>,
     counters: &mut Counters,
 ) {
-    let [points, cells] = [of_points, of_cells].map(|number| &model.bodies[number]);
-    let BodiesWorkspace { ahead, boxes, seen, buckets, .. } = workspace;
-    let (hull, is_itself) = (points.hull(), of_points == of_cells);
+    let [points, cells] = of.map(|number| &model.bodies[number]);
+    let BodiesWorkspace { ahead, neighbours, seen, buckets, .. } = workspace;
+    let hull = points.hull();
+    let own = &ahead[cells.particles.clone()];
     let cell_size = cells.lattice.grid.cell_size;
-    let other = boxes[of_cells].grown(TOLERANCE * cell_size);
-    seen.clear();
-    seen.extend((0..).zip(&hull.points).filter_map(|(point, particle)| {
-        let ahead = ahead[points.particles.start + *particle as usize];
-        (!is_broad || holds(&other, ahead)).then_some(Seen::of(point, ahead))
-    }));
-    let all_tests = (hull.points.len() * cells.lattice.cells.len()) as u64;
     let mut tests = 0;
-    if !seen.is_empty() {
-        let bounds = Aabb::<f64>::around(seen.iter().map(|seen| seen.ahead));
-        if is_broad {
-            buckets.sort(seen, &bounds, cell_size);
+    let see = |point: u32| Seen::of(point, ahead[points.particles.start + hull.points[point as usize] as usize]);
+    seen.clear();
+    if is_broad {
+        let (points, near) = neighbours.list(model, of, ahead, buckets);
+        seen.extend(points.iter().map(|point| see(*point)));
+        for of_cell in near.chunk_by(|one, next| one.cell == next.cell) {
+            let cell = Candidate::new(cells, of_cell[0].cell, own, cell_size);
+            for neighbour in of_cell {
+                tests += u64::from(cell.look(&mut seen[neighbour.place as usize]));
+            }
         }
-        let own = &ahead[cells.particles.clone()];
-        #[expect(clippy::cast_possible_truncation, reason = "cells are counted in 32 bits")]
-        let all = 0..cells.lattice.cells.len() as u32;
-        let (all, outer) = if is_itself { (0..0, hull.outer.as_slice()) } else { (all, &[][..]) };
-        for number in all.chain(outer.iter().copied()) {
-            let cell = Cell(cells.lattice.cells[number as usize].map(|corner| own[corner as usize]));
-            let around = Aabb::<f64>::around(cell.0).grown(TOLERANCE * cell_size);
+    } else {
+        seen.extend((0..).zip(&hull.points).map(|(point, _)| see(point)));
+        let is_itself = of[0] == of[1];
+        for number in looked_at(cells, is_itself) {
+            let cell = Candidate::new(cells, number, own, cell_size);
             let low = cells.lattice.low(number);
-            let mut look = |seen: &mut Seen| {
-                if !is_itself || !hull.surroundings[seen.point as usize].touch(low) {
-                    look(seen, number, &cell, &around, cell_size, &mut tests);
+            for seen in &mut *seen {
+                if !(is_itself && hull.surroundings[seen.point as usize].touch(low)) {
+                    tests += u64::from(cell.look(seen));
                 }
-            };
-            if !is_broad {
-                seen.iter_mut().for_each(look);
-            } else if around.overlaps(&bounds) {
-                buckets.near(&around).for_each(|place| look(&mut seen[place]));
             }
         }
     }
+    let all_tests = (hull.points.len() * cells.lattice.cells.len()) as u64;
     counters.narrow_tests += tests;
     counters.narrow_tests_saved += all_tests - tests.min(all_tests);
 }
@@ -129,20 +122,36 @@ pub(super) fn ways_out<R: Real>(
     })
 }
 
-fn holds(bounds: &Aabb<f64>, point: DVec3) -> bool {
-    point.cmpge(bounds.min).all() && point.cmple(bounds.max).all()
+/// A cell that points may be in.
+struct Candidate {
+    number: u32,
+    cell: Cell,
+    /// The box around it, m.
+    around: Aabb<f64>,
+    /// At rest, m.
+    size: f64,
 }
 
-/// Looks whether a point is in a cell, and further inside than in any before.
-fn look(seen: &mut Seen, number: u32, cell: &Cell, around: &Aabb<f64>, cell_size: f64, tests: &mut u64) {
-    if seen.outside == 0.0 || !holds(around, seen.ahead) {
-        return;
+impl Candidate {
+    /// A cell of a body whose particles are there, m.
+    fn new<R: Real>(body: &BodyModel<R>, number: u32, own: &[DVec3], size: f64) -> Self {
+        let around = around(body, number, own).grown(TOLERANCE * size);
+        let cell = Cell(body.lattice.cells[number as usize].map(|corner| own[corner as usize]));
+        Self { number, cell, around, size }
     }
-    *tests += 1;
-    let Some(at) = cell.locate(seen.ahead, DVec3::splat(0.5), cell_size) else { return };
-    let beyond = outside(at);
-    if beyond <= TOLERANCE && beyond < seen.outside {
-        (seen.cell, seen.at, seen.outside) = (number, at, if beyond <= NOTHING { 0.0 } else { beyond });
+
+    /// Looks whether a point is in the cell, and further inside than in any before. Says whether it could be.
+    fn look(&self, seen: &mut Seen) -> bool {
+        if seen.outside == 0.0 || !self.around.holds(seen.ahead) {
+            return false;
+        }
+        if let Some(at) = self.cell.locate(seen.ahead, DVec3::splat(0.5), self.size) {
+            let beyond = outside(at);
+            if beyond <= TOLERANCE && beyond < seen.outside {
+                (seen.cell, seen.at, seen.outside) = (self.number, at, if beyond <= NOTHING { 0.0 } else { beyond });
+            }
+        }
+        true
     }
 }
 

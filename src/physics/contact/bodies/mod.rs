@@ -5,7 +5,7 @@
 //! near        which bodies come near each other in the substep, and into how many parts it has to be divided for that
 //! itself      which come near themselves: what belongs together at rest is left out
 //! find        which points would be inside which cells at its end, and the way out: a distance field of the body at rest
-//!             ([`crate::physics::model::Hull`]), carried along by the cell (cell); points are sorted into a grid (buckets)
+//!             ([`crate::physics::model::Hull`]), carried along by the cell (cell); which are near is kept for a while (neighbours, buckets)
 //! constraint  each is a contact of nine weighted particles with one effective mass: the same force on the point as, turned
 //!             about, on the cell, where the point is: momentum and angular momentum stay as they are
 //! solve       a spring with critical damping taken implicitly and Coulomb friction, all contacts together, in a fixed order;
@@ -28,6 +28,7 @@ mod itself;
 mod law;
 mod motion;
 mod near;
+mod neighbours;
 mod record;
 mod solve;
 mod workspace;
@@ -174,6 +175,7 @@ fn look_ahead<R: Real>(substep: Substep<'_, R>, velocity: &[R::Vec3], workspace:
         workspace.boxes.push(bounds);
         workspace.drifts.push(sum * (1.0 / body.particles.len() as f64));
     }
+    workspace.neighbours.follow(model, &workspace.ahead);
 }
 
 fn overlap<R: Real>(workspace: &BodiesWorkspace<R>, is_broad: bool, pair: [usize; 2]) -> bool {

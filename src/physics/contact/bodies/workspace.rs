@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::buckets::{Buckets, NONE, Seen};
 use super::constraint::{Mover, PointConstraint};
 use super::motion::Motion;
+use super::neighbours::Neighbours;
 use super::record::BodyContact;
 use crate::math::{Aabb, Real};
 use crate::physics::model::plan::Plan;
@@ -26,6 +27,7 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(super) boxes: Vec<Aabb<f64>>,
     /// The mean velocity of each body's particles, m/s.
     pub(super) drifts: Vec<DVec3>,
+    pub(super) neighbours: Neighbours,
     pub(super) seen: Vec<Seen>,
     pub(super) buckets: Buckets,
     /// Points in the order of the buckets: where they are, m, and the cells that they do not meet.
@@ -71,6 +73,7 @@ impl<R: Real> BodiesWorkspace<R> {
             ahead: vec![DVec3::ZERO; count],
             boxes: Vec::with_capacity(bodies),
             drifts: Vec::with_capacity(bodies),
+            neighbours: Neighbours::new(all, largest, count, bodies),
             seen: Vec::with_capacity(largest),
             buckets: Buckets::new(largest),
             sorted: Vec::new(),
