@@ -30,6 +30,8 @@ pub(super) struct Account {
     held: f64,
     /// What the part of it weighs that the rest can throw, kg; infinite where no part is that much lighter.
     light_kg: f64,
+    /// Whether it has met itself.
+    strikes_itself: bool,
     /// The fastest that the spring of one contact made its particle then, had the particle no links, m/s.
     released: f64,
     gravity: DVec3,
@@ -62,6 +64,7 @@ impl Account {
             squeezed: 0.0,
             held: 0.0,
             light_kg: light_mass(&simulation.model().bodies[body]),
+            strikes_itself: false,
             released: 0.0,
             gravity,
             dt: simulation.plan().substep_secs(),
@@ -86,6 +89,11 @@ impl Account {
     pub(super) fn push(&mut self, speed: f64, work: f64) {
         self.work += work;
         self.fastest_push = self.fastest_push.max(speed);
+    }
+
+    /// It has met itself.
+    pub(super) fn strike_itself(&mut self) {
+        self.strikes_itself = true;
     }
 
     /// Looks at the energy; none of a body that fell out of the scene, which stays what it was when it was seen last.
@@ -191,15 +199,16 @@ impl Account {
     /// obstacles that push it and its own size, m. A body that is squeezed between obstacles leaves faster than they move,
     /// like a pip between fingers: by what its springs held. Where links are next to nothing, one particle leaves with all
     /// that the spring of its own contact held. A light part that is caught by an obstacle while the heavy rest flies on
-    /// is thrown by what the springs between them held. What rounding may show it may fly apart with, and what other bodies
-    /// could give it.
+    /// is thrown by what the springs between them held; one that the heavy rest strikes as bodies strike each other, by all
+    /// that this had. What rounding may show it may fly apart with, and what other bodies could give it.
     fn reach(&self, seconds: f64, given: f64) -> f64 {
         let stored = (self.own_at_start - self.start.energy.kinetic).max(self.squeezed)
             + self.meddling
             + given
             + self.rounding.energy(self.substeps);
         let whole = (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
-        let thrown = (2.0 * self.held.max(0.0) / self.light_kg).sqrt();
+        let struck = if self.strikes_itself { self.turnover } else { 0.0 };
+        let thrown = (2.0 * (self.held + struck).max(0.0) / self.light_kg).sqrt();
         let speed = self.start.max_speed + self.fastest_push + whole.max(self.released).max(thrown);
         let size = self.start.bounds.size().length();
         speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size

@@ -290,7 +290,12 @@ impl Watch {
                 let work = report.counters.obstacle_work_j + report.counters.parting_work_j;
                 account.push(report.counters.fastest_surface_m_s, work);
             }
-            simulation.met().iter().for_each(|pair| self.met.meet(*pair));
+            for &[one, other] in simulation.met() {
+                self.met.meet([one, other]);
+                if one == other {
+                    self.bodies[one].strike_itself();
+                }
+            }
             let is_whole = simulation.state().is_between_substeps();
             if report.diverged {
                 return Advance::Diverged;
