@@ -6,51 +6,8 @@
 
 use std::io::{self, BufRead, Read};
 
-use thiserror::Error;
-
+use super::error::{Problem, coordinate, quote};
 use crate::geometry::Watch;
-use crate::text::echo_up_to;
-
-/// What is wrong with a line of an OBJ file.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum LineProblem {
-    /// A `v` with fewer than three numbers.
-    #[error("a vertex needs three coordinates, as in `v 0 0.5 1`; here are {0}")]
-    MissingCoordinate(usize),
-    /// A coordinate that is no number.
-    #[error("`{0}` is not a number; a coordinate such as 0.5 is needed")]
-    BadNumber(String),
-    /// A coordinate that is NaN, infinite or too large for a double.
-    #[error("the coordinate `{0}` is not finite; every coordinate must be a number below 1e308")]
-    NotFinite(String),
-    /// A face corner that is no index.
-    #[error("`{0}` is not a vertex index; whole numbers are needed, as in `f 1 2 3` or `f 1/1/1 2/2/2 3/3/3`")]
-    BadIndex(String),
-    /// Index 0.
-    #[error("vertex index 0 does not exist; the first vertex is 1, the latest is -1")]
-    ZeroIndex,
-    /// An index beyond the vertices.
-    #[error("the face asks for vertex {index}, but {}", count_of(*.vertices, *.index < 0))]
-    OutOfRange {
-        /// The index as written.
-        index: i64,
-        /// The vertices of the file, or those before the line for a negative index.
-        vertices: u64,
-    },
-    /// tobj refuses the line although nothing above does.
-    #[error("the line cannot be read as OBJ ({0})")]
-    Refused(String),
-}
-
-fn count_of(vertices: u64, so_far: bool) -> String {
-    let (one, many) =
-        if so_far { ("stands before it", "stand before it") } else { ("is in the file", "are in the file") };
-    match vertices {
-        0 => format!("no vertex {one}"),
-        1 => format!("only 1 vertex {one}"),
-        _ => format!("only {vertices} vertices {many}"),
-    }
-}
 
 /// What was left out on the way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -83,7 +40,7 @@ pub(super) struct ObjLines<'a> {
 /// Why reading ended early.
 #[derive(Debug)]
 pub(super) enum Stop {
-    Problem(LineProblem),
+    Problem(Problem),
     Cancelled,
 }
 
@@ -196,16 +153,11 @@ impl<'a> ObjLines<'a> {
         Ok(())
     }
 
-    fn vertex<'w>(&mut self, mut words: impl Iterator<Item = &'w [u8]>) -> Result<(), LineProblem> {
+    fn vertex<'w>(&mut self, mut words: impl Iterator<Item = &'w [u8]>) -> Result<(), Problem> {
         self.clean.push(b'v');
         for found in 0..3 {
-            let word = words.next().ok_or(LineProblem::MissingCoordinate(found))?;
-            let number = std::str::from_utf8(word).ok().and_then(|text| text.parse::<f64>().ok());
-            match number {
-                None => return Err(LineProblem::BadNumber(quote(word))),
-                Some(number) if !number.is_finite() => return Err(LineProblem::NotFinite(quote(word))),
-                Some(_) => {}
-            }
+            let word = words.next().ok_or(Problem::MissingCoordinate(found))?;
+            coordinate(word)?;
             self.clean.push(b' ');
             self.clean.extend_from_slice(word);
         }
@@ -214,7 +166,7 @@ impl<'a> ObjLines<'a> {
         Ok(())
     }
 
-    fn face<'w>(&mut self, words: impl Iterator<Item = &'w [u8]>) -> Result<(), LineProblem> {
+    fn face<'w>(&mut self, words: impl Iterator<Item = &'w [u8]>) -> Result<(), Problem> {
         let mut corners = words.map(|word| self.position_index(word)).collect::<Result<Vec<_>, _>>()?;
         corners.dedup();
         while corners.len() > 1 && corners.first() == corners.last() {
@@ -234,9 +186,9 @@ impl<'a> ObjLines<'a> {
     }
 
     /// The position index of a face corner (`1`, `1/2`, `1//3`, `-4/…`), counted from 1.
-    fn position_index(&self, word: &[u8]) -> Result<u64, LineProblem> {
+    fn position_index(&self, word: &[u8]) -> Result<u64, Problem> {
         let parse = |part: &[u8]| std::str::from_utf8(part).ok().and_then(|text| text.parse::<i64>().ok());
-        let bad = || LineProblem::BadIndex(quote(word));
+        let bad = || Problem::BadIndex(quote(word));
         let mut parts = word.split(|&byte| byte == b'/');
         let index = parts.next().and_then(parse).ok_or_else(bad)?;
         let rest_is_good = parts.clone().count() <= 2 && parts.all(|part| part.is_empty() || parse(part).is_some());
@@ -244,12 +196,12 @@ impl<'a> ObjLines<'a> {
             return Err(bad());
         }
         let found = match index {
-            0 => return Err(LineProblem::ZeroIndex),
+            0 => return Err(Problem::ZeroIndex),
             1.. => u64::try_from(index).ok().filter(|&position| position <= self.total_vertices),
             _ => (self.vertices + 1).checked_sub(index.unsigned_abs()).filter(|&position| position > 0),
         };
         let vertices = if index < 0 { self.vertices } else { self.total_vertices };
-        found.ok_or(LineProblem::OutOfRange { index, vertices })
+        found.ok_or(Problem::OutOfRange { index, vertices, so_far: index < 0 })
     }
 }
 
@@ -281,11 +233,6 @@ fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
-/// A word of the file fit for a message.
-fn quote(word: &[u8]) -> String {
-    echo_up_to(&String::from_utf8_lossy(&word[..word.len().min(200)]), 30)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -297,7 +244,7 @@ mod tests {
         (all, lines.left_out())
     }
 
-    fn problem(text: &str) -> (usize, LineProblem) {
+    fn problem(text: &str) -> (usize, Problem) {
         let mut lines = ObjLines::new(text.as_bytes(), &());
         lines.read_to_end(&mut Vec::new()).expect_err("a bad line");
         match lines.take_stop() {
@@ -325,28 +272,30 @@ mod tests {
         assert!(clean("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").0.starts_with("f 1 2 3"), "all three follow");
         let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
         let fails = |face: &str| problem(&format!("{vertices}{face}\nv 1 1 1\n"));
-        assert_eq!(fails("f 1 2 5"), (4, LineProblem::OutOfRange { index: 5, vertices: 4 }), "beyond the file");
-        assert_eq!(fails("f 1 2 -4"), (4, LineProblem::OutOfRange { index: -4, vertices: 3 }), "before the file");
-        assert_eq!(fails("f 1 2 0"), (4, LineProblem::ZeroIndex), "OBJ counts from 1");
-        assert_eq!(fails("f 1 2 x"), (4, LineProblem::BadIndex("x".into())), "no number");
-        assert_eq!(fails("f 1 2 3/4/5/6"), (4, LineProblem::BadIndex("3/4/5/6".into())), "too many parts");
-        assert_eq!(fails("f 1 2 3/a"), (4, LineProblem::BadIndex("3/a".into())), "a bad texture index");
+        assert_eq!(
+            fails("f 1 2 5"),
+            (4, Problem::OutOfRange { index: 5, vertices: 4, so_far: false }),
+            "beyond the file"
+        );
+        assert_eq!(
+            fails("f 1 2 -4"),
+            (4, Problem::OutOfRange { index: -4, vertices: 3, so_far: true }),
+            "before the file"
+        );
+        assert_eq!(fails("f 1 2 0"), (4, Problem::ZeroIndex), "OBJ counts from 1");
+        assert_eq!(fails("f 1 2 x"), (4, Problem::BadIndex("x".into())), "no number");
+        assert_eq!(fails("f 1 2 3/4/5/6"), (4, Problem::BadIndex("3/4/5/6".into())), "too many parts");
+        assert_eq!(fails("f 1 2 3/a"), (4, Problem::BadIndex("3/a".into())), "a bad texture index");
         let min = format!("f 1 2 {}", i64::MIN);
-        assert!(matches!(fails(&min).1, LineProblem::OutOfRange { .. }), "the lowest number has no magnitude");
+        assert!(matches!(fails(&min).1, Problem::OutOfRange { .. }), "the lowest number has no magnitude");
     }
 
     #[test]
     fn a_bad_coordinate_is_named_with_its_line() {
-        assert_eq!(problem("v 0 0 0\n\nv 1 nan 2\n"), (3, LineProblem::NotFinite("nan".into())), "NaN");
-        assert_eq!(problem("v 0 -inf 0"), (1, LineProblem::NotFinite("-inf".into())), "infinite");
-        assert_eq!(problem("v 0 1e400 0"), (1, LineProblem::NotFinite("1e400".into())), "beyond a double");
-        assert_eq!(problem("v 0 0,5 0"), (1, LineProblem::BadNumber("0,5".into())), "a comma");
-        assert_eq!(problem("v 0 \\\n 0 \\\n"), (1, LineProblem::MissingCoordinate(2)), "continued into the void");
-    }
-
-    #[test]
-    fn a_long_or_unprintable_word_is_cut() {
-        assert_eq!(quote(&[b'x'; 500]), "x".repeat(30) + "…", "thirty letters are enough");
-        assert_eq!(quote(b"a\x1b[1mb"), "a\u{fffd}[1mb", "no escape sequence reaches a terminal");
+        assert_eq!(problem("v 0 0 0\n\nv 1 nan 2\n"), (3, Problem::NotFinite("nan".into())), "NaN");
+        assert_eq!(problem("v 0 -inf 0"), (1, Problem::NotFinite("-inf".into())), "infinite");
+        assert_eq!(problem("v 0 1e400 0"), (1, Problem::NotFinite("1e400".into())), "beyond a double");
+        assert_eq!(problem("v 0 0,5 0"), (1, Problem::BadNumber("0,5".into())), "a comma");
+        assert_eq!(problem("v 0 \\\n 0 \\\n"), (1, Problem::MissingCoordinate(2)), "continued into the void");
     }
 }

@@ -26,9 +26,15 @@ impl Cutter {
         Self { budget: EAR_BUDGET, over_budget: 0, earcut: Earcut::new(), flat: Vec::new(), cut: Vec::new() }
     }
 
-    /// How many polygons were cut as if they were convex because there was no time to do better.
-    pub(super) fn over_budget(&self) -> usize {
-        self.over_budget
+    /// What is said where polygons were cut as if they were convex because there was no time to do better.
+    pub(super) fn warning(&self) -> Option<String> {
+        (self.over_budget > 0).then(|| {
+            format!(
+                "faces with very many corners were cut into triangles as if they were convex: {}; cut them in the \
+                 program that made the model",
+                self.over_budget
+            )
+        })
     }
 
     /// The triangles of a polygon of at least three corners, as places in it, turning as the polygon does.
@@ -211,9 +217,9 @@ mod tests {
             (0..count).map(|at| DMat3::from_rotation_z(f64::from(at) * TAU / f64::from(count)) * DVec3::X).collect()
         };
         assert_eq!(cutter.cut(&circle(60_000)).len(), 59_998, "a fan");
-        assert_eq!((cutter.over_budget(), cutter.budget), (1, EAR_BUDGET), "too large to try");
+        assert_eq!((cutter.over_budget, cutter.budget), (1, EAR_BUDGET), "too large to try");
         assert_eq!(cutter.cut(&circle(20_000)).len(), 19_998, "cut");
-        assert_eq!((cutter.over_budget(), cutter.budget), (1, EAR_BUDGET / 10 * 9), "a large one that is simple");
+        assert_eq!((cutter.over_budget, cutter.budget), (1, EAR_BUDGET / 10 * 9), "a large one that is simple");
         let spent = cutter.budget;
         cutter.cut(&circle(1000));
         assert_eq!(cutter.budget, spent, "common ones cost nothing, however many");

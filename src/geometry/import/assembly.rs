@@ -1,0 +1,101 @@
+//! The mesh of a file as it is read: what every format does with its vertices and faces.
+
+use glam::DVec3;
+
+use super::error::{ImportError, Place, Problem};
+use super::formats::MAX_PARTS;
+use super::model_file::{Imported, ModelFile};
+use super::polygon::Cutter;
+use crate::geometry::TriMesh;
+
+/// A face of more corners takes so long to cut that a watcher is asked first.
+pub(super) const MANY_CORNERS: usize = 100;
+
+/// A mesh that grows, and what was left out of it.
+pub(super) struct Assembly<'a> {
+    file: ModelFile<'a>,
+    mesh: TriMesh,
+    cutter: Cutter,
+    small_faces: usize,
+    warnings: Vec<String>,
+}
+
+impl<'a> Assembly<'a> {
+    pub(super) fn new(file: ModelFile<'a>) -> Self {
+        Self { file, mesh: TriMesh::default(), cutter: Cutter::new(), small_faces: 0, warnings: Vec::new() }
+    }
+
+    /// How many vertices there are.
+    pub(super) fn vertices(&self) -> usize {
+        self.mesh.positions.len()
+    }
+
+    /// Adds a vertex, which is finite.
+    pub(super) fn vertex(&mut self, position: DVec3) -> Result<(), ImportError> {
+        self.mesh.positions.push(position);
+        self.check_size()
+    }
+
+    /// Adds a face of any number of corners, which are vertices that are there or will be. Corners that repeat the one
+    /// before are dropped, and a face of fewer than three is left out.
+    pub(super) fn face(&mut self, corners: &mut Vec<u32>) -> Result<(), ImportError> {
+        corners.dedup();
+        while corners.len() > 1 && corners.first() == corners.last() {
+            corners.pop();
+        }
+        match corners[..] {
+            [_, _, _, _, ..] => {
+                if corners.len() > MANY_CORNERS && self.file.watch.cancelled() {
+                    return Err(self.file.cancelled());
+                }
+                let places: Vec<DVec3> = corners.iter().map(|&vertex| self.mesh.positions[vertex as usize]).collect();
+                let cut = self.cutter.cut(&places);
+                self.mesh.triangles.extend(cut.into_iter().map(|face| face.map(|place| corners[place as usize])));
+            }
+            [a, b, c] => self.mesh.triangles.push([a, b, c]),
+            _ => self.small_faces += 1,
+        }
+        self.check_size()
+    }
+
+    /// Takes note of something that a person should know.
+    pub(super) fn warn(&mut self, warning: String) {
+        self.warnings.push(warning);
+    }
+
+    /// The mesh, if there is any surface.
+    pub(super) fn finish(mut self) -> Result<Imported, ImportError> {
+        if self.small_faces > 0 {
+            self.warn(small_faces_warning(self.small_faces));
+        }
+        self.warnings.extend(self.cutter.warning());
+        if self.mesh.triangles.is_empty() {
+            return Err(ImportError::NoFaces { file: self.file.name.to_owned() });
+        }
+        Ok(Imported { mesh: self.mesh, warnings: self.warnings })
+    }
+
+    fn check_size(&self) -> Result<(), ImportError> {
+        if self.mesh.positions.len().max(self.mesh.triangles.len()) > MAX_PARTS {
+            return Err(ImportError::TooDetailed { file: self.file.name.to_owned() });
+        }
+        Ok(())
+    }
+}
+
+/// A position whose coordinates are finite; `place` says where it is.
+pub(super) fn finite(
+    file: ModelFile<'_>,
+    position: DVec3,
+    place: impl FnOnce() -> Place,
+) -> Result<DVec3, ImportError> {
+    match position.to_array().iter().find(|coordinate| !coordinate.is_finite()) {
+        Some(coordinate) => Err(file.at(place(), Problem::NotFinite(coordinate.to_string()))),
+        None => Ok(position),
+    }
+}
+
+/// What is said of faces that are none.
+pub(super) fn small_faces_warning(count: usize) -> String {
+    format!("faces with fewer than three different corners were left out: {count}")
+}

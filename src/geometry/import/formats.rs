@@ -1,0 +1,13 @@
+//! What is read, as people are told of it, and how much of it.
+
+/// The formats that are read, as a person is told of them.
+pub const FORMATS: &str = "OBJ or STL";
+
+/// What the names of their files end with.
+pub const ENDINGS: [&str; 2] = ["obj", "stl"];
+
+/// The largest file that is read, bytes: about twenty million triangles.
+pub const MAX_FILE_BYTES: u64 = 1 << 30;
+
+/// The most vertices and the most triangles of a model: a file can say with few bytes that it has very many.
+pub const MAX_PARTS: usize = 1 << 25;

@@ -1,0 +1,52 @@
+//! A model file in memory, and the mesh that is made of it.
+
+use super::error::{ImportError, Place, Problem};
+use crate::geometry::{TriMesh, Watch};
+
+/// Elements between two looks at whether someone still waits.
+const LOOK: usize = 1 << 16;
+
+/// A model file as a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Imported {
+    /// All objects and groups of the file as one surface, in the file's own units and place.
+    pub mesh: TriMesh,
+    /// What was left out, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// A model file in memory, and who waits for its mesh.
+#[derive(Clone, Copy)]
+pub(super) struct ModelFile<'a> {
+    pub(super) bytes: &'a [u8],
+    /// What it is called in messages.
+    pub(super) name: &'a str,
+    pub(super) watch: &'a dyn Watch,
+}
+
+impl<'a> ModelFile<'a> {
+    /// A file that nobody waits for.
+    pub(super) fn new(bytes: &'a [u8], name: &'a str) -> Self {
+        Self { bytes, name, watch: &() }
+    }
+
+    /// What is wrong at a place of this file.
+    pub(super) fn at(&self, place: Place, problem: Problem) -> ImportError {
+        ImportError::At { file: self.name.to_owned(), place, problem }
+    }
+
+    pub(super) fn cancelled(&self) -> ImportError {
+        ImportError::Cancelled { file: self.name.to_owned() }
+    }
+
+    /// Says how far reading is once in many elements, and hears whether to go on.
+    pub(super) fn look(&self, element: usize, fraction: impl FnOnce() -> f64) -> Result<(), ImportError> {
+        if element % LOOK == LOOK - 1 {
+            self.watch.progress(fraction());
+            if self.watch.cancelled() {
+                return Err(self.cancelled());
+            }
+        }
+        Ok(())
+    }
+}

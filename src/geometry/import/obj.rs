@@ -1,0 +1,162 @@
+//! OBJ files: text, read by tobj line by clean line.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::assembly::{MANY_CORNERS, small_faces_warning};
+use super::error::{ImportError, Place, Problem};
+use super::model_file::{Imported, ModelFile};
+use super::obj_lines::{LeftOut, ObjLines, Stop};
+use super::polygon::Cutter;
+use crate::geometry::{TriMesh, Watch};
+
+/// Reads an OBJ file.
+pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
+    let mut lines = ObjLines::new(file.bytes, file.watch);
+    let options = tobj::LoadOptions { single_index: true, triangulate: false, ..tobj::LoadOptions::default() };
+    let no_materials = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
+    let parsed = tobj::load_obj_buf(&mut lines, &options, no_materials);
+    let (models, _) = parsed.map_err(|error| match lines.take_stop() {
+        Some(Stop::Cancelled) => file.cancelled(),
+        Some(Stop::Problem(problem)) => file.at(Place::Line(lines.line()), problem),
+        None => {
+            let problem = Problem::Refused { format: "OBJ", why: error.to_string() };
+            file.at(Place::Line(lines.line()), problem)
+        }
+    })?;
+    if lines.faces() == 0 {
+        return Err(ImportError::NoFaces { file: file.name.to_owned() });
+    }
+    let mut mesh = TriMesh::default();
+    let mut cutter = Cutter::new();
+    for model in &models {
+        append(&mut mesh, &model.mesh, &mut cutter, file.watch).ok_or_else(|| file.cancelled())?;
+    }
+    let mut warnings = warnings(lines.left_out());
+    warnings.extend(cutter.warning());
+    Ok(Imported { mesh, warnings })
+}
+
+/// Adds the polygons of one model of the file, as triangles; none where someone has cancelled.
+fn append(mesh: &mut TriMesh, model: &tobj::Mesh, cutter: &mut Cutter, watch: &dyn Watch) -> Option<()> {
+    let base = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
+    mesh.positions.extend(model.positions.as_chunks().0.iter().map(|&position| DVec3::from_array(position)));
+    if model.face_arities.is_empty() {
+        mesh.triangles.extend(model.indices.as_chunks().0.iter().map(|triangle| triangle.map(|vertex| base + vertex)));
+        return Some(());
+    }
+    let mut rest = model.indices.as_slice();
+    for &arity in &model.face_arities {
+        let (face, after) = rest.split_at(arity as usize);
+        rest = after;
+        if arity as usize > MANY_CORNERS && watch.cancelled() {
+            return None;
+        }
+        let corners: Vec<DVec3> = face.iter().map(|&vertex| mesh.positions[(base + vertex) as usize]).collect();
+        let cut = cutter.cut(&corners);
+        mesh.triangles.extend(cut.into_iter().map(|triangle| triangle.map(|place| base + face[place as usize])));
+    }
+    Some(())
+}
+
+fn warnings(left_out: LeftOut) -> Vec<String> {
+    let LeftOut { small_faces, points_and_lines, curves } = left_out;
+    let mut warnings = Vec::new();
+    if small_faces > 0 {
+        warnings.push(small_faces_warning(small_faces));
+    }
+    if points_and_lines > 0 {
+        warnings.push(format!("points and lines have no surface and were left out: {points_and_lines}"));
+    }
+    if curves > 0 {
+        warnings.push(format!("curves and free-form surfaces are not read and were left out: {curves}"));
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geometry::import::parse_obj;
+
+    const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+
+    fn message(text: &str) -> String {
+        parse_obj(text.as_bytes(), "m.obj").expect_err("a bad file").to_string()
+    }
+
+    fn mesh(text: &str) -> TriMesh {
+        parse_obj(text.as_bytes(), "m.obj").expect("a good file").mesh
+    }
+
+    #[test]
+    fn a_quad_becomes_two_triangles_and_keeps_every_digit() {
+        let mesh = mesh(&QUAD.replace("v 1 1 0", "v 0.12345678901234567 1e-30 1e30"));
+        assert_eq!(mesh.triangles.len(), 2, "a quad");
+        assert!(mesh.positions.contains(&DVec3::new(0.123_456_789_012_345_67, 1e-30, 1e30)), "f64, not f32");
+    }
+
+    #[test]
+    fn objects_and_groups_become_one_mesh_and_materials_stay_unopened() {
+        let text = format!("mtllib /dev/null/none.mtl\no a\nusemtl x\n{QUAD}o b\ng c d\nusemtl\nf -1 -2 -3\nl 1 2\n");
+        let imported = parse_obj(text.as_bytes(), "m.obj").expect("a good file");
+        assert_eq!(
+            (imported.mesh.triangles.len(), imported.mesh.positions.len()),
+            (3, 4),
+            "shared vertices stay shared"
+        );
+        assert_eq!(imported.warnings, ["points and lines have no surface and were left out: 1"], "the line is missed");
+    }
+
+    #[test]
+    fn an_n_gon_beside_triangles_is_cut() {
+        let mesh = mesh("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\nf 1 2 3\n");
+        assert_eq!(mesh.triangles.len(), 5, "four of the L, one beside");
+    }
+
+    #[test]
+    fn every_error_is_a_sentence_that_says_what_would_be_right() {
+        assert!(message("").starts_with("m.obj is empty; a model file ("), "the formats are listed");
+        assert_eq!(message("\u{0}\u{1}"), "m.obj holds binary data; a text file in OBJ format is needed");
+        assert_eq!(message("v 0 0 0\n"), "m.obj has no faces; a model with a surface is needed");
+        let out = message(&QUAD.replace("3 4", "3 9"));
+        assert_eq!(out, "m.obj, line 5: the face asks for vertex 9, but only 4 vertices are in the file");
+    }
+
+    #[test]
+    fn a_watcher_can_cancel() {
+        struct Never;
+        impl Watch for Never {
+            fn cancelled(&self) -> bool {
+                true
+            }
+        }
+        let long = QUAD.to_owned() + &"f 1 2 3\n".repeat(70_000);
+        let file = ModelFile { watch: &Never, ..ModelFile::new(long.as_bytes(), "m.obj") };
+        let cancelled = read(file);
+        assert!(matches!(cancelled, Err(ImportError::Cancelled { .. })), "stopped on the way");
+    }
+
+    proptest! {
+        #[test]
+        fn mutated_files_never_panic_and_what_is_read_is_sound(
+            edits in prop::collection::vec((0_usize..200, prop_oneof![any::<u8>(), prop::sample::select(b"vf/-# \n\\0199.e".to_vec())]), 0..12),
+            cut in 0_usize..200,
+        ) {
+            let mut bytes = "# c\nv 0 0 0\nv 1 0 0 \\\n\nv 1 1 0 1 1 1\r\nvt 0 0\nf 1/1 2/1 3/1\nv 0 1.5e0 0\nf -1 -2 -3 -4\nl 1 2\no x\nf 1 2 4\n".as_bytes().to_vec();
+            for (at, byte) in edits {
+                let at = at % bytes.len();
+                bytes[at] = byte;
+            }
+            bytes.truncate(cut.max(1));
+            if let Ok(Imported { mesh, .. }) = parse_obj(&bytes, "m.obj") {
+                prop_assert!(!mesh.triangles.is_empty(), "success means a surface");
+                prop_assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < mesh.positions.len()), "indices in range");
+                prop_assert!(mesh.positions.iter().all(|position| position.is_finite()), "finite positions");
+            }
+        }
+    }
+}
