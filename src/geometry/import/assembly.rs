@@ -83,6 +83,13 @@ impl<'a> Assembly<'a> {
     }
 }
 
+/// The vertex that an index of a file means.
+pub(super) fn vertex_index(index: i64, vertices: usize) -> Result<u32, Problem> {
+    let known = usize::try_from(index).ok().filter(|&index| index < vertices);
+    let out = || Problem::OutOfRange { index, vertices: vertices as u64, so_far: false };
+    known.and_then(|index| u32::try_from(index).ok()).ok_or_else(out)
+}
+
 /// A position whose coordinates are finite; `place` says where it is.
 pub(super) fn finite(
     file: ModelFile<'_>,

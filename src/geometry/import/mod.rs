@@ -1,4 +1,4 @@
-//! Model files to meshes: OBJ through tobj, and STL (J1). Knows nothing of cells or of what the mesh is for.
+//! Model files to meshes: OBJ through tobj, STL, PLY through ply-rs-bw (J1). Knows nothing of cells or of what the mesh is for.
 //!
 //! What a file holds says which format it is in; only where that says nothing does its name. Whatever a header claims
 //! is held against the bytes that are there before anything is made of it.
@@ -9,6 +9,7 @@ mod formats;
 mod model_file;
 mod obj;
 mod obj_lines;
+mod ply;
 mod polygon;
 mod stl;
 
@@ -32,6 +33,7 @@ enum Format {
     Obj,
     StlText,
     StlBinary,
+    Ply,
 }
 
 /// Reads a model file.
@@ -69,6 +71,7 @@ fn read(file: ModelFile<'_>, ending: &str) -> Result<Imported, ImportError> {
         "obj" => Some(Format::Obj),
         "stl" if is_binary(file.bytes) => Some(Format::StlBinary),
         "stl" => Some(Format::StlText),
+        "ply" => Some(Format::Ply),
         _ => None,
     };
     let format = format_of(file.bytes).or_else(named);
@@ -88,11 +91,15 @@ fn read_as(format: Format, file: ModelFile<'_>) -> Result<Imported, ImportError>
         Format::Obj => obj::read(file),
         Format::StlText => stl::read_text(file),
         Format::StlBinary => stl::read_binary(file),
+        Format::Ply => ply::read(file),
     }
 }
 
 /// The format that the bytes themselves tell.
 fn format_of(bytes: &[u8]) -> Option<Format> {
+    if ply::is_ply(bytes) {
+        return Some(Format::Ply);
+    }
     // Before the first word: what a binary STL file begins with is free, and often the `solid` of a text.
     if stl::is_binary_stl(bytes) {
         return Some(Format::StlBinary);

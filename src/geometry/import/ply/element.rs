@@ -1,0 +1,101 @@
+//! One element of a PLY file: what a surface needs of it.
+
+use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType};
+
+use crate::geometry::import::error::{Problem, coordinate, quote};
+
+/// What the corners of a face are called.
+pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// What a surface needs of a vertex or of a face.
+#[derive(Debug, Default)]
+pub(super) struct Element {
+    /// Of a vertex.
+    pub(super) position: [f64; 3],
+    /// Of a face, as written.
+    pub(super) corners: Vec<i64>,
+}
+
+impl PropertyAccess for Element {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if let Some(axis) = axis(name) {
+            self.position[axis] = number(&property);
+        } else if INDICES.contains(&name) {
+            self.corners = whole_numbers(property);
+        } else {
+            return PropertyAccessResult::Ignored;
+        }
+        PropertyAccessResult::Set
+    }
+}
+
+/// The element that a line of a text holds.
+pub(super) fn text_element(line: &[u8], def: &ElementDef) -> Result<Element, Problem> {
+    let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    let mut next = || words.next().ok_or(Problem::Missing("a number that the header describes"));
+    let mut element = Element::default();
+    for (name, property) in &def.properties {
+        match (&property.data_type, axis(name)) {
+            (PropertyType::Scalar(_), Some(axis)) => element.position[axis] = coordinate(next()?)?,
+            (PropertyType::Scalar(_), None) => drop(next()?),
+            (PropertyType::List(..), _) => {
+                let count: u32 = whole_number(next()?, "a number of entries")?;
+                let is_corner = INDICES.contains(&name.as_str());
+                // As many as there are words: what is claimed is not reserved.
+                for _ in 0..count {
+                    let word = next()?;
+                    if is_corner {
+                        element.corners.push(whole_number(word, "the number of a vertex")?);
+                    }
+                }
+            }
+        }
+    }
+    Ok(element)
+}
+
+/// The coordinate that a property is.
+fn axis(name: &str) -> Option<usize> {
+    ["x", "y", "z"].iter().position(|axis| *axis == name)
+}
+
+fn whole_number<T: std::str::FromStr>(word: &[u8], needed: &'static str) -> Result<T, Problem> {
+    let number = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok());
+    number.ok_or_else(|| Problem::Unexpected { found: quote(word), needed })
+}
+
+fn number(property: &Property) -> f64 {
+    match *property {
+        Property::Char(value) => value.into(),
+        Property::UChar(value) => value.into(),
+        Property::Short(value) => value.into(),
+        Property::UShort(value) => value.into(),
+        Property::Int(value) => value.into(),
+        Property::UInt(value) => value.into(),
+        Property::Float(value) => value.into(),
+        Property::Double(value) => value,
+        // The header is refused where a coordinate is a list.
+        _ => f64::NAN,
+    }
+}
+
+fn whole_numbers(property: Property) -> Vec<i64> {
+    match property {
+        Property::ListChar(list) => wide(list),
+        Property::ListUChar(list) => wide(list),
+        Property::ListShort(list) => wide(list),
+        Property::ListUShort(list) => wide(list),
+        Property::ListInt(list) => wide(list),
+        Property::ListUInt(list) => wide(list),
+        // The header is refused where corners are anything else.
+        _ => Vec::new(),
+    }
+}
+
+fn wide<T: Into<i64>>(list: Vec<T>) -> Vec<i64> {
+    list.into_iter().map(Into::into).collect()
+}
