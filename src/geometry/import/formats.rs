@@ -1,10 +1,10 @@
 //! What is read, as people are told of it, and how much of it.
 
 /// The formats that are read, as a person is told of them.
-pub const FORMATS: &str = "OBJ, STL or PLY";
+pub const FORMATS: &str = "OBJ, STL, PLY or glTF";
 
 /// What the names of their files end with.
-pub const ENDINGS: [&str; 3] = ["obj", "stl", "ply"];
+pub const ENDINGS: [&str; 5] = ["obj", "stl", "ply", "gltf", "glb"];
 
 /// The largest file that is read, bytes: about twenty million triangles.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;

@@ -1,4 +1,4 @@
-//! Model files to meshes: OBJ through tobj, STL, PLY through ply-rs-bw (J1). Knows nothing of cells or of what the mesh is for.
+//! Model files to meshes: OBJ through tobj, STL, PLY through ply-rs-bw, glTF through gltf-json (J1). Knows nothing of cells or of what the mesh is for.
 //!
 //! What a file holds says which format it is in; only where that says nothing does its name. Whatever a header claims
 //! is held against the bytes that are there before anything is made of it.
@@ -6,6 +6,7 @@
 mod assembly;
 mod error;
 mod formats;
+mod gltf;
 mod model_file;
 mod obj;
 mod obj_lines;
@@ -34,6 +35,7 @@ enum Format {
     StlText,
     StlBinary,
     Ply,
+    Gltf,
 }
 
 /// Reads a model file.
@@ -52,7 +54,7 @@ pub fn load_watched(path: &Path, watch: &dyn Watch) -> Result<Imported, ImportEr
         ReadError::Refused(source) => ImportError::Unreadable { file: file(), source },
     })?;
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    read(ModelFile { bytes: &bytes, name, watch }, &ending)
+    read(ModelFile { bytes: &bytes, name, folder: Some(&disk::folder_of(path)), watch }, &ending)
 }
 
 /// Reads the bytes of a model file in any format; `name` stands for the file in messages.
@@ -72,6 +74,7 @@ fn read(file: ModelFile<'_>, ending: &str) -> Result<Imported, ImportError> {
         "stl" if is_binary(file.bytes) => Some(Format::StlBinary),
         "stl" => Some(Format::StlText),
         "ply" => Some(Format::Ply),
+        "gltf" | "glb" => Some(Format::Gltf),
         _ => None,
     };
     let format = format_of(file.bytes).or_else(named);
@@ -92,11 +95,15 @@ fn read_as(format: Format, file: ModelFile<'_>) -> Result<Imported, ImportError>
         Format::StlText => stl::read_text(file),
         Format::StlBinary => stl::read_binary(file),
         Format::Ply => ply::read(file),
+        Format::Gltf => gltf::read(file),
     }
 }
 
 /// The format that the bytes themselves tell.
 fn format_of(bytes: &[u8]) -> Option<Format> {
+    if gltf::is_glb(bytes) {
+        return Some(Format::Gltf);
+    }
     if ply::is_ply(bytes) {
         return Some(Format::Ply);
     }
@@ -110,6 +117,9 @@ fn format_of(bytes: &[u8]) -> Option<Format> {
     let first = first_word(bytes)?;
     if first.eq_ignore_ascii_case(b"solid") {
         return Some(Format::StlText);
+    }
+    if first.starts_with(b"{") {
+        return Some(Format::Gltf);
     }
     OBJ_WORDS.contains(&first).then_some(Format::Obj)
 }

@@ -1,5 +1,7 @@
 //! A model file in memory, and the mesh that is made of it.
 
+use std::path::Path;
+
 use super::error::{ImportError, Place, Problem};
 use crate::geometry::{TriMesh, Watch};
 
@@ -21,18 +23,25 @@ pub(super) struct ModelFile<'a> {
     pub(super) bytes: &'a [u8],
     /// What it is called in messages.
     pub(super) name: &'a str,
+    /// The folder that it is in, if it is a file.
+    pub(super) folder: Option<&'a Path>,
     pub(super) watch: &'a dyn Watch,
 }
 
 impl<'a> ModelFile<'a> {
     /// A file that nobody waits for.
     pub(super) fn new(bytes: &'a [u8], name: &'a str) -> Self {
-        Self { bytes, name, watch: &() }
+        Self { bytes, name, folder: None, watch: &() }
     }
 
     /// What is wrong at a place of this file.
     pub(super) fn at(&self, place: Place, problem: Problem) -> ImportError {
         ImportError::At { file: self.name.to_owned(), place, problem }
+    }
+
+    /// A part that a place of this file asks for and that does not exist.
+    pub(super) fn no_such(&self, place: Place, what: &'static str, number: usize) -> ImportError {
+        self.at(place, Problem::NoSuch { what, number })
     }
 
     pub(super) fn cancelled(&self) -> ImportError {

@@ -1,0 +1,133 @@
+//! The bytes of a glTF file: within it, in its text or in files beside it. Each buffer is read when it is first asked
+//! for, and once.
+
+use std::borrow::Cow;
+use std::path::{Component, Path};
+
+use base64::Engine as _;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use gltf_json::Root;
+use percent_encoding::percent_decode_str;
+
+use crate::disk::{self, ReadError};
+use crate::geometry::import::error::{ImportError, Place, Problem};
+use crate::geometry::import::formats::MAX_FILE_BYTES;
+use crate::geometry::import::model_file::ModelFile;
+use crate::text::{echo_path, echo_up_to};
+
+/// Standard base64; whether it is filled up with `=` does not matter.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// The buffers of a file.
+pub(super) struct Buffers<'a> {
+    file: ModelFile<'a>,
+    root: &'a Root,
+    blob: Option<&'a [u8]>,
+    read: Vec<Option<Cow<'a, [u8]>>>,
+    /// The bytes that all buffers together may still have.
+    budget: u64,
+}
+
+impl<'a> Buffers<'a> {
+    /// The buffers of a file; `blob` is the one within a binary file.
+    pub(super) fn new(file: ModelFile<'a>, root: &'a Root, blob: Option<&'a [u8]>) -> Self {
+        Self { file, root, blob, read: vec![None; root.buffers.len()], budget: MAX_FILE_BYTES }
+    }
+
+    /// The bytes of a view into a buffer.
+    pub(super) fn view(&mut self, view: usize, place: &Place) -> Result<&[u8], ImportError> {
+        let file = self.file;
+        let of = self.root.buffer_views.get(view).ok_or_else(|| file.no_such(place.clone(), "buffer view", view))?;
+        let buffer = of.buffer.value();
+        let start = of.byte_offset.map_or(0, |offset| offset.0);
+        let end = start.saturating_add(of.byte_length.0);
+        let bytes = self.buffer(buffer, place)?;
+        let range = usize::try_from(start).ok().zip(usize::try_from(end).ok());
+        range.and_then(|(start, end)| bytes.get(start..end)).ok_or_else(|| {
+            let what = format!("buffer view {view} and what is before it");
+            file.at(Place::Buffer(buffer), Problem::TooShort { what, needed: end, there: bytes.len() as u64 })
+        })
+    }
+
+    fn buffer(&mut self, number: usize, place: &Place) -> Result<&[u8], ImportError> {
+        let slot = self.read.get(number).ok_or_else(|| self.file.no_such(place.clone(), "buffer", number))?;
+        if slot.is_none() {
+            let bytes = self.fetch(number).map_err(|problem| match problem {
+                Fault::TooLarge => ImportError::TooLarge { file: self.file.name.to_owned() },
+                Fault::Problem(problem) => self.file.at(Place::Buffer(number), problem),
+            })?;
+            self.budget = self.budget.saturating_sub(bytes.len() as u64);
+            self.read[number] = Some(bytes);
+        }
+        Ok(self.read[number].as_deref().unwrap_or_default())
+    }
+
+    fn fetch(&self, number: usize) -> Result<Cow<'a, [u8]>, Fault> {
+        let bytes = match (self.root.buffers[number].uri.as_deref(), self.blob) {
+            (Some(uri), _) => match uri.strip_prefix("data:") {
+                Some(rest) => Cow::Owned(self.embedded(rest)?),
+                None => Cow::Owned(self.beside(uri)?),
+            },
+            (None, Some(blob)) if number == 0 => Cow::Borrowed(blob),
+            (None, _) => return Err(Problem::Missing("what it holds, a `uri` or a chunk `BIN`,").into()),
+        };
+        let (needed, there) = (self.root.buffers[number].byte_length.0, bytes.len() as u64);
+        if needed > there {
+            return Err(Problem::TooShort { what: "its contents".into(), needed, there }.into());
+        }
+        Ok(bytes)
+    }
+
+    /// The bytes of a `data:` URI.
+    fn embedded(&self, rest: &str) -> Result<Vec<u8>, Fault> {
+        let refused = |why: String| Fault::from(Problem::Refused { format: "a data URI", why });
+        let (kind, text) = rest.split_once(',').ok_or_else(|| refused("it has no comma".into()))?;
+        // Each byte takes at least one letter.
+        if text.len() as u64 / 4 * 3 > self.budget {
+            return Err(Fault::TooLarge);
+        }
+        if kind.ends_with(";base64") {
+            BASE64.decode(text).map_err(|error| refused(error.to_string()))
+        } else {
+            Ok(percent_decode_str(text).collect())
+        }
+    }
+
+    /// The bytes of a file beside the model or in a folder below it: a model that somebody sends must not make this
+    /// program look anywhere else.
+    fn beside(&self, uri: &str) -> Result<Vec<u8>, Fault> {
+        let name = percent_decode_str(uri).decode_utf8_lossy();
+        let path = Path::new(&*name);
+        let is_below = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        let Some(folder) = self.file.folder.filter(|_| is_below && !name.contains([':', '\\'])) else {
+            let what = format!("the buffer `{}`", echo_up_to(&name, 60));
+            let remedy = "only files beside the model and in folders below it are";
+            return Err(Problem::Unsupported { what, remedy }.into());
+        };
+        let path = folder.join(path);
+        disk::read(&path, self.budget).map_err(|error| {
+            let why = match &error {
+                ReadError::TooLarge(_) => return Fault::TooLarge,
+                ReadError::Refused(source) if source.kind() == std::io::ErrorKind::NotFound => "does not exist".into(),
+                other => other.to_string(),
+            };
+            Problem::Beside { file: echo_path(&path), why }.into()
+        })
+    }
+}
+
+/// Why a buffer gives no bytes.
+enum Fault {
+    TooLarge,
+    Problem(Problem),
+}
+
+impl From<Problem> for Fault {
+    fn from(problem: Problem) -> Self {
+        Self::Problem(problem)
+    }
+}

@@ -1,0 +1,194 @@
+//! The triangles of a glTF primitive: positions and indices out of accessors, in the order that its mode says.
+
+use glam::{DMat4, DVec3};
+use gltf_json::Root;
+use gltf_json::accessor::{ComponentType, Type};
+use gltf_json::mesh::{Mode, Primitive, Semantic};
+use gltf_json::validation::Checked;
+
+use super::buffers::Buffers;
+use crate::geometry::import::assembly::{Assembly, finite, vertex_index};
+use crate::geometry::import::error::{ImportError, Place, Problem};
+use crate::geometry::import::formats::MAX_PARTS;
+use crate::geometry::import::model_file::{Imported, ModelFile};
+
+/// Follows the indices of a file into its buffers, and gathers the triangles that it finds.
+pub(super) struct Reader<'a> {
+    file: ModelFile<'a>,
+    root: &'a Root,
+    buffers: Buffers<'a>,
+    assembly: Assembly<'a>,
+}
+
+/// The numbers of an accessor, element by element.
+struct Elements<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    count: usize,
+    component: ComponentType,
+    normalized: bool,
+}
+
+impl<'a> Reader<'a> {
+    /// Nothing yet; `blob` is the buffer within a binary file.
+    pub(super) fn new(file: ModelFile<'a>, root: &'a Root, blob: Option<&'a [u8]>) -> Self {
+        Self { file, root, buffers: Buffers::new(file, root, blob), assembly: Assembly::new(file) }
+    }
+
+    /// Takes note of something that a person should know.
+    pub(super) fn warn(&mut self, warning: String) {
+        self.assembly.warn(warning);
+    }
+
+    /// The mesh of all that was added.
+    pub(super) fn finish(self) -> Result<Imported, ImportError> {
+        self.assembly.finish()
+    }
+
+    /// Adds the triangles of a primitive, moved by a transform; says whether it has a surface at all.
+    pub(super) fn add(&mut self, primitive: &Primitive, transform: &DMat4, place: &Place) -> Result<bool, ImportError> {
+        let Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) = primitive.mode else {
+            return Ok(false);
+        };
+        let missing = || self.file.at(place.clone(), Problem::Missing("the attribute `POSITION`"));
+        let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions)).ok_or_else(missing)?.value();
+        let base = self.assembly.vertices();
+        let count = self.add_positions(positions, transform, place)?;
+        let corners = match primitive.indices {
+            Some(indices) => self.indices(indices.value(), place)?,
+            None => (0..).take(count).collect(),
+        };
+        let mirrored = transform.determinant() < 0.0;
+        let file = self.file;
+        let mut face = Vec::new();
+        for (number, [a, b, c]) in triangles(mode, corners.len()).enumerate() {
+            file.look(number, || 0.5)?;
+            let order = if mirrored { [a, c, b] } else { [a, b, c] };
+            face.clear();
+            for corner in order {
+                let index = vertex_index(corners[corner], count).map_err(|problem| file.at(place.clone(), problem))?;
+                face.push(index + u32::try_from(base).unwrap_or(u32::MAX));
+            }
+            // A strip turns round by triangles of no area, which nobody misses.
+            if mode == Mode::Triangles || (face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) {
+                self.assembly.face(&mut face)?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// Adds the vertices of an accessor. How many they are.
+    fn add_positions(&mut self, accessor: usize, transform: &DMat4, place: &Place) -> Result<usize, ImportError> {
+        let file = self.file;
+        let elements = elements(self, accessor, Type::Vec3, place)?;
+        let (count, stride, size) = (elements.count, elements.stride, elements.component.size());
+        // The bytes are those of a buffer that the assembly knows nothing of.
+        let placed: Vec<DVec3> = (0..count)
+            .map(|number| {
+                let at = |axis: usize| elements.number(number * stride + axis * size);
+                transform.transform_point3(DVec3::new(at(0), at(1), at(2)))
+            })
+            .collect();
+        for (number, position) in placed.into_iter().enumerate() {
+            file.look(number, || 0.5)?;
+            self.assembly.vertex(finite(file, position, || place.clone())?)?;
+        }
+        Ok(count)
+    }
+
+    fn indices(&mut self, accessor: usize, place: &Place) -> Result<Vec<i64>, ImportError> {
+        let file = self.file;
+        let elements = elements(self, accessor, Type::Scalar, place)?;
+        if !matches!(elements.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
+            let what = format!("an index of the type {:?}", elements.component);
+            return Err(file.at(place.clone(), Problem::Unsupported { what, remedy: "U8, U16 and U32 are" }));
+        }
+        let stride = elements.stride;
+        // Exact: none is above 2³².
+        #[expect(clippy::cast_possible_truncation, reason = "a whole number of at most four bytes")]
+        Ok((0..elements.count).map(|number| elements.number(number * stride) as i64).collect())
+    }
+}
+
+/// The elements of an accessor, all of them within its buffer.
+fn elements<'r>(
+    reader: &'r mut Reader<'_>,
+    number: usize,
+    wanted: Type,
+    place: &Place,
+) -> Result<Elements<'r>, ImportError> {
+    let file = reader.file;
+    let fail = |problem| file.at(place.clone(), problem);
+    let accessor = reader.root.accessors.get(number).ok_or_else(|| file.no_such(place.clone(), "accessor", number))?;
+    let (Checked::Valid(found), Checked::Valid(component)) = (accessor.type_, accessor.component_type) else {
+        return Err(fail(Problem::Missing("the type of an accessor")));
+    };
+    if found != wanted {
+        let what = format!("accessor {number} of the type {found:?}");
+        let remedy =
+            if wanted == Type::Vec3 { "positions are of the type Vec3" } else { "indices are of the type Scalar" };
+        return Err(fail(Problem::Unsupported { what, remedy }));
+    }
+    if accessor.sparse.is_some() {
+        let what = format!("the sparse accessor {number}");
+        return Err(fail(Problem::Unsupported { what, remedy: "export the model without sparse accessors" }));
+    }
+    let view = accessor.buffer_view.ok_or_else(|| fail(Problem::Missing("the buffer view of an accessor")))?.value();
+    let component = component.0;
+    let size = component.size() * found.multiplicity();
+    let stride = reader.root.buffer_views.get(view).and_then(|view| view.byte_stride).map_or(size, |stride| stride.0);
+    if stride < size {
+        return Err(fail(Problem::TooShort {
+            what: format!("elements of accessor {number}"),
+            needed: size as u64,
+            there: stride as u64,
+        }));
+    }
+    if accessor.count.0 > 3 * MAX_PARTS as u64 {
+        return Err(ImportError::TooDetailed { file: file.name.to_owned() });
+    }
+    let start = accessor.byte_offset.map_or(0, |offset| offset.0);
+    let (count, normalized) = (accessor.count.0, accessor.normalized);
+    let before_last = count.saturating_sub(1).saturating_mul(stride as u64);
+    let needed = if count == 0 { 0 } else { start.saturating_add(before_last).saturating_add(size as u64) };
+    let bytes = reader.buffers.view(view, place)?;
+    let there = bytes.len() as u64;
+    let within = usize::try_from(start).ok().and_then(|start| bytes.get(start..)).filter(|_| needed <= there);
+    let short = || fail(Problem::TooShort { what: format!("the elements of accessor {number}"), needed, there });
+    let bytes = within.ok_or_else(short)?;
+    Ok(Elements { bytes, stride, count: usize::try_from(count).unwrap_or(0), component, normalized })
+}
+
+impl Elements<'_> {
+    /// The number at a place that [`elements`] has looked at.
+    fn number(&self, at: usize) -> f64 {
+        let bytes = &self.bytes[at..at + self.component.size()];
+        let (value, most) = match (self.component, bytes) {
+            (ComponentType::I8, &[a]) => (f64::from(i8::from_le_bytes([a])), f64::from(i8::MAX)),
+            (ComponentType::U8, &[a]) => (f64::from(a), f64::from(u8::MAX)),
+            (ComponentType::I16, &[a, b]) => (f64::from(i16::from_le_bytes([a, b])), f64::from(i16::MAX)),
+            (ComponentType::U16, &[a, b]) => (f64::from(u16::from_le_bytes([a, b])), f64::from(u16::MAX)),
+            (ComponentType::U32, &[a, b, c, d]) => (f64::from(u32::from_le_bytes([a, b, c, d])), f64::from(u32::MAX)),
+            (_, &[a, b, c, d]) => return f32::from_le_bytes([a, b, c, d]).into(),
+            _ => return f64::NAN,
+        };
+        if self.normalized { (value / most).max(-1.0) } else { value }
+    }
+}
+
+/// The corners of all triangles, by their places among so many indices.
+///
+/// ```text
+///  strip  0---2---4    012 132 234    fan  1---2---3    012 023 034
+///          \ / \ / \                        \  |  / \
+///           1---3---5                        `-0-'---4
+/// ```
+fn triangles(mode: Mode, corners: usize) -> impl Iterator<Item = [usize; 3]> {
+    let count = if mode == Mode::Triangles { corners / 3 } else { corners.saturating_sub(2) };
+    (0..count).map(move |number| match mode {
+        Mode::TriangleStrip if number % 2 == 1 => [number + 1, number, number + 2],
+        Mode::TriangleStrip => [number, number + 1, number + 2],
+        Mode::TriangleFan => [0, number + 1, number + 2],
+        _ => [3 * number, 3 * number + 1, 3 * number + 2],
+    })
+}
