@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 use super::ui::files::PathUse;
+use crate::scene::body::{MODEL_ENDINGS, MODEL_FORMATS};
 
 /// Where the window kept the keyboard and nothing was chosen within this time, there was no dialog: one would have taken
 /// the keyboard, and a person takes longer over one that does not.
@@ -43,8 +44,10 @@ impl NativeDialog {
             let dialog = rfd::FileDialog::new().set_directory(folder);
             let chosen = match purpose {
                 PathUse::OpenScene => dialog.set_title("Open scene").add_filter("Gelatin scene", &["ron"]).pick_file(),
-                PathUse::OpenModel => dialog.set_title("Load model").add_filter("OBJ model", &["obj"]).pick_file(),
-                PathUse::OpenMesh => dialog.set_title("Add mesh").add_filter("OBJ model", &["obj"]).pick_file(),
+                PathUse::OpenModel => {
+                    dialog.set_title("Load model").add_filter(MODEL_FORMATS, &MODEL_ENDINGS).pick_file()
+                }
+                PathUse::OpenMesh => dialog.set_title("Add mesh").add_filter(MODEL_FORMATS, &MODEL_ENDINGS).pick_file(),
                 PathUse::OpenState => {
                     dialog.set_title("Open state").add_filter("Gelatin state", &["state"]).pick_file()
                 }

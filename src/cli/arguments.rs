@@ -5,14 +5,20 @@ use std::ffi::OsString;
 use clap::{Parser, Subcommand};
 
 use super::{check, presets, render, report, run, scene_args, sweep, voxelize};
+use crate::geometry::import::FORMATS;
 
 /// What scripts go by.
 const EXIT_CODES: &str =
     "Exit code: 0, 1 when the work failed (also where `run` or `render` explodes), 2 for wrong usage.";
 
+/// What stands below all commands and options.
+fn closing_words() -> String {
+    format!("Model files are {FORMATS}; what a file holds tells which.\n\n{EXIT_CODES}")
+}
+
 /// An interactive sandbox for soft bodies.
 #[derive(Debug, Parser)]
-#[command(name = "gelatin", version, args_conflicts_with_subcommands = true, after_help = EXIT_CODES)]
+#[command(name = "gelatin", version, args_conflicts_with_subcommands = true, after_help = closing_words())]
 pub(super) struct Arguments {
     /// A preset's name, a .ron scene or a model file to open in the window.
     pub(super) scene: Option<OsString>,

@@ -13,6 +13,7 @@ use super::Failure;
 use super::out::{self, Progress};
 use super::scene_args::up_axis;
 use crate::geometry::UpAxis;
+use crate::geometry::import::FORMATS;
 use crate::geometry::voxel::{Cells, Keep, MAX_DIVISIONS, OccupancyChoice, VoxelReport, VoxelizeOptions, voxelize};
 use crate::scene::resolve::{self, LENGTHS};
 use crate::text::echo_path;
@@ -21,7 +22,7 @@ use crate::view::legend::three_digits;
 /// The model and how it is filled.
 #[derive(Debug, Args)]
 pub(super) struct VoxelizeArgs {
-    /// The model file.
+    /// The model file; `gelatin --help` lists the formats.
     model: OsString,
     /// Cells along the longest extent.
     #[arg(long, default_value_t = 20, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DIVISIONS)))]
@@ -77,7 +78,7 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
         out::check_spares(path, &[PathBuf::from(&args.model)])?;
     }
     if args.model.is_empty() {
-        return Err(Failure::usage(anyhow!("no model is named; give the path of an OBJ file")));
+        return Err(Failure::usage(anyhow!("no model is named; give the path of a model file ({FORMATS})")));
     }
     let shown = echo_path(Path::new(&args.model));
     let model = args.model.to_str().with_context(|| format!("{shown}: the name is not UTF-8; rename the file"))?;

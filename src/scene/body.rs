@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Material, Solid};
 pub use crate::geometry::UpAxis;
+pub use crate::geometry::import::{ENDINGS as MODEL_ENDINGS, FORMATS as MODEL_FORMATS};
 pub use crate::geometry::voxel::{Keep, MAX_DIVISIONS, OccupancyChoice};
 
 /// A soft body.

@@ -4,6 +4,7 @@ mod bad_input;
 mod errors;
 mod exploding;
 mod figures;
+mod formats;
 mod killed;
 #[cfg(target_os = "linux")]
 mod limits;

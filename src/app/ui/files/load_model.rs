@@ -11,7 +11,7 @@ use crate::app::hand::Target;
 use crate::app::ui::words::capitalised;
 use crate::app::ui::{adding, theme};
 use crate::machine::bytes_text;
-use crate::scene::body::{Keep, MAX_DIVISIONS, ModelShape, OccupancyChoice, UpAxis};
+use crate::scene::body::{Keep, MAX_DIVISIONS, MODEL_FORMATS, ModelShape, OccupancyChoice, UpAxis};
 use crate::scene::edit::BodyId;
 use crate::session::jellify::{Preview, occupancy_word, up_axis_word};
 use crate::session::predict::speed_in_window;
@@ -123,7 +123,8 @@ fn work_ui(ui: &mut Ui, model: &mut LoadModel, height: f32, status: &Status, wis
     let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, false]);
     area.show(ui, |ui| match &model.work {
         Work::Idle => {
-            let words = if model.asked.is_some() { "…" } else { "Choose a model: an OBJ file." };
+            let choose = format!("Choose a model file: {MODEL_FORMATS}.");
+            let words = if model.asked.is_some() { "…".to_owned() } else { choose };
             ui.label(RichText::new(words).color(theme::of(ui).weak));
         }
         Work::Running(progress) => {

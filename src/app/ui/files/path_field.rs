@@ -9,6 +9,7 @@ use super::super::theme;
 use crate::app::sentence::sentence;
 use crate::disk::folder_of;
 use crate::scene::Scene;
+use crate::scene::body::MODEL_ENDINGS;
 use crate::session::document::is_scene_path;
 use crate::session::state_file;
 
@@ -275,7 +276,7 @@ fn with_ending(path: PathBuf, ending: &str) -> PathBuf {
 
 /// Whether a file's name is that of a model.
 fn is_model_path(path: &Path) -> bool {
-    has_ending(path, "obj")
+    MODEL_ENDINGS.iter().any(|ending| has_ending(path, ending))
 }
 
 fn words(scene: &Scene) -> String {
@@ -329,7 +330,9 @@ mod tests {
         std::fs::create_dir(path.join("sub")).expect("a folder");
         Scene::default().save(&path.join("a.ron")).expect("a scene");
         std::fs::write(path.join("bad.ron"), "(version: 1,\n bodis: [])").expect("a file");
-        std::fs::write(path.join("cow.obj"), "v 0 0 0\n").expect("a file");
+        for model in ["cow.obj", "hat.STL", "pot.glb", "pot.bin"] {
+            std::fs::write(path.join(model), "v 0 0 0\n").expect("a file");
+        }
         folder
     }
 
@@ -345,7 +348,9 @@ mod tests {
         let says = |name, words: &str| matches!(judged(name), Verdict::Unusable(why) if why.contains(words));
         assert!(says("x.ron", "does not exist"));
         assert!(says("sub", "is a folder"));
-        assert!(matches!(judged("cow.obj"), Verdict::Model(_)), "a model is told from a scene");
+        for model in ["cow.obj", "hat.STL", "pot.glb"] {
+            assert!(matches!(judged(model), Verdict::Model(_)), "{model} is told from a scene");
+        }
         assert!(says("bad.ron", "bad.ron:2"), "the line is named: {:?}", judged("bad.ron"));
         assert!(matches!(judged("a.ron"), Verdict::Usable(_, what) if what == "A scene of 0 bodies and 0 obstacles"));
     }
@@ -383,7 +388,7 @@ mod tests {
         };
         assert_eq!(names(PathUse::OpenScene, ""), ["sub", "a.ron", "bad.ron"]);
         assert_eq!(names(PathUse::OpenScene, "B"), ["bad.ron"]);
-        assert_eq!(names(PathUse::OpenModel, ""), ["sub", "cow.obj"]);
+        assert_eq!(names(PathUse::OpenModel, ""), ["sub", "cow.obj", "hat.STL", "pot.glb"]);
         assert_eq!(names(PathUse::OpenModel, "nowhere/"), [""; 0]);
     }
 }

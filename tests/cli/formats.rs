@@ -1,0 +1,115 @@
+//! Models in every format: one tetrahedron, and the same cells.
+
+use serde_json::Value;
+
+use crate::bad_input::{FAILED, refused};
+use crate::program::Folder;
+
+const PLACES: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [3.0, 0.0, 0.0], [0.0, 0.0, 5.0]];
+const FACES: [[u8; 3]; 4] = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+
+/// Numbers of one line of a text.
+fn line<T: ToString>(numbers: &[T]) -> String {
+    numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+}
+
+fn obj() -> String {
+    let vertices = PLACES.map(|place| format!("v {}\n", line(&place)));
+    let faces = FACES.map(|face| format!("f {}\n", line(&face.map(|corner| corner + 1))));
+    [vertices.concat(), faces.concat()].concat()
+}
+
+fn stl() -> Vec<u8> {
+    let mut bytes = [&b"solid in name only"[..], &[0; 62], &4_u32.to_le_bytes()].concat();
+    for face in FACES {
+        bytes.extend([0; 12]);
+        bytes.extend(face.iter().flat_map(|&corner| PLACES[usize::from(corner)]).flat_map(f32::to_le_bytes));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+fn ply() -> String {
+    let places = PLACES.map(|place| line(&place) + "\n").concat();
+    let faces = FACES.map(|face| format!("3 {}\n", line(&face))).concat();
+    format!(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n\
+         property list uchar int vertex_indices\nend_header\n{places}{faces}"
+    )
+}
+
+/// A text, and the file beside it.
+fn gltf() -> (String, Vec<u8>) {
+    let text = r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                      {"bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+        "buffers": [{"uri": "beside.bin", "byteLength": 60}]}"#;
+    let places = PLACES.iter().flatten().flat_map(|number| number.to_le_bytes());
+    (text.to_owned(), places.chain(FACES.into_iter().flatten()).collect())
+}
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    let (text, beside) = gltf();
+    folder.write("m.obj", obj()).write("m.stl", stl()).write("m.ply", ply()).write("m.gltf", text);
+    folder.write("beside.bin", beside);
+    folder
+}
+
+/// What does not depend on the clock and the name.
+fn lasting(mut report: Value) -> Value {
+    for key in ["model", "scene", "wall_secs"] {
+        report.as_object_mut().expect("an object").remove(key);
+    }
+    report
+}
+
+#[test]
+fn every_format_gives_the_cells_that_obj_gives() {
+    let folder = folder();
+    let filled = |name: &str| lasting(folder.json(&format!("voxelize {name} --divisions 6 --json")));
+    let wanted = filled("m.obj");
+    assert!(wanted["closed"] == true && wanted["triangles"] == 4, "{wanted}");
+    for name in ["m.stl", "m.ply", "m.gltf"] {
+        assert_eq!(filled(name), wanted, "{name}");
+    }
+}
+
+#[test]
+fn every_format_runs_and_stops_what_falls_on_it() {
+    let folder = folder();
+    let hash = |name: &str| folder.json(&format!("run {name} --divisions 4 --seconds 0.05 --json"))["hash"].clone();
+    let scene =
+        |name: &str| format!("(version: 1, bodies: [(shape: cube())], obstacles: [(mesh: (path: \"{name}\"))])");
+    for name in ["m.stl", "m.ply", "m.gltf"] {
+        assert_eq!(hash(name), hash("m.obj"), "{name} moves as OBJ does");
+        folder.write("mesh.ron", scene(name));
+        assert_eq!(folder.json("check mesh.ron --json")["ok"], true, "{name} as an obstacle");
+    }
+}
+
+#[test]
+fn damaged_models_of_every_format_are_refused_by_name() {
+    let folder = folder();
+    folder
+        .write("cut.stl", &stl()[..200])
+        .write("line.ply", ply().replace("3 1 3 2", "3 1 3 7"))
+        .write("json.gltf", gltf().0.replace("\"nodes\": [0]", "\"nodes\": [0"))
+        .write("lost.gltf", gltf().0.replace("beside.bin", "lost.bin"))
+        .write("old.fbx", "Kaydara");
+    let cut = ["cut.stl, header: 4 triangles need 284 bytes, but 200 are there"];
+    refused(&folder, "voxelize cut.stl", FAILED, &cut);
+    refused(&folder, "voxelize line.ply", FAILED, &["line.ply, line 17: the face asks for vertex 7"]);
+    refused(&folder, "check json.gltf", FAILED, &["json.gltf, line 1: this cannot be read as glTF"]);
+    refused(&folder, "check lost.gltf", FAILED, &["lost.gltf, buffer 0", "lost.bin", "does not exist"]);
+    refused(
+        &folder,
+        "run old.fbx",
+        FAILED,
+        &["old.fbx is in no format that is read; export the model as OBJ, STL, PLY"],
+    );
+    folder.write("mesh.ron", "(version: 1, obstacles: [(mesh: (path: \"cut.stl\"))])");
+    refused(&folder, "run mesh.ron", FAILED, &["obstacle", "cut.stl, header"]);
+}
