@@ -8,6 +8,7 @@
 #![cfg(target_os = "linux")]
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+mod models;
 mod mutate;
 mod runner;
 mod targets;
@@ -44,8 +45,23 @@ fn check(target: Target, count: u64) {
 }
 
 #[test]
-fn mutated_models_are_read_or_refused() {
-    check(Target::Model, 1200);
+fn mutated_obj_files_are_read_or_refused() {
+    check(Target::Obj, 1200);
+}
+
+#[test]
+fn mutated_stl_files_are_read_or_refused() {
+    check(Target::Stl, 1200);
+}
+
+#[test]
+fn mutated_ply_files_are_read_or_refused() {
+    check(Target::Ply, 1200);
+}
+
+#[test]
+fn mutated_gltf_files_are_read_or_refused() {
+    check(Target::Gltf, 1200);
 }
 
 #[test]

@@ -96,7 +96,7 @@ pub(crate) fn bytes(rng: &mut Rng, text: &mut Vec<u8>) {
 }
 
 /// Puts another number where one is.
-fn number(rng: &mut Rng, text: &mut Vec<u8>) {
+pub(crate) fn number(rng: &mut Rng, text: &mut Vec<u8>) {
     let is_part = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'-' | b'e');
     let starts: Vec<usize> =
         (0..text.len()).filter(|&at| text[at].is_ascii_digit() && (at == 0 || !is_part(text[at - 1]))).collect();
@@ -113,7 +113,8 @@ fn insert(rng: &mut Rng, text: &mut Vec<u8>, piece: &[u8]) {
     text.splice(at..at, piece.iter().copied());
 }
 
-fn piece(rng: &mut Rng, of: &[u8]) -> std::ops::Range<usize> {
+/// A short piece, by its places.
+pub(crate) fn piece(rng: &mut Rng, of: &[u8]) -> std::ops::Range<usize> {
     let start = below(rng, of.len() + 1);
     start..start + below(rng, (of.len() - start).min(40) + 1)
 }

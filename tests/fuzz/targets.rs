@@ -3,20 +3,27 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use gelatin::geometry::import::{Imported, parse_obj};
+use gelatin::geometry::import::{Imported, parse};
 use gelatin::geometry::voxel::{Keep, OccupancyChoice, VoxelizeOptions, voxelize};
 use gelatin::math::rng::Rng;
 use gelatin::scene::{Scene, param, path, presets};
 use gelatin::session::Session;
 use gelatin::text::echo;
 
+use crate::models;
 use crate::mutate::{below, bytes, extreme, pick, text};
 
 /// Who is given something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
     /// The reader of OBJ files, and what fills their meshes with cells.
-    Model,
+    Obj,
+    /// The same of STL files, text and binary.
+    Stl,
+    /// The same of PLY files, text and binary in both orders of bytes.
+    Ply,
+    /// The same of glTF files, text and binary.
+    Gltf,
     /// The reader of scenes, and the sandbox that opens them.
     Scene,
     /// The reader of states, and the simulation that goes on from them.
@@ -100,7 +107,8 @@ const VALUES: [&str; 12] = [
 ];
 
 impl Target {
-    pub(crate) const ALL: [Self; 5] = [Self::Model, Self::Scene, Self::State, Self::Set, Self::Planted];
+    pub(crate) const ALL: [Self; 8] =
+        [Self::Obj, Self::Stl, Self::Ply, Self::Gltf, Self::Scene, Self::State, Self::Set, Self::Planted];
 
     /// What a case may take.
     pub(crate) fn processor_time(self) -> Duration {
@@ -113,7 +121,10 @@ impl Target {
         // The first numbers of neighbouring seeds are alike in nothing, but the case is.
         rng.next_u64();
         match self {
-            Self::Model => text(&mut rng, &MODELS, &MODEL_WORDS),
+            Self::Obj => text(&mut rng, &MODELS, &MODEL_WORDS),
+            Self::Stl => models::stl(&mut rng),
+            Self::Ply => models::ply(&mut rng),
+            Self::Gltf => models::gltf(&mut rng),
             Self::Scene => text(&mut rng, &SCENES, &SCENE_WORDS),
             Self::State => state(&mut rng),
             Self::Set => assignment(&mut rng).into_bytes(),
@@ -124,7 +135,10 @@ impl Target {
     /// Gives an input to the program; panics where something is wrong.
     pub(crate) fn try_input(self, input: &[u8]) {
         match self {
-            Self::Model => try_model(input),
+            Self::Obj => try_model(input, "m.obj"),
+            Self::Stl => try_model(input, "m.stl"),
+            Self::Ply => try_model(input, "m.ply"),
+            Self::Gltf => try_model(input, "m.glb"),
             Self::Scene => try_scene(input),
             Self::State => try_state(input),
             Self::Set => try_set(input),
@@ -152,8 +166,8 @@ fn check_words(words: &str) {
     assert!(!words.is_empty() && !words.contains('\u{1b}'), "{words:?}");
 }
 
-fn try_model(input: &[u8]) {
-    let Imported { mesh, .. } = match parse_obj(input, "m.obj") {
+fn try_model(input: &[u8], name: &str) {
+    let Imported { mesh, .. } = match parse(input, name) {
         Ok(imported) => imported,
         Err(error) => return check_words(&error.to_string()),
     };
