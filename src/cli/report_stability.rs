@@ -1,5 +1,5 @@
 //! `gelatin report stability`: the limits of the step, predicted and measured, extreme scenes in automatic stepping,
-//! contact and friction, and what the thesis saw fail.
+//! contact and friction, round bodies against Hertz's theory, and what the thesis saw fail.
 
 use std::path::Path;
 use std::time::Instant;
@@ -21,6 +21,7 @@ use crate::report::matrix::matrix;
 use crate::report::single;
 use crate::report::stability::contact::{self, ContactFigures};
 use crate::report::stability::failures::{self, FailureFigures};
+use crate::report::stability::hertz::{self, HertzFigures};
 use crate::report::stability::map::{self, MapFigures};
 use crate::report::stability::{self, CaseFigures, StabilityFigures, words};
 use crate::scene::settings::Integrator;
@@ -28,8 +29,14 @@ use crate::scene::settings::Integrator;
 /// What this measurement is called in files.
 pub(super) const KIND: &str = "stability";
 /// The files of the report.
-pub(super) const FILES: [&str; 5] =
-    ["stability.md", "stability.csv", "stability_map.csv", "stability_contact.csv", "stability.svg"];
+pub(super) const FILES: [&str; 6] = [
+    "stability.md",
+    "stability.csv",
+    "stability_map.csv",
+    "stability_contact.csv",
+    "stability_hertz.csv",
+    "stability.svg",
+];
 /// Random scenes where none are asked for, and with `--quick`.
 const SCENES: [u64; 2] = [300, 30];
 
@@ -68,6 +75,7 @@ enum Work<'a> {
     Random(u64),
     Map(Integrator),
     Contact(usize),
+    Hertz(hertz::Case),
     Failure(&'static str),
 }
 
@@ -76,7 +84,8 @@ impl Work<'_> {
     fn all<'a>(about: &About, cases: &'a [Subject]) -> Vec<Work<'a>> {
         let named = cases.iter().map(Work::Case).chain((0..about.random).map(Work::Random));
         let own = Integrator::LIMITED.into_iter().map(Work::Map);
-        let own = own.chain((0..contact::count()).map(Work::Contact)).chain(failures::PRESETS.map(Work::Failure));
+        let own = own.chain((0..contact::count()).map(Work::Contact)).chain(hertz::Case::ALL.map(Work::Hertz));
+        let own = own.chain(failures::PRESETS.map(Work::Failure));
         named.chain(own.filter(|_| about.own)).collect()
     }
 }
@@ -94,6 +103,7 @@ pub(super) enum Piece {
     },
     Map(MapFigures),
     Contact(ContactFigures),
+    Hertz(HertzFigures),
     Failure(FailureFigures),
 }
 
@@ -137,6 +147,7 @@ pub(super) fn tell(about: &About, found: Vec<Piece>, folder: Option<&Path>, json
             }
             Piece::Map(figures) => all.maps.push(figures),
             Piece::Contact(figures) => all.contact.push(figures),
+            Piece::Hertz(figures) => all.hertz.push(figures),
             Piece::Failure(figures) => all.failures.push(figures),
         }
     }
@@ -144,9 +155,9 @@ pub(super) fn tell(about: &About, found: Vec<Piece>, folder: Option<&Path>, json
     let text = words::markdown(&all);
     if let Some(folder) = folder {
         let plot = stability_plot::svg(&all.maps)?;
-        let tables = [words::csv(&all.cases), words::map_csv(&all.maps), words::contact_csv(&all.contact)];
-        let [cases, map, contact] = &tables;
-        for (name, text) in FILES.iter().zip([&text, cases, map, contact, &plot]) {
+        let [cases, map] = [words::csv(&all.cases), words::map_csv(&all.maps)];
+        let [contact, hertz] = [words::contact_csv(&all.contact), words::hertz_csv(&all.hertz)];
+        for (name, text) in FILES.iter().zip([&text, &cases, &map, &contact, &hertz, &plot]) {
             out::write(&folder.join(name), text.as_bytes())?;
         }
         for failure in all.random.iter().flat_map(|random| &random.failures) {
@@ -212,6 +223,10 @@ fn measured(about: &About, work: &Work<'_>) -> Result<Piece, Failure> {
         Work::Contact(number) => {
             let found = contact::measure(*number, about.quick).context(unmade)?;
             Piece::Contact(found.context("there is no such measurement of contact")?)
+        }
+        Work::Hertz(case) => {
+            let divisions = hertz::Case::divisions(about.quick);
+            Piece::Hertz(hertz::measure(*case, divisions).context("a ball cannot be made")?)
         }
         Work::Failure(preset) => Piece::Failure(failures::failure(preset).context(unmade)?),
     })

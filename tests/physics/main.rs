@@ -13,6 +13,7 @@ mod fallen;
 mod folds;
 mod friction;
 mod golden;
+mod hertz;
 mod integrators;
 mod mesh_obstacles;
 mod moving_obstacles;

@@ -1,9 +1,10 @@
 //! The stability report (R2): cases from one end of the ranges to the other, each with the predicted limit of the step
 //! beside the measured one and its motion in automatic stepping judged; random scenes; the border of what is stable over
-//! stiffness and damping; contact and friction; the thesis's two failures with their cures.
+//! stiffness and damping; contact and friction, and of round bodies against Hertz's theory; the thesis's two failures with their cures.
 
 pub mod contact;
 pub mod failures;
+pub mod hertz;
 pub mod limit;
 pub mod map;
 pub mod words;
@@ -14,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use self::contact::ContactFigures;
 use self::failures::FailureFigures;
+use self::hertz::HertzFigures;
 use self::limit::measured_limit;
 use self::map::MapFigures;
 use super::extremes::{self, extreme, lattices};
@@ -81,6 +83,7 @@ pub struct StabilityFigures {
     pub random: Option<RandomFigures>,
     pub maps: Vec<MapFigures>,
     pub contact: Vec<ContactFigures>,
+    pub hertz: Vec<HertzFigures>,
     pub failures: Vec<FailureFigures>,
 }
 
@@ -93,6 +96,7 @@ impl StabilityFigures {
             (scenes, "random scenes"),
             (self.maps.iter().filter(|map| !map.passed).count(), "maps of the border"),
             (self.contact.iter().filter(|case| !case.passed).count(), "measurements of contact"),
+            (self.hertz.iter().filter(|case| !case.passed).count(), "comparisons with Hertz's theory"),
             (self.failures.iter().filter(|failure| !failure.passed).count(), "failures of the thesis"),
         ];
         let failed: Vec<String> =
