@@ -25,7 +25,7 @@ pub(super) struct SpeedArgs {
 
 /// Measures, prints, and fails where instructions or threads change the motion.
 pub(super) fn run(args: &SpeedArgs) -> Result<(), Failure> {
-    let files = ["speed.md", "speed.csv", "speed.svg"];
+    let files = ["speed.md", "speed.csv", "speed_scenes.csv", "speed.svg"];
     let folder = args.form.folder(&files)?;
     // The threads of steps are the report's own.
     start_threads(1)?;
@@ -36,9 +36,10 @@ pub(super) fn run(args: &SpeedArgs) -> Result<(), Failure> {
     let figures = found.context("a cube cannot be made")?.context("the measurement did not end")?;
     let text = words::markdown(&figures);
     if let Some(folder) = folder {
-        let [page, table, plot] = files.map(|name| folder.join(name));
+        let [page, table, scenes, plot] = files.map(|name| folder.join(name));
         out::write(&page, text.as_bytes())?;
         out::write(&table, words::csv(&figures).as_bytes())?;
+        out::write(&scenes, words::scenes_csv(&figures.scenes).as_bytes())?;
         out::write(&plot, speed_plot::svg(&figures)?.as_bytes())?;
     }
     if args.form.json {

@@ -1,12 +1,16 @@
-//! The speed report as a picture: time a link against the size of the cube, a curve for every way to take a step.
+//! The speed report as a picture: time a link against the size of the cube, a curve for every way to take a step; and
+//! scenes beside real time.
 
 use anyhow::Result;
 use plotters::chart::{ChartBuilder, SeriesLabelPosition};
 use plotters::coord::combinators::IntoLogRange as _;
-use plotters::element::{Circle, PathElement};
-use plotters::prelude::{Color, LineSeries};
+use plotters::element::{Circle, PathElement, Rectangle, Text};
+use plotters::prelude::{BLACK, Color, LineSeries};
+use plotters::style::IntoFont;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::plot::{Area, AxisWords, COLORS, Drawn, decades, legend, mesh, panels, whole_number};
+use crate::report::speed::scenes::SceneSpeed;
 use crate::report::speed::{SpeedFigures, SpeedRow};
 use crate::view::legend::three_digits;
 
@@ -15,7 +19,58 @@ const SIZE: [u32; 2] = [900, 520];
 
 /// The picture.
 pub(super) fn svg(figures: &SpeedFigures) -> Result<String> {
-    panels(&[figures], SIZE, 1, |area, figures| draw(area, figures))
+    panels(&[Panel::Cubes(figures), Panel::Scenes(&figures.scenes)], SIZE, 1, |area, panel| match panel {
+        Panel::Cubes(figures) => cubes(area, figures),
+        Panel::Scenes(scenes) => beside_real_time(area, scenes),
+    })
+}
+
+/// What a panel shows.
+enum Panel<'a> {
+    Cubes(&'a SpeedFigures),
+    Scenes(&'a [SceneSpeed]),
+}
+
+/// Where the bars begin and end across, and where the first one is, pixels.
+const BARS: [i32; 2] = [230, 640];
+const TOP: i32 = 64;
+
+/// A bar for every scene, of a length that goes with the logarithm; what contact between bodies has of it is darker.
+fn beside_real_time(area: &Area<'_>, scenes: &[SceneSpeed]) -> Drawn {
+    let font = |size: i32| ("sans-serif", size).into_font().color(&BLACK);
+    let [left, right] = [HPos::Left, HPos::Right].map(|side| font(13).pos(Pos::new(side, VPos::Center)));
+    let title = font(18).pos(Pos::new(HPos::Left, VPos::Center));
+    area.draw(&Text::new("Scenes beside real time, and contact between bodies in them", (16, 24), title))?;
+    let factors = decades(scenes.iter().map(|speed| speed.real_time_factor).chain([1.0]));
+    let [begin, end] = BARS;
+    let across = |factor: f64| {
+        let share = (factor / factors.start).ln() / (factors.end / factors.start).ln();
+        begin + whole(share.clamp(0.0, 1.0) * f64::from(end - begin))
+    };
+    let bottom = i32::try_from(SIZE[1]).unwrap_or(0) - 16;
+    let pitch = ((bottom - TOP) / i32::try_from(scenes.len().max(1)).unwrap_or(1)).min(40);
+    for (speed, top) in scenes.iter().zip((0..).map(|place: i32| TOP + place * pitch)) {
+        let (middle, low) = (top + (pitch - 8) / 2, top + pitch - 8);
+        let SceneSpeed { scene, threads, real_time_factor, meeting, .. } = speed;
+        let name = if *threads > 1 { format!("{scene}, {threads} threads") } else { (*scene).to_owned() };
+        area.draw(&Text::new(name, (begin - 8, middle), right.clone()))?;
+        let far = across(*real_time_factor);
+        area.draw(&Rectangle::new([(begin, top), (far, low)], COLORS[0].mix(0.5).filled()))?;
+        let mut beside = format!("{} × real time", three_digits(*real_time_factor));
+        if let Some(meeting) = meeting {
+            let part = begin + whole(meeting.share * f64::from(far - begin));
+            area.draw(&Rectangle::new([(begin, top), (part, low)], COLORS[0].filled()))?;
+            beside += &format!(", {:.0} % contact between bodies", 100.0 * meeting.share);
+        }
+        area.draw(&Text::new(beside, (far + 10, middle), left.clone()))?;
+    }
+    let at_real_time = across(1.0);
+    area.draw(&PathElement::new([(at_real_time, TOP - 10), (at_real_time, bottom)], BLACK.mix(0.5)))
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a place in a picture")]
+fn whole(pixels: f64) -> i32 {
+    pixels.round() as i32
 }
 
 fn name(row: &SpeedRow) -> String {
@@ -27,7 +82,7 @@ fn name(row: &SpeedRow) -> String {
     }
 }
 
-fn draw(area: &Area<'_>, figures: &SpeedFigures) -> Drawn {
+fn cubes(area: &Area<'_>, figures: &SpeedFigures) -> Drawn {
     let rows = &figures.rows;
     let [least, most] = rows
         .iter()

@@ -31,6 +31,10 @@ pub struct Counters {
     pub narrow_tests: u64,
     /// Such tests that boxes made unnecessary.
     pub narrow_tests_saved: u64,
+    /// Points of bodies that were looked for in the cells of another, or of their own, as they came near these.
+    pub points_looked_for: u64,
+    /// Contacts between bodies that were solved for.
+    pub body_contacts: u64,
     /// Of the particle–obstacle tests, the ones against spheres.
     pub sphere_tests: u64,
     /// Pushes of an obstacle for which friction was worked out.
@@ -89,6 +93,8 @@ impl Counters {
         self.peak_penetration_m = self.peak_penetration_m.max(other.peak_penetration_m);
         self.narrow_tests += other.narrow_tests;
         self.narrow_tests_saved += other.narrow_tests_saved;
+        self.points_looked_for += other.points_looked_for;
+        self.body_contacts += other.body_contacts;
         self.sphere_tests += other.sphere_tests;
         self.frictions += other.frictions;
         self.link_forces += other.link_forces;
@@ -121,6 +127,10 @@ pub trait StageTimer {
     fn enter(&mut self, stage: Stage);
     /// The last stage of a substep ends.
     fn leave(&mut self);
+    /// Contact between bodies begins, whose stages are those of contact with obstacles.
+    fn begin_bodies(&mut self) {}
+    /// It ends.
+    fn end_bodies(&mut self) {}
     /// Whether the substep is to be given up: asked at least once in every pass over a body's links, in every iteration of
     /// the implicit integrator, whose substeps can take seconds, and once for some ten thousand links of a large body that
     /// one thread has.
@@ -165,6 +175,16 @@ impl<'a> Recorder<'a> {
     /// A stage begins and the one before it ends.
     pub(super) fn enter(&mut self, stage: Stage) {
         self.timer.enter(stage);
+    }
+
+    /// Contact between bodies begins.
+    pub(super) fn begin_bodies(&mut self) {
+        self.timer.begin_bodies();
+    }
+
+    /// It ends.
+    pub(super) fn end_bodies(&mut self) {
+        self.timer.end_bodies();
     }
 
     /// Whether the substep is to be given up: from the first yes on it stays yes.

@@ -10,12 +10,19 @@ use crate::physics::StageTimer;
 pub struct WallTimer {
     running: Option<(Stage, Instant)>,
     spent: [(Duration, u64); Stage::ALL.len()],
+    since_bodies: Option<Instant>,
+    between_bodies: Duration,
 }
 
 impl WallTimer {
     /// Wall time of a stage and how often it was entered.
     pub fn spent(&self, stage: Stage) -> (Duration, u64) {
         self.spent[stage as usize]
+    }
+
+    /// Wall time of contact between bodies, which is in its stages too.
+    pub fn between_bodies(&self) -> Duration {
+        self.between_bodies
     }
 }
 
@@ -29,6 +36,16 @@ impl StageTimer for WallTimer {
     fn leave(&mut self) {
         if let Some((stage, since)) = self.running.take() {
             self.spent[stage as usize].0 += since.elapsed();
+        }
+    }
+
+    fn begin_bodies(&mut self) {
+        self.since_bodies = Some(Instant::now());
+    }
+
+    fn end_bodies(&mut self) {
+        if let Some(since) = self.since_bodies.take() {
+            self.between_bodies += since.elapsed();
         }
     }
 }

@@ -23,10 +23,18 @@ fn every_way_to_take_a_step_is_timed_beside_the_naive_loop_and_gives_the_same_bi
     assert!(report["largest_real_time_n"].as_u64().expect("a size") > 2, "{report}");
     let scenes = report["scenes"].as_array().expect("scenes");
     assert!(scenes.iter().all(|scene| scene["real_time_factor"].as_f64().is_some_and(|factor| factor > 0.0)));
+    let pile = scenes.iter().find(|scene| scene["scene"] == "pile").expect("bodies that meet");
+    for key in ["contacts", "contacts_per_sec", "points_per_sec", "share"] {
+        assert!(pile["meeting"][key].as_f64().is_some_and(|figure| figure > 0.0), "{key}: {pile}");
+    }
+    assert!(pile["meeting"]["share"].as_f64() < Some(1.0) && pile["meeting"]["bodies"] == 12, "{pile}");
+    assert!(scenes[0]["meeting"].is_null(), "one body has no other to meet: {report}");
     let written = |name: &str| std::fs::read_to_string(folder.path(&format!("made/{name}"))).expect(name);
     assert!(written("speed.md").contains("| 20 | exact |"), "{}", written("speed.md"));
     assert_eq!(written("speed.csv").lines().count(), rows.len() + 1);
-    assert!(written("speed.svg").starts_with("<svg"), "a plot");
+    assert_eq!(written("speed_scenes.csv").lines().count(), scenes.len() + 1);
+    assert!(written("speed.md").contains("| pile | 12 | 1 |"), "{}", written("speed.md"));
+    assert!(written("speed.svg").contains("contact between bodies"), "a plot");
 }
 
 #[test]

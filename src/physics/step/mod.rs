@@ -337,7 +337,9 @@ fn predicted_velocities<R: Real>(
         pull::pull(begun, grab, velocity);
     }
     if begun.bodies_are_near {
+        recorder.begin_bodies();
         contact::bodies::meet(begun, velocity, &mut contact.bodies, recorder);
+        recorder.end_bodies();
         recorder.enter(Stage::Integrate);
     } else {
         contact::bodies::keep_apart(begun, &mut contact.bodies, recorder);

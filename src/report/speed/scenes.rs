@@ -1,4 +1,4 @@
-//! Scenes beside real time: from their start, as somebody sees them who opens them.
+//! Scenes beside real time: from their start, as somebody sees them who opens them, and bodies that meet from when they do.
 
 use std::path::Path;
 use std::time::Instant;
@@ -7,12 +7,17 @@ use rayon::ThreadPool;
 use serde::Serialize;
 
 use crate::machine::threads::kept_awake;
-use crate::physics::Simulation;
+use crate::physics::{Simulation, StepReport};
+use crate::report::timer::WallTimer;
 use crate::scene::resolve::{ResolveError, resolve};
 use crate::scene::{Scene, presets};
 
 /// Simulated time at most, s: whoever is at rest after it costs nothing.
 const LONGEST_SECS: f64 = 1.5;
+
+/// The scene of bodies that meet, and how long it is run before it is measured, s: until they lie on each other.
+const MEETING: &str = "pile";
+const BEFORE_MEETING_SECS: f64 = 1.5;
 
 /// How fast a scene is.
 #[derive(Clone, Debug, Serialize)]
@@ -23,6 +28,23 @@ pub struct SceneSpeed {
     pub threads: usize,
     pub simulated_secs: f64,
     pub real_time_factor: f64,
+    /// Contact between bodies, where there are several of them.
+    pub meeting: Option<MeetingSpeed>,
+}
+
+/// What contact between bodies comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
+pub struct MeetingSpeed {
+    pub bodies: usize,
+    /// Contacts between them in a substep, in the mean.
+    pub contacts: f64,
+    /// Such contacts solved for in a second of the wall clock.
+    pub contacts_per_sec: f64,
+    /// Points that were looked for in the cells of another body, or of their own, in a second of the wall clock.
+    pub points_per_sec: f64,
+    /// Of the time of a step.
+    pub share: f64,
 }
 
 /// Runs scenes for some time of the wall clock each, by one thread and by as many as they are worth.
@@ -37,7 +59,10 @@ pub(super) fn measure(
         for body in &scene.bodies {
             lattices.push(resolve(&body.shape, Path::new("."), &())?.lattice);
         }
-        let start = Simulation::<f32>::new(&scene, &lattices);
+        let mut start = Simulation::<f32>::new(&scene, &lattices);
+        if name == MEETING {
+            start.run_for(BEFORE_MEETING_SECS);
+        }
         speeds.push(speed(name, start.clone(), 1, None, wall_secs));
         let threads = start.threads_worth(threads);
         if let Some(pool) = pool.filter(|_| threads > 1) {
@@ -57,10 +82,11 @@ fn speed(
     simulation.set_threads(threads);
     let start_secs = simulation.state().time_secs;
     let passed = |simulation: &Simulation<f32>| simulation.state().time_secs - start_secs;
+    let (mut report, mut timer) = (StepReport::default(), WallTimer::default());
     let begin = Instant::now();
     let mut run = || {
         while begin.elapsed().as_secs_f64() < wall_secs && passed(&simulation) < LONGEST_SECS {
-            simulation.step();
+            report.add(&simulation.step_timed(&mut timer));
         }
     };
     match pool {
@@ -69,13 +95,28 @@ fn speed(
     }
     let (wall, simulated_secs) = (begin.elapsed().as_secs_f64(), passed(&simulation));
     let particles = simulation.model().particle_count();
-    SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor: simulated_secs / wall }
+    let meeting = meeting(simulation.model().bodies.len(), &report, &timer, wall);
+    SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor: simulated_secs / wall, meeting }
+}
+
+/// What contact between so many bodies came to in some time of the wall clock, s.
+fn meeting(bodies: usize, report: &StepReport, timer: &WallTimer, wall: f64) -> Option<MeetingSpeed> {
+    let [contacts, points, substeps] =
+        [report.counters.body_contacts, report.counters.points_looked_for, report.counters.substeps]
+            .map(|count| count as f64);
+    (bodies > 1).then(|| MeetingSpeed {
+        bodies,
+        contacts: contacts / substeps.max(1.0),
+        contacts_per_sec: contacts / wall,
+        points_per_sec: points / wall,
+        share: timer.between_bodies().as_secs_f64() / wall,
+    })
 }
 
 fn scenes() -> Vec<(&'static str, Scene)> {
     let preset = |name| presets::preset(name).map(|preset| (name, (preset.build)()));
     let mut scenes: Vec<_> =
-        ["cube-on-plane", "spot", "coupler-20", "coupler-40"].into_iter().filter_map(preset).collect();
+        ["cube-on-plane", "spot", "coupler-20", "coupler-40", MEETING].into_iter().filter_map(preset).collect();
     if let Some((_, mut scene)) = preset("cube-on-plane") {
         let mut other = scene.bodies[0].clone();
         (scene.bodies[0].pose.position[0], other.pose.position[0]) = (-1.0, 1.0);

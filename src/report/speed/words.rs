@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use super::scenes::SceneSpeed;
+use super::scenes::{MeetingSpeed, SceneSpeed};
 use super::{SpeedFigures, SpeedRow};
+use crate::report::error::words::quoted;
 
 /// The page.
 pub fn markdown(figures: &SpeedFigures) -> String {
@@ -53,16 +54,53 @@ fn write_page(text: &mut String, figures: &SpeedFigures) -> std::fmt::Result {
     }
     writeln!(
         text,
-        "\n## Scenes\n\nFrom the start, steps divided as they must be, with nothing drawn.\n\n\
+        "\n## Scenes\n\nFrom the start, a pile from when its bodies lie on each other; steps divided as they must be, with nothing drawn.\n\n\
          | scene | particles | threads | simulated, s | × real time |\n|---|---|---|---|---|"
     )?;
     for speed in &figures.scenes {
-        let SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor } = speed;
+        let SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor, .. } = speed;
         // Three digits of what may be hundreds or hundredths.
         let digits = if *real_time_factor < 1.0 { 3 } else { usize::from(*real_time_factor < 10.0) };
         writeln!(text, "| {scene} | {particles} | {threads} | {simulated_secs:.2} | {real_time_factor:.digits$} |")?;
     }
+    write_meeting(text, &figures.scenes)
+}
+
+fn write_meeting(text: &mut String, scenes: &[SceneSpeed]) -> std::fmt::Result {
+    writeln!(
+        text,
+        "\n## Bodies that meet\n\nA second is one of the wall clock. Points are looked for in the cells of another body that \
+         is near them, or of their own where it folds; contacts are solved together. The share is that of finding and solving \
+         them in the time of a step.\n\n\
+         | scene | bodies | threads | contacts | contacts a second | points looked for a second | share of a step |\n\
+         |---|---|---|---|---|---|---|"
+    )?;
+    for SceneSpeed { scene, threads, meeting, .. } in scenes {
+        if let Some(MeetingSpeed { bodies, contacts, contacts_per_sec, points_per_sec, share }) = meeting {
+            writeln!(
+                text,
+                "| {scene} | {bodies} | {threads} | {contacts:.0} | {contacts_per_sec:.2e} | {points_per_sec:.2e} | {:.1} % |",
+                100.0 * share
+            )?;
+        }
+    }
     Ok(())
+}
+
+/// The scenes.
+pub fn scenes_csv(scenes: &[SceneSpeed]) -> String {
+    let mut text = "scene,particles,threads,simulated_secs,real_time_factor,bodies,contacts,contacts_per_sec,\
+                    points_per_sec,share\n"
+        .to_owned();
+    for SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor, meeting } in scenes {
+        let meeting = meeting.map_or(",,,,".to_owned(), |meeting| {
+            let MeetingSpeed { bodies, contacts, contacts_per_sec, points_per_sec, share } = meeting;
+            format!("{bodies},{contacts},{contacts_per_sec},{points_per_sec},{share}")
+        });
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{},{particles},{threads},{simulated_secs},{real_time_factor},{meeting}", quoted(scene));
+    }
+    text
 }
 
 /// The rows of cubes.

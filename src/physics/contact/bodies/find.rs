@@ -89,6 +89,7 @@ pub(super) fn find<R: Real>(
         }
     }
     let all_tests = (hull.points.len() * cells.lattice.cells.len()) as u64;
+    counters.points_looked_for += seen.len() as u64;
     counters.narrow_tests += tests;
     counters.narrow_tests_saved += all_tests - tests.min(all_tests);
 }

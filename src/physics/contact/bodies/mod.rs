@@ -80,6 +80,7 @@ pub(in crate::physics) fn meet<R: Real>(
     }
     let BodiesWorkspace { constraints, movers, contacts, presses, mover_of, moved, .. } = &mut *workspace;
     let (dt, mut deepest) = (substep.dt.to_f64(), 0.0_f64);
+    recorder.counters.body_contacts += constraints.len() as u64;
     solve::solve(constraints, movers, dt);
     for (contact, constraint) in contacts[kept..].iter_mut().zip(constraints) {
         contact.force = constraint.impulse() / dt;
