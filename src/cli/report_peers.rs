@@ -1,4 +1,5 @@
-//! `gelatin report peers`: another engine's soft body beside ours, on the same cube and in the same process.
+//! `gelatin report peers`: another engine's soft body beside ours, on the same cube, and soft bodies that meet, in the same
+//! process.
 
 use anyhow::{Context, anyhow};
 use serde_json::json;
@@ -8,6 +9,7 @@ use super::out::{self, Progress};
 use super::peers_plot;
 use super::report_options::ReportForm;
 use super::scene_args::start_threads;
+use crate::report::peers::pile;
 use crate::report::peers::{PeersFigures, measure, words};
 
 /// Cells along an edge of the cubes; and with `--quick`.
@@ -17,7 +19,7 @@ const SECONDS: [f64; 2] = [0.8, 0.24];
 
 /// Measures, prints, and fails where the peer with our links is not the same body.
 pub(super) fn run(form: &ReportForm) -> Result<(), Failure> {
-    let files = ["peers.md", "peers.csv", "peers.svg"];
+    let files = ["peers.md", "peers.csv", "peers_pile.csv", "peers.svg"];
     let folder = form.folder(&files)?;
     // Each engine has one thread.
     start_threads(1)?;
@@ -27,19 +29,22 @@ pub(super) fn run(form: &ReportForm) -> Result<(), Failure> {
         let found = measure(divisions, form.either(SECONDS), &progress);
         cubes.push(found.context("a cube cannot be made")?.context("the measurement did not end")?);
     }
-    let text = words::markdown(&cubes);
+    let found = pile::measure(form.either(pile::SECONDS), &Progress::new("a pile"));
+    let pile = found.context("a pile cannot be made")?.context("the measurement did not end")?;
+    let text = words::markdown(&cubes, &pile);
     if let Some(folder) = folder {
-        let [page, table, plot] = files.map(|name| folder.join(name));
+        let [page, table, pile_table, plot] = files.map(|name| folder.join(name));
         out::write(&page, text.as_bytes())?;
         out::write(&table, words::csv(&cubes).as_bytes())?;
+        out::write(&pile_table, words::pile_csv(&pile).as_bytes())?;
         out::write(&plot, peers_plot::svg(&cubes)?.as_bytes())?;
     }
     if form.json {
-        out::json(&json!({ "cubes": cubes }))?;
+        out::json(&json!({ "cubes": cubes, "pile": pile }))?;
     } else {
         out::figures(text.trim_end())?;
     }
-    match defect(&cubes) {
+    match defect(&cubes).or_else(|| pile.defect()) {
         Some(words) => Err(anyhow!("{words}; see the report").into()),
         None => Ok(()),
     }

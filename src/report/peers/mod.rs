@@ -11,10 +11,14 @@
 //!
 //! A peer with our links is the same system of equations: its error is that of its steps, and has to shrink with them. One
 //! with elastic cells of its own is another discrete body, even at the same sag: its error contains that.
+//!
+//! [`pile`] compares soft bodies that meet.
 
 mod contender;
 mod cube;
+mod jellies;
 mod matching;
+pub mod pile;
 mod rapier;
 pub mod words;
 
@@ -32,6 +36,7 @@ pub use contender::{Contender, Peer};
 use cube::Cube;
 pub use matching::{Matched, SAME_SAG};
 use matching::{is_same_sag, matched, rest, swing};
+use rapier::SKIN_SHARE;
 pub use rapier::SUBSTEPS;
 
 /// The reference takes steps well below this, s.

@@ -3,19 +3,23 @@
 //! Its edges are springs of a natural frequency f and a damping ratio ζ for the mass m that the two ends have against
 //! each other, so that a link of stiffness k (N/m) and damping c (N·s/m) is an edge of f = √(k/m)/2π and
 //! ζ = c/2√(k m). Its cells are tetrahedra, five in each of our cells, mirrored from one to the next so that their
-//! faces meet.
+//! faces meet. Bodies that meet have the outer faces of our cells for a surface.
 
 use rapier3d::dynamics::{
     SoftBodyBuilder, SoftBodyCellModel, SoftBodyHandle, SoftBodyMaterial, SoftBodySolver, SpringCoefficients,
 };
+use rapier3d::geometry::ColliderBuilder;
 use rapier3d::math::Vector;
+use rapier3d::parry::shape::TriMeshFlags;
 use rapier3d::pipeline::PhysicsWorld;
 
 use super::contender::{Peer, Tuning};
 use super::cube::Cube;
+use super::jellies::{Pile, outside};
 use crate::geometry::Watch;
 use crate::physics::BodyModel;
 use crate::report::error::follow::{Ended, Steps};
+use crate::scene::{Obstacle, ObstacleShape};
 
 /// Substeps of each of its steps: what it takes by itself.
 pub const SUBSTEPS: usize = 4;
@@ -27,38 +31,88 @@ const TETRAHEDRA: [[[usize; 4]; 5]; 2] = [
     [[1, 2, 4, 7], [0, 1, 2, 4], [3, 1, 2, 7], [5, 1, 4, 7], [6, 2, 4, 7]],
 ];
 
-/// A world with nothing in it but the cube.
+/// Rapier holds surfaces apart by this share of the edge of a cell: its contacts need some skin.
+pub(super) const SKIN_SHARE: f64 = 0.05;
+/// Half of what the ground is thick, m.
+const GROUND_M: f64 = 0.5;
+
+/// A world with soft bodies: the cube and nothing else, or a pile in its bowl.
 pub(super) struct World {
     world: PhysicsWorld,
-    body: SoftBodyHandle,
+    bodies: Vec<SoftBodyHandle>,
 }
 
 impl World {
     pub(super) fn new(cube: &Cube, peer: Peer, tuning: Tuning, dt_secs: f64) -> Self {
-        let mut world = PhysicsWorld::new();
-        let [x, y, z] = cube.scene.settings.gravity.map(single);
-        world.gravity = Vector::new(x, y, z);
-        world.integration_parameters.dt = single(dt_secs);
-        world.integration_parameters.num_solver_iterations = SUBSTEPS;
+        let mut world = empty(cube.scene.settings.gravity, dt_secs);
         let body = &cube.body;
-        let particles = || 0..body.start.len();
-        let place = |start: &glam::DVec3| Vector::new(single(start.x), single(start.y), single(start.z));
-        let builder = SoftBodyBuilder::new(body.start.iter().map(place).collect())
-            .masses(particles().map(|particle| single(body.mass(particle))).collect())
-            .pinned_particles(
-                particles().filter(|&particle| body.is_pinned(particle)).filter_map(|p| p.try_into().ok()),
-            )
-            .linear_damping(single(tuning.drag))
-            // Nothing is there to collide with.
-            .no_surface_collider()
-            .can_sleep(false);
+        // Nothing is there to collide with.
+        let builder = particles(body).linear_damping(single(tuning.drag)).no_surface_collider();
         let builder = match peer {
             Peer::Links => with_links(builder, body, tuning),
             Peer::Cells => with_cells(builder, body, tuning).solver(SoftBodySolver::Constraints),
             Peer::Elements => with_cells(builder, body, tuning).solver(SoftBodySolver::Fem),
         };
-        let body = world.insert_soft_body(builder);
-        Self { world, body }
+        let bodies = vec![world.insert_soft_body(builder)];
+        Self { world, bodies }
+    }
+
+    /// The bodies of a pile with our links as edges, and what they fall into; none where that cannot be made.
+    pub(super) fn of_pile(pile: &Pile, dt_secs: f64) -> Option<Self> {
+        let mut world = empty(pile.scene.settings.gravity, dt_secs);
+        for obstacle in &pile.scene.obstacles {
+            world.insert_collider(collider(obstacle)?.friction(single(obstacle.friction_dynamic)), None);
+        }
+        let tuning = Tuning { stiffness: 1.0, damping: 1.0, drag: 0.0 };
+        let insert = |(body, given): (&BodyModel<f64>, &crate::scene::Body)| {
+            let skin = SKIN_SHARE * body.lattice.grid.cell_size;
+            let friction = single(given.friction_dynamic);
+            let builder = particles(body)
+                .surface(outside(body))
+                .particle_radius(single(skin))
+                .surface_collider(ColliderBuilder::ball(single(skin)).friction(friction));
+            world.insert_soft_body(with_links(builder, body, tuning))
+        };
+        let bodies = pile.bodies.iter().zip(&pile.scene.bodies).map(insert).collect();
+        Some(Self { world, bodies })
+    }
+}
+
+fn empty(gravity: [f64; 3], dt_secs: f64) -> PhysicsWorld {
+    let mut world = PhysicsWorld::new();
+    world.gravity = vector(gravity);
+    world.integration_parameters.dt = single(dt_secs);
+    world.integration_parameters.num_solver_iterations = SUBSTEPS;
+    world
+}
+
+/// The particles of a body where they start.
+fn particles(body: &BodyModel<f64>) -> SoftBodyBuilder {
+    let all = || 0..body.start.len();
+    SoftBodyBuilder::new(body.start.iter().map(|start| vector(start.to_array())).collect())
+        .masses(all().map(|particle| single(body.mass(particle))).collect())
+        .pinned_particles(all().filter(|&particle| body.is_pinned(particle)).filter_map(|p| p.try_into().ok()))
+        .can_sleep(false)
+}
+
+/// Our obstacle as something that stands still; none of a shape that no pile needs.
+fn collider(obstacle: &Obstacle) -> Option<ColliderBuilder> {
+    match &obstacle.shape {
+        ObstacleShape::Plane(plane) => {
+            let [a, b] = plane.half_extents.map(single);
+            let [x, y, z] = plane.center;
+            let ground = ColliderBuilder::cuboid(a, single(GROUND_M), b);
+            Some(ground.translation(vector([x, y - GROUND_M, z])))
+        }
+        ObstacleShape::Mesh(mesh) => {
+            let surface = mesh.surface()?;
+            let scale = mesh.scale(&surface);
+            let corners = surface.positions().iter().map(|at| vector((*at * scale).to_array())).collect();
+            let flags = TriMeshFlags::ORIENTED | TriMeshFlags::FIX_INTERNAL_EDGES;
+            let bowl = ColliderBuilder::trimesh_with_flags(corners, surface.triangles().to_vec(), flags).ok()?;
+            Some(bowl.translation(vector(mesh.center)))
+        }
+        _ => None,
     }
 }
 
@@ -70,8 +124,8 @@ impl Steps for World {
     }
 
     fn positions(&self) -> Vec<[f64; 3]> {
-        let body = &self.world.soft_bodies[self.body];
-        body.particle_positions().map(|at| [at.x, at.y, at.z].map(f64::from)).collect()
+        let of_body = |body: &SoftBodyHandle| self.world.soft_bodies[*body].particle_positions();
+        self.bodies.iter().flat_map(of_body).map(|at| [at.x, at.y, at.z].map(f64::from)).collect()
     }
 }
 
@@ -116,6 +170,11 @@ fn with_cells(builder: SoftBodyBuilder, body: &BodyModel<f64>, tuning: Tuning) -
             elastic_damping_ratio: single(tuning.damping),
             ..SoftBodyMaterial::default()
         })
+}
+
+fn vector(at: [f64; 3]) -> Vector {
+    let [x, y, z] = at.map(single);
+    Vector::new(x, y, z)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "it computes in single precision")]

@@ -1,6 +1,7 @@
 //! The comparison: the same links have to be the same body, and another body has to be found out.
 
 use super::contender::Tuning;
+use super::pile::PileFigures;
 use super::words::{advice, csv, markdown};
 use super::*;
 
@@ -27,7 +28,7 @@ fn another_engine_with_our_links_hangs_and_swings_as_ours() {
     let cells = finest(Contender::Peer(Peer::Cells));
     assert!(cells.rest_rms_m > 30.0 * links.rest_rms_m, "cells are another body: {cells:?}");
     assert_eq!(csv(std::slice::from_ref(&figures)).lines().count(), figures.rows.len() + 1);
-    let page = markdown(&[figures]);
+    let page = markdown(&[figures], &PileFigures::default());
     assert!(page.contains("rapier, our links") && !page.contains("another sag"), "{page}");
 }
 
@@ -35,7 +36,7 @@ fn another_engine_with_our_links_hangs_and_swings_as_ours() {
 fn a_peer_of_another_stiffness_is_found_out() {
     let figures = compared(&cube(1.3e5));
     assert!(figures.defects.iter().any(|defect| defect.contains("0.7")), "1/1.3 = 0.77: {:?}", figures.defects);
-    assert!(markdown(&[figures]).contains("only with 0.7"), "the page says so");
+    assert!(markdown(&[figures], &PileFigures::default()).contains("only with 0.7"), "the page says so");
     let ours = cube(1e5);
     let still = rest(&ours, Peer::Links, Tuning { stiffness: 1.3, ..Peer::Links.start(&ours) }, 0.008, &());
     let sag = |still: &[[f64; 3]]| ours.sag(still);
@@ -89,7 +90,7 @@ fn only_bodies_of_the_same_sag_are_compared() {
         advice(&figures, 1e-4).starts_with("Nothing measured stays below 0.1 mm"),
         "the one of another sag does not count"
     );
-    let page = markdown(std::slice::from_ref(&figures));
+    let page = markdown(std::slice::from_ref(&figures), &PileFigures::default());
     assert!(page.contains("(another sag)") && page.contains("| diverged |"), "{page}");
     assert_eq!(figures.defects.len(), 1, "there are no figures of the same links: {:?}", figures.defects);
 }

@@ -1,0 +1,197 @@
+//! Soft bodies that meet: a dozen jellies that fall into a bowl, ours and another engine's of the same particles, masses,
+//! links and outer faces.
+//!
+//! What is compared is the time of a simulated second, while they fall and once they lie, and how deep they are in each other
+//! then. Depth is measured on the particles alone, in the same way of both: a particle of one body inside the closed surface
+//! that another's outer faces are, and how far that surface is.
+
+use glam::DVec3;
+use serde::Serialize;
+
+use super::contender::{Contender, Peer};
+use super::jellies::{Pile, outside};
+use super::rapier::World;
+use crate::geometry::watch::CancelOnly;
+use crate::geometry::{Surface, TriMesh, Watch};
+use crate::math::Aabb;
+use crate::physics::{BodyModel, Simulation};
+use crate::report::error::follow::{Followed, Steps, follow_steps, mean_square, whole};
+use crate::report::error::{LOOK_SECS, Way};
+use crate::scene::resolve::ResolveError;
+
+/// How long they fall and then lie, s; and with `--quick`.
+pub const SECONDS: [[f64; 2]; 2] = [[4.0, 2.0], [1.6, 0.4]];
+/// The steps that are measured, s.
+const OUR_STEPS_SECS: [f64; 2] = [0.004, 0.001];
+const THEIR_STEPS_SECS: [f64; 3] = [0.02, 0.008, 0.004];
+/// How far from its middle the bowl reaches, m.
+const BOWL_M: f64 = 1.3;
+/// Two bodies whose points were within each other by more than this share of the edge of a cell passed into each other.
+const DEEPEST_SHARE: f64 = 0.5;
+
+/// One contender at one step; the names are those of the table and the JSON object.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the names are the keys of the JSON object")]
+pub struct PileRow {
+    pub contender: Contender,
+    pub dt_secs: f64,
+    /// Time of the processor for a simulated second in which they fall, and one in which they lie.
+    pub falling_secs: f64,
+    pub lying_secs: f64,
+    /// None where it diverged.
+    pub end: Option<PileEnd>,
+}
+
+/// How a pile lies.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the names are the keys of the JSON object")]
+pub struct PileEnd {
+    /// The deepest that a particle of one body is inside another.
+    pub deepest_m: f64,
+    /// Root of the mean square of the particles.
+    pub speed_m_s: f64,
+    /// Bodies whose middle is in the bowl.
+    pub in_bowl: usize,
+}
+
+/// What was measured; the names are those of the JSON object. SI units.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the names are the keys of the JSON object")]
+pub struct PileFigures {
+    pub bodies: usize,
+    pub cells: usize,
+    pub particles: usize,
+    pub links: usize,
+    /// The edge of a cell.
+    pub cell_m: f64,
+    pub falling_secs: f64,
+    pub lying_secs: f64,
+    pub rows: Vec<PileRow>,
+}
+
+impl PileFigures {
+    /// What ours must not do: diverge, or let bodies pass into each other.
+    pub fn defect(&self) -> Option<String> {
+        let mut ours = self.rows.iter().filter(|row| matches!(row.contender, Contender::Ours(_)));
+        let limit = DEEPEST_SHARE * self.cell_m;
+        ours.find_map(|row| match row.end {
+            None => Some("our pile diverged".to_owned()),
+            Some(end) if end.deepest_m > limit => {
+                Some(format!("our bodies are {} m deep in each other", end.deepest_m))
+            }
+            Some(_) => None,
+        })
+    }
+}
+
+/// Lets the pile fall for some time and lie for some more, s, multiples of [`LOOK_SECS`]; none where `watch` cancels. Run it on
+/// one thread.
+///
+/// # Errors
+/// If the pile cannot be made.
+pub fn measure([falling_secs, lying_secs]: [f64; 2], watch: &dyn Watch) -> Result<Option<PileFigures>, ResolveError> {
+    let pile = Pile::new()?;
+    // Progress is told between runs: telling it takes time of the processor.
+    let quiet = &CancelOnly(watch);
+    let seconds = [falling_secs, lying_secs];
+    let ours = OUR_STEPS_SECS.map(|dt| (Contender::Ours(Way::Automatic), dt));
+    let theirs = THEIR_STEPS_SECS.map(|dt| (Contender::Peer(Peer::Links), dt));
+    let mut rows = Vec::new();
+    for (contender, dt_secs) in ours.into_iter().chain(theirs) {
+        let Some(row) = pile.row(contender, dt_secs, seconds, quiet) else { return Ok(None) };
+        rows.push(row);
+        watch.progress(rows.len() as f64 / (OUR_STEPS_SECS.len() + THEIR_STEPS_SECS.len()) as f64);
+    }
+    let sum = |of: &dyn Fn(&BodyModel<f64>) -> usize| pile.bodies.iter().map(of).sum();
+    Ok(Some(PileFigures {
+        bodies: pile.bodies.len(),
+        cells: sum(&|body| body.lattice.cells.len()),
+        particles: sum(&|body| body.start.len()),
+        cell_m: pile.bodies.iter().map(|body| body.lattice.grid.cell_size).fold(f64::INFINITY, f64::min),
+        links: sum(&|body| body.links.iter().map(|family| family.links.len()).sum()),
+        falling_secs,
+        lying_secs,
+        rows,
+    }))
+}
+
+impl Pile {
+    fn row(&self, contender: Contender, dt_secs: f64, seconds: [f64; 2], watch: &dyn Watch) -> Option<PileRow> {
+        let runs = match contender {
+            Contender::Ours(way) => {
+                let scene = way.applied(&self.scene, dt_secs);
+                runs(&mut Simulation::<f32>::new(&scene, &self.lattices), dt_secs, seconds, watch)
+            }
+            Contender::Peer(_) => runs(&mut World::of_pile(self, dt_secs)?, dt_secs, seconds, watch),
+        };
+        let [falling, lying] = runs?;
+        let a_second = |run: &Followed, secs: f64| run.processor.as_secs_f64() / secs;
+        let diverged = falling.diverged || lying.diverged;
+        let end = lying.looks.last_chunk().filter(|_| !diverged).and_then(|last| self.end(last));
+        let [falling_secs, lying_secs] = [a_second(&falling, seconds[0]), a_second(&lying, seconds[1])];
+        Some(PileRow { contender, dt_secs, falling_secs, lying_secs, end })
+    }
+
+    /// How it lies at the last of two looks; none where a number is none.
+    fn end(&self, [before, last]: &[Vec<[f64; 3]>; 2]) -> Option<PileEnd> {
+        let at: Vec<DVec3> = last.iter().copied().map(DVec3::from).collect();
+        if !at.iter().all(|at| at.is_finite()) {
+            return None;
+        }
+        let is_in = |body: &&BodyModel<f64>| {
+            let own = &at[body.particles.clone()];
+            let middle = own.iter().sum::<DVec3>() / own.len() as f64;
+            middle.y > 0.0 && DVec3::new(middle.x, 0.0, middle.z).length() < BOWL_M
+        };
+        Some(PileEnd {
+            deepest_m: deepest(&self.bodies, &at),
+            speed_m_s: mean_square(before, last).sqrt() / LOOK_SECS,
+            in_bowl: self.bodies.iter().filter(is_in).count(),
+        })
+    }
+}
+
+/// A run of which the first part is falling, the second lying; none where `watch` cancels.
+fn runs(steps: &mut impl Steps, dt_secs: f64, seconds: [f64; 2], watch: &dyn Watch) -> Option<[Followed; 2]> {
+    let runs = seconds.map(|secs| follow_steps(steps, dt_secs, whole(secs / LOOK_SECS), None, watch));
+    runs.iter().all(|run| !run.cancelled).then_some(runs)
+}
+
+/// The deepest that a particle of one body is inside another, m.
+fn deepest(bodies: &[BodyModel<f64>], at: &[DVec3]) -> f64 {
+    let mut deepest = 0.0_f64;
+    for (number, body) in bodies.iter().enumerate() {
+        let mesh = TriMesh { positions: at[body.particles.clone()].to_vec(), triangles: outside(body) };
+        let bounds: Aabb<f64> = mesh.bounds();
+        let Ok(surface) = Surface::new(&mesh) else { continue };
+        let others = bodies.iter().enumerate().filter(|(other, _)| *other != number);
+        for point in others.flat_map(|(_, other)| &at[other.particles.clone()]) {
+            let is_near = point.cmpge(bounds.min).all() && point.cmple(bounds.max).all();
+            // The surface is over its own length, about the middle of its box.
+            let within = (*point - bounds.center()) / surface.own_length();
+            if is_near && surface.holds(within) {
+                deepest = deepest.max(surface.nearest(within).distance * surface.own_length());
+            }
+        }
+    }
+    deepest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_body_that_is_pushed_into_another_is_found_as_deep() {
+        let pile = Pile::new().expect("a pile");
+        let two = &pile.bodies[..2];
+        let mut at: Vec<DVec3> = two.iter().flat_map(|body| body.start.iter().copied()).collect();
+        assert!(deepest(two, &at) == 0.0, "they are apart at the start");
+        // A corner of the cube goes 2 cm through the middle of a side of the ball.
+        let ball = two[1].particles.clone();
+        let top = at[ball.clone()].iter().copied().reduce(|a, b| if b.y > a.y { b } else { a }).expect("particles");
+        at[two[0].particles.start] = top - DVec3::Y * 0.02;
+        let found = deepest(two, &at);
+        assert!(found > 1e-3 && found <= 0.02, "{found} m");
+    }
+}
