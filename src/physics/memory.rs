@@ -1,6 +1,6 @@
 //! How much memory a simulation takes, before there is one: by the sizes of what it is made of.
 
-use super::contact::{BodyContact, ContactConstraint, ContactRecord};
+use super::contact::{BYTES_A_PARTICLE_AND_MESH, BodyContact, ContactConstraint, ContactRecord};
 use super::model::Link;
 use super::state::press::Press;
 use crate::geometry::LatticeCounts;
@@ -11,10 +11,12 @@ use crate::physics::schemes::{Held, implicit_bytes};
 /// What a simulation is to be made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Size {
-    /// Planes and spheres.
+    /// Obstacles of all shapes.
     pub obstacles: usize,
-    /// Planes among them.
+    /// Those among them that may have two sides: planes and meshes.
     pub planes: usize,
+    /// Meshes among them; their surfaces are counted elsewhere.
+    pub meshes: usize,
     /// The scheme at work, where that is known.
     pub scheme: Option<Scheme>,
 }
@@ -70,7 +72,7 @@ fn of_motion(body: &LatticeCounts, size: Size) -> usize {
     };
     let pairs = body.surface * size.obstacles.min(3);
     let boxed = body.grid_corners.min(MOST_CORNERS_A_PARTICLE * body.particles);
-    body.particles * (OF_A_STATE + OF_A_STEP + size.planes)
+    body.particles * (OF_A_STATE + OF_A_STEP + size.planes + size.meshes * BYTES_A_PARTICLE_AND_MESH)
         + boxed * BYTES_A_CORNER
         + 2 * body.cells * size_of::<u32>()
         + pairs * (size_of::<ContactRecord<f32>>() + constraint)

@@ -1,13 +1,16 @@
 //! The memory that a scene needs, known from the number of its cells before any particle is made, and the refusal of a
 //! scene that needs more than there is.
 
+use std::sync::Arc;
+
 use super::SessionError;
+use crate::geometry::Surface;
 use crate::machine::free_memory;
 use crate::physics::memory::{Size, bytes};
 use crate::physics::{Scheme, Simulation};
 use crate::scene::body::CubeShape;
 use crate::scene::resolve::{Outline, resolve};
-use crate::scene::{Material, ObstacleShape, Scene, Shape};
+use crate::scene::{Material, Obstacle, ObstacleShape, Scene, Shape};
 use crate::view::SkinVertex;
 
 /// The program itself and what is small, bytes.
@@ -21,10 +24,28 @@ const SAMPLE_CELLS: u32 = 3;
 pub(super) fn needed(scene: &Scene, outlines: &[Outline]) -> u64 {
     let has_sides = |shape: &ObstacleShape| matches!(shape, ObstacleShape::Plane(_) | ObstacleShape::Mesh(_));
     let planes = scene.obstacles.iter().filter(|obstacle| has_sides(&obstacle.shape)).count();
-    let size = Size { obstacles: scene.obstacles.len(), planes, scheme: scheme(scene, outlines) };
+    let is_mesh = |obstacle: &&Obstacle| matches!(obstacle.shape, ObstacleShape::Mesh(_));
+    let meshes = scene.obstacles.iter().filter(is_mesh).count();
+    let size = Size { obstacles: scene.obstacles.len(), planes, meshes, scheme: scheme(scene, outlines) };
     let counts: Vec<_> = outlines.iter().map(|outline| outline.counts).collect();
     let vertices = |outline: &Outline| outline.mesh_vertices.max(outline.counts.surface) as u64;
-    PROGRAM + bytes(&counts, size) + outlines.iter().map(vertices).sum::<u64>() * OF_A_SKIN
+    let of_bodies = bytes(&counts, size) + outlines.iter().map(vertices).sum::<u64>() * OF_A_SKIN;
+    // The models of obstacles are read one after another, before there is a body.
+    let surfaces = surfaces(scene);
+    let lasting: u64 = surfaces.iter().map(|surface| surface.bytes()).sum();
+    let while_made = surfaces.iter().map(|surface| surface.bytes_while_made()).max().unwrap_or(0);
+    PROGRAM + lasting + while_made.max(of_bodies)
+}
+
+/// The surfaces of mesh obstacles that are read: each once, whoever shares it.
+fn surfaces(scene: &Scene) -> Vec<Arc<Surface>> {
+    let mut found: Vec<Arc<Surface>> = Vec::new();
+    for obstacle in &scene.obstacles {
+        let ObstacleShape::Mesh(mesh) = &obstacle.shape else { continue };
+        let new = mesh.surface().filter(|surface| !found.iter().any(|known| Arc::ptr_eq(known, surface)));
+        found.extend(new);
+    }
+    found
 }
 
 /// Refuses a scene that needs more than is free.

@@ -61,6 +61,40 @@ fn a_scene_that_needs_more_memory_than_there_is_is_refused_in_words() {
     assert!(refused.code == Some(2) && refused.notes.contains("0.001 to 1e6"), "{refused:?}");
 }
 
+/// A ring of `around` by `across` squares, cut into triangles.
+fn ring(around: u32, across: u32) -> String {
+    let turn = |step: u32, of: u32| f64::from(step) / f64::from(of) * std::f64::consts::TAU;
+    let mut text = String::new();
+    for (u, v) in (0..around).flat_map(|u| (0..across).map(move |v| (turn(u, around), turn(v, across)))) {
+        let from_axis = 1.0 + 0.3 * v.cos();
+        text += &format!("v {:.9} {:.9} {:.9}\n", from_axis * u.cos(), 0.3 * v.sin(), from_axis * u.sin());
+    }
+    let vertex = |u: u32, v: u32| (u % around) * across + v % across + 1;
+    for (u, v) in (0..around).flat_map(|u| (0..across).map(move |v| (u, v))) {
+        let [a, b, c, d] = [vertex(u, v), vertex(u, v + 1), vertex(u + 1, v + 1), vertex(u + 1, v)];
+        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+    }
+    text
+}
+
+#[test]
+fn the_memory_that_a_mesh_obstacle_needs_is_counted() {
+    let folder = Folder::new();
+    let scene = |cells: u32, model: &str| {
+        let obstacle = format!("(mesh: (path: \"{model}\", center: (0, -1, 0)))");
+        format!("(version: 1, bodies: [(shape: cube(cells: {cells}))], obstacles: [{obstacle}, {obstacle}])")
+    };
+    folder.write("fine.obj", ring(500, 300)).write("coarse.obj", ring(300, 200));
+    folder.write("small-fine.ron", scene(4, "fine.obj")).write("large-coarse.ron", scene(60, "coarse.obj"));
+    for file in ["small-fine.ron", "large-coarse.ron"] {
+        let figures = folder.json(&format!("run {file} --dt 1e-5 --stepping manual --seconds 1e-5 --json"));
+        let [predicted, peak] =
+            ["memory_bytes", "peak_memory_bytes"].map(|key| figures[key].as_f64().expect("a figure"));
+        eprintln!("{file}: {:.0} MB predicted, {:.0} MB taken", predicted / 1e6, peak / 1e6);
+        assert!((1.0..=2.0).contains(&(predicted / peak)), "{file}: {predicted} bytes predicted, {peak} taken");
+    }
+}
+
 #[test]
 fn the_memory_that_a_scene_needs_is_known_before() {
     let folder = Folder::new();

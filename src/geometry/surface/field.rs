@@ -69,6 +69,11 @@ impl Field {
         field
     }
 
+    /// The bytes that it takes.
+    pub(super) fn bytes(&self) -> usize {
+        (self.coarse.capacity() + self.fine.capacity()) * size_of::<(f32, u32)>()
+    }
+
     /// What is known of a point.
     pub(super) fn bound(&self, at: DVec3) -> Bound {
         let place = (at - self.origin) / self.cell;

@@ -14,6 +14,7 @@
 //! 1, and the middle of its box is the origin.
 
 mod field;
+mod memory;
 mod orient;
 mod tree;
 mod triangle;

@@ -6,6 +6,10 @@ use glam::DVec3;
 /// No triangle.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// What it takes to orient a triangle, beside itself and its neighbours: its edges, the piece that it is of and whether it is
+/// turned, bytes.
+pub(super) const BYTES_A_TRIANGLE: usize = 3 * size_of::<Edge>() + size_of::<u32>() + size_of::<bool>();
+
 /// Triangles over welded vertices, and the neighbour beyond every edge: edge e runs from corner e to the next one.
 #[derive(Clone, Debug)]
 pub(super) struct Oriented {

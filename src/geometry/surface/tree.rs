@@ -59,6 +59,11 @@ impl Tree {
         self.build(corners, high, first + count / 2);
     }
 
+    /// The bytes that it takes.
+    pub(super) fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node>()
+    }
+
     /// Shows `visit` the triangles of leaves, those of nearer boxes first as `entry` has it; boxes without an entry, or one
     /// beyond what `visit` last returned, are left out. That begins with `most`.
     pub(super) fn walk(

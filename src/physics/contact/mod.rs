@@ -41,4 +41,4 @@ pub use placed::Placed;
 pub use record::ContactRecord;
 pub(super) use sides::remember_sides;
 pub(super) use solved::{find as find_constraints, finish as finish_constraints};
-pub(super) use workspace::ContactWorkspace;
+pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace};

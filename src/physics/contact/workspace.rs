@@ -16,6 +16,9 @@ use crate::physics::state::sleep;
 /// Obstacles that meet in a corner.
 const CORNER: usize = 3;
 
+/// What is known of a particle and a mesh, bytes.
+pub(in crate::physics) const BYTES_A_PARTICLE_AND_MESH: usize = size_of::<Known>();
+
 /// What contact works in, and what the last substep found.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactWorkspace<R: Real> {
