@@ -56,13 +56,13 @@ fn beside_real_time(area: &Area<'_>, scenes: &[SceneSpeed]) -> Drawn {
         area.draw(&Text::new(name, (begin - 8, middle), right.clone()))?;
         let far = across(*real_time_factor);
         area.draw(&Rectangle::new([(begin, top), (far, low)], COLORS[0].mix(0.5).filled()))?;
-        let mut beside = format!("{} × real time", three_digits(*real_time_factor));
+        let mut beside = vec![format!("{} × real time", three_digits(*real_time_factor))];
         if let Some(meeting) = meeting {
             let part = begin + whole(meeting.share * f64::from(far - begin));
             area.draw(&Rectangle::new([(begin, top), (part, low)], COLORS[0].filled()))?;
-            beside += &format!(", {:.0} % contact between bodies", 100.0 * meeting.share);
+            beside.push(format!("{:.0} % contact between bodies", 100.0 * meeting.share));
         }
-        area.draw(&Text::new(beside, (far + 10, middle), left.clone()))?;
+        area.draw(&Text::new(beside.join(", "), (far + 10, middle), left.clone()))?;
     }
     let at_real_time = across(1.0);
     area.draw(&PathElement::new([(at_real_time, TOP - 10), (at_real_time, bottom)], BLACK.mix(0.5)))

@@ -1,5 +1,7 @@
 //! What a person gives never takes the machine: runs under a limit of memory and processor time.
 
+use std::fmt::Write as _;
+
 use crate::program::{Folder, Limits};
 
 const LIMITS: Limits = Limits { mebibytes: 1500, secs: 20 };
@@ -67,12 +69,13 @@ fn ring(around: u32, across: u32) -> String {
     let mut text = String::new();
     for (u, v) in (0..around).flat_map(|u| (0..across).map(move |v| (turn(u, around), turn(v, across)))) {
         let from_axis = 1.0 + 0.3 * v.cos();
-        text += &format!("v {:.9} {:.9} {:.9}\n", from_axis * u.cos(), 0.3 * v.sin(), from_axis * u.sin());
+        let [x, y, z] = [from_axis * u.cos(), 0.3 * v.sin(), from_axis * u.sin()];
+        writeln!(text, "v {x:.9} {y:.9} {z:.9}").expect("a text grows");
     }
     let vertex = |u: u32, v: u32| (u % around) * across + v % across + 1;
     for (u, v) in (0..around).flat_map(|u| (0..across).map(move |v| (u, v))) {
         let [a, b, c, d] = [vertex(u, v), vertex(u, v + 1), vertex(u + 1, v + 1), vertex(u + 1, v)];
-        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+        writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}").expect("a text grows");
     }
     text
 }

@@ -44,7 +44,6 @@ pub struct PileRow {
 
 /// How a pile lies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "the names are the keys of the JSON object")]
 pub struct PileEnd {
     /// The deepest that a particle of one body is inside another.
     pub deepest_m: f64,
