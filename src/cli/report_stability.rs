@@ -1,5 +1,5 @@
 //! `gelatin report stability`: the limits of the step, predicted and measured, extreme scenes in automatic stepping,
-//! contact and friction, round bodies against Hertz's theory, and what the thesis saw fail.
+//! contact and friction, a round body against Hertz's theory, and what the thesis saw fail.
 
 use std::path::Path;
 use std::time::Instant;
@@ -75,7 +75,7 @@ enum Work<'a> {
     Random(u64),
     Map(Integrator),
     Contact(usize),
-    Hertz(hertz::Case),
+    Hertz,
     Failure(&'static str),
 }
 
@@ -84,7 +84,7 @@ impl Work<'_> {
     fn all<'a>(about: &About, cases: &'a [Subject]) -> Vec<Work<'a>> {
         let named = cases.iter().map(Work::Case).chain((0..about.random).map(Work::Random));
         let own = Integrator::LIMITED.into_iter().map(Work::Map);
-        let own = own.chain((0..contact::count()).map(Work::Contact)).chain(hertz::Case::ALL.map(Work::Hertz));
+        let own = own.chain((0..contact::count()).map(Work::Contact)).chain([Work::Hertz]);
         let own = own.chain(failures::PRESETS.map(Work::Failure));
         named.chain(own.filter(|_| about.own)).collect()
     }
@@ -147,7 +147,7 @@ pub(super) fn tell(about: &About, found: Vec<Piece>, folder: Option<&Path>, json
             }
             Piece::Map(figures) => all.maps.push(figures),
             Piece::Contact(figures) => all.contact.push(figures),
-            Piece::Hertz(figures) => all.hertz.push(figures),
+            Piece::Hertz(figures) => all.hertz = Some(figures),
             Piece::Failure(figures) => all.failures.push(figures),
         }
     }
@@ -156,7 +156,7 @@ pub(super) fn tell(about: &About, found: Vec<Piece>, folder: Option<&Path>, json
     if let Some(folder) = folder {
         let plot = stability_plot::svg(&all.maps)?;
         let [cases, map] = [words::csv(&all.cases), words::map_csv(&all.maps)];
-        let [contact, hertz] = [words::contact_csv(&all.contact), words::hertz_csv(&all.hertz)];
+        let [contact, hertz] = [words::contact_csv(&all.contact), words::hertz_csv(all.hertz.as_ref())];
         for (name, text) in FILES.iter().zip([&text, &cases, &map, &contact, &hertz, &plot]) {
             out::write(&folder.join(name), text.as_bytes())?;
         }
@@ -224,10 +224,7 @@ fn measured(about: &About, work: &Work<'_>) -> Result<Piece, Failure> {
             let found = contact::measure(*number, about.quick).context(unmade)?;
             Piece::Contact(found.context("there is no such measurement of contact")?)
         }
-        Work::Hertz(case) => {
-            let divisions = hertz::Case::divisions(about.quick);
-            Piece::Hertz(hertz::measure(*case, divisions).context("a ball cannot be made")?)
-        }
+        Work::Hertz => Piece::Hertz(hertz::measure(about.quick).context(unmade)?),
         Work::Failure(preset) => Piece::Failure(failures::failure(preset).context(unmade)?),
     })
 }

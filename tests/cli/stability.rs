@@ -58,8 +58,8 @@ fn without_a_scene_the_border_contact_and_the_failures_of_the_thesis_are_told_to
     assert!(all("contact").len() > 20, "{report}");
     let failures: Vec<Value> = all("failures").iter().map(|failure| failure["preset"].clone()).collect();
     assert_eq!(failures, ["exploding", "broken"]);
-    assert_eq!(all("hertz").len(), 2, "on a plane and on its like");
-    for key in ["cases", "maps", "contact", "hertz", "failures"] {
+    assert_eq!(report["hertz"]["passed"], true, "{}", report["hertz"]);
+    for key in ["cases", "maps", "contact", "failures"] {
         assert!(all(key).iter().all(|row| row["passed"] == true), "{key}: {}", report[key]);
     }
     let written = |name: &str| std::fs::read_to_string(folder.path(&format!("made/{name}"))).expect(name);
@@ -73,9 +73,9 @@ fn without_a_scene_the_border_contact_and_the_failures_of_the_thesis_are_told_to
     assert!(plot.starts_with("<svg") && plot.contains("predicted border") && plot.contains("measured border"), "a map");
     assert_eq!(written("stability_map.csv").lines().count(), 1 + 3 * 9 * 9, "a line for every place of every map");
     assert_eq!(written("stability_contact.csv").lines().count(), 1 + all("contact").len());
-    let rows: usize = all("hertz").iter().map(|case| case["rows"].as_array().map_or(0, Vec::len)).sum();
+    let rows = report["hertz"]["rows"].as_array().map_or(0, Vec::len);
     assert_eq!(written("stability_hertz.csv").lines().count(), 1 + rows, "a line for every resolution");
-    assert!(page.contains("| a ball on its like | 20 |"), "{page}");
+    assert!(page.contains("\n| 20 | 50."), "{page}");
 }
 
 #[test]

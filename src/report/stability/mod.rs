@@ -1,6 +1,7 @@
 //! The stability report (R2): cases from one end of the ranges to the other, each with the predicted limit of the step
 //! beside the measured one and its motion in automatic stepping judged; random scenes; the border of what is stable over
-//! stiffness and damping; contact and friction, and of round bodies against Hertz's theory; the thesis's two failures with their cures.
+//! stiffness and damping; contact and friction, and of a round body against Hertz's theory; the thesis's two failures with
+//! their cures.
 
 pub mod contact;
 pub mod failures;
@@ -83,7 +84,7 @@ pub struct StabilityFigures {
     pub random: Option<RandomFigures>,
     pub maps: Vec<MapFigures>,
     pub contact: Vec<ContactFigures>,
-    pub hertz: Vec<HertzFigures>,
+    pub hertz: Option<HertzFigures>,
     pub failures: Vec<FailureFigures>,
 }
 

@@ -22,7 +22,7 @@ fn write_markdown(text: &mut String, found: &StabilityFigures) -> std::fmt::Resu
     write_cases(text, &found.cases)?;
     write_maps(text, &found.maps)?;
     write_contact(text, &found.contact)?;
-    write_hertz(text, &found.hertz)?;
+    found.hertz.as_ref().map_or(Ok(()), |hertz| write_hertz(text, hertz))?;
     write_failures(text, &found.failures)?;
     found.random.as_ref().map_or(Ok(()), |random| write_random(text, random))
 }
@@ -126,37 +126,31 @@ fn write_contact(text: &mut String, contact: &[ContactFigures]) -> std::fmt::Res
     Ok(())
 }
 
-fn write_hertz(text: &mut String, cases: &[HertzFigures]) -> std::fmt::Result {
-    if cases.is_empty() {
-        return Ok(());
-    }
+fn write_hertz(text: &mut String, HertzFigures { rows, passed }: &HertzFigures) -> std::fmt::Result {
     writeln!(
         text,
-        "\n## Round bodies against Hertz's theory\n\nBalls of a metre are pressed between plates, without weight, on a plane without friction, \
-         until nothing moves: the force and the radius of the patch over those of Hertz at the same indentation. It is the \
-         approach of the middles, or of the middle and the plane; the patch is that whose pressure has the second moment \
-         measured. A ball of cells has a flat at its pole and steps around it: pressed in by less than about a cell it is met \
-         like a punch, too hard.\n\n\
-         | | cells across | indentation mm | cells deep | force N | over theory | patch mm | over theory | particles |\n\
-         |---|---|---|---|---|---|---|---|---|"
+        "\n## A round body against Hertz's theory\n\nA ball of a metre is pressed between plates, without weight and without \
+         friction, until nothing moves: the force and the radius of the patch over those of Hertz at the same indentation. It \
+         is the approach of the middle and the plane; the patch is that whose pressure has the second moment measured. A ball \
+         of cells has a flat at its pole and steps around it: pressed in by less than about a cell it is met like a punch, too \
+         hard.\n\n\
+         | cells across | indentation mm | cells deep | force N | over theory | patch mm | over theory | particles |\n\
+         |---|---|---|---|---|---|---|---|"
     )?;
-    for HertzFigures { case, rows, passed } in cases {
-        for row in rows {
-            let HertzRow { divisions, force_n, force_over_theory, patch_over_theory, points, rest_secs, .. } = row;
-            let [indentation, patch] = [row.indentation_m, row.patch_radius_m].map(|meters| meters * 1e3);
-            let moving = if rest_secs.is_some() { "" } else { " **still moving**" };
-            writeln!(
-                text,
-                "| {case} | {divisions} | {indentation:.2} | {:.2} | {} | {force_over_theory:.3} | {patch:.1} | \
-                 {patch_over_theory:.3} | {points}{moving} |",
-                row.cells_deep(),
-                short(*force_n)
-            )?;
-        }
-        let result = if *passed { "passed: the errors shrink as the cells do" } else { "**failed**" };
-        writeln!(text, "| {case} | | | | | | | | {result} |")?;
+    for row in rows {
+        let HertzRow { divisions, force_n, force_over_theory, patch_over_theory, points, rest_secs, .. } = row;
+        let [indentation, patch] = [row.indentation_m, row.patch_radius_m].map(|meters| meters * 1e3);
+        let moving = if rest_secs.is_some() { "" } else { " **still moving**" };
+        writeln!(
+            text,
+            "| {divisions} | {indentation:.2} | {:.2} | {} | {force_over_theory:.3} | {patch:.1} | {patch_over_theory:.3} | \
+             {points}{moving} |",
+            row.cells_deep(),
+            short(*force_n)
+        )?;
     }
-    Ok(())
+    let result = if *passed { "Passed: the errors shrink as the cells do." } else { "**Failed.**" };
+    writeln!(text, "\n{result}")
 }
 
 fn write_failures(text: &mut String, failures: &[FailureFigures]) -> std::fmt::Result {
@@ -257,12 +251,13 @@ pub fn contact_csv(contact: &[ContactFigures]) -> String {
     text
 }
 
-/// Balls against Hertz's theory as comma-separated values.
-pub fn hertz_csv(cases: &[HertzFigures]) -> String {
-    let mut text = "case,divisions,particles,indentation_m,force_n,force_over_theory,patch_radius_m,patch_over_theory,\
-                    points,rest_secs,passed\n"
-        .to_owned();
-    for HertzFigures { case, rows, passed } in cases {
+/// A ball against Hertz's theory as comma-separated values.
+pub fn hertz_csv(figures: Option<&HertzFigures>) -> String {
+    let mut text =
+        "divisions,particles,indentation_m,force_n,force_over_theory,patch_radius_m,patch_over_theory,points,\
+                    rest_secs,passed\n"
+            .to_owned();
+    if let Some(HertzFigures { rows, passed }) = figures {
         for row in rows {
             let HertzRow { divisions, particles, indentation_m, force_n, force_over_theory, .. } = row;
             let HertzRow { patch_radius_m, patch_over_theory, points, .. } = row;
@@ -270,9 +265,8 @@ pub fn hertz_csv(cases: &[HertzFigures]) -> String {
             // Writing to a String cannot fail.
             let _ = writeln!(
                 text,
-                "{},{divisions},{particles},{indentation_m:e},{force_n:e},{force_over_theory},{patch_radius_m:e},\
-                 {patch_over_theory},{points},{rest_secs},{passed}",
-                quoted(case)
+                "{divisions},{particles},{indentation_m:e},{force_n:e},{force_over_theory},{patch_radius_m:e},\
+                 {patch_over_theory},{points},{rest_secs},{passed}"
             );
         }
     }
