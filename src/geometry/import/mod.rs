@@ -1,4 +1,5 @@
-//! Model files to meshes: OBJ through tobj, STL, PLY through ply-rs-bw, glTF through gltf-json (J1). Knows nothing of cells or of what the mesh is for.
+//! Model files to meshes: OBJ through tobj, STL, PLY through ply-rs-bw, glTF through gltf-json. Knows nothing of cells or of
+//! what the mesh is for.
 //!
 //! What a file holds says which format it is in; only where that says nothing does its name. Whatever a header claims
 //! is held against the bytes that are there before anything is made of it.

@@ -186,11 +186,13 @@ mod tests {
         let two = &pile.bodies[..2];
         let mut at: Vec<DVec3> = two.iter().flat_map(|body| body.start.iter().copied()).collect();
         assert!(deepest(two, &at) == 0.0, "they are apart at the start");
-        // A corner of the cube goes 2 cm through the middle of a side of the ball.
-        let ball = two[1].particles.clone();
-        let top = at[ball.clone()].iter().copied().reduce(|a, b| if b.y > a.y { b } else { a }).expect("particles");
-        at[two[0].particles.start] = top - DVec3::Y * 0.02;
+        // The cube comes down on the uppermost particle of the ball, 2 cm too far.
+        let [cube, ball] = [0, 1].map(|body: usize| two[body].particles.clone());
+        let top = at[ball].iter().copied().reduce(|a, b| if b.y > a.y { b } else { a }).expect("particles");
+        let bounds = Aabb::<f64>::around(at[cube.clone()].iter().copied());
+        let below = DVec3 { y: bounds.min.y, ..bounds.center() };
+        at[cube].iter_mut().for_each(|at| *at += top - DVec3::Y * 0.02 - below);
         let found = deepest(two, &at);
-        assert!(found > 1e-3 && found <= 0.02, "{found} m");
+        assert!((found - 0.02).abs() < 1e-6, "{found} m");
     }
 }
