@@ -27,7 +27,7 @@ pub(super) const VALUES: ViewRect = ViewRect { origin: Vec2::new(950.0, 45.0), s
 /// The list of bodies and obstacles.
 const LIST: ViewRect = ViewRect { origin: Vec2::new(4.0, 45.0), size: Vec2::new(180.0, 400.0) };
 /// One window at a time: screenshots of two would time out on a small machine.
-static ALONE: Mutex<()> = Mutex::new(());
+pub(crate) static ALONE: Mutex<()> = Mutex::new(());
 
 #[test]
 fn the_picture_lives_while_playing_and_stands_still_when_paused() {
