@@ -91,7 +91,10 @@ pub(super) fn solve<R: Real>(
             System { body, number, dt, level, threads, grab, constraints: own, uses_grids: false, exact, workspace };
         let own = [&state.position[..], &state.velocity, force].map(|of| &of[range.clone()]);
         system.assemble(plan, &state.bodies[number], own, &|| recorder.stops());
-        system.prepare_grids(plan.families, own[0]);
+        system.prepare_grids(plan.families, own[0], &|| recorder.stops());
+        if recorder.has_stopped() {
+            return;
+        }
         let enough = system.start();
         let mut is_rough = !system.constraints.is_empty();
         for round in 1..=ROUNDS {
@@ -120,14 +123,14 @@ pub(super) fn solve<R: Real>(
 const STIFF: f64 = 64.0;
 
 impl<R: Real> System<'_, R> {
-    /// Makes the coarse grids of a body ready for its equations where these are stiff.
-    fn prepare_grids(&mut self, families: [bool; 3], position: &[R::Vec3]) {
+    /// Makes the coarse grids of a body ready for its equations where these are stiff, until it `stops`.
+    fn prepare_grids(&mut self, families: [bool; 3], position: &[R::Vec3], stops: &dyn Fn() -> bool) {
         let Some(grids) = &mut self.workspace.grids[self.number] else { return };
         let count = self.body.particles.len();
         let resists: f64 = self.workspace.diagonal[..count].iter().sum();
         self.uses_grids = resists > STIFF * self.body.total_mass().to_f64();
         if self.uses_grids {
-            grids.prepare(self.body, families, self.dt, position);
+            grids.prepare(self.body, families, self.dt, position, stops);
         }
     }
 

@@ -34,6 +34,9 @@ use crate::math::{Real, Vector};
 use crate::physics::kernels::SimdLevel;
 use crate::physics::model::BodyModel;
 
+/// Links between two looks at whether the matrices are still wanted: a hundredth of a second.
+const LINKS_A_LOOK: usize = 1 << 14;
+
 /// A body of fewer particles is solved as fast without.
 const LEAST_PARTICLES: usize = 100;
 
@@ -100,12 +103,22 @@ impl Multigrid {
         corners * of_corner + body.particles * 5 * size_of::<u32>()
     }
 
-    /// Makes the matrices for a step of `dt` (s) and takes note of how the body has turned. The positions are the body's
-    /// own, m.
-    pub(super) fn prepare<R: Real>(&mut self, body: &BodyModel<R>, families: [bool; 3], dt: f64, position: &[R::Vec3]) {
+    /// Makes the matrices for a step of `dt` (s) and takes note of how the body has turned, until it `stops`: they are
+    /// made anew then. The positions are the body's own, m.
+    pub(super) fn prepare<R: Real>(
+        &mut self,
+        body: &BodyModel<R>,
+        families: [bool; 3],
+        dt: f64,
+        position: &[R::Vec3],
+        stops: &dyn Fn() -> bool,
+    ) {
         if self.made_for != Some((dt, families)) {
-            self.fill(body, families, dt);
-            self.made_for = Some((dt, families));
+            let is_made = self.fill(body, families, dt, stops);
+            self.made_for = is_made.then_some((dt, families));
+            if !is_made {
+                return;
+            }
         }
         self.around.fill(Around::NONE);
         for (particle, (x, corner)) in position.iter().zip(&body.lattice.corners).enumerate() {
@@ -122,9 +135,10 @@ impl Multigrid {
     }
 
     /// The matrices of all grids without contact: that of the finest from mass, damping and stiffness at rest, `M + dt C +
-    /// dt² K`; those of the others from the one before, `Pᵀ A P`.
-    fn fill<R: Real>(&mut self, body: &BodyModel<R>, families: [bool; 3], dt: f64) {
-        let Some(finest) = self.grids.first_mut() else { return };
+    /// dt² K`; those of the others from the one before, `Pᵀ A P`. Says whether all of it is done: not where it `stops`, as it
+    /// takes seconds for millions of links.
+    fn fill<R: Real>(&mut self, body: &BodyModel<R>, families: [bool; 3], dt: f64, stops: &dyn Fn() -> bool) -> bool {
+        let Some(finest) = self.grids.first_mut() else { return true };
         finest.clear();
         let is_free = |particle: usize| if body.is_pinned(particle) { 0.0 } else { 1.0 };
         for particle in 0..body.particles.len() {
@@ -133,6 +147,9 @@ impl Multigrid {
         }
         for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
             for (number, link) in family.links.iter().enumerate() {
+                if number % LINKS_A_LOOK == 0 && stops() {
+                    return false;
+                }
                 let ends = link.ends.map(|end| end as usize);
                 let [stiffness, damping] = family.constants(number).map(Real::to_f64);
                 let resistance = dt * (dt * stiffness + damping) * link.inverse_rest_length.to_f64();
@@ -153,10 +170,14 @@ impl Multigrid {
             }
         }
         for coarser in 1..self.grids.len() {
+            if stops() {
+                return false;
+            }
             let (finer, rest) = self.grids.split_at_mut(coarser);
             rest[0].project(&finer[coarser - 1]);
         }
         self.grids.iter_mut().for_each(Grid::take_over_all);
+        true
     }
 
     /// Takes what contact resists with into the matrices, kg, of free particles that are given by their local numbers, and
@@ -324,7 +345,7 @@ mod tests {
                 // Crumpled, in places turned inside out.
                 let strewn = random(body.particles.len(), &mut rng);
                 let position: Vec<_> = state.position.iter().zip(strewn).map(|(x, by)| *x + by * 0.08).collect();
-                grids.prepare(body, [true; 3], DT, &position);
+                grids.prepare(body, [true; 3], DT, &position, &|| false);
                 for resistance in [0.0, 1.0, 1e4] {
                     let matrix = DMat3::from_diagonal(DVec3::new(0.0, resistance, 0.0));
                     let free = (0..body.particles.len()).filter(|particle| !body.is_pinned(*particle));
@@ -345,7 +366,7 @@ mod tests {
         let simulation = simulation(&scene(cube(9)));
         let (body, position) = (&simulation.model().bodies[0], &simulation.state().position);
         let mut grids = Multigrid::new(body).expect("large enough");
-        grids.prepare(body, [true; 3], DT, position);
+        grids.prepare(body, [true; 3], DT, position, &|| false);
         grids.hold(std::iter::empty());
         let push = DVec3::new(0.3, -0.2, 0.5);
         let residual: Vec<_> = (0..body.particles.len()).map(|particle| push * body.mass(particle)).collect();
@@ -358,6 +379,26 @@ mod tests {
         assert!(corrected(&mut grids, &residual)[middle].length() < 0.05 * push.length(), "contact holds it");
         grids.hold(std::iter::empty());
         assert_eq!(corrected(&mut grids, &residual), found, "let go, it is as before to the bit");
+    }
+
+    #[test]
+    fn matrices_that_were_given_up_are_made_anew() {
+        let simulation = simulation(&scene(cube(30)));
+        let (body, position) = (&simulation.model().bodies[0], &simulation.state().position);
+        let residual = random(body.particles.len(), &mut Rng::new(3));
+        let made = |given_up_after: &[u32]| {
+            let mut grids = Multigrid::new(body).expect("large enough");
+            for looks in given_up_after {
+                let left = std::cell::Cell::new(*looks);
+                let stops = || left.replace(left.get().saturating_sub(1)) == 0;
+                grids.prepare(body, [true; 3], DT, position, &stops);
+                assert_eq!(grids.made_for, None, "it was stopped after {looks} looks");
+            }
+            grids.prepare(body, [true; 3], DT, position, &|| false);
+            grids.hold(std::iter::empty());
+            corrected(&mut grids, &residual)
+        };
+        assert_eq!(made(&[0, 5, 20]), made(&[]));
     }
 
     /// Iterations of a solve, on average over fall and landing.
