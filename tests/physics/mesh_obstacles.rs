@@ -276,6 +276,30 @@ fn how_they_are_found_changes_no_bit() {
 }
 
 #[test]
+fn what_is_far_from_a_bowl_meets_it_when_it_is_moved() {
+    let mut scene = over(bowl(), 0.7, [0.3, 1.0, 0.2]);
+    scene.bodies[0] = cube(9, 0.7, springs(60.0, 0.5, 0.002), [0.3, 1.0, 0.2]);
+    let mut after = scene.clone();
+    *after.obstacles[0].shape.center_mut() = [0.5, 1.0, 0.2];
+    for arrival in [Arrival::Swept, Arrival::Placed] {
+        let run_with = |broad_phase: bool| {
+            let mut simulation = simulate::<f32>(&scene);
+            let plan = |simulation: &mut Simulation<f32>| simulation.plan_mut().broad_phase = broad_phase;
+            plan(&mut simulation);
+            let lying = simulation.run_for(1.0).counters.narrow_tests;
+            simulation.set_parameters(&after, &lattices(&after), &[Some(0)], arrival);
+            plan(&mut simulation);
+            let moved = simulation.run_for(0.3);
+            assert!(moved.counters.peak_penetration_m > 0.0, "{arrival:?}: it is met");
+            (simulation.hash(), lying)
+        };
+        let ((hash, with), (same, without)) = (run_with(true), run_with(false));
+        assert_eq!(hash, same, "{arrival:?}");
+        assert!(with * 3 < without, "{arrival:?}: most of a body that lies in it is far from it: {with} of {without}");
+    }
+}
+
+#[test]
 fn a_bowl_that_is_swept_about_does_the_work_that_bodies_gain() {
     let scene = over(bowl(), 0.6, [0.0, 0.7, 0.0]);
     let mut after = scene.clone();

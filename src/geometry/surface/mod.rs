@@ -188,6 +188,11 @@ impl Surface {
         matches!(self.field.bound(at), Bound::Outside(least) if least > reach)
     }
 
+    /// How far a point that is outside is away at least, without a search; nothing where it may be inside.
+    pub fn least_distance(&self, at: DVec3) -> f64 {
+        if let Bound::Outside(least) = self.field.bound(at) { least } else { 0.0 }
+    }
+
     /// The point of the surface nearest to another.
     pub fn nearest(&self, at: DVec3) -> NearestPoint {
         let most = match self.field.bound(at) {

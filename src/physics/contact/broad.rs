@@ -4,14 +4,18 @@
 //! near without a look at boxes, as a pressed-in particle may rest just outside a flat obstacle's box. The result is
 //! therefore bit for bit that of testing everything.
 
-use super::narrow::mesh::rounding_margin;
+use std::ops::Range;
+
+use super::far::{FEW, Far, Few};
+use super::narrow::mesh::{Known, rounding_margin};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::kernels::{GROUP, motion_bounds};
-use crate::physics::model::{ObstacleModel, ObstacleShape};
+use crate::physics::model::{Model, ObstacleModel, ObstacleShape};
+use crate::physics::state::State;
 use crate::physics::step::substep::Substep;
 
 /// What the broad phase finds of one body.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Near<R: Real> {
     /// The obstacles that the body's motion in this substep may meet, ascending.
     pub(super) obstacles: Vec<u32>,
@@ -19,15 +23,27 @@ pub(super) struct Near<R: Real> {
     groups: Vec<Aabb<R>>,
     /// How far an obstacle reaches past its box, m.
     reach: R,
+    /// The particles that may meet one of the obstacles, by their numbers in the body, ascending, a few at a time.
+    pub(super) particles: Vec<Range<usize>>,
+    /// Of the group under work: meshes that stand still and are near, and whether anything else is.
+    meshes: Vec<u32>,
+    meets_more_than_meshes: bool,
+    /// What is known of particles far from meshes.
+    far: Far<R>,
 }
 
 impl<R: Real> Near<R> {
-    /// Room for bodies of up to so many particles among so many obstacles.
-    pub(super) fn new(particles: usize, obstacles: usize) -> Self {
+    /// Room for a model.
+    pub(super) fn new(model: &Model<R>) -> Self {
+        let most = model.bodies.iter().map(|body| body.particles.len()).max().unwrap_or(0);
         Self {
-            obstacles: Vec::with_capacity(obstacles),
-            groups: Vec::with_capacity(particles.div_ceil(GROUP)),
+            obstacles: Vec::with_capacity(model.obstacles.len()),
+            groups: Vec::with_capacity(most.div_ceil(GROUP)),
             reach: R::ZERO,
+            particles: Vec::with_capacity(most.div_ceil(FEW)),
+            meshes: Vec::with_capacity(model.mesh_count()),
+            meets_more_than_meshes: false,
+            far: Far::new(model),
         }
     }
 
@@ -60,14 +76,59 @@ impl<R: Real> Near<R> {
         );
     }
 
-    /// The particles that may meet one of these obstacles, by their numbers in the body, ascending: all of the groups whose
-    /// motion comes near one, or which touch one.
-    pub(super) fn particles(&self, substep: Substep<'_, R>, number: usize) -> impl Iterator<Item = usize> {
-        let particles = substep.model.bodies[number].particles.clone();
-        let groups = (0..particles.len().div_ceil(GROUP)).filter(move |group| {
-            !substep.plan.broad_phase || self.obstacles.iter().any(|near| self.is_near(substep, number, *group, *near))
-        });
-        groups.flat_map(move |group| group * GROUP..particles.len().min((group + 1) * GROUP))
+    /// Finds the particles that may meet one of these obstacles: those of the groups whose motion comes near one, or which
+    /// touch one, but for the few that are known to be far from meshes.
+    pub(super) fn find_particles(
+        &mut self,
+        substep: Substep<'_, R>,
+        number: usize,
+        velocity: &[R::Vec3],
+        known: &[Known],
+    ) {
+        let own = substep.model.bodies[number].particles.clone();
+        self.particles.clear();
+        for group in 0..own.len().div_ceil(GROUP) {
+            let all = group * GROUP..own.len().min((group + 1) * GROUP);
+            self.find_near_meshes(substep, number, group);
+            if self.meets_more_than_meshes {
+                self.particles.push(all);
+                continue;
+            }
+            for first in all.clone().step_by(FEW) {
+                let few = first..all.end.min(first + FEW);
+                let these = own.start + few.start..own.start + few.end;
+                let Substep { state, dt: secs, .. } = substep;
+                let of_all = Few { body: number, own: own.clone(), these, position: &state.position, velocity, secs };
+                let Self { meshes, far, reach, .. } = self;
+                let is_near = |near: &u32| {
+                    let shape = &substep.obstacles.met(number, *near as usize).shape;
+                    let ObstacleShape::Mesh(mesh) = shape else { return true };
+                    touches(shape, state, of_all.these.clone()) || !far.is_far(&of_all, mesh, *reach, known)
+                };
+                if meshes.iter().any(is_near) {
+                    self.particles.push(few);
+                }
+            }
+        }
+    }
+
+    /// Finds which meshes that stand still a group may meet, and whether it may meet anything else.
+    fn find_near_meshes(&mut self, substep: Substep<'_, R>, number: usize, group: usize) {
+        self.meshes.clear();
+        self.meets_more_than_meshes = !substep.plan.broad_phase;
+        for place in 0..self.obstacles.len() {
+            let near = self.obstacles[place];
+            if self.meets_more_than_meshes || !self.is_near(substep, number, group, near) {
+                continue;
+            }
+            // One that moves comes towards them.
+            let ObstacleModel { shape, carry, .. } = substep.obstacles.met(number, near as usize);
+            if matches!(shape, ObstacleShape::Mesh(_)) && carry.is_none() {
+                self.meshes.push(near);
+            } else {
+                self.meets_more_than_meshes = true;
+            }
+        }
     }
 
     fn is_near(&self, substep: Substep<'_, R>, number: usize, group: usize, near: u32) -> bool {
@@ -75,9 +136,9 @@ impl<R: Real> Near<R> {
         if self.groups[group].overlaps(&obstacle.bounds.grown(self.reach)) && self.may_reach(obstacle, group) {
             return true;
         }
-        let Some(row) = obstacle.shape.side_row() else { return false };
-        let own = &substep.state.side[row][substep.model.bodies[number].particles.clone()];
-        own.chunks(GROUP).nth(group).is_some_and(|sides| sides.iter().any(|side| *side != 0))
+        let own = substep.model.bodies[number].particles.clone();
+        let first = own.start + group * GROUP;
+        touches(&obstacle.shape, substep.state, first..own.end.min(first + GROUP))
     }
 
     /// Whether the motion of a group in the box around an obstacle may come near the obstacle itself, as far as is known
@@ -90,6 +151,11 @@ impl<R: Real> Near<R> {
         // One that moves comes towards them.
         obstacle.carry.is_some() || !mesh.surface.is_beyond(mesh.own(bounds.center()), half / mesh.length)
     }
+}
+
+/// Whether any of some particles touched a plane or an open mesh.
+fn touches<R: Real>(shape: &ObstacleShape<R>, state: &State<R>, particles: Range<usize>) -> bool {
+    shape.side_row().is_some_and(|row| state.side[row][particles].iter().any(|side| *side != 0))
 }
 
 /// The box around one particle's motion.

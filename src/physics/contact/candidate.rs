@@ -85,7 +85,8 @@ impl<R: Real> Candidates<'_, '_, R> {
             workspace.near.find(*substep, number, velocity, R::ZERO, |obstacle| touching[obstacle]);
             if !workspace.near.obstacles.is_empty() {
                 recorder.enter(Stage::Contact);
-                for local in workspace.near.particles(*substep, number) {
+                workspace.near.find_particles(*substep, number, velocity, &workspace.known);
+                for local in workspace.near.particles.iter().cloned().flatten() {
                     let particle = body.particles.start + local;
                     // The contacts are in the order of the particles.
                     let has_met = || workspace.contacts[..met].binary_search_by_key(&particle, |c| c.particle).is_ok();

@@ -17,6 +17,7 @@ pub(super) mod bodies;
 mod broad;
 mod candidate;
 mod constraint;
+mod far;
 mod gauss_seidel;
 mod held;
 mod moving;

@@ -51,7 +51,8 @@ pub(in crate::physics) fn find<R: Real>(
             continue;
         }
         recorder.enter(Stage::Contact);
-        for local in workspace.near.particles(substep, number) {
+        workspace.near.find_particles(substep, number, falling, &workspace.known);
+        for local in workspace.near.particles.iter().cloned().flatten() {
             let particle = body.particles.start + local;
             if body.is_pinned(local) {
                 continue;

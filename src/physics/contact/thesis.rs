@@ -40,7 +40,8 @@ pub(in crate::physics) fn add_forces<R: Real>(
         workspace.near.find(substep, place, &state.velocity, threshold * R::from_f64(1.0 + ROUNDING), |_| false);
         recorder.enter(Stage::Contact);
         let tests_before = recorder.counters.narrow_tests;
-        for particle in workspace.near.particles(substep, place).map(|local| body.particles.start + local) {
+        workspace.near.find_particles(substep, place, &state.velocity, &workspace.known);
+        for particle in workspace.near.particles.iter().cloned().flatten().map(|local| body.particles.start + local) {
             for number in workspace.near.obstacles.iter().map(|near| *near as usize) {
                 let obstacle = obstacles.met(place, number);
                 recorder.counters.narrow_tests += 1;

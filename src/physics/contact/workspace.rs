@@ -3,6 +3,7 @@
 use super::bodies::BodiesWorkspace;
 use super::broad::Near;
 use super::constraint::ContactConstraint;
+use super::far::BYTES_FAR;
 use super::narrow::mesh::Known;
 use super::record::ContactRecord;
 use crate::math::{Real, Vector};
@@ -17,7 +18,7 @@ use crate::physics::state::sleep;
 const CORNER: usize = 3;
 
 /// What is known of a particle and a mesh, bytes.
-pub(in crate::physics) const BYTES_A_PARTICLE_AND_MESH: usize = size_of::<Known>();
+pub(in crate::physics) const BYTES_A_PARTICLE_AND_MESH: usize = size_of::<Known>() + BYTES_FAR;
 
 /// What contact works in, and what the last substep found.
 #[derive(Clone, Debug)]
@@ -43,10 +44,9 @@ impl<R: Real> ContactWorkspace<R> {
         // All of every surface in a corner: what is there beyond that makes room for itself once.
         let surface: usize = model.bodies.iter().map(|body| body.lattice.surface).sum();
         let pairs = surface * model.obstacles.len().min(CORNER);
-        let largest = model.bodies.iter().map(|body| body.particles.len()).max().unwrap_or(0);
         let solved_for = if plan.scheme == Scheme::Implicit { pairs } else { 0 };
         Self {
-            near: Near::new(largest, model.obstacles.len()),
+            near: Near::new(model),
             contacts: Vec::with_capacity(pairs),
             touching: vec![true; model.bodies.len() * model.obstacles.len()],
             known: vec![Known::default(); model.particle_count() * model.mesh_count()],

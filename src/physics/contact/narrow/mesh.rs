@@ -43,6 +43,13 @@ impl Known {
         self.clear > 0.0 && self.clear - at.distance(self.at) > reach + SPARE
     }
 
+    /// How far the surface is from a point at least, over its length, as far as is known without a search; nothing where that
+    /// is not known.
+    pub(in crate::physics::contact) fn least_distance<R: Real>(&self, mesh: &MeshModel<R>, at: DVec3) -> f64 {
+        let seen = if self.clear > 0.0 { self.clear - at.distance(self.at) - SPARE } else { 0.0 };
+        seen.max(mesh.surface.least_distance(at))
+    }
+
     /// Looks closely.
     fn nearest<R: Real>(&mut self, mesh: &MeshModel<R>, at: DVec3) -> NearestPoint {
         // It is asked about more than once in a substep.

@@ -1,0 +1,108 @@
+//! Which particles are known to be far from a mesh: most of a body that lies in a bowl, in every substep.
+//!
+//! A few particles at a time: it is written down where they are and how far the surface is from the nearest of them, and
+//! until one of them may have come that far nothing has to be looked up for any. It makes looks fewer and changes nothing
+//! else.
+
+use std::ops::Range;
+
+use super::narrow::mesh::{Known, rounding_margin};
+use crate::math::{Real, Vector};
+use crate::physics::model::{MeshModel, Model};
+
+/// Particles that are far or not together.
+pub(super) const FEW: usize = 16;
+
+/// What is known of a particle in single precision and a mesh, bytes.
+pub(super) const BYTES_FAR: usize = size_of::<[f32; 3]>() + size_of::<f64>().div_ceil(FEW);
+
+/// How much nearer than it was found the surface may be for rounding, as a share of the way.
+const ROUNDING_SHARE: f64 = 1e-3;
+
+/// What is known of all particles and meshes.
+#[derive(Clone, Debug)]
+pub(super) struct Far<R: Real> {
+    /// By mesh.
+    meshes: Vec<FarFromMesh<R>>,
+}
+
+/// What is known of all particles and one mesh.
+#[derive(Clone, Debug)]
+struct FarFromMesh<R: Real> {
+    /// Where particles were when they were looked at, m.
+    at: Vec<R::Vec3>,
+    /// How far the mesh was from the nearest of a few then, m; nothing where that is not known.
+    distance: Vec<f64>,
+    /// Where the mesh was then, for every body.
+    place: Vec<Option<Place<R>>>,
+}
+
+/// The middle and the axes of a mesh.
+type Place<R> = (<R as Real>::Vec3, [<R as Real>::Vec3; 3]);
+
+/// A few particles of a body.
+#[derive(Clone, Debug)]
+pub(super) struct Few<'a, R: Real> {
+    pub(super) body: usize,
+    /// All of the body's, and these, by their numbers in the state.
+    pub(super) own: Range<usize>,
+    pub(super) these: Range<usize>,
+    /// Of all bodies, m and m/s.
+    pub(super) position: &'a [R::Vec3],
+    pub(super) velocity: &'a [R::Vec3],
+    pub(super) secs: R,
+}
+
+impl<R: Real> Far<R> {
+    /// Room for a model.
+    pub(super) fn new(model: &Model<R>) -> Self {
+        let (particles, bodies) = (model.particle_count(), model.bodies.len());
+        let of_mesh = FarFromMesh {
+            at: vec![R::Vec3::ZERO; particles],
+            distance: vec![0.0; particles / FEW + bodies],
+            place: vec![None; bodies],
+        };
+        Self { meshes: vec![of_mesh; model.mesh_count()] }
+    }
+
+    /// Whether none of a few particles comes within `reach` (m) of a mesh; looks again where that cannot be told from the
+    /// last time. `known` is what is known of every particle.
+    pub(super) fn is_far(&mut self, few: &Few<'_, R>, mesh: &MeshModel<R>, reach: R, known: &[Known]) -> bool {
+        let meshes = self.meshes.len();
+        let FarFromMesh { at, distance, place } = &mut self.meshes[mesh.place];
+        // Those of every body begin a slot of their own.
+        let slot = |particle: usize| few.own.start / FEW + few.body + (particle - few.own.start) / FEW;
+        let here = Some((mesh.center, mesh.axes));
+        if place[few.body] != here {
+            place[few.body] = here;
+            distance[slot(few.own.start)..=slot(few.own.end - 1)].fill(0.0);
+        }
+        let (at, distance) = (&mut at[few.these.clone()], &mut distance[slot(few.these.start)]);
+        let [position, velocity] = [few.position, few.velocity].map(|of| &of[few.these.clone()]);
+        let margin = (reach + rounding_margin(mesh, position[0]) * R::from_f64(4.0)).to_f64();
+        let comes_as_far_as = |at: &[R::Vec3]| {
+            let ways = at.iter().zip(position).zip(velocity);
+            let squared = ways.fold(R::ZERO, |most, ((at, position), velocity)| {
+                let (moved, way) = (*position - *at, *velocity * few.secs);
+                most.max(moved.dot(moved) + way.dot(way))
+            });
+            // The sum of two lengths is no more than the root of twice the sum of their squares.
+            (2.0 * squared.to_f64()).sqrt() * (1.0 + ROUNDING_SHARE) + margin
+        };
+        if *distance > comes_as_far_as(at) {
+            return true;
+        }
+        let needed = comes_as_far_as(position);
+        let mut nearest = f64::INFINITY;
+        for (particle, position) in few.these.clone().zip(position) {
+            let known = &known[particle * meshes + mesh.place];
+            nearest = nearest.min(known.least_distance(mesh, mesh.own(*position)) * mesh.length);
+            if nearest <= needed {
+                return false;
+            }
+        }
+        at.copy_from_slice(position);
+        *distance = nearest;
+        true
+    }
+}
