@@ -183,7 +183,8 @@ impl Division {
 
     /// The whole substep was refused as these velocities would tear bodies apart: those are strained from now on.
     fn divide_torn<R: Real>(&mut self, model: &Model<R>, plan: &Plan, velocity: &[R::Vec3], state: &mut State<R>) {
-        let by_way = strain::look(model, plan, &mut state.bodies, [&state.position, velocity], self.secs);
+        let by_way =
+            strain::look(model, plan, &mut state.bodies, strain::Whose::All, [&state.position, velocity], self.secs);
         let parts = self.while_strained.max(by_way);
         (self.parts, self.left, self.secs) = (parts, parts, self.secs / f64::from(parts));
         self.tears = true;

@@ -45,8 +45,11 @@ pub(in crate::physics) fn parts_now<R: Real>(
         return 1;
     }
     let mut by_way = 1;
-    if state.bodies.iter().any(|memory| memory.strained) || looks::is_time_to_look_at(model, plan, state, spreads) {
-        by_way = look(model, plan, &mut state.bodies, [&state.position, &state.velocity], plan.substep_secs());
+    let is_time = looks::is_time_to_look_at(model, plan, state, spreads);
+    if is_time || state.bodies.iter().any(|memory| memory.strained) {
+        let whose = if is_time { Whose::All } else { Whose::Strained };
+        let at = [&state.position[..], &state.velocity];
+        by_way = look(model, plan, &mut state.bodies, whose, at, plan.substep_secs());
     }
     // The longer substeps of the stabilised scheme would bear little of what pushes cells back that are near inversion.
     let is_crushed = |body: &BodyModel<R>, memory: &BodyMemory| {
@@ -69,7 +72,7 @@ pub(in crate::physics) fn is_strained_by_now<R: Real>(
 ) -> bool {
     if *unseen + secs > looks::secs_between(model, plan, state) {
         *unseen = 0.0;
-        look(model, plan, &mut state.bodies, [&state.position, &state.velocity], secs);
+        look(model, plan, &mut state.bodies, Whose::All, [&state.position, &state.velocity], secs);
     }
     state.bodies.iter().any(|memory| memory.strained && !memory.asleep)
 }
@@ -91,19 +94,30 @@ pub(in crate::physics) fn tear<R: Real>(
     })
 }
 
+/// Whose links are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::physics) enum Whose {
+    /// Those of strained bodies.
+    Strained,
+    /// Those of all.
+    All,
+}
+
 /// Looks at the links, as they are and as they would be after so many seconds with these velocities (m/s), and tells into how
 /// many parts such a time has to be divided for the ways that those of strained bodies go in it.
 pub(in crate::physics) fn look<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     memories: &mut [BodyMemory],
+    whose: Whose,
     [position, velocity]: [&[R::Vec3]; 2],
     secs: f64,
 ) -> u32 {
     let calm_substeps = looks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
     let secs = R::from_f64(secs);
     let mut longest_way = R::ZERO;
-    for (body, memory) in model.bodies.iter().zip(memories).filter(|(_, memory)| !memory.asleep) {
+    let is_looked_at = |memory: &BodyMemory| !memory.asleep && (whose == Whose::All || memory.strained);
+    for (body, memory) in model.bodies.iter().zip(memories).filter(|(_, memory)| is_looked_at(memory)) {
         let own = [position, velocity].map(|of| &of[body.particles.clone()]);
         if is_beyond(body, own, STRAINS[usize::from(!memory.strained)], secs) {
             (memory.strained, memory.calm_substeps) = (true, 0);
