@@ -150,9 +150,9 @@ pub(super) fn substep<R: Real>(
     }
     let remembered = &mut workspace.remembered;
     remembered.iter_mut().zip(&state.bodies).for_each(|(copy, memory)| copy.copy(memory));
-    if plan.recovery && recovery::is_due(model, plan, state) {
+    if let Some(due) = recovery::due(model, plan, state).filter(|_| plan.recovery) {
         recorder.enter(Stage::Recovery);
-        recovery::look(model, state, part.secs, recorder);
+        recovery::look(model, plan, state, due, part.secs, recorder);
     }
     let dt = R::from_f64(part.secs);
     let Part { scheme, is_strained, bodies_are_near, .. } = part;

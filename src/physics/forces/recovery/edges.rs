@@ -6,7 +6,7 @@ use crate::math::{Real, Vector};
 pub(super) const THRESHOLD: f64 = 0.3;
 
 /// Cells nearer to the threshold than this are watched: what inverts between two looks has mostly been here before.
-const WATCH: f64 = 0.4;
+pub(super) const WATCH: f64 = 0.4;
 
 /// The push stops growing at this depth.
 pub(super) const DEEPEST: f64 = 2.0;
@@ -82,8 +82,8 @@ impl<R: Real> MeanEdges<R> {
         R::from_f64(THRESHOLD) - self.volume()
     }
 
-    /// Whether the cell is below the threshold, or so near above it that it is watched.
-    #[inline]
+    /// Whether the cell is below the threshold, or so near above it that it is watched: what [`super::near`] finds, one by one.
+    #[cfg(test)]
     pub(super) fn is_near_inversion(&self) -> bool {
         let above = -self.missing();
         let largest = self.faces.iter().fold(R::ONE, |largest, face| largest.max(face.dot(*face)));

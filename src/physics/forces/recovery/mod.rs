@@ -32,6 +32,7 @@
 
 mod account;
 mod edges;
+mod near;
 mod pull;
 mod resistance;
 mod rotation;
@@ -54,20 +55,37 @@ use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
 use crate::physics::stepping::looks;
 
-/// Whether all cells are looked at in this substep.
-pub(in crate::physics) fn is_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
-    !plan.lean || state.bodies.iter().any(BodyMemory::is_watched) || looks::is_time_to_look(model, plan, state)
+/// The bodies whose cells are looked at before a substep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::physics) enum Due {
+    /// Those that have cells on their lists.
+    Watched,
+    /// All.
+    All,
 }
 
-/// Looks at all cells before a substep of `secs`, writes down those that are near inversion, and tells which bodies are
-/// stuck.
+/// Which bodies are looked at in this substep, if any.
+pub(in crate::physics) fn due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Option<Due> {
+    let is_time = || looks::is_time_to_look(model, plan, state);
+    match state.bodies.iter().any(BodyMemory::is_watched) {
+        _ if !plan.lean || is_time() => Some(Due::All),
+        true => Some(Due::Watched),
+        false => None,
+    }
+}
+
+/// Looks at all cells of bodies before a substep of `secs`, writes down those that are near inversion, and tells which
+/// bodies are stuck.
 pub(in crate::physics) fn look<R: Real>(
     model: &Model<R>,
+    plan: &Plan,
     state: &mut State<R>,
+    due: Due,
     secs: f64,
     recorder: &mut Recorder<'_>,
 ) {
-    for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| !memory.asleep) {
+    let is_due = |memory: &BodyMemory| !memory.asleep && (due == Due::All || memory.is_watched());
+    for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| is_due(memory)) {
         memory.near_inversion.clear();
         if body.recovery.stiffness <= R::ZERO {
             pull::forget(memory);
@@ -75,13 +93,11 @@ pub(in crate::physics) fn look<R: Real>(
         }
         let position = &state.position[body.particles.clone()];
         recorder.counters.cells_looked_at += body.lattice.cells.len() as u64;
+        let (cells, scale) = (&body.lattice.cells, body.inverse_cell_size);
+        near::write_down(plan.simd, cells, position, scale, &mut memory.near_inversion);
         let mut worst = pull::Worst::default();
-        for (number, corners) in (0u32..).zip(&body.lattice.cells) {
-            let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
-            if edges.is_near_inversion() {
-                memory.near_inversion.push(number);
-                worst.see(&edges);
-            }
+        for &number in &memory.near_inversion {
+            worst.see(&MeanEdges::of(position, &cells[number as usize], scale));
         }
         if memory.near_inversion.is_empty() {
             // What is owed stays owed.
