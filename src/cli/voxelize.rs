@@ -13,7 +13,7 @@ use super::Failure;
 use super::out::{self, Progress};
 use super::scene_args::up_axis;
 use crate::geometry::UpAxis;
-use crate::geometry::import::FORMATS;
+use crate::geometry::import::{self, FORMATS};
 use crate::geometry::voxel::{Cells, Keep, MAX_DIVISIONS, OccupancyChoice, VoxelReport, VoxelizeOptions, voxelize};
 use crate::scene::resolve::{self, LENGTHS};
 use crate::text::echo_path;
@@ -75,7 +75,7 @@ enum KeepWord {
 pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     if let Some(path) = &args.output {
         out::check_writable(path)?;
-        out::check_spares(path, &[PathBuf::from(&args.model)])?;
+        out::check_spares(path, &import::files_of(Path::new(&args.model)))?;
     }
     if args.model.is_empty() {
         return Err(Failure::usage(anyhow!("no model is named; give the path of a model file ({FORMATS})")));

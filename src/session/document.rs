@@ -12,6 +12,7 @@ use std::path::{Component, Path, PathBuf};
 use thiserror::Error;
 
 use crate::disk::{self, fnv1a, folder_of};
+use crate::geometry::import;
 use crate::scene::file::SceneFileError;
 use crate::scene::view_settings::CameraSettings;
 use crate::scene::{ObstacleShape, Scene, Shape, ViewSettings, builtin, presets};
@@ -79,7 +80,7 @@ impl Opened {
 }
 
 impl Opened {
-    /// The files that the scene is read from: its own and those of its models.
+    /// The files that the scene is read from: its own and those of its models, buffers beside these too.
     pub fn inputs(&self) -> Vec<PathBuf> {
         let models = self.scene.bodies.iter().filter_map(|body| match &body.shape {
             Shape::Model(model) if !model.path.starts_with(builtin::PREFIX) => Some(self.base_dir.join(&model.path)),
@@ -91,7 +92,8 @@ impl Opened {
             }
             _ => None,
         });
-        models.chain(meshes).chain(self.file.clone()).collect()
+        let read = models.chain(meshes).flat_map(|path| import::files_of(&path));
+        read.chain(self.file.clone()).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::bad_input::{FAILED, refused};
+use crate::bad_input::{FAILED, USAGE, refused};
 use crate::program::Folder;
 
 const PLACES: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [3.0, 0.0, 0.0], [0.0, 0.0, 5.0]];
@@ -87,6 +87,15 @@ fn every_format_runs_and_stops_what_falls_on_it() {
         assert_eq!(hash(name), hash("m.obj"), "{name} moves as OBJ does");
         folder.write("mesh.ron", scene(name));
         assert_eq!(folder.json("check mesh.ron --json")["ok"], true, "{name} as an obstacle");
+    }
+}
+
+#[test]
+fn a_buffer_beside_a_model_is_not_replaced() {
+    let folder = folder();
+    for command in ["voxelize m.gltf -o beside.bin", "run m.gltf --seconds 0.01 --save-state beside.bin"] {
+        refused(&folder, command, USAGE, &["beside.bin is what is read"]);
+        assert_eq!(std::fs::read(folder.path("beside.bin")).expect("it is there"), gltf().1, "{command}");
     }
 }
 

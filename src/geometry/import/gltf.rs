@@ -7,6 +7,8 @@
 mod buffers;
 mod primitive;
 
+use std::path::PathBuf;
+
 use glam::{DMat4, DQuat, DVec3};
 use gltf_json::{Index, Node, Root};
 
@@ -55,6 +57,14 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     }
     left_out.warnings().for_each(|warning| reader.warn(warning));
     reader.finish()
+}
+
+/// The files beside a model that it is read from too; none where it cannot be read.
+pub(super) fn files_beside(file: ModelFile<'_>) -> Vec<PathBuf> {
+    let parts = if is_glb(file.bytes) { chunks(file) } else { Ok(Parts { json: file.bytes, blob: None }) };
+    let root = parts.and_then(|parts| parse(file, parts.json));
+    let both = root.ok().zip(file.folder);
+    both.map(|(root, folder)| buffers::files_of(&root, folder)).unwrap_or_default()
 }
 
 /// What was left out on the way.

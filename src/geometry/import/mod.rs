@@ -16,7 +16,7 @@ mod polygon;
 mod stl;
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::Watch;
 use crate::disk::{self, ReadError};
@@ -56,6 +56,19 @@ pub fn load_watched(path: &Path, watch: &dyn Watch) -> Result<Imported, ImportEr
     })?;
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     read(ModelFile { bytes: &bytes, name, folder: Some(&disk::folder_of(path)), watch }, &ending)
+}
+
+/// The files that a model is read from: itself, and those beside it that hold its bytes.
+pub fn files_of(path: &Path) -> Vec<PathBuf> {
+    let mut files = vec![path.to_owned()];
+    if let Ok(bytes) = disk::read(path, MAX_FILE_BYTES) {
+        let (name, folder) = (&echo_path(path), &disk::folder_of(path));
+        let file = ModelFile { bytes: &bytes, name, folder: Some(folder), watch: &() };
+        if format_of(&bytes) == Some(Format::Gltf) {
+            files.extend(gltf::files_beside(file));
+        }
+    }
+    files
 }
 
 /// Reads the bytes of a model file in any format; `name` stands for the file in messages.

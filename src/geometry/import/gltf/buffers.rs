@@ -2,7 +2,7 @@
 //! for, and once.
 
 use std::borrow::Cow;
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use base64::Engine as _;
 use base64::alphabet::STANDARD;
@@ -100,15 +100,11 @@ impl<'a> Buffers<'a> {
     /// The bytes of a file beside the model or in a folder below it: a model that somebody sends must not make this
     /// program look anywhere else.
     fn beside(&self, uri: &str) -> Result<Vec<u8>, Fault> {
-        let name = percent_decode_str(uri).decode_utf8_lossy();
-        let path = Path::new(&*name);
-        let is_below = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-        let Some(folder) = self.file.folder.filter(|_| is_below && !name.contains([':', '\\'])) else {
-            let what = format!("the buffer `{}`", echo_up_to(&name, 60));
+        let Some(path) = self.file.folder.and_then(|folder| path_beside(folder, uri)) else {
+            let what = format!("the buffer `{}`", echo_up_to(&percent_decode_str(uri).decode_utf8_lossy(), 60));
             let remedy = "only files beside the model and in folders below it are";
             return Err(Problem::Unsupported { what, remedy }.into());
         };
-        let path = folder.join(path);
         disk::read(&path, self.budget).map_err(|error| {
             let why = match &error {
                 ReadError::TooLarge(_) => return Fault::TooLarge,
@@ -118,6 +114,20 @@ impl<'a> Buffers<'a> {
             Problem::Beside { file: echo_path(&path), why }.into()
         })
     }
+}
+
+/// Where a file is that a URI names, if that is in the folder of the model or below it.
+fn path_beside(folder: &Path, uri: &str) -> Option<PathBuf> {
+    let name = percent_decode_str(uri).decode_utf8_lossy();
+    let path = Path::new(&*name);
+    let is_below = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    (is_below && !name.contains([':', '\\'])).then(|| folder.join(path))
+}
+
+/// The files that a model has its buffers in.
+pub(super) fn files_of(root: &Root, folder: &Path) -> Vec<PathBuf> {
+    let uris = root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+    uris.filter(|uri| !uri.starts_with("data:")).filter_map(|uri| path_beside(folder, uri)).collect()
 }
 
 /// Why a buffer gives no bytes.
