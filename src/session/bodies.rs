@@ -99,6 +99,12 @@ impl Bodies {
         self.dressed.iter().map(instance).collect()
     }
 
+    /// The longest extent of a body's model, m; 1 where it has none.
+    pub(super) fn model_length(&self, body: usize) -> f64 {
+        let mesh = self.jellies.get(body).and_then(|jelly| jelly.mesh.as_ref());
+        mesh.map_or(1.0, |mesh| mesh.bounds().size().max_element())
+    }
+
     /// What a person should know of the models of a scene's bodies, a sentence each.
     pub(super) fn warnings(&self, scene: &Scene) -> Vec<String> {
         let of_one = |(jelly, body): (&Jelly, &Body)| match &body.material {
