@@ -53,11 +53,12 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         _ => 1.0,
     };
     out::figures(&format!(
-        "{}: sound\n{} particles, {} links, about {} of memory\nlargest safe step {}\n\
+        "{}: sound\n{} particles, {} links, {} kg, about {} of memory\nlargest safe step {}\n\
          {} substeps in 1/60 s, limited by {}\nabout {} × real time on this machine with nothing drawn",
         session.title(),
         prediction.particles,
         prediction.links,
+        three_digits(prediction.mass_kg),
         bytes_text(prediction.memory_bytes),
         limit(prediction.dt_safe_secs),
         prediction.substeps_per_frame,
@@ -101,6 +102,7 @@ fn unsound(error: &anyhow::Error, scene: &OsStr) -> Value {
         "scene": scene.to_string_lossy(),
         "particles": none,
         "links": none,
+        "mass_kg": none,
         "memory_bytes": none,
         "dt_limit_secs": none,
         "dt_safe_secs": none,

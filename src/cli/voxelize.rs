@@ -15,6 +15,7 @@ use super::scene_args::up_axis;
 use crate::geometry::UpAxis;
 use crate::geometry::import::{self, FORMATS};
 use crate::geometry::voxel::{Cells, Keep, MAX_DIVISIONS, OccupancyChoice, VoxelReport, VoxelizeOptions, voxelize};
+use crate::scene::MaterialValue;
 use crate::scene::resolve::{self, LENGTHS};
 use crate::text::echo_path;
 use crate::view::legend::three_digits;
@@ -40,6 +41,12 @@ pub(super) struct VoxelizeArgs {
     /// The longest extent of the body, m, which the lengths of the report are for; 0 keeps the model's own.
     #[arg(long, value_name = "M", default_value_t = 1.0, allow_negative_numbers = true, value_parser = length)]
     length: f64,
+    /// What the mass comes from: samples of the model, or cells that are all full.
+    #[arg(long, value_enum, default_value_t = MassWord::Samples)]
+    mass_from: MassWord,
+    /// The density that the mass of the report is for, kg/m³.
+    #[arg(long, value_name = "KG/M3", default_value_t = 1000.0, allow_negative_numbers = true, value_parser = density)]
+    density: f64,
     /// Write the outer faces of the cells to an OBJ file, in the model's own coordinates.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -55,6 +62,27 @@ fn length(text: &str) -> Result<f64, String> {
         Ok(length) if length == 0.0 || (least..=most).contains(&length) => Ok(length),
         _ => Err(format!("a length from {least:e} to {most:e} m is needed, or 0")),
     }
+}
+
+/// A density on the command line: one that a material may have.
+fn density(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(density)
+            if density.is_finite() && MaterialValue::Density.in_range(density).to_bits() == density.to_bits() =>
+        {
+            Ok(density)
+        }
+        _ => {
+            let [least, most] = [0.0, f64::MAX].map(|end| MaterialValue::Density.in_range(end));
+            Err(format!("a density from {least:e} to {most:e} kg/m³ is needed"))
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MassWord {
+    Cells,
+    Samples,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -100,7 +128,11 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     let mut imported = resolve::load_model(model, Path::new(""), &progress)?;
     let up = args.up.found(&imported.mesh);
     up.turn(&mut imported.mesh);
-    let filled = voxelize(&imported.mesh, &options, &progress).with_context(|| shown.clone())?;
+    let mut filled = voxelize(&imported.mesh, &options, &progress).with_context(|| shown.clone())?;
+    if let MassWord::Samples = args.mass_from {
+        let contents = filled.sample(&imported.mesh, &progress).with_context(|| shown.clone())?;
+        filled.report.warnings.extend(contents.warnings());
+    }
     drop(progress);
     let wall_secs = started.elapsed().as_secs_f64();
     if let Some(path) = &args.output {
@@ -110,16 +142,20 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     let own_length = imported.mesh.bounds().size().max_element();
     let length_m = if args.length > 0.0 { args.length } else { own_length };
     report.cell_size_m *= length_m / own_length;
+    report.volume_m3 *= (length_m / own_length).powi(3);
+    let mass_kg = args.density * report.volume_m3;
     report.warnings.splice(0..0, imported.warnings);
     if args.json {
         let mut object = serde_json::to_value(&report)?;
         object["model"] = json!(shown);
         object["up"] = json!(up);
         object["length_m"] = json!(length_m);
+        object["mass_kg"] = json!(mass_kg);
         object["wall_secs"] = json!(wall_secs);
         out::json(&object)?;
     } else {
         out::figures(&text(&shown, &report, up, length_m, wall_secs))?;
+        out::figures(&mass_text(&report, args.density, mass_kg))?;
         for warning in &report.warnings {
             out::note(&format!("warning: {warning}"));
         }
@@ -153,6 +189,15 @@ fn text(model: &str, report: &VoxelReport, up: UpAxis, length_m: f64, wall_secs:
         report.joined_parts,
         report.thin_parts,
     )
+}
+
+fn mass_text(report: &VoxelReport, density: f64, mass_kg: f64) -> String {
+    let what = match report.samples {
+        0 => "all cells are full".to_owned(),
+        samples => format!("{samples} samples, {} cells nearly empty", report.raised_cells),
+    };
+    let [volume, mass, density] = [report.volume_m3, mass_kg, density].map(three_digits);
+    format!("{volume} m³ ({what}): {mass} kg at {density} kg/m³")
 }
 
 /// The faces between filled cells and empty ones as an OBJ file: quads, counter-clockwise from outside, corners

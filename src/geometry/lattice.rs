@@ -52,6 +52,8 @@ pub struct Lattice {
     /// The particles of every filled cell, cells in the order of [`Grid::index`]; bit 0 of the place is x, bit 1 y,
     /// bit 2 z.
     pub cells: Vec<[u32; 8]>,
+    /// What is in every cell over its volume, in the order of `cells`; none where all are full.
+    pub shares: Option<Vec<f64>>,
     /// How many of the particles are not inside: fewer than eight cells meet at them.
     pub surface: usize,
 }
@@ -65,7 +67,7 @@ impl Lattice {
         let links = counts.links.map(Vec::with_capacity);
         let corners = Vec::with_capacity(counts.particles);
         let cells_of = Vec::with_capacity(counts.cells);
-        let mut lattice = Self { grid, corners, links, cells: cells_of, surface: counts.surface };
+        let mut lattice = Self { grid, corners, links, cells: cells_of, shares: None, surface: counts.surface };
         for corner in table.corners.iter() {
             if table.particle(corner).is_some() {
                 lattice.corners.push(corner);
@@ -82,10 +84,21 @@ impl Lattice {
 
     /// How large it is.
     pub fn counts(&self) -> LatticeCounts {
-        let Self { grid, corners, links, cells, surface } = self;
+        let Self { grid, corners, links, cells, surface, .. } = self;
         let links = std::array::from_fn(|family| links[family].len());
         let grid_corners = grid_corners(grid);
         LatticeCounts { particles: corners.len(), links, cells: cells.len(), surface: *surface, grid_corners }
+    }
+
+    /// What is in a cell over its volume.
+    pub fn share(&self, cell: usize) -> f64 {
+        self.shares.as_ref().map_or(1.0, |shares| shares[cell])
+    }
+
+    /// What is in all cells, m³.
+    pub fn volume_m3(&self) -> f64 {
+        let full = self.shares.as_ref().map_or(self.cells.len() as f64, |shares| shares.iter().sum());
+        full * self.grid.cell_size.powi(3)
     }
 
     /// The lowest grid corner of a cell.

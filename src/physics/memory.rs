@@ -54,7 +54,8 @@ const NEIGHBOURS: usize = 8 * size_of::<[u32; 2]>() + 2 * size_of::<u32>();
 /// A lattice, and the model that is made of it.
 fn of_body(body: &LatticeCounts) -> usize {
     let link = size_of::<[u32; 2]>() + size_of::<Link<f32>>() + size_of::<u16>();
-    let cell = size_of::<[u32; 8]>();
+    // Its particles, and what is in it.
+    let cell = size_of::<[u32; 8]>() + size_of::<f64>();
     body.particles * OF_A_MODEL + body.all_links() * link + body.cells * cell
 }
 

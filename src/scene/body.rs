@@ -126,6 +126,8 @@ pub struct ModelShape {
     pub length: f64,
     /// The axis of the file's own coordinates that points up.
     pub up: UpAxis,
+    /// What a solid's cells weigh and resist with.
+    pub mass_from: MassFrom,
 }
 
 impl Default for ModelShape {
@@ -137,8 +139,28 @@ impl Default for ModelShape {
             keep: Keep::Largest,
             length: 1.0,
             up: UpAxis::Y,
+            mass_from: MassFrom::Cells,
         }
     }
+}
+
+impl ModelShape {
+    /// What a model that was never in a scene begins with: what files without a word of it mean is for old ones.
+    pub fn for_new() -> Self {
+        Self { up: UpAxis::Auto, mass_from: MassFrom::Samples, ..Self::default() }
+    }
+}
+
+/// What the mass of a model of a solid comes from (J5). A body of springs has no use for it: its particles weigh what they
+/// are said to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MassFrom {
+    /// Every cell is full, however little of the model is in it.
+    #[default]
+    Cells,
+    /// Samples of the model: a cell weighs what is in it, and is as stiff in proportion.
+    Samples,
 }
 
 /// Where a body starts.

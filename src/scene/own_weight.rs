@@ -39,9 +39,9 @@ impl Stature {
         let rest = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle));
         let size_m = Aabb::<f64>::around(rest).size().to_array();
         let columns_m = [0, 1, 2].map(|axis| {
-            let mut layers = vec![0_u32; lattice.grid.dims[axis] as usize];
-            for cell in &lattice.cells {
-                layers[lattice.corners[cell[0] as usize][axis] as usize] += 1;
+            let mut layers = vec![0.0; lattice.grid.dims[axis] as usize];
+            for (number, cell) in lattice.cells.iter().enumerate() {
+                layers[lattice.corners[cell[0] as usize][axis] as usize] += lattice.share(number);
             }
             let cell = lattice.grid.cell_size;
             [column(layers.iter(), cell), column(layers.iter().rev(), cell)]
@@ -103,9 +103,9 @@ pub fn largest_cube(solid: &Solid, gravity: [f64; 3]) -> f64 {
 }
 
 /// The height of the even column that sags by the same share as layers of cells with this edge, from the top one on.
-fn column<'a>(layers: impl Iterator<Item = &'a u32>, cell: f64) -> f64 {
+fn column<'a>(layers: impl Iterator<Item = &'a f64>, cell: f64) -> f64 {
     let [mut height, mut above, mut sag] = [0.0; 3];
-    for count in layers.map(|&count| f64::from(count)).filter(|count| *count > 0.0) {
+    for count in layers.copied().filter(|count| *count > 0.0) {
         sag += (above + 0.5 * count) / count;
         above += count;
         height += 1.0;

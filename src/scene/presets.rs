@@ -6,7 +6,7 @@ mod parts;
 pub use parts::jelly;
 
 use super::Scene;
-use super::body::{Body, CubeShape, ModelShape, Pose, Shape, Skin, UpAxis};
+use super::body::{Body, CubeShape, ModelShape, Pose, Shape, Skin};
 use super::material::{Material, Spring, Springs};
 use super::obstacle::{Cuboid, Cylinder, Motion, Obstacle, ObstacleShape, Oscillate, Plane, Turn};
 use super::settings::Stepping;
@@ -39,7 +39,7 @@ pub fn preset(name: &str) -> Option<&'static Preset> {
 /// The scene a model file opens in: jellified with default settings, dropped on the default ground. `path` is as in
 /// [`ModelShape::path`].
 pub fn drop_model(path: &str) -> Scene {
-    let shape = ModelShape { path: path.to_owned(), up: UpAxis::Auto, ..ModelShape::default() };
+    let shape = ModelShape { path: path.to_owned(), ..ModelShape::for_new() };
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
     let name = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
     looking_at([0.0, 0.45, 0.0], 3.6, scene(model_body(name, shape, 1.1), Vec::new()))

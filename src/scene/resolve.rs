@@ -7,12 +7,14 @@ use std::sync::Arc;
 use glam::DVec3;
 use thiserror::Error;
 
-use super::body::{ModelShape, Shape};
+use super::body::{MassFrom, ModelShape, Shape};
 use super::obstacle::Mesh;
 use super::{ObstacleShape, Scene, builtin};
 use crate::geometry::import::{self, ImportError, Imported};
 use crate::geometry::surface::SurfaceError;
-use crate::geometry::voxel::{Cells, CellsError, Grid, VoxelReport, VoxelizeError, VoxelizeOptions, voxelize};
+use crate::geometry::voxel::{
+    Cells, CellsError, Contents, Grid, VoxelReport, VoxelizeError, VoxelizeOptions, voxelize,
+};
 use crate::geometry::watch::CancelOnly;
 use crate::geometry::{Lattice, LatticeCounts, Surface, TriMesh, UpAxis, Watch};
 
@@ -35,6 +37,8 @@ pub struct Jelly {
     pub up: UpAxis,
     /// What a person should know, a sentence each.
     pub warnings: Vec<String>,
+    /// The same of what a solid's mass comes from.
+    pub mass_warnings: Vec<String>,
 }
 
 /// Why a shape gives no lattice.
@@ -110,6 +114,7 @@ impl ResolveError {
 #[derive(Clone, Debug)]
 pub struct Filled {
     cells: Cells,
+    contents: Option<Contents>,
     mesh: Option<Arc<TriMesh>>,
     report: Option<VoxelReport>,
     up: UpAxis,
@@ -146,8 +151,11 @@ impl Filled {
 
     /// Builds the lattice.
     pub fn build(self) -> Jelly {
-        let Self { cells, mesh, report, up, warnings } = self;
-        Jelly { lattice: Arc::new(Lattice::new(&cells)), mesh, report, up, warnings }
+        let Self { cells, contents, mesh, report, up, warnings } = self;
+        let mass_warnings = contents.as_ref().map(Contents::warnings).unwrap_or_default();
+        let shares = contents.map(|contents| contents.shares);
+        let lattice = Arc::new(Lattice { shares, ..Lattice::new(&cells) });
+        Jelly { lattice, mesh, report, up, warnings, mass_warnings }
     }
 }
 
@@ -172,7 +180,7 @@ pub fn fill(shape: &Shape, base_dir: &Path, watch: &dyn Watch) -> Result<Filled,
         Shape::Cells(cells) => Cells::from_list(&cells.list, cells.size)?,
         Shape::Model(model) => return fill_model(model, base_dir, watch),
     };
-    Ok(Filled { cells, mesh: None, report: None, up: UpAxis::Y, warnings: Vec::new() })
+    Ok(Filled { cells, contents: None, mesh: None, report: None, up: UpAxis::Y, warnings: Vec::new() })
 }
 
 /// Reads a model: a file, or one that the program carries.
@@ -242,11 +250,15 @@ fn fill_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<
     }
     let options = VoxelizeOptions { divisions: model.divisions, occupancy: model.occupancy, keep: model.keep };
     let named = |source| ResolveError::Voxelize { model: model.path.clone(), source };
-    let filled = voxelize(&mesh, &options, watch).map_err(named)?;
-    let (mut cells, mut report) = (filled.cells, filled.report);
-    if report.particles > MAX_PARTICLES {
-        return Err(ResolveError::TooManyParticles { particles: report.particles });
+    let mut filled = voxelize(&mesh, &options, watch).map_err(named)?;
+    if filled.report.particles > MAX_PARTICLES {
+        return Err(ResolveError::TooManyParticles { particles: filled.report.particles });
     }
+    let contents = match model.mass_from {
+        MassFrom::Cells => None,
+        MassFrom::Samples => Some(filled.sample(&mesh, watch).map_err(named)?),
+    };
+    let (mut cells, mut report) = (filled.cells, filled.report);
     let Grid { origin, cell_size, dims } = cells.grid;
     let own_length = mesh.bounds().size().max_element();
     let length_m = if model.length > 0.0 { model.length } else { own_length };
@@ -260,8 +272,9 @@ fn fill_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<
     }
     cells.grid = Grid::centred(dims, cell_size * scale);
     report.cell_size_m = cells.grid.cell_size;
+    report.volume_m3 *= scale.powi(3);
     warnings.extend(report.warnings.iter().cloned());
-    Ok(Filled { cells, mesh: Some(Arc::new(mesh)), report: Some(report), up, warnings })
+    Ok(Filled { cells, contents, mesh: Some(Arc::new(mesh)), report: Some(report), up, warnings })
 }
 
 fn carried() -> String {

@@ -8,7 +8,7 @@ use super::{SessionError, needs};
 use crate::extract::skin::{cells_skin, model_skin};
 use crate::geometry::{Lattice, Watch};
 use crate::scene::resolve::{Jelly, Outline};
-use crate::scene::{Body, Scene, Shape, Skin as SkinChoice};
+use crate::scene::{Body, Material, Scene, Shape, Skin as SkinChoice};
 use crate::view::{Skin, SkinInstance, Style};
 
 /// The bodies of a scene, made ready.
@@ -99,9 +99,19 @@ impl Bodies {
         self.dressed.iter().map(instance).collect()
     }
 
-    /// What a person should know of the models, a sentence each.
-    pub(super) fn warnings(&self) -> impl Iterator<Item = &String> {
-        self.jellies.iter().flat_map(|jelly| &jelly.warnings)
+    /// The longest extent of a body's model, m; 1 where it has none.
+    pub(super) fn model_length(&self, body: usize) -> f64 {
+        let mesh = self.jellies.get(body).and_then(|jelly| jelly.mesh.as_ref());
+        mesh.map_or(1.0, |mesh| mesh.bounds().size().max_element())
+    }
+
+    /// What a person should know of the models of a scene's bodies, a sentence each.
+    pub(super) fn warnings(&self, scene: &Scene) -> Vec<String> {
+        let of_one = |(jelly, body): (&Jelly, &Body)| match &body.material {
+            Material::Springs(_) => jelly.warnings.clone(),
+            Material::Solid(_) => [&jelly.warnings[..], &jelly.mass_warnings].concat(),
+        };
+        self.jellies.iter().zip(&scene.bodies).flat_map(of_one).collect()
     }
 }
 

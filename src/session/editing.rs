@@ -11,7 +11,7 @@ use crate::physics::{Arrival, BodyMotion};
 use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, body_impact};
 use crate::scene::param::Problem;
 use crate::scene::resolve::{Jelly, load_meshes};
-use crate::scene::{Body, Scene};
+use crate::scene::{Body, Scene, Shape};
 
 impl Session {
     /// Changes the scene and remembers how to take it back. Names that are given differ from those of others.
@@ -159,15 +159,26 @@ impl Session {
         }
     }
 
-    /// Compiles the scene anew; bodies whose shape stays keep their motion.
+    /// Compiles the scene anew; bodies whose shape stays keep their motion, and so do models that are filled with other
+    /// cells.
     fn rebuild(&mut self, scene: &Scene, kept: &[Option<usize>]) -> Result<(), SessionError> {
         let bodies = Bodies::resolve(scene, &mut self.library, &())?;
         let same_shape = |(new, old): (usize, &Option<usize>)| {
             old.filter(|&old| scene.bodies[new].shape == self.scene.bodies[old].shape)
         };
+        let goes_on = !self.simulation.is_at_start();
+        let refilled = |(new, old): (usize, &Option<usize>)| {
+            let old = old.filter(|&old| goes_on && is_refilled(&self.scene.bodies[old], &scene.bodies[new]))?;
+            Some((new, old))
+        };
+        let reshaped: Vec<_> = kept.iter().enumerate().filter_map(refilled).collect();
         let kept: Vec<_> = kept.iter().enumerate().map(same_shape).collect();
         let mut simulation = Simulation::new(scene, &bodies.lattices());
         simulation.carry_over(&self.simulation, &kept);
+        for (body, old) in reshaped {
+            let scale = bodies.model_length(body) / self.bodies.model_length(old);
+            simulation.reshape_body(body, &self.simulation, old, scale);
+        }
         self.bodies = bodies.with_skins_of(&self.bodies);
         self.simulation = simulation;
         self.simulation.set_grab(None);
@@ -188,6 +199,17 @@ impl Session {
         } else {
             self.simulation.teleport_body(body, old.pose.rotation_deg, new.pose.rotation_deg);
         }
+    }
+}
+
+/// Whether a body is of the same model at the same start, filled or scaled in another way.
+fn is_refilled(old: &Body, new: &Body) -> bool {
+    let same_start = (old.pose, old.velocity) == (new.pose, new.velocity);
+    match (&old.shape, &new.shape) {
+        (Shape::Model(old), Shape::Model(new)) => {
+            same_start && old != new && (&old.path, old.up) == (&new.path, new.up)
+        }
+        _ => false,
     }
 }
 

@@ -94,6 +94,8 @@ pub struct Preview {
     pub particles: usize,
     /// Links.
     pub links: usize,
+    /// What it weighs, kg.
+    pub mass_kg: f64,
     /// The memory that it needs by itself, without a window, bytes.
     pub memory_bytes: u64,
     /// The edge of a cell, m.
@@ -192,6 +194,7 @@ fn preview(jelly: &Jelly, size_m: [f64; 3], session: &Session) -> Preview {
         components: report.components,
         particles: prediction.particles,
         links: prediction.links,
+        mass_kg: prediction.mass_kg,
         memory_bytes: prediction.memory_bytes,
         cell_size_m: report.cell_size_m,
         size_m,

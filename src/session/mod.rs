@@ -358,6 +358,8 @@ mod mesh_tests;
 #[cfg(test)]
 mod random_tests;
 #[cfg(test)]
+mod reshape_tests;
+#[cfg(test)]
 mod state_tests;
 #[cfg(test)]
 mod tests;

@@ -2,9 +2,10 @@
 
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
+use gelatin::scene::body::{Keep, OccupancyChoice};
 use gelatin::scene::obstacle::ContactStiffness;
 use gelatin::scene::settings::{ContactRule, Integrator, Settings, Stepping};
-use gelatin::scene::{Material, ObstacleShape, Springs};
+use gelatin::scene::{Material, ObstacleShape, Shape, Springs};
 use gelatin::session::Command;
 
 use crate::live::Window;
@@ -179,4 +180,66 @@ fn the_scheme_at_work_is_shown_where_another_one_was_chosen() {
     assert!(window.has("chosen automatically instead of semi-implicit Euler"), "and which one was chosen");
     let shown = window.control("Scheme").accesskit_node().value();
     assert_eq!(shown.as_deref(), Some("implicit Euler"), "the one that runs");
+}
+
+/// A number of a model's own, typed.
+fn type_into(window: &mut Window, label: &str, text: &str) {
+    window.control(label).scroll_to_me();
+    window.wait();
+    window.click(label);
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.enter(text);
+}
+
+fn pick(window: &mut Window, label: &str, words: &str) {
+    window.control(label).scroll_to_me();
+    window.wait();
+    window.click(label);
+    window.click(words);
+}
+
+#[test]
+fn a_model_is_filled_anew_while_it_moves_and_every_change_is_one_undo() {
+    let mut window = Window::open("spot");
+    window.choose_thing("Spot");
+    for _ in 0..50 {
+        window.harness.state_mut().session.step();
+    }
+    let model = |window: &Window| match &window.scene().bodies[0].shape {
+        Shape::Model(model) => model.clone(),
+        shape => panic!("a model, not {shape:?}"),
+    };
+    let height = |window: &Window| window.harness.state().session.status().bodies[0].center[1];
+    let (before, at) = (model(&window), height(&window));
+    type_into(&mut window, "Divisions", "12");
+    assert_eq!(model(&window).divisions, 12);
+    assert!(window.harness.state().session.status().bodies[0].cells < 900, "fewer cells than 20 divisions have");
+    assert!((height(&window) - at).abs() < 0.03, "it goes on where it was: {at} m, {} m", height(&window));
+    pick(&mut window, "Fill", "solid");
+    pick(&mut window, "Keep", "all pieces");
+    type_into(&mut window, "Length", "0.8");
+    assert!(!window.has("Mass from"), "particles of springs weigh what they are said to");
+    let after = model(&window);
+    assert_eq!((after.occupancy, after.keep), (OccupancyChoice::Solid, Keep::All));
+    assert!((after.length - 0.8).abs() < 1e-12, "{after:?}");
+    for _ in 0..4 {
+        window.click("Undo");
+    }
+    assert_eq!(model(&window), before, "four steps back");
+    assert!((height(&window) - at).abs() < 1e-6, "and where it was");
+}
+
+#[test]
+fn a_solid_model_weighs_its_cells_or_what_is_in_them() {
+    let mut scene = gelatin::scene::presets::drop_model("builtin:spot.obj");
+    scene.bodies[0].material = Material::Solid(gelatin::scene::Solid::default());
+    let mut window = Window::on(scene, "spot", [1280.0, 800.0], gelatin::app::theme::Theme::Dark);
+    window.choose_thing("spot");
+    let mass = |window: &Window| window.harness.state().session.status().bodies[0].mass_kg;
+    let sampled = mass(&window);
+    pick(&mut window, "Mass from", "full cells");
+    assert!((mass(&window) / sampled - 1.0).abs() > 1e-3, "{} kg and {sampled} kg", mass(&window));
+    type_into(&mut window, "Divisions", "9");
+    pick(&mut window, "Mass from", "what is in cells");
+    assert!((mass(&window) / sampled - 1.0).abs() < 1e-5, "{} kg and {sampled} kg", mass(&window));
 }

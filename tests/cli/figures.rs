@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::process::{Command, Stdio};
 
+use crate::bad_input::{USAGE, refused};
 use crate::program::{Folder, square};
 
 #[test]
@@ -62,6 +63,30 @@ fn a_model_with_z_up_is_stood_up_and_its_cells_are_written_where_it_lies() {
     let text = std::fs::read_to_string(folder.path("cells.obj")).expect("the cells");
     let highest = text.lines().filter_map(depth).fold(0.0, f64::max);
     assert!((highest - 3.0).abs() < 1e-9, "3 high along z, as in the model's file: {highest}");
+}
+
+#[test]
+fn a_model_weighs_what_is_in_it_in_any_number_of_divisions() {
+    let folder = Folder::new();
+    // A pyramid of 8 in its file's own units, 4 of which are 1 m.
+    folder.write("tent.obj", LYING);
+    let of = |command: &str, key: &str| folder.json(&format!("{command} --json"))[key].as_f64().expect("a figure");
+    let near = |found: f64, exact: f64, what: &str| assert!((found / exact - 1.0).abs() < 1e-5, "{what}: {found}");
+    for divisions in [7, 20, 40] {
+        let options = format!("tent.obj --divisions {divisions}");
+        near(of(&format!("voxelize {options}"), "mass_kg"), 125.0, "of water");
+        near(of(&format!("voxelize {options} --density 400 --length 2"), "mass_kg"), 400.0, "larger and lighter");
+        let solid = format!("{options} --set bodies.0.material.solid.density=1000");
+        near(of(&format!("run {solid} --seconds 0"), "mass_kg"), 125.0, "a new model");
+        near(of(&format!("check {solid}"), "mass_kg"), 125.0, "as it is predicted");
+        let cells = folder.json(&format!("voxelize {options} --mass-from cells --json"));
+        let full = cells["cells"].as_f64().expect("a count") * 1e3 / f64::from(divisions).powi(3);
+        near(cells["mass_kg"].as_f64().expect("a mass"), full, "full cells");
+        let old = format!("{solid} --set bodies.0.shape.model.mass_from=cells");
+        near(of(&format!("run {old} --seconds 0"), "mass_kg"), full, "as files without the key mean it");
+    }
+    assert!(folder.run("voxelize tent.obj").figures.contains("125 kg at 1000 kg/m³"), "for a person");
+    refused(&folder, "voxelize tent.obj --density -1", USAGE, &["a density from 1e-2 to 1e5 kg/m³"]);
 }
 
 #[test]

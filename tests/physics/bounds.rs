@@ -5,7 +5,7 @@
 
 use gelatin::math::rng::Rng;
 use gelatin::physics::BodyModel;
-use gelatin::scene::body::{CellsShape, CubeShape, Inlay};
+use gelatin::scene::body::{CellsShape, CubeShape, Inlay, MassFrom, ModelShape};
 use gelatin::scene::material::Spring;
 use gelatin::scene::settings::Integrator;
 use gelatin::scene::{Body, Material, Scene, Shape, Solid, Springs};
@@ -216,6 +216,25 @@ fn the_limit_of_two_solids_in_one_body_is_that_of_the_stiffest_cell() {
     let [median, most] = [ratios[15], ratios[29]];
     assert!(most <= 1.0 + 1e-6, "predicted is above measured: {most}");
     assert!(median >= 0.75, "predicted is far below measured: {median}");
+}
+
+/// Cells that hold what is in them are no stiffer for their mass than full ones.
+#[test]
+fn the_limit_of_sampled_models_is_never_above_that_of_the_body() {
+    let mut rng = Rng::new(43);
+    let cases: Vec<Case> = (0..20)
+        .map(|number: usize| {
+            let path = format!("builtin:{}.obj", ["spot", "tree", "comb", "coupler"][number % 4]);
+            let divisions = 6 + u32::try_from(rng.next_u64() % 6).expect("small");
+            let shape = ModelShape { path, divisions, mass_from: MassFrom::Samples, ..ModelShape::default() };
+            let body = Body { shape: Shape::Model(shape), material: solid(&mut rng), ..Body::default() };
+            Case { scene: alone(body, 1e-3), share: 1.0 }
+        })
+        .collect();
+    let ratios = ratios(&cases);
+    let [median, most] = [ratios[10], ratios[19]];
+    assert!(most <= 1.0 + 1e-6, "predicted is above measured: {most}");
+    assert!(median >= 0.95, "predicted is far below measured: {median}");
 }
 
 /// Whether noise of a thousandth of a cell stays below a tenth of one for 1500 steps of this size.

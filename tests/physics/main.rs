@@ -20,6 +20,7 @@ mod moving_obstacles;
 mod placing;
 mod presets;
 mod recovery;
+mod samples;
 mod sleep;
 mod solid;
 mod stabilised;

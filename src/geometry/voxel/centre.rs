@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::quantized_mesh::{CELL, Point, QuantizedMesh};
 use super::shell::CHUNK;
 use super::touch::{cross, minus};
-use super::{Cells, VoxelizeError};
+use super::{Cells, Grid, VoxelizeError};
 use crate::geometry::watch::Pieces;
 
 /// What rays found.
@@ -26,17 +26,7 @@ pub(super) struct Parity {
 /// Sends a ray through every column of cells.
 pub(super) fn parity(quantized: &QuantizedMesh, pieces: &Pieces<'_>) -> Result<Parity, VoxelizeError> {
     let QuantizedMesh { grid, padded, ref triangles } = *quantized;
-    let crossings: Vec<AtomicI16> = std::iter::repeat_with(AtomicI16::default).take(padded.len()).collect();
-    triangles.par_chunks(CHUNK).try_for_each(|chunk| {
-        for triangle in chunk {
-            // Adding commutes: the result does not depend on who comes first. Wrapping keeps the parity.
-            cross_columns(triangle, |cell, sign| {
-                crossings[padded.index(cell)].fetch_add(sign, Ordering::Relaxed);
-            });
-        }
-        pieces.advance().then_some(()).ok_or(VoxelizeError::Cancelled)
-    })?;
-    let crossings: Vec<i16> = crossings.into_iter().map(AtomicI16::into_inner).collect();
+    let crossings = crossings(triangles, &padded, pieces)?;
     let mut filled = Vec::with_capacity(grid.len());
     let mut overlaps = 0;
     let [nx, ny, nz] = grid.dims;
@@ -50,6 +40,26 @@ pub(super) fn parity(quantized: &QuantizedMesh, pieces: &Pieces<'_>) -> Result<P
         }
     }
     Ok(Parity { cells: Cells { grid, filled }, overlaps })
+}
+
+/// What rays along x through the columns of a padded grid cross: for every cell how many surfaces are entered less those
+/// left between the centre before it and its own.
+pub(super) fn crossings(
+    triangles: &[[Point; 3]],
+    padded: &Grid,
+    pieces: &Pieces<'_>,
+) -> Result<Vec<i16>, VoxelizeError> {
+    let crossings: Vec<AtomicI16> = std::iter::repeat_with(AtomicI16::default).take(padded.len()).collect();
+    triangles.par_chunks(CHUNK).try_for_each(|chunk| {
+        for triangle in chunk {
+            // Adding commutes: the result does not depend on who comes first. Wrapping keeps the parity.
+            cross_columns(triangle, |cell, sign| {
+                crossings[padded.index(cell)].fetch_add(sign, Ordering::Relaxed);
+            });
+        }
+        pieces.advance().then_some(()).ok_or(VoxelizeError::Cancelled)
+    })?;
+    Ok(crossings.into_iter().map(AtomicI16::into_inner).collect())
 }
 
 /// Calls `found` for every column whose ray crosses the triangle: with the first cell (of the padded grid) whose centre is

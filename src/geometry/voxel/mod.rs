@@ -2,12 +2,13 @@
 //!
 //! ```text
 //!   mesh ─► quantized ─┬─► centre: rays along x ──────────┐
-//!                      └─► shell: touched cells, flood ───┴─► components ─► cells + report
+//!                      └─► shell: touched cells, flood ───┴─► components ─► cells + report ─► contents
 //! ```
 
 mod centre;
 mod choice;
 mod components;
+mod contents;
 pub mod grid;
 mod options;
 mod quantized_mesh;
@@ -19,6 +20,8 @@ use super::lattice::LatticeCounts;
 use super::{TriMesh, Watch};
 use choice::Filled;
 use components::Components;
+use contents::contents;
+pub use contents::{Contents, LEAST_SHARE, SHEET_SHARE};
 pub use grid::{Cells, CellsError, Grid};
 pub use options::{Keep, MAX_DIVISIONS, OccupancyChoice, VoxelizeError, VoxelizeOptions};
 use quantized_mesh::QuantizedMesh;
@@ -31,6 +34,17 @@ pub struct Voxelization {
     pub cells: Cells,
     /// What was found on the way.
     pub report: VoxelReport,
+}
+
+impl Voxelization {
+    /// Finds what is in the cells of the mesh they were made of, and says so in the report (J5).
+    pub fn sample(&mut self, mesh: &TriMesh, watch: &dyn Watch) -> Result<Contents, VoxelizeError> {
+        let found = contents(mesh, &self.cells, &self.report, watch)?;
+        let report = &mut self.report;
+        report.volume_m3 = found.volume_cells() * self.cells.grid.cell_size.powi(3);
+        (report.samples, report.raised_cells) = (found.samples, found.raised);
+        Ok(found)
+    }
 }
 
 /// Fills a mesh with cubic cells (J2, J3, J4). The result does not depend on the number of threads.
@@ -110,6 +124,9 @@ pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) ->
         dropped_cells,
         joined_parts,
         thin_parts,
+        volume_m3: cells.count() as f64 * quantized.grid.cell_size.powi(3),
+        samples: 0,
+        raised_cells: 0,
         warnings,
     };
     Ok(Voxelization { cells, report })

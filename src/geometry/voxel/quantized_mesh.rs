@@ -43,14 +43,16 @@ impl QuantizedMesh {
         let middle = DVec3::from_array(dims.map(f64::from)) * 0.5;
         let grid = Grid { origin: centre - middle * cell_size, cell_size, dims };
         let padded = Grid { origin: grid.origin - DVec3::splat(cell_size), cell_size, dims: dims.map(|n| n + 2) };
-        let place = |position: DVec3| {
-            let steps = ((position - centre) / cell_size + middle + DVec3::ONE) * CELL as f64;
-            [0, 1, 2].map(|axis| whole(steps[axis]).clamp(CELL, (i64::from(dims[axis]) + 1) * CELL))
-        };
-        let quantized: Vec<Point> = mesh.positions.iter().map(|&position| place(position)).collect();
-        let triangles =
-            mesh.triangles.iter().map(|triangle| triangle.map(|vertex| quantized[vertex as usize])).collect();
-        Ok(Self { grid, padded, triangles })
+        let place = |position: DVec3| (position - centre) / cell_size + middle;
+        Ok(Self { grid, padded, triangles: triangles(mesh, dims, place) })
+    }
+
+    /// Lays a mesh into a grid that covers it.
+    pub(super) fn within(mesh: &TriMesh, grid: Grid) -> Self {
+        let Grid { origin, cell_size, dims } = grid;
+        let padded = Grid { origin: origin - DVec3::splat(cell_size), cell_size, dims: dims.map(|n| n + 2) };
+        let place = |position: DVec3| (position - origin) / cell_size;
+        Self { grid, padded, triangles: triangles(mesh, dims, place) }
     }
 
     /// Whether the mesh has no thickness along some axis.
@@ -59,6 +61,16 @@ impl QuantizedMesh {
         let Some(&first) = corners.next() else { return true };
         (0..3).any(|axis| corners.clone().all(|corner| corner[axis] == first[axis]))
     }
+}
+
+/// The corners of a mesh's triangles; `place` gives a position in cells of the grid.
+fn triangles(mesh: &TriMesh, dims: [u32; 3], place: impl Fn(DVec3) -> DVec3) -> Vec<[Point; 3]> {
+    let quantize = |position: DVec3| {
+        let steps = (place(position) + DVec3::ONE) * CELL as f64;
+        [0, 1, 2].map(|axis| whole(steps[axis]).clamp(CELL, (i64::from(dims[axis]) + 1) * CELL))
+    };
+    let quantized: Vec<Point> = mesh.positions.iter().map(|&position| quantize(position)).collect();
+    mesh.triangles.iter().map(|triangle| triangle.map(|vertex| quantized[vertex as usize])).collect()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "vertices that no triangle uses may lie anywhere; they saturate")]

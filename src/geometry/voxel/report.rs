@@ -48,6 +48,13 @@ pub struct VoxelReport {
     pub joined_parts: usize,
     /// Parts of the mesh whose box is thinner than a cell along x, y or z. (A thin part that lies askew is not counted.)
     pub thin_parts: usize,
+    /// What a density counts for, in the units of the mesh: that of the kept cells, or what is in them once they are
+    /// sampled.
+    pub volume_m3: f64,
+    /// Samples inside the mesh or on it; none where cells count as full.
+    pub samples: usize,
+    /// Kept cells that hold less than they are taken to.
+    pub raised_cells: usize,
     /// What a person should know before using the result, a sentence each.
     pub warnings: Vec<String>,
 }

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::geometry::trimesh::tests::{boxed, together};
 
-fn run(mesh: &TriMesh, divisions: u32, occupancy: OccupancyChoice, keep: Keep) -> Voxelization {
+pub(super) fn run(mesh: &TriMesh, divisions: u32, occupancy: OccupancyChoice, keep: Keep) -> Voxelization {
     voxelize(mesh, &VoxelizeOptions { divisions, occupancy, keep }, &()).expect("a sensible mesh")
 }
 
@@ -14,18 +14,18 @@ fn auto(mesh: &TriMesh, divisions: u32) -> Voxelization {
     run(mesh, divisions, OccupancyChoice::Auto, Keep::All)
 }
 
-fn solid_box(min: [f64; 3], max: [f64; 3]) -> TriMesh {
+pub(super) fn solid_box(min: [f64; 3], max: [f64; 3]) -> TriMesh {
     boxed(DVec3::from_array(min), DVec3::from_array(max))
 }
 
 /// A square of the plane y = 0, seen from above.
-fn sheet() -> TriMesh {
+pub(super) fn sheet() -> TriMesh {
     let positions = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]].map(|[x, z]| DVec3::new(x, 0.0, z));
     TriMesh { positions: positions.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]] }
 }
 
 /// A ball of latitudes and longitudes.
-fn ball(center: DVec3, radius: f64, rings: u32) -> TriMesh {
+pub(super) fn ball(center: DVec3, radius: f64, rings: u32) -> TriMesh {
     let sides = 2 * rings;
     let at = |ring: u32, side: u32| {
         let (latitude, longitude) = (f64::from(ring) / f64::from(rings), f64::from(side % sides) / f64::from(rings));

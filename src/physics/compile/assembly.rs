@@ -22,6 +22,7 @@ use glam::DVec3;
 
 use crate::geometry::{Family, Lattice};
 use crate::math::Real;
+use crate::physics::model::levels::Levels;
 use crate::physics::model::{CellKind, Link, LinkConstants, LinkFamily, Values};
 use crate::scene::Springs;
 use crate::scene::body::{Inlay, MAX_INLAYS};
@@ -118,10 +119,13 @@ pub(in crate::physics) fn by_cell<R: Real>(
     let mut masses = vec![0.0; lattice.corners.len()];
     for (mass, around) in masses.iter_mut().zip(&around) {
         for &cell in around.iter().filter(|&&cell| cell != NO_CELL) {
-            *mass += kinds[usize::from(kind_of(cell))].mass / 8.0;
+            *mass += kinds[usize::from(kind_of(cell))].mass / 8.0 * lattice.share(cell as usize);
         }
     }
     let particle_mass = masses.iter().sum::<f64>() / masses.len().max(1) as f64;
+    let levels = Levels::of(lattice);
+    let level_of = |cell: u32| levels.as_ref().map_or(1, |levels| levels.of_cell[cell as usize]);
+    let step = levels.as_ref().map_or(1.0, |levels| levels.step);
     let [structural, shear, bending] = measured;
     let links = [(Family::Structural, structural), (Family::Shear, shear), (Family::Bending, bending)];
     let links = links.map(|(family, links)| {
@@ -132,10 +136,11 @@ pub(in crate::physics) fn by_cell<R: Real>(
         let class = |&[low, high]: &[u32; 2]| {
             let [from, to] = [low, high].map(|corner| lattice.corners[corner as usize]);
             let axes = (0..3).filter(|&axis| from[axis] != to[axis]).count();
-            classes.of(SHARED_BY[axes], holders(&around[low as usize], from, to).map(kind_of))
+            let holders = holders(&around[low as usize], from, to).map(|cell| (kind_of(cell), level_of(cell)));
+            classes.of(SHARED_BY[axes], holders, levels.is_some())
         };
         let of_link = lattice.links[family as usize].iter().map(class).collect();
-        let constants = classes.constants(kinds, usize::from(family == Family::Shear));
+        let constants = classes.constants(kinds, step, usize::from(family == Family::Shear));
         let largest = |which: usize| constants.iter().map(|c| c[which]).fold(0.0, f64::max);
         LinkFamily {
             stiffness: R::from_f64(largest(0)),
@@ -193,46 +198,83 @@ const SHARED_BY: [u8; 4] = [1, 4, 2, 1];
 /// Stands where a link has fewer than four cells.
 const NO_KIND: u8 = u8::MAX;
 
-/// The classes of links found so far: how many cells share, and the kinds of those that do, ascending.
+/// How many cells share a link, and the kinds of those that do with the levels of their stiffness, ascending.
+type ClassKey = (u8, [(u8, u16); 4]);
+
+/// The classes of links found so far.
 #[derive(Default)]
 struct Classes {
-    numbers: BTreeMap<(u8, [u8; 4]), u16>,
-    keys: Vec<(u8, [u8; 4])>,
-    last: Option<((u8, [u8; 4]), u16)>,
+    numbers: BTreeMap<ClassKey, u16>,
+    keys: Vec<ClassKey>,
+    last: Option<(ClassKey, u16)>,
 }
 
+/// From so many classes on levels are rounded down to steps of [`COARSE`], of which there are few enough.
+const MANY: usize = 50_000;
+const COARSE: u16 = 64;
+
 impl Classes {
-    fn of(&mut self, shared_by: u8, kinds: impl Iterator<Item = u8>) -> u16 {
-        let mut held = [NO_KIND; 4];
-        for (slot, kind) in held.iter_mut().zip(kinds) {
-            *slot = kind;
+    /// `differ`: cells of one kind may be of different levels, which then count by their sum.
+    fn of(&mut self, shared_by: u8, cells: impl Iterator<Item = (u8, u16)>, differ: bool) -> u16 {
+        let mut held = [(NO_KIND, 0); 4];
+        for (slot, cell) in held.iter_mut().zip(cells) {
+            *slot = cell;
         }
         held.sort_unstable();
+        if differ {
+            held = merged(held);
+        }
         let key = (shared_by, held);
         if let Some((last, number)) = self.last
             && last == key
         {
             return number;
         }
+        let number = self.numbers.get(&key).copied().unwrap_or_else(|| self.new_class(key));
+        self.last = Some((key, number));
+        number
+    }
+
+    fn new_class(&mut self, (shared_by, mut held): ClassKey) -> u16 {
+        if self.keys.len() >= MANY {
+            for (_, level) in held.iter_mut().filter(|(_, level)| *level > COARSE) {
+                *level -= *level % COARSE;
+            }
+        }
+        let key = (shared_by, held);
         let next = u16::try_from(self.keys.len()).unwrap_or(u16::MAX);
         let number = *self.numbers.entry(key).or_insert(next);
         if number == next {
             self.keys.push(key);
         }
-        self.last = Some((key, number));
         number
     }
 
-    /// Stiffness (N) and damping (N·s) of every class; `which` of a kind's constants they come from.
-    fn constants(&self, kinds: &[CellKind], which: usize) -> Vec<[f64; 2]> {
-        let sum = |&(shared_by, held): &(u8, [u8; 4])| {
-            held.iter().filter_map(|&kind| kinds.get(usize::from(kind))).fold([0.0, 0.0], |[k, d], kind| {
-                let share = 1.0 / f64::from(shared_by);
+    /// Stiffness (N) and damping (N·s) of every class; `step` is that of levels, and `which` of a kind's constants they come
+    /// from.
+    fn constants(&self, kinds: &[CellKind], step: f64, which: usize) -> Vec<[f64; 2]> {
+        let sum = |&(shared_by, held): &ClassKey| {
+            let known = held.iter().filter_map(|&(kind, level)| Some((kinds.get(usize::from(kind))?, level)));
+            known.fold([0.0, 0.0], |[k, d], (kind, level)| {
+                let share = step * f64::from(level) / f64::from(shared_by);
                 [k + share * kind.stiffness[which], d + share * kind.damping[which]]
             })
         };
         self.keys.iter().map(sum).collect()
     }
+}
+
+/// The same with every kind once.
+fn merged(held: [(u8, u16); 4]) -> [(u8, u16); 4] {
+    let mut merged = [(NO_KIND, 0); 4];
+    let mut last = 0;
+    for (kind, level) in held {
+        if merged[last].0 != kind && merged[last].0 != NO_KIND {
+            last += 1;
+        }
+        merged[last] = (kind, merged[last].1 + level);
+    }
+    merged
 }
 
 #[expect(clippy::float_cmp, reason = "the shares are halves and quarters of small numbers")]
@@ -246,7 +288,12 @@ mod tests {
 
     /// Two cells side by side along x.
     fn pair(kind_of_cell: &Values<u8>) -> (Lattice, Assembled<f64>) {
-        let lattice = Lattice::new(&Cells::from_list(&[[0, 0, 0], [1, 0, 0]], 1.0).expect("two cells"));
+        pair_of(None, kind_of_cell)
+    }
+
+    fn pair_of(shares: Option<Vec<f64>>, kind_of_cell: &Values<u8>) -> (Lattice, Assembled<f64>) {
+        let whole = Lattice::new(&Cells::from_list(&[[0, 0, 0], [1, 0, 0]], 1.0).expect("two cells"));
+        let lattice = Lattice { shares, ..whole };
         let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
         let assembled = by_cell(&[SOFT, HARD], kind_of_cell, &lattice, measured(&lattice, &rest));
         (lattice, assembled)
@@ -275,6 +322,23 @@ mod tests {
         assert_eq!(bending.stiffness, 0.0, "bending links have no force");
         assert_eq!((0..12).map(|particle| masses.of(particle)).sum::<f64>(), 16.0, "the masses of the cells");
         assert_eq!((masses.of(0), masses.of(1)), (1.0, 2.0), "an eighth of each cell around a corner");
+    }
+
+    #[test]
+    fn a_cell_weighs_and_resists_as_it_is_full() {
+        let halves = || Some(vec![0.5, 1.5]);
+        let (lattice, Assembled { masses, links: [edges, diagonals, _], particle_mass, .. }) =
+            pair_of(halves(), &Values::Uniform(0));
+        assert_eq!((masses.of(0), masses.of(1), masses.of(2)), (0.5, 2.0, 1.5), "an eighth of what is in each");
+        assert_eq!(particle_mass * 12.0, 16.0, "two cells in all");
+        assert_eq!(constant(&lattice, &edges, [0, 0, 0], [1, 0, 0]), [0.5, 0.05], "half of a quarter");
+        assert_eq!(constant(&lattice, &edges, [1, 0, 0], [1, 1, 0]), [2.0, 0.2], "an edge of both");
+        assert_eq!(constant(&lattice, &diagonals, [1, 0, 0], [2, 1, 1])[0], 3.0, "the cell's own, half as much again");
+        let (lattice, Assembled { links: [edges, ..], .. }) = pair_of(halves(), &Values::Each(vec![0, 1]));
+        assert_eq!(constant(&lattice, &edges, [1, 0, 0], [1, 1, 0])[0], 0.5 + 15.0, "of two materials");
+        let (_, Assembled { links: [edges, ..], .. }) = pair_of(Some(vec![0.3, 0.77]), &Values::Uniform(0));
+        let largest = 0.25 * 0.77 * 4.0 + 0.25 * 0.3 * 4.0;
+        assert!(edges.stiffness <= largest && edges.stiffness > 0.98 * largest, "rounded down: {}", edges.stiffness);
     }
 
     #[test]

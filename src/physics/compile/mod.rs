@@ -176,7 +176,7 @@ fn compile_body<R: Real>(
     let [recovery_stiffness, recovery_mass] = match &body.material {
         _ if !scene.settings.inversion_recovery => [0.0, particle_mass],
         Material::Springs(springs) => recovery::of_springs(springs, lattice),
-        Material::Solid(_) => recovery::of_cells(cell_kinds.as_deref().unwrap_or_default(), lattice.grid.cell_size),
+        Material::Solid(_) => recovery::of_cells(cell_kinds.as_deref().unwrap_or_default(), lattice),
     };
     BodyModel {
         particles: first..first + rest.len(),

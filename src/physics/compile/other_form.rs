@@ -10,7 +10,7 @@ use crate::scene::{Material, MaterialValue, Springs};
 /// solid that comes nearest to them. What would be outside a parameter's range ends at it.
 pub fn other_form(material: &Material, lattice: &Lattice) -> Material {
     let h = lattice.grid.cell_size;
-    let (cells, particles) = (lattice.cells.len() as f64, lattice.corners.len() as f64);
+    let particles = lattice.corners.len() as f64;
     let rest = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle));
     let size = Aabb::<f64>::around(rest).size().max_element();
     match material {
@@ -22,7 +22,7 @@ pub fn other_form(material: &Material, lattice: &Lattice) -> Material {
             };
             let (stiffness, damping) = (mean(|spring| spring.stiffness), mean(|spring| spring.damping));
             let young_modulus = MaterialValue::YoungModulus.in_range(MODULUS_OVER_SHEAR * stiffness / (h * h));
-            let density = MaterialValue::Density.in_range(springs.particle_mass * particles / (cells * h * h * h));
+            let density = MaterialValue::Density.in_range(springs.particle_mass * particles / lattice.volume_m3());
             let slowest = std::f64::consts::PI / size * (young_modulus / density).sqrt();
             let ratio = if stiffness > 0.0 { 0.5 * damping / stiffness * slowest } else { 0.0 };
             Material::Solid(Solid {
@@ -41,7 +41,7 @@ pub fn other_form(material: &Material, lattice: &Lattice) -> Material {
                 structural: spring(Family::Structural),
                 shear: spring(Family::Shear),
                 bending: Spring { stiffness: 0.0, damping: 0.0 },
-                particle_mass: MaterialValue::ParticleMass.in_range(kind.mass * cells / particles),
+                particle_mass: MaterialValue::ParticleMass.in_range(solid.density * lattice.volume_m3() / particles),
             })
         }
     }

@@ -3,6 +3,7 @@
 use crate::geometry::{Family, Lattice};
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
+use crate::physics::model::levels::least_share;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, CellKind, RecoveryModel, Scheme};
 use crate::scene::Springs;
@@ -60,7 +61,8 @@ pub(super) fn of_springs(springs: &Springs, lattice: &Lattice) -> [f64; 2] {
 
 /// The same from cells that share out their links and masses. On its own a cell of mass M moves with `12 κ/(M h²)`, as if
 /// its particles weighed a third of it; its links add at most `loads.stiffness`.
-pub(super) fn of_cells(kinds: &[CellKind], cell_size: f64) -> [f64; 2] {
-    let lightest = kinds.iter().map(|kind| kind.mass).fold(f64::INFINITY, f64::min) / 3.0;
+pub(super) fn of_cells(kinds: &[CellKind], lattice: &Lattice) -> [f64; 2] {
+    let cell_size = lattice.grid.cell_size;
+    let lightest = kinds.iter().map(|kind| kind.mass).fold(f64::INFINITY, f64::min) * least_share(lattice) / 3.0;
     [0.5 * CellLoads::of(kinds, cell_size).stiffness * lightest * cell_size * cell_size, lightest]
 }

@@ -20,6 +20,7 @@
 use super::cells::{SIZE, largest_eigenvalue, unit_cell};
 use crate::geometry::Lattice;
 use crate::math::rng::Rng;
+use crate::physics::model::levels::Levels;
 
 /// Steps: ε is then 2 % for some thousand particles, 1 % of a step.
 const STEPS: usize = 60;
@@ -52,28 +53,34 @@ struct Weighted<'a> {
     lattice: &'a Lattice,
     /// By columns; the matrix is symmetric.
     cell: &'a [[f64; SIZE]; SIZE],
+    /// How stiff the cells are beside a full one.
+    levels: Option<Levels>,
     /// Of every particle's mass, the inverse root.
     inverse_roots: Vec<f64>,
 }
 
 impl<'a> Weighted<'a> {
     fn of(lattice: &'a Lattice, cell: &'a [[f64; SIZE]; SIZE]) -> Self {
-        let mut cells = vec![0_u8; lattice.corners.len()];
-        for &corner in lattice.cells.iter().flatten() {
-            cells[corner as usize] += 1;
+        let mut cells = vec![0.0; lattice.corners.len()];
+        for (number, corners) in lattice.cells.iter().enumerate() {
+            let share = lattice.share(number);
+            for &corner in corners {
+                cells[corner as usize] += share;
+            }
         }
-        let inverse_roots = cells.iter().map(|&cells| (8.0 / f64::from(cells.max(1))).sqrt()).collect();
-        Self { lattice, cell, inverse_roots }
+        let inverse_roots = cells.iter().map(|&cells: &f64| (8.0 / cells).sqrt()).collect();
+        Self { lattice, cell, levels: Levels::of(lattice), inverse_roots }
     }
 
     fn apply(&self, v: &[[f64; 3]], out: &mut [[f64; 3]]) {
         out.fill([0.0; 3]);
-        for corners in &self.lattice.cells {
+        for (number, corners) in self.lattice.cells.iter().enumerate() {
             let mut sum = [0.0; SIZE];
+            let stiffness = self.levels.as_ref().map_or(1.0, |levels| levels.stiffness(number));
             for (corner, columns) in corners.iter().zip(self.cell.chunks_exact(3)) {
                 let at = *corner as usize;
                 for (x, column) in v[at].iter().zip(columns) {
-                    let x = x * self.inverse_roots[at];
+                    let x = x * self.inverse_roots[at] * stiffness;
                     for (sum, entry) in sum.iter_mut().zip(column) {
                         *sum += entry * x;
                     }

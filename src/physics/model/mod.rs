@@ -2,6 +2,7 @@
 //! one compilation to the next; live parameter changes replace it and keep the [`super::State`].
 
 mod hull;
+pub(in crate::physics) mod levels;
 pub(in crate::physics) mod link;
 mod obstacle;
 pub(in crate::physics) mod plan;

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::Simulation;
+use crate::geometry::embed::{Embedder, Embedding};
 use crate::math::{Real, Vector, rotation};
 use crate::physics::contact::arrive;
 use crate::physics::model::BodyModel;
@@ -74,6 +75,41 @@ impl<R: Real> Simulation<R> {
             memory: BodyMemory::default(),
             approaches: Vec::new(),
         };
+        self.set_body_motion(body, &motion);
+        self.let_obstacles_approach(body);
+    }
+
+    /// Lets a body of other cells be where `old`, a body of `before`, is and move as it does: every particle as the point
+    /// of the old body that it was at rest, all of it `scale` times as large about its middle. What is held is at its
+    /// start; a body that is gone stays at its start.
+    pub fn reshape_body(&mut self, body: usize, before: &Self, old: usize, scale: f64) {
+        let (new, lattice) = (&self.model.bodies[body], &before.model.bodies[old].lattice);
+        if before.state.bodies[old].gone {
+            return;
+        }
+        let embedder = Embedder::new(lattice);
+        let particles = before.model.bodies[old].particles.clone();
+        let [position, velocity] = [&before.state.position, &before.state.velocity].map(|all| &all[particles.clone()]);
+        let middle = center::<R>(position);
+        let mean = |of: &[R::Vec3], at: &Embedding| {
+            let part = |(particle, weight): (&u32, &f64)| of[*particle as usize].to_dvec3() * *weight;
+            at.particles.iter().zip(&at.weights).map(part).sum::<DVec3>()
+        };
+        let mut motion = BodyMotion {
+            position: new.start.clone(),
+            position_residual: vec![R::Vec3::ZERO; new.particles.len()],
+            velocity: vec![R::Vec3::ZERO; new.particles.len()],
+            side: Vec::new(),
+            memory: BodyMemory::default(),
+            approaches: Vec::new(),
+        };
+        for local in (0..new.particles.len()).filter(|&local| !new.is_pinned(local)) {
+            if let Some(at) = embedder.embed(new.lattice.rest_position(local) / scale) {
+                let moved = middle + (mean(position, &at) - middle) * scale;
+                motion.position[local] = R::Vec3::from_dvec3(moved);
+                motion.velocity[local] = R::Vec3::from_dvec3(mean(velocity, &at));
+            }
+        }
         self.set_body_motion(body, &motion);
         self.let_obstacles_approach(body);
     }

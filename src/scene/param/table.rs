@@ -30,6 +30,7 @@ pub const PARAMS: &[Param] = &[
     words("bodies.*.shape.model.keep", &["all", "largest"], "Which connected pieces of the cells are kept."),
     number("bodies.*.shape.model.length", "m", 0.0, 1e3, "Longest extent after scaling; 0 keeps the file's own size."),
     words("bodies.*.shape.model.up", &["auto", "y", "z", "x", "minus_y", "minus_z", "minus_x"], "The axis of the model's file that points up; auto is z where the model stands only that way, y otherwise."),
+    words("bodies.*.shape.model.mass_from", &["cells", "samples"], "What a solid's mass comes from: cells that are all full, or samples of the model, which has the same mass in any number of divisions; a cell is as stiff as it is full."),
     number("bodies.*.pose.position", "m", -FAR, FAR, "Where the middle of the body's box starts.").of(3),
     number("bodies.*.pose.rotation_deg", "°", -360.0, 360.0, "Turns about x, then y, then z (fixed axes).").of(3),
     number("bodies.*.velocity", "m/s", -1e3, 1e3, "Velocity at the start.").of(3),

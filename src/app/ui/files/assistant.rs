@@ -8,7 +8,7 @@ use egui::Ui;
 use super::path_field::{PathField, PathUse, Verdict};
 use super::wish::Wish;
 use crate::scene::Settings;
-use crate::scene::body::{ModelShape, UpAxis};
+use crate::scene::body::ModelShape;
 use crate::session::jellify::Jellified;
 use crate::session::progress::Progress;
 
@@ -44,7 +44,7 @@ impl LoadModel {
     /// An assistant that starts from a path.
     pub(super) fn new(start: &Path) -> Self {
         let field = PathField::new(PathUse::OpenModel, start);
-        let shape = ModelShape { up: UpAxis::Auto, ..ModelShape::default() };
+        let shape = ModelShape::for_new();
         Self { field, shape, asked: None, changed_secs: f64::NEG_INFINITY, work: Work::Idle }
     }
 

@@ -180,6 +180,7 @@ fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
         ("Components", format!("{components} ({dropped_cells} cells dropped)")),
         ("Particles", preview.particles.to_string()),
         ("Links", preview.links.to_string()),
+        ("Mass", format!("{} kg", three_digits(preview.mass_kg))),
         ("Memory", format!("about {}", bytes_text(preview.memory_bytes))),
         ("Box", format!("{x} × {y} × {z} m")),
         ("Safe step", safe),

@@ -3,6 +3,7 @@
 use egui::{Button, ComboBox, Response, RichText, Ui, vec2};
 
 use super::material::material_ui;
+use super::model::model_ui;
 use super::section::section_ui;
 use super::settings::flag_ui;
 use crate::app::ui::figure::{figure, fixed_figure};
@@ -76,12 +77,13 @@ fn shape_ui(ui: &mut Ui, id: BodyId, body: &Body, status: Option<&BodyStatus>, c
     let (what, editable) = match &body.shape {
         Shape::Cube(_) => ("Cube".to_owned(), true),
         Shape::Cells(cells) => (format!("{} cells of {} m", cells.list.len(), figure(cells.size)), false),
-        Shape::Model(model) => (format!("{} in {} divisions", file_name(&model.path), model.divisions), false),
+        Shape::Model(model) => (file_name(&model.path).to_owned(), false),
     };
     row_ui(ui, "Form", &what);
     if editable {
         cube_ui(ui, id, body, commands);
     } else if matches!(body.shape, Shape::Model(_)) {
+        model_ui(ui, id, body, commands);
         skin_ui(ui, id, body, commands);
     }
     if let Some(status) = status {

@@ -5,6 +5,7 @@ mod body;
 mod light;
 mod material;
 mod mesh;
+mod model;
 mod motion;
 mod obstacle;
 mod own_weight;

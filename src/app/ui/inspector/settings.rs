@@ -88,12 +88,12 @@ fn note_ui(ui: &mut Ui, words: &str) {
     ui.add(Label::new(RichText::new(words).color(theme::of(ui).weak).small()).wrap());
 }
 
-fn words_of<'a, T: Copy + PartialEq>(value: T, all: &[(T, &'a str)]) -> &'a str {
+pub(super) fn words_of<'a, T: Copy + PartialEq>(value: T, all: &[(T, &'a str)]) -> &'a str {
     all.iter().find(|(other, _)| *other == value).map_or("", |(_, words)| words)
 }
 
 /// A choice among a few, of which `now` is chosen and `shown` stands for it; what was chosen, if anything was.
-fn choice_ui<T: Copy + PartialEq>(
+pub(super) fn choice_ui<T: Copy + PartialEq>(
     ui: &mut Ui,
     path: &str,
     label: &str,

@@ -1,0 +1,48 @@
+//! How a body's model is filled with cells. Every change fills it anew; what moves goes on.
+
+use egui::Ui;
+
+use super::settings::{choice_ui, words_of};
+use crate::app::ui::edits;
+use crate::app::ui::value::field_ui;
+use crate::scene::body::{Keep, MassFrom, ModelShape, OccupancyChoice};
+use crate::scene::edit::{BodyId, Edit};
+use crate::scene::{Body, Material, Shape};
+use crate::session::Command;
+use crate::session::jellify::occupancy_word;
+
+const KEEP: [(Keep, &str); 2] = [(Keep::Largest, "the largest piece"), (Keep::All, "all pieces")];
+const MASS_FROM: [(MassFrom, &str); 2] = [(MassFrom::Samples, "what is in cells"), (MassFrom::Cells, "full cells")];
+
+/// Divisions, length, and which cells there are.
+pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
+    let Shape::Model(old) = &body.shape else { return };
+    let path = |what: &str| format!("bodies.{}.shape.model.{what}", id.0);
+    let edit = |model: ModelShape| Edit::Body(id, Box::new(Body { shape: Shape::Model(model), ..body.clone() }));
+    let mut model = old.clone();
+    let mut divisions = f64::from(model.divisions);
+    let mut interaction = field_ui(ui, &path("divisions"), "Divisions", &mut divisions);
+    interaction.and(field_ui(ui, &path("length"), "Length", &mut model.length));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the parameter's range")]
+    let whole = divisions.round() as u32;
+    model.divisions = whole;
+    interaction.send(|| edit(model), commands);
+
+    let occupancy = [OccupancyChoice::Auto, OccupancyChoice::Centre, OccupancyChoice::Surface, OccupancyChoice::Solid];
+    let occupancy = occupancy.map(|choice| (choice, occupancy_word(choice)));
+    let shown = words_of(old.occupancy, &occupancy);
+    if let Some(occupancy) = choice_ui(ui, &path("occupancy"), "Fill", old.occupancy, shown, &occupancy) {
+        commands.extend(edits::alone(edit(ModelShape { occupancy, ..old.clone() })));
+    }
+    let shown = words_of(old.keep, &KEEP);
+    if let Some(keep) = choice_ui(ui, &path("keep"), "Keep", old.keep, shown, &KEEP) {
+        commands.extend(edits::alone(edit(ModelShape { keep, ..old.clone() })));
+    }
+    // Particles of springs weigh what they are said to.
+    if let Material::Solid(_) = body.material {
+        let shown = words_of(old.mass_from, &MASS_FROM);
+        if let Some(mass_from) = choice_ui(ui, &path("mass_from"), "Mass from", old.mass_from, shown, &MASS_FROM) {
+            commands.extend(edits::alone(edit(ModelShape { mass_from, ..old.clone() })));
+        }
+    }
+}

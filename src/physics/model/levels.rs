@@ -1,0 +1,37 @@
+//! How stiff the cells of a model are beside a full one: in steps, so that the links of a body are of few classes.
+
+use crate::geometry::Lattice;
+
+/// Steps of the least full cell of a body.
+const OF_THE_LEAST: f64 = 32.0;
+
+/// The stiffness of every cell over that of a full one: what is in it over its volume, in whole steps, rounded down. A cell
+/// is then no stiffer for its mass than a full one, and bears the same steps in time.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::physics) struct Levels {
+    /// In steps, at least one.
+    pub(in crate::physics) of_cell: Vec<u16>,
+    /// A step.
+    pub(in crate::physics) step: f64,
+}
+
+impl Levels {
+    /// Those of a lattice; none where all cells are full.
+    pub(in crate::physics) fn of(lattice: &Lattice) -> Option<Self> {
+        let shares = lattice.shares.as_ref()?;
+        let step = least_share(lattice) / OF_THE_LEAST;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count, saturating")]
+        let level = |share: &f64| libm::floor(share / step * (1.0 + 1e-12)).max(1.0) as u16;
+        Some(Self { of_cell: shares.iter().map(level).collect(), step })
+    }
+
+    /// The stiffness of a cell over that of a full one.
+    pub(in crate::physics) fn stiffness(&self, cell: usize) -> f64 {
+        f64::from(self.of_cell[cell]) * self.step
+    }
+}
+
+/// What is in the least full cell over its volume.
+pub(in crate::physics) fn least_share(lattice: &Lattice) -> f64 {
+    lattice.shares.as_ref().map_or(1.0, |shares| shares.iter().copied().fold(f64::INFINITY, f64::min))
+}
