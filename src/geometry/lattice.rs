@@ -1,7 +1,10 @@
 //! From filled cells to particles and links (S3, S4; GC §3, §11). Knows nothing of masses, stiffness or motion.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
+use super::TriMesh;
 use super::voxel::{Cells, Grid};
 
 /// The three families of links (GC §3.1).
@@ -54,6 +57,8 @@ pub struct Lattice {
     pub cells: Vec<[u32; 8]>,
     /// How many of the particles are not inside: fewer than eight cells meet at them.
     pub surface: usize,
+    /// The mesh that the cells were made of, in the grid's coordinates, m; none of cells that were given.
+    pub mesh: Option<Arc<TriMesh>>,
 }
 
 impl Lattice {
@@ -65,7 +70,7 @@ impl Lattice {
         let links = counts.links.map(Vec::with_capacity);
         let corners = Vec::with_capacity(counts.particles);
         let cells_of = Vec::with_capacity(counts.cells);
-        let mut lattice = Self { grid, corners, links, cells: cells_of, surface: counts.surface };
+        let mut lattice = Self { grid, corners, links, cells: cells_of, surface: counts.surface, mesh: None };
         for corner in table.corners.iter() {
             if table.particle(corner).is_some() {
                 lattice.corners.push(corner);
@@ -80,9 +85,14 @@ impl Lattice {
         lattice
     }
 
+    /// The lattice of cells that were made of a mesh, given in the grid's coordinates, m.
+    pub fn of_mesh(cells: &Cells, mesh: Arc<TriMesh>) -> Self {
+        Self { mesh: Some(mesh), ..Self::new(cells) }
+    }
+
     /// How large it is.
     pub fn counts(&self) -> LatticeCounts {
-        let Self { grid, corners, links, cells, surface } = self;
+        let Self { grid, corners, links, cells, surface, mesh: _ } = self;
         let links = std::array::from_fn(|family| links[family].len());
         let grid_corners = grid_corners(grid);
         LatticeCounts { particles: corners.len(), links, cells: cells.len(), surface: *surface, grid_corners }

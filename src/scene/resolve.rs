@@ -147,7 +147,11 @@ impl Filled {
     /// Builds the lattice.
     pub fn build(self) -> Jelly {
         let Self { cells, mesh, report, up, warnings } = self;
-        Jelly { lattice: Arc::new(Lattice::new(&cells)), mesh, report, up, warnings }
+        let lattice = match &mesh {
+            Some(mesh) => Lattice::of_mesh(&cells, Arc::clone(mesh)),
+            None => Lattice::new(&cells),
+        };
+        Jelly { lattice: Arc::new(lattice), mesh, report, up, warnings }
     }
 }
 
