@@ -30,6 +30,7 @@ mod surface;
 pub(super) mod sweep;
 pub(super) mod thesis;
 mod way_out;
+pub(super) mod weighted;
 mod workspace;
 
 pub(super) use bodies::BodiesWorkspace;
