@@ -219,6 +219,10 @@ impl<'a, R: Real> Ahead<'a, R> {
                 sum.energy.contact += pair_law(model, press.bodies).energy(press.depth_m);
             }
         }
+        for touch in state.touches.iter().filter(|touch| bodies.contains(&touch.body)) {
+            let contact = model.bodies[touch.body].contacts[touch.obstacle].to_f64();
+            sum.energy.contact += contact.energy(touch.depth_m);
+        }
         sum.finite &= sum.energy.total().is_finite() && sum.momentum.is_finite() && sum.center.is_finite();
         sum
     }

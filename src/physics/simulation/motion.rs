@@ -9,6 +9,7 @@ use crate::physics::model::BodyModel;
 use crate::physics::state::BodyMemory;
 use crate::physics::state::moving::Approach;
 use crate::physics::state::press::Press;
+use crate::physics::state::touch::SampleTouch;
 
 /// How a body moves: a copy of its part of the state.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +20,7 @@ pub struct BodyMotion<R: Real> {
     side: Vec<Vec<i8>>,
     memory: BodyMemory,
     approaches: Vec<Approach>,
+    touches: Vec<SampleTouch>,
 }
 
 impl<R: Real> Simulation<R> {
@@ -32,6 +34,7 @@ impl<R: Real> Simulation<R> {
             side: self.state.side.iter().map(|row| row[particles.clone()].to_vec()).collect(),
             memory: self.state.bodies[body].clone(),
             approaches: self.state.approaches.iter().filter(|approach| approach.body == body).copied().collect(),
+            touches: self.state.touches.iter().filter(|touch| touch.body == body).copied().collect(),
         }
     }
 
@@ -57,6 +60,10 @@ impl<R: Real> Simulation<R> {
         self.state.approaches.extend(own);
         self.state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
         self.state.presses.retain(|press| !press.bodies.contains(&body));
+        self.state.touches.retain(|touch| touch.body != body);
+        self.state.touches.extend(motion.touches.iter().map(|touch| SampleTouch { body, ..*touch }));
+        self.state.touches.sort_unstable_by_key(SampleTouch::place);
+        self.state.fit_touches(&self.model, &self.plan);
         self.wake(body);
         self.state.reserve(&self.model);
         self.workspace.contact.touch_all();
@@ -73,6 +80,7 @@ impl<R: Real> Simulation<R> {
             side: Vec::new(),
             memory: BodyMemory::default(),
             approaches: Vec::new(),
+            touches: Vec::new(),
         };
         self.set_body_motion(body, &motion);
         self.let_obstacles_approach(body);
@@ -113,6 +121,7 @@ impl<R: Real> Simulation<R> {
             side: Vec::new(),
             memory: self.state.bodies[body].clone(),
             approaches: Vec::new(),
+            touches: Vec::new(),
         };
         self.set_body_motion(body, &motion);
         self.let_obstacles_approach(body);
