@@ -3,11 +3,11 @@
 //!
 //! ```text
 //! looked at   all vertices, and points on what lies between them, no further apart than a third of a cell
-//! taken       of each cell the point furthest from the middle of them all, then, again and again, the one furthest from
-//!             those taken, until there are eight or all are near one
+//! taken       of each cell the point furthest out, away from the cells around it (where these are on all sides, along every
+//!             axis), then, again and again, the one furthest from those taken, until there are eight or all are near one
 //! ```
 //!
-//! What comes first is a corner of the surface, a hoof or an ear's tip, where there is one. The order is that of the cells
+//! What comes first is a corner of the surface, a hoof or an ear's tip, where there is one: it is what touches first. The order is that of the cells
 //! and of the mesh's file: the same mesh in the same cells has the same points.
 
 use glam::DVec3;
@@ -29,6 +29,9 @@ const NEAREST: f64 = 0.15;
 
 /// What is further from its cell than this, in cells, belongs to a part of the mesh that has none.
 const FURTHEST: f64 = 1.0;
+
+/// The ways along the axes.
+const AXES: [DVec3; 6] = [DVec3::NEG_X, DVec3::X, DVec3::NEG_Y, DVec3::Y, DVec3::NEG_Z, DVec3::Z];
 
 /// A point of a surface, carried by a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +66,10 @@ struct Point {
 
 /// All points that may be taken.
 struct LookedAt<'a> {
+    lattice: &'a Lattice,
     embedder: Embedder<'a>,
+    /// Which cells of the grid are filled.
+    is_filled: Vec<bool>,
     cell_size: f64,
     points: Vec<Point>,
     /// For every cell the bins of it that hold a point.
@@ -73,7 +79,11 @@ struct LookedAt<'a> {
 impl<'a> LookedAt<'a> {
     fn new(lattice: &'a Lattice) -> Self {
         let (cell_size, bins) = (lattice.grid.cell_size, vec![0; lattice.cells.len()]);
-        Self { embedder: Embedder::new(lattice), cell_size, points: Vec::new(), bins }
+        let mut is_filled = vec![false; lattice.grid.len()];
+        for particles in &lattice.cells {
+            is_filled[lattice.grid.index(lattice.corners[particles[0] as usize])] = true;
+        }
+        Self { lattice, embedder: Embedder::new(lattice), is_filled, cell_size, points: Vec::new(), bins }
     }
 
     fn add_vertex(&mut self, at: DVec3) {
@@ -130,29 +140,57 @@ impl<'a> LookedAt<'a> {
     fn taken(mut self) -> Vec<SurfaceSample> {
         // Stable: within a cell they stay in the mesh's order.
         self.points.sort_by_key(|point| point.cell);
-        let mut taken = Vec::new();
-        let mut distance = Vec::new();
+        let least = NEAREST * self.cell_size;
+        let (mut taken, mut distance) = (Vec::new(), Vec::new());
         for of_cell in self.points.chunk_by(|one, next| one.cell == next.cell) {
-            let middle = of_cell.iter().map(|point| point.at).sum::<DVec3>() / of_cell.len() as f64;
             distance.clear();
-            distance.extend(of_cell.iter().map(|point| point.at.distance_squared(middle)));
-            for number in 0..MOST_A_CELL {
-                let furthest = |best: usize, place: usize| if distance[place] > distance[best] { place } else { best };
-                let place = (1..of_cell.len()).fold(0, furthest);
-                let least = NEAREST * self.cell_size;
-                if number > 0 && distance[place] < least * least {
-                    break;
-                }
+            distance.resize(of_cell.len(), f64::INFINITY);
+            let outward = outward(self.lattice, &self.is_filled, of_cell[0].cell);
+            let ways = if outward == DVec3::ZERO { &AXES[..] } else { &[outward] };
+            let outermost = ways.iter().map(|way| largest(of_cell.iter().map(|point| point.at.dot(*way))));
+            let mut take = |place: usize, distance: &mut [f64]| {
                 let Point { cell, at, weights } = of_cell[place];
                 taken.push(SurfaceSample { cell, weights });
                 for (distance, point) in distance.iter_mut().zip(of_cell) {
-                    let apart = point.at.distance_squared(at);
-                    *distance = if number == 0 { apart } else { distance.min(apart) };
+                    *distance = distance.min(point.at.distance_squared(at));
                 }
+            };
+            let mut count = 0;
+            for place in outermost {
+                if distance[place] >= least * least {
+                    take(place, &mut distance);
+                    count += 1;
+                }
+            }
+            while count < MOST_A_CELL {
+                let place = largest(distance.iter().copied());
+                if distance[place] < least * least {
+                    break;
+                }
+                take(place, &mut distance);
+                count += 1;
             }
         }
         taken
     }
+}
+
+/// The place of the largest of some numbers, the first where several are.
+fn largest(of: impl Iterator<Item = f64>) -> usize {
+    let larger = |best: (usize, f64), next: (usize, f64)| if next.1 > best.1 { next } else { best };
+    of.enumerate().fold((0, f64::NEG_INFINITY), larger).0
+}
+
+/// Away from the filled cells around a cell; nothing where they are as many on either side.
+fn outward(lattice: &Lattice, is_filled: &[bool], cell: u32) -> DVec3 {
+    let (low, dims) = (lattice.low(cell), lattice.grid.dims);
+    let around = (0..27_u32).filter_map(|number| {
+        let step = [number % 3, number / 3 % 3, number / 9];
+        let next: [u32; 3] = std::array::from_fn(|axis| (low[axis] + step[axis]).wrapping_sub(1));
+        let is_there = (0..3).all(|axis| next[axis] < dims[axis]) && is_filled[lattice.grid.index(next)];
+        is_there.then(|| DVec3::ONE - DVec3::from_array(step.map(f64::from)))
+    });
+    around.sum()
 }
 
 /// The bin of a cell that a point with these weights is in, as one bit of 64.

@@ -1,5 +1,7 @@
 //! Which points of a body's mesh meet which obstacles within a substep.
 
+use glam::DVec3;
+
 use super::near;
 use super::workspace::{Found, SamplesWorkspace};
 use crate::math::{Aabb, Real, Vector};
@@ -45,15 +47,16 @@ pub(super) fn find<R: Real>(
                 continue;
             }
         }
-        let corners = cell.carriers.map(|carrier| (position[carrier as usize], velocity[carrier as usize]));
-        let widest = corners.iter().fold(R::Vec3::ZERO, |widest, (at, _)| widest.max(*at).max(-*at));
-        let middle = corners.iter().fold(R::Vec3::ZERO, |sum, (at, _)| sum + *at) * R::from_f64(0.125);
+        let places = cell.carriers.map(|carrier| position[carrier as usize]);
+        let speeds = cell.carriers.map(|carrier| velocity[carrier as usize]);
+        let widest = places.iter().fold(R::Vec3::ZERO, |widest, at| widest.max(*at).max(-*at));
+        let middle = places.iter().fold(R::Vec3::ZERO, |sum, at| sum + *at) * R::from_f64(0.125);
         for sample in cell.points.clone() {
-            let mean = |of: fn(&(R::Vec3, R::Vec3)) -> R::Vec3| {
-                let terms = corners.iter().zip(&samples.weights[sample]);
-                terms.map(|(corner, weight)| of(corner).to_dvec3() * *weight).sum::<glam::DVec3>()
+            let mean = |of: &[R::Vec3; 8]| {
+                let terms = of.iter().zip(&samples.weights[sample]);
+                terms.map(|(of, weight)| of.to_dvec3() * *weight).sum::<DVec3>()
             };
-            let (from, way) = (mean(|corner| corner.0), mean(|corner| corner.1) * dt.to_f64());
+            let (from, way) = (mean(&places), mean(&speeds) * dt.to_f64());
             let (from, path) = (R::Vec3::from_dvec3(from), R::Vec3::from_dvec3(way));
             let known = &mut workspace.known[(workspace.first[number] + sample) * meshes..][..meshes];
             for obstacle in 0..model.obstacles.len() {

@@ -6,8 +6,8 @@ use super::record::SampleContact;
 use crate::math::Real;
 use crate::physics::contact::narrow::mesh::Known;
 use crate::physics::contact::weighted::{Movers, PointConstraint};
-use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
+use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
 use crate::physics::state::touch::SampleTouch;
 
@@ -57,9 +57,9 @@ impl SamplesWorkspace {
         if plan.on_mesh.is_none() {
             return Self::default();
         }
-        let counts = model.bodies.iter().map(|body| body.sample_count());
+        let counts = model.bodies.iter().map(BodyModel::sample_count);
         let first = counts.scan(0, |next, count| Some(std::mem::replace(next, *next + count))).collect();
-        let largest = model.bodies.iter().map(|body| body.sample_count()).max().unwrap_or(0);
+        let largest = model.bodies.iter().map(BodyModel::sample_count).max().unwrap_or(0);
         let (pairs, most) = (model.samples_in_contact(), model.obstacles.len());
         let of_one = largest * most.min(3);
         Self {
