@@ -65,6 +65,12 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         prediction.limited_by.replace('_', " "),
         three_digits(prediction.predicted_real_time_factor),
     ))?;
+    if prediction.mesh_points > 0 {
+        out::figures(&format!(
+            "{} points of meshes meet obstacles in place of the particles of their bodies",
+            prediction.mesh_points
+        ))?;
+    }
     if let Some(most) = prediction.most_iterations_per_frame {
         out::figures(&format!(
             "at most {most} iterations of the implicit integrator in 1/60 s, however violent the motion"
@@ -103,6 +109,7 @@ fn unsound(error: &anyhow::Error, scene: &OsStr) -> Value {
         "particles": none,
         "links": none,
         "mass_kg": none,
+        "mesh_points": none,
         "memory_bytes": none,
         "dt_limit_secs": none,
         "dt_safe_secs": none,

@@ -137,16 +137,20 @@ pub fn add_grab(overlay: &mut Overlay, grabbed: Vec3, target: Vec3) {
     }
 }
 
-/// Where particles touch obstacles or other bodies, and the force on each as an arrow; its length is proportional to the
+/// Where particles touch obstacles or other bodies, or points of meshes touch obstacles, and the force on each as an arrow; its length is proportional to the
 /// force, see [`newtons_per_metre`], up to the body's size.
 fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>) {
     let model = simulation.model();
     let (mut places, mut arrows) = (Vec::new(), Vec::new());
-    let with_obstacles = simulation.contacts().iter().map(|contact| (contact.particle, contact.force));
-    let with_bodies = simulation.body_contacts().iter().map(|contact| (contact.particle, contact.force.as_vec3()));
-    for (particle, force) in with_obstacles.chain(with_bodies) {
-        let Some(body) = model.bodies.iter().find(|body| body.particles.contains(&particle)) else { continue };
-        let place = simulation.state().position[particle];
+    let state = simulation.state();
+    let of = |particle: usize, force: Vec3| (model.body_of(particle), state.position[particle], force);
+    let with_obstacles = simulation.contacts().iter().map(|contact| of(contact.particle, contact.force));
+    let with_bodies = simulation.body_contacts().iter().map(|contact| of(contact.particle, contact.force.as_vec3()));
+    let on_meshes = simulation.sample_contacts().iter();
+    let on_meshes =
+        on_meshes.map(|contact| (Some(contact.body), contact.place(state).as_vec3(), contact.force.as_vec3()));
+    for (body, place, force) in with_obstacles.chain(with_bodies).chain(on_meshes) {
+        let Some(body) = body.map(|body| &model.bodies[body]) else { continue };
         if force == Vec3::ZERO || !force.is_finite() {
             continue;
         }

@@ -1,7 +1,10 @@
 //! From filled cells to particles and links (S3, S4; GC §3, §11). Knows nothing of masses, stiffness or motion.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
+use super::TriMesh;
 use super::voxel::{Cells, Grid};
 
 /// The three families of links (GC §3.1).
@@ -56,6 +59,8 @@ pub struct Lattice {
     pub shares: Option<Vec<f64>>,
     /// How many of the particles are not inside: fewer than eight cells meet at them.
     pub surface: usize,
+    /// The mesh that the cells were made of, in the grid's coordinates, m; none of cells that were given.
+    pub mesh: Option<Arc<TriMesh>>,
 }
 
 impl Lattice {
@@ -67,7 +72,8 @@ impl Lattice {
         let links = counts.links.map(Vec::with_capacity);
         let corners = Vec::with_capacity(counts.particles);
         let cells_of = Vec::with_capacity(counts.cells);
-        let mut lattice = Self { grid, corners, links, cells: cells_of, shares: None, surface: counts.surface };
+        let surface = counts.surface;
+        let mut lattice = Self { grid, corners, links, cells: cells_of, shares: None, surface, mesh: None };
         for corner in table.corners.iter() {
             if table.particle(corner).is_some() {
                 lattice.corners.push(corner);

@@ -1,9 +1,11 @@
 //! Shapes to shapes, no physics: a model file becomes a triangle mesh, a mesh becomes cells of a grid, cells become
-//! the particles and links of a lattice, and points of the mesh find their place in it.
+//! the particles and links of a lattice, and points of the mesh find their place in it; a few of
+//! them stand for all of its surface.
 
 pub mod embed;
 pub mod import;
 pub mod lattice;
+pub mod sampling;
 pub mod surface;
 pub mod trimesh;
 pub mod up_axis;
@@ -11,6 +13,7 @@ pub mod voxel;
 pub mod watch;
 
 pub use lattice::{Family, Lattice, LatticeCounts};
+pub use sampling::SurfaceSample;
 pub use surface::Surface;
 pub use trimesh::TriMesh;
 pub use up_axis::UpAxis;

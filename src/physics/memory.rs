@@ -1,9 +1,11 @@
 //! How much memory a simulation takes, before there is one: by the sizes of what it is made of.
 
-use super::contact::{BYTES_A_PARTICLE_AND_MESH, BodyContact, ContactConstraint, ContactRecord};
+use super::contact::{BYTES_A_PARTICLE_AND_MESH, BodyContact, ContactConstraint, ContactRecord, SampleContact};
 use super::model::Link;
 use super::state::press::Press;
+use super::state::touch::SampleTouch;
 use crate::geometry::LatticeCounts;
+use crate::geometry::sampling::MOST_A_CELL;
 use crate::physics::kernels::{BYTES_A_CORNER, MOST_CORNERS_A_PARTICLE};
 use crate::physics::model::Scheme;
 use crate::physics::schemes::{Held, implicit_bytes};
@@ -17,6 +19,8 @@ pub struct Size {
     pub planes: usize,
     /// Meshes among them; their surfaces are counted elsewhere.
     pub meshes: usize,
+    /// Particles on the outside of bodies that meet obstacles with their mesh.
+    pub on_mesh: usize,
     /// The scheme at work, where that is known.
     pub scheme: Option<Scheme>,
 }
@@ -40,7 +44,7 @@ pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
     let moving = bodies.iter().map(|body| of_motion(body, size)).sum::<usize>();
     let implicit = if size.scheme == Some(Scheme::Implicit) { implicit_bytes(bodies) } else { 0 };
     let made = bodies.iter().map(|body| body.particles * WHILE_MADE).max().unwrap_or(0);
-    let meeting = bodies.iter().map(of_meeting).sum::<usize>();
+    let meeting = bodies.iter().map(of_meeting).sum::<usize>() + size.on_mesh * of_points(size);
     (lasting + moving + implicit + made.max(moving) + meeting) as u64
 }
 
@@ -64,6 +68,17 @@ fn of_meeting(body: &LatticeCounts) -> usize {
     let cell = size_of::<[u32; 6]>();
     body.particles * AMONG_BODIES + body.surface * OF_A_HULL + body.cells * cell
 }
+
+/// The points on a mesh for each particle on the outside of its cells, of which there are about as many as cells there.
+fn of_points(size: Size) -> usize {
+    let known = size.meshes * BYTES_A_PARTICLE_AND_MESH;
+    let pairs = size.obstacles.min(3);
+    let touching = size_of::<SampleContact>() + 2 * size_of::<SampleTouch>() + OF_A_SOLUTION;
+    MOST_A_CELL * (size_of::<[f64; 8]>() + size_of::<u32>() + known + pairs * touching)
+}
+
+/// What it takes to solve for a contact of a point: eight particles with their weights, and what is known of it, bytes.
+const OF_A_SOLUTION: usize = 8 * size_of::<(u32, f64)>() + 400;
 
 fn of_motion(body: &LatticeCounts, size: Size) -> usize {
     let [of_stages, constraint] = match size.scheme {

@@ -5,7 +5,7 @@ mod motion;
 pub use motion::BodyMotion;
 
 use super::contact::sweep;
-use super::contact::{BodyContact, ContactRecord, Placed, arrive};
+use super::contact::{BodyContact, ContactRecord, Placed, SampleContact, arrive};
 use super::interaction::Grab;
 use super::model::Model;
 use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
@@ -70,6 +70,17 @@ impl<R: Real> Simulation<R> {
         self.state.fit_scheme(&plan);
         self.state.fit_sleep(&plan);
         self.state.fit_presses(&plan);
+        let stays = |obstacle| arrive::stays(&old, &placed, kept, &self.state, obstacle);
+        let stays: Vec<bool> = (0..model.obstacles.len()).map(stays).collect();
+        self.state.keep_touches(kept, |obstacle| stays[obstacle]);
+        self.state.fit_touches(&model, &plan);
+        for body in 0..model.bodies.len() {
+            let on_mesh =
+                |model: &Model<R>, plan: &Plan| plan.on_mesh.is_some() && model.bodies[body].samples.is_some();
+            if on_mesh(&self.model, &self.plan) != on_mesh(&model, &plan) {
+                arrive::begin_for(&model, placed.all(), body, &mut self.state);
+            }
+        }
         self.wake_all();
         self.workspace.fit(&model, &plan);
         self.model = model;
@@ -235,6 +246,7 @@ impl<R: Real> Simulation<R> {
         self.state.reserve(&self.model);
         self.state.fit_scheme(&self.plan);
         self.state.fit_sleep(&self.plan);
+        self.state.fit_touches(&self.model, &self.plan);
         self.workspace = StepWorkspace::new(&self.model, &self.plan);
         self.diverged = false;
         self.find_contacts_of_sleepers();
@@ -251,11 +263,14 @@ impl<R: Real> Simulation<R> {
         let obstacles = Placed::now(&self.model, &self.state);
         let inputs = Inputs { obstacles: &obstacles, grab: None };
         let (whole, timer) = (Part::one_of(&self.plan, 1), &mut ());
+        let whole = Part { scheme: self.plan.on_mesh.map_or(whole.scheme, |on_mesh| on_mesh.scheme), ..whole };
         let mut recorder = Recorder::new(timer);
         step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut recorder);
         self.workspace.contact.contacts = found.contact.contacts;
         self.workspace.contact.bodies.contacts = found.contact.bodies.contacts;
         self.workspace.contact.bodies.keep_of_sleepers(&self.state);
+        self.workspace.contact.samples.contacts = found.contact.samples.contacts;
+        self.workspace.contact.samples.keep_of_sleepers(&self.state);
         self.workspace.contact.keep_of_sleepers(&self.model, &self.state);
         // The steps that a longer substep covers tell what the last one did.
         self.workspace.contact.report_kept(&mut recorder);
@@ -285,6 +300,12 @@ impl<R: Real> Simulation<R> {
     /// What the last substep found of contact between bodies, by body and point; of bodies asleep what they keep.
     pub fn body_contacts(&self) -> &[BodyContact] {
         &self.workspace.contact.bodies.contacts
+    }
+
+    /// What the last substep found of contact of bodies' meshes with obstacles, by body and point; of bodies asleep what they
+    /// keep.
+    pub fn sample_contacts(&self) -> &[SampleContact] {
+        &self.workspace.contact.samples.contacts
     }
 
     /// The pairs of bodies that pushed each other at any time within the last substep.

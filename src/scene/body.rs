@@ -34,6 +34,8 @@ pub struct Body {
     pub friction_static: f64,
     /// The same of a particle that slides.
     pub friction_dynamic: f64,
+    /// With what it meets obstacles and other bodies.
+    pub contact_on: ContactOn,
     /// Which surface is drawn.
     pub skin: Skin,
     /// Drawn or not; a hidden body still moves.
@@ -54,6 +56,7 @@ impl Default for Body {
             self_collides: true,
             friction_static: 0.6,
             friction_dynamic: 0.5,
+            contact_on: ContactOn::default(),
             skin: Skin::default(),
             hidden: false,
         }
@@ -197,6 +200,17 @@ pub struct PinBox {
     pub min: [f64; 3],
     /// The highest corner, m.
     pub max: [f64; 3],
+}
+
+/// What of a body meets obstacles and other bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactOn {
+    /// The particles of its cells.
+    #[default]
+    Cells,
+    /// Points on the original mesh where the body is a model, which its cells carry; the particles of its cells otherwise.
+    Mesh,
 }
 
 /// The surface that is drawn for a body.

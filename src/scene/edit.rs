@@ -5,7 +5,7 @@
 use thiserror::Error;
 
 use super::param::{self, Problem};
-use super::{Body, Obstacle, Scene, Settings, ViewSettings};
+use super::{Body, ContactOn, Obstacle, Scene, Settings, ViewSettings};
 
 /// A body's place in [`Scene::bodies`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -182,9 +182,9 @@ pub fn body_impact(old: &Body, new: &Body) -> Impact {
         .max(leaf_impact(among_bodies(old) != among_bodies(new), Impact::Parameters))
 }
 
-/// How a body meets others and itself.
-fn among_bodies(body: &Body) -> ([bool; 2], [f64; 2]) {
-    ([body.collides, body.self_collides], [body.friction_static, body.friction_dynamic])
+/// How a body meets others and itself, and with what.
+fn among_bodies(body: &Body) -> ([bool; 2], [f64; 2], ContactOn) {
+    ([body.collides, body.self_collides], [body.friction_static, body.friction_dynamic], body.contact_on)
 }
 
 fn obstacle_impact(old: &Obstacle, new: &Obstacle) -> Impact {
@@ -216,6 +216,7 @@ mod tests {
         assert_eq!(impact_of(|body| body.inlays.push(Inlay::default())), Impact::Parameters, "another solid within");
         assert_eq!(impact_of(|body| body.collides = false), Impact::Parameters, "others");
         assert_eq!(impact_of(|body| body.self_collides = false), Impact::Parameters, "itself");
+        assert_eq!(impact_of(|body| body.contact_on = ContactOn::Mesh), Impact::Parameters, "its mesh");
         assert_eq!(impact_of(|body| body.friction_dynamic = 0.1), Impact::Parameters, "friction among bodies");
         assert_eq!(impact_of(|body| body.velocity[1] = 2.0), Impact::Motion, "a velocity");
         assert_eq!(impact_of(|body| body.pins.clear()), Impact::Topology, "pins");

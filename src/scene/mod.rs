@@ -24,7 +24,7 @@ mod warnings;
 use serde::{Deserialize, Serialize};
 
 pub use crate::geometry::Family;
-pub use body::{Body, Pose, Shape, Skin};
+pub use body::{Body, ContactOn, Pose, Shape, Skin};
 pub use material::{Material, Solid, Springs};
 pub use material_value::MaterialValue;
 pub use obstacle::{Obstacle, ObstacleShape};

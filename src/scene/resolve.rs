@@ -154,7 +154,7 @@ impl Filled {
         let Self { cells, contents, mesh, report, up, warnings } = self;
         let mass_warnings = contents.as_ref().map(Contents::warnings).unwrap_or_default();
         let shares = contents.map(|contents| contents.shares);
-        let lattice = Arc::new(Lattice { shares, ..Lattice::new(&cells) });
+        let lattice = Arc::new(Lattice { shares, mesh: mesh.clone(), ..Lattice::new(&cells) });
         Jelly { lattice, mesh, report, up, warnings, mass_warnings }
     }
 }

@@ -10,7 +10,7 @@ use crate::physics::memory::{Size, bytes};
 use crate::physics::{Scheme, Simulation};
 use crate::scene::body::CubeShape;
 use crate::scene::resolve::{Outline, resolve};
-use crate::scene::{Material, Obstacle, ObstacleShape, Scene, Shape};
+use crate::scene::{ContactOn, Material, Obstacle, ObstacleShape, Scene, Shape};
 use crate::view::SkinVertex;
 
 /// The program itself and what is small, bytes.
@@ -26,7 +26,13 @@ pub(super) fn needed(scene: &Scene, outlines: &[Outline]) -> u64 {
     let planes = scene.obstacles.iter().filter(|obstacle| has_sides(&obstacle.shape)).count();
     let is_mesh = |obstacle: &&Obstacle| matches!(obstacle.shape, ObstacleShape::Mesh(_));
     let meshes = scene.obstacles.iter().filter(is_mesh).count();
-    let size = Size { obstacles: scene.obstacles.len(), planes, meshes, scheme: scheme(scene, outlines) };
+    let with_mesh = scene
+        .bodies
+        .iter()
+        .zip(outlines)
+        .filter(|(body, outline)| body.contact_on == ContactOn::Mesh && outline.mesh_vertices > 0);
+    let on_mesh = with_mesh.map(|(_, outline)| outline.counts.surface).sum();
+    let size = Size { obstacles: scene.obstacles.len(), planes, meshes, on_mesh, scheme: scheme(scene, outlines) };
     let counts: Vec<_> = outlines.iter().map(|outline| outline.counts).collect();
     let vertices = |outline: &Outline| outline.mesh_vertices.max(outline.counts.surface) as u64;
     let of_bodies = bytes(&counts, size) + outlines.iter().map(vertices).sum::<u64>() * OF_A_SKIN;

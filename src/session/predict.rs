@@ -31,6 +31,8 @@ pub struct Prediction {
     pub particles: usize,
     pub links: usize,
     pub mass_kg: f64,
+    /// Points of bodies' meshes that meet obstacles in place of their particles.
+    pub mesh_points: usize,
     pub memory_bytes: u64,
     pub dt_limit_secs: Option<f64>,
     pub dt_safe_secs: Option<f64>,
@@ -88,6 +90,7 @@ impl Prediction {
             particles: simulation.model().particle_count(),
             links: simulation.model().link_counts().iter().sum(),
             mass_kg: simulation.model().bodies.iter().map(|body| f64::from(body.total_mass())).sum(),
+            mesh_points: plan.on_mesh.map_or(0, |_| simulation.model().sample_count()),
             memory_bytes: session.memory_bytes(),
             dt_limit_secs: plan.limits_at_work().dt_limit_secs,
             dt_safe_secs: plan.limits_at_work().dt_safe_secs,

@@ -7,7 +7,10 @@ use thiserror::Error;
 use crate::disk::ReadError;
 
 /// What a state begins with: magic and version.
-pub(super) const MAGIC: &str = "gelatin-state 11\n";
+pub(super) const MAGIC: &str = "gelatin-state 12\n";
+
+/// The same of the version before, which knew no points of meshes.
+pub(super) const WITHOUT_TOUCHES: &str = "gelatin-state 11\n";
 
 /// Why a state cannot be used.
 #[derive(Debug, Error, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! A simulation's state as bytes, exactly: what the window and `gelatin run --save-state` write and go on from.
 //!
 //! ```text
-//! "gelatin-state 11\n"                                      magic and version
+//! "gelatin-state 12\n"                                      magic and version; of version 11 all but what touches is read
 //! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
@@ -25,6 +25,9 @@
 //! springs between bodies: a count u64, and of each
 //!         the particle, its body, the body it is in        three u64
 //!         how far it is pressed                            one f64
+//! points of meshes that touch obstacles: a count u64, and of each
+//!         its body, its number, the obstacle, its side + 1        four u64
+//!         how far its spring is pressed                    one f64
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
 
@@ -33,7 +36,7 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::json;
 
-use super::state_error::{MAGIC, StateError, StateFileError};
+use super::state_error::{MAGIC, StateError, StateFileError, WITHOUT_TOUCHES};
 use super::state_origin::Origin;
 use super::state_reader::Reader;
 use super::{Session, SessionError};
@@ -41,6 +44,7 @@ use crate::disk::{self, fnv1a};
 use crate::physics::Approach;
 use crate::physics::Press;
 use crate::physics::RecoveryAccount;
+use crate::physics::SampleTouch;
 use crate::physics::Sweep;
 use crate::text::echo;
 
@@ -65,7 +69,9 @@ pub fn summary(path: &Path) -> Result<StateSummary, StateError> {
 
 /// The scene that bytes belong to, and what follows it but for the checksum, which is right.
 fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
-    let Some(contents) = bytes.strip_prefix(MAGIC.as_bytes()) else {
+    let known = [MAGIC, WITHOUT_TOUCHES].map(|magic| bytes.strip_prefix(magic.as_bytes()));
+    let has_touches = known[0].is_some();
+    let Some(contents) = known[0].or(known[1]) else {
         let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
         return Err(match line.strip_prefix(b"gelatin-state ") {
             Some(version) if version.len() < 8 => {
@@ -81,7 +87,7 @@ fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
         return Err(StateFileError::Damaged);
     }
     let origin = serde_json::from_slice(line).map_err(|_not_ours| StateFileError::Damaged)?;
-    Ok((origin, Reader::new(&numbers[..numbers.len() - 8])))
+    Ok((origin, Reader::new(&numbers[..numbers.len() - 8], has_touches)))
 }
 
 impl Session {
@@ -160,6 +166,13 @@ impl Session {
         bytes.extend((state.presses.len() as u64).to_le_bytes());
         for Press { bodies: [own, other], particle, depth_m } in &state.presses {
             bytes.extend([*particle as u64, *own as u64, *other as u64].iter().flat_map(|word| word.to_le_bytes()));
+            bytes.extend(depth_m.to_le_bytes());
+        }
+        bytes.extend((state.touches.len() as u64).to_le_bytes());
+        for &SampleTouch { body, sample, obstacle, side, depth_m } in &state.touches {
+            let side = u64::from((side + 1).unsigned_abs());
+            bytes
+                .extend([body as u64, sample as u64, obstacle as u64, side].iter().flat_map(|word| word.to_le_bytes()));
             bytes.extend(depth_m.to_le_bytes());
         }
         let checksum = fnv1a(&bytes);

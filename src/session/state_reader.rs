@@ -10,6 +10,7 @@ use crate::physics::BodyMemory;
 use crate::physics::MOST_HALVINGS;
 use crate::physics::Press;
 use crate::physics::RecoveryAccount;
+use crate::physics::SampleTouch;
 use crate::physics::Sweep;
 use crate::physics::{BodyModel, Model};
 use crate::physics::{Simulation, State};
@@ -20,6 +21,8 @@ const MOST_STEPS: u64 = 1 << 53;
 /// Takes numbers off the front of bytes.
 pub(super) struct Reader<'a> {
     rest: &'a [u8],
+    /// Whether it tells of points of meshes that touch obstacles.
+    has_touches: bool,
 }
 
 /// The numbers that a state begins with.
@@ -38,8 +41,8 @@ pub(super) struct Counts {
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
-        Self { rest: bytes }
+    pub(super) fn new(bytes: &'a [u8], has_touches: bool) -> Self {
+        Self { rest: bytes, has_touches }
     }
 
     /// The numbers that a state begins with; they come first.
@@ -95,6 +98,7 @@ impl<'a> Reader<'a> {
         let approaches = self.approaches(model)?;
         let sweeps = self.sweeps(model)?;
         let presses = self.presses(model)?;
+        let touches = if self.has_touches { self.touches(model)? } else { Vec::new() };
         if !self.rest.is_empty() {
             return Err(StateFileError::Length { field: "all the numbers".to_owned() });
         }
@@ -111,6 +115,7 @@ impl<'a> Reader<'a> {
             approaches,
             sweeps,
             presses,
+            touches,
             steps: counts.steps,
             // Saved under settings that divide a step further, it is at its last substep here.
             substep: counts.substep.min(plan.substeps - 1),
@@ -254,6 +259,29 @@ impl<'a> Reader<'a> {
             presses.push(Press { bodies, particle, depth_m });
         }
         Ok(presses)
+    }
+
+    /// The points of meshes that touch obstacles.
+    fn touches(&mut self, model: &Model<f32>) -> Result<Vec<SampleTouch>, StateFileError> {
+        let field = "the points of meshes that touch obstacles";
+        let mut touches: Vec<SampleTouch> = Vec::new();
+        for _ in 0..self.u64(field)? {
+            let body = place((self.u64(field)?, model.bodies.len()))?;
+            let sample = self.u64(field)?;
+            let obstacle = place((self.u64(field)?, model.obstacles.len()))?;
+            let side = self.u64(field)?;
+            let depth_m = self.f64(field)?;
+            let side = [-1, 0, 1].get(usize::try_from(side).unwrap_or(usize::MAX)).copied();
+            let side = side.ok_or_else(|| wrong("the side of a point of a mesh", "another", "-1, 0 or 1"))?;
+            let is_depth = (0.0..f64::INFINITY).contains(&depth_m);
+            need(is_depth, "how far the spring of a point is pressed", depth_m, "a length of 0 m or more")?;
+            let sample = usize::try_from(sample).unwrap_or(usize::MAX);
+            let key = (body, sample, obstacle);
+            let ascends = touches.last().is_none_or(|last| (last.body, last.sample, last.obstacle) < key);
+            need(ascends, field, "out of order", "every point at an obstacle once, in their order")?;
+            touches.push(SampleTouch { body, sample, obstacle, side, depth_m });
+        }
+        Ok(touches)
     }
 
     fn chunk<const N: usize>(&mut self, field: &str) -> Result<[u8; N], StateFileError> {

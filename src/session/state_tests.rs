@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use super::state_error::StateFileError;
 use super::{Command, Session};
 use crate::disk::fnv1a;
-use crate::physics::Press;
+use crate::physics::{Press, SampleTouch};
 use crate::scene::edit::{BodyId, Edit, ObstacleId};
 use crate::scene::settings::Settings;
-use crate::scene::{ObstacleShape, presets};
+use crate::scene::{ContactOn, ObstacleShape, Shape, presets};
 
 /// Where the numbers of a state of the cube on a plane stand, after its lines of text.
 const STEPS: usize = 16;
@@ -236,4 +236,60 @@ fn a_body_that_is_added_leaves_those_that_press_each_other_as_they_are() {
     let place = edited.scene().bodies.len();
     edited.handle(Command::Edit(Edit::InsertBody(BodyId(place), Box::new(far)))).expect("it can be added");
     assert_eq!(edited.simulation().state().presses, alone.simulation().state().presses, "they still press");
+}
+
+/// Spot comes down on the ground with its mesh.
+fn on_its_mesh() -> Session {
+    let mut scene = presets::drop_model("builtin:spot.obj");
+    let Shape::Model(model) = &mut scene.bodies[0].shape else { panic!("it is a model") };
+    model.divisions = 8;
+    scene.bodies[0].contact_on = ContactOn::Mesh;
+    Session::new(scene, PathBuf::new(), "spot".to_owned()).expect("it resolves")
+}
+
+#[test]
+fn a_state_saved_while_a_mesh_touches_goes_on_bit_for_bit() {
+    let mut first = on_its_mesh();
+    let touches = |session: &Session| session.simulation().state().touches.iter().any(|touch| touch.depth_m > 0.0);
+    let alone = (0..5000).take_while(|_| first.step() && !touches(&first)).count();
+    assert!(alone < 5000, "it lands");
+    (0..10).for_each(|_| assert!(first.step(), "it is pressed"));
+    let [mut second, mut forgetful] = [on_its_mesh(), on_its_mesh()];
+    second.set_state_bytes(&first.state_bytes()).expect("a state of the same scene");
+    let mut state = first.simulation().state().clone();
+    state.touches.clear();
+    forgetful.replace_state(state);
+    for session in [&mut first, &mut second, &mut forgetful] {
+        (0..60).for_each(|_| assert!(session.step(), "it goes on"));
+    }
+    assert_eq!(first.simulation().state(), second.simulation().state(), "the same motion");
+    assert_ne!(first.simulation().hash(), forgetful.simulation().hash(), "what is pressed is part of it");
+}
+
+#[test]
+fn touching_points_are_checked_and_a_state_of_before_them_is_read() {
+    let said = |change: &dyn Fn(&mut Vec<SampleTouch>)| {
+        let mut session = on_its_mesh();
+        let mut state = session.simulation().state().clone();
+        let touch = SampleTouch { body: 0, sample: 3, obstacle: 0, side: 1, depth_m: 0.01 };
+        state.touches = vec![touch, SampleTouch { sample: 7, side: -1, ..touch }];
+        change(&mut state.touches);
+        session.replace_state(state);
+        let bytes = session.state_bytes();
+        on_its_mesh().set_state_bytes(&bytes).err().map_or("nothing".to_owned(), |error| error.to_string())
+    };
+    assert_eq!(said(&|_| ()), "nothing", "these may be");
+    assert!(said(&|touches| touches.swap(0, 1)).contains("out of order"));
+    assert!(said(&|touches| touches[0].depth_m = f64::NAN).contains("is NaN, and a length of 0 m or more"));
+    assert!(said(&|touches| touches[0].side = 5).contains("-1, 0 or 1"));
+    let mut session = on_its_mesh();
+    assert!(session.step(), "it falls");
+    let written = session.state_bytes();
+    let contents = written[..written.len() - 16].strip_prefix(b"gelatin-state 12\n").expect("this version");
+    let mut before = [b"gelatin-state 11\n", contents].concat();
+    let checksum = fnv1a(&before);
+    before.extend(checksum.to_le_bytes());
+    let mut other = on_its_mesh();
+    other.set_state_bytes(&before).expect("a state of the version before");
+    assert_eq!(other.simulation().state(), session.simulation().state(), "the same");
 }

@@ -6,8 +6,8 @@ use crate::math::{Aabb, Real, Vector};
 use crate::physics::{BodyMemory, MOST_PARTS_BETWEEN_BODIES};
 use crate::physics::{BodyModel, Model};
 use crate::physics::{Plan, State};
-use crate::scene::settings::{Integrator, Settings, Stepping};
-use crate::scene::{self, Scene, named};
+use crate::scene::settings::{ContactRule, Integrator, Settings, Stepping};
+use crate::scene::{self, Body, ContactOn, Scene, named};
 use crate::view::legend::three_digits;
 
 impl Session {
@@ -20,6 +20,7 @@ impl Session {
         warnings.extend(taken_over(&self.scene().settings, self.simulation().plan()));
         warnings.extend(small_obstacles(self.scene(), model));
         warnings.extend(no_body_contact(&self.scene().settings, self.simulation().plan(), model));
+        warnings.extend(not_on_mesh(self.scene(), self.simulation().plan(), model));
         warnings.extend(overlaps(self.scene(), model, state));
         warnings.extend(unresolved(self.scene(), model, state));
         warnings
@@ -124,6 +125,36 @@ fn no_body_contact<R: Real>(settings: &Settings, plan: &Plan, model: &Model<R>) 
     })
 }
 
+/// Bodies that are to meet obstacles with their mesh but do so with their cells.
+fn not_on_mesh<R: Real>(scene: &Scene, plan: &Plan, model: &Model<R>) -> Vec<String> {
+    let asked = scene.bodies.iter().enumerate().filter(|(_, body)| body.contact_on == ContactOn::Mesh);
+    let words = |(index, body): (usize, &Body)| {
+        let name = named(&body.name, "body", index);
+        if model.bodies[index].sample_count() == 0 {
+            return Some(format!(
+                "{name} meets obstacles with its cells: it is no model, so there is no mesh to meet them with"
+            ));
+        }
+        let is_met = !scene.obstacles.is_empty() && plan.on_mesh.is_none();
+        is_met.then(|| {
+            let why = match &scene.settings {
+                Settings { contact: ContactRule::Thesis, .. } => "the thesis's rule knows particles alone".to_owned(),
+                Settings { stepping: Stepping::Manual, integrator, .. } => format!(
+                    "{} in manual steps has no place for its mesh; automatic stepping leaves such steps to {}",
+                    integrator.words(),
+                    Integrator::SemiImplicit.words()
+                ),
+                _ => format!(
+                    "it is so stiff that a step of {} would be taken in more than {MOST_PARTS_BETWEEN_BODIES} parts",
+                    step_text(plan.substep_secs())
+                ),
+            };
+            format!("{name} meets obstacles with its cells: {why}")
+        })
+    };
+    asked.filter_map(words).collect()
+}
+
 /// Pairs of bodies that are in each other's way and do not collide as one of them was told not to: each by itself where
 /// there are few, their number otherwise.
 fn overlaps<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<String> {
@@ -158,8 +189,9 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
+    use crate::scene::body::ModelShape;
     use crate::scene::obstacle::Sphere;
-    use crate::scene::{Body, Material, Obstacle, ObstacleShape, Springs};
+    use crate::scene::{Material, Obstacle, ObstacleShape, Shape, Springs};
 
     fn warnings(change: impl FnOnce(&mut Scene)) -> Vec<String> {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
@@ -227,6 +259,29 @@ mod tests {
         assert!(said.len() == 1 && said[0].contains("190 pairs of bodies"), "a crowd is counted: {said:?}");
         let said = warnings(|scene| scene.bodies.push(Body::default()));
         assert_eq!(said, Vec::<String>::new(), "they collide");
+    }
+
+    #[test]
+    fn a_body_that_meets_obstacles_with_its_cells_though_its_mesh_was_asked_for_says_why() {
+        let said = warnings(|scene| scene.bodies[0].contact_on = ContactOn::Mesh);
+        assert!(said.len() == 1 && said[0].contains("it is no model"), "{said:?}");
+        let on_mesh = |change: fn(&mut Settings)| {
+            warnings(|scene| {
+                let path = "builtin:spot.obj".to_owned();
+                scene.bodies[0].shape = Shape::Model(ModelShape { path, divisions: 8, ..ModelShape::default() });
+                scene.bodies[0].contact_on = ContactOn::Mesh;
+                scene.obstacles = vec![Obstacle::default()];
+                change(&mut scene.settings);
+            })
+        };
+        assert_eq!(on_mesh(|_| ()), Vec::<String>::new(), "a model has one");
+        let told = |said: &[String], words: &str| said.iter().any(|said| said.contains(words));
+        let said = on_mesh(|settings| {
+            (settings.stepping, settings.integrator) = (Stepping::Manual, Integrator::Implicit);
+        });
+        assert!(told(&said, "manual steps has no place for its mesh"), "{said:?}");
+        let said = on_mesh(|settings| settings.contact = ContactRule::Thesis);
+        assert!(told(&said, "particles alone"), "{said:?}");
     }
 
     #[test]

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use thiserror::Error;
 
-use super::model::{AmongBodies, BodyModel, LinkFamily, Model, Values};
+use super::model::{AmongBodies, BodyModel, LinkFamily, Model, Samples, Values};
 use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
 use crate::physics::kernels::{BoxedLinks, Layout};
@@ -28,7 +28,7 @@ use crate::physics::simulation::{Arrival, Simulation};
 use crate::physics::state::fallen;
 use crate::scene::param::{self, Problem};
 use crate::scene::resolve::{MeshError, ResolveError, load_meshes, resolve};
-use crate::scene::{Body, Material, Scene};
+use crate::scene::{Body, ContactOn, Material, Scene};
 use assembly::Assembled;
 pub use obstacles::DEPTH_SHARE;
 
@@ -171,6 +171,12 @@ fn compile_body<R: Real>(
     );
     let boxed_links = layout.map(|layout| BoxedLinks::new(layout, lattice, &links));
     let load = heaviest_load(lattice) * heaviest * gravity;
+    let is_on_mesh = body.contact_on == ContactOn::Mesh;
+    let samples_known = known.and_then(|body| body.samples.as_ref().map(Arc::clone));
+    let samples = if is_on_mesh { samples_known.or_else(|| Samples::new(lattice).map(Arc::new)) } else { None };
+    // A body may stand on one point of its mesh, at a quarter of the depth that it may have.
+    let weight = particle_mass * rest.len() as f64 * gravity;
+    let on_one = if samples.is_some() { load.max(4.0 * weight) } else { load };
     let meets_others = scene.settings.body_contact && body.collides && scene.bodies.len() > 1;
     let hull = known.map_or_else(Arc::default, |body| Arc::clone(&body.among_bodies.hull));
     let [recovery_stiffness, recovery_mass] = match &body.material {
@@ -197,7 +203,7 @@ fn compile_body<R: Real>(
         contacts: scene
             .obstacles
             .iter()
-            .map(|obstacle| obstacles::contact(obstacle, heaviest, size, load, lattice.grid.cell_size))
+            .map(|obstacle| obstacles::contact(obstacle, heaviest, size, on_one, lattice.grid.cell_size))
             .collect(),
         among_bodies: AmongBodies {
             meets_others,
@@ -207,6 +213,7 @@ fn compile_body<R: Real>(
             heaviest,
             load,
         },
+        samples,
     }
 }
 

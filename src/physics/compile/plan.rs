@@ -71,6 +71,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let scheme = SchemeCost::cheapest(&scheme_costs).map_or(chosen, |cost| cost.scheme);
     let rates = of_stages.filter(|_| scheme == Scheme::Stabilised).map(|limits| stage_rates(model, limits));
     let Division { dt_secs, substeps, span } = ways.iter().find(|way| way.0 == scheme).map_or(asked_for, |way| way.1);
+    let secs = dt_secs * f64::from(span) / f64::from(substeps);
     let plan = Plan {
         scheme,
         scheme_costs,
@@ -92,13 +93,8 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
         recovery: model.bodies.iter().any(|body| body.recovery.stiffness > R::ZERO),
         contact,
-        between_bodies: between_bodies(
-            model,
-            &semi_implicit,
-            scheme,
-            dt_secs * f64::from(span) / f64::from(substeps),
-            divided,
-        ),
+        between_bodies: between_bodies(model, &semi_implicit, scheme, secs, divided),
+        on_mesh: on_mesh(model, &semi_implicit, scheme, secs, divided).filter(|_| contact && !by_thesis),
         contact_rule,
         pressing_force: true,
         watched: !divided,
@@ -134,6 +130,32 @@ fn between_bodies<R: Real>(
         return None;
     }
     let has_place = !matches!(scheme, Scheme::Implicit | Scheme::Stabilised);
+    with_impulses(model, semi_implicit, scheme, secs, divided, has_place)
+}
+
+/// The same where points of a body's mesh come near an obstacle, which are found on the way that particles go: what moves them
+/// by another velocity than that at the end has no place for it either.
+fn on_mesh<R: Real>(
+    model: &Model<R>,
+    semi_implicit: &SceneLimits,
+    scheme: Scheme,
+    secs: f64,
+    divided: bool,
+) -> Option<BodyContactPlan> {
+    model.bodies.iter().find(|body| body.samples.is_some())?;
+    let has_place = matches!(scheme, Scheme::SemiImplicit | Scheme::Verlet);
+    with_impulses(model, semi_implicit, scheme, secs, divided, has_place)
+}
+
+/// Substeps of `secs` in which contact changes predicted velocities: by the scheme itself where it `has_place` for that.
+fn with_impulses<R: Real>(
+    model: &Model<R>,
+    semi_implicit: &SceneLimits,
+    scheme: Scheme,
+    secs: f64,
+    divided: bool,
+    has_place: bool,
+) -> Option<BodyContactPlan> {
     if has_place {
         let strained_parts = if divided { any_state::parts(model, scheme, secs) } else { 1 };
         return Some(BodyContactPlan { scheme, parts: 1, strained_parts });

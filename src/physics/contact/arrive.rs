@@ -22,6 +22,7 @@ use super::approach::ACCELERATION;
 use super::placed::Placed;
 use super::record::ContactRecord;
 use super::way_out::{Memory, WayOut, way_out};
+use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::{BodyModel, MeshModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::state::State;
@@ -47,8 +48,7 @@ pub(in crate::physics) fn begin<R: Real>(
 ) {
     let running = std::mem::take(&mut state.approaches);
     for (obstacle, (was, ObstacleModel { shape, .. })) in kept.iter().zip(placed.all()).enumerate() {
-        let sweeps = state.sweeps.iter().any(|sweep| sweep.obstacle == obstacle);
-        let stays = was.is_some_and(|was| sweeps || is_same_place(&old.all()[was].shape, shape));
+        let stays = stays(old, placed, kept, state, obstacle);
         for (number, body) in new.bodies.iter().enumerate() {
             let before = was.and_then(|was| running.iter().find(|a| (a.body, a.obstacle) == (number, was)));
             if stays {
@@ -67,7 +67,19 @@ pub(in crate::physics) fn begin<R: Real>(
     state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
 }
 
-/// A body was put elsewhere: obstacles that it would be in come gently to it.
+/// Whether an obstacle is where it was, or sweeps from there: `kept` names, for each, the one it was.
+pub(in crate::physics) fn stays<R: Real>(
+    old: &Placed<R>,
+    placed: &Placed<R>,
+    kept: &[Option<usize>],
+    state: &State<R>,
+    obstacle: usize,
+) -> bool {
+    let sweeps = state.sweeps.iter().any(|sweep| sweep.obstacle == obstacle);
+    kept[obstacle].is_some_and(|was| sweeps || is_same_place(&old.all()[was].shape, &placed.all()[obstacle].shape))
+}
+
+/// A body was put elsewhere, or meets them with something else: obstacles that it would be in come gently to it.
 pub(in crate::physics) fn begin_for<R: Real>(
     model: &Model<R>,
     obstacles: &[ObstacleModel<R>],
@@ -101,10 +113,10 @@ fn keep_side<R: Real>(
     }
 }
 
-/// Counts `secs` in which obstacles came, and made these contacts.
+/// Counts `secs` in which obstacles came, and made the contacts that were found.
 pub(in crate::physics) fn pass<R: Real>(
     model: &Model<R>,
-    contacts: &[ContactRecord<R>],
+    workspace: &ContactWorkspace<R>,
     secs: f64,
     state: &mut State<R>,
 ) {
@@ -115,7 +127,11 @@ pub(in crate::physics) fn pass<R: Real>(
         let own = |contact: &&ContactRecord<R>| {
             contact.obstacle == approach.obstacle && body.particles.contains(&contact.particle)
         };
-        let press: f64 = contacts.iter().filter(own).map(|c| c.force.dot(c.normal).to_f64().max(0.0)).sum();
+        let contacts = workspace.contacts.iter().filter(own);
+        let press: f64 = contacts.map(|c| c.force.dot(c.normal).to_f64().max(0.0)).sum();
+        let on_mesh = workspace.samples.contacts.iter();
+        let on_mesh = on_mesh.filter(|c| (c.body, c.obstacle) == (approach.body, approach.obstacle));
+        let press = press + on_mesh.map(|c| c.force.dot(c.normal).max(0.0)).sum::<f64>();
         let mass = body.particle_mass.to_f64() * body.particles.len() as f64;
         let weight = mass * (ACCELERATION * body.size.to_f64()).max(model.gravity.length().to_f64());
         approach.waits = press > PRESS * weight * if approach.waits { RELEASE } else { 1.0 };

@@ -4,10 +4,11 @@
 use super::account;
 use super::broad;
 use super::gauss_seidel;
-use super::narrow::{self, mesh::Known};
+use super::narrow::mesh::Known;
 use super::record::ContactRecord;
 use super::response::{self, Friction};
 use super::surface::Surface;
+use super::swept::Swept;
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::Scheme;
@@ -73,7 +74,7 @@ impl<R: Real> Candidates<'_, '_, R> {
         let Self { substep, workspace, recorder } = self;
         let Substep { model, plan, state, .. } = *substep;
         for (number, body) in model.bodies.iter().enumerate() {
-            if state.bodies[number].asleep {
+            if state.bodies[number].asleep || substep.meets_on_mesh(number) {
                 continue;
             }
             let all_tests = (body.particles.len() * model.obstacles.len()) as u64;
@@ -256,11 +257,8 @@ impl<'a, R: Real> Candidate<'a, R> {
     }
 
     /// The narrow phase, if this particle's motion comes near the obstacle at all, and the velocity of the surface.
-    ///
-    /// Contact with an obstacle that moves is swept in the obstacle's own frame: the particle's start rides along, and
-    /// what is left of its path is its motion past the obstacle.
     pub(super) fn surface(&mut self, obstacle: usize, velocity: R::Vec3) -> Option<(Surface<R>, R::Vec3)> {
-        let ObstacleModel { shape, bounds, carry, .. } = self.substep.obstacles.met(self.body, obstacle);
+        let met @ ObstacleModel { shape, bounds, .. } = self.substep.obstacles.met(self.body, obstacle);
         let from = self.substep.state.position[self.particle];
         let path = velocity * self.substep.dt;
         let side = shape.side_row().map_or(0, |row| self.substep.state.side[row][self.particle]);
@@ -269,13 +267,6 @@ impl<'a, R: Real> Candidate<'a, R> {
         }
         self.tests += 1;
         self.sphere_tests += u64::from(matches!(shape, ObstacleShape::Sphere { .. }));
-        let mut meet = |from, path| match shape {
-            ObstacleShape::Mesh(mesh) => narrow::mesh::meet(mesh, side, from, path, &mut self.known[mesh.place]),
-            _ => narrow::meet(shape, side, from, path),
-        };
-        let Some(carry) = carry else { return Some((meet(from, path)?, R::Vec3::ZERO)) };
-        let carried = carry.apply(from);
-        let surface = meet(carried, from + path - carried)?;
-        Some((surface, (carried - from) * (R::ONE / self.substep.dt)))
+        Swept { from, path, side, widest: None }.meet(met, self.substep.dt, self.known)
     }
 }

@@ -6,6 +6,8 @@
 //! response      a stiff, critically damped spring taken implicitly, then Coulomb friction (response)
 //! ```
 //!
+//! A body that is a model may meet obstacles with points of its mesh in place of its particles: see [`samples`].
+//!
 //! What several obstacles do to one particle is found together (`gauss_seidel`), and it is brought to a velocity that none
 //! of them forbids. Bodies meet each other before that: see [`bodies`].
 
@@ -25,12 +27,15 @@ mod narrow;
 pub(super) mod placed;
 mod record;
 mod response;
+pub(super) mod samples;
 mod sides;
 mod solved;
 mod surface;
 pub(super) mod sweep;
+mod swept;
 pub(super) mod thesis;
 mod way_out;
+pub(super) mod weighted;
 mod workspace;
 
 pub(super) use bodies::BodiesWorkspace;
@@ -40,6 +45,7 @@ pub(super) use constraint::ContactConstraint;
 pub(super) use held::limit_depths;
 pub use placed::Placed;
 pub use record::ContactRecord;
+pub use samples::SampleContact;
 pub(super) use sides::remember_sides;
 pub(super) use solved::{find as find_constraints, finish as finish_constraints};
 pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace};

@@ -18,7 +18,7 @@ pub(in crate::physics) fn remember_sides<R: Real>(
     workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    let mut deepest = R::ZERO;
+    let mut deepest = R::from_f64(workspace.samples.deepest);
     // What touched before and does not any more is forgotten; what touches is in the records.
     for (number, body) in model.bodies.iter().enumerate() {
         if state.bodies[number].asleep {

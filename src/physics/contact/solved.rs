@@ -41,7 +41,7 @@ pub(in crate::physics) fn find<R: Real>(
     let Substep { model, state, dt, .. } = substep;
     workspace.constraints.clear();
     for (number, body) in model.bodies.iter().enumerate() {
-        if state.bodies[number].asleep {
+        if state.bodies[number].asleep || substep.meets_on_mesh(number) {
             continue;
         }
         let touching = &workspace.touching[number * model.obstacles.len()..][..model.obstacles.len()];

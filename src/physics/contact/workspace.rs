@@ -6,6 +6,7 @@ use super::constraint::ContactConstraint;
 use super::far::BYTES_FAR;
 use super::narrow::mesh::Known;
 use super::record::ContactRecord;
+use super::samples::SamplesWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
 use crate::physics::model::Scheme;
@@ -36,6 +37,8 @@ pub(crate) struct ContactWorkspace<R: Real> {
     pub(in crate::physics) constraints: Vec<ContactConstraint>,
     /// What contact between bodies works in, and what it found.
     pub(in crate::physics) bodies: BodiesWorkspace<R>,
+    /// What contact on meshes of bodies works in, and what it found.
+    pub(in crate::physics) samples: SamplesWorkspace,
 }
 
 impl<R: Real> ContactWorkspace<R> {
@@ -52,12 +55,13 @@ impl<R: Real> ContactWorkspace<R> {
             known: vec![Known::default(); model.particle_count() * model.mesh_count()],
             constraints: Vec::with_capacity(solved_for),
             bodies: BodiesWorkspace::new(model, plan),
+            samples: SamplesWorkspace::new(model, plan),
         }
     }
 
     /// How many contacts push.
     pub(super) fn pushing(&self) -> usize {
-        self.contacts.iter().filter(|contact| contact.force != R::Vec3::ZERO).count()
+        self.contacts.iter().filter(|contact| contact.force != R::Vec3::ZERO).count() + self.samples.pushing()
     }
 
     /// Forgets all contacts but those of bodies that sleep.
@@ -97,7 +101,8 @@ impl<R: Real> ContactWorkspace<R> {
 
     /// The depth of the deepest contact as it was found, m.
     pub(super) fn deepest(&self) -> R {
-        self.contacts.iter().fold(R::ZERO, |deepest, contact| deepest.max(-contact.gap))
+        let of_samples = self.samples.contacts.iter().fold(0.0, |deepest: f64, contact| deepest.max(-contact.gap));
+        self.contacts.iter().fold(R::from_f64(of_samples), |deepest, contact| deepest.max(-contact.gap))
     }
 
     /// Tells of the contacts that bodies keep in their sleep.

@@ -6,8 +6,10 @@ pub(in crate::physics) mod levels;
 pub(in crate::physics) mod link;
 mod obstacle;
 pub(in crate::physics) mod plan;
+mod samples;
 mod scheme;
 
+pub(in crate::physics) use samples::{SampledCell, Samples};
 pub use scheme::Scheme;
 
 pub(in crate::physics) use hull::{Hull, Surroundings};
@@ -49,6 +51,17 @@ impl<R: Real> Model<R> {
     /// Obstacles that are meshes.
     pub(in crate::physics) fn mesh_count(&self) -> usize {
         self.obstacles.iter().filter(|obstacle| matches!(obstacle.shape, ObstacleShape::Mesh(_))).count()
+    }
+
+    /// Points of the meshes of all bodies that are to meet obstacles in place of their particles.
+    pub fn sample_count(&self) -> usize {
+        self.bodies.iter().map(BodyModel::sample_count).sum()
+    }
+
+    /// The most points of meshes that there is room for in contact: every one with so many obstacles as meet in a corner.
+    pub(in crate::physics) fn samples_in_contact(&self) -> usize {
+        const CORNER: usize = 3;
+        self.sample_count() * self.obstacles.len().min(CORNER)
     }
 
     /// Whether any obstacle moves by itself.
@@ -112,6 +125,8 @@ pub struct BodyModel<R: Real> {
     pub contacts: Vec<ContactModel<R>>,
     /// How it meets other bodies and itself.
     pub(in crate::physics) among_bodies: AmongBodies,
+    /// Points of its mesh that meet obstacles in place of its particles; none where these are to, or there is no mesh.
+    pub(in crate::physics) samples: Option<Arc<Samples>>,
 }
 
 /// How a body meets others and itself.
@@ -168,6 +183,11 @@ impl<R: Real> BodyModel<R> {
     /// Whether it is to meet itself.
     pub fn meets_itself(&self) -> bool {
         self.among_bodies.meets_itself
+    }
+
+    /// How many points of its mesh are to meet obstacles in place of its particles.
+    pub fn sample_count(&self) -> usize {
+        self.samples.as_ref().map_or(0, |samples| samples.count())
     }
 
     /// What it shows to others and itself.

@@ -101,11 +101,11 @@ impl StageRates {
 /// millions of times as stiff as jelly, and a second of them would take hours.
 pub const MOST_PARTS_BETWEEN_BODIES: u32 = 1 << 14;
 
-/// How substeps are taken in which bodies come near each other.
+/// How substeps are taken in which bodies come near each other, or their meshes near obstacles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BodyContactPlan {
-    /// What takes them: contact between bodies is an impulse on the velocities that forces predict, which the implicit and the
-    /// stabilised scheme have no place for.
+    /// What takes them: such contact is an impulse on the velocities that forces predict, which the implicit and the stabilised
+    /// scheme have no place for.
     pub scheme: Scheme,
     /// Parts that they are divided into for that, at least.
     pub parts: u32,
@@ -157,6 +157,9 @@ pub struct Plan {
     pub contact: bool,
     /// How bodies meet each other; none where they do not.
     pub between_bodies: Option<BodyContactPlan>,
+    /// How points of bodies' meshes meet obstacles; none where no body has any that do, or nothing can take such steps: then
+    /// their cells meet them.
+    pub on_mesh: Option<BodyContactPlan>,
     /// Whether any obstacle is a sphere.
     pub spheres: bool,
     /// Whether any obstacle rubs.

@@ -7,7 +7,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::contact::bodies::PairLaw;
+use crate::physics::contact::bodies::pair_law;
 use crate::physics::contact::{ContactRecord, Placed};
 use crate::physics::forces;
 use crate::physics::forces::recovery;
@@ -216,8 +216,12 @@ impl<'a, R: Real> Ahead<'a, R> {
         for press in &state.presses {
             // Of one body among others that whose point is inside another.
             if bodies.contains(&press.bodies[0]) {
-                sum.energy.contact += PairLaw::of(model, press.bodies).energy(press.depth_m);
+                sum.energy.contact += pair_law(model, press.bodies).energy(press.depth_m);
             }
+        }
+        for touch in state.touches.iter().filter(|touch| bodies.contains(&touch.body)) {
+            let contact = model.bodies[touch.body].contacts[touch.obstacle].to_f64();
+            sum.energy.contact += contact.energy(touch.depth_m);
         }
         sum.finite &= sum.energy.total().is_finite() && sum.momentum.is_finite() && sum.center.is_finite();
         sum

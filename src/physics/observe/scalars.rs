@@ -59,6 +59,11 @@ impl<R: Real> Simulation<R> {
         for contact in self.contacts() {
             force[contact.particle] += contact.force;
         }
+        for contact in self.sample_contacts() {
+            for (carrier, weight) in contact.carriers.into_iter().zip(contact.weights) {
+                force[carrier] += R::Vec3::from_dvec3(contact.force * weight);
+            }
+        }
         for contact in self.body_contacts() {
             force[contact.particle] += R::Vec3::from_dvec3(contact.force);
             for (carrier, weight) in contact.carriers.into_iter().zip(contact.weights) {

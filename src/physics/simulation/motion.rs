@@ -10,6 +10,7 @@ use crate::physics::model::BodyModel;
 use crate::physics::state::BodyMemory;
 use crate::physics::state::moving::Approach;
 use crate::physics::state::press::Press;
+use crate::physics::state::touch::SampleTouch;
 
 /// How a body moves: a copy of its part of the state.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +21,7 @@ pub struct BodyMotion<R: Real> {
     side: Vec<Vec<i8>>,
     memory: BodyMemory,
     approaches: Vec<Approach>,
+    touches: Vec<SampleTouch>,
 }
 
 impl<R: Real> Simulation<R> {
@@ -33,6 +35,7 @@ impl<R: Real> Simulation<R> {
             side: self.state.side.iter().map(|row| row[particles.clone()].to_vec()).collect(),
             memory: self.state.bodies[body].clone(),
             approaches: self.state.approaches.iter().filter(|approach| approach.body == body).copied().collect(),
+            touches: self.state.touches.iter().filter(|touch| touch.body == body).copied().collect(),
         }
     }
 
@@ -58,6 +61,10 @@ impl<R: Real> Simulation<R> {
         self.state.approaches.extend(own);
         self.state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
         self.state.presses.retain(|press| !press.bodies.contains(&body));
+        self.state.touches.retain(|touch| touch.body != body);
+        self.state.touches.extend(motion.touches.iter().map(|touch| SampleTouch { body, ..*touch }));
+        self.state.touches.sort_unstable_by_key(SampleTouch::place);
+        self.state.fit_touches(&self.model, &self.plan);
         self.wake(body);
         self.state.reserve(&self.model);
         self.workspace.contact.touch_all();
@@ -74,6 +81,7 @@ impl<R: Real> Simulation<R> {
             side: Vec::new(),
             memory: BodyMemory::default(),
             approaches: Vec::new(),
+            touches: Vec::new(),
         };
         self.set_body_motion(body, &motion);
         self.let_obstacles_approach(body);
@@ -102,6 +110,7 @@ impl<R: Real> Simulation<R> {
             side: Vec::new(),
             memory: BodyMemory::default(),
             approaches: Vec::new(),
+            touches: Vec::new(),
         };
         for local in (0..new.particles.len()).filter(|&local| !new.is_pinned(local)) {
             if let Some(at) = embedder.embed(new.lattice.rest_position(local) / scale) {
@@ -149,6 +158,7 @@ impl<R: Real> Simulation<R> {
             side: Vec::new(),
             memory: self.state.bodies[body].clone(),
             approaches: Vec::new(),
+            touches: Vec::new(),
         };
         self.set_body_motion(body, &motion);
         self.let_obstacles_approach(body);

@@ -5,11 +5,13 @@ pub(in crate::physics) mod hash;
 pub(in crate::physics) mod moving;
 pub(in crate::physics) mod press;
 pub(in crate::physics) mod sleep;
+pub(in crate::physics) mod touch;
 
 use moving::{Approach, Sweep};
 use press::Press;
+use touch::SampleTouch;
 
-use super::model::Model;
+use super::model::{BodyModel, Model};
 use crate::math::{Real, Vector};
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
@@ -47,6 +49,8 @@ pub struct State<R: Real> {
     pub sweeps: Vec<Sweep>,
     /// The springs of contact between bodies that touch each other, by particle and body.
     pub presses: Vec<Press>,
+    /// Where points of bodies' meshes touch obstacles, by body, point and obstacle.
+    pub touches: Vec<SampleTouch>,
     /// Whole steps taken.
     pub steps: u64,
     /// Substeps taken of the step that is under way.
@@ -164,6 +168,7 @@ impl<R: Real> State<R> {
             approaches: Vec::new(),
             sweeps: Vec::new(),
             presses: Vec::new(),
+            touches: Vec::new(),
             steps: 0,
             substep: 0,
             part: 0,
@@ -191,6 +196,8 @@ impl<R: Real> State<R> {
         let meeting = model.bodies.iter().filter(|body| body.meets_others() && model.bodies.len() > 1);
         let most: usize = meeting.map(|body| body.lattice.surface).sum();
         self.presses.reserve_exact(most.saturating_sub(self.presses.len()));
+        let touching = model.samples_in_contact();
+        self.touches.reserve_exact(touching.saturating_sub(self.touches.len()));
     }
 
     /// Remembers what the scheme of a plan needs and no more. A scheme that begins starts from a velocity that is not
@@ -224,6 +231,26 @@ impl<R: Real> State<R> {
         if plan.between_bodies.is_none() {
             self.presses.clear();
         }
+    }
+
+    /// Goes on with other obstacles: `kept` names, for each of them, the one it was. Where points touch one that does not stay
+    /// is forgotten.
+    pub(super) fn keep_touches(&mut self, kept: &[Option<usize>], stays: impl Fn(usize) -> bool) {
+        self.touches.retain_mut(|touch| {
+            let now = kept.iter().position(|was| *was == Some(touch.obstacle));
+            touch.obstacle = now.unwrap_or(touch.obstacle);
+            now.is_some_and(&stays)
+        });
+        self.touches.sort_unstable_by_key(SampleTouch::place);
+    }
+
+    /// Forgets where points of meshes touch that meet nothing.
+    pub(super) fn fit_touches(&mut self, model: &Model<R>, plan: &Plan) {
+        let is_there = |touch: &SampleTouch| {
+            let points = model.bodies.get(touch.body).map_or(0, BodyModel::sample_count);
+            touch.sample < points && touch.obstacle < model.obstacles.len()
+        };
+        self.touches.retain(|touch| plan.on_mesh.is_some() && is_there(touch));
     }
 
     /// Makes room for the sides of every plane; those of planes that stay are kept.

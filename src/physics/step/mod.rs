@@ -268,7 +268,8 @@ fn is_sound<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &
         // Contact alone has changed any of them since.
         let between_bodies = contact.bodies.contacts.iter();
         let between_bodies = between_bodies.flat_map(|met| met.carriers.into_iter().chain([met.particle]));
-        let mut met = contact.contacts.iter().map(|contact| contact.particle).chain(between_bodies);
+        let on_mesh = contact.samples.contacts.iter().flat_map(|met| met.carriers);
+        let mut met = contact.contacts.iter().map(|contact| contact.particle).chain(between_bodies).chain(on_mesh);
         return met.all(|p| (begun.state.position[p] + velocity[p] * begun.dt).is_finite());
     }
     stays_finite(begun, moving) && (scheme.path.is_none() || stays_finite(begun, velocity))
@@ -291,6 +292,9 @@ fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<
     state.time_secs += part.secs;
     if plan.between_bodies.is_some() {
         std::mem::swap(&mut state.presses, &mut workspace.contact.bodies.presses);
+    }
+    if plan.on_mesh.is_some() {
+        std::mem::swap(&mut state.touches, &mut workspace.contact.samples.touches);
     }
 }
 
@@ -345,6 +349,9 @@ fn predicted_velocities<R: Real>(
         contact::bodies::keep_apart(begun, &mut contact.bodies, recorder);
     }
     if meets_implicitly(begun.plan) {
+        if begun.plan.on_mesh.is_some() {
+            contact::samples::meet(begun, velocity, &mut contact.samples, recorder);
+        }
         contact::respond(begun, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
     }
@@ -385,6 +392,7 @@ fn predicted_velocities<R: Real>(
 fn solved_velocities<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let (mut stepper, contact, velocity) = workspace.stepper(begun);
     contact::bodies::keep_apart(begun, &mut contact.bodies, recorder);
+    contact.samples.keep_of_sleepers(begun.state);
     if meets_implicitly(begun.plan) {
         stepper.fall(velocity);
         contact::find_constraints(begun, velocity, contact, recorder);

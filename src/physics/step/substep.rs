@@ -30,6 +30,11 @@ pub(in crate::physics) struct Substep<'a, R: Real> {
 }
 
 impl<R: Real> Substep<'_, R> {
+    /// Whether a body meets obstacles with points of its mesh, and not with its particles.
+    pub(in crate::physics) fn meets_on_mesh(&self, body: usize) -> bool {
+        self.plan.on_mesh.is_some() && self.model.bodies[body].samples.is_some()
+    }
+
     /// How many stages of the stabilised scheme it takes.
     pub(in crate::physics) fn stages(&self) -> u32 {
         let (rates, secs) = (&self.plan.stage_rates, self.dt.to_f64());

@@ -5,7 +5,8 @@
 //! step       one dt: `Plan::substeps` substeps, as many as the bound of the scheme asks for at rest
 //! substep    whole; or in `Plan::parts` equal parts while links are strained (strain), and in as many as bodies need that
 //!            come near each other or themselves, by a scheme that has a place for their contact (`Plan::between_bodies`)
-//!            also where the stabilised scheme finds that what bodies meet tears them apart in it
+//!            also where points of a body's mesh come near an obstacle (`Plan::on_mesh`), and
+//!            where the stabilised scheme finds that what bodies meet tears them apart in it
 //! part       with the implicit scheme it may be refused, as its linear equations would give energy from nowhere: it is
 //!            halved then, down to what an explicit scheme can take, which takes the smallest where that is refused too
 //! work       past `Plan::most_work` nothing is halved any more: parts are as long as the grid of halves allows, and
@@ -17,7 +18,7 @@
 pub(in crate::physics) mod looks;
 pub(in crate::physics) mod strain;
 
-use super::contact::{BodiesWorkspace, Placed, arrive, bodies, sweep};
+use super::contact::{BodiesWorkspace, Placed, arrive, bodies, samples, sweep};
 use super::interaction::Grab;
 use super::model::plan::{MOST_HALVINGS, Plan};
 use super::model::{Model, Scheme};
@@ -41,7 +42,10 @@ pub(super) fn advance<R: Real>(
     let mut recorder = Recorder::new(timer);
     workspace.contact.bodies.met.clear();
     workspace.contact.bodies.remember_folds(state);
-    let mut division = Division::of(model, plan, state, &mut workspace.contact.bodies);
+    if plan.on_mesh.is_some() {
+        obstacles.place(model, state, plan.substep_secs());
+    }
+    let mut division = Division::of(model, plan, state, obstacles, &mut workspace.contact.bodies);
     let mut ending = Ending::Taken;
     while let Some(part) = division.next(plan, state, &mut recorder.counters) {
         obstacles.place(model, state, part.secs);
@@ -64,7 +68,7 @@ pub(super) fn advance<R: Real>(
         if ending == Ending::Diverged {
             break;
         }
-        arrive::pass(model, &workspace.contact.contacts, part.secs, state);
+        arrive::pass(model, &workspace.contact, part.secs, state);
         sweep::pass(model, part.secs, state);
         division.take();
         division.divide_further(model, plan, state);
@@ -79,12 +83,14 @@ pub(in crate::physics) fn parts_now<R: Real>(
     state: &mut State<R>,
     workspace: &mut BodiesWorkspace<R>,
 ) -> u32 {
-    Division::of(model, plan, state, workspace).parts
+    let obstacles = Placed::now(model, state);
+    Division::of(model, plan, state, &obstacles, workspace).parts
 }
 
 /// A substep in the parts that it is taken in: those that the strain of bodies asks for, or the next of the parts that it
 /// was halved into.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a fact about the substep, and any mixture may be")]
 struct Division {
     parts: u32,
     left: u32,
@@ -98,6 +104,8 @@ struct Division {
     scheme: Scheme,
     /// Whether bodies come near each other.
     bodies_are_near: bool,
+    /// Whether the mesh of one comes near an obstacle.
+    on_mesh: bool,
     /// Whether the smallest part was refused, so that the explicit scheme takes it.
     is_explicit: bool,
     /// Whether the whole was refused, as bodies would be torn apart in it.
@@ -106,13 +114,24 @@ struct Division {
 
 impl Division {
     /// Of the coming substep.
-    fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>, workspace: &mut BodiesWorkspace<R>) -> Self {
-        let looks_out = plan.parts > 0 || plan.between_bodies.is_some();
+    fn of<R: Real>(
+        model: &Model<R>,
+        plan: &Plan,
+        state: &mut State<R>,
+        obstacles: &Placed<R>,
+        workspace: &mut BodiesWorkspace<R>,
+    ) -> Self {
+        let looks_out = plan.parts > 0 || plan.between_bodies.is_some() || plan.on_mesh.is_some();
         workspace.spreads.clear();
         let bodies = model.bodies.iter().filter(|_| looks_out);
         workspace.spreads.extend(bodies.map(|body| looks::spread(body, plan, state)));
         let near = bodies::parts(model, plan, state, workspace);
-        let met = plan.between_bodies.filter(|_| near.is_some());
+        let bodies_are_near = near.is_some();
+        let secs = plan.substep_secs();
+        let on_mesh = plan.on_mesh.filter(|_| samples::comes_near(model, plan, obstacles, state, secs));
+        let near = near.max(on_mesh.map(|on_mesh| on_mesh.parts));
+        // What a mesh meets obstacles by has a place for bodies that meet, too.
+        let met = on_mesh.or(plan.between_bodies.filter(|_| near.is_some()));
         let while_strained = met.filter(|_| plan.is_divided()).map_or(plan.parts, |met| met.strained_parts);
         let parts = strain::parts_now(model, plan, while_strained, &workspace.spreads, state).max(near.unwrap_or(1));
         let scheme = met.map_or(plan.scheme, |met| met.scheme);
@@ -123,7 +142,8 @@ impl Division {
             while_strained,
             unseen_secs: 0.0,
             scheme,
-            bodies_are_near: near.is_some(),
+            bodies_are_near,
+            on_mesh: on_mesh.is_some(),
             is_explicit: false,
             tears: false,
         }
@@ -169,7 +189,7 @@ impl Division {
     /// Divides what is left into shorter parts where bodies come near each other and one of them has become strained since the
     /// substep began.
     fn divide_further<R: Real>(&mut self, model: &Model<R>, plan: &Plan, state: &mut State<R>) {
-        if !self.bodies_are_near || self.left == 0 || self.parts >= self.while_strained {
+        if !(self.bodies_are_near || self.on_mesh) || self.left == 0 || self.parts >= self.while_strained {
             return;
         }
         self.unseen_secs += self.secs;

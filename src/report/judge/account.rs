@@ -231,14 +231,21 @@ fn light_mass<R: Real>(body: &BodyModel<R>) -> f64 {
 }
 
 /// The fastest that the spring of a contact in the last substep could make its particle, m/s.
-fn fastest_release<R: Real>(simulation: &Simulation<R>, body: usize) -> f64 {
-    let body = &simulation.model().bodies[body];
+fn fastest_release<R: Real>(simulation: &Simulation<R>, number: usize) -> f64 {
+    let body = &simulation.model().bodies[number];
     let own = simulation.contacts().iter().filter(|contact| body.particles.contains(&contact.particle));
     let speeds = own.map(|contact| {
         let stored = body.contacts[contact.obstacle].to_f64().energy(-contact.gap.to_f64());
         (2.0 * stored / body.mass(contact.particle - body.particles.start).to_f64()).sqrt()
     });
-    speeds.fold(0.0, f64::max)
+    let on_mesh = simulation.sample_contacts().iter().filter(|contact| contact.body == number);
+    let of_points = on_mesh.map(|contact| {
+        let stored = body.contacts[contact.obstacle].to_f64().energy(-contact.gap);
+        let carried = contact.carriers.iter().zip(contact.weights);
+        let mobility = carried.map(|(at, w)| w * w / body.mass(at - body.particles.start).to_f64()).sum::<f64>();
+        (2.0 * stored * mobility).sqrt()
+    });
+    speeds.chain(of_points).fold(0.0, f64::max)
 }
 
 /// Energy without that of height, J, as leapfrog keeps it: what is in links swings by up to a fifth of the whole as it

@@ -57,6 +57,7 @@ pub const PARAMS: &[Param] = &[
     flag("bodies.*.self_collides", "Whether parts of the body that are apart at rest meet each other."),
     number("bodies.*.friction_static", "", 0.0, 10.0, "Coulomb coefficient between touching bodies below which they do not slide; of two bodies the geometric mean counts."),
     number("bodies.*.friction_dynamic", "", 0.0, 10.0, "Coulomb coefficient between bodies that slide past each other; of two bodies the geometric mean counts."),
+    words("bodies.*.contact_on", &["cells", "mesh"], "What of a model meets obstacles: the particles of its cells, or points on its own surface, up to eight a cell, whose forces go to the particles of the cell by their weights."),
     words("bodies.*.skin", &["auto", "cells"], "Which surface is drawn: the model's own where there is one, or the cells'."),
     flag("bodies.*.hidden", "Hidden bodies are not drawn but still move."),
     text("obstacles.*.name", "What the obstacle is called in lists."),

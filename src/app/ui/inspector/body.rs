@@ -8,10 +8,11 @@ use super::section::section_ui;
 use super::settings::flag_ui;
 use crate::app::ui::figure::{figure, fixed_figure};
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{AXES, LABEL_WIDTH, field_ui, slider_ui, vector_ui};
+use crate::app::ui::value::{AXES, LABEL_WIDTH, field_ui, help, slider_ui, vector_ui};
 use crate::app::ui::{Running, UiState, edits, theme};
 use crate::scene::edit::{BodyId, Edit};
-use crate::scene::{Body, Shape, Skin};
+use crate::scene::param;
+use crate::scene::{Body, ContactOn, Shape, Skin};
 use crate::session::{BodyStatus, Command};
 
 /// The panel of a body.
@@ -32,6 +33,9 @@ fn contact_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>)
     if others || itself {
         commands.extend(edits::alone(Edit::Body(id, Box::new(changed))));
         return;
+    }
+    if matches!(body.shape, Shape::Model(_)) {
+        meets_with_ui(ui, id, body, commands);
     }
     let at_rest = slider_ui(ui, &path("friction_static"), "Friction at rest", &mut changed.friction_static, None);
     let mut interaction = at_rest;
@@ -123,6 +127,27 @@ fn skin_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
                 }
             }
         });
+        response.response.labelled_by(label.id);
+    });
+}
+
+fn meets_with_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
+    let words = |contact_on| if contact_on == ContactOn::Mesh { "the model's surface" } else { "its cells" };
+    ui.horizontal(|ui| {
+        let label = name_ui(ui, "Obstacles meet");
+        let combo = ComboBox::from_id_salt("contact_on").truncate().selected_text(words(body.contact_on));
+        let response = combo.show_ui(ui, |ui| {
+            for contact_on in [ContactOn::Cells, ContactOn::Mesh] {
+                let is_chosen = contact_on == body.contact_on;
+                if ui.selectable_label(is_chosen, words(contact_on)).clicked() && !is_chosen {
+                    let changed = Body { contact_on, ..body.clone() };
+                    commands.extend(edits::alone(Edit::Body(id, Box::new(changed))));
+                }
+            }
+        });
+        if let Some(param) = param::find(&format!("bodies.{}.contact_on", id.0)) {
+            tip_ui(ui, &response.response, || help(param));
+        }
         response.response.labelled_by(label.id);
     });
 }

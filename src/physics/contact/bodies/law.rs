@@ -1,6 +1,7 @@
 //! How two bodies push each other and rub: one law for a pair of them.
 
 use crate::math::Real;
+use crate::physics::contact::weighted::PointLaw;
 use crate::physics::model::Model;
 
 /// Stiffness of the contact over the mass of the heavier particle, 1/s²: that of the default contact with obstacles.
@@ -16,39 +17,16 @@ const CELL_SHARE: f64 = 0.25;
 /// in a second.
 const GENTLE_SHARE: f64 = 0.5;
 
-/// The contact of a point of one body with a cell of another.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::physics) struct PairLaw {
-    /// Stiffness of a point's spring, N/m.
-    pub(super) stiffness: f64,
-    /// Deeper than this it pushes no harder, m; and nothing comes deeper that was not.
-    pub(super) depth_limit: f64,
-    /// The most that one point may have to carry, N.
-    pub(super) load: f64,
-    /// How fast what is deeper than its spring is pressed leaves at most, m/s.
-    pub(super) gentle: f64,
-    /// Coulomb's coefficients, at rest and sliding.
-    pub(super) friction: [f64; 2],
-}
-
-impl PairLaw {
-    /// That of two bodies of a model.
-    pub(in crate::physics) fn of<R: Real>(model: &Model<R>, bodies: [usize; 2]) -> Self {
-        let [one, other] = bodies.map(|number| &model.bodies[number]);
-        let smaller = |of: [f64; 2]| of[0].min(of[1]);
-        let size = smaller([one, other].map(|body| body.size.to_f64()));
-        let cell = smaller([one, other].map(|body| body.lattice.grid.cell_size));
-        let [a, b] = [one, other].map(|body| &body.among_bodies);
-        let depth_limit = (DEPTH_SHARE * size).min(CELL_SHARE * cell);
-        let load = a.load + b.load;
-        let stiffness = (STIFFNESS_OVER_MASS * a.heaviest.max(b.heaviest)).max(load / depth_limit);
-        let friction = [0, 1].map(|which| (a.friction[which] * b.friction[which]).sqrt());
-        Self { stiffness, depth_limit, load, gentle: GENTLE_SHARE * size, friction }
-    }
-
-    /// The energy of a point's spring that is pressed so far (m), J.
-    pub(in crate::physics) fn energy(&self, pressed: f64) -> f64 {
-        let sprung = pressed.clamp(0.0, self.depth_limit);
-        0.5 * self.stiffness * sprung * sprung
-    }
+/// The law of the points of one body in the cells of another.
+pub(in crate::physics) fn pair_law<R: Real>(model: &Model<R>, bodies: [usize; 2]) -> PointLaw {
+    let [one, other] = bodies.map(|number| &model.bodies[number]);
+    let smaller = |of: [f64; 2]| of[0].min(of[1]);
+    let size = smaller([one, other].map(|body| body.size.to_f64()));
+    let cell = smaller([one, other].map(|body| body.lattice.grid.cell_size));
+    let [a, b] = [one, other].map(|body| &body.among_bodies);
+    let depth_limit = (DEPTH_SHARE * size).min(CELL_SHARE * cell);
+    let load = a.load + b.load;
+    let stiffness = (STIFFNESS_OVER_MASS * a.heaviest.max(b.heaviest)).max(load / depth_limit);
+    let friction = [0, 1].map(|which| (a.friction[which] * b.friction[which]).sqrt());
+    PointLaw { stiffness, depth_limit, load, gentle: GENTLE_SHARE * size, friction }
 }

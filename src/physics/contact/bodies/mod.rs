@@ -6,10 +6,10 @@
 //! itself      which come near themselves: what belongs together at rest is left out
 //! find        which points would be inside which cells at its end, and the way out: a distance field of the body at rest
 //!             ([`crate::physics::model::Hull`]), carried along by the cell (cell); which are near is kept for a while (neighbours, buckets)
-//! constraint  each is a contact of nine weighted particles with one effective mass: the same force on the point as, turned
-//!             about, on the cell, where the point is: momentum and angular momentum stay as they are
-//! solve       a spring with critical damping taken implicitly and Coulomb friction, all contacts together, in a fixed order;
-//!             how far each is pressed is in the state
+//! (weighted)  each is a contact of nine weighted particles with one effective mass: the same force on the point as, turned
+//!             about, on the cell, where the point is: momentum and angular momentum stay as they are; a spring with critical
+//!             damping taken implicitly and Coulomb friction, all contacts together, in a fixed order; how far each is pressed
+//!             is in the state
 //! record      what met, to be drawn and counted
 //! ```
 //!
@@ -22,7 +22,6 @@
 
 mod buckets;
 mod cell;
-mod constraint;
 mod find;
 mod itself;
 mod law;
@@ -30,20 +29,18 @@ mod motion;
 mod near;
 mod neighbours;
 mod record;
-mod solve;
 mod workspace;
 
-pub(in crate::physics) use law::PairLaw;
+pub(in crate::physics) use law::pair_law;
 pub(in crate::physics) use near::parts;
 pub use record::BodyContact;
 pub(in crate::physics) use workspace::BodiesWorkspace;
 
 use glam::DVec3;
 
-use self::buckets::NONE;
 use self::cell::Cell;
-use self::constraint::{Mover, PointConstraint, SpringBefore};
 use self::find::Found;
+use super::weighted::{self, Mover, PointConstraint, PointLaw, SpringBefore, Where};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
@@ -78,10 +75,10 @@ pub(in crate::physics) fn meet<R: Real>(
     for body in near::near_themselves(model, state) {
         meet_in(substep, [body, body], velocity, workspace, recorder);
     }
-    let BodiesWorkspace { constraints, movers, contacts, presses, mover_of, moved, .. } = &mut *workspace;
+    let BodiesWorkspace { constraints, movers, contacts, presses, moved, .. } = &mut *workspace;
     let (dt, mut deepest) = (substep.dt.to_f64(), 0.0_f64);
     recorder.counters.body_contacts += constraints.len() as u64;
-    solve::solve(constraints, movers, dt);
+    weighted::solve(constraints, movers, dt);
     for (contact, constraint) in contacts[kept..].iter_mut().zip(constraints) {
         contact.force = constraint.impulse() / dt;
         deepest = deepest.max(-(contact.gap + dt * constraint.past(movers).dot(contact.normal)));
@@ -90,8 +87,7 @@ pub(in crate::physics) fn meet<R: Real>(
     }
     presses.sort_unstable_by_key(Press::place);
     recorder.note_depth_between_bodies(deepest);
-    for mover in movers {
-        mover_of[mover.particle as usize] = NONE;
+    for mover in &movers.all {
         if mover.velocity != mover.before {
             let (particle, after) = (mover.particle as usize, R::Vec3::from_dvec3(mover.velocity));
             velocity[particle] = after;
@@ -137,7 +133,7 @@ fn meet_in<R: Real>(
     recorder.enter(Stage::BroadPhase);
     find::find(model, ordered, plan.broad_phase, workspace, &mut recorder.counters);
     recorder.enter(Stage::Contact);
-    let law = PairLaw::of(model, ordered);
+    let law = pair_law(model, ordered);
     // Taken out, so that what is found may be written down beside it.
     let (seen, ahead) = (std::mem::take(&mut workspace.seen), std::mem::take(&mut workspace.ahead));
     let boxes = std::mem::take(&mut workspace.boxes);
@@ -190,7 +186,7 @@ fn overlap<R: Real>(workspace: &BodiesWorkspace<R>, is_broad: bool, pair: [usize
 fn add<R: Real>(
     substep: Substep<'_, R>,
     [of_point, of_cell]: [usize; 2],
-    law: &PairLaw,
+    law: &PointLaw,
     found: &Found,
     velocity: &[R::Vec3],
     dt: f64,
@@ -208,52 +204,23 @@ fn add<R: Real>(
         return;
     }
     let weights = Cell::weights(place.unwrap_or(found.at));
-    let mut movers = [0; 9];
-    movers[0] = mover(substep, of_point, particle, velocity, workspace);
-    for (mover_at, carrier) in movers[1..].iter_mut().zip(carriers) {
-        *mover_at = mover(substep, of_cell, carrier, velocity, workspace);
-    }
-    let mut all = [1.0; 9];
-    all[1..].iter_mut().zip(weights).for_each(|(all, weight)| *all = -weight);
-    let speed_of = |place: usize| workspace.movers[movers[place] as usize].before * all[place];
-    let past = (0..9).fold(DVec3::ZERO, |sum, place| sum + speed_of(place));
+    let point = [(workspace.movers.place(substep, of_point, particle, velocity), 1.0)];
+    let corners = carriers.map(|carrier| workspace.movers.place(substep, of_cell, carrier, velocity));
+    let corners = corners.into_iter().zip(weights.map(|weight| -weight));
+    let shares = workspace.movers.weigh(point.into_iter().chain(corners));
+    let past = workspace.movers.of(shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + mover.before * weight);
     let depth = found.depth + dt * past.dot(found.normal);
     let known = state.presses.binary_search_by_key(&(particle, of_cell), Press::place);
     let pressed = depth.min(known.map_or(0.0, |place| state.presses[place].depth_m));
-    let leaving = |place: usize| {
+    let leaving = workspace.movers.of(shares).enumerate().map(|(place, (mover, weight))| {
         let drift = workspace.drifts[if place == 0 { of_point } else { of_cell }];
-        (workspace.movers[movers[place] as usize].before - drift).dot(found.normal) * all[place].signum()
-    };
-    let leaving = (0..9).map(leaving).fold(0.0, f64::max);
-    let (spring, gap) = (SpringBefore { depth, pressed, leaving }, -depth);
-    let Some(constraint) = PointConstraint::new(law, (movers, &workspace.movers), all, found.normal, spring, dt) else {
-        return;
-    };
+        (mover.before - drift).dot(found.normal) * weight.signum()
+    });
+    let (spring, gap) = (SpringBefore { depth, pressed, leaving: leaving.fold(0.0, f64::max) }, -depth);
+    let at = Where { normal: found.normal, carried: DVec3::ZERO };
+    let Some(constraint) = PointConstraint::new(law, &workspace.movers, shares, at, spring, dt) else { return };
     workspace.constraints.push(constraint);
     let (normal, force) = (found.normal, DVec3::ZERO);
     let bodies = [of_point, of_cell];
     workspace.contacts.push(BodyContact { bodies, particle, carriers, weights, normal, gap, force });
-}
-
-/// The place of a particle among the movers, where it is put if it is not there.
-fn mover<R: Real>(
-    substep: Substep<'_, R>,
-    body: usize,
-    particle: usize,
-    velocity: &[R::Vec3],
-    workspace: &mut BodiesWorkspace<R>,
-) -> u32 {
-    let place = &mut workspace.mover_of[particle];
-    if *place == NONE {
-        let (model, local) = (&substep.model.bodies[body], particle - substep.model.bodies[body].particles.start);
-        let is_asleep = substep.state.bodies[body].asleep;
-        let is_held = model.is_pinned(local) || is_asleep;
-        let mobility = if is_held { 0.0 } else { 1.0 / model.mass(local).to_f64() };
-        let before = if is_asleep { DVec3::ZERO } else { velocity[particle].to_dvec3() };
-        #[expect(clippy::cast_possible_truncation, reason = "particles are counted in 32 bits")]
-        let (next, particle) = (workspace.movers.len() as u32, particle as u32);
-        *place = next;
-        workspace.movers.push(Mover { particle, mobility, before, velocity: before });
-    }
-    *place
 }

@@ -2,16 +2,19 @@
 
 use glam::DVec3;
 
-use super::buckets::{Buckets, NONE, Seen};
-use super::constraint::{Mover, PointConstraint};
+use super::buckets::{Buckets, Seen};
 use super::motion::Motion;
 use super::neighbours::Neighbours;
 use super::record::BodyContact;
 use crate::math::{Aabb, Real};
+use crate::physics::contact::weighted::{Movers, PointConstraint};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{Model, Surroundings};
 use crate::physics::state::State;
 use crate::physics::state::press::Press;
+
+/// Particles that a contact weighs.
+const WEIGHED: usize = 9;
 
 /// What contact between bodies works in; of no length where there is none, nor for one body before it comes near itself.
 #[derive(Clone, Debug, Default)]
@@ -32,9 +35,7 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(super) buckets: Buckets,
     /// Points in the order of the buckets: where they are, m, and the cells that they do not meet.
     pub(super) sorted: Vec<(DVec3, Surroundings)>,
-    /// The place of a particle among the movers.
-    pub(super) mover_of: Vec<u32>,
-    pub(super) movers: Vec<Mover>,
+    pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
     /// The particles that contact between bodies has just given another velocity, and that velocity, m/s.
     pub(in crate::physics) moved: Vec<(usize, R::Vec3)>,
@@ -77,8 +78,7 @@ impl<R: Real> BodiesWorkspace<R> {
             seen: Vec::with_capacity(largest),
             buckets: Buckets::new(largest),
             sorted: Vec::new(),
-            mover_of: vec![NONE; count],
-            movers: Vec::with_capacity(count),
+            movers: Movers::new(count, WEIGHED * all),
             moved: Vec::with_capacity(count),
             met: Vec::with_capacity((bodies * bodies).min(all)),
             constraints: Vec::with_capacity(all),

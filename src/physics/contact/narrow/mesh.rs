@@ -72,8 +72,20 @@ pub(in crate::physics::contact) fn meet<R: Real>(
     path: R::Vec3,
     known: &mut Known,
 ) -> Option<Surface<R>> {
+    meet_within(mesh, side, from, path, rounding_margin(mesh, from), known)
+}
+
+/// The same where rounding may move what is at `from` by `margin` (m).
+pub(in crate::physics::contact) fn meet_within<R: Real>(
+    mesh: &MeshModel<R>,
+    side: i8,
+    from: R::Vec3,
+    path: R::Vec3,
+    margin: R,
+    known: &mut Known,
+) -> Option<Surface<R>> {
     let (at, way) = (mesh.own(from), mesh.own_way(path.to_dvec3()));
-    let margin = if mesh.side_row.is_some() { rounding_margin(mesh, from).to_f64() / mesh.length } else { 0.0 };
+    let margin = if mesh.side_row.is_some() { margin.to_f64() / mesh.length } else { 0.0 };
     let reach = way.length() + margin;
     // What touches an open mesh may be deeper behind it than it moves.
     if side == 0 && (known.is_clear(at, reach) || mesh.surface.is_beyond(at, reach)) {

@@ -16,6 +16,17 @@ pub(in crate::physics::contact) fn meet<R: Real>(
     from: R::Vec3,
     path: R::Vec3,
 ) -> Option<Surface<R>> {
+    meet_within(plane, side, from, path, rounding_margin(plane, from))
+}
+
+/// The same where rounding may move what is at `from` by `margin` (m).
+pub(in crate::physics::contact) fn meet_within<R: Real>(
+    plane: &PlaneModel<R>,
+    side: i8,
+    from: R::Vec3,
+    path: R::Vec3,
+    margin: R,
+) -> Option<Surface<R>> {
     let offset = from - plane.center;
     let distance = offset.dot(plane.normal);
     let approach = path.dot(plane.normal);
@@ -26,7 +37,7 @@ pub(in crate::physics::contact) fn meet<R: Real>(
     };
     let (normal, gap, approach) =
         if upper { (plane.normal, distance, approach) } else { (-plane.normal, -distance, -approach) };
-    if gap + approach >= rounding_margin::<R>(plane, from) && gap >= R::ZERO {
+    if gap + approach >= margin && gap >= R::ZERO {
         return None;
     }
     // Where the surface is reached: at once if the particle is behind it already.

@@ -1,39 +1,28 @@
-//! A contact of a point of one body with a cell of another, and what it does to the particles of both.
+//! A contact of a point with what it meets, and what it does to the particles that the point is a mean of.
 //!
-//! The point is one particle with weight 1, and the place in the cell a weighted mean of eight with weights that sum to −1:
-//! together their speed past each other is `u = Σ w v` and what resists it the effective mass `1 / Σ (w²/m)`. An impulse J
-//! changes each of the nine by `w J / m`: the sum of all is nothing, and as the weighted mean of the cell's particles is
-//! where the point is, so is the sum of the moments.
+//! The point is a weighted mean of particles; where it meets a cell of another body, the weights of the cell's particles are
+//! taken off, and where it meets an obstacle, the velocity of its surface: so its speed past what it meets is `u = Σ w v − s`,
+//! and what resists it the effective mass `1 / Σ (w²/m)`. An impulse J changes each particle by `w J / m`. The weights of a
+//! point sum to one and those of a cell to −1, and either mean is where they meet: so the sum of what the particles get is
+//! what the point gets, and so is the sum of the moments.
 //!
 //! Along the normal it is the response of obstacles ([`crate::physics::contact::response`]), a spring with critical damping
 //! taken implicitly: pressed by p and with the speed `u` at the end, `J = dt (k (p − dt u) − d u)`.
 //!
 //! What presses the spring is the speed, not the place: a point that finds itself deep inside, as its body began there, or
-//! its way out is another of a sudden, has no energy to give. It is parted from the other body at a gentle speed.
+//! its way out is another of a sudden, has no energy to give. It is parted from what it is in at a gentle speed.
 
 use glam::DVec3;
 
-use super::law::PairLaw;
-
-/// A particle that a contact between bodies may change.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Mover {
-    /// The particle, in the state's arrays.
-    pub(super) particle: u32,
-    /// The inverse of its mass, 1/kg; zero where it is held.
-    pub(super) mobility: f64,
-    /// The velocity it would have without contact between bodies, m/s.
-    pub(super) before: DVec3,
-    /// The velocity it has, m/s.
-    pub(super) velocity: DVec3,
-}
+use super::law::PointLaw;
+use super::movers::{Mover, Movers, Shares};
 
 /// A contact as the rounds of solving know it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PointConstraint {
-    /// The places of the particle and of the eight among the movers.
-    movers: [u32; 9],
-    weights: [f64; 9],
+pub(in crate::physics::contact) struct PointConstraint {
+    shares: Shares,
+    /// The velocity of the surface that the point meets, m/s; nothing where particles are what it meets.
+    carried: DVec3,
     /// The inverse of the effective mass, 1/kg.
     mobility: f64,
     normal: DVec3,
@@ -48,7 +37,7 @@ pub(super) struct PointConstraint {
     /// ... and the most that is done for it, N·s.
     most_parting: f64,
     spring: SpringBefore,
-    law: PairLaw,
+    law: PointLaw,
     /// The impulse so far along the normal, N·s, and across it.
     pushed: f64,
     rubbed: DVec3,
@@ -56,13 +45,13 @@ pub(super) struct PointConstraint {
 
 /// The spring of a contact when a substep begins.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SpringBefore {
+pub(in crate::physics::contact) struct SpringBefore {
     /// How deep the point is inside, m; less than nothing outside.
-    pub(super) depth: f64,
+    pub(in crate::physics::contact) depth: f64,
     /// How far the spring is pressed, m; no more than that.
-    pub(super) pressed: f64,
+    pub(in crate::physics::contact) pressed: f64,
     /// How fast the first of its particles leaves its own body by the way that it would be parted, m/s: it was parted before.
-    pub(super) leaving: f64,
+    pub(in crate::physics::contact) leaving: f64,
 }
 
 impl SpringBefore {
@@ -74,13 +63,13 @@ impl SpringBefore {
 
 /// What a contact gives the bodies, J.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Given {
+pub(in crate::physics::contact) struct Given {
     /// By its push, and to its spring.
-    pub(super) normal: f64,
+    pub(in crate::physics::contact) normal: f64,
     /// By friction: less than nothing, if it is one.
-    pub(super) friction: f64,
+    pub(in crate::physics::contact) friction: f64,
     /// The most that parting may give.
-    pub(super) parting: f64,
+    pub(in crate::physics::contact) parting: f64,
 }
 
 /// Points are parted by this share of what they are too deep in a second at most.
@@ -95,24 +84,32 @@ const UNSETTLED: f64 = 2.0;
 
 /// Which friction is worked out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Rubbing {
+pub(in crate::physics::contact) enum Rubbing {
     Nothing,
     Coulomb,
 }
 
+/// Where a point meets something.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics::contact) struct Where {
+    /// Unit normal, away from what it meets.
+    pub(in crate::physics::contact) normal: DVec3,
+    /// The velocity of the surface that it meets, m/s; nothing where particles are what it meets.
+    pub(in crate::physics::contact) carried: DVec3,
+}
+
 impl PointConstraint {
-    /// A contact of these movers with these weights, as it is when a substep of `dt` (s) begins. None where all of them are
-    /// held.
-    pub(super) fn new(
-        law: &PairLaw,
-        movers: ([u32; 9], &[Mover]),
-        weights: [f64; 9],
-        normal: DVec3,
+    /// A contact that weighs these shares of the movers, as it is when a substep of `dt` (s) begins. None where all of them
+    /// are held.
+    pub(in crate::physics::contact) fn new(
+        law: &PointLaw,
+        movers: &Movers,
+        shares: Shares,
+        Where { normal, carried }: Where,
         spring: SpringBefore,
         dt: f64,
     ) -> Option<Self> {
-        let (movers, all) = movers;
-        let mobility = movers.iter().zip(weights).map(|(mover, w)| w * w * all[*mover as usize].mobility).sum::<f64>();
+        let mobility = movers.of(shares).map(|(mover, w)| w * w * mover.mobility).sum::<f64>();
         if mobility <= 0.0 {
             return None;
         }
@@ -125,8 +122,8 @@ impl PointConstraint {
         let push = dt * law.stiffness * pressed.min(law.depth_limit);
         let slowest = -(law.depth_limit.max(depth) - depth) / dt;
         Some(Self {
-            movers,
-            weights,
+            shares,
+            carried,
             mobility,
             normal,
             push,
@@ -142,17 +139,17 @@ impl PointConstraint {
     }
 
     /// Forgets what it did.
-    pub(super) fn reset(&mut self) {
+    pub(in crate::physics::contact) fn reset(&mut self) {
         (self.pushed, self.rubbed) = (0.0, DVec3::ZERO);
     }
 
-    /// The impulse on the particle, N·s.
-    pub(super) fn impulse(&self) -> DVec3 {
+    /// The impulse on the point, N·s.
+    pub(in crate::physics::contact) fn impulse(&self) -> DVec3 {
         self.normal * self.pushed + self.rubbed
     }
 
     /// Does what the others leave it to do. Tells by how much its impulse changed, N·s.
-    pub(super) fn solve(&mut self, rubbing: Rubbing, movers: &mut [Mover]) -> f64 {
+    pub(in crate::physics::contact) fn solve(&mut self, rubbing: Rubbing, movers: &mut Movers) -> f64 {
         let past = self.past(movers);
         let along = past.dot(self.normal);
         let [sprung, parted] = [self.push, self.resistance * self.parting].map(|push| {
@@ -173,22 +170,19 @@ impl PointConstraint {
             change += rubbed - self.rubbed;
             self.rubbed = rubbed;
         }
-        for (mover, weight) in self.movers.iter().zip(self.weights) {
-            let mover = &mut movers[*mover as usize];
-            mover.velocity += change * (weight * mover.mobility);
-        }
+        movers.push(self.shares, change);
         change.length()
     }
 
-    /// The speed of the point past the cell, m/s.
-    pub(super) fn past(&self, movers: &[Mover]) -> DVec3 {
-        self.sum(|mover| movers[mover].velocity)
+    /// The speed of the point past what it meets, m/s.
+    pub(in crate::physics::contact) fn past(&self, movers: &Movers) -> DVec3 {
+        self.sum(movers, |mover| mover.velocity)
     }
 
     /// How far its spring is pressed at the end of a substep of `dt` (s), m: no further than it was, or by far than takes what
     /// it pushes with. Where rounds end before all contacts have settled, others lead the point deeper than that, and its
     /// spring would have energy that nobody gave.
-    pub(super) fn pressed_at_end(&self, movers: &[Mover], dt: f64) -> f64 {
+    pub(in crate::physics::contact) fn pressed_at_end(&self, movers: &Movers, dt: f64) -> f64 {
         let way = dt * self.past(movers).dot(self.normal);
         let taken = UNSETTLED * self.pushed / (dt * self.law.stiffness);
         (self.spring.pressed - way).clamp(0.0, self.spring.pressed.max(taken).min(self.law.depth_limit))
@@ -196,8 +190,8 @@ impl PointConstraint {
 
     /// What it gives the bodies in a substep of `dt` (s), J: the energy of their motion and what its spring has more. An impulse
     /// changes the energy of motion by itself times the mean of the speeds before and after.
-    pub(super) fn given(&self, movers: &[Mover], dt: f64) -> Given {
-        let mean = 0.5 * (self.sum(|mover| movers[mover].before) + self.past(movers));
+    pub(in crate::physics::contact) fn given(&self, movers: &Movers, dt: f64) -> Given {
+        let mean = 0.5 * (self.sum(movers, |mover| mover.before) + self.past(movers));
         Given {
             normal: self.pushed * mean.dot(self.normal) + self.stored(movers, dt),
             friction: self.rubbed.dot(mean),
@@ -207,24 +201,26 @@ impl PointConstraint {
 
     /// What parting the two, and keeping them from going deeper, does in a substep of `dt` (s) in which movers have these velocities in the mean (m/s), J: the force
     /// times the way. What pulls them together may be as strong, so that nothing moves any faster.
-    pub(super) fn parting_work(&self, mean: impl Fn(&Mover) -> DVec3, movers: &[Mover], dt: f64) -> f64 {
+    pub(in crate::physics::contact) fn parting_work(
+        &self,
+        mean: impl Fn(&Mover) -> DVec3,
+        movers: &Movers,
+        dt: f64,
+    ) -> f64 {
         if self.spring.beyond() <= 0.0 {
             return 0.0;
         }
-        let mean = self.sum(|mover| mean(&movers[mover]));
+        let mean = self.sum(movers, mean);
         (self.pushed * mean.dot(self.normal) + self.stored(movers, dt)).max(0.0)
     }
 
     /// What its spring has more at the end of a substep of `dt` (s), J.
-    fn stored(&self, movers: &[Mover], dt: f64) -> f64 {
+    fn stored(&self, movers: &Movers, dt: f64) -> f64 {
         self.law.energy(self.pressed_at_end(movers, dt)) - self.law.energy(self.spring.pressed)
     }
 
-    /// The weighted sum of what each mover has.
-    fn sum(&self, of: impl Fn(usize) -> DVec3) -> DVec3 {
-        self.movers
-            .iter()
-            .zip(self.weights)
-            .fold(DVec3::ZERO, |sum, (mover, weight)| sum + of(*mover as usize) * weight)
+    /// The weighted sum of what each mover has, past what is carried along, m/s.
+    fn sum(&self, movers: &Movers, of: impl Fn(&Mover) -> DVec3) -> DVec3 {
+        movers.of(self.shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + of(mover) * weight) - self.carried
     }
 }

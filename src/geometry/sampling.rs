@@ -1,0 +1,285 @@
+//! Points of a mesh that stand for all of its surface, few to a cell (C8): its outermost points, spread over what of the
+//! surface is in the cell.
+//!
+//! ```text
+//! looked at   all vertices, and points on what lies between them, no further apart than a third of a cell
+//! taken       of each cell the point furthest out, away from the cells around it (where these are on all sides, along every
+//!             axis), then, again and again, the one furthest from those taken, until there are eight or all are near one
+//! ```
+//!
+//! What comes first is a corner of the surface, a hoof or an ear's tip, where there is one: it is what touches first. The order is that of the cells
+//! and of the mesh's file: the same mesh in the same cells has the same points.
+
+use glam::DVec3;
+
+use super::embed::Embedder;
+use super::{Lattice, TriMesh};
+
+/// The most points of a cell.
+pub const MOST_A_CELL: usize = 8;
+
+/// Points are looked at no further apart than this, in cells.
+const SPACING: f64 = 1.0 / 3.0;
+
+/// Bins along the edge of a cell, of which each holds one point between vertices.
+const BINS: usize = 4;
+
+/// Points of a cell are taken no nearer to each other than this, in cells.
+const NEAREST: f64 = 0.15;
+
+/// What is further from its cell than this, in cells, belongs to a part of the mesh that has none.
+const FURTHEST: f64 = 1.0;
+
+/// The ways along the axes.
+const AXES: [DVec3; 6] = [DVec3::NEG_X, DVec3::X, DVec3::NEG_Y, DVec3::Y, DVec3::NEG_Z, DVec3::Z];
+
+/// A point of a surface, carried by a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceSample {
+    /// The cell, an index into [`Lattice::cells`].
+    pub cell: u32,
+    /// The weights of its particles: they add up to one; some are negative where the point is outside the cell.
+    pub weights: [f64; 8],
+}
+
+/// The points of a mesh in a lattice, given in the grid's coordinates (m), by cell.
+pub fn surface_samples(mesh: &TriMesh, lattice: &Lattice) -> Vec<SurfaceSample> {
+    let mut looked_at = LookedAt::new(lattice);
+    let mut is_used = vec![false; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|vertex| is_used[*vertex as usize] = true);
+    for (position, _) in mesh.positions.iter().zip(&is_used).filter(|(_, is_used)| **is_used) {
+        looked_at.add_vertex(*position);
+    }
+    for triangle in 0..mesh.triangles.len() {
+        looked_at.add_between(mesh.corners(triangle));
+    }
+    looked_at.taken()
+}
+
+/// A point that may be taken.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    cell: u32,
+    at: DVec3,
+    weights: [f64; 8],
+}
+
+/// All points that may be taken.
+struct LookedAt<'a> {
+    lattice: &'a Lattice,
+    embedder: Embedder<'a>,
+    /// Which cells of the grid are filled.
+    is_filled: Vec<bool>,
+    cell_size: f64,
+    points: Vec<Point>,
+    /// For every cell the bins of it that hold a point.
+    bins: Vec<u64>,
+}
+
+impl<'a> LookedAt<'a> {
+    fn new(lattice: &'a Lattice) -> Self {
+        let (cell_size, bins) = (lattice.grid.cell_size, vec![0; lattice.cells.len()]);
+        let mut is_filled = vec![false; lattice.grid.len()];
+        for particles in &lattice.cells {
+            is_filled[lattice.grid.index(lattice.corners[particles[0] as usize])] = true;
+        }
+        Self { lattice, embedder: Embedder::new(lattice), is_filled, cell_size, points: Vec::new(), bins }
+    }
+
+    fn add_vertex(&mut self, at: DVec3) {
+        let Some(point) = self.place(at) else { return };
+        self.bins[point.cell as usize] |= bin(&point.weights);
+        self.points.push(point);
+    }
+
+    /// Adds what of a triangle lies between its corners, in rows that begin at the corner across from its shortest edge.
+    fn add_between(&mut self, corners: [DVec3; 3]) {
+        let across = |corner: usize| corners[(corner + 1) % 3].distance(corners[(corner + 2) % 3]);
+        let tip = (1..3).fold(0, |least, corner| if across(corner) < across(least) { corner } else { least });
+        let [from, one, other] = [0, 1, 2].map(|next| corners[(tip + next) % 3]);
+        let rows = self.parts(from.distance(one).max(from.distance(other)));
+        for row in 1..=rows {
+            let share = f64::from(row) / f64::from(rows);
+            let [start, end] = [one, other].map(|corner| from.lerp(corner, share));
+            let parts = self.parts(start.distance(end));
+            for part in 0..=parts {
+                let is_corner = row == rows && (part == 0 || part == parts);
+                if !is_corner {
+                    self.add_if_alone(start.lerp(end, f64::from(part) / f64::from(parts)));
+                }
+            }
+        }
+    }
+
+    /// Into how many parts a length (m) is divided, at least one.
+    fn parts(&self, length: f64) -> u32 {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a count of at least one, saturating"
+        )]
+        let parts = (length / (SPACING * self.cell_size)).ceil().max(1.0) as u32;
+        parts
+    }
+
+    fn add_if_alone(&mut self, at: DVec3) {
+        let Some(point) = self.place(at) else { return };
+        let (bins, own) = (&mut self.bins[point.cell as usize], bin(&point.weights));
+        if *bins & own == 0 {
+            *bins |= own;
+            self.points.push(point);
+        }
+    }
+
+    fn place(&self, at: DVec3) -> Option<Point> {
+        let embedding = self.embedder.embed(at).filter(|embedding| embedding.outside <= FURTHEST)?;
+        Some(Point { cell: embedding.cell, at, weights: embedding.weights })
+    }
+
+    /// Those that are taken, by cell.
+    fn taken(mut self) -> Vec<SurfaceSample> {
+        // Stable: within a cell they stay in the mesh's order.
+        self.points.sort_by_key(|point| point.cell);
+        let least = NEAREST * self.cell_size;
+        let (mut taken, mut distance) = (Vec::new(), Vec::new());
+        for of_cell in self.points.chunk_by(|one, next| one.cell == next.cell) {
+            distance.clear();
+            distance.resize(of_cell.len(), f64::INFINITY);
+            let outward = outward(self.lattice, &self.is_filled, of_cell[0].cell);
+            let ways = if outward == DVec3::ZERO { &AXES[..] } else { &[outward] };
+            let outermost = ways.iter().map(|way| largest(of_cell.iter().map(|point| point.at.dot(*way))));
+            let mut take = |place: usize, distance: &mut [f64]| {
+                let Point { cell, at, weights } = of_cell[place];
+                taken.push(SurfaceSample { cell, weights });
+                for (distance, point) in distance.iter_mut().zip(of_cell) {
+                    *distance = distance.min(point.at.distance_squared(at));
+                }
+            };
+            let mut count = 0;
+            for place in outermost {
+                if distance[place] >= least * least {
+                    take(place, &mut distance);
+                    count += 1;
+                }
+            }
+            while count < MOST_A_CELL {
+                let place = largest(distance.iter().copied());
+                if distance[place] < least * least {
+                    break;
+                }
+                take(place, &mut distance);
+                count += 1;
+            }
+        }
+        taken
+    }
+}
+
+/// The place of the largest of some numbers, the first where several are.
+fn largest(of: impl Iterator<Item = f64>) -> usize {
+    let larger = |best: (usize, f64), next: (usize, f64)| if next.1 > best.1 { next } else { best };
+    of.enumerate().fold((0, f64::NEG_INFINITY), larger).0
+}
+
+/// Away from the filled cells around a cell; nothing where they are as many on either side.
+fn outward(lattice: &Lattice, is_filled: &[bool], cell: u32) -> DVec3 {
+    let (low, dims) = (lattice.low(cell), lattice.grid.dims);
+    let around = (0..27_u32).filter_map(|number| {
+        let step = [number % 3, number / 3 % 3, number / 9];
+        let next: [u32; 3] = std::array::from_fn(|axis| (low[axis] + step[axis]).wrapping_sub(1));
+        let is_there = (0..3).all(|axis| next[axis] < dims[axis]) && is_filled[lattice.grid.index(next)];
+        is_there.then(|| DVec3::ONE - DVec3::from_array(step.map(f64::from)))
+    });
+    around.sum()
+}
+
+/// The bin of a cell that a point with these weights is in, as one bit of 64.
+fn bin(weights: &[f64; 8]) -> u64 {
+    let along = |axis: usize| (0..8).filter(|place| place >> axis & 1 == 1).map(|place| weights[place]).sum::<f64>();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped into the cell")]
+    let [x, y, z] = [0, 1, 2].map(|axis| (along(axis) * BINS as f64).clamp(0.0, BINS as f64 - 1.0) as usize);
+    1 << (x + BINS * (y + BINS * z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::voxel::Cells;
+
+    /// A cube of cells of 1 m, from −n/2 to n/2.
+    fn block(n: u32) -> Lattice {
+        Lattice::new(&Cells::cube(n, 1.0).expect("a cube"))
+    }
+
+    fn at(lattice: &Lattice, sample: &SurfaceSample) -> DVec3 {
+        let particles = lattice.cells[sample.cell as usize];
+        particles.iter().zip(sample.weights).map(|(p, weight)| lattice.rest_position(*p as usize) * weight).sum()
+    }
+
+    fn box_mesh(half: DVec3) -> TriMesh {
+        let positions = (0..8).map(|corner| {
+            let sign = |axis: usize| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
+            half * DVec3::new(sign(0), sign(1), sign(2))
+        });
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+        TriMesh { positions: positions.collect(), triangles }
+    }
+
+    #[test]
+    fn a_box_of_two_triangles_a_side_is_sampled_all_over() {
+        let (lattice, half) = (block(4), DVec3::new(1.9, 1.8, 1.7));
+        let mesh = box_mesh(half);
+        let samples = surface_samples(&mesh, &lattice);
+        let places: Vec<DVec3> = samples.iter().map(|sample| at(&lattice, sample)).collect();
+        for place in &places {
+            let off = (half - place.abs()).min_element();
+            assert!(off.abs() < 1e-9, "{place} is on the surface");
+        }
+        for corner in &mesh.positions {
+            assert!(places.iter().any(|place| place.distance(*corner) < 1e-9), "the corner {corner} is taken");
+        }
+        for of_cell in samples.chunk_by(|a, b| a.cell == b.cell) {
+            assert!(of_cell.len() <= MOST_A_CELL, "no more than eight");
+        }
+        assert!(samples.is_sorted_by_key(|sample| sample.cell), "by cell");
+        // Nowhere on the surface is far from all of them.
+        for (u, v) in (0..50).flat_map(|u| (0..50).map(move |v| (u, v))) {
+            let [u, v] = [u, v].map(|n| f64::from(n) / 24.5 - 1.0);
+            for spot in [DVec3::new(u, v, 1.0), DVec3::new(u, -1.0, v), DVec3::new(1.0, u, v)] {
+                let nearest = places.iter().map(|place| place.distance(spot * half)).fold(f64::INFINITY, f64::min);
+                assert!(nearest < 0.6, "{spot} is {nearest} cells from the nearest");
+            }
+        }
+    }
+
+    #[test]
+    fn of_many_vertices_in_a_cell_the_outermost_are_taken() {
+        let lattice = block(1);
+        let mut rng = crate::math::rng::Rng::new(5);
+        let mut positions: Vec<DVec3> = (0..3000)
+            .map(|_| DVec3::new(rng.between(-0.3, 0.3), rng.between(-0.3, 0.3), rng.between(-0.3, 0.3)))
+            .collect();
+        positions[1234] = DVec3::new(0.0, -0.45, 0.0);
+        let triangles = (0..1000).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
+        let samples = surface_samples(&TriMesh { positions, triangles }, &lattice);
+        assert_eq!(samples.len(), MOST_A_CELL, "eight of 3000");
+        let lowest = samples.iter().map(|sample| at(&lattice, sample).y).fold(f64::INFINITY, f64::min);
+        assert!((lowest + 0.45).abs() < 1e-12, "the tip is one of them, not {lowest}");
+    }
+
+    #[test]
+    fn what_no_cell_holds_and_no_triangle_uses_is_left_out() {
+        let lattice = block(2);
+        let far = DVec3::splat(9.0);
+        let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, far, far + DVec3::X, far + DVec3::Y, DVec3::splat(-0.9)];
+        let mesh = TriMesh { positions, triangles: vec![[0, 1, 2], [3, 4, 5]] };
+        let samples = surface_samples(&mesh, &lattice);
+        assert!(!samples.is_empty(), "the near triangle");
+        for sample in &samples {
+            let place = at(&lattice, sample);
+            assert!(place.z.abs() < 1e-12 && place.x + place.y < 1.0 + 1e-12, "{place} is on it");
+        }
+        assert_eq!(samples, surface_samples(&mesh, &lattice), "always the same");
+    }
+}

@@ -1,0 +1,207 @@
+//! Contact on the original mesh of a model (C8): points of the mesh meet obstacles in place of the body's particles, so that it
+//! stands on its feet and not on its cells.
+//!
+//! ```text
+//!      ┌────┬────┐          near       which cells come near an obstacle in the substep, with boxes that are never too small
+//!      │  ╭─┼─╮  │          find       where points, carried by the particles of their cells, meet its surface: the narrow
+//!      ├──┼─┼─┼──┤                     phase is that of particles, moving obstacles and the sides of planes included
+//!      │  │ │ │  │          (weighted) each is a contact of eight weighted particles with the effective mass 1 / Σ (w²/m): the
+//!      └──●─┴─●──┘ points              force goes to them by their weights, so that the sum of forces and of moments stays
+//!   ──────────────────  ground         as it is; all contacts of a body are found together, in a fixed order
+//!                           record     what met, to be drawn and counted; what touches goes into the state
+//! ```
+//!
+//! Pushing some points out may lead others in: points are looked for again with the velocities that contact leaves, until no
+//! more are met. It changes the velocities that forces predict, after other bodies did; all is worked out in double precision
+//! and by one thread, so any number of them comes to the same. Obstacles do no work but by their motion, and what springs hold
+//! is in the state: so no energy comes from nowhere at any stiffness, as [`super::weighted`] tells.
+
+mod find;
+mod near;
+mod record;
+mod workspace;
+
+pub(in crate::physics) use near::comes_near;
+pub use record::SampleContact;
+pub(in crate::physics) use workspace::SamplesWorkspace;
+
+use glam::DVec3;
+
+use self::workspace::Found;
+use super::narrow;
+use super::response;
+use super::weighted::{self, Mover, PointConstraint, PointLaw, SpringBefore, Where};
+use crate::math::{Real, Vector};
+use crate::physics::model::plan::Stage;
+use crate::physics::model::{ObstacleShape, Samples};
+use crate::physics::report::Recorder;
+use crate::physics::state::touch::SampleTouch;
+use crate::physics::step::substep::Substep;
+
+/// How often points are looked for that only the velocities lead in which contact leaves; those that are found at last are
+/// remembered to be on the side that they came from, and are pushed in the next substep.
+const ROUNDS: usize = 4;
+
+/// What is in an obstacle without having pressed leaves it no faster than this share of its body's size in a second.
+const GENTLE_SHARE: f64 = 0.5;
+
+/// Changes the predicted velocities of all particles that carry points which meet obstacles within this substep.
+pub(in crate::physics) fn meet<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &mut [R::Vec3],
+    workspace: &mut SamplesWorkspace,
+    recorder: &mut Recorder<'_>,
+) {
+    workspace.keep_of_sleepers(substep.state);
+    for (number, body) in substep.model.bodies.iter().enumerate() {
+        let Some(samples) = body.samples.as_ref().filter(|_| !substep.state.bodies[number].asleep) else { continue };
+        workspace.found.clear();
+        workspace.constraints.clear();
+        workspace.movers.clear();
+        for round in 0..=ROUNDS {
+            recorder.enter(Stage::BroadPhase);
+            let known = workspace.found.len();
+            if !find::find(substep, number, samples, velocity, workspace, &mut recorder.counters) {
+                break;
+            }
+            recorder.enter(Stage::Contact);
+            constrain(substep, number, samples, known, velocity, workspace);
+            if round < ROUNDS {
+                solve(substep, velocity, workspace);
+            }
+        }
+        record(substep, number, samples, velocity, workspace, recorder);
+    }
+    workspace.contacts.sort_unstable_by_key(|contact| (contact.body, contact.sample, contact.obstacle));
+    workspace.touches.sort_unstable_by_key(SampleTouch::place);
+}
+
+/// Has what was found from a place on be a constraint.
+fn constrain<R: Real>(
+    substep: Substep<'_, R>,
+    number: usize,
+    samples: &Samples,
+    first: usize,
+    velocity: &[R::Vec3],
+    workspace: &mut SamplesWorkspace,
+) {
+    let Substep { model, state, dt, .. } = substep;
+    let (body, memory) = (&model.bodies[number], near::touches_of(state, number));
+    let sum = body.particles.clone().fold(DVec3::ZERO, |sum, particle| sum + velocity[particle].to_dvec3());
+    let drift = sum / body.particles.len() as f64;
+    let mut kept = first;
+    for place in first..workspace.found.len() {
+        let found = workspace.found[place];
+        let Found { sample, obstacle, normal, gap, surface_velocity } = found;
+        let (carriers, weights) = samples.point(sample);
+        let start = body.particles.start;
+        let places =
+            carriers.map(|carrier| workspace.movers.place(substep, number, start + carrier as usize, velocity));
+        let shares = workspace.movers.weigh(places.into_iter().zip(*weights));
+        let known = memory.binary_search_by_key(&(number, sample, obstacle), SampleTouch::place);
+        let depth = -gap;
+        let pressed = depth.min(known.map_or(0.0, |place| memory[place].depth_m));
+        let leaving = workspace
+            .movers
+            .of(shares)
+            .map(|(mover, weight)| (mover.before - surface_velocity - drift).dot(normal) * weight.signum());
+        let spring = SpringBefore { depth, pressed, leaving: leaving.fold(0.0, f64::max) };
+        let at = Where { normal, carried: surface_velocity };
+        let law = law(substep, number, obstacle);
+        let constraint = PointConstraint::new(&law, &workspace.movers, shares, at, spring, dt.to_f64());
+        // A point whose particles are all held meets nothing.
+        if let Some(constraint) = constraint {
+            workspace.constraints.push(constraint);
+            workspace.found[kept] = found;
+            kept += 1;
+        }
+    }
+    workspace.found.truncate(kept);
+}
+
+/// The law of a body's points at an obstacle.
+fn law<R: Real>(substep: Substep<'_, R>, number: usize, obstacle: usize) -> PointLaw {
+    let (body, rubs) = (&substep.model.bodies[number], &substep.model.obstacles[obstacle]);
+    let contact = body.contacts[obstacle].to_f64();
+    PointLaw {
+        stiffness: contact.stiffness,
+        depth_limit: contact.depth_limit,
+        load: body.among_bodies.load,
+        gentle: GENTLE_SHARE * body.size.to_f64(),
+        friction: [rubs.friction_static.to_f64(), rubs.friction_dynamic.to_f64()],
+    }
+}
+
+/// Solves all constraints of a body from the beginning, and writes the velocities that they leave.
+fn solve<R: Real>(substep: Substep<'_, R>, velocity: &mut [R::Vec3], workspace: &mut SamplesWorkspace) {
+    let SamplesWorkspace { constraints, movers, .. } = workspace;
+    constraints.iter_mut().for_each(PointConstraint::reset);
+    movers.forget_changes();
+    weighted::solve(constraints, movers, substep.dt.to_f64());
+    for mover in movers.all.iter().filter(|mover| mover.mobility > 0.0) {
+        velocity[mover.particle as usize] = R::Vec3::from_dvec3(mover.velocity);
+    }
+}
+
+/// Writes down what met, what touches at the end of the substep, and the work of it.
+fn record<R: Real>(
+    substep: Substep<'_, R>,
+    number: usize,
+    samples: &Samples,
+    velocity: &[R::Vec3],
+    workspace: &mut SamplesWorkspace,
+    recorder: &mut Recorder<'_>,
+) {
+    let Substep { model, state, .. } = substep;
+    let (start, dt) = (model.bodies[number].particles.start, substep.dt.to_f64());
+    let SamplesWorkspace { found, constraints, movers, contacts, touches, deepest, .. } = workspace;
+    let mean = |mover: &Mover| {
+        let particle = mover.particle as usize;
+        let both = state.velocity[particle].to_dvec3() + velocity[particle].to_dvec3();
+        if mover.mobility > 0.0 { both * 0.5 } else { mover.before }
+    };
+    let rubs = |obstacle: usize| response::has_friction(&model.obstacles[obstacle]);
+    let counters = &mut recorder.counters;
+    for (found, constraint) in found.iter().zip(constraints) {
+        let &Found { sample, obstacle, normal, gap, surface_velocity } = found;
+        let (carriers, weights) = samples.point(sample);
+        let carriers = carriers.map(|carrier| start + carrier as usize);
+        let force = constraint.impulse() / dt;
+        counters.frictions += u64::from(force != DVec3::ZERO && rubs(obstacle));
+        counters.obstacle_work_j += force.dot(surface_velocity) * dt;
+        counters.fastest_surface_m_s = counters.fastest_surface_m_s.max(surface_velocity.length());
+        counters.parting_work_j += constraint.parting_work(mean, movers, dt);
+        contacts.push(SampleContact {
+            body: number,
+            sample,
+            obstacle,
+            carriers,
+            weights: *weights,
+            normal,
+            gap,
+            surface_velocity,
+            force,
+        });
+        let depth = -(gap + dt * constraint.past(movers).dot(normal));
+        let widest = carriers.iter().map(|carrier| state.position[*carrier]);
+        let widest = widest.fold(R::Vec3::ZERO, |widest, at| widest.max(at).max(-at));
+        let (margin, side) = match &substep.obstacles.met(number, obstacle).shape {
+            ObstacleShape::Plane(plane) => {
+                let is_upper = normal.dot(plane.normal.to_dvec3()) > 0.0;
+                (narrow::plane::rounding_margin(plane, widest).to_f64(), if is_upper { 1 } else { -1 })
+            }
+            ObstacleShape::Mesh(mesh) if mesh.side_row.is_some() => {
+                let at = carriers.iter().zip(weights).map(|(at, weight)| state.position[*at].to_dvec3() * *weight);
+                let at = R::Vec3::from_dvec3(at.sum());
+                let is_upper = narrow::mesh::is_upper(mesh, at, R::Vec3::from_dvec3(normal));
+                (narrow::mesh::rounding_margin(mesh, widest).to_f64(), if is_upper { 1 } else { -1 })
+            }
+            _ => (0.0, 0),
+        };
+        let depth_m = constraint.pressed_at_end(movers, dt);
+        if side != 0 && depth >= -margin || depth_m > 0.0 {
+            touches.push(SampleTouch { body: number, sample, obstacle, side, depth_m });
+        }
+        *deepest = deepest.max(depth);
+    }
+}

@@ -1,0 +1,37 @@
+//! What contact found of one point of a body's mesh and one obstacle.
+
+use glam::DVec3;
+
+use crate::math::{Real, Vector};
+use crate::physics::state::State;
+
+/// A point of a body's mesh that met an obstacle in the last substep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleContact {
+    /// The body.
+    pub body: usize,
+    /// The point, by its number in the body.
+    pub sample: usize,
+    /// The obstacle.
+    pub obstacle: usize,
+    /// The particles that carry the point, in the state's arrays.
+    pub carriers: [usize; 8],
+    /// Their weights: the weighted mean of the particles is where the point is, and each gets that share of the force.
+    pub weights: [f64; 8],
+    /// Unit normal, away from the obstacle.
+    pub normal: DVec3,
+    /// Distance from the surface along the normal when the substep began, m; negative inside.
+    pub gap: f64,
+    /// Velocity of the surface, m/s.
+    pub surface_velocity: DVec3,
+    /// Mean force on the point over the substep, normal and friction, N.
+    pub force: DVec3,
+}
+
+impl SampleContact {
+    /// Where the point is, m.
+    pub fn place<R: Real>(&self, state: &State<R>) -> DVec3 {
+        let carried = self.carriers.iter().zip(self.weights);
+        carried.map(|(carrier, weight)| state.position[*carrier].to_dvec3() * weight).sum()
+    }
+}

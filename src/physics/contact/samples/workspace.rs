@@ -1,0 +1,91 @@
+//! What contact on the meshes of bodies works in, and what the last substep found.
+
+use glam::DVec3;
+
+use super::record::SampleContact;
+use crate::math::Real;
+use crate::physics::contact::narrow::mesh::Known;
+use crate::physics::contact::weighted::{Movers, PointConstraint};
+use crate::physics::model::plan::Plan;
+use crate::physics::model::{BodyModel, Model};
+use crate::physics::state::State;
+use crate::physics::state::touch::SampleTouch;
+
+/// Particles that a contact weighs.
+const WEIGHED: usize = 8;
+
+/// A point of the body under work that meets an obstacle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// The point, by its number in the body.
+    pub(super) sample: usize,
+    pub(super) obstacle: usize,
+    /// Unit normal, away from the obstacle.
+    pub(super) normal: DVec3,
+    /// Distance from the surface along the normal when the substep begins, m; negative inside.
+    pub(super) gap: f64,
+    /// Velocity of the surface, m/s.
+    pub(super) surface_velocity: DVec3,
+}
+
+/// What contact on meshes works in; of no length where there is none.
+#[derive(Clone, Debug, Default)]
+pub(in crate::physics) struct SamplesWorkspace {
+    /// The first point of each body among those of all.
+    pub(super) first: Vec<usize>,
+    /// What is known of every point and mesh obstacle, by point.
+    pub(super) known: Vec<Known>,
+    /// The obstacles that the body under work may meet.
+    pub(super) near: Vec<usize>,
+    /// What the body under work meets.
+    pub(super) found: Vec<Found>,
+    /// The same as points and obstacles, sorted.
+    pub(super) met: Vec<(usize, usize)>,
+    pub(super) movers: Movers,
+    pub(super) constraints: Vec<PointConstraint>,
+    /// What met in the last substep, by body, point and obstacle.
+    pub(in crate::physics) contacts: Vec<SampleContact>,
+    /// What touches at its end.
+    pub(in crate::physics) touches: Vec<SampleTouch>,
+    /// The deepest of them then, m.
+    pub(in crate::physics::contact) deepest: f64,
+}
+
+impl SamplesWorkspace {
+    /// Room for a model.
+    pub(in crate::physics) fn new<R: Real>(model: &Model<R>, plan: &Plan) -> Self {
+        if plan.on_mesh.is_none() {
+            return Self::default();
+        }
+        let counts = model.bodies.iter().map(BodyModel::sample_count);
+        let first = counts.scan(0, |next, count| Some(std::mem::replace(next, *next + count))).collect();
+        let largest = model.bodies.iter().map(BodyModel::sample_count).max().unwrap_or(0);
+        let (pairs, most) = (model.samples_in_contact(), model.obstacles.len());
+        let of_one = largest * most.min(3);
+        Self {
+            first,
+            known: vec![Known::default(); model.sample_count() * model.mesh_count()],
+            near: Vec::with_capacity(most),
+            found: Vec::with_capacity(of_one),
+            met: Vec::with_capacity(of_one),
+            movers: Movers::new(model.particle_count(), WEIGHED * of_one),
+            constraints: Vec::with_capacity(of_one),
+            contacts: Vec::with_capacity(pairs),
+            touches: Vec::with_capacity(pairs),
+            deepest: 0.0,
+        }
+    }
+
+    /// How many contacts push.
+    pub(in crate::physics) fn pushing(&self) -> usize {
+        self.contacts.iter().filter(|contact| contact.force != DVec3::ZERO).count()
+    }
+
+    /// Forgets all but what bodies keep in their sleep.
+    pub(in crate::physics) fn keep_of_sleepers<R: Real>(&mut self, state: &State<R>) {
+        self.contacts.retain(|contact| state.bodies[contact.body].asleep);
+        self.touches.clear();
+        self.touches.extend(state.touches.iter().filter(|touch| state.bodies[touch.body].asleep));
+        self.deepest = self.contacts.iter().fold(0.0, |deepest, contact| deepest.max(-contact.gap));
+    }
+}

@@ -1,0 +1,53 @@
+//! A point on its way through a substep, past an obstacle that may move.
+
+use super::narrow;
+use super::narrow::mesh::Known;
+use super::surface::Surface;
+use crate::math::{Real, Vector};
+use crate::physics::model::{ObstacleModel, ObstacleShape};
+
+/// A point on its way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Swept<R: Real> {
+    /// Where it begins, m.
+    pub(super) from: R::Vec3,
+    /// The way that it would go, m.
+    pub(super) path: R::Vec3,
+    /// The side of a plane or an open mesh that it touched before, else 0.
+    pub(super) side: i8,
+    /// How far out what it is worked out from is, m, as rounding is a share of that; none where it is a particle.
+    pub(super) widest: Option<R::Vec3>,
+}
+
+impl<R: Real> Swept<R> {
+    /// How it meets an obstacle in a substep of `dt` (s), and the velocity of the surface. `known` is what is known of it and
+    /// every mesh.
+    ///
+    /// Contact with an obstacle that moves is swept in the obstacle's own frame: the point's start rides along, and what is
+    /// left of its path is its motion past the obstacle.
+    pub(super) fn meet(
+        &self,
+        obstacle: &ObstacleModel<R>,
+        dt: R,
+        known: &mut [Known],
+    ) -> Option<(Surface<R>, R::Vec3)> {
+        let &Self { from, path, side, widest } = self;
+        let mut meet = |from, path| {
+            let widest = widest.unwrap_or(from);
+            match &obstacle.shape {
+                ObstacleShape::Plane(plane) => {
+                    narrow::plane::meet_within(plane, side, from, path, narrow::plane::rounding_margin(plane, widest))
+                }
+                ObstacleShape::Mesh(mesh) => {
+                    let margin = narrow::mesh::rounding_margin(mesh, widest);
+                    narrow::mesh::meet_within(mesh, side, from, path, margin, &mut known[mesh.place])
+                }
+                shape => narrow::meet(shape, side, from, path),
+            }
+        };
+        let Some(carry) = &obstacle.carry else { return Some((meet(from, path)?, R::Vec3::ZERO)) };
+        let carried = carry.apply(from);
+        let surface = meet(carried, from + path - carried)?;
+        Some((surface, (carried - from) * (R::ONE / dt)))
+    }
+}

@@ -1,0 +1,24 @@
+//! How hard a contact of a point pushes and rubs.
+
+/// The law of a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::physics) struct PointLaw {
+    /// Stiffness of a point's spring, N/m.
+    pub(in crate::physics::contact) stiffness: f64,
+    /// Deeper than this it pushes no harder, m; and nothing comes deeper that was not.
+    pub(in crate::physics::contact) depth_limit: f64,
+    /// The most that one point may have to carry, N.
+    pub(in crate::physics::contact) load: f64,
+    /// How fast what is deeper than its spring is pressed leaves at most, m/s.
+    pub(in crate::physics::contact) gentle: f64,
+    /// Coulomb's coefficients, at rest and sliding.
+    pub(in crate::physics::contact) friction: [f64; 2],
+}
+
+impl PointLaw {
+    /// The energy of a point's spring that is pressed so far (m), J.
+    pub(in crate::physics) fn energy(&self, pressed: f64) -> f64 {
+        let sprung = pressed.clamp(0.0, self.depth_limit);
+        0.5 * self.stiffness * sprung * sprung
+    }
+}

@@ -1,0 +1,113 @@
+//! The particles that contacts of points may change, and how much of each point they are.
+
+use glam::DVec3;
+
+use crate::math::{Real, Vector};
+use crate::physics::step::substep::Substep;
+
+/// Stands where a particle is not among the movers.
+const NONE: u32 = u32::MAX;
+
+/// A particle that contacts may change.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics::contact) struct Mover {
+    /// The particle, in the state's arrays.
+    pub(in crate::physics::contact) particle: u32,
+    /// The inverse of its mass, 1/kg; zero where it is held.
+    pub(in crate::physics::contact) mobility: f64,
+    /// The velocity it would have without these contacts, m/s.
+    pub(in crate::physics::contact) before: DVec3,
+    /// The velocity it has, m/s.
+    pub(in crate::physics::contact) velocity: DVec3,
+}
+
+/// All particles that contacts may change, and the weights that contacts give them.
+#[derive(Clone, Debug, Default)]
+pub(in crate::physics::contact) struct Movers {
+    pub(in crate::physics::contact) all: Vec<Mover>,
+    /// Places among all with their weights, contact after contact.
+    shares: Vec<(u32, f64)>,
+    /// The place of every particle of the scene among all.
+    place_of: Vec<u32>,
+}
+
+/// Which particles a contact weighs, and how much: a range of what [`Movers`] hold.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics::contact) struct Shares {
+    first: u32,
+    count: u32,
+}
+
+impl Movers {
+    /// Room for a scene of so many particles, of which contacts weigh so many in all.
+    pub(in crate::physics::contact) fn new(particles: usize, weighed: usize) -> Self {
+        Self {
+            all: Vec::with_capacity(particles),
+            shares: Vec::with_capacity(weighed),
+            place_of: vec![NONE; particles],
+        }
+    }
+
+    /// Forgets all.
+    pub(in crate::physics::contact) fn clear(&mut self) {
+        for mover in &self.all {
+            self.place_of[mover.particle as usize] = NONE;
+        }
+        self.all.clear();
+        self.shares.clear();
+    }
+
+    /// Gives all of them the velocities that they would have without contacts.
+    pub(in crate::physics::contact) fn forget_changes(&mut self) {
+        for mover in &mut self.all {
+            mover.velocity = mover.before;
+        }
+    }
+
+    /// The place of a particle of a body, which is put there if it is not there yet.
+    pub(in crate::physics::contact) fn place<R: Real>(
+        &mut self,
+        substep: Substep<'_, R>,
+        body: usize,
+        particle: usize,
+        velocity: &[R::Vec3],
+    ) -> u32 {
+        let place = &mut self.place_of[particle];
+        if *place == NONE {
+            let (model, local) = (&substep.model.bodies[body], particle - substep.model.bodies[body].particles.start);
+            let is_asleep = substep.state.bodies[body].asleep;
+            let is_held = model.is_pinned(local) || is_asleep;
+            let mobility = if is_held { 0.0 } else { 1.0 / model.mass(local).to_f64() };
+            let before = if is_asleep { DVec3::ZERO } else { velocity[particle].to_dvec3() };
+            #[expect(clippy::cast_possible_truncation, reason = "particles are counted in 32 bits")]
+            let (next, particle) = (self.all.len() as u32, particle as u32);
+            *place = next;
+            self.all.push(Mover { particle, mobility, before, velocity: before });
+        }
+        *place
+    }
+
+    /// Has a contact weigh these places.
+    pub(in crate::physics::contact) fn weigh(&mut self, shares: impl Iterator<Item = (u32, f64)>) -> Shares {
+        let first = self.shares.len();
+        self.shares.extend(shares);
+        #[expect(clippy::cast_possible_truncation, reason = "contacts weigh fewer")]
+        let [first, count] = [first, self.shares.len() - first].map(|count| count as u32);
+        Shares { first, count }
+    }
+
+    /// What a contact weighs: movers with their weights.
+    pub(in crate::physics::contact) fn of(&self, shares: Shares) -> impl Iterator<Item = (&Mover, f64)> {
+        let own = &self.shares[shares.first as usize..][..shares.count as usize];
+        own.iter().map(|(place, weight)| (&self.all[*place as usize], *weight))
+    }
+
+    /// Changes the velocities of what a contact weighs by an impulse on its point, N·s.
+    pub(super) fn push(&mut self, shares: Shares, impulse: DVec3) {
+        let Self { all, shares: of_all, .. } = self;
+        for (place, weight) in &of_all[shares.first as usize..][..shares.count as usize] {
+            let mover = &mut all[*place as usize];
+            mover.velocity += impulse * (weight * mover.mobility);
+        }
+    }
+}

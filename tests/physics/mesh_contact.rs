@@ -1,0 +1,395 @@
+//! Contact on the original mesh of a jellified model (C8): it stands on its feet, not on its cells.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+use gelatin::geometry::embed::{Embedder, Embedding};
+use gelatin::geometry::{Lattice, TriMesh};
+use gelatin::math::{Real, Vector};
+use gelatin::physics::{SimdLevel, Simulation};
+use gelatin::scene::body::{ModelShape, OccupancyChoice, Pose};
+use gelatin::scene::material::Solid;
+use gelatin::scene::obstacle::{ContactStiffness, Cuboid, Mesh};
+use gelatin::scene::resolve::{load_meshes, resolve};
+use gelatin::scene::settings::{Integrator, Stepping};
+use gelatin::scene::{Body, ContactOn, Material, Obstacle, ObstacleShape, Scene, Shape};
+use glam::DVec3;
+
+use crate::determinism::{allocations, within};
+use crate::support::{ball, falling, plane, run, springs};
+
+const GRAVITY: f64 = 9.81;
+
+/// A scene of one model over nothing, and its lattice.
+struct Made {
+    scene: Scene,
+    lattice: Arc<Lattice>,
+}
+
+impl Made {
+    /// A model that meets obstacles with its mesh, with its middle there.
+    fn of(shape: ModelShape, material: Material, position: [f64; 3]) -> Self {
+        let shape = Shape::Model(shape);
+        let lattice = resolve(&shape, Path::new("."), &()).expect("a sound model").lattice;
+        let pose = Pose { position, ..Pose::default() };
+        let body = Body { shape, material, pose, contact_on: ContactOn::Mesh, ..Body::default() };
+        Self { scene: falling(body), lattice }
+    }
+
+    /// The same of a model that is given as the text of an OBJ file.
+    fn of_text(obj: &str, divisions: u32, material: Material, position: [f64; 3]) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("model.obj");
+        std::fs::write(&path, obj).expect("a file");
+        let path = path.to_string_lossy().into_owned();
+        Self::of(ModelShape { path, divisions, ..ModelShape::default() }, material, position)
+    }
+
+    fn spot(position: [f64; 3]) -> Self {
+        let path = "assets/spot.obj".to_owned();
+        Self::of(ModelShape { path, divisions: 20, ..ModelShape::default() }, Material::default(), position)
+    }
+
+    fn on(mut self, obstacle: Obstacle) -> Self {
+        self.scene.obstacles.push(obstacle);
+        self
+    }
+
+    fn simulate<R: Real>(&self) -> Simulation<R> {
+        Simulation::new(&self.scene, &[Arc::clone(&self.lattice)])
+    }
+
+    fn mesh(&self) -> &TriMesh {
+        self.lattice.mesh.as_ref().expect("a model has a mesh")
+    }
+
+    /// The vertices of the mesh as the body is now, m.
+    fn vertices<R: Real>(&self, simulation: &Simulation<R>) -> Vec<DVec3> {
+        let embedded = Embedder::new(&self.lattice).embed_all(&self.mesh().positions).expect("finite");
+        let at = |Embedding { particles, weights, .. }: &Embedding| {
+            let terms = particles.iter().zip(weights);
+            terms.map(|(particle, weight)| simulation.state().position[*particle as usize].to_dvec3() * *weight).sum()
+        };
+        embedded.iter().map(at).collect()
+    }
+
+    fn lowest<R: Real>(&self, simulation: &Simulation<R>) -> f64 {
+        self.vertices(simulation).iter().map(|at| at.y).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// A ball of the diameter 1 m with so many strips from pole to pole.
+fn ball_obj(strips: u32) -> String {
+    let mut text = String::new();
+    let around = 2 * strips;
+    let angle = |of: u32| std::f64::consts::PI * f64::from(of) / f64::from(strips);
+    for strip in 0..=strips {
+        for place in 0..around {
+            let (radius, height) = (0.5 * angle(strip).sin(), 0.5 * angle(strip).cos());
+            let (x, z) = (radius * angle(place).cos(), radius * angle(place).sin());
+            writeln!(text, "v {x} {height} {z}").expect("a text");
+        }
+    }
+    for (strip, place) in (0..strips).flat_map(|strip| (0..around).map(move |place| (strip, place))) {
+        let at = |strip: u32, place: u32| strip * around + place % around + 1;
+        let [a, b] = [at(strip, place), at(strip, place + 1)];
+        let [c, d] = [at(strip + 1, place), at(strip + 1, place + 1)];
+        writeln!(text, "f {a} {b} {d} {c}").expect("a text");
+    }
+    text
+}
+
+/// A box of 1 m × 0.6 m × 0.8 m, six squares.
+fn box_obj() -> String {
+    let mut text = String::new();
+    for corner in 0..8 {
+        let end = |axis: usize, half: f64| if corner >> axis & 1 == 1 { half } else { -half };
+        writeln!(text, "v {} {} {}", end(0, 0.5), end(1, 0.3), end(2, 0.4)).expect("a text");
+    }
+    text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
+}
+
+/// A ball of stiff jelly in cells of a sixth of its diameter, its lowest point this high.
+fn coarse_ball(height: f64) -> Made {
+    let jelly = Material::Solid(Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.3 });
+    Made::of_text(&ball_obj(24), 6, jelly, [0.0, 0.5 + height, 0.0])
+}
+
+fn floor() -> Obstacle {
+    plane([0.0; 3], [0.0; 3], [0.6, 0.5])
+}
+
+#[test]
+fn contact_gives_a_body_the_force_and_the_moment_that_it_has() {
+    let mut made = Made::of_text(&ball_obj(16), 6, Material::Springs(springs(60.0, 0.3, 0.01)), [0.0, 0.49, 0.0]);
+    made.scene.bodies[0].velocity = [1.0, -1.0, 0.3];
+    made.scene.settings.stepping = Stepping::Manual;
+    made.scene.settings.dt = 5e-4;
+    made.scene.settings.inversion_recovery = false;
+    let made = made.on(plane([0.0; 3], [3.0, 0.0, 5.0], [0.4, 0.3]));
+    let mut simulation = made.simulate::<f64>();
+    let mass = simulation.model().bodies[0].particle_mass;
+    let about = DVec3::new(0.3, -0.7, 0.2);
+    let (mut largest, mut pushed) = ([0.0_f64; 2], 0);
+    for step in 0..400 {
+        let (before, at) = (simulation.state().velocity.clone(), simulation.state().position.clone());
+        simulation.step();
+        if step == 0 {
+            // The velocity falls half a step behind.
+            continue;
+        }
+        let (mut gained, mut turned) = (DVec3::ZERO, DVec3::ZERO);
+        for ((at, before), after) in at.iter().zip(&before).zip(&simulation.state().velocity) {
+            let change = (after - before) * (mass / 5e-4) - mass * DVec3::new(0.0, -GRAVITY, 0.0);
+            gained += change;
+            turned += (at - about).cross(change);
+        }
+        let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+        for contact in simulation.sample_contacts() {
+            let carried = contact.carriers.iter().zip(contact.weights);
+            let place: DVec3 = carried.map(|(particle, weight)| at[*particle] * weight).sum();
+            force += contact.force;
+            moment += (place - about).cross(contact.force);
+            pushed += usize::from(contact.force != DVec3::ZERO);
+        }
+        largest[0] = largest[0].max((gained - force).length());
+        largest[1] = largest[1].max((turned - moment).length());
+    }
+    let weight = simulation.diagnostics().mass_kg * GRAVITY;
+    eprintln!("off by {largest:?} of {weight} N, {pushed} pushes");
+    assert!(pushed > 1000, "it is pushed: {pushed} times");
+    assert!(largest.iter().all(|off| *off < 1e-9 * weight), "force and moment are off by {largest:?} N, N m");
+}
+
+#[test]
+fn a_drop_gains_no_energy_at_any_stiffness() {
+    for stiffness in [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9] {
+        for tilt in [0.0, 20.0] {
+            let soft = Material::Springs(springs(60.0, 0.0, 0.01));
+            let made = Made::of_text(&ball_obj(16), 6, soft, [0.0, 0.8, 0.0]);
+            let friction = if tilt > 0.0 { [0.5, 0.4] } else { [0.0; 2] };
+            let given = ContactStiffness::Given(stiffness);
+            let made = made.on(Obstacle { stiffness: given, ..plane([0.0; 3], [0.0, 0.0, tilt], friction) });
+            let mut simulation = made.simulate::<f64>();
+            let before = simulation.diagnostics().energy.total();
+            let (mut peak, mut deepest) = (0.0_f64, 0.0_f64);
+            for _ in 0..120 {
+                run(&mut simulation, 0.005);
+                peak = peak.max(simulation.diagnostics().energy.total());
+                deepest = deepest.max(simulation.step().last.max_penetration_m);
+            }
+            let after = simulation.diagnostics().energy.total();
+            eprintln!(
+                "stiffness {stiffness:e}, {tilt}°: peak {}, after {}, {deepest} m",
+                peak / before,
+                after / before
+            );
+            assert!(after / before <= 1.0 && peak / before < 1.0 + 1e-3, "{stiffness}: {peak} of {before}");
+            assert!(deepest < 0.05, "{stiffness}: {deepest} m deep");
+        }
+    }
+}
+
+#[test]
+fn a_coarse_ball_rests_at_the_height_of_its_mesh() {
+    let [on_mesh, on_cells] = [ContactOn::Mesh, ContactOn::Cells].map(|contact_on| {
+        let mut made = coarse_ball(0.1).on(floor());
+        // On a corner of its cells.
+        made.scene.bodies[0].pose.rotation_deg = [35.0, 0.0, 45.0];
+        made.scene.bodies[0].contact_on = contact_on;
+        let mut simulation = made.simulate::<f32>();
+        run(&mut simulation, 3.0);
+        made.lowest(&simulation)
+    });
+    eprintln!("on its mesh {on_mesh} m, on its cells {on_cells} m");
+    assert!(on_mesh.abs() < 0.005, "the mesh ends {on_mesh} m above the ground");
+    assert!(on_cells.abs() > 0.02, "on its cells it does not: {on_cells} m");
+}
+
+/// How far a ball has rolled down a slope of 10° in two seconds, over what a rigid one would.
+fn rolled(contact_on: ContactOn) -> f64 {
+    let angle = 10.0_f64.to_radians();
+    let mut made = coarse_ball(0.0).on(plane([0.0; 3], [0.0, 0.0, -10.0], [1.0, 1.0]));
+    made.scene.bodies[0].contact_on = contact_on;
+    let lift = if contact_on == ContactOn::Cells { 0.56 } else { 0.502 };
+    made.scene.bodies[0].pose.position = [lift * angle.sin(), lift * angle.cos(), 0.0];
+    let mut simulation = made.simulate::<f32>();
+    let along = DVec3::new(angle.cos(), -angle.sin(), 0.0);
+    let start = simulation.diagnostics().center.dot(along);
+    run(&mut simulation, 2.0);
+    let rigid = 0.5 * (5.0 / 7.0) * GRAVITY * angle.sin() * 4.0;
+    (simulation.diagnostics().center.dot(along) - start) / rigid
+}
+
+#[test]
+fn a_coarse_ball_rolls_on_its_mesh() {
+    let [on_mesh, on_cells] = [ContactOn::Mesh, ContactOn::Cells].map(rolled);
+    eprintln!("rolled {on_mesh} of a rigid ball's way, on its cells {on_cells}");
+    assert!((0.6..1.05).contains(&on_mesh), "it rolls: {on_mesh}");
+    assert!(on_mesh > on_cells + 0.3, "better than on its cells: {on_cells}");
+}
+
+#[test]
+fn spot_stands_on_its_hooves() {
+    let made = Made::spot([0.0, 0.56, 0.0]).on(floor());
+    let mut cells = Made::spot([0.0, 0.56, 0.0]).on(floor());
+    cells.scene.bodies[0].contact_on = ContactOn::Cells;
+    let mut on_cells = cells.simulate::<f32>();
+    let mut simulation = made.simulate::<f32>();
+    for _ in 0..4 {
+        run(&mut simulation, 2.0);
+        run(&mut on_cells, 2.0);
+        let [mesh, cells] = [&simulation, &on_cells].map(Simulation::diagnostics);
+        eprintln!("fastest on its mesh {} m/s, on its cells {} m/s", mesh.max_speed, cells.max_speed);
+    }
+    eprintln!("on its cells {} m", cells.lowest(&on_cells));
+    let lowest = made.lowest(&simulation);
+    let now = simulation.diagnostics();
+    eprintln!("on its mesh {lowest} m");
+    let touching = simulation.sample_contacts().iter().filter(|contact| contact.force != DVec3::ZERO);
+    let places: Vec<DVec3> = touching.map(|contact| contact.place(simulation.state())).collect();
+    let middle = now.center;
+    let quarters = |at: &DVec3| (at.x > middle.x, at.z > middle.z);
+    let mut hooves: Vec<(bool, bool)> = places.iter().map(quarters).collect();
+    hooves.sort_unstable();
+    hooves.dedup();
+    let carried: f64 = simulation.sample_contacts().iter().map(|contact| contact.force.y).sum();
+    assert!((carried / (now.mass_kg * GRAVITY) - 1.0).abs() < 0.01, "they carry it: {carried} N");
+    assert_eq!(hooves.len(), 4, "all four hooves: {places:?}");
+    assert!(lowest.abs() < 0.003, "the lowest vertex is at {lowest} m");
+    assert!(cells.lowest(&on_cells) < -0.005, "on its cells its hooves are in the ground");
+}
+
+/// A box on a slope that it touches, and the way down.
+fn on_slope(slope: f64, friction: [f64; 2]) -> (Made, DVec3) {
+    let angle = slope.atan();
+    let tilt = [0.0, 0.0, angle.to_degrees()];
+    let up = gelatin::math::rotation::from_euler_deg(tilt).y_axis;
+    let jelly = Material::Springs(springs(60.0, 0.6, 0.008));
+    let mut made = Made::of_text(&box_obj(), 5, jelly, (up * 0.3).to_array());
+    made.scene.bodies[0].pose.rotation_deg = tilt;
+    let down = DVec3::new(-angle.cos(), -angle.sin(), 0.0);
+    (made.on(plane([0.0; 3], tilt, friction)), down)
+}
+
+#[test]
+fn below_the_friction_angle_it_rests_and_above_it_slides() {
+    let (made, down) = on_slope(0.95 * 0.5, [0.5; 2]);
+    let mut simulation = made.simulate::<f32>();
+    run(&mut simulation, 4.0);
+    let settled = simulation.diagnostics().center.dot(down);
+    run(&mut simulation, 10.0);
+    let crept = (simulation.diagnostics().center.dot(down) - settled).abs();
+    eprintln!("crept {crept:e}");
+    assert!(crept < 1e-4, "it rests: {crept} m in ten seconds");
+    for slope in [1.05 * 0.5, 1.5 * 0.5] {
+        let (made, down) = on_slope(slope, [0.5; 2]);
+        let mut simulation = made.simulate::<f64>();
+        run(&mut simulation, 3.0);
+        let early = simulation.diagnostics().momentum.dot(down) / simulation.diagnostics().mass_kg;
+        run(&mut simulation, 1.0);
+        let late = simulation.diagnostics().momentum.dot(down) / simulation.diagnostics().mass_kg;
+        let analytic = GRAVITY * (slope.atan().sin() - 0.5 * slope.atan().cos());
+        eprintln!("slope {slope}: {} of the analytic", (late - early) / analytic);
+        assert!(((late - early) / analytic - 1.0).abs() < 0.02, "slope {slope}: {} m/s²", late - early);
+    }
+}
+
+/// Spot lands on a ball and a box on the ground.
+fn landing() -> Made {
+    let mut made = Made::spot([0.05, 1.3, 0.1]).on(floor()).on(ball([0.2, 0.2, 0.3], 0.3));
+    let half_extents = [0.3, 0.1, 0.2];
+    let cuboid = Cuboid { center: [-0.3, 0.1, -0.2], rotation_deg: [0.0, 30.0, 0.0], half_extents };
+    made.scene.obstacles.push(Obstacle { shape: ObstacleShape::Box(cuboid), ..Obstacle::default() });
+    made.scene.bodies[0].velocity = [0.0, -1.0, 0.2];
+    made
+}
+
+#[test]
+fn threads_instructions_and_the_broad_phase_change_no_bit() {
+    let made = landing();
+    let mut reference = made.simulate::<f32>();
+    run(&mut reference, 0.6);
+    assert!(reference.step().last.contacts > 5, "it has landed");
+    for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
+        for threads in [1, 2, 3] {
+            let mut simulation = made.simulate::<f32>();
+            simulation.plan_mut().simd = level;
+            simulation.set_threads(threads);
+            within(threads, || run(&mut simulation, 0.6));
+            simulation.step();
+            assert_eq!(simulation.hash(), reference.hash(), "{level:?} by {threads}");
+        }
+    }
+    let mut everything = made.simulate::<f32>();
+    everything.plan_mut().work_out_everything();
+    run(&mut everything, 0.6);
+    everything.step();
+    assert_eq!(everything.hash(), reference.hash(), "without the broad phase");
+}
+
+#[test]
+fn it_goes_through_no_obstacle_by_any_scheme() {
+    let integrators =
+        [Integrator::SemiImplicit, Integrator::Verlet, Integrator::Rk4, Integrator::Stabilised, Integrator::Implicit];
+    let mesh = Mesh { path: "builtin:spot.obj".to_owned(), center: [0.1, 0.35, 0.3], length: 0.8, ..Mesh::default() };
+    for integrator in integrators {
+        let mut made = landing();
+        made.scene.settings.integrator = integrator;
+        // What comes near itself makes room for that once.
+        made.scene.bodies[0].self_collides = false;
+        made.scene.obstacles.push(Obstacle { shape: ObstacleShape::Mesh(mesh.clone()), ..Obstacle::default() });
+        load_meshes(&mut made.scene, Path::new("."), &()).expect("spot is carried");
+        let mut simulation = made.simulate::<f32>();
+        let (mut met, mut allocated) = (0, 0);
+        for step in 0..700 {
+            let before = allocations();
+            let report = simulation.step();
+            if step > 200 {
+                allocated += allocations() - before;
+            }
+            assert!(!report.diverged, "{integrator:?}: step {step}");
+            met = met.max(report.last.contacts);
+        }
+        let lowest = made.lowest(&simulation);
+        eprintln!("{integrator:?}: lowest {lowest}, {met} contacts, {allocated} allocations");
+        assert!(met > 10, "{integrator:?}: it has landed");
+        assert!(lowest > -0.03, "{integrator:?}: it ends {lowest} m high");
+        assert_eq!(allocated, 0, "{integrator:?}: no step allocates");
+    }
+}
+
+#[test]
+fn where_no_step_has_a_place_for_it_its_cells_meet() {
+    let mut made = coarse_ball(0.1).on(floor());
+    (made.scene.settings.stepping, made.scene.settings.integrator) = (Stepping::Manual, Integrator::Rk4);
+    made.scene.settings.dt = 2e-4;
+    let mut simulation = made.simulate::<f32>();
+    assert!(simulation.plan().on_mesh.is_none(), "manual steps of rk4 are no others");
+    run(&mut simulation, 0.5);
+    assert!(simulation.sample_contacts().is_empty() && !simulation.contacts().is_empty(), "its particles touch");
+}
+
+#[test]
+fn a_cube_has_no_mesh_and_cells_that_stay_outside_it_do_not_touch() {
+    let mut cube = falling(Body { contact_on: ContactOn::Mesh, ..Body::default() });
+    cube.obstacles = vec![floor()];
+    let mut other = cube.clone();
+    other.bodies[0].contact_on = ContactOn::Cells;
+    let [asked, usual] = [cube, other].map(|scene| {
+        let mut simulation = crate::support::simulate::<f32>(&scene);
+        run(&mut simulation, 1.0);
+        simulation.hash()
+    });
+    assert_eq!(asked, usual, "a cube has but its cells");
+    // The cells that the surface goes through reach below it.
+    let path = "assets/spot.obj".to_owned();
+    let shape = ModelShape { path, divisions: 8, occupancy: OccupancyChoice::Surface, ..ModelShape::default() };
+    let made = Made::of(shape, Material::default(), [0.0, 0.6, 0.0]).on(floor());
+    let mut simulation = made.simulate::<f32>();
+    run(&mut simulation, 2.0);
+    let (lowest, particles) = (made.lowest(&simulation), simulation.diagnostics().bounds.min.y);
+    eprintln!("mesh {lowest}, cells {particles}");
+    assert!(lowest.abs() < 0.02 && particles < lowest, "the mesh ends at {lowest} m, the cells at {particles} m");
+}
