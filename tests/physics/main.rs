@@ -16,6 +16,7 @@ mod golden;
 mod hertz;
 mod integrators;
 mod mesh_obstacles;
+mod modes;
 mod moving_obstacles;
 mod placing;
 mod presets;
