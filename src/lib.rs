@@ -62,6 +62,7 @@
 //! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells |
 //! | [`scene`] | math, disk, text, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
 //! | [`physics`] | math, geometry, scene (in `compile` alone) | the core: forces, contact, stability limits, the step; no input, output or clock |
+//! | [`modal`] | math, machine, geometry, physics | how a body swings: the lowest modes about rest, and motion by them at a cost that no cell adds to |
 //! | [`view`] | math | camera, draw list, colours, legend: a picture as plain data |
 //! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; what explains them (links, contacts, boxes) → overlays |
 //! | `render` | math, view | wgpu: draws a draw list to a window's surface or an image; has never heard of a spring |
@@ -69,7 +70,7 @@
 //! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no window |
 //! | [`export`] | math, disk, geometry, view | pictures to files |
 //! | `cli` | all but physics | the command line; opens the window |
-//! | `app` | all but geometry, physics, report and cli | winit and egui: the window, its panels, the thread the session runs on |
+//! | `app` | all but geometry, physics, modal, report and cli | winit and egui: the window, its panels, the thread the session runs on |
 //!
 //! # Data flow
 //!
@@ -173,6 +174,7 @@ pub mod disk;
 pub mod geometry;
 pub mod machine;
 pub mod math;
+pub mod modal;
 pub mod physics;
 pub mod scene;
 pub mod text;

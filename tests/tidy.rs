@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 mod imports;
 
 /// Layers and the crate's own modules each may name, lowest first.
-const LAYERS: [(&str, &[&str]); 15] = [
+const LAYERS: [(&str, &[&str]); 16] = [
     ("math", &[]),
     ("disk", &[]),
     ("machine", &[]),
@@ -16,18 +16,22 @@ const LAYERS: [(&str, &[&str]); 15] = [
     ("geometry", &["math", "disk", "text"]),
     ("scene", &["math", "disk", "text", "geometry"]),
     ("physics", &["math", "geometry", "scene"]),
+    ("modal", &["math", "machine", "geometry", "physics"]),
     ("view", &["math"]),
     ("extract", &["math", "geometry", "scene", "physics", "view"]),
     ("render", &["math", "view"]),
     ("report", &["math", "machine", "geometry", "scene", "physics"]),
-    ("session", &["math", "disk", "machine", "text", "geometry", "scene", "physics", "view", "extract", "report"]),
+    (
+        "session",
+        &["math", "disk", "machine", "text", "geometry", "scene", "physics", "modal", "view", "extract", "report"],
+    ),
     ("export", &["math", "disk", "geometry", "view"]),
     // The command line opens the window, and so is the top of the program.
     (
         "cli",
         &[
-            "math", "disk", "machine", "text", "geometry", "scene", "view", "extract", "session", "report", "export",
-            "render", "app",
+            "math", "disk", "machine", "text", "geometry", "scene", "modal", "view", "extract", "session", "report",
+            "export", "render", "app",
         ],
     ),
     ("app", &["math", "disk", "machine", "text", "scene", "view", "extract", "session", "export", "render"]),

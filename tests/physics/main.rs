@@ -17,6 +17,7 @@ mod hertz;
 mod integrators;
 mod mesh_contact;
 mod mesh_obstacles;
+mod modes;
 mod moving_obstacles;
 mod placing;
 mod presets;

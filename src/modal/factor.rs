@@ -1,0 +1,101 @@
+//! The matrix in a form in which equations are solved at once: sparse Cholesky, by faer.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+
+use super::ModalError;
+use super::stiffness::LowerColumns;
+
+/// Where the entries of a factor will be.
+#[derive(Debug)]
+pub(super) struct Prediction {
+    symbolic: SymbolicCholesky<usize>,
+}
+
+/// A factor.
+pub(super) struct Factor {
+    symbolic: SymbolicCholesky<usize>,
+    values: Vec<f64>,
+    /// Room to solve in.
+    room: MemBuffer,
+}
+
+impl Prediction {
+    /// Counts the entries of the factor of a matrix, in whose order unknowns are eliminated.
+    pub(super) fn of(matrix: &LowerColumns) -> Result<Self, ModalError> {
+        // The symbolic factorisation wants the upper half, which has the same entries by rows.
+        let upper = upper_pattern(matrix);
+        let size = matrix.begins.len() - 1;
+        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &upper.0, None, &upper.1);
+        let (order, settings) = (SymmetricOrdering::Identity, CholeskySymbolicParams::default());
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, order, settings)
+            .map_err(|_error| ModalError::Singular)?;
+        Ok(Self { symbolic })
+    }
+
+    /// The memory of the factor and of the room to make it in, bytes.
+    pub(super) fn bytes(&self) -> u64 {
+        let room = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default());
+        let room = room.unaligned_bytes_required();
+        (self.symbolic.len_val() * size_of::<f64>() + room) as u64
+    }
+
+    /// Works the factor out; `columns` are the most that are solved for at once.
+    pub(super) fn factor(self, matrix: &LowerColumns, columns: usize) -> Result<Factor, ModalError> {
+        let Self { symbolic } = self;
+        let size = matrix.begins.len() - 1;
+        let mut values = vec![0.0; symbolic.len_val()];
+        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &matrix.begins, None, &matrix.rows);
+        let of = SparseColMatRef::new(pattern, &matrix.values);
+        let needed = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default());
+        let mut room = MemBuffer::new(needed);
+        symbolic
+            .factorize_numeric_llt(
+                &mut values,
+                of,
+                Side::Lower,
+                LltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut room),
+                faer::Spec::default(),
+            )
+            .map_err(|_error| ModalError::Singular)?;
+        let room = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq));
+        Ok(Factor { symbolic, values, room })
+    }
+}
+
+impl Factor {
+    /// Replaces right-hand sides by solutions.
+    pub(super) fn solve(&mut self, right_hand_sides: MatMut<'_, f64>) {
+        let factor = LltRef::new(&self.symbolic, &self.values);
+        let room = MemStack::new(&mut self.room);
+        factor.solve_in_place_with_conj(Conj::No, right_hand_sides, Par::Seq, room);
+    }
+}
+
+/// The rows of the upper half by columns: the transpose of the lower half.
+fn upper_pattern(matrix: &LowerColumns) -> (Vec<usize>, Vec<usize>) {
+    let size = matrix.begins.len() - 1;
+    let mut begins = vec![0; size + 1];
+    for &row in &matrix.rows {
+        begins[row + 1] += 1;
+    }
+    for column in 0..size {
+        begins[column + 1] += begins[column];
+    }
+    let mut next = begins.clone();
+    let mut rows = vec![0; matrix.rows.len()];
+    for column in 0..size {
+        for &row in &matrix.rows[matrix.begins[column]..matrix.begins[column + 1]] {
+            rows[next[row]] = column;
+            next[row] += 1;
+        }
+    }
+    (begins, rows)
+}

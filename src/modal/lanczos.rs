@@ -1,0 +1,341 @@
+//! The lowest modes by block Lanczos on the inverse (G. Golub, R. Underwood, "The block Lanczos method for computing
+//! eigenvalues", 1977; T. Ericsson, A. Ruhe, "The spectral transformation Lanczos method", Math. Comp. 35, 1980), with all
+//! vectors kept orthogonal to each other.
+//!
+//! Of `B = A + σ` the eigenvalues are `ω² + σ`, those of `B⁻¹` are `θ = 1/(ω² + σ)`: the lowest frequencies are the largest,
+//! far apart, and are found first. A block of vectors at a time finds as many modes of one frequency, as a cube has
+//! them.
+//!
+//! ```text
+//!   W = B⁻¹ Qⱼ,  less its part in the rigid motions and in all Q;   W = Qⱼ₊₁ R
+//!   T = Qᵀ B⁻¹ Q = S Θ Sᵀ     a Ritz vector Q s is wrong by |R s_last|
+//! ```
+
+use faer::linalg::matmul::matmul;
+use faer::reborrow::Reborrow;
+use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
+use glam::DVec3;
+
+use super::factor::Prediction;
+use super::stiffness::{LowerColumns, System};
+use super::{ModalError, Mode, Modes, Wanted, rigid};
+use crate::geometry::Watch;
+use crate::math::Real;
+use crate::math::rng::Rng;
+use crate::physics::BodyModel;
+
+/// Vectors that are worked on at once: modes of one frequency that are certainly found.
+const BLOCK: usize = 8;
+/// Modes that are found beside those wanted, so that none of these is passed over.
+const BESIDE: usize = 4;
+/// The shift, as a share of the mean of the matrix's diagonal: far below all frequencies, far above rounding.
+const SHIFT: f64 = 1e-10;
+/// A Ritz vector is found when it is wrong by this share of its value.
+const TOLERANCE: f64 = 1e-9;
+/// A mode solves the equations up to these shares of its own eigenvalue and of the mean of the diagonal.
+const RESIDUAL: [f64; 2] = [1e-6, 1e-12];
+/// Below this share of the mean of the diagonal an eigenvalue is rounding: the mode has no frequency.
+const NO_FREQUENCY: f64 = 1e-13;
+/// A vector of which less is left has nothing of its own.
+const NOTHING_LEFT: f64 = 1e-10;
+/// How far the work is when the matrix is there, and when it is factorised.
+const ASSEMBLED: f64 = 0.05;
+const FACTORISED: f64 = 0.5;
+
+/// The lowest modes of a compiled body about its rest, in the body's own coordinates. `watch` hears how far the work is; the
+/// factorisation is done in one go, so that a cancel in it is heard when it ends.
+///
+/// # Errors
+/// Where nothing is free to swing, the body falls into many pieces, the memory would not do, or numbers are too far apart.
+pub fn modes<R: Real>(body: &BodyModel<R>, wanted: Wanted, watch: &dyn Watch) -> Result<Modes, ModalError> {
+    let system = System::of(body);
+    if system.size() == 0 {
+        return Err(ModalError::NothingFree);
+    }
+    let rigid = rigid::motions(&system)?;
+    let count = wanted.count.min(system.size() - rigid.ncols());
+    go_on(watch, ASSEMBLED)?;
+    let is_small = system.size() <= most_vectors(count) + rigid.ncols() + 2 * BLOCK;
+    let (found, bytes) = if is_small {
+        dense(&system, rigid.as_ref(), count)?
+    } else {
+        sparse(&system, rigid.as_ref(), Wanted { count, ..wanted }, watch)?
+    };
+    let modes = found.columns(&system, rigid.ncols(), count, bytes)?;
+    watch.progress(1.0);
+    Ok(modes)
+}
+
+/// Vectors of the right size, and what the matrix is in their space.
+pub(super) struct Found {
+    /// Orthonormal, ascending by eigenvalue.
+    vectors: Mat<f64>,
+    /// 1/s².
+    pub(super) eigenvalues: Vec<f64>,
+}
+
+impl Found {
+    /// As modes, after it was seen how well they solve the equations.
+    fn columns(self, system: &System, rigid: usize, count: usize, bytes: u64) -> Result<Modes, ModalError> {
+        let mut image = Mat::zeros(system.size(), self.vectors.ncols());
+        let mut vectors = self.vectors;
+        system.apply(&vectors.as_mut(), image.as_mut());
+        let mut residual: f64 = 0.0;
+        let mut modes = Vec::with_capacity(count);
+        for (column, &eigenvalue) in self.eigenvalues.iter().enumerate().take(count) {
+            let (y, ay) = (vectors.col(column), image.col(column));
+            let wrong = (0..system.size()).map(|row| (ay[row] - eigenvalue * y[row]).powi(2)).sum::<f64>().sqrt();
+            let [of_itself, of_all] = RESIDUAL;
+            if wrong > of_itself * eigenvalue + of_all * system.scale {
+                return Err(ModalError::NotConverged { found: column, asked: count });
+            }
+            let has_frequency = eigenvalue > NO_FREQUENCY * system.scale;
+            if has_frequency {
+                residual = residual.max(wrong / eigenvalue);
+            }
+            let mut shape = vec![DVec3::ZERO; system.rest.len()];
+            for (place, &particle) in system.free.iter().enumerate() {
+                let way = DVec3::from([0, 1, 2].map(|axis| y[3 * place + axis]));
+                shape[particle as usize] = way * system.inverse_root[place];
+            }
+            turn_to_one_side(&mut shape);
+            let frequency_hz = if has_frequency { eigenvalue.sqrt() / std::f64::consts::TAU } else { 0.0 };
+            modes.push(Mode { frequency_hz, damping: system.damping(&shape), shape });
+        }
+        Ok(Modes { modes, rigid, residual, bytes })
+    }
+}
+
+/// Of the two signs of a shape takes the one in which its largest component is positive.
+fn turn_to_one_side(shape: &mut [DVec3]) {
+    let largest = shape.iter().flat_map(DVec3::to_array).fold(0.0_f64, |most, x| most.max(x.abs()));
+    let first = shape.iter().flat_map(DVec3::to_array).find(|x| x.abs() > 0.999 * largest);
+    if first.is_some_and(|x| x < 0.0) {
+        for way in shape {
+            *way = -*way;
+        }
+    }
+}
+
+/// The vectors that are kept at most.
+fn most_vectors(count: usize) -> usize {
+    6 * count + 120
+}
+
+fn go_on(watch: &dyn Watch, done: f64) -> Result<(), ModalError> {
+    watch.progress(done);
+    if watch.cancelled() { Err(ModalError::Cancelled) } else { Ok(()) }
+}
+
+/// All eigenvectors of a small system at once, the rigid motions made the stiffest.
+pub(super) fn dense(system: &System, rigid: MatRef<'_, f64>, count: usize) -> Result<(Found, u64), ModalError> {
+    let LowerColumns { begins, rows, values } = system.matrix(0.0);
+    let mut matrix = Mat::zeros(system.size(), system.size());
+    for column in 0..system.size() {
+        for at in begins[column]..begins[column + 1] {
+            matrix[(rows[at], column)] = values[at];
+        }
+    }
+    // No eigenvalue is above the largest sum of a row.
+    let mut sums = vec![0.0; system.size()];
+    for column in 0..system.size() {
+        for at in begins[column]..begins[column + 1] {
+            sums[column] += values[at].abs();
+            if rows[at] != column {
+                sums[rows[at]] += values[at].abs();
+            }
+        }
+    }
+    let above = 2.0 * sums.into_iter().fold(0.0, f64::max);
+    matmul(matrix.as_mut(), Accum::Add, rigid, rigid.transpose(), above, Par::Seq);
+    let all = matrix.self_adjoint_eigen(Side::Lower).map_err(|_error| ModalError::Singular)?;
+    let eigenvalues = (0..count).map(|column| all.S()[column]).collect();
+    let bytes = 3 * system.size() * system.size() * size_of::<f64>();
+    Ok((Found { vectors: all.U().subcols(0, count).to_owned(), eigenvalues }, bytes as u64))
+}
+
+/// The lowest eigenvectors of a large system.
+pub(super) fn sparse(
+    system: &System,
+    rigid: MatRef<'_, f64>,
+    wanted: Wanted,
+    watch: &dyn Watch,
+) -> Result<(Found, u64), ModalError> {
+    let matrix = system.matrix(SHIFT * system.scale);
+    let predicted = Prediction::of(&matrix)?;
+    let most = most_vectors(wanted.count);
+    // The matrix, the vectors and what is made of them at the end.
+    let of_matrix = matrix.rows.len() * (size_of::<usize>() + size_of::<f64>());
+    let of_vectors = (most + 4 * (wanted.count + BESIDE)) * system.size() * size_of::<f64>();
+    let needed = predicted.bytes() + (of_matrix + of_vectors) as u64;
+    if needed > wanted.most_bytes {
+        return Err(ModalError::Memory { needed, free: wanted.most_bytes });
+    }
+    go_on(watch, 2.0 * ASSEMBLED)?;
+    let kept = wanted.count + BESIDE;
+    let mut factor = predicted.factor(&matrix, kept.max(BLOCK))?;
+    drop(matrix);
+    let mut space = Space::begin(system.size(), rigid);
+    loop {
+        let done = space.found as f64 / wanted.count as f64;
+        go_on(watch, FACTORISED + (0.95 - FACTORISED) * done.min(1.0))?;
+        let mut next = space.newest().to_owned();
+        factor.solve(next.as_mut());
+        if space.extend(next, wanted.count)? {
+            break;
+        }
+        if space.blocks.len() * BLOCK > most {
+            return Err(ModalError::NotConverged { found: space.found, asked: wanted.count });
+        }
+    }
+    // Once more through the inverse, which takes what is left of high frequencies away.
+    let mut vectors = space.ritz_vectors(kept);
+    factor.solve(vectors.as_mut());
+    drop(factor);
+    space.remove_rigid(vectors.as_mut());
+    for column in 0..vectors.ncols() {
+        let (before, mut rest) = vectors.as_mut().split_at_col_mut(column);
+        let mut own = rest.as_mut().subcols_mut(0, 1);
+        remove(before.rb(), own.as_mut());
+        scale(own.as_mut());
+    }
+    let mut image = Mat::zeros(system.size(), vectors.ncols());
+    system.apply(&vectors.as_mut(), image.as_mut());
+    let small = vectors.transpose() * &image;
+    let turned = small.self_adjoint_eigen(Side::Lower).map_err(|_error| ModalError::Singular)?;
+    let eigenvalues = (0..vectors.ncols()).map(|column| turned.S()[column]).collect();
+    Ok((Found { vectors: &vectors * turned.U(), eigenvalues }, needed))
+}
+
+/// The space that is searched.
+struct Space<'a> {
+    rigid: MatRef<'a, f64>,
+    /// Orthonormal vectors, a block after another; the last one is yet to be multiplied.
+    blocks: Vec<Mat<f64>>,
+    /// The upper half of the inverse in that space.
+    small: Mat<f64>,
+    /// The Ritz vectors in that space, those of the largest values last.
+    turned: Mat<f64>,
+    /// Modes that are certain.
+    found: usize,
+    rng: Rng,
+}
+
+impl<'a> Space<'a> {
+    fn begin(size: usize, rigid: MatRef<'a, f64>) -> Self {
+        let (rng, none) = (Rng::new(1), Mat::zeros(0, 0));
+        let mut space = Self { rigid, blocks: Vec::new(), small: none.clone(), turned: none, found: 0, rng };
+        let rng = &mut space.rng;
+        let mut first = Mat::from_fn(size, BLOCK, |_, _| rng.between(-1.0, 1.0));
+        space.remove_rigid(first.as_mut());
+        space.orthonormalise(&mut first);
+        space.blocks.push(first);
+        space
+    }
+
+    fn newest(&self) -> MatRef<'_, f64> {
+        self.blocks.last().map_or(self.rigid, Mat::as_ref)
+    }
+
+    fn remove_rigid(&self, mut of: MatMut<'_, f64>) {
+        for _ in 0..2 {
+            remove(self.rigid, of.as_mut());
+        }
+    }
+
+    /// Takes `next`, the inverse times the newest block, into the space. Whether enough modes are certain.
+    fn extend(&mut self, mut next: Mat<f64>, wanted: usize) -> Result<bool, ModalError> {
+        let order = self.blocks.len() * BLOCK;
+        let mut small = Mat::zeros(order, order);
+        let before = order - BLOCK;
+        small.as_mut().submatrix_mut(0, 0, before, before).copy_from(&self.small);
+        for _ in 0..2 {
+            remove(self.rigid, next.as_mut());
+            for (number, block) in self.blocks.iter().enumerate() {
+                let along = block.transpose() * &next;
+                matmul(next.as_mut(), Accum::Add, block, &along, -1.0, Par::Seq);
+                let mut entry = small.as_mut().submatrix_mut(number * BLOCK, before, BLOCK, BLOCK);
+                entry += &along;
+            }
+        }
+        self.small = small;
+        let beyond = self.orthonormalise(&mut next);
+        let ritz = self.small.self_adjoint_eigen(Side::Upper).map_err(|_error| ModalError::Singular)?;
+        let last = ritz.U().submatrix(before, 0, BLOCK, order);
+        let wrong = &beyond * last;
+        let is_found = |from_top: &usize| {
+            let column = order - 1 - from_top;
+            wrong.col(column).norm_l2() <= TOLERANCE * ritz.S()[column]
+        };
+        let looked_at = (wanted + BESIDE).min(order);
+        self.found = (0..looked_at).take_while(is_found).count();
+        self.turned = ritz.U().to_owned();
+        if self.found >= wanted + BESIDE {
+            return Ok(true);
+        }
+        self.blocks.push(next);
+        Ok(false)
+    }
+
+    /// The Ritz vectors of the largest values.
+    fn ritz_vectors(&self, count: usize) -> Mat<f64> {
+        let order = self.turned.nrows();
+        let chosen = self.turned.as_ref().subcols(order - count, count);
+        let size = self.newest().nrows();
+        let mut vectors = Mat::zeros(size, count);
+        for (number, block) in self.blocks.iter().take(order / BLOCK).enumerate() {
+            let weights = chosen.submatrix(number * BLOCK, 0, BLOCK, count);
+            matmul(vectors.as_mut(), Accum::Add, block, weights, 1.0, Par::Seq);
+        }
+        vectors
+    }
+
+    /// Makes the columns of a block orthonormal; what they were is the block times the upper triangle that comes out. A
+    /// column that has nothing of its own is replaced by a random one.
+    fn orthonormalise(&mut self, block: &mut Mat<f64>) -> Mat<f64> {
+        let mut triangle = Mat::zeros(BLOCK, BLOCK);
+        for column in 0..BLOCK {
+            let (before, mut rest) = block.as_mut().split_at_col_mut(column);
+            let mut own = rest.as_mut().subcols_mut(0, 1);
+            let whole = own.norm_l2();
+            for _ in 0..2 {
+                let along = before.rb().transpose() * own.rb();
+                matmul(own.as_mut(), Accum::Add, before.rb(), &along, -1.0, Par::Seq);
+                for row in 0..column {
+                    triangle[(row, column)] += along[(row, 0)];
+                }
+            }
+            let left = own.norm_l2();
+            if left > NOTHING_LEFT * whole {
+                triangle[(column, column)] = left;
+            } else {
+                for row in 0..own.nrows() {
+                    own[(row, 0)] = self.rng.between(-1.0, 1.0);
+                }
+                for _ in 0..2 {
+                    remove(self.rigid, own.as_mut());
+                    self.blocks.iter().for_each(|other| remove(other.as_ref(), own.as_mut()));
+                    remove(before.rb(), own.as_mut());
+                }
+            }
+            scale(own);
+        }
+        triangle
+    }
+}
+
+/// Takes the part in an orthonormal basis away.
+fn remove(basis: MatRef<'_, f64>, mut of: MatMut<'_, f64>) {
+    if basis.ncols() > 0 {
+        let along = basis.transpose() * of.rb();
+        matmul(of.as_mut(), Accum::Add, basis, &along, -1.0, Par::Seq);
+    }
+}
+
+/// Makes a vector as long as 1.
+fn scale(mut vector: MatMut<'_, f64>) {
+    let length = vector.norm_l2();
+    for row in 0..vector.nrows() {
+        vector[(row, 0)] /= length;
+    }
+}

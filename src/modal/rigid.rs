@@ -1,0 +1,156 @@
+//! The motions of a body's pieces as rigid bodies that nothing holds: they stretch no link and have no frequency.
+
+use faer::{Mat, Side};
+use glam::DVec3;
+
+use super::ModalError;
+use super::stiffness::System;
+
+/// A body that falls into more pieces is none.
+const MOST_PIECES: usize = 16;
+
+/// A motion moves held particles if it moves them by more than this share of the others.
+const STILL: f64 = 1e-6;
+
+/// An orthonormal basis of the motions without frequency, weighted by the roots of the masses; one column each.
+pub(super) fn motions(system: &System) -> Result<Mat<f64>, ModalError> {
+    let pieces = pieces(system);
+    if pieces.len() > MOST_PIECES {
+        return Err(ModalError::Pieces { pieces: pieces.len(), most: MOST_PIECES });
+    }
+    let mut found: Vec<Vec<f64>> = Vec::new();
+    for piece in pieces {
+        for motion in unhindered(&piece)? {
+            let mut column = vec![0.0; system.size()];
+            for &place in &piece.free {
+                let at = system.rest[system.free[place] as usize] - piece.middle;
+                let way = motion.at(at) / system.inverse_root[place];
+                column[3 * place..3 * place + 3].copy_from_slice(&way.to_array());
+            }
+            let before = norm(&column);
+            for _ in 0..2 {
+                for other in &found {
+                    let along: f64 = other.iter().zip(&column).map(|(a, b)| a * b).sum();
+                    column.iter_mut().zip(other).for_each(|(to, other)| *to -= along * other);
+                }
+            }
+            let left = norm(&column);
+            // A straight row of particles does not turn about itself.
+            if left > STILL * before {
+                for x in &mut column {
+                    *x /= left;
+                }
+                found.push(column);
+            }
+        }
+    }
+    Ok(Mat::from_fn(system.size(), found.len(), |row, column| found[column][row]))
+}
+
+/// Particles that links hold together.
+struct Piece {
+    /// Those that are not held, by their places.
+    free: Vec<usize>,
+    /// Where the held ones are, m.
+    held: Vec<DVec3>,
+    middle: DVec3,
+    /// How far particles are from the middle, m; never nothing.
+    size: f64,
+}
+
+/// A small rigid motion about the middle of a piece.
+#[derive(Clone, Copy)]
+struct Motion {
+    shift: DVec3,
+    turn: DVec3,
+}
+
+impl Motion {
+    fn at(&self, place: DVec3) -> DVec3 {
+        self.shift + self.turn.cross(place)
+    }
+}
+
+/// The pieces with anything free in them.
+fn pieces(system: &System) -> Vec<Piece> {
+    let count = system.rest.len();
+    let mut root: Vec<usize> = (0..count).collect();
+    for link in system.links.iter().filter(|link| link.stiffness > 0.0) {
+        let [a, b] = link.particles.map(|particle| find(&mut root, particle as usize));
+        root[a.max(b)] = a.min(b);
+    }
+    let mut place = vec![None; count];
+    for (at, &particle) in system.free.iter().enumerate() {
+        place[particle as usize] = Some(at);
+    }
+    let mut number = vec![usize::MAX; count];
+    let mut pieces: Vec<Piece> = Vec::new();
+    for particle in 0..count {
+        let root = find(&mut root, particle);
+        if number[root] == usize::MAX {
+            number[root] = pieces.len();
+            pieces.push(Piece { free: Vec::new(), held: Vec::new(), middle: DVec3::ZERO, size: 1.0 });
+        }
+        let piece = &mut pieces[number[root]];
+        match place[particle] {
+            Some(place) => piece.free.push(place),
+            None => piece.held.push(system.rest[particle]),
+        }
+        piece.middle += system.rest[particle];
+    }
+    pieces.retain(|piece| !piece.free.is_empty());
+    for piece in &mut pieces {
+        piece.middle /= (piece.free.len() + piece.held.len()) as f64;
+        let free = piece.free.iter().map(|&place| system.rest[system.free[place] as usize]);
+        let farthest = free.chain(piece.held.iter().copied()).map(|at| at.distance(piece.middle)).fold(0.0, f64::max);
+        if farthest > 0.0 {
+            piece.size = farthest;
+        }
+    }
+    pieces
+}
+
+/// The first particle known to hang together with one.
+fn find(root: &mut [usize], mut at: usize) -> usize {
+    while root[at] != at {
+        root[at] = root[root[at]];
+        at = root[at];
+    }
+    at
+}
+
+/// The rigid motions of a piece that leave its held particles where they are: those without a part in `Σ Cᵀ C`, the
+/// squares of what they would be moved by.
+fn unhindered(piece: &Piece) -> Result<Vec<Motion>, ModalError> {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let basis: Vec<Motion> = axes
+        .iter()
+        .map(|&shift| Motion { shift, turn: DVec3::ZERO })
+        .chain(axes.iter().map(|&turn| Motion { shift: DVec3::ZERO, turn: turn / piece.size }))
+        .collect();
+    if piece.held.is_empty() {
+        return Ok(basis);
+    }
+    let mut squares = Mat::<f64>::zeros(6, 6);
+    for held in &piece.held {
+        let moved: Vec<DVec3> = basis.iter().map(|motion| motion.at(*held - piece.middle)).collect();
+        for row in 0..6 {
+            for column in 0..6 {
+                squares[(row, column)] += moved[row].dot(moved[column]) / piece.held.len() as f64;
+            }
+        }
+    }
+    let found = squares.self_adjoint_eigen(Side::Lower).map_err(|_error| ModalError::Singular)?;
+    let unmoved = (0..6).filter(|&column| found.S()[column] < STILL * STILL);
+    let motion = |column: usize| {
+        let weight = |row: usize| found.U()[(row, column)];
+        let sum =
+            |from: usize, of: fn(&Motion) -> DVec3| (from..from + 3).map(|row| of(&basis[row]) * weight(row)).sum();
+        Motion { shift: sum(0, |motion| motion.shift), turn: sum(3, |motion| motion.turn) }
+    };
+    Ok(unmoved.map(motion).collect())
+}
+
+fn norm(of: &[f64]) -> f64 {
+    of.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
