@@ -9,9 +9,11 @@ mod cost_plot;
 mod error_plot;
 mod failure;
 mod kept;
+mod modes;
 mod out;
 #[cfg(feature = "peers")]
 mod peers_plot;
+mod pictures;
 mod plot;
 mod presets;
 mod render;
@@ -103,6 +105,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Voxelize(args)) => voxelize::run(&args),
         Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Modes(args)) => modes::run(&args),
         Some(Command::Report(args)) => report::run(&args),
         Some(Command::Sweep(args)) => sweep::run(&args),
     }

@@ -1,6 +1,6 @@
 //! `gelatin render`: pictures of a scene without a window, through the window's renderer.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -8,13 +8,11 @@ use serde_json::json;
 
 use super::Failure;
 use super::out::{self, Progress};
+use super::pictures::{self, draw, numbered, size};
 use super::run::seconds;
 use super::scene_args::{self, SceneArgs};
-use crate::export::legend::draw_legend;
-use crate::export::png::write_png;
-use crate::extract;
 use crate::geometry::Watch;
-use crate::render::{Gpu, Quality, Renderer, offscreen};
+use crate::render::{Gpu, Quality, offscreen};
 use crate::scene::ColorBy;
 use crate::session::Session;
 use crate::session::run::whole_steps;
@@ -56,16 +54,6 @@ fn color() -> impl TypedValueParser<Value = ColorBy> {
     })
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once(['x', 'X', '×']).map(|(width, height)| [width.trim(), height.trim()].map(str::parse));
-    match sides {
-        Some([Ok(width), Ok(height)]) if [width, height].iter().all(|side| (1..=16_384).contains(side)) => {
-            Ok([width, height])
-        }
-        _ => Err("a size such as 1280x800 is needed, 1 to 16384 pixels a side".to_owned()),
-    }
-}
-
 fn fps(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(fps) if (0.01..=10_000.0).contains(&fps) => Ok(fps),
@@ -79,12 +67,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         None => vec![args.output.clone()],
         Some(frames) => (1..=frames).map(|number| numbered(&args.output, number)).collect(),
     };
-    for path in &outputs {
-        if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
-            return Err(Failure::usage(anyhow::anyhow!("{}: pictures are PNG; end the name in .png", path.display())));
-        }
-    }
-    outputs.iter().try_for_each(|path| out::check_writable(path))?;
+    pictures::check(&outputs)?;
     args.scene.share_steps();
     let mut opened = args.scene.open()?;
     if let Some(color) = args.color {
@@ -129,38 +112,4 @@ fn simulate(session: &mut Session, until: u64, last: u64, watch: &dyn Watch) -> 
         watch.progress(session.simulation().state().steps as f64 / last as f64);
     }
     Ok(())
-}
-
-fn draw(session: &mut Session, gpu: &Gpu, renderer: &mut Renderer, size: [u32; 2], path: &Path) -> anyhow::Result<()> {
-    let picture = session.draw_list();
-    let mut image = offscreen::render_image(gpu, renderer, &picture, size)?;
-    if let Some(legend) = extract::view::legend(session.scene().view.color, picture.color_range) {
-        draw_legend(&mut image, &legend, picture.colormap);
-    }
-    Ok(write_png(&image, path)?)
-}
-
-/// OUT.png → `OUT_0001.png`.
-fn numbered(path: &Path, number: u32) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let ending = path.extension().map_or_else(|| "png".into(), |ending| ending.to_string_lossy());
-    path.with_file_name(format!("{stem}_{number:04}.{ending}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_are_two_sides_of_at_least_a_pixel() {
-        assert_eq!(size("640x480"), Ok([640, 480]), "width times height");
-        for bad in ["0x5", "5x0", "20000x5", "5", "x", "-1x5", "1e3x2", ""] {
-            assert!(size(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn frames_are_numbered_before_the_ending() {
-        assert_eq!(numbered(Path::new("a/out.png"), 7), Path::new("a/out_0007.png"), "four digits");
-    }
 }

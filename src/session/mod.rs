@@ -22,6 +22,7 @@ pub mod hold;
 pub mod jellify;
 mod library;
 mod look_ahead;
+mod modes;
 mod needs;
 mod picture;
 pub mod predict;
