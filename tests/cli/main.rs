@@ -8,6 +8,7 @@ mod formats;
 mod killed;
 #[cfg(target_os = "linux")]
 mod limits;
+mod modes;
 mod peers;
 mod program;
 mod readme;
