@@ -35,7 +35,7 @@ fn of_cells(list: Vec<[i32; 3]>) -> Body {
 
 /// A bend of 3 × 3 cells across, held at one end.
 fn bend() -> Body {
-    let leg = |at: [i32; 3]| (at[0] < 3 && at[2] < 3) || (at[1] < 3 && at[2] < 3);
+    let leg = |at: [i32; 3]| at[2] < 3 && at[..2].iter().any(|at| *at < 3);
     let all = (0..7).flat_map(|x| (0..7).flat_map(move |y| (0..3).map(move |z| [x, y, z])));
     let pins = vec![PinBox { min: [-9.0, 0.349, -9.0], max: [9.0; 3] }];
     Body { pins, ..of_cells(all.filter(|at| leg(*at)).collect()) }
