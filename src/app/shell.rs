@@ -39,6 +39,7 @@ use crate::scene::{ColorBy, Scene, presets};
 use crate::session::Status;
 use crate::session::document::Opened;
 use crate::session::error_curve::{ErrorCurve, error_curve};
+use crate::session::modes::{BodyModes, body_modes};
 use crate::session::stability_map::{MapOf, PlaneShown, StabilityMap, stability_map};
 use crate::view::Orbit;
 
@@ -72,6 +73,7 @@ pub(super) struct Shell {
     files: Files,
     error_job: BackgroundJob<ErrorCurve>,
     stability_job: BackgroundJob<StabilityMap>,
+    modes_job: BackgroundJob<Arc<BodyModes>>,
     preferences: PreferencesFile,
     snapshot: Option<Snapshot>,
     orbit: Orbit,
@@ -122,6 +124,7 @@ impl Shell {
             files,
             error_job: BackgroundJob::default(),
             stability_job: BackgroundJob::default(),
+            modes_job: BackgroundJob::default(),
             preferences,
             snapshot: None,
             orbit: Orbit::default(),
@@ -187,6 +190,7 @@ impl Shell {
                 self.files.answer(&mut self.ui.files);
                 self.error_job.answer(&mut self.ui.error_panel);
                 self.stability_job.answer(&mut self.ui.stability_panel);
+                self.modes_job.answer(&mut self.ui.modes_panel.asked);
                 self.drawing.ask_panels();
             }
             Wake::Accessibility(event) => {
@@ -313,6 +317,13 @@ impl Shell {
             Some(move |beside: Beside<'_>| stability_map(&scene, &base_dir, of, beside.progress, beside.pause))
         };
         self.stability_job.grant(&mut self.ui.stability_panel, map, wake.clone());
+        let body = self.ui.body_of_modes();
+        let modes = || {
+            let (scene, base_dir) = open()?;
+            let find = move |beside: Beside<'_>| body_modes(&scene, &base_dir, body, beside.progress, beside.pause);
+            Some(move |beside: Beside<'_>| find(beside).map(Arc::new))
+        };
+        self.modes_job.grant(&mut self.ui.modes_panel.asked, modes, wake.clone());
         let granted = self.files.grant(&mut self.ui.files, wake);
         granted.commands.into_iter().for_each(|command| self.send(command));
         if granted.quit {

@@ -57,7 +57,7 @@ impl Sandbox for Session {
     }
 
     fn is_at_work(&self) -> bool {
-        self.is_playing() || self.is_looking_for_cures()
+        self.is_playing() || self.is_looking_for_cures() || self.is_swinging()
     }
 
     fn begin(&mut self, stop: &Arc<AtomicBool>, hold: &Arc<Hold>) {

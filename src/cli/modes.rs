@@ -1,6 +1,7 @@
 //! `gelatin modes`: how a body swings about rest, and pictures of it.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use anyhow::anyhow;
 use clap::Args;
@@ -12,8 +13,13 @@ use super::pictures::{self, draw, numbered, size};
 use super::scene_args::SceneArgs;
 use crate::modal::{COUNTS, Mode};
 use crate::render::{Gpu, Quality, offscreen};
-use crate::session::Session;
+use crate::scene::edit::BodyId;
+use crate::session::modes::{BodyModes, Swing};
+use crate::session::{Command, Session};
 use crate::view::legend::three_digits;
+
+/// How far a mode bends a body in its picture, over the body's size.
+const BENT_SHARE: f64 = 0.15;
 
 /// The body whose modes are found.
 #[derive(Debug, Args)]
@@ -53,10 +59,12 @@ pub(super) fn run(args: &ModesArgs) -> Result<(), Failure> {
         return Err(Failure::usage(anyhow!("--body {body}: {last}")));
     }
     let watch = Progress::new("finding modes");
-    let found = session.modes(body, usize::from(args.count), &watch).map_err(anyhow::Error::from)?;
+    let found = session.modes(BodyId(body), usize::from(args.count), &watch).map_err(anyhow::Error::from)?;
     drop(watch);
+    let of = Arc::new(found);
+    let found = &of.modes;
     let files = &files[..files.len().min(found.modes.len())];
-    draw_all(&mut session, body, &found.modes, files, args.size)?;
+    draw_all(&mut session, &of, files, args.size)?;
     if args.json {
         let modes = (1..).zip(&found.modes).map(|(number, mode)| figures_of(number, mode)).collect::<Vec<_>>();
         out::json(&json!({
@@ -92,20 +100,14 @@ fn figures_of(number: u32, mode: &Mode) -> Value {
     json!({ "mode": number, "frequency_hz": mode.frequency_hz, "damping_ratio": mode.damping_ratio() })
 }
 
-fn draw_all(
-    session: &mut Session,
-    body: usize,
-    modes: &[Mode],
-    files: &[PathBuf],
-    size: [u32; 2],
-) -> Result<(), Failure> {
+fn draw_all(session: &mut Session, of: &Arc<BodyModes>, files: &[PathBuf], size: [u32; 2]) -> Result<(), Failure> {
     if files.is_empty() {
         return Ok(());
     }
     let gpu = Gpu::headless()?;
     let mut renderer = offscreen::renderer(&gpu, Quality::Fine);
-    for (mode, file) in modes.iter().zip(files) {
-        session.bend(body, mode);
+    for (mode, file) in files.iter().enumerate() {
+        session.handle(Command::ShowModes(Some(Swing::bent(of, mode, BENT_SHARE))))?;
         draw(session, &gpu, &mut renderer, size, file)?;
     }
     Ok(())

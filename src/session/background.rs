@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::error::SessionError;
 use super::progress::Progress;
 use crate::geometry::Watch;
+use crate::modal::ModalError;
 
 /// Why nothing came of work beside the sandbox.
 #[derive(Debug, Error)]
@@ -16,6 +17,9 @@ pub enum BackgroundError {
     /// There is nothing to measure.
     #[error("{0}")]
     Nothing(&'static str),
+    /// A body has no modes to show.
+    #[error(transparent)]
+    Modal(ModalError),
     /// The bodies cannot be made.
     #[error(transparent)]
     Session(#[from] SessionError),

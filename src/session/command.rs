@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::modes::Swing;
 use super::stability_map::StabilityOf;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::resolve::Jelly;
@@ -98,6 +99,8 @@ pub enum Command {
     WatchCost(bool),
     /// Look at the stability of a body over its stiffness and damping, or no longer.
     WatchStability(Option<StabilityOf>),
+    /// Show a body moved by its modes while time stands still, or no longer.
+    ShowModes(Option<Swing>),
 }
 
 /// A pull at a point of a body by a spring.
@@ -126,6 +129,7 @@ impl Command {
                 | Self::Grab(_)
                 | Self::WatchCost(_)
                 | Self::WatchStability(_)
+                | Self::ShowModes(_)
         )
     }
 
@@ -152,7 +156,8 @@ impl Command {
             | Self::Redo
             | Self::Grab(_)
             | Self::WatchCost(_)
-            | Self::WatchStability(_) => false,
+            | Self::WatchStability(_)
+            | Self::ShowModes(_) => false,
         }
     }
 }

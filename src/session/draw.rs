@@ -15,7 +15,9 @@ impl Session {
         let now = (self.picture.revision, view.color, view.overlays);
         if self.picture.drawn != Some(now) {
             let positions = self.simulation.state().position.iter().map(glam::Vec3::to_array);
-            self.picture.particles = Arc::new(positions.collect());
+            let mut positions: Vec<_> = positions.collect();
+            self.place_swing(&mut positions);
+            self.picture.particles = Arc::new(positions);
             let scalars = extract::scalars::scalars(&self.simulation, view.color);
             let shown = scalars.as_deref().unwrap_or_default();
             self.picture.automatic_range = color_range::automatic(&self.simulation, view.color, shown);

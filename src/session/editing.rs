@@ -143,6 +143,7 @@ impl Session {
             self.picture.touch();
         }
         self.scene = Arc::new(scene);
+        self.end_old_swing();
         self.find_inversion();
         self.find_notice();
         self.find_safe_values();

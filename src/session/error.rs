@@ -93,4 +93,7 @@ pub enum SessionError {
     /// A pull at something that is not there.
     #[error("the pull names a body or particles that the scene does not have")]
     Pull,
+    /// Modes of something that is not there.
+    #[error("the modes are of another body than the scene has; find them again")]
+    Modes,
 }

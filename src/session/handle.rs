@@ -52,6 +52,7 @@ impl Session {
             Command::Grab(pull) => self.grab(pull)?,
             Command::WatchCost(watch) => self.costs = watch.then(|| Costs::new(&self.simulation)),
             Command::WatchStability(of) => self.watch_stability(of),
+            Command::ShowModes(swing) => self.show_modes(swing)?,
         }
         Ok(())
     }

@@ -22,7 +22,7 @@ pub mod hold;
 pub mod jellify;
 mod library;
 mod look_ahead;
-mod modes;
+pub mod modes;
 mod needs;
 mod picture;
 pub mod predict;
@@ -75,6 +75,7 @@ use document::{Document, Opened};
 use history::History;
 use hold::Hold;
 use library::Library;
+use modes::Swinging;
 use picture::Picture;
 use sample::Sample;
 use stability_map::StabilityShown;
@@ -123,6 +124,8 @@ pub struct Session {
     /// Set by whoever wants a substep given up.
     stop: Arc<AtomicBool>,
     hold: Arc<Hold>,
+    /// The modes that are shown of a body, while someone looks.
+    swinging: Option<Swinging>,
     /// Why time stands still until a person lets it run; empty where it does not.
     too_slow: String,
     /// That is still to be found out.
@@ -180,6 +183,7 @@ impl Session {
             drawing: 0.0,
             stop: Arc::default(),
             hold: Arc::default(),
+            swinging: None,
             too_slow: String::new(),
             may_be_too_slow: false,
             safe: Vec::new(),
@@ -217,6 +221,9 @@ impl Session {
     /// taken; an expensive step is left half done and goes on at the next call. Looks for what helps where something is
     /// wrong.
     pub fn advance(&mut self, wall: Duration, budget: Duration) {
+        if self.swing_on(wall) {
+            return;
+        }
         let (begin, processor) = (Instant::now(), ThreadTime::now());
         let share = if self.playing { budget / CURES_SHARE } else { budget };
         self.look_for_cures(begin.checked_add(share));
@@ -318,7 +325,8 @@ impl Session {
 
     /// Whether nothing moves and nothing will, until someone touches it.
     pub fn is_at_rest(&self) -> bool {
-        (!self.playing || self.simulation.is_asleep()) && !self.is_looking_for_cures()
+        let stands = self.swinging.is_some() || !self.playing || self.simulation.is_asleep();
+        stands && !self.is_looking_for_cures() && !self.is_swinging()
     }
 
     /// The document.

@@ -46,6 +46,7 @@ impl Session {
             trouble: self.trouble_now(),
             cost: self.costs.as_ref().map(|costs| costs.shown(plan)),
             stability: self.stability.clone(),
+            swing: self.swing().cloned(),
             step_error: self.step_error(),
         }
     }

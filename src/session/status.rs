@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::modes::Swing;
 use super::stability_map::StabilityShown;
 use super::step_error::StepError;
 use super::{StepCost, Trouble};
@@ -79,6 +80,8 @@ pub struct Status {
     pub cost: Option<StepCost>,
     /// The stability of a body over its stiffness and damping; none while nobody looks.
     pub stability: Option<Arc<StabilityShown>>,
+    /// What is shown of a body's modes; none while nobody looks.
+    pub swing: Option<Swing>,
     /// How far the steps miss, as far as it is known.
     pub step_error: StepError,
 }

@@ -144,6 +144,7 @@ fn every_key_does_what_the_list_of_keys_says() {
     assert!(matches!(key(Key::Char('n'), OVER_VIEW), Some(Action::TogglePanel(Panel::Inspector))));
     assert!(matches!(key(Key::Char('e'), OVER_VIEW), Some(Action::TogglePanel(Panel::Error))));
     assert!(matches!(key(Key::Char('m'), OVER_VIEW), Some(Action::TogglePanel(Panel::Stability))));
+    assert!(matches!(key(Key::Char('v'), OVER_VIEW), Some(Action::TogglePanel(Panel::Modes))));
     for unused in ['0', '8', 'q'] {
         assert!(key(Key::Char(unused), OVER_VIEW).is_none(), "{unused}");
     }

@@ -52,6 +52,8 @@ pub enum Panel {
     Error,
     /// Where the step is stable.
     Stability,
+    /// How a body swings.
+    Modes,
 }
 
 /// Something to do with the body or obstacle that is chosen.

@@ -34,6 +34,7 @@ pub(super) fn action(key: Key, repeat: bool, held: Modifiers, situation: Situati
         Key::Char('c') => Some(Action::TogglePanel(Panel::Cost)),
         Key::Char('e') => Some(Action::TogglePanel(Panel::Error)),
         Key::Char('m') => Some(Action::TogglePanel(Panel::Stability)),
+        Key::Char('v') => Some(Action::TogglePanel(Panel::Modes)),
         Key::Char('f') if held.shift => Some(Action::FollowChosen),
         Key::Char('f') => Some(Action::Camera(CameraMove::Frame)),
         Key::Char('x') | Key::Delete => Some(Action::Chosen(ChosenAction::Delete)),

@@ -105,6 +105,7 @@ impl Shell {
             Action::TogglePanel(Panel::Cost) => self.ui.panels.toggle(Below::Cost),
             Action::TogglePanel(Panel::Error) => self.ui.panels.toggle(Below::Error),
             Action::TogglePanel(Panel::Stability) => self.ui.panels.toggle(Below::Stability),
+            Action::TogglePanel(Panel::Modes) => self.ui.panels.toggle(Below::Modes),
             Action::ToggleKeys => self.ui.keys_open = !self.ui.keys_open,
             Action::ToggleFullScreen => self.toggle_full_screen(),
             Action::Close => self.close_one(),

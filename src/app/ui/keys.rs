@@ -46,7 +46,7 @@ const RIGHT: [Group; 2] = [
         "Window",
         &[
             ("T,  N", "list of things, values"),
-            ("C,  E,  M", "what a step costs, error of the steps, map of stability"),
+            ("C,  E,  M,  V", "what a step costs, error of the steps, map of stability, modes"),
             ("Tab", "from one control to the next"),
             ("Arrows, wheel", "step a slider; with shift finely"),
             ("Esc", "put back what is dragged, close what is open, choose nothing"),

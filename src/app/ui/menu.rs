@@ -93,6 +93,7 @@ fn view_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, comma
         (Below::Cost, "What a step costs", "C"),
         (Below::Error, "Error of the steps", "E"),
         (Below::Stability, "Map of stability", "M"),
+        (Below::Modes, "Modes of a body", "V"),
     ] {
         let mut open = state.panels.below == Some(below);
         toggle_ui(ui, &mut open, words, key);

@@ -18,6 +18,7 @@ mod log_axes;
 mod menu;
 mod message;
 mod meter;
+mod modes_panel;
 mod panels;
 mod plot_panel;
 mod shown;
@@ -42,6 +43,7 @@ use crate::session::{Command, Status};
 use card::{beside_corner_card, over_view};
 
 pub use color::color_command;
+pub use modes_panel::ModesPanel;
 pub use panels::{Below, Panels};
 pub use shown::{Running, Shown};
 pub use state::{Framing, TooHeavy, UiState};
@@ -97,7 +99,7 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     state.foresee(commands);
 }
 
-/// The panel above the time line; costs and stability are looked at only while they are shown.
+/// The panel above the time line; costs, stability and modes are looked at only while they are shown.
 fn below_panel_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(running) = shown.running else { return };
     let below = state.panels.below;
@@ -109,11 +111,17 @@ fn below_panel_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands:
     if running.status.stability.as_ref().map(|shown| shown.of) != stability {
         commands.push(Command::WatchStability(stability));
     }
+    let modes = &state.modes_panel;
+    let swing = (below == Some(Below::Modes)).then(|| modes.shown(running.scene)).flatten();
+    if running.status.swing != swing {
+        commands.push(Command::ShowModes(swing));
+    }
     let Some(below) = below else { return };
     let name = match below {
         Below::Cost => "cost",
         Below::Error => "error",
         Below::Stability => "stability",
+        Below::Modes => "modes",
     };
     let height = BELOW_HEIGHT.min(BELOW_SHARE * ui.available_height());
     let panel = egui::Panel::bottom(name).resizable(false).exact_size(height);
@@ -123,6 +131,7 @@ fn below_panel_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands:
         Below::Stability => {
             stability_panel::stability_panel_ui(ui, running, &mut state.stability_panel, commands);
         }
+        Below::Modes => modes_panel::modes_panel_ui(ui, running, state.selection, &mut state.modes_panel),
     });
 }
 

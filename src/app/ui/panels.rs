@@ -24,6 +24,8 @@ pub enum Below {
     Error,
     /// Where the step is stable.
     Stability,
+    /// How a body swings.
+    Modes,
 }
 
 impl Default for Panels {

@@ -3,6 +3,7 @@
 use egui::{Pos2, Rect};
 
 use super::files::FilesState;
+use super::modes_panel::{self, ModesPanel};
 use super::panels::Panels;
 use super::things;
 use super::widths::Widths;
@@ -68,6 +69,8 @@ pub struct UiState {
     pub error_panel: Asked<ErrorCurve>,
     /// The map of stability.
     pub stability_panel: Asked<StabilityMap>,
+    /// The modes of a body.
+    pub modes_panel: ModesPanel,
 }
 
 /// A material that was chosen for a body that is too large for it.
@@ -117,6 +120,7 @@ impl UiState {
             files: FilesState::default(),
             error_panel: Asked::default(),
             stability_panel: Asked::default(),
+            modes_panel: ModesPanel::default(),
         }
     }
 
@@ -146,6 +150,11 @@ impl UiState {
         shown
     }
 
+    /// The body whose modes are asked for: the chosen one, else the first.
+    pub fn body_of_modes(&self) -> BodyId {
+        modes_panel::body_of(self.selection)
+    }
+
     /// The part of the view that no card covers; all of it where cards leave hardly anything.
     pub fn safe_area(&self) -> SafeArea {
         let (view, free) = (self.view_rect, self.free_rect);
@@ -168,6 +177,7 @@ impl UiState {
         (self.selection, self.awaited) = (None, self.comes_along.take());
         self.error_panel.forget();
         self.stability_panel.forget();
+        self.modes_panel.forget();
     }
 
     /// Takes note of what comes along with a new scene.

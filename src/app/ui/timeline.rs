@@ -10,7 +10,7 @@ use crate::session::{Command, Status};
 /// Below this width (points) the counts give way to the words.
 const COUNTS_NEED: f32 = 1100.0;
 /// The panels above the bar, from right to left.
-const BELOW: [(Below, &str, &str); 3] = [
+const BELOW: [(Below, &str, &str); 4] = [
     (Below::Cost, "Cost", "Where the time of a step goes, and what this scene does not need  (C)"),
     (Below::Error, "Error", "How exact the steps are, and what other schemes and steps would give  (E)"),
     (
@@ -18,6 +18,7 @@ const BELOW: [(Below, &str, &str); 3] = [
         "Stability",
         "Where the step is stable over stiffness and damping, and where this body stands  (M)",
     ),
+    (Below::Modes, "Modes", "How a body swings about rest, one mode at a time  (V)"),
 ];
 
 /// The bar along the bottom.
