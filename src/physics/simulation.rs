@@ -72,7 +72,7 @@ impl<R: Real> Simulation<R> {
         self.state.fit_presses(&plan);
         let stays = |obstacle| arrive::stays(&old, &placed, kept, &self.state, obstacle);
         let stays: Vec<bool> = (0..model.obstacles.len()).map(stays).collect();
-        self.state.keep_touches(kept, |obstacle| stays[obstacle]);
+        self.state.keep_touches(kept, |obstacle| stays.get(obstacle) == Some(&true));
         self.state.fit_touches(&model, &plan);
         for body in 0..model.bodies.len() {
             let on_mesh =

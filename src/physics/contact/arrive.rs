@@ -67,7 +67,8 @@ pub(in crate::physics) fn begin<R: Real>(
     state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
 }
 
-/// Whether an obstacle is where it was, or sweeps from there: `kept` names, for each, the one it was.
+/// Whether an obstacle is where it was, or sweeps from there: `kept` names, for each, the one it was; one that it does not
+/// name is new.
 pub(in crate::physics) fn stays<R: Real>(
     old: &Placed<R>,
     placed: &Placed<R>,
@@ -76,7 +77,8 @@ pub(in crate::physics) fn stays<R: Real>(
     obstacle: usize,
 ) -> bool {
     let sweeps = state.sweeps.iter().any(|sweep| sweep.obstacle == obstacle);
-    kept[obstacle].is_some_and(|was| sweeps || is_same_place(&old.all()[was].shape, &placed.all()[obstacle].shape))
+    let was = kept.get(obstacle).copied().flatten();
+    was.is_some_and(|was| sweeps || is_same_place(&old.all()[was].shape, &placed.all()[obstacle].shape))
 }
 
 /// A body was put elsewhere, or meets them with something else: obstacles that it would be in come gently to it.
