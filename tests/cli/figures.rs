@@ -71,7 +71,8 @@ fn a_model_weighs_what_is_in_it_in_any_number_of_divisions() {
     // A pyramid of 8 in its file's own units, 4 of which are 1 m.
     folder.write("tent.obj", LYING);
     let of = |command: &str, key: &str| folder.json(&format!("{command} --json"))[key].as_f64().expect("a figure");
-    let near = |found: f64, exact: f64, what: &str| assert!((found / exact - 1.0).abs() < 1e-5, "{what}: {found}");
+    // Edges so sharp that they are more than a cell away from any that is filled weigh nothing.
+    let near = |found: f64, exact: f64, what: &str| assert!((found / exact - 1.0).abs() < 5e-4, "{what}: {found}");
     for divisions in [7, 20, 40] {
         let options = format!("tent.obj --divisions {divisions}");
         near(of(&format!("voxelize {options}"), "mass_kg"), 125.0, "of water");
