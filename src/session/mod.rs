@@ -76,12 +76,12 @@ use document::{Document, Opened};
 use history::History;
 use hold::Hold;
 use library::Library;
+use modes::Swinging;
 use picture::Picture;
 use sample::Sample;
 use stability_map::StabilityShown;
 use step_error::StepErrors;
 use stoppable::Stoppable;
-use swing::Swinging;
 use trials::Trials;
 
 /// While time runs, one part in so many goes to looking for what helps.

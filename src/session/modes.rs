@@ -48,6 +48,14 @@ impl PartialEq for Swing {
     }
 }
 
+/// A swing and how long it has been going on.
+#[derive(Clone, Debug)]
+pub(super) struct Swinging {
+    pub(super) swing: Swing,
+    /// In seconds.
+    pub(super) secs: f64,
+}
+
 /// Finds the modes of a body of a scene. Relative model paths start at `base_dir`; `pause` is called now and then.
 pub fn body_modes(
     scene: &Scene,

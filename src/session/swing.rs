@@ -4,18 +4,11 @@ use std::time::Duration;
 
 use super::Session;
 use super::error::SessionError;
-use super::modes::{BodyModes, Swing, find};
+use super::modes::{BodyModes, Swing, Swinging, find};
 use crate::geometry::Watch;
 use crate::math::rotation;
 use crate::modal::ModalError;
 use crate::scene::edit::BodyId;
-
-/// A swing and how long it has been going on.
-#[derive(Clone, Debug)]
-pub(super) struct Swinging {
-    pub(super) swing: Swing,
-    secs: f64,
-}
 
 impl Session {
     /// The lowest modes of a body.
