@@ -63,7 +63,7 @@ impl<R: Real> Simulation<R> {
         let running = std::mem::take(&mut self.state.approaches);
         let placed = Placed::now(&model, &self.state);
         self.state.approaches = running;
-        arrive::begin(&old, &model, &placed, kept, &sides, &mut self.state);
+        arrive::begin(&old, &model, &plan, &placed, kept, &sides, &mut self.state);
         // The share of the step that was taken stays taken: expensive steps come to an end however often they are
         // edited.
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
@@ -78,7 +78,7 @@ impl<R: Real> Simulation<R> {
             let on_mesh =
                 |model: &Model<R>, plan: &Plan| plan.on_mesh.is_some() && model.bodies[body].samples.is_some();
             if on_mesh(&self.model, &self.plan) != on_mesh(&model, &plan) {
-                arrive::begin_for(&model, placed.all(), body, &mut self.state);
+                arrive::begin_for(&model, &plan, placed.all(), body, &mut self.state);
             }
         }
         self.wake_all();

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use super::{Command, Session};
-use crate::scene::body::{Keep, ModelShape, OccupancyChoice, Shape};
+use crate::geometry::embed::{Embedder, Embedding};
+use crate::scene::body::{ContactOn, Keep, ModelShape, OccupancyChoice, Shape};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::{Body, Material, Solid, presets};
 
@@ -79,6 +80,42 @@ fn a_model_that_has_landed_is_as_squashed_as_before_and_stays_on_the_ground() {
     assert!(at.distance(now_at) < 0.05, "about its middle: {at}, {now_at} from its start");
     assert!((now_mass / mass / 1.5f64.powi(3) - 1.0).abs() < 1e-5, "{mass} kg, {now_mass} kg");
     (0..500).for_each(|_| assert!(large.step(), "it comes out of the ground where it has grown into it"));
+}
+
+#[test]
+fn one_that_lies_on_its_mesh_goes_on_lying_on_it() {
+    let mut session = spot(0);
+    let mut body = Body::clone(&session.scene().bodies[0]);
+    body.contact_on = ContactOn::Mesh;
+    session.handle(Command::Edit(Edit::Body(BodyId(0), Box::new(body)))).expect("it has a mesh");
+    (0..1500).for_each(|_| assert!(session.step(), "it lands"));
+    let low = lowest_vertex(&session);
+    assert!(low.abs() < 0.01, "on its mesh: {low} m");
+    for divisions in [15, 20] {
+        edit(&mut session, |model| model.divisions = divisions);
+        let mut deepest = lowest_vertex(&session);
+        let before = deepest;
+        for _ in 0..100 {
+            (0..15).for_each(|_| assert!(session.step(), "it lies"));
+            deepest = deepest.min(lowest_vertex(&session));
+        }
+        assert!(deepest > before - 0.01, "{divisions} divisions: it went from {before} m down to {deepest} m");
+        let low = lowest_vertex(&session);
+        assert!(low.abs() < 0.01, "{divisions} divisions: the lowest vertex is at {low} m");
+    }
+}
+
+/// How high the lowest vertex of the body's mesh is, m.
+fn lowest_vertex(session: &Session) -> f64 {
+    let simulation = session.simulation();
+    let lattice = &simulation.model().bodies[0].lattice;
+    let mesh = lattice.mesh.as_ref().expect("a model has a mesh");
+    let embedded = Embedder::new(lattice).embed_all(&mesh.positions).expect("finite");
+    let height = |at: &Embedding| {
+        let terms = at.particles.iter().zip(&at.weights);
+        terms.map(|(particle, weight)| f64::from(simulation.state().position[*particle as usize].y) * weight).sum()
+    };
+    embedded.iter().map(height).fold(f64::INFINITY, f64::min)
 }
 
 #[test]

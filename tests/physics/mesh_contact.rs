@@ -7,7 +7,7 @@ use std::sync::Arc;
 use gelatin::geometry::embed::{Embedder, Embedding};
 use gelatin::geometry::{Lattice, TriMesh};
 use gelatin::math::{Real, Vector};
-use gelatin::physics::{SimdLevel, Simulation};
+use gelatin::physics::{Arrival, SimdLevel, Simulation};
 use gelatin::scene::body::{ModelShape, OccupancyChoice, Pose};
 use gelatin::scene::material::Solid;
 use gelatin::scene::obstacle::{ContactStiffness, Cuboid, Mesh};
@@ -259,6 +259,51 @@ fn spot_stands_on_its_hooves() {
     assert_eq!(hooves.len(), 4, "all four hooves: {places:?}");
     assert!(lowest.abs() < 0.003, "the lowest vertex is at {lowest} m");
     assert!(cells.lowest(&on_cells) < -0.005, "on its cells its hooves are in the ground");
+}
+
+#[test]
+fn what_lies_on_its_mesh_comes_out_of_the_ground_however_it_got_there() {
+    let made = Made::spot([0.0, 0.56, 0.0]).on(floor());
+    let rests = |simulation: &mut Simulation<f32>, what: &str| {
+        let mut deepest = 0.0_f64;
+        for _ in 0..30 {
+            run(simulation, 0.1);
+            deepest = deepest.min(made.lowest(simulation));
+        }
+        let lowest = made.lowest(simulation);
+        eprintln!("{what}: lowest {lowest} m, deepest {deepest} m");
+        assert!(lowest.abs() < 0.003, "{what}: the lowest vertex is at {lowest} m");
+        assert!(deepest > -0.12, "{what}: {deepest} m deep on the way");
+    };
+    let lattices = [Arc::clone(&made.lattice)];
+    let edited = |simulation: &mut Simulation<f32>, change: &dyn Fn(&mut Scene)| {
+        let mut scene = made.scene.clone();
+        change(&mut scene);
+        simulation.set_parameters(&scene, &lattices, &[Some(0)], Arrival::Placed);
+    };
+    let mut simulation = made.simulate::<f32>();
+    rests(&mut simulation, "dropped");
+    simulation.restart_body(0);
+    rests(&mut simulation, "dropped again");
+    edited(&mut simulation, &|scene| scene.bodies[0].contact_on = ContactOn::Cells);
+    run(&mut simulation, 2.0);
+    assert!(made.lowest(&simulation) < -0.005, "on its cells its hooves are in the ground");
+    edited(&mut simulation, &|_| ());
+    rests(&mut simulation, "with its mesh again");
+    edited(&mut simulation, &|scene| scene.bodies[0].pose.position[1] = 0.3);
+    simulation.teleport_body(0, [0.0; 3], [0.0; 3]);
+    assert!(made.lowest(&simulation) < -0.02, "put into the ground");
+    rests(&mut simulation, "put into the ground");
+    edited(&mut simulation, &|scene| {
+        let ObstacleShape::Plane(plane) = &mut scene.obstacles[0].shape else { panic!("a plane") };
+        plane.center[1] = 0.1;
+    });
+    edited(&mut simulation, &|_| ());
+    rests(&mut simulation, "the ground was raised and lowered");
+    edited(&mut simulation, &|scene| scene.obstacles.clear());
+    run(&mut simulation, 0.06);
+    simulation.set_parameters(&made.scene, &lattices, &[None], Arrival::Placed);
+    rests(&mut simulation, "the ground was taken away and given back");
 }
 
 /// A box on a slope that it touches, and the way down.

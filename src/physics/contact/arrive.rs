@@ -21,9 +21,10 @@ use glam::DVec3;
 use super::approach::ACCELERATION;
 use super::placed::Placed;
 use super::record::ContactRecord;
-use super::way_out::{Memory, WayOut, way_out};
+use super::way_out::{MeetingPoints, Memory, WayOut, way_out};
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
+use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, MeshModel, Model, ObstacleModel, ObstacleShape, PlaneModel};
 use crate::physics::state::State;
 use crate::physics::state::moving::Approach;
@@ -41,6 +42,7 @@ const RELEASE: f64 = 0.5;
 pub(in crate::physics) fn begin<R: Real>(
     old: &Placed<R>,
     new: &Model<R>,
+    plan: &Plan,
     placed: &Placed<R>,
     kept: &[Option<usize>],
     sides: &[Vec<i8>],
@@ -56,11 +58,14 @@ pub(in crate::physics) fn begin<R: Real>(
                 continue;
             }
             let met = was.map(|was| &old.met(number, was).shape);
-            let memory = Memory { shape: met, sides, way: before.map(|approach| approach.way) };
-            if let Some(WayOut { way, length_m }) = way_out(new, body, shape, &memory, &state.position) {
+            let way = before.map(|approach| approach.way);
+            let touches = &state.touches;
+            let memory = Memory { shape: met, obstacle: was.unwrap_or(obstacle), sides, touches, way };
+            let out = way_out(&MeetingPoints::new(new, plan, number, &state.position), shape, &memory);
+            if let Some(WayOut { way, length_m }) = out {
                 let speed = before.map_or(0.0, |approach| approach.speed * approach.way.dot(way).max(0.0));
                 state.approaches.push(Approach { body: number, obstacle, way, left_m: length_m, speed, waits: false });
-                keep_side(body, shape, way, &memory, state);
+                keep_side(body, shape, way, &memory, &mut state.side);
             }
         }
     }
@@ -84,34 +89,35 @@ pub(in crate::physics) fn stays<R: Real>(
 /// A body was put elsewhere, or meets them with something else: obstacles that it would be in come gently to it.
 pub(in crate::physics) fn begin_for<R: Real>(
     model: &Model<R>,
+    plan: &Plan,
     obstacles: &[ObstacleModel<R>],
     number: usize,
     state: &mut State<R>,
 ) {
     state.approaches.retain(|approach| approach.body != number);
-    let body = &model.bodies[number];
+    let points = MeetingPoints::new(model, plan, number, &state.position);
     for (obstacle, ObstacleModel { shape, .. }) in obstacles.iter().enumerate() {
-        let memory = Memory { shape: None, sides: &[], way: None };
-        if let Some(WayOut { way, length_m }) = way_out(model, body, shape, &memory, &state.position) {
+        if let Some(WayOut { way, length_m }) = way_out(&points, shape, &Memory::none()) {
             state.approaches.push(Approach { body: number, obstacle, way, left_m: length_m, speed: 0.0, waits: false });
         }
     }
     state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
 }
 
-/// Particles of a body go on touching a plane on the side to which it moves the body out, and on no other.
+/// Particles of a body go on touching a plane on the side to which it moves the body out, and on no other. `side` has the
+/// state's rows.
 fn keep_side<R: Real>(
     body: &BodyModel<R>,
     shape: &ObstacleShape<R>,
     way: DVec3,
     memory: &Memory<'_, R>,
-    state: &mut State<R>,
+    side: &mut [Vec<i8>],
 ) {
     let ObstacleShape::Plane(plane) = shape else { return };
     let touched = |particle: usize| memory.touched(particle).is_some_and(|side| side.dot(way) > 0.0);
-    let side = if plane.normal.to_dvec3().dot(way) > 0.0 { 1 } else { -1 };
+    let kept = if plane.normal.to_dvec3().dot(way) > 0.0 { 1 } else { -1 };
     for particle in body.particles.clone() {
-        state.side[plane.side_row][particle] = if touched(particle) { side } else { 0 };
+        side[plane.side_row][particle] = if touched(particle) { kept } else { 0 };
     }
 }
 

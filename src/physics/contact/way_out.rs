@@ -3,15 +3,18 @@
 
 mod mesh;
 mod oriented;
+mod points;
 mod way;
 
 use glam::DVec3;
 
 use super::narrow::plane::rounding_margin;
 use crate::math::{Real, Vector};
-use crate::physics::model::{BodyModel, Model, ObstacleShape, PlaneModel};
+use crate::physics::model::{ObstacleShape, PlaneModel};
+use crate::physics::state::touch::SampleTouch;
+pub(super) use points::MeetingPoints;
 pub(super) use way::WayOut;
-use way::{SAME_MIDDLE, free, shortest};
+use way::{SAME_MIDDLE, shortest};
 
 /// A plane carries what is on its side where that faces up by more than this cosine.
 const CARRIES: f64 = 0.3;
@@ -21,13 +24,22 @@ const CARRIES: f64 = 0.3;
 pub(super) struct Memory<'a, R: Real> {
     /// The obstacle as the body met it; none where it is new.
     pub(super) shape: Option<&'a ObstacleShape<R>>,
+    /// The number it had then.
+    pub(super) obstacle: usize,
     /// The state's rows of sides.
     pub(super) sides: &'a [Vec<i8>],
+    /// Where points of meshes touched.
+    pub(super) touches: &'a [SampleTouch],
     /// The way that the obstacle was coming on.
     pub(super) way: Option<DVec3>,
 }
 
 impl<R: Real> Memory<'_, R> {
+    /// Nothing is known.
+    pub(super) fn none() -> Self {
+        Self { shape: None, obstacle: 0, sides: &[], touches: &[], way: None }
+    }
+
     /// The direction to the side on which a particle touched the plane; none where it did not.
     pub(super) fn touched(&self, particle: usize) -> Option<DVec3> {
         let Some(ObstacleShape::Plane(was)) = self.shape else { return None };
@@ -35,24 +47,34 @@ impl<R: Real> Memory<'_, R> {
         (side != 0).then(|| was.normal.to_dvec3() * f64::from(side))
     }
 
+    /// The direction to the side on which a point of a body touched the plane.
+    fn touched_by(&self, points: &MeetingPoints<'_, R>, number: usize) -> Option<DVec3> {
+        if !points.are_on_mesh() {
+            return self.touched(number);
+        }
+        let Some(ObstacleShape::Plane(was)) = self.shape else { return None };
+        let place = (points.number, number, self.obstacle);
+        let side = self.touches[self.touches.binary_search_by_key(&place, SampleTouch::place).ok()?].side;
+        (side != 0).then(|| was.normal.to_dvec3() * f64::from(side))
+    }
+
     /// The side on which a body stood on the plane; none where it did not stand.
-    fn carrying(&self, body: &BodyModel<R>, gravity: DVec3) -> Option<DVec3> {
-        let sum: DVec3 = body.particles.clone().filter_map(|particle| self.touched(particle)).sum();
-        sum.try_normalize().filter(|way| -way.dot(gravity.normalize_or_zero()) > CARRIES)
+    fn carrying(&self, points: &MeetingPoints<'_, R>) -> Option<DVec3> {
+        let down = points.model.gravity.to_dvec3().normalize_or_zero();
+        let sum: DVec3 = points.free().filter_map(|(number, _)| self.touched_by(points, number)).sum();
+        sum.try_normalize().filter(|way| -way.dot(down) > CARRIES)
     }
 }
 
 /// The shortest way on which a body gets out of an obstacle; none where it is not inside, or no deeper than it was in
 /// contact before.
 pub(super) fn way_out<R: Real>(
-    model: &Model<R>,
-    body: &BodyModel<R>,
+    points: &MeetingPoints<'_, R>,
     shape: &ObstacleShape<R>,
     memory: &Memory<'_, R>,
-    position: &[R::Vec3],
 ) -> Option<WayOut> {
     match shape {
-        ObstacleShape::Plane(plane) => Plate { plane, body, memory, position }.way_out(model.gravity.to_dvec3()),
+        ObstacleShape::Plane(plane) => Plate { plane, points, memory }.way_out(),
         ObstacleShape::Sphere { center, radius } => {
             let ball = Ball { center: center.to_dvec3(), radius: radius.to_f64() };
             let was = match memory.shape {
@@ -61,25 +83,24 @@ pub(super) fn way_out<R: Real>(
                 }
                 _ => None,
             };
-            ball.way_out(model, body, was, position)
+            ball.way_out(points, was)
         }
-        ObstacleShape::Oriented(solid) => oriented::way_out(model, body, solid, memory.shape, position),
-        ObstacleShape::Mesh(mesh) => mesh::way_out(model, body, mesh, memory.shape, position),
+        ObstacleShape::Oriented(solid) => oriented::way_out(points, solid, memory.shape),
+        ObstacleShape::Mesh(mesh) => mesh::way_out(points, mesh, memory.shape),
     }
 }
 
 /// A plane and a body.
 struct Plate<'a, R: Real> {
     plane: &'a PlaneModel<R>,
-    body: &'a BodyModel<R>,
+    points: &'a MeetingPoints<'a, R>,
     memory: &'a Memory<'a, R>,
-    position: &'a [R::Vec3],
 }
 
 impl<R: Real> Plate<'_, R> {
-    fn way_out(&self, gravity: DVec3) -> Option<WayOut> {
+    fn way_out(&self) -> Option<WayOut> {
         let normal = self.plane.normal.to_dvec3();
-        let carrying = self.memory.carrying(self.body, gravity);
+        let carrying = self.memory.carrying(self.points);
         let chosen = self.memory.way.or(carrying).filter(|way| way.dot(normal) != 0.0);
         if chosen.is_none() && !self.is_pierced() {
             return None;
@@ -87,17 +108,15 @@ impl<R: Real> Plate<'_, R> {
         let out = |way: DVec3| WayOut { way, length_m: self.length_m(way) };
         let found = match chosen {
             Some(way) => Some(out(normal * way.dot(normal).signum())),
-            None => shortest(gravity, [out(normal), out(-normal)].into_iter()),
+            None => shortest(self.points.model.gravity.to_dvec3(), [out(normal), out(-normal)].into_iter()),
         };
         found.filter(|out| out.length_m > 0.0)
     }
 
-    /// Whether a link of the body goes through the rectangle.
+    /// Whether a line through the body goes through the rectangle.
     fn is_pierced(&self) -> bool {
         let PlaneModel { center, normal, .. } = *self.plane;
-        let first = self.body.particles.start;
-        let links = self.body.links.iter().flat_map(|family| family.links.iter());
-        links.map(|link| link.ends.map(|end| self.position[first + end as usize])).any(|[a, b]| {
+        self.points.lines().any(|[a, b]| {
             let [above, below] = [a, b].map(|end| (end - center).dot(normal));
             let apart = above - below;
             let crosses = (above > R::ZERO) != (below > R::ZERO) && apart != R::ZERO;
@@ -113,22 +132,21 @@ impl<R: Real> Plate<'_, R> {
 
     /// How far behind the plane the body reaches, past what it was pressed into the plane on that side before, m.
     fn length_m(&self, way: DVec3) -> f64 {
-        let along = |plane: &PlaneModel<R>, particle: usize, way: DVec3| {
-            (self.position[particle] - plane.center).to_dvec3().dot(way)
-        };
-        let depth = |particle: usize| {
+        let along = |plane: &PlaneModel<R>, at: R::Vec3, way: DVec3| (at - plane.center).to_dvec3().dot(way);
+        let depth = |(number, at): (usize, R::Vec3)| {
             // What ends up in the plane's very surface must not be taken for the other side.
-            let margin = 4.0 * rounding_margin::<R>(self.plane, self.position[particle]).to_f64();
+            let margin = 4.0 * rounding_margin::<R>(self.plane, at).to_f64();
             let pressed = match self.memory.shape {
-                Some(ObstacleShape::Plane(was)) => {
-                    let side = self.memory.touched(particle).filter(|side| side.dot(way) > 0.0);
-                    side.map(|side| (-along(was, particle, side)).max(0.0))
+                // Points of meshes forget what they touched where it was put elsewhere.
+                Some(ObstacleShape::Plane(was)) if !self.points.are_on_mesh() => {
+                    let side = self.memory.touched(number).filter(|side| side.dot(way) > 0.0);
+                    side.map(|side| (-along(was, at, side)).max(0.0))
                 }
                 _ => None,
             };
-            -along(self.plane, particle, way) - pressed.unwrap_or(-margin)
+            -along(self.plane, at, way) - pressed.unwrap_or(-margin)
         };
-        free(self.body).filter(|&particle| self.is_over(self.position[particle])).map(depth).fold(0.0, f64::max)
+        self.points.free().filter(|(_, at)| self.is_over(*at)).map(depth).fold(0.0, f64::max)
     }
 }
 
@@ -140,18 +158,13 @@ struct Ball {
 }
 
 impl Ball {
-    fn way_out<R: Real>(
-        self,
-        model: &Model<R>,
-        body: &BodyModel<R>,
-        was: Option<Self>,
-        position: &[R::Vec3],
-    ) -> Option<WayOut> {
-        let at = |particle: usize| position[particle].to_dvec3();
+    fn way_out<R: Real>(self, points: &MeetingPoints<'_, R>, was: Option<Self>) -> Option<WayOut> {
+        let &MeetingPoints { model, body, .. } = points;
+        let free = || points.free().map(|(_, at)| at.to_dvec3());
         // As deep as it was in contact before, a particle may stay.
         let allowed = |at: DVec3| was.map_or(0.0, |was| was.depth(at).max(0.0));
         let margin = 8.0 * R::EPSILON.to_f64() * (self.radius + self.center.abs().max_element());
-        if !free(body).map(at).any(|at| self.depth(at) > allowed(at) + margin) {
+        if !free().any(|at| self.depth(at) > allowed(at) + margin) {
             return None;
         }
         let length_m = |way: DVec3| {
@@ -162,13 +175,11 @@ impl Ball {
                 let reach = along * along - from.length_squared() + radius * radius;
                 if reach > 0.0 { reach.sqrt() - along } else { 0.0 }
             };
-            free(body).map(at).map(leaves).fold(0.0, f64::max)
+            free().map(leaves).fold(0.0, f64::max)
         };
         let gravity = model.gravity.to_dvec3();
         let up = (-gravity).try_normalize().unwrap_or(DVec3::Y);
-        let count = body.particles.len().max(1) as f64;
-        let middle = body.particles.clone().map(at).sum::<DVec3>() / count;
-        let radial = middle - self.center;
+        let radial = points.middle() - self.center;
         let level = radial - up * radial.dot(up);
         // Where the middles meet, what is between them is rounding and no direction.
         let least = SAME_MIDDLE * body.size.to_f64();
@@ -201,8 +212,8 @@ mod tests {
         let jelly = resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube");
         let simulation = Simulation::<f64>::new(&scene, &[jelly.lattice]);
         let (model, state) = (simulation.model(), simulation.state());
-        let memory = Memory { shape: None, sides: &[], way: None };
-        way_out(model, &model.bodies[0], &model.obstacles[0].shape, &memory, &state.position)
+        let points = MeetingPoints::new(model, simulation.plan(), 0, &state.position);
+        way_out(&points, &model.obstacles[0].shape, &Memory::none())
     }
 
     fn upright(x: f64) -> Shape {

@@ -186,7 +186,7 @@ impl<R: Real> Simulation<R> {
     /// Obstacles that a body was put into come to it gently.
     fn let_obstacles_approach(&mut self, body: usize) {
         let obstacles = self.obstacles();
-        arrive::begin_for(&self.model, obstacles.all(), body, &mut self.state);
+        arrive::begin_for(&self.model, &self.plan, obstacles.all(), body, &mut self.state);
     }
 
     fn start_velocity(&self, body: usize, local: usize) -> R::Vec3 {

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
-use super::way::{SAME_MIDDLE, WayOut, free, shortest};
+use super::MeetingPoints;
+use super::way::{SAME_MIDDLE, WayOut, shortest};
 use crate::math::{Real, Vector};
-use crate::physics::model::{BodyModel, MeshModel, Model, ObstacleShape};
+use crate::physics::model::{MeshModel, ObstacleShape};
 
 /// What is out on one side of a mesh may be in on the next: so often a way is made longer.
 const ROUNDS: usize = 12;
@@ -17,12 +18,11 @@ const CLEAR: f64 = 1e-6;
 
 /// The shortest of some ways out; `was` is what the body met before, if it was one like it.
 pub(super) fn way_out<R: Real>(
-    model: &Model<R>,
-    body: &BodyModel<R>,
+    points: &MeetingPoints<'_, R>,
     mesh: &MeshModel<R>,
     was: Option<&ObstacleShape<R>>,
-    position: &[R::Vec3],
 ) -> Option<WayOut> {
+    let &MeetingPoints { model, body, .. } = points;
     let was = match was {
         Some(ObstacleShape::Mesh(was)) => Some(was),
         _ => None,
@@ -34,9 +34,10 @@ pub(super) fn way_out<R: Real>(
     };
     // As deep as it was in contact before, a particle may stay.
     let allowed = |at: R::Vec3| was.map_or(0.0, |was| depth(was, at)) + margin;
-    let inside = free(body).map(|particle| position[particle]).filter(|at| depth(mesh, *at) > allowed(*at));
+    let free = || points.free().map(|(_, at)| at);
+    let inside = free().filter(|at| depth(mesh, *at) > allowed(*at));
     let inside: Vec<DVec3> = inside.map(|at| mesh.own(at)).collect();
-    let pierced = pierced(body, mesh, position);
+    let pierced = pierced(points, mesh);
     if inside.is_empty() && pierced.is_empty() {
         return None;
     }
@@ -46,18 +47,15 @@ pub(super) fn way_out<R: Real>(
     }
     let facing: DVec3 = pierced.iter().map(|(_, normal)| *normal).sum();
     let up = (-model.gravity.to_dvec3()).try_normalize().unwrap_or(DVec3::Y);
-    let count = body.particles.len().max(1) as f64;
-    let at = |particle: usize| position[particle].to_dvec3();
-    let radial = body.particles.clone().map(at).sum::<DVec3>() / count - mesh.center.to_dvec3();
+    let radial = points.middle() - mesh.center.to_dvec3();
     // Where the middles meet, what is between them is rounding and no direction.
     let told = (radial.length() > SAME_MIDDLE * body.size.to_f64()).then_some(radial);
     let [outwards, facing] = [outwards, facing].map(|own| mesh.in_scene(own));
     let ways = [outwards, facing, -facing, up].into_iter().chain(told).filter_map(DVec3::try_normalize);
-    let points: Vec<DVec3> =
-        free(body).map(|p| mesh.own(position[p])).chain(pierced.iter().map(|(at, _)| *at)).collect();
+    let all: Vec<DVec3> = free().map(|at| mesh.own(at)).chain(pierced.iter().map(|(at, _)| *at)).collect();
     let length_m = |way: DVec3| {
         let own = mesh.own_way(way) * mesh.length;
-        let length = if pierced.is_empty() { length_out(mesh, &inside, own) } else { length_past(mesh, &points, own) };
+        let length = if pierced.is_empty() { length_out(mesh, &inside, own) } else { length_past(mesh, &all, own) };
         mesh.length * length + margin
     };
     let found = shortest(model.gravity.to_dvec3(), ways.map(|way| WayOut { way, length_m: length_m(way) }));
@@ -82,7 +80,7 @@ fn length_out<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], way: DVec3) -> f64
     gone
 }
 
-/// How far points have to go until none of them has any of the mesh ahead: where links go right through it, particles on
+/// How far points have to go until none of them has any of the mesh ahead: where lines go right through it, points on
 /// both its sides are outside.
 fn length_past<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], way: DVec3) -> f64 {
     let last = |at: &DVec3| {
@@ -92,11 +90,9 @@ fn length_past<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], way: DVec3) -> f6
     points.iter().map(last).fold(0.0, f64::max)
 }
 
-/// Where links of the body go through it, in its own axes and unit, with the normals there.
-fn pierced<R: Real>(body: &BodyModel<R>, mesh: &MeshModel<R>, position: &[R::Vec3]) -> Vec<(DVec3, DVec3)> {
-    let first = body.particles.start;
-    let links = body.links.iter().flat_map(|family| family.links.iter());
-    let ends = links.map(|link| link.ends.map(|end| mesh.own(position[first + end as usize])));
+/// Where lines through the body go through it, in its own axes and unit, with the normals there.
+fn pierced<R: Real>(points: &MeetingPoints<'_, R>, mesh: &MeshModel<R>) -> Vec<(DVec3, DVec3)> {
+    let ends = points.lines().map(|ends| ends.map(|end| mesh.own(end)));
     let pierced = ends.filter_map(|[a, b]| {
         let way = b - a;
         if mesh.surface.is_beyond(a, way.length()) || mesh.surface.holds(a) || mesh.surface.holds(b) {

@@ -2,47 +2,46 @@
 
 use glam::DVec3;
 
-use super::way::{SAME_MIDDLE, WayOut, free, shortest};
+use super::MeetingPoints;
+use super::way::{SAME_MIDDLE, WayOut, shortest};
 use crate::math::{Real, Vector};
 use crate::physics::contact::narrow::oriented::{crossing, nearest};
 use crate::physics::contact::surface::Crossing;
-use crate::physics::model::{BodyModel, Model, ObstacleShape, OrientedForm, OrientedModel};
+use crate::physics::model::{ObstacleShape, OrientedForm, OrientedModel};
 
 /// The shortest of some ways out; `was` is what the body met before, if it was one like it.
 pub(super) fn way_out<R: Real>(
-    model: &Model<R>,
-    body: &BodyModel<R>,
+    points: &MeetingPoints<'_, R>,
     obstacle: &OrientedModel<R>,
     was: Option<&ObstacleShape<R>>,
-    position: &[R::Vec3],
 ) -> Option<WayOut> {
+    let &MeetingPoints { model, body, .. } = points;
     let solid = obstacle.to_f64();
     let was = match was {
         Some(ObstacleShape::Oriented(was)) => Some(was.to_f64()),
         _ => None,
     };
-    let at = |particle: usize| position[particle].to_dvec3();
+    let free = || points.free().map(|(_, at)| at.to_dvec3());
     let margin = 8.0 * R::EPSILON.to_f64() * (size(&solid.form) + solid.center.abs().max_element());
     // As deep as it was in contact before, a particle may stay.
     let allowed = |at: DVec3| was.as_ref().map_or(0.0, |was| depth(was, at).max(0.0));
     let is_inside = |at: DVec3| depth(&solid, at) > allowed(at) + margin;
-    let pierced = pierced(body, &solid, position);
-    if pierced.is_empty() && !free(body).map(at).any(is_inside) {
+    let pierced = pierced(points, &solid);
+    if pierced.is_empty() && !free().any(is_inside) {
         return None;
     }
-    let points: Vec<DVec3> = free(body).map(at).chain(pierced).collect();
+    let inside: Vec<DVec3> = free().chain(pierced).collect();
     let length_m = |way: DVec3| {
         let leaves = |at: DVec3| {
             let form = grown(&solid.form, margin - allowed(at));
             let crossing = crossing(&form, solid.own(at - solid.center), solid.own(way));
             crossing.map_or(0.0, |crossing| crossing.leave.max(0.0))
         };
-        points.iter().copied().map(leaves).fold(0.0, f64::max)
+        inside.iter().copied().map(leaves).fold(0.0, f64::max)
     };
     let gravity = model.gravity.to_dvec3();
     let up = (-gravity).try_normalize().unwrap_or(DVec3::Y);
-    let count = body.particles.len().max(1) as f64;
-    let radial = body.particles.clone().map(at).sum::<DVec3>() / count - solid.center;
+    let radial = points.middle() - solid.center;
     // Where the middles meet, what is between them is rounding and no direction.
     let told = (radial.length() > SAME_MIDDLE * body.size.to_f64()).then_some(radial);
     let axes = solid.axes.into_iter().flat_map(|axis| [axis, -axis]);
@@ -56,11 +55,9 @@ fn depth(solid: &OrientedModel<f64>, at: DVec3) -> f64 {
     -nearest(&solid.form, solid.own(at - solid.center)).gap
 }
 
-/// Where links of the body go right through it: it may be thinner than a cell.
-fn pierced<R: Real>(body: &BodyModel<R>, solid: &OrientedModel<f64>, position: &[R::Vec3]) -> Vec<DVec3> {
-    let first = body.particles.start;
-    let links = body.links.iter().flat_map(|family| family.links.iter());
-    let ends = links.map(|link| link.ends.map(|end| position[first + end as usize].to_dvec3()));
+/// Where lines through the body go right through it: it may be thinner than a cell.
+fn pierced<R: Real>(points: &MeetingPoints<'_, R>, solid: &OrientedModel<f64>) -> Vec<DVec3> {
+    let ends = points.lines().map(|ends| ends.map(|end| end.to_dvec3()));
     let pierced = ends.filter_map(|[a, b]| {
         let Crossing { enter, leave, .. } = crossing(&solid.form, solid.own(a - solid.center), solid.own(b - a))?;
         (enter > 0.0 && leave < 1.0).then(|| a + (b - a) * (0.5 * (enter + leave)))
