@@ -54,6 +54,7 @@ impl NativeDialog {
                 PathUse::SaveState => {
                     dialog.set_title("Save state as").add_filter("Gelatin state", &["state"]).save_file()
                 }
+                PathUse::Collect => dialog.set_title("Collect the scene and its models").pick_folder(),
                 PathUse::SaveScene => {
                     dialog.set_title("Save scene as").add_filter("Gelatin scene", &["ron"]).save_file()
                 }

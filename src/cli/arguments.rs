@@ -4,7 +4,7 @@ use std::ffi::OsString;
 
 use clap::{Parser, Subcommand};
 
-use super::{check, modes, presets, render, report, run, scene_args, sweep, voxelize};
+use super::{check, collect, modes, presets, render, report, run, scene_args, sweep, voxelize};
 use crate::geometry::import::FORMATS;
 
 /// What scripts go by.
@@ -40,6 +40,8 @@ pub(super) enum Command {
     Voxelize(voxelize::VoxelizeArgs),
     /// Parse and validate a scene, predict its stable step and what it costs.
     Check(check::CheckArgs),
+    /// Make a folder of a scene and every model that it reads, to be opened anywhere.
+    Collect(collect::CollectArgs),
     /// Find how a body swings about rest: its lowest frequencies, and what they look like.
     Modes(modes::ModesArgs),
     /// Measure: what scenes cost, what explodes.

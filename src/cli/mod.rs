@@ -5,6 +5,7 @@
 mod arguments;
 mod cells_plot;
 mod check;
+mod collect;
 mod cost_plot;
 mod error_plot;
 mod failure;
@@ -105,6 +106,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Voxelize(args)) => voxelize::run(&args),
         Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Collect(args)) => collect::run(&args),
         Some(Command::Modes(args)) => modes::run(&args),
         Some(Command::Report(args)) => report::run(&args),
         Some(Command::Sweep(args)) => sweep::run(&args),

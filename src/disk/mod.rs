@@ -1,12 +1,16 @@
 //! Files read and written whole. Regular files only: a pipe or a device would be waited for without end. What is read
 //! has a greatest size; what is written is there as a whole or not at all. A link is followed, never replaced.
 
+mod folder;
+
 use std::fs::{self, File, Metadata};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use thiserror::Error;
+
+pub use folder::{check_new_folder, write_folder};
 
 /// What temporary files begin with, and how long the rest of their names is.
 const TEMPORARY: &str = ".gelatin-";

@@ -50,6 +50,13 @@ pub enum Command {
         /// Where the camera stands.
         camera: CameraSettings,
     },
+    /// Write a new folder with the scene and every model that it reads; its own file stays what it is.
+    Collect {
+        /// The folder.
+        folder: PathBuf,
+        /// Where the camera stands.
+        camera: CameraSettings,
+    },
     /// Write where everything is and how it moves to a file; the scene is not in it.
     SaveState {
         /// The file.
@@ -144,6 +151,7 @@ impl Command {
             | Self::SetSpeed(_)
             | Self::Save { .. }
             | Self::SaveAs { .. }
+            | Self::Collect { .. }
             | Self::SaveState { .. }
             | Self::OpenState { .. }
             | Self::Edit(_)

@@ -203,7 +203,7 @@ pub fn anchored(scene: &Scene, base_dir: &Path) -> Scene {
 }
 
 /// The paths of all models that are files, and whose they are.
-fn model_paths(scene: &mut Scene) -> impl Iterator<Item = (String, &mut String)> {
+pub(super) fn model_paths(scene: &mut Scene) -> impl Iterator<Item = (String, &mut String)> {
     let bodies = (1..).zip(&mut scene.bodies).filter_map(|(number, body)| match &mut body.shape {
         Shape::Model(model) => Some((format!("body {number}"), &mut model.path)),
         _ => None,

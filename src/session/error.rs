@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::collect::CollectError;
 use super::document::SaveError;
 use super::state_error::StateError;
 use crate::machine::bytes_text;
@@ -72,6 +73,9 @@ pub enum SessionError {
     /// A scene file cannot be read.
     #[error(transparent)]
     Open(#[from] SceneFileError),
+    /// The scene and its models cannot be written to a folder.
+    #[error(transparent)]
+    Collect(#[from] Box<CollectError>),
     /// The scene cannot be saved.
     #[error(transparent)]
     Save(#[from] SaveError),

@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
+use super::collect::collect;
 use super::costs::Costs;
 use super::document::Opened;
 use super::error::SPEEDS;
 use super::{Command, Session, SessionError};
 use crate::physics::Arrival;
+use crate::scene::Scene;
 
 impl Session {
     /// Does what a person asked for; nothing has changed where it is refused.
@@ -39,6 +41,11 @@ impl Session {
             }
             Command::Save { camera } => self.document.save(&self.scene, camera, None)?,
             Command::SaveAs { path, camera } => self.document.save(&self.scene, camera, Some(path))?,
+            Command::Collect { folder, camera } => {
+                let mut scene = Scene::clone(&self.scene);
+                scene.view.camera = camera;
+                collect(&scene, &self.document.base_dir, &self.document.title, &folder).map_err(Box::new)?;
+            }
             Command::SaveState { path } => self.save_state(&path)?,
             Command::OpenState { path } => self.open_state(&path)?,
             Command::Edit(edit) => self.edit(edit, Arrival::Placed)?,

@@ -5,6 +5,7 @@
 pub mod background;
 mod bodies;
 mod clock;
+pub mod collect;
 mod color_range;
 pub mod command;
 mod costs;

@@ -211,6 +211,21 @@ fn a_scene_without_a_file_is_asked_for_one_before_closing() {
 }
 
 #[test]
+fn a_scene_is_collected_into_a_new_folder() {
+    let (folder, file) = folder_with_a_scene();
+    let mut harness = show(Some(&file), false);
+    click(&mut harness, "File");
+    click(&mut harness, "Collect…");
+    harness.get_by_label("Collect the scene and its models");
+    choose(&mut harness, PathUse::Collect, folder.path());
+    assert!(click(&mut harness, "Collect").is_empty(), "a folder that is not empty is left alone");
+    choose(&mut harness, PathUse::Collect, &folder.path().join("mine"));
+    let commands = click(&mut harness, "Collect");
+    let [Command::Collect { folder: made, .. }] = &commands[..] else { panic!("one folder, not {commands:?}") };
+    assert_eq!(*made, folder.path().join("mine"));
+}
+
+#[test]
 fn a_path_is_judged_while_it_is_typed() {
     let (folder, file) = folder_with_a_scene();
     let mut harness = show(None, false);

@@ -104,7 +104,7 @@ fn an_unknown_command_is_refused_with_the_commands_and_the_nearest() {
             &folder,
             line,
             USAGE,
-            &["called export", "presets, run, render, voxelize, check, modes, report", "did you mean"],
+            &["called export", "presets, run, render, voxelize, check, collect, modes, report", "did you mean"],
         );
     }
     refused(&folder, "rendr tree -o a.png", USAGE, &["did you mean render?"]);

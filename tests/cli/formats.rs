@@ -100,6 +100,25 @@ fn a_buffer_beside_a_model_is_not_replaced() {
 }
 
 #[test]
+fn a_collected_scene_moves_as_the_one_it_was() {
+    let folder = folder();
+    let body = "(shape: model(path: \"m.gltf\", divisions: 4))";
+    folder.write("a.ron", format!("(version: 1, bodies: [{body}], obstacles: [(mesh: (path: \"m.stl\"))])"));
+    let found = folder.json("collect a.ron -o there --set settings.gravity=5 --json");
+    assert_eq!(found["scene"], "there/a.ron", "{found}");
+    assert_eq!(found["models"].as_array().expect("a list").len(), 3, "a model, its buffer and a mesh: {found}");
+    let hash = |scene: &str| folder.json(&format!("run {scene} --seconds 0.05 --json"))["hash"].clone();
+    let wanted = hash("a.ron --set settings.gravity=5");
+    for file in ["m.gltf", "m.stl", "beside.bin", "a.ron"] {
+        std::fs::remove_file(folder.path(file)).expect("it is there");
+    }
+    assert_eq!(hash("there/a.ron"), wanted, "without what it came from");
+    assert!(folder.run("collect tree -o tree").figures.contains("it reads no model"), "a preset carries its own");
+    refused(&folder, "collect tree -o there", FAILED, &["there cannot be written", "not empty"]);
+    refused(&folder, "collect tree", USAGE, &["--output"]);
+}
+
+#[test]
 fn damaged_models_of_every_format_are_refused_by_name() {
     let folder = folder();
     folder

@@ -16,6 +16,8 @@ pub(super) fn file_menu_ui(ui: &mut Ui, state: &mut UiState) {
         // Always: the camera and the colours are saved too, though they are no unsaved change.
         item_ui(ui, state, "Save", "Ctrl+S", FileAction::Save);
         item_ui(ui, state, "Save as…", "Ctrl+Shift+S", FileAction::SaveAs);
+        item_ui(ui, state, "Collect…", "", FileAction::Collect)
+            .on_hover_text("Makes a folder with the scene and every model it reads, to be opened anywhere");
         ui.separator();
         item_ui(ui, state, "Load model…", "", FileAction::LoadModel);
         ui.separator();

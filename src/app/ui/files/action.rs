@@ -15,6 +15,8 @@ pub enum FileAction {
     Save,
     /// The dialog to save a scene elsewhere.
     SaveAs,
+    /// The dialog to make a folder of the scene and its models.
+    Collect,
     /// The assistant that makes a model into jelly.
     LoadModel,
     /// Choose a model and add it as an obstacle.

@@ -87,6 +87,11 @@ fn begin(action: FileAction, status: &Status, state: &mut UiState, commands: &mu
             let start = files.start_folder(status).join(name);
             files.dialog = Some(PathDialog::new(PathUse::SaveState, &start));
         }
+        FileAction::Collect => {
+            let name = Path::new(&status.title).file_stem().unwrap_or_default();
+            let start = files.start_folder(status).join(name);
+            files.dialog = Some(PathDialog::new(PathUse::Collect, &start));
+        }
         FileAction::LoadModel => {
             let start = files.model_folder(status);
             files.load_model(&start);

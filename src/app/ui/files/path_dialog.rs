@@ -24,6 +24,7 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, files: &mut FilesState, commands: &mut
         PathUse::OpenScene | PathUse::OpenModel => "Open scene",
         PathUse::OpenMesh => "Add mesh",
         PathUse::SaveState => "Save state as",
+        PathUse::Collect => "Collect the scene and its models",
         PathUse::OpenState => "Open state",
     };
     let mut done = false;
@@ -42,6 +43,7 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, files: &mut FilesState, commands: &mut
             let verdict = dialog.field.verdict().clone();
             let act = match dialog.purpose {
                 PathUse::SaveScene | PathUse::SaveState => "Save",
+                PathUse::Collect => "Collect",
                 PathUse::OpenMesh => "Add",
                 PathUse::OpenScene | PathUse::OpenModel | PathUse::OpenState => "Open",
             };
@@ -71,6 +73,9 @@ fn confirm(verdict: Verdict, purpose: PathUse, files: &mut FilesState, commands:
         }
         (Verdict::Usable(path, _) | Verdict::Replaces(path), PathUse::SaveState) => {
             commands.push(Command::SaveState { path });
+        }
+        (Verdict::Usable(folder, _), PathUse::Collect) => {
+            commands.push(Command::Collect { folder, camera: files.camera });
         }
         (Verdict::Usable(path, _), PathUse::OpenMesh) => {
             files.folders.model = path.parent().map(Path::to_owned);

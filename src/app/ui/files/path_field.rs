@@ -7,7 +7,7 @@ use egui::{Button, Key, Label, RichText, ScrollArea, Sense, TextEdit, Ui, UiBuil
 
 use super::super::theme;
 use crate::app::sentence::sentence;
-use crate::disk::folder_of;
+use crate::disk::{check_new_folder, folder_of};
 use crate::scene::Scene;
 use crate::scene::body::MODEL_ENDINGS;
 use crate::session::document::is_scene_path;
@@ -36,6 +36,8 @@ pub enum PathUse {
     OpenState,
     /// The state is written to it.
     SaveState,
+    /// A folder of the scene and its models is made of it.
+    Collect,
 }
 
 /// What the path typed leads to.
@@ -229,6 +231,10 @@ fn judge(purpose: PathUse, text: &str) -> Verdict {
     match purpose {
         PathUse::SaveScene => judge_target(path, "ron"),
         PathUse::SaveState => judge_target(path, "state"),
+        PathUse::Collect => match check_new_folder(&path) {
+            Ok(()) => Verdict::Usable(path.clone(), format!("Makes the folder {}", path.display())),
+            Err(error) => Verdict::Unusable(error.to_string()),
+        },
         _ if !path.exists() => Verdict::Unusable(format!("{} does not exist", path.display())),
         _ if path.is_dir() => Verdict::Unusable(format!("{} is a folder", path.display())),
         PathUse::OpenModel | PathUse::OpenMesh if is_scene_path(&path) => {
@@ -301,6 +307,8 @@ fn entries(purpose: PathUse, text: &str) -> Vec<Entry> {
     let fits = |path: &Path| match purpose {
         PathUse::OpenModel | PathUse::OpenMesh => is_model_path(path),
         PathUse::OpenScene | PathUse::SaveScene => is_scene_path(path),
+        // Folders are listed anyway.
+        PathUse::Collect => false,
         PathUse::OpenState | PathUse::SaveState => has_ending(path, "state"),
     };
     let Ok(all) = std::fs::read_dir(folder) else { return Vec::new() };

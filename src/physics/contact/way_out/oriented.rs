@@ -57,7 +57,7 @@ fn depth(solid: &OrientedModel<f64>, at: DVec3) -> f64 {
 
 /// Where lines through the body go right through it: it may be thinner than a cell.
 fn pierced<R: Real>(points: &MeetingPoints<'_, R>, solid: &OrientedModel<f64>) -> Vec<DVec3> {
-    let ends = points.lines().map(|ends| ends.map(|end| end.to_dvec3()));
+    let ends = points.lines().map(|ends| ends.map(Vector::to_dvec3));
     let pierced = ends.filter_map(|[a, b]| {
         let Crossing { enter, leave, .. } = crossing(&solid.form, solid.own(a - solid.center), solid.own(b - a))?;
         (enter > 0.0 && leave < 1.0).then(|| a + (b - a) * (0.5 * (enter + leave)))
