@@ -91,7 +91,8 @@
 //!
 //! A frame uploads the positions of particles, and one scalar each when colours are on: skins are evaluated on the
 //! GPU from eight particles and weights a vertex. The window never waits for a step: the session runs on a thread of
-//! its own and publishes its newest picture; long work that a panel asks for has a thread beside it. A frame is drawn
+//! its own and publishes its newest picture; long work that a panel asks for has a thread beside it. While time stands
+//! still a body may be shown moved by its modes (`Command::ShowModes`): its state stays as it is. A frame is drawn
 //! only where something looks different, and where a processor draws, at a pace and with as many pixels as leave the
 //! simulation its share (`app::pace`); one that a person waits for has the processors to itself.
 //!
