@@ -59,7 +59,7 @@
 //! | [`disk`] | – | files read and written whole |
 //! | [`machine`] | – | what memory there is, threads that are awake when there is work |
 //! | [`text`] | – | texts of strangers, fit for a message |
-//! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells |
+//! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells; which cells are of which part that the file names |
 //! | [`scene`] | math, disk, text, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
 //! | [`physics`] | math, geometry, scene (in `compile` alone) | the core: forces, contact, stability limits, the step; no input, output or clock |
 //! | [`modal`] | math, machine, geometry, physics | how a body swings: the lowest modes about rest, and motion by them at a cost that no cell adds to |

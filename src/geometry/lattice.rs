@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::TriMesh;
+use super::part_cells::{PartCells, PartCount, Parts};
 use super::voxel::{Cells, Grid};
 
 /// The three families of links (GC §3.1).
@@ -61,6 +62,8 @@ pub struct Lattice {
     pub surface: usize,
     /// The mesh that the cells were made of, in the grid's coordinates, m; none of cells that were given.
     pub mesh: Option<Arc<TriMesh>>,
+    /// What the triangles of that mesh are called; none where its file has no names.
+    pub parts: Option<Arc<Parts>>,
 }
 
 impl Lattice {
@@ -73,7 +76,8 @@ impl Lattice {
         let corners = Vec::with_capacity(counts.particles);
         let cells_of = Vec::with_capacity(counts.cells);
         let surface = counts.surface;
-        let mut lattice = Self { grid, corners, links, cells: cells_of, shares: None, surface, mesh: None };
+        let mut lattice =
+            Self { grid, corners, links, cells: cells_of, shares: None, surface, mesh: None, parts: None };
         for corner in table.corners.iter() {
             if table.particle(corner).is_some() {
                 lattice.corners.push(corner);
@@ -105,6 +109,23 @@ impl Lattice {
     pub fn volume_m3(&self) -> f64 {
         let full = self.shares.as_ref().map_or(self.cells.len() as f64, |shares| shares.iter().sum());
         full * self.grid.cell_size.powi(3)
+    }
+
+    /// For every cell one more than the place among `wanted` of the part of the model that it is of, 0 where it is of none of
+    /// them; none where the model names no parts. Of a part that is wanted twice the last place counts.
+    pub fn cells_of_parts(&self, wanted: &[&str]) -> Option<Vec<u32>> {
+        self.part_cells().map(|(cells, parts)| cells.chosen(&parts.names, wanted))
+    }
+
+    /// The parts of the model in the order of its file.
+    pub fn part_counts(&self) -> Vec<PartCount> {
+        self.part_cells().map_or_else(Vec::new, |(cells, parts)| cells.counts(&parts.names))
+    }
+
+    fn part_cells(&self) -> Option<(&PartCells, &Parts)> {
+        let (parts, mesh) = (self.parts.as_ref()?, self.mesh.as_ref()?);
+        let lows = || (0..).take(self.cells.len()).map(|cell| self.low(cell)).collect::<Vec<_>>();
+        Some((parts.cells(|names| PartCells::new(mesh, names, &self.grid, &lows())), parts))
     }
 
     /// The lowest grid corner of a cell.

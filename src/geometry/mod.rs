@@ -1,10 +1,12 @@
 //! Shapes to shapes, no physics: a model file becomes a triangle mesh, a mesh becomes cells of a grid, cells become
 //! the particles and links of a lattice, and points of the mesh find their place in it; a few of
-//! them stand for all of its surface.
+//! them stand for all of its surface. Cells are of the parts that the file names.
 
 pub mod embed;
 pub mod import;
 pub mod lattice;
+pub mod named_parts;
+pub mod part_cells;
 pub mod sampling;
 pub mod surface;
 pub mod trimesh;

@@ -24,6 +24,9 @@ pub struct Body {
     /// Boxes whose cells are of other solids; where they overlap the last one counts. A body of springs has no use for
     /// them.
     pub inlays: Vec<Inlay>,
+    /// Parts of a model, by the names in its file, that are of other solids; where they overlap the last one counts, and
+    /// boxes over all of them. A body of springs has no use for them.
+    pub parts: Vec<Part>,
     /// Boxes in body coordinates (m, origin at the middle of the body's box, before the pose) whose particles are held.
     pub pins: Vec<PinBox>,
     /// Whether it meets other bodies.
@@ -51,6 +54,7 @@ impl Default for Body {
             velocity: [0.0; 3],
             material: Material::default(),
             inlays: Vec::new(),
+            parts: Vec::new(),
             pins: Vec::new(),
             collides: true,
             self_collides: true,
@@ -188,6 +192,20 @@ pub struct Inlay {
     pub min: [f64; 3],
     /// The highest corner, m.
     pub max: [f64; 3],
+    /// What its cells are made of.
+    pub solid: Solid,
+}
+
+/// The most parts of a body that are of other solids.
+pub const MAX_NAMED_PARTS: usize = 64;
+
+/// A part of a model of a solid that is of another solid: the cells most of whose surface is of that part, and those within
+/// that are nearest to them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Part {
+    /// The name of a material, a group or an object of the model's file: the first of these that has the name is meant.
+    pub name: String,
     /// What its cells are made of.
     pub solid: Solid,
 }

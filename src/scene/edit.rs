@@ -178,7 +178,8 @@ fn leaf_impact(changed: bool, impact: Impact) -> Impact {
 pub fn body_impact(old: &Body, new: &Body) -> Impact {
     leaf_impact(old.shape != new.shape || old.pins != new.pins, Impact::Topology)
         .max(leaf_impact((old.pose, old.velocity) != (new.pose, new.velocity), Impact::Motion))
-        .max(leaf_impact(old.material != new.material || old.inlays != new.inlays, Impact::Parameters))
+        .max(leaf_impact(old.material != new.material, Impact::Parameters))
+        .max(leaf_impact(old.inlays != new.inlays || old.parts != new.parts, Impact::Parameters))
         .max(leaf_impact(among_bodies(old) != among_bodies(new), Impact::Parameters))
 }
 
@@ -196,7 +197,7 @@ fn obstacle_impact(old: &Obstacle, new: &Obstacle) -> Impact {
 mod tests {
     use super::*;
     use crate::math::rng::Rng;
-    use crate::scene::body::{CubeShape, Inlay};
+    use crate::scene::body::{CubeShape, Inlay, Part};
     use crate::scene::material::Springs;
     use crate::scene::{ColorBy, Material, Pose, Shape};
 
@@ -214,6 +215,7 @@ mod tests {
         let heavy = Material::Springs(Springs { particle_mass: 1.0, ..Springs::default() });
         assert_eq!(impact_of(|body| body.material = heavy), Impact::Parameters, "a mass");
         assert_eq!(impact_of(|body| body.inlays.push(Inlay::default())), Impact::Parameters, "another solid within");
+        assert_eq!(impact_of(|body| body.parts.push(Part::default())), Impact::Parameters, "and by the name of a part");
         assert_eq!(impact_of(|body| body.collides = false), Impact::Parameters, "others");
         assert_eq!(impact_of(|body| body.self_collides = false), Impact::Parameters, "itself");
         assert_eq!(impact_of(|body| body.contact_on = ContactOn::Mesh), Impact::Parameters, "its mesh");

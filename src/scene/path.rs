@@ -224,7 +224,7 @@ mod tests {
         for param in PARAMS {
             let Some(default) = param.default_value().filter(|default| default != "") else { continue };
             let model = param.path.replace("bodies.*.shape.model", "bodies.2.shape.model");
-            let model = model.replace("bodies.*.inlays", "bodies.2.inlays");
+            let model = model.replace("bodies.*.inlays", "bodies.2.inlays").replace("bodies.*.parts", "bodies.2.parts");
             let path = model.replace("obstacles.*.sphere", "obstacles.1.sphere");
             let path = path.replace("obstacles.*.mesh", "obstacles.5.mesh").replace('*', "0");
             let done = changed(&path, &default.to_string());

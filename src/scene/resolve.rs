@@ -9,14 +9,17 @@ use thiserror::Error;
 
 use super::body::{MassFrom, ModelShape, Shape};
 use super::obstacle::Mesh;
-use super::{ObstacleShape, Scene, builtin};
+use super::param::Problem;
+use super::{Body, ObstacleShape, Scene, builtin};
 use crate::geometry::import::{self, ImportError, Imported};
+use crate::geometry::part_cells::Parts;
 use crate::geometry::surface::SurfaceError;
 use crate::geometry::voxel::{
     Cells, CellsError, Contents, Grid, VoxelReport, VoxelizeError, VoxelizeOptions, voxelize,
 };
 use crate::geometry::watch::CancelOnly;
 use crate::geometry::{Lattice, LatticeCounts, Surface, TriMesh, UpAxis, Watch};
+use crate::text::echo;
 
 /// The most particles of a body: its links alone then take more than a gigabyte.
 pub const MAX_PARTICLES: usize = 8_000_000;
@@ -116,6 +119,7 @@ pub struct Filled {
     cells: Cells,
     contents: Option<Contents>,
     mesh: Option<Arc<TriMesh>>,
+    parts: Option<Arc<Parts>>,
     report: Option<VoxelReport>,
     up: UpAxis,
     warnings: Vec<String>,
@@ -151,10 +155,10 @@ impl Filled {
 
     /// Builds the lattice.
     pub fn build(self) -> Jelly {
-        let Self { cells, contents, mesh, report, up, warnings } = self;
+        let Self { cells, contents, mesh, parts, report, up, warnings } = self;
         let mass_warnings = contents.as_ref().map(Contents::warnings).unwrap_or_default();
         let shares = contents.map(|contents| contents.shares);
-        let lattice = Arc::new(Lattice { shares, mesh: mesh.clone(), ..Lattice::new(&cells) });
+        let lattice = Arc::new(Lattice { shares, mesh: mesh.clone(), parts, ..Lattice::new(&cells) });
         Jelly { lattice, mesh, report, up, warnings, mass_warnings }
     }
 }
@@ -180,7 +184,30 @@ pub fn fill(shape: &Shape, base_dir: &Path, watch: &dyn Watch) -> Result<Filled,
         Shape::Cells(cells) => Cells::from_list(&cells.list, cells.size)?,
         Shape::Model(model) => return fill_model(model, base_dir, watch),
     };
-    Ok(Filled { cells, contents: None, mesh: None, report: None, up: UpAxis::Y, warnings: Vec::new() })
+    Ok(Filled { cells, contents: None, mesh: None, parts: None, report: None, up: UpAxis::Y, warnings: Vec::new() })
+}
+
+/// So many names of parts are listed where one is wrong.
+const NAMES_LISTED: usize = 12;
+
+/// The first part of a scene's body that is of another solid and that its model does not have.
+pub fn part_problem(place: usize, body: &Body, lattice: &Lattice) -> Option<Problem> {
+    let names = lattice.parts.as_ref().map(|parts| &parts.names);
+    let at = body.parts.iter().position(|part| !names.is_some_and(|names| names.has(&part.name)))?;
+    let why = match (&body.shape, names) {
+        (Shape::Model(_), Some(names)) => {
+            let names = names.names();
+            let more = names.len().saturating_sub(NAMES_LISTED);
+            let listed =
+                names.iter().take(NAMES_LISTED).map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            format!("is no part of the model, which has {listed}{more}")
+        }
+        (Shape::Model(_), None) => "is no part of the model, whose file names none".to_owned(),
+        _ => "is no part: only a model has parts with names".to_owned(),
+    };
+    let message = format!("\"{}\" {why}", echo(&body.parts[at].name));
+    Some(Problem { path: format!("bodies.{place}.parts.{at}.name"), message })
 }
 
 /// Reads a model: a file, or one that the program carries.
@@ -241,7 +268,7 @@ pub fn load_surface(mesh: &Mesh, base_dir: &Path, watch: &dyn Watch) -> Result<A
 }
 
 fn fill_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<Filled, ResolveError> {
-    let Imported { mut mesh, mut warnings } = load_model(&model.path, base_dir, watch)?;
+    let Imported { mut mesh, parts, mut warnings } = load_model(&model.path, base_dir, watch)?;
     let up = model.up.found(&mesh);
     up.turn(&mut mesh);
     if up != model.up && up != UpAxis::Y {
@@ -274,7 +301,8 @@ fn fill_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<
     report.cell_size_m = cells.grid.cell_size;
     report.volume_m3 *= scale.powi(3);
     warnings.extend(report.warnings.iter().cloned());
-    Ok(Filled { cells, contents, mesh: Some(Arc::new(mesh)), report: Some(report), up, warnings })
+    let parts = parts.map(|names| Arc::new(Parts::new(names)));
+    Ok(Filled { cells, contents, mesh: Some(Arc::new(mesh)), parts, report: Some(report), up, warnings })
 }
 
 fn carried() -> String {

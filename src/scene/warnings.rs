@@ -6,7 +6,7 @@ use super::{Material, Scene, named};
 pub fn warnings(scene: &Scene) -> Vec<String> {
     let mut found = Vec::new();
     for (place, body) in scene.bodies.iter().enumerate() {
-        if matches!(body.material, Material::Springs(_)) && !body.inlays.is_empty() {
+        if matches!(body.material, Material::Springs(_)) && !(body.inlays.is_empty() && body.parts.is_empty()) {
             let name = named(&body.name, "body", place);
             found.push(format!("the other solids within {name} do nothing: only a solid can hold them"));
         }
@@ -27,7 +27,7 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::body::Inlay;
+    use crate::scene::body::{Inlay, Part};
     use crate::scene::{Body, Obstacle, Solid, param};
 
     #[test]
@@ -35,6 +35,8 @@ mod tests {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
         scene.bodies[0].inlays = vec![Inlay::default()];
         assert!(warnings(&scene)[0].contains("within body 1 do nothing"), "{:?}", warnings(&scene));
+        (scene.bodies[0].inlays, scene.bodies[0].parts) = (Vec::new(), vec![Part::default()]);
+        assert!(warnings(&scene)[0].contains("within body 1 do nothing"), "named parts too: {:?}", warnings(&scene));
         scene.bodies[0].material = Material::Solid(Solid::default());
         assert_eq!(warnings(&scene), Vec::<String>::new(), "a solid has use for them");
     }

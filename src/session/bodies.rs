@@ -2,12 +2,16 @@
 
 use std::sync::Arc;
 
+use serde::Serialize;
+
 use super::document::Opened;
 use super::library::Library;
 use super::{SessionError, needs};
 use crate::extract::skin::{cells_skin, model_skin};
+use crate::geometry::part_cells::PartCount;
 use crate::geometry::{Lattice, Watch};
-use crate::scene::resolve::{Jelly, Outline};
+use crate::scene::param::Problem;
+use crate::scene::resolve::{Jelly, Outline, part_problem};
 use crate::scene::{Body, Material, Scene, Shape, Skin as SkinChoice};
 use crate::view::{Skin, SkinInstance, Style};
 
@@ -18,6 +22,15 @@ pub(super) struct Bodies {
     dressed: Vec<Dressed>,
     /// The skin of a body that is not there.
     nothing: Arc<Skin>,
+}
+
+/// The parts of a body's model that have names. Field names are the keys of the JSON report.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct BodyParts {
+    /// The body's place in the scene.
+    pub body: usize,
+    /// Its parts in the order of the model's file.
+    pub parts: Vec<PartCount>,
 }
 
 /// A visible body's skin and what it was made from.
@@ -46,7 +59,21 @@ impl Bodies {
             library.get(&body.shape, watch).map_err(|source| SessionError::Shape { index, source })
         };
         let jellies = scene.bodies.iter().enumerate().map(resolve_one).collect::<Result<_, _>>()?;
-        Ok(Self { jellies, ..Self::default() })
+        let bodies = Self { jellies, ..Self::default() };
+        bodies.part_problem(scene).map_or(Ok(bodies), |problem| Err(SessionError::Part(problem)))
+    }
+
+    /// The first part of a scene of the same bodies that its model does not have.
+    pub(super) fn part_problem(&self, scene: &Scene) -> Option<Problem> {
+        let mut bodies = scene.bodies.iter().zip(&self.jellies).enumerate();
+        bodies.find_map(|(place, (body, jelly))| part_problem(place, body, &jelly.lattice))
+    }
+
+    /// The bodies whose models have parts with names, and their parts.
+    pub(super) fn named_parts(&self) -> Vec<BodyParts> {
+        let of_one = |(body, jelly): (usize, &Jelly)| BodyParts { body, parts: jelly.lattice.part_counts() };
+        let all = self.jellies.iter().enumerate().map(of_one);
+        all.filter(|of_one| !of_one.parts.is_empty()).collect()
     }
 
     /// With the skins of others at hand for the next [`Bodies::dress`].

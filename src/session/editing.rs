@@ -129,6 +129,9 @@ impl Session {
         match applied.impact {
             Impact::Topology => self.rebuild(&scene, &kept_bodies)?,
             Impact::Parameters | Impact::Motion => {
+                if let Some(problem) = self.bodies.part_problem(&scene) {
+                    return Err(self.in_words(EditError::BadValue(problem)));
+                }
                 self.simulation.set_parameters(&scene, &self.bodies.lattices(), &kept_obstacles, arrival);
             }
             Impact::Appearance => (),
@@ -163,7 +166,10 @@ impl Session {
     /// Compiles the scene anew; bodies whose shape stays keep their motion, and so do models that are filled with other
     /// cells.
     fn rebuild(&mut self, scene: &Scene, kept: &[Option<usize>]) -> Result<(), SessionError> {
-        let bodies = Bodies::resolve(scene, &mut self.library, &())?;
+        let bodies = Bodies::resolve(scene, &mut self.library, &()).map_err(|error| match error {
+            SessionError::Part(problem) => self.in_words(EditError::BadValue(problem)),
+            error => error,
+        })?;
         let same_shape = |(new, old): (usize, &Option<usize>)| {
             old.filter(|&old| scene.bodies[new].shape == self.scene.bodies[old].shape)
         };

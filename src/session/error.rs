@@ -10,6 +10,7 @@ use super::state_error::StateError;
 use crate::machine::bytes_text;
 use crate::scene::edit::EditError;
 use crate::scene::file::SceneFileError;
+use crate::scene::param::Problem;
 use crate::scene::resolve::{MeshError, ResolveError};
 
 /// Speeds a person may ask for, simulated seconds a wall second.
@@ -42,6 +43,9 @@ pub enum SessionError {
         #[source]
         source: ResolveError,
     },
+    /// A part that the model of a body does not have.
+    #[error(transparent)]
+    Part(Problem),
     /// Nobody waited for the scene any more.
     #[error("opening the scene was stopped; the one before goes on")]
     Stopped,

@@ -57,6 +57,7 @@ use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 
+pub use bodies::BodyParts;
 pub use command::{Command, Pull};
 pub use costs::{StageCost, StepCost};
 pub use cures::Cure;
@@ -310,6 +311,11 @@ impl Session {
         self.hold = hold;
     }
 
+    /// The bodies whose models have parts with names, and how many cells are of each.
+    pub fn named_parts(&self) -> Vec<BodyParts> {
+        self.bodies.named_parts()
+    }
+
     /// The memory that the scene needs without a window, bytes.
     pub fn memory_bytes(&self) -> u64 {
         needs::needed(&self.scene, &self.bodies.outlines())
@@ -366,6 +372,8 @@ mod fallen_tests;
 mod history_tests;
 #[cfg(test)]
 mod mesh_tests;
+#[cfg(test)]
+mod part_tests;
 #[cfg(test)]
 mod random_tests;
 #[cfg(test)]

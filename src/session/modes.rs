@@ -95,9 +95,9 @@ impl BodyModes {
     /// Whether they are of the body as the scene has it now; where it stands does not matter.
     pub fn is_of(&self, scene: &Scene) -> bool {
         scene.bodies.get(self.body.0).is_some_and(|body| {
-            let Body { shape, material, inlays, pins, .. } = body;
+            let Body { shape, material, inlays, parts, pins, .. } = body;
             let own = &self.described;
-            (shape, material, inlays, pins) == (&own.shape, &own.material, &own.inlays, &own.pins)
+            (shape, material, inlays, parts, pins) == (&own.shape, &own.material, &own.inlays, &own.parts, &own.pins)
         })
     }
 }

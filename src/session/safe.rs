@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::geometry::Lattice;
 use crate::physics::{BodyModel, ContactLoad, SafeValue, StepSettings, largest_safe, other_form};
-use crate::scene::body::Inlay;
+use crate::scene::body::{Inlay, Part};
 use crate::scene::own_weight::Stature;
 use crate::scene::{Body, Material, Scene};
 
@@ -15,6 +15,7 @@ pub(super) struct Found {
     material: Material,
     lattice: Arc<Lattice>,
     inlays: Vec<Inlay>,
+    parts: Vec<Part>,
     step: StepSettings,
     contact: ContactLoad,
     /// How it is built.
@@ -35,6 +36,7 @@ pub(super) fn find(scene: &Scene, models: &[BodyModel<f32>], before: &[Found]) -
             Arc::ptr_eq(&found.lattice, &lattice)
                 && found.material == body.material
                 && found.inlays == body.inlays
+                && found.parts == body.parts
                 && found.step == step
                 && found.contact == contact
         };
@@ -46,6 +48,7 @@ pub(super) fn find(scene: &Scene, models: &[BodyModel<f32>], before: &[Found]) -
             material: body.material.clone(),
             lattice,
             inlays: body.inlays.clone(),
+            parts: body.parts.clone(),
             step,
             contact,
         })

@@ -255,8 +255,8 @@ fn without_values(body: &Body, family: Option<Family>) -> Body {
         (Material::Solid(solid), _) => Material::Solid(Solid { young_modulus: 1.0, damping_ratio: 0.0, ..*solid }),
         (material, None) => material.clone(),
     };
-    let Body { shape, inlays, pins, .. } = body.clone();
-    Body { shape, material, inlays, pins, ..Body::default() }
+    let Body { shape, inlays, parts, pins, .. } = body.clone();
+    Body { shape, material, inlays, parts, pins, ..Body::default() }
 }
 
 /// What a map is measured of.
@@ -384,6 +384,7 @@ impl Subject {
         cube.bodies = vec![self.scene.bodies.swap_remove(0)];
         cube.bodies[0].shape = Shape::Cube(CubeShape { cells: STAND_IN_CELLS, size });
         (cube.bodies[0].pins, cube.bodies[0].inlays) = (Vec::new(), Vec::new());
+        cube.bodies[0].parts.clear();
         let opened = Opened::without_file(cube.clone(), String::new(), std::path::PathBuf::new());
         let lattice = opened.lattices(&())?.swap_remove(0);
         Ok(Self { stand_in: Some(STAND_IN_CELLS), ..Self::new(&cube, 0, lattice) })

@@ -19,6 +19,7 @@ mod mesh_contact;
 mod mesh_obstacles;
 mod modes;
 mod moving_obstacles;
+mod parts;
 mod placing;
 mod presets;
 mod recovery;

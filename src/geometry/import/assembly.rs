@@ -7,6 +7,7 @@ use super::formats::MAX_PARTS;
 use super::model_file::{Imported, ModelFile};
 use super::polygon::Cutter;
 use crate::geometry::TriMesh;
+use crate::geometry::named_parts::{NameOf, Namer};
 
 /// A face of more corners takes so long to cut that a watcher is asked first.
 pub(super) const MANY_CORNERS: usize = 100;
@@ -16,18 +17,35 @@ pub(super) struct Assembly<'a> {
     file: ModelFile<'a>,
     mesh: TriMesh,
     cutter: Cutter,
+    /// In formats that have names.
+    namer: Option<Namer>,
+    /// Of every triangle, where there are names.
+    labels: Vec<u16>,
     small_faces: usize,
     warnings: Vec<String>,
 }
 
 impl<'a> Assembly<'a> {
     pub(super) fn new(file: ModelFile<'a>) -> Self {
-        Self { file, mesh: TriMesh::default(), cutter: Cutter::new(), small_faces: 0, warnings: Vec::new() }
+        Self {
+            file,
+            mesh: TriMesh::default(),
+            cutter: Cutter::new(),
+            namer: None,
+            labels: Vec::new(),
+            small_faces: 0,
+            warnings: Vec::new(),
+        }
     }
 
     /// How many vertices there are.
     pub(super) fn vertices(&self) -> usize {
         self.mesh.positions.len()
+    }
+
+    /// The faces that follow have this name; an empty one is none.
+    pub(super) fn call(&mut self, kind: NameOf, name: &str) {
+        self.namer.get_or_insert_with(Namer::new).call(kind, name);
     }
 
     /// Adds a vertex, which is finite.
@@ -55,6 +73,9 @@ impl<'a> Assembly<'a> {
             [a, b, c] => self.mesh.triangles.push([a, b, c]),
             _ => self.small_faces += 1,
         }
+        if let Some(namer) = &mut self.namer {
+            self.labels.resize(self.mesh.triangles.len(), namer.label());
+        }
         self.check_size()
     }
 
@@ -72,7 +93,9 @@ impl<'a> Assembly<'a> {
         if self.mesh.triangles.is_empty() {
             return Err(ImportError::NoFaces { file: self.file.name.to_owned() });
         }
-        Ok(Imported { mesh: self.mesh, warnings: self.warnings })
+        self.warnings.extend(self.namer.as_ref().and_then(Namer::warning));
+        let parts = self.namer.and_then(|namer| namer.finish(self.labels));
+        Ok(Imported { mesh: self.mesh, parts, warnings: self.warnings })
     }
 
     fn check_size(&self) -> Result<(), ImportError> {

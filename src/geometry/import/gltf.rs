@@ -2,7 +2,7 @@
 //! glTF is in metres and has y up, as everything here.
 //!
 //! gltf-json says what the JSON text means and nothing more: no index is followed and no byte read but here, so that
-//! each is held against what is there. Materials, cameras and animations are not looked at.
+//! each is held against what is there. Of materials nothing but their names is looked at, of cameras and animations nothing.
 
 mod buffers;
 mod primitive;
@@ -14,6 +14,7 @@ use gltf_json::{Index, Node, Root};
 
 use super::error::{ImportError, Place, Problem};
 use super::model_file::{Imported, ModelFile};
+use crate::geometry::named_parts::NameOf;
 use crate::text::echo_up_to;
 use primitive::Reader;
 
@@ -48,8 +49,10 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
         left_out.skins += usize::from(node.skin.is_some());
         let Some(mesh) = node.mesh else { continue };
         let found = root.meshes.get(mesh.value());
-        let primitives = &found.ok_or_else(|| file.no_such(Place::Asset, "mesh", mesh.value()))?.primitives;
-        for (number, primitive) in primitives.iter().enumerate() {
+        let found = found.ok_or_else(|| file.no_such(Place::Asset, "mesh", mesh.value()))?;
+        reader.call(NameOf::Object, node.name.as_ref());
+        reader.call(NameOf::Group, found.name.as_ref());
+        for (number, primitive) in found.primitives.iter().enumerate() {
             let place = Place::Primitive(mesh.value(), number);
             left_out.others += usize::from(!reader.add(primitive, &transform, &place)?);
             left_out.skins += usize::from(primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()));

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::error::{ImportError, Place, Problem};
+use crate::geometry::named_parts::NamedParts;
 use crate::geometry::{TriMesh, Watch};
 
 /// Elements between two looks at whether someone still waits.
@@ -13,6 +14,8 @@ const LOOK: usize = 1 << 16;
 pub struct Imported {
     /// All objects and groups of the file as one surface, in the file's own units and place.
     pub mesh: TriMesh,
+    /// What its triangles are called; none where nothing has a name.
+    pub parts: Option<NamedParts>,
     /// What was left out, a sentence each.
     pub warnings: Vec<String>,
 }

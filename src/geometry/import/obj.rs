@@ -30,20 +30,36 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     }
     let mut mesh = TriMesh::default();
     let mut cutter = Cutter::new();
+    let (namer, of_faces) = lines.take_names();
+    let (mut of_faces, mut of_triangles) = (of_faces.into_iter(), Vec::new());
     for model in &models {
-        append(&mut mesh, &model.mesh, &mut cutter, file.watch).ok_or_else(|| file.cancelled())?;
+        let named = |triangles: usize| {
+            if let Some(label) = of_faces.next() {
+                of_triangles.resize(of_triangles.len() + triangles, label);
+            }
+        };
+        append(&mut mesh, &model.mesh, &mut cutter, file.watch, named).ok_or_else(|| file.cancelled())?;
     }
     let mut warnings = warnings(lines.left_out());
     warnings.extend(cutter.warning());
-    Ok(Imported { mesh, warnings })
+    warnings.extend(namer.warning());
+    Ok(Imported { mesh, parts: namer.finish(of_triangles), warnings })
 }
 
-/// Adds the polygons of one model of the file, as triangles; none where someone has cancelled.
-fn append(mesh: &mut TriMesh, model: &tobj::Mesh, cutter: &mut Cutter, watch: &dyn Watch) -> Option<()> {
+/// Adds the polygons of one model of the file, as triangles, and calls `added` with the number of those of each; none where
+/// someone has cancelled.
+fn append(
+    mesh: &mut TriMesh,
+    model: &tobj::Mesh,
+    cutter: &mut Cutter,
+    watch: &dyn Watch,
+    mut added: impl FnMut(usize),
+) -> Option<()> {
     let base = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
     mesh.positions.extend(model.positions.as_chunks().0.iter().map(|&position| DVec3::from_array(position)));
     if model.face_arities.is_empty() {
         mesh.triangles.extend(model.indices.as_chunks().0.iter().map(|triangle| triangle.map(|vertex| base + vertex)));
+        (0..model.indices.len() / 3).for_each(|_| added(1));
         return Some(());
     }
     let mut rest = model.indices.as_slice();
@@ -55,6 +71,7 @@ fn append(mesh: &mut TriMesh, model: &tobj::Mesh, cutter: &mut Cutter, watch: &d
         }
         let corners: Vec<DVec3> = face.iter().map(|&vertex| mesh.positions[(base + vertex) as usize]).collect();
         let cut = cutter.cut(&corners);
+        added(cut.len());
         mesh.triangles.extend(cut.into_iter().map(|triangle| triangle.map(|place| base + face[place as usize])));
     }
     Some(())
@@ -111,6 +128,47 @@ mod tests {
         assert_eq!(imported.warnings, ["points and lines have no surface and were left out: 1"], "the line is missed");
     }
 
+    /// The triangles that a name means.
+    fn triangles_of(text: &str, name: &str) -> Vec<usize> {
+        let imported = parse_obj(text.as_bytes(), "m.obj").expect("a good file");
+        let parts = imported.parts.expect("names");
+        let is_of: Vec<bool> = parts.is_of(name).collect();
+        (0..imported.mesh.triangles.len()).filter(|&triangle| is_of[usize::from(parts.label(triangle))]).collect()
+    }
+
+    #[test]
+    fn materials_groups_and_objects_name_the_triangles_that_follow() {
+        let text = format!(
+            "{QUAD}o car\ng front wheels\nusemtl Red Rubber #25\nf 1 2 3 4\nusemtl steel\nf 1 2 3\no cart\r\nf 1 2 3\n\
+             g\tfront wheels \nusemtl Red Rubber #26 \nf 1 2\nf 1 2 3\nusemtl\nf 1 2 3\n"
+        );
+        for (name, triangles) in [
+            ("car", vec![2, 3, 4]),
+            ("front wheels", vec![2, 3, 4, 6, 7]),
+            ("Red Rubber #25", vec![2, 3]),
+            ("Red Rubber #26", vec![6]),
+            ("steel", vec![4, 5]),
+            ("cart", vec![5, 6, 7]),
+            ("front", vec![]),
+        ] {
+            assert_eq!(triangles_of(&text, name), triangles, "{name}");
+        }
+        assert_eq!(parse_obj(QUAD.as_bytes(), "m.obj").expect("a good file").parts, None, "nothing has a name");
+        let unused = format!("{QUAD}o a\ng b\nusemtl c\n");
+        assert_eq!(parse_obj(unused.as_bytes(), "m.obj").expect("a good file").parts, None, "no face has it");
+    }
+
+    #[test]
+    fn names_of_strangers_steer_nothing() {
+        let text = format!("# {}\nusemtl \u{1b}]0;owned\u{7}\u{202e}\n{QUAD}g \u{fffd}\nf 1 2 3\n", "-".repeat(9000));
+        let parts = parse_obj(text.as_bytes(), "m.obj").expect("a good file").parts.expect("names");
+        assert_eq!(parts.names(), ["\u{fffd}]0;owned\u{fffd}\u{fffd}", "\u{fffd}"], "printable");
+        let mut bytes = b"usemtl a\xff\xfeb\n".to_vec();
+        bytes.extend_from_slice(QUAD.as_bytes());
+        let parts = parse_obj(&bytes, "m.obj").expect("a good file").parts.expect("names");
+        assert_eq!(parts.names(), ["a\u{fffd}\u{fffd}b"], "no UTF-8");
+    }
+
     #[test]
     fn an_n_gon_beside_triangles_is_cut() {
         let mesh = mesh("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\nf 1 2 3\n");
@@ -152,9 +210,10 @@ mod tests {
                 bytes[at] = byte;
             }
             bytes.truncate(cut.max(1));
-            if let Ok(Imported { mesh, .. }) = parse_obj(&bytes, "m.obj") {
+            if let Ok(Imported { mesh, parts, .. }) = parse_obj(&bytes, "m.obj") {
                 prop_assert!(!mesh.triangles.is_empty(), "success means a surface");
                 prop_assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < mesh.positions.len()), "indices in range");
+                prop_assert!(parts.is_none_or(|parts| parts.count() == mesh.triangles.len()), "a label a triangle");
                 prop_assert!(mesh.positions.iter().all(|position| position.is_finite()), "finite positions");
             }
         }

@@ -2,12 +2,14 @@
 //!
 //! tobj names no line in its errors, takes `l` for a face, wants every texture coordinate in order and opens
 //! materials. So it is handed only vertices (three coordinates) and faces (position indices, counted from 1), each
-//! checked where it stands; everything else a surface does not need stays behind.
+//! checked where it stands; everything else a surface does not need stays behind. What faces are called (`usemtl`, `g`,
+//! `o`) is kept beside them: all of the line behind the first word is the name, blanks and `#` within it too.
 
 use std::io::{self, BufRead, Read};
 
 use super::error::{Problem, coordinate, quote};
 use crate::geometry::Watch;
+use crate::geometry::named_parts::{NameOf, Namer};
 
 /// What was left out on the way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,6 +35,9 @@ pub(super) struct ObjLines<'a> {
     clean: Vec<u8>,
     given: usize,
     left_out: LeftOut,
+    namer: Namer,
+    /// Of every face that was given on, once something has a name.
+    labels: Vec<u16>,
     stop: Option<Stop>,
     watch: &'a dyn Watch,
 }
@@ -58,6 +63,8 @@ impl<'a> ObjLines<'a> {
             clean: Vec::new(),
             given: 0,
             left_out: LeftOut::default(),
+            namer: Namer::new(),
+            labels: Vec::new(),
             stop: None,
             watch,
         };
@@ -79,6 +86,11 @@ impl<'a> ObjLines<'a> {
 
     pub(super) fn left_out(&self) -> LeftOut {
         self.left_out
+    }
+
+    /// What names the faces, and the label of each; faces before the first name have none.
+    pub(super) fn take_names(&mut self) -> (Namer, Vec<u16>) {
+        (std::mem::replace(&mut self.namer, Namer::new()), std::mem::take(&mut self.labels))
     }
 
     pub(super) fn take_stop(&mut self) -> Option<Stop> {
@@ -114,7 +126,9 @@ impl<'a> ObjLines<'a> {
         let end_len = if rest.starts_with(b"\r\n") { 2 } else { rest.len().min(1) };
         self.rest = &rest[end_len..];
         self.next_line += 1;
-        let code = line.split(|&byte| byte == b'#').next().unwrap_or(line);
+        let is_name = || words(line).next().is_some_and(|word| name_of(word).is_some());
+        let end = line.iter().position(|&byte| byte == b'#').filter(|_| !is_name()).unwrap_or(line.len());
+        let code = &line[..end];
         let comment_follows = code.len() < line.len();
         match code.trim_ascii_end().strip_suffix(b"\\") {
             Some(continued) if !comment_follows => (continued, true),
@@ -146,7 +160,11 @@ impl<'a> ObjLines<'a> {
                     self.left_out.curves += 1;
                     Ok(())
                 }
-                _ => Ok(()),
+                Some(word) => {
+                    self.call(word, &line);
+                    Ok(())
+                }
+                None => Ok(()),
             }
             .map_err(Stop::Problem)?;
         }
@@ -176,6 +194,11 @@ impl<'a> ObjLines<'a> {
             self.left_out.small_faces += 1;
             return Ok(());
         }
+        let label = self.namer.label();
+        if label > 0 || !self.labels.is_empty() {
+            self.labels.resize(self.faces, 0);
+            self.labels.push(label);
+        }
         self.faces += 1;
         self.clean.push(b'f');
         for corner in corners {
@@ -183,6 +206,16 @@ impl<'a> ObjLines<'a> {
         }
         self.clean.push(b'\n');
         Ok(())
+    }
+
+    /// Takes note of a name: it holds for the faces that follow. A new object has no group yet.
+    fn call(&mut self, word: &[u8], line: &[u8]) {
+        let Some(kind) = name_of(word) else { return };
+        let name = line.trim_ascii_start().get(word.len()..).unwrap_or_default();
+        self.namer.call(kind, &String::from_utf8_lossy(name));
+        if kind == NameOf::Object {
+            self.namer.call(NameOf::Group, "");
+        }
     }
 
     /// The position index of a face corner (`1`, `1/2`, `1//3`, `-4/…`), counted from 1.
@@ -231,6 +264,16 @@ impl BufRead for ObjLines<'_> {
 
 fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+/// What a line that begins with this word names.
+fn name_of(word: &[u8]) -> Option<NameOf> {
+    match word {
+        b"usemtl" => Some(NameOf::Material),
+        b"g" => Some(NameOf::Group),
+        b"o" => Some(NameOf::Object),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

@@ -10,9 +10,8 @@
 //! share a face with it, else an edge, else a corner. Where a closed mesh is one skin, oriented alike, its volume is known
 //! exactly (Gauss) and the samples only share it out.
 
-use glam::DVec3;
-
 use super::centre::crossings;
+use super::pieces::{Divider, area, takers};
 use super::quantized_mesh::QuantizedMesh;
 use super::report::VoxelReport;
 use super::shell::CHUNK;
@@ -44,16 +43,6 @@ const LEAST_HELD: f64 = 0.8;
 
 /// Samples that miss the known volume by more are too few: the model is thinner than they are apart.
 const MOST_OFF: f64 = 0.2;
-
-/// The longest edge of a piece of a triangle, in cells; longer ones where there would be too many.
-const PIECE: f64 = 0.5;
-
-/// A piece of a sliver may be longer if its area is below this share of the square of that edge.
-const SLIVER: f64 = 1.0 / 16.0;
-
-/// How many squares of that edge a surface has at most: a few samples each. A surface that lies on itself a thousand times
-/// has no more samples than one that does not.
-const MOST_SQUARES: f64 = 1e6;
 
 /// The most crossings of rays with the surface, along an axis.
 const MOST_CROSSINGS: f64 = 1e8;
@@ -230,53 +219,22 @@ fn enclosed(mesh: &TriMesh, grid: &Grid) -> f64 {
     ((0..mesh.triangles.len()).map(six).sum::<f64>() / 6.0).abs()
 }
 
-/// The area of a mesh, in squares of cells.
-fn area(mesh: &TriMesh, grid: &Grid) -> f64 {
-    let of = |[a, b, c]: [DVec3; 3]| 0.5 * ((b - a) / grid.cell_size).cross((c - a) / grid.cell_size).length();
-    (0..mesh.triangles.len()).map(|triangle| of(mesh.corners(triangle))).sum()
-}
-
 /// Samples the surface, `thickness` cells thick.
 fn surface(mesh: &TriMesh, grid: &Grid, thickness: f64, watch: &dyn Watch) -> Result<Sampled, VoxelizeError> {
     let mut of_cell = vec![0.0_f32; grid.len()];
     let (mut samples, mut all) = (0, 0.0);
-    let square = (area(mesh, grid) / MOST_SQUARES).max(PIECE * PIECE);
-    let mut pieces = Vec::new();
+    let mut divider = Divider::new(mesh, grid);
     for triangle in 0..mesh.triangles.len() {
         if triangle % CHUNK == 0 && watch.cancelled() {
             return Err(VoxelizeError::Cancelled);
         }
-        pieces.push(mesh.corners(triangle).map(|corner| (corner - grid.origin) / grid.cell_size));
-        while let Some([a, b, c]) = pieces.pop() {
-            let area = 0.5 * (b - a).cross(c - a).length();
-            let [ab, bc, ca] = [b - a, c - b, a - c].map(DVec3::length_squared);
-            let longest = ab.max(bc).max(ca);
-            if longest > square && area > SLIVER * square {
-                // The corner across from the longest edge comes first.
-                let [tip, from, to] = if bc >= longest {
-                    [a, b, c]
-                } else if ca >= longest {
-                    [b, c, a]
-                } else {
-                    [c, a, b]
-                };
-                let middle = 0.5 * (from + to);
-                pieces.extend([[tip, from, middle], [tip, middle, to]]);
-            } else if area > 0.0 {
-                let middle = ((a + b + c) / 3.0).to_array();
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "within the grid; saturating"
-                )]
-                let cell = std::array::from_fn(|axis| (middle[axis] as u32).min(grid.dims[axis] - 1));
-                #[expect(clippy::cast_possible_truncation, reason = "as precise as it is needed")]
-                let volume = (area * thickness) as f32;
-                of_cell[grid.index(cell)] += volume;
-                all += area * thickness;
-                samples += 1;
-            }
-        }
+        divider.pieces(triangle, |cell, area| {
+            #[expect(clippy::cast_possible_truncation, reason = "as precise as it is needed")]
+            let volume = (area * thickness) as f32;
+            of_cell[grid.index(cell)] += volume;
+            all += area * thickness;
+            samples += 1;
+        });
     }
     Ok(Sampled { of_cell, samples, known: Some(all) })
 }
@@ -291,18 +249,13 @@ fn share_out(sampled: Sampled, cells: &Cells, of_surface: bool) -> Contents {
         if of_cell[at] == 0.0 {
             continue;
         }
-        let beside = |axes: usize| {
-            let differing = move |near: [u32; 3]| (0..3).filter(|&axis| near[axis] != cell[axis]).count();
-            let near = grid.around(cell).filter(move |&near| differing(near) == axes);
-            near.map(|near| grid.index(near)).filter(|&near| cells.filled[near])
-        };
-        match (1..=3).find(|&axes| beside(axes).next().is_some()) {
-            Some(axes) => {
-                let takers = u8::try_from(beside(axes).count()).unwrap_or(u8::MAX);
-                let part = of_cell[at] / f32::from(takers);
-                beside(axes).for_each(|near| of_cell[near] += part);
+        let takers = takers(&grid, cell, |near| cells.filled[near]);
+        match u8::try_from(takers.clone().count()).unwrap_or(u8::MAX) {
+            0 => lost += f64::from(of_cell[at]),
+            count => {
+                let part = of_cell[at] / f32::from(count);
+                takers.for_each(|near| of_cell[near] += part);
             }
-            None => lost += f64::from(of_cell[at]),
         }
     }
     let of_filled = of_cell.iter().zip(&cells.filled).filter(|&(_, &filled)| filled);

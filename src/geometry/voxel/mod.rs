@@ -11,6 +11,7 @@ mod components;
 mod contents;
 pub mod grid;
 mod options;
+pub(super) mod pieces;
 mod quantized_mesh;
 mod report;
 mod shell;

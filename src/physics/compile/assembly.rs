@@ -24,9 +24,9 @@ use crate::geometry::{Family, Lattice};
 use crate::math::Real;
 use crate::physics::model::levels::Levels;
 use crate::physics::model::{CellKind, Link, LinkConstants, LinkFamily, Values};
-use crate::scene::Springs;
-use crate::scene::body::{Inlay, MAX_INLAYS};
+use crate::scene::body::{MAX_INLAYS, MAX_NAMED_PARTS, Part};
 use crate::scene::material::Solid;
+use crate::scene::{Body, Springs};
 
 /// `E h²` over the constant of diagonal links: 2.5 (√2/2 + 4√3/9) isotropic constants.
 pub(in crate::physics) const MODULUS_OVER_SHEAR: f64 = 3.692_27;
@@ -74,17 +74,17 @@ pub(in crate::physics) fn solid_cell(solid: &Solid, lattice: &Lattice, size: f64
     }
 }
 
-/// The kinds of the cells of a solid with inlays, and the place among them of each cell's.
+/// The kinds of the cells of a solid with parts and boxes of other solids, and the place among them of each cell's.
 pub(in crate::physics) fn solid_cells(
     solid: &Solid,
-    inlays: &[Inlay],
+    body: &Body,
     lattice: &Lattice,
     size: f64,
     rest: &[DVec3],
 ) -> (Vec<CellKind>, Values<u8>) {
     let mut kinds = vec![solid_cell(solid, lattice, size)];
-    let mut kind_of_cell = Values::Uniform(0);
-    for inlay in inlays.iter().take(MAX_INLAYS) {
+    let mut kind_of_cell = kinds_of_parts(&body.parts, lattice, size, &mut kinds);
+    for inlay in body.inlays.iter().take(MAX_INLAYS) {
         let number = u8::try_from(kinds.len()).unwrap_or(0);
         let mut is_used = false;
         for (cell, corners) in lattice.cells.iter().enumerate() {
@@ -104,6 +104,23 @@ pub(in crate::physics) fn solid_cells(
         }
     }
     (kinds, kind_of_cell)
+}
+
+/// The place among the kinds of each cell of a body with parts of other solids, whose kinds are added.
+fn kinds_of_parts(parts: &[Part], lattice: &Lattice, size: f64, kinds: &mut Vec<CellKind>) -> Values<u8> {
+    let parts = parts.get(..MAX_NAMED_PARTS).unwrap_or(parts);
+    let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
+    let found = if parts.is_empty() { None } else { lattice.cells_of_parts(&names) };
+    let Some(of_cells) = found else { return Values::Uniform(0) };
+    let mut numbers = vec![0; parts.len() + 1];
+    for (part, number) in parts.iter().zip(1..).filter(|(_, number)| of_cells.contains(number)) {
+        numbers[number as usize] = u8::try_from(kinds.len()).unwrap_or(0);
+        kinds.push(solid_cell(&part.solid, lattice, size));
+    }
+    if kinds.len() == 1 {
+        return Values::Uniform(0);
+    }
+    Values::Each(of_cells.into_iter().map(|number| numbers[number as usize]).collect())
 }
 
 /// Sums the shares of the cells. `measured` are the lattice's links; `kind_of_cell` holds a place in `kinds` for every

@@ -27,7 +27,7 @@ use crate::physics::model::plan::Plan;
 use crate::physics::simulation::{Arrival, Simulation};
 use crate::physics::state::fallen;
 use crate::scene::param::{self, Problem};
-use crate::scene::resolve::{MeshError, ResolveError, load_meshes, resolve};
+use crate::scene::resolve::{MeshError, ResolveError, load_meshes, part_problem, resolve};
 use crate::scene::{Body, ContactOn, Material, Scene};
 use assembly::Assembled;
 pub use obstacles::DEPTH_SHARE;
@@ -66,7 +66,12 @@ impl<R: Real> Simulation<R> {
             let jelly = resolve(&described.shape, folder, &());
             jelly.map(|jelly| jelly.lattice).map_err(|source| SceneError::Shape { body, source })
         });
-        Ok(Self::new(&scene, &lattices.collect::<Result<Vec<_>, _>>()?))
+        let lattices = lattices.collect::<Result<Vec<_>, _>>()?;
+        let mut bodies = scene.bodies.iter().zip(&lattices).enumerate();
+        if let Some(problem) = bodies.find_map(|(place, (body, lattice))| part_problem(place, body, lattice)) {
+            return Err(problem.into());
+        }
+        Ok(Self::new(&scene, &lattices))
     }
 
     /// A scene at its start. `lattices` are those of the scene's bodies, in their order.
@@ -149,7 +154,7 @@ fn compile_body<R: Real>(
     let Assembled { particle_mass, masses, links, cell_kinds } = match &body.material {
         Material::Springs(springs) => assembly::uniform(springs, measured),
         Material::Solid(solid) => {
-            let (kinds, kind_of_cell) = assembly::solid_cells(solid, &body.inlays, lattice, size, &rest);
+            let (kinds, kind_of_cell) = assembly::solid_cells(solid, body, lattice, size, &rest);
             assembly::by_cell(&kinds, &kind_of_cell, lattice, measured)
         }
     };

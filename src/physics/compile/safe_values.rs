@@ -8,7 +8,6 @@ use crate::physics::compile::waves::{largest_share, waves};
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::limits::{LATTICE_LIMIT, LoadShare, Margin, largest, load_shares, most_stiffness_per_damping};
 use crate::physics::model::{BodyModel, Scheme};
-use crate::scene::body::Inlay;
 use crate::scene::material::{Solid, Spring};
 use crate::scene::obstacle::ContactStiffness;
 use crate::scene::settings::{ContactRule, Integrator};
@@ -151,7 +150,7 @@ pub fn largest_safe<R: Real>(
     let per_damping = step.stiffness_per_damping().unwrap_or(f64::INFINITY);
     match &body.material {
         Material::Springs(springs) => of_springs(springs, &model.lattice, &loads, per_damping),
-        Material::Solid(solid) => of_solid(solid, &body.inlays, model, &loads, per_damping),
+        Material::Solid(solid) => of_solid(solid, body, model, &loads, per_damping),
     }
 }
 
@@ -210,7 +209,7 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load], per_damping: f
 
 fn of_solid<R: Real>(
     solid: &Solid,
-    inlays: &[Inlay],
+    body: &Body,
     model: &BodyModel<R>,
     all: &[Load],
     per_damping: f64,
@@ -223,7 +222,7 @@ fn of_solid<R: Real>(
     };
     let (loads, critical) = (loads_of(solid.damping_ratio), loads_of(1.0));
     let [mut times, mut times_lighter, mut damping_ratio] = [f64::INFINITY; 3];
-    let others = inlay_loads(solid, inlays, lattice);
+    let others = other_loads(solid, body, lattice);
     // What it is now grows with the root of E/ρ.
     let room = per_damping / loads.stiffness_per_damping;
     (times, times_lighter) = (times.min(room * room), times_lighter.min(room * room));
@@ -275,9 +274,9 @@ pub(super) fn host_size(lattice: &Lattice) -> f64 {
 }
 
 /// The loads of the cells of a solid that are of other solids.
-pub(super) fn inlay_loads(solid: &Solid, inlays: &[Inlay], lattice: &Lattice) -> CellLoads {
+pub(super) fn other_loads(solid: &Solid, body: &Body, lattice: &Lattice) -> CellLoads {
     let rest: Vec<_> = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle)).collect();
-    let (kinds, _) = assembly::solid_cells(solid, inlays, lattice, host_size(lattice), &rest);
+    let (kinds, _) = assembly::solid_cells(solid, body, lattice, host_size(lattice), &rest);
     CellLoads::of(kinds.get(1..).unwrap_or_default(), lattice.grid.cell_size)
 }
 

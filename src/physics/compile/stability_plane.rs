@@ -12,7 +12,7 @@
 //! stay as they are. Of a solid all links scale together, and the axes are those of its structural ones.
 
 use super::assembly::solid_cell;
-use super::safe_values::{StepSettings, host_size, inlay_loads};
+use super::safe_values::{StepSettings, host_size, other_loads};
 use super::waves::{largest_share, waves};
 use crate::geometry::{Family, Lattice};
 use crate::math::Real;
@@ -44,7 +44,7 @@ pub struct StabilityPlane {
 enum Values {
     /// Of one family of springs, and the family that limits the step most.
     Springs { springs: Springs, family: Family, limiting: Family, has_links: [bool; 3], per_value: f64 },
-    /// Of a solid: where it is, the place's damping at damping ratio 1, loads per place, and those of its inlays.
+    /// Of a solid: where it is, the place's damping at damping ratio 1, loads per place, and those of the other solids in it.
     Solid { solid: Solid, place: Place, critical_damping: f64, load: f64, others: CellLoads },
 }
 
@@ -194,7 +194,7 @@ impl Values {
         let place = Place { damping: kind.damping[0] * per_value, stiffness: kind.stiffness[0] * per_value };
         let load = CellLoads::of(&[kind], h).shared(model.load_share).stiffness / place.stiffness;
         let critical_damping = critical.damping[0] * per_value;
-        Self::Solid { solid: *solid, place, critical_damping, load, others: inlay_loads(solid, &body.inlays, lattice) }
+        Self::Solid { solid: *solid, place, critical_damping, load, others: other_loads(solid, body, lattice) }
     }
 
     fn largest_stiffness(&self, damping: f64, share: LoadShare) -> f64 {

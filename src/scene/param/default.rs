@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use serde_json::Value;
 
 use super::definition::Param;
-use crate::scene::body::{CellsShape, CubeShape, Inlay, ModelShape, PinBox};
+use crate::scene::body::{CellsShape, CubeShape, Inlay, ModelShape, Part, PinBox};
 use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Mesh, Motion, Oscillate, Plane, Sphere, Turn};
 use crate::scene::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid};
 
@@ -46,8 +46,12 @@ pub(in crate::scene) fn specimen() -> Scene {
 /// A scene that holds one of everything, each at its default.
 fn defaults() -> Scene {
     let body = |shape| Body { shape, pins: vec![PinBox::default()], ..Body::default() };
-    let solid =
-        |shape| Body { material: Material::Solid(Solid::default()), inlays: vec![Inlay::default()], ..body(shape) };
+    let solid = |shape| Body {
+        material: Material::Solid(Solid::default()),
+        inlays: vec![Inlay::default()],
+        parts: vec![Part::default()],
+        ..body(shape)
+    };
     let obstacle = |shape| Obstacle { shape, ..Obstacle::default() };
     let moving = |shape, motion| Obstacle { motion: Some(motion), ..obstacle(shape) };
     Scene {

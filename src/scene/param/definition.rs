@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde_json::Value;
 
-use crate::scene::body::MAX_INLAYS;
+use crate::scene::body::{MAX_INLAYS, MAX_NAMED_PARTS};
 use crate::text::echo;
 
 /// Where a model file is named.
@@ -135,6 +135,10 @@ impl Param {
             "bodies.*.inlays" if entries.len() > MAX_INLAYS => {
                 Some(format!("a list of {} boxes; a body can hold at most {MAX_INLAYS}", entries.len()))
             }
+            "bodies.*.parts" if entries.len() > MAX_NAMED_PARTS => Some(format!(
+                "a list of {} parts; at most {MAX_NAMED_PARTS} of a body can be of other solids",
+                entries.len()
+            )),
             _ => None,
         }
     }

@@ -119,7 +119,7 @@ pub(super) fn matches(pattern: &str, path: &str) -> bool {
 mod tests {
     use super::*;
     use crate::scene::ColorBy;
-    use crate::scene::body::{CellsShape, Inlay, MAX_INLAYS};
+    use crate::scene::body::{CellsShape, Inlay, MAX_INLAYS, MAX_NAMED_PARTS, Part};
     use crate::scene::{Body, Material, Shape, Solid};
 
     fn leaves_without_param(value: &Value) -> Vec<String> {
@@ -210,5 +210,9 @@ mod tests {
         scene.bodies[0].inlays.push(Inlay::default());
         let problems = validate(&scene);
         assert!(problems.len() == 1 && problems[0].message.contains("at most 16"), "one too many: {problems:?}");
+        scene.bodies[0].inlays.clear();
+        scene.bodies[0].parts = vec![Part::default(); MAX_NAMED_PARTS + 1];
+        let problems = validate(&scene);
+        assert!(problems.len() == 1 && problems[0].message.contains("at most 64"), "one too many: {problems:?}");
     }
 }

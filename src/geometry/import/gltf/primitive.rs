@@ -11,6 +11,7 @@ use crate::geometry::import::assembly::{Assembly, finite, vertex_index};
 use crate::geometry::import::error::{ImportError, Place, Problem};
 use crate::geometry::import::formats::MAX_PARTS;
 use crate::geometry::import::model_file::{Imported, ModelFile};
+use crate::geometry::named_parts::NameOf;
 
 /// Follows the indices of a file into its buffers, and gathers the triangles that it finds.
 pub(super) struct Reader<'a> {
@@ -40,6 +41,11 @@ impl<'a> Reader<'a> {
         self.assembly.warn(warning);
     }
 
+    /// The primitives that follow have this name; none is none.
+    pub(super) fn call(&mut self, kind: NameOf, name: Option<&String>) {
+        self.assembly.call(kind, name.map_or("", String::as_str));
+    }
+
     /// The mesh of all that was added.
     pub(super) fn finish(self) -> Result<Imported, ImportError> {
         self.assembly.finish()
@@ -52,6 +58,8 @@ impl<'a> Reader<'a> {
         };
         let missing = || self.file.at(place.clone(), Problem::Missing("the attribute `POSITION`"));
         let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions)).ok_or_else(missing)?.value();
+        let material = primitive.material.and_then(|material| self.root.materials.get(material.value()));
+        self.call(NameOf::Material, material.and_then(|material| material.name.as_ref()));
         let base = self.assembly.vertices();
         let count = self.add_positions(positions, transform, place)?;
         let corners = match primitive.indices {

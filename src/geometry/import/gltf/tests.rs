@@ -54,6 +54,20 @@ fn volume(mesh: &TriMesh) -> f64 {
     (0..mesh.triangles.len()).map(six).sum::<f64>() / 6.0
 }
 
+#[test]
+fn materials_meshes_and_nodes_name_their_triangles() {
+    let nodes = r#"{"name": "car", "children": [1]}, {"name": "wheel", "mesh": 0}"#;
+    let text = text(nodes, "").replace(r#""mode": 4}]"#, r#""mode": 4, "material": 0}], "name": "tyre""#);
+    let parts = parse(&glb(&text, &bytes()), "m.glb").expect("a good file").parts.expect("names");
+    assert_eq!((parts.names(), parts.count()), (&["red", "tyre", "wheel"].map(str::to_owned)[..], 4));
+    for name in ["red", "tyre", "wheel"] {
+        assert!(parts.is_of(name).eq([false, true]), "all of it is {name}");
+    }
+    let text = text.replace(r#""material": 0"#, r#""material": 7"#);
+    let parts = parse(&glb(&text, &bytes()), "m.glb").expect("a good file").parts.expect("names");
+    assert_eq!(parts.names(), ["tyre", "wheel"], "a material that is not there has no name");
+}
+
 fn embedded(kind: &str, letters: &str) -> String {
     text(r#"{"mesh": 0}"#, &format!(r#""uri": "data:application/{kind},{letters}","#))
 }

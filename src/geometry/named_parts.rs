@@ -1,0 +1,253 @@
+//! The parts of a model by the names that its file gives: of materials, of groups, of objects.
+//!
+//! A triangle may have a name of each kind. One name means all triangles whose material has it; where no material has, those
+//! of the group of that name; else those of the object. Names are kept as a message may repeat them: printable and short.
+
+use std::collections::BTreeMap;
+
+use crate::text::echo_up_to;
+
+/// The longest name, letters.
+const LONGEST: usize = 100;
+
+/// The most combinations of names, the one without any among them: triangles know theirs by 16 bits.
+const MOST_LABELS: usize = 1 << 16;
+
+/// What a name is the name of. The first that has a name is meant by it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NameOf {
+    /// A material: `usemtl` of an OBJ file, a material of a glTF file.
+    Material,
+    /// A group: `g` of an OBJ file, a mesh of a glTF file.
+    Group,
+    /// An object: `o` of an OBJ file, a node of a glTF file.
+    Object,
+}
+
+impl NameOf {
+    /// All of them, the first that counts first.
+    pub const ALL: [Self; 3] = [Self::Material, Self::Group, Self::Object];
+}
+
+/// The names of a triangle by [`NameOf`], places among all names.
+type Label = [Option<u32>; 3];
+
+/// What the triangles of a mesh are called.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedParts {
+    names: Vec<String>,
+    /// Every combination once, the first without a name.
+    labels: Vec<Label>,
+    /// The place of every triangle's names among the labels.
+    of_triangle: Vec<u16>,
+}
+
+impl NamedParts {
+    /// All names that mean a part, in the order of the file.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Whether a name means a part.
+    pub fn has(&self, name: &str) -> bool {
+        self.place(name).is_some()
+    }
+
+    /// The place of a triangle's names among all labels.
+    pub fn label(&self, triangle: usize) -> u16 {
+        self.of_triangle[triangle]
+    }
+
+    /// How many triangles there are.
+    pub fn count(&self) -> usize {
+        self.of_triangle.len()
+    }
+
+    /// How many labels there are.
+    pub(super) fn labels(&self) -> usize {
+        self.labels.len()
+    }
+
+    /// Whether each label is of the part that a name means.
+    pub(super) fn is_of(&self, name: &str) -> impl Iterator<Item = bool> {
+        let place = self.place(name);
+        let kind = place.and_then(|place| self.kind(place)).map_or(0, |kind| kind as usize);
+        self.labels.iter().map(move |label| place.is_some() && label[kind] == place)
+    }
+
+    /// The place of each label's name of a kind.
+    pub(super) fn places(&self, kind: NameOf) -> impl Iterator<Item = Option<u32>> {
+        self.labels.iter().map(move |label| label[kind as usize])
+    }
+
+    /// What every name is the name of.
+    pub(super) fn kinds(&self) -> Vec<NameOf> {
+        let mut kinds = vec![NameOf::Object; self.names.len()];
+        for kind in NameOf::ALL.into_iter().rev() {
+            for place in self.places(kind).flatten() {
+                kinds[place as usize] = kind;
+            }
+        }
+        kinds
+    }
+
+    fn place(&self, name: &str) -> Option<u32> {
+        let name = clean(name);
+        self.names.iter().zip(0..).find(|(known, _)| **known == name).map(|(_, place)| place)
+    }
+
+    fn kind(&self, place: u32) -> Option<NameOf> {
+        NameOf::ALL.into_iter().find(|&kind| self.places(kind).any(|named| named == Some(place)))
+    }
+}
+
+/// Gathers what triangles are called while a file is read.
+#[derive(Clone, Debug)]
+pub(super) struct Namer {
+    now: [String; 3],
+    /// The label of what is called so now, once that was asked for.
+    label: Option<u16>,
+    name_places: BTreeMap<String, u32>,
+    label_places: BTreeMap<Label, u16>,
+    names: Vec<String>,
+    labels: Vec<Label>,
+    has_too_many: bool,
+}
+
+impl Namer {
+    pub(super) fn new() -> Self {
+        Self {
+            now: <[String; 3]>::default(),
+            label: Some(0),
+            name_places: BTreeMap::new(),
+            label_places: BTreeMap::from([(Label::default(), 0)]),
+            names: Vec::new(),
+            labels: vec![Label::default()],
+            has_too_many: false,
+        }
+    }
+
+    /// What follows has this name; an empty one is none.
+    pub(super) fn call(&mut self, kind: NameOf, name: &str) {
+        self.now[kind as usize] = clean(name);
+        self.label = None;
+    }
+
+    /// The label of what follows.
+    pub(super) fn label(&mut self) -> u16 {
+        if let Some(label) = self.label {
+            return label;
+        }
+        let label = self.place_of_now();
+        self.label = Some(label);
+        label
+    }
+
+    /// What is said of a file with more names than are kept.
+    pub(super) fn warning(&self) -> Option<String> {
+        let said = || format!("the model has more than {MOST_LABELS} parts with names of their own; the rest has none");
+        self.has_too_many.then(said)
+    }
+
+    /// The names of triangles that have these labels; none where none has a name.
+    pub(super) fn finish(self, of_triangle: Vec<u16>) -> Option<NamedParts> {
+        let Self { names, labels, .. } = self;
+        (labels.len() > 1).then_some(NamedParts { names, labels, of_triangle })
+    }
+
+    fn place_of_now(&mut self) -> u16 {
+        let known = |name: &String| self.name_places.get(name).copied();
+        let places: [Option<u32>; 3] = self.now.each_ref().map(known);
+        let is_known = self.now.iter().zip(&places).all(|(name, place)| name.is_empty() || place.is_some());
+        if let Some(label) = self.label_places.get(&places).filter(|_| is_known) {
+            return *label;
+        }
+        let Ok(label) = u16::try_from(self.labels.len()) else {
+            self.has_too_many = true;
+            return 0;
+        };
+        let mut places = Label::default();
+        for (name, place) in self.now.iter().zip(&mut places).filter(|(name, _)| !name.is_empty()) {
+            // Three new names a label at most.
+            let next = u32::try_from(self.names.len()).unwrap_or(u32::MAX);
+            let known = *self.name_places.entry(name.clone()).or_insert(next);
+            if known == next {
+                self.names.push(name.clone());
+            }
+            *place = Some(known);
+        }
+        self.label_places.insert(places, label);
+        self.labels.push(places);
+        label
+    }
+}
+
+/// A name as it is kept: printable, short, without blanks around it.
+fn clean(name: &str) -> String {
+    echo_up_to(name.trim(), LONGEST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The parts of triangles that are called so: material, group and object of each.
+    pub(in crate::geometry) fn named(triangles: &[[&str; 3]]) -> Option<NamedParts> {
+        let mut namer = Namer::new();
+        let labels = triangles.iter().map(|names| {
+            NameOf::ALL.into_iter().zip(names).for_each(|(kind, name)| namer.call(kind, name));
+            namer.label()
+        });
+        let labels = labels.collect();
+        namer.finish(labels)
+    }
+
+    fn triangles_of(parts: &NamedParts, name: &str) -> Vec<usize> {
+        let is_of: Vec<bool> = parts.is_of(name).collect();
+        (0..parts.of_triangle.len()).filter(|&triangle| is_of[usize::from(parts.label(triangle))]).collect()
+    }
+
+    #[test]
+    fn a_name_means_a_material_before_a_group_and_a_group_before_an_object() {
+        let parts = named(&[["rubber", "wheel", "car"], ["steel", "rubber", "car"], ["", "car", "cart"], ["", "", ""]]);
+        let parts = parts.expect("names");
+        assert_eq!(parts.names(), ["rubber", "wheel", "car", "steel", "cart"], "in the order of the file");
+        for (name, triangles) in [
+            ("rubber", vec![0]),
+            ("wheel", vec![0]),
+            ("car", vec![2]),
+            ("cart", vec![2]),
+            (" steel ", vec![1]),
+            ("glass", vec![]),
+            ("", vec![]),
+        ] {
+            assert_eq!(triangles_of(&parts, name), triangles, "{name}");
+            assert_eq!(parts.has(name), !triangles.is_empty(), "{name}");
+        }
+        assert_eq!(named(&[["", "", ""], [" ", "", "\t"]]), None, "nothing has a name");
+    }
+
+    #[test]
+    fn names_that_would_steer_a_terminal_or_have_no_end_are_kept_clean() {
+        let long = "x".repeat(500);
+        let parts = named(&[["a\u{1b}[2Jb", &long, "\u{202e}"]]).expect("names");
+        assert_eq!(parts.names()[0], "a\u{fffd}[2Jb", "no escape sequence");
+        assert!(parts.names()[1].chars().count() == LONGEST + 1 && parts.has(&long), "cut, and found by all of it");
+        assert_eq!(parts.names()[2], "\u{fffd}");
+    }
+
+    #[test]
+    fn more_names_than_there_may_be_are_left_out_and_told() {
+        let mut namer = Namer::new();
+        let mut labels = Vec::new();
+        for number in 0..MOST_LABELS + 5 {
+            namer.call(NameOf::Group, &number.to_string());
+            labels.push(namer.label());
+        }
+        assert_eq!(labels[MOST_LABELS - 2..], [65535, 0, 0, 0, 0, 0, 0], "those too many have no name");
+        assert!(namer.warning().is_some_and(|warning| warning.contains("more than 65536 parts")), "said");
+        namer.call(NameOf::Group, "7");
+        assert_eq!(namer.label(), 8, "what is known is found again");
+        assert_eq!(namer.finish(labels).expect("names").names().len(), MOST_LABELS - 1, "no name beyond");
+    }
+}

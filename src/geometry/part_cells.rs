@@ -1,0 +1,254 @@
+//! Which cells of a model are of which of its named parts.
+//!
+//! A cell is of the part that most of the surface in it is of, by area; what of the surface is in an empty cell goes in equal
+//! parts to the filled cells beside it. A cell without surface is as the nearest one that has some, on a way through
+//! the faces of cells; of those equally near as the first. What no such way leads to is of no part.
+
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+use serde::Serialize;
+
+use super::TriMesh;
+use super::named_parts::{NameOf, NamedParts};
+use super::voxel::Grid;
+use super::voxel::pieces::{Divider, takers};
+
+/// The parts of a body, and its cells by them once somebody asks.
+#[derive(Debug)]
+pub struct Parts {
+    /// What triangles are called.
+    pub names: NamedParts,
+    cells: OnceLock<PartCells>,
+}
+
+/// A part of a model, and how large it is. Field names are the keys of JSON reports.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PartCount {
+    /// Its name.
+    pub name: String,
+    /// The cells that are of it rather than of other materials, or groups, or objects.
+    pub cells: usize,
+}
+
+impl Parts {
+    /// With cells yet to be found.
+    pub fn new(names: NamedParts) -> Self {
+        Self { names, cells: OnceLock::new() }
+    }
+
+    /// The cells; `find` is asked once.
+    pub(super) fn cells(&self, find: impl FnOnce(&NamedParts) -> PartCells) -> &PartCells {
+        self.cells.get_or_init(|| find(&self.names))
+    }
+}
+
+/// Stands where there is no cell.
+const NONE: u32 = u32::MAX;
+
+/// The surface in the cells of a model, by what it is called.
+#[derive(Debug)]
+pub struct PartCells {
+    /// Labels and their areas (squares of cells), by cell.
+    areas: Vec<(u16, f64)>,
+    /// Where those of a cell begin; one more for the end.
+    begin: Vec<u32>,
+    /// The cell that each is like: itself where there is surface in it.
+    like: Vec<u32>,
+}
+
+impl PartCells {
+    /// Looks at the surface in every cell. `cells` are filled ones of the grid, ascending by [`Grid::index`]; the mesh is
+    /// within the grid.
+    pub fn new(mesh: &TriMesh, names: &NamedParts, grid: &Grid, cells: &[[u32; 3]]) -> Self {
+        let mut number_at = vec![NONE; grid.len()];
+        for (cell, number) in cells.iter().zip(0..) {
+            number_at[grid.index(*cell)] = number;
+        }
+        let mut found: BTreeMap<(u32, u16), f64> = BTreeMap::new();
+        let mut divider = Divider::new(mesh, grid);
+        for triangle in 0..mesh.triangles.len() {
+            let label = names.label(triangle);
+            divider.pieces(triangle, |cell, area| {
+                let mut add = |place: usize, area: f64| *found.entry((number_at[place], label)).or_default() += area;
+                let place = grid.index(cell);
+                if number_at[place] == NONE {
+                    let takers = takers(grid, cell, |near| number_at[near] != NONE);
+                    let part = area / takers.clone().count() as f64;
+                    takers.for_each(|near| add(near, part));
+                } else {
+                    add(place, area);
+                }
+            });
+        }
+        let mut begin = vec![0; cells.len() + 1];
+        for &(cell, _) in found.keys() {
+            begin[cell as usize + 1] += 1;
+        }
+        for cell in 0..cells.len() {
+            begin[cell + 1] += begin[cell];
+        }
+        let areas = found.into_iter().map(|((_, label), area)| (label, area)).collect();
+        let like = nearest(grid, cells, &number_at, |cell| begin[cell] < begin[cell + 1]);
+        Self { areas, begin, like }
+    }
+
+    /// For every cell one more than the place among `wanted` of the part that it is of, 0 where it is of none of them.
+    /// What several of them name is of the last.
+    pub fn chosen(&self, names: &NamedParts, wanted: &[&str]) -> Vec<u32> {
+        let mut kinds = vec![0; names.labels()];
+        for (name, number) in wanted.iter().zip(1..) {
+            for (kind, _) in kinds.iter_mut().zip(names.is_of(name)).filter(|(_, is_of)| *is_of) {
+                *kind = number;
+            }
+        }
+        self.most(&kinds)
+    }
+
+    /// All parts in the order of the file.
+    pub fn counts(&self, names: &NamedParts) -> Vec<PartCount> {
+        let kinds = names.kinds();
+        let count_of = |name: &String| PartCount { name: name.clone(), cells: 0 };
+        let mut counts: Vec<PartCount> = names.names().iter().map(count_of).collect();
+        for kind in NameOf::ALL {
+            let numbers: Vec<u32> = names.places(kind).map(|place| place.map_or(0, |place| place + 1)).collect();
+            for number in self.most(&numbers).into_iter().filter(|number| *number > 0) {
+                let place = number as usize - 1;
+                counts[place].cells += usize::from(kinds[place] == kind);
+            }
+        }
+        counts
+    }
+
+    /// For every cell which number most of its surface has; 0 where there is none. `numbers` are those of the labels.
+    fn most(&self, numbers: &[u32]) -> Vec<u32> {
+        let mut sums: Vec<(u32, f64)> = Vec::new();
+        let of_surface = self.begin.windows(2).map(|ends| {
+            sums.clear();
+            for &(label, area) in &self.areas[ends[0] as usize..ends[1] as usize] {
+                let number = numbers[usize::from(label)];
+                match sums.iter_mut().find(|(known, _)| *known == number) {
+                    Some((_, sum)) => *sum += area,
+                    None => sums.push((number, area)),
+                }
+            }
+            let larger = |most: (u32, f64), next: &(u32, f64)| if next.1 > most.1 { *next } else { most };
+            sums.iter().fold((0, 0.0), larger).0
+        });
+        let of_surface: Vec<u32> = of_surface.collect();
+        self.like.iter().map(|&like| of_surface.get(like as usize).copied().unwrap_or(0)).collect()
+    }
+}
+
+/// For every cell the nearest one that is a beginning, breadth first through faces, in the order of cells.
+fn nearest(grid: &Grid, cells: &[[u32; 3]], number_at: &[u32], is_beginning: impl Fn(usize) -> bool) -> Vec<u32> {
+    let mut like = vec![NONE; cells.len()];
+    let mut reached: Vec<u32> = (0..).take(cells.len()).filter(|&cell| is_beginning(cell as usize)).collect();
+    for &cell in &reached {
+        like[cell as usize] = cell;
+    }
+    let mut at = 0;
+    while let Some(&cell) = reached.get(at) {
+        at += 1;
+        for (axis, up) in (0..3).flat_map(|axis| [(axis, false), (axis, true)]) {
+            let mut next = cells[cell as usize];
+            next[axis] = if up { next[axis] + 1 } else { next[axis].wrapping_sub(1) };
+            if next[axis] >= grid.dims[axis] {
+                continue;
+            }
+            let number = number_at[grid.index(next)];
+            if number != NONE && like[number as usize] == NONE {
+                like[number as usize] = like[cell as usize];
+                reached.push(number);
+            }
+        }
+    }
+    like
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::import::parse_obj;
+    use crate::geometry::trimesh::tests::{boxed, together};
+
+    /// A box of 8 × 4 × 4 m as two halves along x, each an object of its own; between them there is no wall.
+    fn halves(left: &str, right: &str) -> String {
+        let mut text = String::new();
+        for (from, to, name) in [(0.0, 4.0, left), (4.0, 8.0, right)] {
+            let mesh = boxed(DVec3::new(from, 0.0, 0.0), DVec3::new(to, 4.0, 4.0));
+            for p in &mesh.positions {
+                let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+            }
+            text += name;
+            text += "\n";
+            let first = if from > 0.0 { 25 } else { 1 };
+            for face in &mesh.triangles {
+                let corners = face.map(|vertex| mesh.positions[vertex as usize].x);
+                if corners.iter().any(|x| (x - 4.0).abs() > 1e-9) {
+                    let [a, b, c] = face.map(|vertex| vertex + first);
+                    let _ = writeln!(text, "f {a} {b} {c}");
+                }
+            }
+        }
+        text
+    }
+
+    /// The parts of a model in cells of 1 m, all of a box that is filled.
+    fn cells(text: &str, dims: [u32; 3]) -> (PartCells, NamedParts, Grid) {
+        let imported = parse_obj(text.as_bytes(), "m.obj").expect("a model");
+        let names = imported.parts.expect("names");
+        let grid = Grid { origin: DVec3::ZERO, cell_size: 1.0, dims };
+        (PartCells::new(&imported.mesh, &names, &grid, &grid.iter().collect::<Vec<_>>()), names, grid)
+    }
+
+    #[test]
+    fn inner_cells_are_as_the_surface_nearest_to_them() {
+        let (cells, names, grid) = cells(&halves("o soft", "o stiff"), [8, 4, 4]);
+        let found = cells.chosen(&names, &["stiff", "soft"]);
+        for (cell, number) in grid.iter().zip(found) {
+            assert_eq!(number, if cell[0] < 4 { 2 } else { 1 }, "{cell:?}");
+        }
+        let only = cells.chosen(&names, &["stiff"]);
+        assert_eq!(only.iter().filter(|&&number| number == 0).count(), 64, "the rest is of no part");
+        let count = |name: &str| PartCount { name: name.to_owned(), cells: 64 };
+        assert_eq!(cells.counts(&names), [count("soft"), count("stiff")]);
+        assert_eq!(
+            cells.chosen(&names, &["stiff", "stiff"]),
+            only.iter().map(|n| 2 * n).collect::<Vec<_>>(),
+            "the last"
+        );
+    }
+
+    #[test]
+    fn a_material_of_several_objects_counts_by_all_of_them() {
+        let text = halves("o a\nusemtl rubber", "o b\nusemtl rubber");
+        let (cells, names, _) = cells(&text, [8, 4, 4]);
+        assert!(cells.chosen(&names, &["rubber"]).iter().all(|&number| number == 1), "all of it");
+        let counts: Vec<_> = cells.counts(&names).into_iter().map(|part| (part.name, part.cells)).collect();
+        assert_eq!(counts, [("rubber".into(), 128), ("a".into(), 64), ("b".into(), 64)]);
+    }
+
+    #[test]
+    fn surface_beside_the_cells_counts_for_those_next_to_it() {
+        let mesh = together(&[boxed(DVec3::splat(1.0), DVec3::splat(1.9))]);
+        let mut text = String::new();
+        for p in &mesh.positions {
+            let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+        }
+        text += "g core\n";
+        for face in &mesh.triangles {
+            let [a, b, c] = face.map(|vertex| vertex + 1);
+            let _ = writeln!(text, "f {a} {b} {c}");
+        }
+        let imported = parse_obj(text.as_bytes(), "m.obj").expect("a model");
+        let names = imported.parts.expect("names");
+        let grid = Grid { origin: DVec3::ZERO, cell_size: 1.0, dims: [4, 3, 3] };
+        let found = PartCells::new(&imported.mesh, &names, &grid, &[[0, 1, 1], [3, 1, 1]]);
+        assert_eq!(found.chosen(&names, &["core"]), [1, 0], "the cell that shares a face, and none further off");
+    }
+}

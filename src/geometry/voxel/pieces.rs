@@ -1,0 +1,91 @@
+//! The surface of a mesh in small pieces: each is in one cell.
+
+use glam::DVec3;
+
+use super::Grid;
+use crate::geometry::TriMesh;
+
+/// The longest edge of a piece of a triangle, in cells; longer ones where there would be too many.
+const PIECE: f64 = 0.5;
+
+/// A piece of a sliver may be longer if its area is below this share of the square of that edge.
+const SLIVER: f64 = 1.0 / 16.0;
+
+/// How many squares of that edge a surface has at most: a few samples each. A surface that lies on itself a thousand times
+/// has no more samples than one that does not.
+const MOST_SQUARES: f64 = 1e6;
+
+/// Divides the triangles of a mesh.
+pub(in crate::geometry) struct Divider<'a> {
+    mesh: &'a TriMesh,
+    grid: Grid,
+    square: f64,
+    open: Vec<[DVec3; 3]>,
+}
+
+impl<'a> Divider<'a> {
+    /// For a mesh within a grid.
+    pub(in crate::geometry) fn new(mesh: &'a TriMesh, grid: &Grid) -> Self {
+        let square = (area(mesh, grid) / MOST_SQUARES).max(PIECE * PIECE);
+        Self { mesh, grid: *grid, square, open: Vec::new() }
+    }
+
+    /// Calls `found` with the cell of the grid and the area of every piece of a triangle, in squares of cells.
+    pub(in crate::geometry) fn pieces(&mut self, triangle: usize, mut found: impl FnMut([u32; 3], f64)) {
+        let Self { mesh, grid, square, ref mut open } = *self;
+        open.push(mesh.corners(triangle).map(|corner| (corner - grid.origin) / grid.cell_size));
+        while let Some([a, b, c]) = open.pop() {
+            let area = 0.5 * (b - a).cross(c - a).length();
+            let [ab, bc, ca] = [b - a, c - b, a - c].map(DVec3::length_squared);
+            let longest = ab.max(bc).max(ca);
+            if longest > square && area > SLIVER * square {
+                // The corner across from the longest edge comes first.
+                let [tip, from, to] = if bc >= longest {
+                    [a, b, c]
+                } else if ca >= longest {
+                    [b, c, a]
+                } else {
+                    [c, a, b]
+                };
+                let middle = 0.5 * (from + to);
+                open.extend([[tip, from, middle], [tip, middle, to]]);
+            } else if area > 0.0 {
+                let middle = ((a + b + c) / 3.0).to_array();
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "within the grid; saturating"
+                )]
+                let cell = std::array::from_fn(|axis| (middle[axis] as u32).min(grid.dims[axis] - 1));
+                found(cell, area);
+            }
+        }
+    }
+}
+
+/// The area of a mesh, in squares of cells.
+pub(super) fn area(mesh: &TriMesh, grid: &Grid) -> f64 {
+    let of = |[a, b, c]: [DVec3; 3]| 0.5 * ((b - a) / grid.cell_size).cross((c - a) / grid.cell_size).length();
+    (0..mesh.triangles.len()).map(|triangle| of(mesh.corners(triangle))).sum()
+}
+
+/// The filled cells that take what is in an empty one: those that share a face with it, else an edge, else a corner.
+pub(in crate::geometry) fn takers(
+    grid: &Grid,
+    cell: [u32; 3],
+    is_filled: impl Fn(usize) -> bool,
+) -> impl Iterator<Item = usize> + Clone {
+    let (mut places, mut count, mut nearest) = ([0; 26], 0, 4);
+    for near in grid.around(cell) {
+        let (axes, place) = ((0..3).filter(|&axis| near[axis] != cell[axis]).count(), grid.index(near));
+        if axes == 0 || axes > nearest || !is_filled(place) {
+            continue;
+        }
+        if axes < nearest {
+            (nearest, count) = (axes, 0);
+        }
+        places[count] = place;
+        count += 1;
+    }
+    places.into_iter().take(count)
+}
