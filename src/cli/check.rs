@@ -6,14 +6,16 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::Failure;
+use super::named_parts;
 use super::out;
 use super::scene_args::{self, SceneArgs};
 use crate::machine::bytes_text;
 use crate::scene::file::SceneFileError;
+use crate::scene::named;
 use crate::scene::param::Problem;
 use crate::session::predict::Prediction;
 use crate::session::step_words::limit_text;
-use crate::session::{Session, SessionError};
+use crate::session::{BodyParts, Session, SessionError};
 use crate::view::legend::three_digits;
 
 /// The scene to look at.
@@ -43,7 +45,9 @@ pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
 fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
     let prediction = Prediction::of(session);
     if args.json {
-        out::json(&serde_json::to_value(&prediction)?)?;
+        let mut object = serde_json::to_value(&prediction)?;
+        object["named_parts"] = json!(session.named_parts());
+        out::json(&object)?;
         return Ok(());
     }
     let limit = |secs: Option<f64>| secs.map_or("no limit".to_owned(), limit_text);
@@ -92,6 +96,9 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         let safe = term.dt_limit_secs.map(|at_rest| margin * at_rest);
         out::figures(&format!("  {:<22} {}", term.term.replace('_', " "), limit(safe)))?;
     }
+    for BodyParts { body, parts } in session.named_parts() {
+        named_parts::print(&named(&session.scene().bodies[body].name, "body", body), &parts)?;
+    }
     for warning in &prediction.warnings {
         out::note(&format!("warning: {warning}"));
     }
@@ -110,6 +117,7 @@ fn unsound(error: &anyhow::Error, scene: &OsStr) -> Value {
         "links": none,
         "mass_kg": none,
         "mesh_points": none,
+        "named_parts": [],
         "memory_bytes": none,
         "dt_limit_secs": none,
         "dt_safe_secs": none,
@@ -131,6 +139,7 @@ fn problems(error: &anyhow::Error) -> Vec<Problem> {
         (None, Some(SessionError::Shape { index, source })) => {
             vec![Problem { path: format!("bodies.{index}.{}", source.path()), message: message.clone() }]
         }
+        (None, Some(SessionError::Part(problem))) => vec![problem.clone()],
         (None, Some(SessionError::Mesh { index, source })) => {
             let path = format!("obstacles.{index}.{}", source.path().replace("shape.model", "mesh"));
             vec![Problem { path, message: message.clone() }]

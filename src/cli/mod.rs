@@ -11,6 +11,7 @@ mod error_plot;
 mod failure;
 mod kept;
 mod modes;
+mod named_parts;
 mod out;
 #[cfg(feature = "peers")]
 mod peers_plot;

@@ -10,10 +10,12 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::Failure;
+use super::named_parts;
 use super::out::{self, Progress};
 use super::scene_args::up_axis;
 use crate::geometry::UpAxis;
-use crate::geometry::import::{self, FORMATS};
+use crate::geometry::import::{self, FORMATS, Imported};
+use crate::geometry::part_cells::{PartCells, PartCount};
 use crate::geometry::voxel::{Cells, Keep, MAX_DIVISIONS, OccupancyChoice, VoxelReport, VoxelizeOptions, voxelize};
 use crate::scene::MaterialValue;
 use crate::scene::resolve::{self, LENGTHS};
@@ -133,6 +135,7 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
         let contents = filled.sample(&imported.mesh, &progress).with_context(|| shown.clone())?;
         filled.report.warnings.extend(contents.warnings());
     }
+    let parts = part_counts(&imported, &filled.cells);
     drop(progress);
     let wall_secs = started.elapsed().as_secs_f64();
     if let Some(path) = &args.output {
@@ -151,16 +154,26 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
         object["up"] = json!(up);
         object["length_m"] = json!(length_m);
         object["mass_kg"] = json!(mass_kg);
+        object["named_parts"] = json!(parts);
         object["wall_secs"] = json!(wall_secs);
         out::json(&object)?;
     } else {
         out::figures(&text(&shown, &report, up, length_m, wall_secs))?;
         out::figures(&mass_text(&report, args.density, mass_kg))?;
+        named_parts::print(&shown, &parts)?;
         for warning in &report.warnings {
             out::note(&format!("warning: {warning}"));
         }
     }
     Ok(())
+}
+
+/// The parts that the file names, and how many cells are of each.
+fn part_counts(imported: &Imported, cells: &Cells) -> Vec<PartCount> {
+    let Some(names) = &imported.parts else { return Vec::new() };
+    let grid = &cells.grid;
+    let filled: Vec<[u32; 3]> = grid.iter().filter(|&cell| cells.filled[grid.index(cell)]).collect();
+    PartCells::new(&imported.mesh, names, grid, &filled).counts(names)
 }
 
 fn text(model: &str, report: &VoxelReport, up: UpAxis, length_m: f64, wall_secs: f64) -> String {

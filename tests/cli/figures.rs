@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::process::{Command, Stdio};
 
-use crate::bad_input::{USAGE, refused};
+use crate::bad_input::{FAILED, USAGE, refused};
 use crate::program::{Folder, square};
 
 #[test]
@@ -37,6 +37,31 @@ fn voxelize_reports_and_writes_the_cells() {
     assert_eq!((edge(""), edge("--length 2.4"), edge("--length 0")), (0.25.into(), 0.6.into(), 0.5.into()), "metres");
     let cells = folder.json("voxelize cells.obj --divisions 4 --json");
     assert_eq!((&cells["closed"], &cells["cells"]), (&true.into(), &report["cells"]), "the cells are their own cells");
+}
+
+#[test]
+fn voxelize_and_check_print_the_parts_of_a_model() {
+    let folder = Folder::new();
+    let halves = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 4 0 0\nv 4 1 0\no left\nf 1 2 3 4\no right\nusemtl red rubber\nf 2 5 6 3\n";
+    folder.write("halves.obj", halves).write("flat.obj", square(2.0, 1.0));
+    let counts = |line: &str| folder.json(line)["named_parts"].clone();
+    let expected = serde_json::json!([{"name": "left", "cells": 2}, {"name": "red rubber", "cells": 2},
+        {"name": "right", "cells": 2}]);
+    assert_eq!(counts("voxelize halves.obj --divisions 4 --json"), expected);
+    assert_eq!(counts("voxelize flat.obj --divisions 4 --json"), serde_json::json!([]), "no names");
+    let scene = "(version: 1, bodies: [(), (shape: model(path: \"halves.obj\", divisions: 4), material: solid(), \
+                 parts: [(name: \"right\", solid: (young_modulus: 3e4))])])";
+    folder.write("halves.ron", scene).write("wrong.ron", scene.replace("right", "wrong"));
+    assert_eq!(counts("check halves.ron --json"), serde_json::json!([{"body": 1, "parts": expected}]));
+    for line in ["voxelize halves.obj --divisions 4", "check halves.ron"] {
+        let figures = folder.run(line).figures;
+        assert!(figures.contains("\n  red rubber             2 cells"), "{line}: {figures}");
+    }
+    let has =
+        "bodies.1.parts.0.name = \"wrong\" is no part of the model, which has \"left\", \"red rubber\", \"right\"";
+    refused(&folder, "check wrong.ron", FAILED, &[has]);
+    refused(&folder, "run wrong.ron --seconds 0.1", FAILED, &[has]);
+    refused(&folder, "check halves.ron --set bodies.1.parts.0.solid.density=-1", USAGE, &["0.01 … 1e5 kg/m³"]);
 }
 
 /// A tent that lies on its side where y is up.
@@ -197,7 +222,7 @@ const RUN_KEYS: &str = "scene simulated_secs wall_secs real_time_factor steps su
     max_speed max_strain contacts max_penetration_m inverted_cells narrow_tests narrow_tests_saved slowed hash stages warnings \
     trouble start peak";
 const CHECK_KEYS: &str = "ok errors particles links dt_limit_secs dt_safe_secs limited_by limits substeps_per_frame most_iterations_per_frame \
-    candidates predicted_real_time_factor";
+    candidates predicted_real_time_factor named_parts";
 
 pub(crate) fn missing<'a>(object: &serde_json::Value, keys: &'a str) -> Vec<&'a str> {
     keys.split_whitespace().filter(|key| object.get(key).is_none()).collect()

@@ -1,0 +1,22 @@
+//! The parts of a model, by the names in its file, as lines for a person.
+
+use super::out;
+use crate::geometry::part_cells::PartCount;
+
+/// So many parts have a line each; the rest is counted.
+const LINES: usize = 24;
+
+/// Prints the parts of a model and how many cells are of each; nothing where there are none.
+pub(super) fn print(of: &str, parts: &[PartCount]) -> anyhow::Result<()> {
+    if parts.is_empty() {
+        return Ok(());
+    }
+    out::figures(&format!("parts of {of}"))?;
+    for PartCount { name, cells } in parts.iter().take(LINES) {
+        out::figures(&format!("  {name:<22} {cells} cells"))?;
+    }
+    if parts.len() > LINES {
+        out::figures(&format!("  and {} more", parts.len() - LINES))?;
+    }
+    Ok(())
+}
