@@ -4,6 +4,7 @@
 //! of the group of that name; else those of the object. Names are kept as a message may repeat them: printable and short.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::text::echo_up_to;
 
@@ -35,7 +36,7 @@ type Label = [Option<u32>; 3];
 /// What the triangles of a mesh are called.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedParts {
-    names: Vec<String>,
+    names: Arc<[String]>,
     /// Every combination once, the first without a name.
     labels: Vec<Label>,
     /// The place of every triangle's names among the labels.
@@ -46,6 +47,11 @@ impl NamedParts {
     /// All names that mean a part, in the order of the file.
     pub fn names(&self) -> &[String] {
         &self.names
+    }
+
+    /// The same for who keeps them.
+    pub fn shared_names(&self) -> Arc<[String]> {
+        Arc::clone(&self.names)
     }
 
     /// Whether a name means a part.
@@ -152,7 +158,7 @@ impl Namer {
     /// The names of triangles that have these labels; none where none has a name.
     pub(super) fn finish(self, of_triangle: Vec<u16>) -> Option<NamedParts> {
         let Self { names, labels, .. } = self;
-        (labels.len() > 1).then_some(NamedParts { names, labels, of_triangle })
+        (labels.len() > 1).then(|| NamedParts { names: names.into(), labels, of_triangle })
     }
 
     fn place_of_now(&mut self) -> u16 {

@@ -111,6 +111,8 @@ pub struct BodyStatus {
     pub stature: Stature,
     /// How far each value of its material may go before the step asked for has to be divided.
     pub safe: Arc<Vec<SafeValue>>,
+    /// The parts that its model's file names, in the order of the file.
+    pub part_names: Arc<[String]>,
     /// Its material in the other form: springs of a solid, a solid of springs.
     pub other_form: Material,
 }

@@ -3,6 +3,7 @@
 use egui::{ComboBox, RichText, Ui};
 
 use super::own_weight::{self, length};
+use super::parts::parts_ui;
 use crate::app::ui::figure::figure;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{Bound, Interaction, LABEL_WIDTH, slider_ui};
@@ -42,7 +43,10 @@ pub(super) fn material_ui(
     let safe = Safe { of: &known.safe };
     match body.material {
         Material::Springs(springs) => springs_ui(ui, id, body, springs, safe, commands),
-        Material::Solid(solid) => solid_ui(ui, id, body, solid, safe, commands),
+        Material::Solid(solid) => {
+            solid_ui(ui, id, body, solid, safe, commands);
+            parts_ui(ui, id, body, &known.part_names, commands);
+        }
     }
 }
 

@@ -9,6 +9,7 @@ mod model;
 mod motion;
 mod obstacle;
 mod own_weight;
+mod parts;
 mod section;
 mod settings;
 

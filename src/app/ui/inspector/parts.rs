@@ -1,0 +1,75 @@
+//! What the parts of a model are made of, by the names in its file.
+
+use egui::{ComboBox, RichText, Ui};
+
+use crate::app::ui::tip::tip_ui;
+use crate::app::ui::value::LABEL_WIDTH;
+use crate::app::ui::{edits, theme};
+use crate::scene::body::{MAX_NAMED_PARTS, Part};
+use crate::scene::edit::{BodyId, Edit};
+use crate::scene::material::presets;
+use crate::scene::{Body, Solid};
+use crate::session::Command;
+
+/// What a person reads of a part that is of no other solid.
+const AS_THE_BODY: &str = "as the body";
+/// What a person reads of a solid whose values have no name.
+const OWN: &str = "a solid of its own";
+
+/// A row for each part of a model of a solid, where its file names several.
+pub(super) fn parts_ui(ui: &mut Ui, id: BodyId, body: &Body, names: &[String], commands: &mut Vec<Command>) {
+    if names.len() < 2 {
+        return;
+    }
+    ui.add_space(2.0);
+    ui.label(RichText::new("Parts of the model").color(theme::of(ui).strong));
+    for name in names.iter().take(MAX_NAMED_PARTS) {
+        let now = body.parts.iter().rfind(|part| part.name.trim() == name).map(|part| part.solid);
+        if let Some(chosen) = part_ui(ui, name, now) {
+            let mut changed = body.clone();
+            changed.parts.retain(|part| part.name.trim() != name);
+            changed.parts.extend(chosen.map(|solid| Part { name: name.clone(), solid }));
+            commands.extend(edits::alone(Edit::Body(id, Box::new(changed))));
+        }
+    }
+    let more = names.len().saturating_sub(MAX_NAMED_PARTS);
+    if more > 0 {
+        ui.label(RichText::new(format!("and {more} more")).color(theme::of(ui).weak));
+    }
+}
+
+/// The list of solids of a part; what was chosen, if anything was.
+#[expect(clippy::option_option, reason = "whether something was chosen, and whether it was a solid")]
+fn part_ui(ui: &mut Ui, name: &str, now: Option<Solid>) -> Option<Option<Solid>> {
+    let mut chosen = None;
+    let preset = now.and_then(|solid| presets().iter().find(|preset| preset.material == solid));
+    let text = match (now, preset) {
+        (None, _) => AS_THE_BODY,
+        (Some(_), Some(preset)) => preset.name,
+        (Some(_), None) => OWN,
+    };
+    ui.horizontal(|ui| {
+        let size = egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
+        let label = ui.allocate_ui(size, |ui| {
+            ui.set_min_width(LABEL_WIDTH);
+            ui.add(egui::Label::new(RichText::new(name).color(theme::of(ui).weak)).truncate())
+        });
+        let combo = ComboBox::from_id_salt(("part", name)).width(190.0).height(420.0).truncate().selected_text(text);
+        let response = combo.show_ui(ui, |ui| {
+            if ui.selectable_label(now.is_none(), AS_THE_BODY).clicked() && now.is_some() {
+                chosen = Some(None);
+            }
+            ui.separator();
+            for preset in presets() {
+                let is_now = now == Some(preset.material);
+                let row = ui.selectable_label(is_now, preset.name);
+                tip_ui(ui, &row, || preset.source.to_owned());
+                if row.clicked() && !is_now {
+                    chosen = Some(Some(preset.material));
+                }
+            }
+        });
+        response.response.labelled_by(label.inner.id);
+    });
+    chosen
+}
