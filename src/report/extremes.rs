@@ -29,6 +29,9 @@ const MEETING: f64 = 0.8;
 /// How much heavier than the first a second body is, or the first than it, and one solid of a body than the other.
 const MASS_RATIO: f64 = 1000.0;
 
+/// The carried models that scenes are made of. A model more would make another scene of every seed.
+const MODELS: [&str; 5] = ["bowl.obj", "comb.obj", "coupler.obj", "spot.obj", "tree.obj"];
+
 /// How long a random scene is watched. Most take a tenth of the links' forces at which one is cut short, and those that
 /// take more would take most of the time.
 pub fn patience(quick: bool) -> Patience {
@@ -133,8 +136,7 @@ impl Draw {
             return (Shape::Cells(CellsShape { list, size: cell_size }), cell_size);
         }
         let divisions = self.whole(2, 6);
-        let names: Vec<&str> = builtin::MODELS.iter().map(|(name, _)| *name).collect();
-        let path = format!("{}{}", builtin::PREFIX, self.one_of(&names));
+        let path = format!("{}{}", builtin::PREFIX, self.one_of(&MODELS));
         let length = size.max(1e-2);
         let model = ModelShape { path, divisions: divisions.unsigned_abs(), length, ..ModelShape::default() };
         (Shape::Model(model), length / f64::from(divisions))

@@ -1,6 +1,7 @@
 //! The scenes that the program carries. Tests, benches, the window and the command line use the same ones.
 
 mod meeting;
+mod models;
 mod parts;
 
 pub use parts::jelly;
@@ -56,7 +57,7 @@ pub fn ground_only() -> Scene {
 /// its steps are.
 const DAMPED_DT_SECS: f64 = 4e-3;
 
-const PRESETS: [Preset; 20] = [
+const PRESETS: [Preset; 24] = [
     Preset { name: DEFAULT, summary: "A jelly cube falls on the ground beside a sphere.", build: cube_on_plane },
     Preset {
         name: "cube-on-sphere",
@@ -76,6 +77,18 @@ const PRESETS: [Preset; 20] = [
     Preset { name: "coupler-20", summary: "The same coupler in 20 divisions.", build: || coupler(20) },
     Preset { name: "coupler-40", summary: "The same coupler in 40 divisions.", build: || coupler(40) },
     Preset { name: "spot", summary: "A cow by Keenan Crane, jellified in 20 divisions.", build: spot },
+    Preset {
+        name: "chair",
+        summary: "A flexible plastic chair sways as a jelly is thrown into it.",
+        build: models::chair,
+    },
+    Preset {
+        name: "bridge",
+        summary: "A bridge of 310 loose parts, joined by its cells, sways under a gust and a load.",
+        build: models::bridge,
+    },
+    Preset { name: "shell", summary: "The open body shell of a car falls on its nose.", build: models::shell },
+    Preset { name: "many", summary: "A dozen jellified models fall together.", build: models::many },
     Preset {
         name: "exploding",
         summary: "Springs too stiff for the step: see what happens, and why.",

@@ -155,10 +155,70 @@ fn the_conveyor_carries_both_jellies_off_its_end() {
     }
 }
 
+/// What a look at a preset finds every 50 ms, while it stays sound.
+fn watched<T>(name: &str, looks: usize, look: impl Fn(&Simulation<f32>) -> T) -> Vec<T> {
+    let mut simulation = simulate::<f32>(&(preset(name).expect("a preset").build)());
+    let looks = (0..looks).map(|_| {
+        assert!(!simulation.run_for(0.05).diverged, "{name} stays sound");
+        look(&simulation)
+    });
+    looks.collect()
+}
+
+fn range(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
+}
+
+#[test]
+fn the_chair_swings_on_its_feet_when_the_jelly_hits_its_back() {
+    let looks = watched("chair", 60, |simulation| {
+        let chair = simulation.diagnostics_of(0);
+        (chair.center.z, chair.bounds.min.y, simulation.diagnostics_of(1).center.z)
+    });
+    let [back, front] = range(looks[..20].iter().map(|look| look.0));
+    assert!(front - back > 0.05, "within a second its middle goes from {back} m to {front} m");
+    let [_, later] = range(looks[40..].windows(2).map(|pair| (pair[1].0 - pair[0].0).abs()));
+    assert!(later > 1e-3, "it still swings after two seconds, by {later} m in 1/20 s");
+    assert!(looks.iter().all(|look| look.1.abs() < 1e-3), "its feet are held");
+    let [nearest, _] = range(looks.iter().map(|look| look.2));
+    assert!(nearest > -0.3 && looks[59].2 > 0.3, "the jelly bounces off: {nearest} m, then {} m", looks[59].2);
+}
+
+#[test]
+fn the_bridge_of_loose_parts_hangs_together_and_sways() {
+    let looks = watched("bridge", 60, |simulation| {
+        let bridge = simulation.diagnostics_of(0);
+        (bridge.center.y, bridge.center.z, bridge.bounds, simulation.diagnostics_of(1).center.y)
+    });
+    let [left, right] = range(looks.iter().map(|look| look.1));
+    assert!(left < -0.02 && right > 0.02, "to both sides: {left} m, {right} m");
+    let [sagged, _] = range(looks.iter().map(|look| look.0));
+    assert!(looks[0].0 - sagged > 0.02 && looks[0].0 - sagged < 0.3, "it sags by {} m", looks[0].0 - sagged);
+    let ends = looks.iter().all(|look| (look.2.max.x - look.2.min.x - 9.0).abs() < 0.05);
+    assert!(ends && looks[59].2.min.y.abs() < 0.01, "both ends and the towers are held: {:?}", looks[59].2);
+    assert!(looks[59].3 > 0.8, "it carries the load, which is {} m high", looks[59].3);
+}
+
+#[test]
+fn the_shell_lands_on_its_sills() {
+    let figures = after_eight_seconds("shell");
+    is_sound(&figures);
+    let [_, top, _] = figures.bounds.max;
+    assert!(top > 0.6 && top < 0.85 && figures.contacts > 30, "its roof is {top} m high: {figures:?}");
+}
+
+#[test]
+fn the_dozen_lies_in_a_heap_and_none_has_gone_through_the_ground() {
+    let looks = watched("many", 80, |simulation| (simulation.diagnostics().bounds, simulation.body_contacts().len()));
+    let (end, _) = looks[looks.len() - 1];
+    assert!(end.min.y > -0.05 && end.max.y < 1.6, "{end:?}");
+    assert!(looks[..20].iter().any(|look| look.1 > 20), "they meet within a second");
+}
+
 #[test]
 fn every_preset_is_there() {
     let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
     let wanted = "cube-on-plane cube-on-sphere incline incline-slide u-on-sphere tree coupler-7 coupler-8 coupler-20 \
-                  coupler-40 spot exploding broken newton hook stack fold pile comb conveyor";
+                  coupler-40 spot chair bridge shell many exploding broken newton hook stack fold pile comb conveyor";
     assert_eq!(names, wanted.split_whitespace().collect::<Vec<_>>(), "in the order of the list");
 }

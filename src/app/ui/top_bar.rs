@@ -20,6 +20,8 @@ const SCENE_WIDTH: f32 = 136.0;
 /// What is left of the window's height below the list of scenes and above it, and the least height of the list, points.
 const BELOW_LIST: f32 = 100.0;
 const LEAST_LIST: f32 = 200.0;
+/// Between two rows of the list of presets, points: all of them are to be seen in a window 800 points high.
+const BETWEEN_PRESETS: f32 = 2.0;
 /// Where summaries begin in the list of presets, points from the names.
 const SUMMARY_COLUMN: f32 = 124.0;
 /// Below these widths of the bar (points) it has no room for the error of the step, for the step in figures, and for
@@ -100,6 +102,7 @@ fn preset_ui(ui: &mut Ui, words: bool, status: &Status, state: &UiState, command
 }
 
 fn presets_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
+    ui.spacing_mut().item_spacing.y = BETWEEN_PRESETS;
     for preset in state.presets {
         let chosen = preset.name == status.title;
         let row = ui.selectable_label(chosen, preset_line(ui, preset));
