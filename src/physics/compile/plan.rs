@@ -4,11 +4,12 @@ use crate::geometry::Family;
 use crate::math::{FRAME_SECS, Real};
 use crate::physics::compile::scheme_cost;
 use crate::physics::kernels::SimdLevel;
-use crate::physics::limits::{SceneLimits, any_state};
+use crate::physics::limits::{SceneLimits, any_state, tension};
 use crate::physics::model::plan::{
     BodyContactPlan, MOST_HALVINGS, MOST_PARTS_BETWEEN_BODIES, MOST_WORK_A_FRAME, Plan, SchemeCost, StageRates,
 };
 use crate::physics::model::{BodyModel, ContactRule, Model, ObstacleShape, Scheme};
+use crate::physics::stepping::strain::STRAINS;
 use crate::physics::{share, team};
 use crate::scene::Settings;
 use crate::scene::settings::Stepping;
@@ -20,6 +21,10 @@ const LONGEST_SECS: f64 = 0.25 * FRAME_SECS;
 
 /// The least limit of the work of a substep: one try in which every round takes all iterations.
 const LEAST_WORK: u64 = 6_560;
+
+/// Links are stretched so far by common loads, and further between two looks at them: the stabilised scheme takes over where
+/// it bears as much.
+const LEAST_STRAIN: f64 = 0.2;
 
 /// Halvings beyond the step that is safe at rest: strained bodies are stiffer (see [`crate::physics::stepping::strain`]).
 const STRAINED_HALVINGS: f64 = 3.0;
@@ -57,6 +62,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         // Who chose another scheme than the default one wants that.
         if chosen == Scheme::SemiImplicit {
             let limits = of_stages.insert(stabilised());
+            limits.dt_safe_secs = limits.dt_safe_secs.map(|safe| safe.min(longest_under_tension(model)));
             if is_longer(limits, &semi_implicit) {
                 ways.push((Scheme::Stabilised, Division::of_whole_steps(limits, settings.dt)));
             }
@@ -83,6 +89,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         ends_explicitly: false,
         most_work: u64::MAX,
         parts: 0,
+        strains: strains(model, scheme, secs),
         limits,
         families: Family::ALL.map(|family| has_force(family as usize)),
         damped: Family::ALL.map(|family| model.bodies.iter().any(|body| body.links[family as usize].damping > R::ZERO)),
@@ -217,6 +224,24 @@ impl Division {
 fn is_longer(one: &SceneLimits, other: &SceneLimits) -> bool {
     let longest = |limits: &SceneLimits| limits.dt_safe_secs.unwrap_or(f64::INFINITY);
     longest(one) > longest(other)
+}
+
+/// The longest substeps in which the stabilised scheme, that nobody chose, bears links that are stretched by
+/// [`LEAST_STRAIN`].
+fn longest_under_tension<R: Real>(model: &Model<R>) -> f64 {
+    model.bodies.iter().map(|body| tension::longest_secs(body, LEAST_STRAIN)).fold(f64::INFINITY, f64::min)
+}
+
+/// From which strain on a body is strained, and below which it is no more: earlier where the stabilised scheme does not bear
+/// links that are stretched so far, from the first where it bears less than [`LEAST_STRAIN`].
+fn strains<R: Real>(model: &Model<R>, scheme: Scheme, secs: f64) -> [f64; 2] {
+    if scheme != Scheme::Stabilised {
+        return STRAINS;
+    }
+    let bodies = model.bodies.iter().map(|body| tension::largest_strain(body, secs, STRAINS[1]));
+    let borne = bodies.fold(STRAINS[1], f64::min);
+    let share = if borne < LEAST_STRAIN { 0.0 } else { borne / STRAINS[1] };
+    STRAINS.map(|strain| share * strain)
 }
 
 /// What the bodies' damping asks of the stabilised scheme.

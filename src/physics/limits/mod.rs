@@ -25,6 +25,7 @@ pub(in crate::physics) mod any_state;
 pub(in crate::physics) mod cells;
 pub(in crate::physics) mod lattice;
 pub(in crate::physics) mod load;
+pub(in crate::physics) mod tension;
 
 use glam::{DMat3, DVec3};
 

@@ -139,6 +139,9 @@ pub struct Plan {
     /// Parts that a substep is taken in while a body is strained, at least; none where nothing is divided for that: manual
     /// steps, and those of the implicit scheme, which are halved where they would give energy.
     pub parts: u32,
+    /// A body is strained from the larger of these strains of any link on, stretched or compressed, until all are below the
+    /// smaller.
+    pub strains: [f64; 2],
     /// What damping asks of the stabilised scheme; of no use to others.
     pub stage_rates: StageRates,
     /// The predicted stability limits of the scheme that was asked for: what a division of its steps follows from.

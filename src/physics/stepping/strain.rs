@@ -18,7 +18,8 @@ use crate::physics::state::{BodyMemory, State};
 use crate::physics::stepping::looks;
 
 /// A body is strained from the larger of these strains of any link on, stretched or compressed, until all are below the
-/// smaller: bodies that fall on the ground of their own weight are not.
+/// smaller, or of smaller ones where the scheme does not bear them ([`Plan::strains`]): bodies that fall on the ground of
+/// their own weight are not.
 pub(crate) const STRAINS: [f64; 2] = [0.5, 0.7];
 
 /// For so long all links have to be below the smaller of them, s, ...
@@ -90,7 +91,7 @@ pub(in crate::physics) fn tear<R: Real>(
     bodies.any(|(body, _)| {
         let [position, velocity] = [&state.position, velocity].map(|of| &of[body.particles.clone()]);
         looks::unseen_secs(body, looks::spread_of::<R>(plan, velocity)) < secs.to_f64()
-            && is_beyond(body, [position, velocity], STRAINS[1], secs)
+            && is_beyond(body, [position, velocity], plan.strains[1], secs)
     })
 }
 
@@ -119,7 +120,7 @@ pub(in crate::physics) fn look<R: Real>(
     let is_looked_at = |memory: &BodyMemory| !memory.asleep && (whose == Whose::All || memory.strained);
     for (body, memory) in model.bodies.iter().zip(memories).filter(|(_, memory)| is_looked_at(memory)) {
         let own = [position, velocity].map(|of| &of[body.particles.clone()]);
-        if is_beyond(body, own, STRAINS[usize::from(!memory.strained)], secs) {
+        if is_beyond(body, own, plan.strains[usize::from(!memory.strained)], secs) {
             (memory.strained, memory.calm_substeps) = (true, 0);
         } else if memory.strained {
             memory.calm_substeps += 1;
