@@ -338,11 +338,11 @@ impl Watch {
         }
     }
 
-    /// What those that a body has met could have given it at most, J.
-    fn given_by_others(&self, body: usize) -> f64 {
+    /// What those that a body has met could have given it at most, J; none where it has met no other.
+    fn given_by_others(&self, body: usize) -> Option<f64> {
         let first = self.met.first();
         let others = self.bodies.iter().enumerate().filter(|(other, _)| *other != body && first[*other] == first[body]);
-        others.map(|(_, account)| account.turnover()).sum()
+        others.map(|(_, account)| account.turnover()).reduce(|sum, one| sum + one)
     }
 
     fn condemn(&mut self, fault: Fault, words: String) {
