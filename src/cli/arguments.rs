@@ -40,7 +40,7 @@ pub(super) enum Command {
     Voxelize(voxelize::VoxelizeArgs),
     /// Parse and validate a scene, predict its stable step and what it costs.
     Check(check::CheckArgs),
-    /// Make a folder of a scene and every model that it reads, to be opened anywhere.
+    /// Put a scene and every model that it reads into a folder or one file, to be opened anywhere.
     Collect(collect::CollectArgs),
     /// Find how a body swings about rest: its lowest frequencies, and what they look like.
     Modes(modes::ModesArgs),

@@ -9,7 +9,7 @@ use ron::ser::PrettyConfig;
 use thiserror::Error;
 
 use super::param::{self, Problem};
-use super::{Scene, VERSION};
+use super::{Scene, VERSION, embedded_check};
 use super::{ron_lines, ron_words};
 use crate::disk::{self, ReadError};
 use crate::text::{echo, echo_path};
@@ -47,6 +47,17 @@ pub enum SceneFileError {
     /// Far too large.
     #[error("{0}: is larger than 64 MiB, so it is no scene")]
     TooLarge(String),
+    /// What would be written could not be read again.
+    #[error(
+        "{name}: is not written: with its models inside it takes {mib} MiB, and at most 64 MiB can be read again; collect \
+         the scene into a folder instead"
+    )]
+    TooLargeToRead {
+        /// The file.
+        name: String,
+        /// How large it would be.
+        mib: usize,
+    },
     /// Bytes that are no text.
     #[error("{0}: is not text, so it is no scene; a scene file starts with (version: {VERSION}, …")]
     NotText(String),
@@ -142,6 +153,7 @@ impl Scene {
             },
         })?;
         let mut problems = param::validate(&scene);
+        problems.extend(embedded_check::problems(&scene.models));
         if problems.is_empty() {
             return Ok(scene);
         }
@@ -181,6 +193,9 @@ impl Scene {
     pub fn save(&self, path: &Path) -> Result<(), SceneFileError> {
         let text = self.to_ron()?;
         let name = echo_path(path);
+        if text.len() as u64 > MAX_BYTES {
+            return Err(SceneFileError::TooLargeToRead { name, mib: text.len().div_ceil(1 << 20) });
+        }
         disk::write(path, text.as_bytes()).map_err(|source| SceneFileError::Write { name, source })?;
         disk::remove_left_behind(path);
         Ok(())

@@ -4,6 +4,8 @@
 pub mod body;
 pub mod builtin;
 pub mod edit;
+pub mod embedded;
+mod embedded_check;
 pub mod file;
 pub mod material;
 mod material_value;
@@ -25,6 +27,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::geometry::Family;
 pub use body::{Body, ContactOn, Pose, Shape, Skin};
+pub use embedded::Embedded;
 pub use material::{Material, Solid, Springs};
 pub use material_value::MaterialValue;
 pub use obstacle::{Obstacle, ObstacleShape};
@@ -53,6 +56,9 @@ pub struct Scene {
     /// How the scene is looked at; never changes the motion.
     #[serde(default)]
     pub view: ViewSettings,
+    /// Model files that the scene holds itself.
+    #[serde(default, skip_serializing_if = "Embedded::is_empty")]
+    pub models: Embedded,
 }
 
 /// What a person calls a body or an obstacle: its name, or "body 1" for the first without one.
@@ -68,6 +74,7 @@ impl Default for Scene {
             bodies: Vec::new(),
             obstacles: Vec::new(),
             view: ViewSettings::default(),
+            models: Embedded::default(),
         }
     }
 }

@@ -57,6 +57,14 @@ const FORMS: [(&str, &[&str]); 4] = [
 /// with its defaults. Vectors may be written `(0, -9.81, 0)`, `[0, -9.81, 0]` or `0, -9.81, 0`; a word may have
 /// hyphens for underscores. On an error nothing changes.
 pub fn set(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathError> {
+    let models = std::mem::take(&mut scene.models);
+    let done = set_in_tree(scene, path, text);
+    scene.models = models;
+    done
+}
+
+/// The same without the models that the scene holds: they are no values, and may be very long.
+fn set_in_tree(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathError> {
     let (path, text) = (path.trim(), text.trim());
     let refused = |reason: String| PathError::BadText { path: echo(path), text: echo(text), allowed: reason };
     let mut tree = serde_json::to_value(&*scene).map_err(|error| refused(error.to_string()))?;

@@ -10,7 +10,7 @@ use thiserror::Error;
 use super::body::{MassFrom, ModelShape, Shape};
 use super::obstacle::Mesh;
 use super::param::Problem;
-use super::{Body, ObstacleShape, Scene, builtin};
+use super::{Body, Embedded, ObstacleShape, Scene, builtin, embedded};
 use crate::geometry::import::{self, ImportError, Imported};
 use crate::geometry::part_cells::Parts;
 use crate::geometry::surface::SurfaceError;
@@ -67,6 +67,14 @@ pub enum ResolveError {
         /// The name asked for.
         name: String,
     },
+    /// The scene holds no such model.
+    #[error("the scene holds no model {name}; it holds {held}")]
+    NoSuchEmbedded {
+        /// The name asked for.
+        name: String,
+        /// What it holds, in words.
+        held: String,
+    },
     /// The model cannot be met.
     #[error("{model} cannot be an obstacle")]
     Surface {
@@ -104,9 +112,11 @@ impl ResolveError {
     pub fn path(&self) -> &'static str {
         match self {
             Self::Cells(_) => "shape",
-            Self::Import(_) | Self::NoSuchBuiltin { .. } | Self::Voxelize { .. } | Self::Surface { .. } => {
-                "shape.model.path"
-            }
+            Self::Import(_)
+            | Self::NoSuchBuiltin { .. }
+            | Self::NoSuchEmbedded { .. }
+            | Self::Voxelize { .. }
+            | Self::Surface { .. } => "shape.model.path",
             Self::TooManyParticles { .. } => "shape.model.divisions",
             Self::Length { .. } | Self::MeshLength { .. } => "shape.model.length",
         }
@@ -171,18 +181,44 @@ impl Jelly {
     }
 }
 
-/// Builds the lattice of a shape. Relative model paths start at `base_dir`.
-pub fn resolve(shape: &Shape, base_dir: &Path, watch: &dyn Watch) -> Result<Jelly, ResolveError> {
-    fill(shape, base_dir, watch).map(Filled::build)
+/// Where the models of a scene are. A folder alone is one of a scene that holds none itself.
+#[derive(Clone, Copy, Debug)]
+pub struct ModelPlaces<'a> {
+    /// The folder that relative paths start at.
+    pub base_dir: &'a Path,
+    /// What the scene holds itself.
+    pub embedded: Option<&'a Embedded>,
 }
 
-/// Fills a shape with cells. Relative model paths start at `base_dir`.
-pub fn fill(shape: &Shape, base_dir: &Path, watch: &dyn Watch) -> Result<Filled, ResolveError> {
+impl<'a> From<&'a Path> for ModelPlaces<'a> {
+    fn from(base_dir: &'a Path) -> Self {
+        Self { base_dir, embedded: None }
+    }
+}
+
+impl Scene {
+    /// Where its models are; relative paths start at `base_dir`.
+    pub fn model_places<'a>(&'a self, base_dir: &'a Path) -> ModelPlaces<'a> {
+        ModelPlaces { base_dir, embedded: Some(&self.models) }
+    }
+}
+
+/// Builds the lattice of a shape.
+pub fn resolve<'a>(
+    shape: &Shape,
+    places: impl Into<ModelPlaces<'a>>,
+    watch: &dyn Watch,
+) -> Result<Jelly, ResolveError> {
+    fill(shape, places, watch).map(Filled::build)
+}
+
+/// Fills a shape with cells.
+pub fn fill<'a>(shape: &Shape, places: impl Into<ModelPlaces<'a>>, watch: &dyn Watch) -> Result<Filled, ResolveError> {
     // Every filled cell has at most eight particles of its own, so that this is no refusal of a body that fits.
     let cells = match shape {
         Shape::Cube(cube) => Cells::cube(cube.cells, cube.size / f64::from(cube.cells.max(1)))?,
         Shape::Cells(cells) => Cells::from_list(&cells.list, cells.size)?,
-        Shape::Model(model) => return fill_model(model, base_dir, watch),
+        Shape::Model(model) => return fill_model(model, places.into(), watch),
     };
     Ok(Filled { cells, contents: None, mesh: None, parts: None, report: None, up: UpAxis::Y, warnings: Vec::new() })
 }
@@ -210,8 +246,21 @@ pub fn part_problem(place: usize, body: &Body, lattice: &Lattice) -> Option<Prob
     Some(Problem { path: format!("bodies.{place}.parts.{at}.name"), message })
 }
 
-/// Reads a model: a file, or one that the program carries.
-pub fn load_model(path: &str, base_dir: &Path, watch: &dyn Watch) -> Result<Imported, ResolveError> {
+/// Reads a model: a file, one that the scene holds or one that the program carries.
+pub fn load_model<'a>(
+    path: &str,
+    places: impl Into<ModelPlaces<'a>>,
+    watch: &dyn Watch,
+) -> Result<Imported, ResolveError> {
+    let ModelPlaces { base_dir, embedded } = places.into();
+    if let Some(name) = path.strip_prefix(embedded::PREFIX) {
+        let none = Embedded::default();
+        let held = embedded.unwrap_or(&none);
+        if held.find(name).is_none() {
+            return Err(ResolveError::NoSuchEmbedded { name: echo(name), held: listed(held) });
+        }
+        return Ok(import::load_held(held, name, &CancelOnly(watch))?);
+    }
     match path.strip_prefix(builtin::PREFIX) {
         Some(name) => {
             let bytes = builtin::model(name).ok_or_else(|| ResolveError::NoSuchBuiltin { name: name.to_owned() })?;
@@ -236,6 +285,8 @@ pub struct MeshError {
 /// # Errors
 /// The first that cannot be read or met.
 pub fn load_meshes(scene: &mut Scene, base_dir: &Path, watch: &dyn Watch) -> Result<(), MeshError> {
+    let models = scene.models.clone();
+    let places = ModelPlaces { base_dir, embedded: Some(&models) };
     for place in 0..scene.obstacles.len() {
         let (known, rest) = scene.obstacles.split_at_mut(place);
         let Some(ObstacleShape::Mesh(mesh)) = rest.first_mut().map(|obstacle| &mut obstacle.shape) else { continue };
@@ -248,7 +299,7 @@ pub fn load_meshes(scene: &mut Scene, base_dir: &Path, watch: &dyn Watch) -> Res
         });
         let surface = match twin {
             Some(surface) => surface,
-            None => load_surface(mesh, base_dir, watch).map_err(|source| MeshError { obstacle: place, source })?,
+            None => load_surface(mesh, places, watch).map_err(|source| MeshError { obstacle: place, source })?,
         };
         mesh.load(surface);
     }
@@ -256,8 +307,8 @@ pub fn load_meshes(scene: &mut Scene, base_dir: &Path, watch: &dyn Watch) -> Res
 }
 
 /// Reads the model of an obstacle.
-pub fn load_surface(mesh: &Mesh, base_dir: &Path, watch: &dyn Watch) -> Result<Arc<Surface>, ResolveError> {
-    let mut model = load_model(&mesh.path, base_dir, watch)?.mesh;
+fn load_surface(mesh: &Mesh, places: ModelPlaces<'_>, watch: &dyn Watch) -> Result<Arc<Surface>, ResolveError> {
+    let mut model = load_model(&mesh.path, places, watch)?.mesh;
     mesh.up.found(&model).turn(&mut model);
     let surface = Surface::new(&model).map_err(|source| ResolveError::Surface { model: mesh.path.clone(), source })?;
     let length_m = mesh.scale(&surface);
@@ -267,8 +318,8 @@ pub fn load_surface(mesh: &Mesh, base_dir: &Path, watch: &dyn Watch) -> Result<A
     Ok(Arc::new(surface))
 }
 
-fn fill_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<Filled, ResolveError> {
-    let Imported { mut mesh, parts, mut warnings } = load_model(&model.path, base_dir, watch)?;
+fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) -> Result<Filled, ResolveError> {
+    let Imported { mut mesh, parts, mut warnings } = load_model(&model.path, places, watch)?;
     let up = model.up.found(&mesh);
     up.turn(&mut mesh);
     if up != model.up && up != UpAxis::Y {
@@ -303,6 +354,17 @@ fn fill_model(model: &ModelShape, base_dir: &Path, watch: &dyn Watch) -> Result<
     warnings.extend(report.warnings.iter().cloned());
     let parts = parts.map(|names| Arc::new(Parts::new(names)));
     Ok(Filled { cells, contents, mesh: Some(Arc::new(mesh)), parts, report: Some(report), up, warnings })
+}
+
+/// The models that a scene holds, as far as they are listed.
+fn listed(held: &Embedded) -> String {
+    let files = held.files();
+    let names: Vec<String> = files.iter().take(NAMES_LISTED).map(|file| echo(&file.path)).collect();
+    match files.len().saturating_sub(NAMES_LISTED) {
+        _ if names.is_empty() => "none".to_owned(),
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names.join(", ")),
+    }
 }
 
 fn carried() -> String {

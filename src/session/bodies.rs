@@ -150,6 +150,7 @@ impl Opened {
     /// If a shape cannot be made, or all of them together need more memory than there is.
     pub fn lattices(&self, watch: &dyn Watch) -> Result<Vec<Arc<Lattice>>, SessionError> {
         let mut library = Library::new(self.base_dir.clone());
+        library.hold(&self.scene.models);
         Ok(Bodies::resolve(&self.scene, &mut library, watch)?.lattices())
     }
 }

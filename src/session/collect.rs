@@ -5,69 +5,32 @@
 //! FOLDER/models/cow.obj         a model that is one file
 //! FOLDER/models/lamp/lamp.gltf  one that has its buffers beside it, and they as it names them
 //! ```
+//!
+//! Or one file with all of it inside.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use thiserror::Error;
-
-use super::document::{self, UNTITLED};
+use super::document::UNTITLED;
+pub use super::gather::CollectError;
+use super::gather::{Gathered, Source, gather, with_models_inside};
 use crate::disk::{self, folder_of};
-use crate::geometry::import::{self, ImportError};
 use crate::scene::Scene;
-use crate::scene::file::SceneFileError;
+use crate::scene::embedded::PREFIX;
 
 /// The folder of the models.
 const MODELS: &str = "models";
-
-/// Why a scene cannot be collected; nothing has been written then.
-#[derive(Debug, Error)]
-pub enum CollectError {
-    /// A model cannot be read.
-    #[error("the model of {whose}")]
-    Model {
-        /// The body or obstacle.
-        whose: String,
-        /// Why.
-        source: Box<ImportError>,
-    },
-    /// A file's name cannot be written into the scene.
-    #[error("the model of {whose}: {} is not UTF-8, so it cannot be written; rename the file", path.display())]
-    Name {
-        /// The body or obstacle.
-        whose: String,
-        /// The model.
-        path: PathBuf,
-    },
-    /// The folder cannot be written.
-    #[error("{} cannot be written", folder.display())]
-    Folder {
-        /// The folder.
-        folder: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// The scene has no text.
-    #[error(transparent)]
-    Scene(#[from] SceneFileError),
-}
 
 /// What was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Collected {
     /// The scene file.
     pub scene: PathBuf,
-    /// The files of models, in the order in which the scene names them.
+    /// The files of models, in the order in which the scene names them; those inside the scene file by their paths in it.
     pub models: Vec<PathBuf>,
     /// How large they are together, bytes.
     pub bytes: u64,
-}
-
-/// A file to be copied, and its place in the folder.
-struct Copy {
-    from: PathBuf,
-    to: PathBuf,
 }
 
 /// Writes a new folder with a scene, called by its title, and its models, whose relative paths start at `base_dir`. The
@@ -79,67 +42,40 @@ pub fn collect(scene: &Scene, base_dir: &Path, title: &str, folder: &Path) -> Re
     let refused = |source| CollectError::Folder { folder: folder.to_owned(), source };
     disk::check_new_folder(folder).map_err(refused)?;
     let mut scene = scene.clone();
-    let copies = copies(&mut scene, base_dir)?;
+    let files = gather(&mut scene, base_dir, &format!("{MODELS}/"))?;
     let text = scene.to_ron()?;
     let name = Path::new(title).with_extension("ron");
     let name = Path::new(name.file_name().unwrap_or_else(|| UNTITLED.as_ref()));
     let mut bytes = 0;
     disk::write_folder(folder, |inside| {
-        for Copy { from, to } in &copies {
-            let to = inside.join(to);
+        for Gathered { place, from } in &files {
+            let to = inside.join(MODELS).join(place);
             fs::create_dir_all(folder_of(&to))?;
-            bytes += fs::copy(from, to)?;
+            bytes += match from {
+                Source::Disk(from) => fs::copy(from, to)?,
+                Source::Scene(file) => {
+                    fs::write(to, file.unpack().map_err(|damage| io::Error::new(io::ErrorKind::InvalidData, damage))?)?;
+                    file.bytes
+                }
+            };
         }
         disk::write(&inside.join(name), text.as_bytes())
     })
     .map_err(refused)?;
-    let models = copies.into_iter().map(|copy| folder.join(copy.to)).collect();
+    let models = files.into_iter().map(|file| folder.join(MODELS).join(file.place)).collect();
     Ok(Collected { scene: folder.join(name), models, bytes })
 }
 
-/// The files of all models of a scene, each once, and the scene with their new paths.
-fn copies(scene: &mut Scene, base_dir: &Path) -> Result<Vec<Copy>, CollectError> {
-    let mut taken: Vec<(PathBuf, String)> = Vec::new();
-    let mut copies = Vec::new();
-    for (whose, path) in document::model_paths(scene) {
-        let from = base_dir.join(&*path);
-        if let Some((_, place)) = taken.iter().find(|(known, _)| disk::is_same_file(known, &from)) {
-            path.clone_from(place);
-            continue;
-        }
-        // What another person could not open is found here and now.
-        import::load(&from).map_err(|source| CollectError::Model { whose: whose.clone(), source: Box::new(source) })?;
-        let named = || CollectError::Name { whose: whose.clone(), path: from.clone() };
-        let name = from.file_name().and_then(|name| name.to_str()).ok_or_else(named)?;
-        let files = import::files_of(&from);
-        let own = |place: &str| {
-            if files.len() > 1 { format!("{MODELS}/{}/{name}", stem(place)) } else { format!("{MODELS}/{place}") }
-        };
-        let is_free = |place: &String| taken.iter().all(|(_, other)| !other.eq_ignore_ascii_case(place));
-        let numbered = (2..).map(|number| own(&with_number(name, number)));
-        let place = std::iter::once(own(name)).chain(numbered).find(is_free).unwrap_or_default();
-        let (beside, target) = (folder_of(&from), folder_of(Path::new(&place)));
-        for file in files {
-            // What lies beside a model is never above it.
-            let to = target.join(file.strip_prefix(&beside).unwrap_or(Path::new(name)));
-            copies.push(Copy { to: if file == from { PathBuf::from(&place) } else { to }, from: file });
-        }
-        path.clone_from(&place);
-        taken.push((from, place));
-    }
-    Ok(copies)
-}
-
-fn stem(name: &str) -> &str {
-    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
-}
-
-/// A file's name with a number before its ending.
-fn with_number(name: &str, number: u32) -> String {
-    match name.rsplit_once('.') {
-        Some((stem, ending)) => format!("{stem}-{number}.{ending}"),
-        None => format!("{name}-{number}"),
-    }
+/// Writes one file with a scene and its models, whose relative paths start at `base_dir`. The scene itself stays as it is.
+///
+/// # Errors
+/// If a model cannot be read or the file cannot be written.
+pub fn collect_into_file(scene: &Scene, base_dir: &Path, file: &Path) -> Result<Collected, CollectError> {
+    let whole = with_models_inside(scene, base_dir)?;
+    whole.save(file)?;
+    let models = whole.models.files().iter().map(|file| PathBuf::from(format!("{PREFIX}{}", file.path))).collect();
+    let bytes = whole.models.files().iter().map(|file| file.bytes).sum();
+    Ok(Collected { scene: file.to_owned(), models, bytes })
 }
 
 #[cfg(test)]
@@ -198,9 +134,42 @@ mod tests {
         assert_eq!(found.bytes, (2 * TENT.len() + GLTF.len() + 36) as u64);
         let mut read = Scene::load(&found.scene).expect("a scene");
         for (body, of) in read.bodies.iter().zip(&scene.bodies) {
-            resolve(&body.shape, &folder, &()).unwrap_or_else(|error| panic!("{:?}: {error}", of.shape));
+            resolve(&body.shape, folder.as_path(), &()).unwrap_or_else(|error| panic!("{:?}: {error}", of.shape));
         }
         load_meshes(&mut read, &folder, &()).expect("the obstacle has its mesh");
+    }
+
+    #[test]
+    fn one_file_opens_without_what_it_came_from_and_becomes_a_folder_again() {
+        let (outer, scene) = scattered();
+        let base_dir = outer.path().join("scenes");
+        let elsewhere = tempfile::tempdir().expect("a folder");
+        let file = elsewhere.path().join("mine.ron");
+        let found = collect_into_file(&scene, &base_dir, &file).expect("a sound scene");
+        let names = ["tent.obj", "Tent-2.obj", "flat/flat.gltf", "flat/bin/a.bin"];
+        assert_eq!(found.models, names.map(|name| PathBuf::from(format!("embedded:{name}"))), "each once");
+        let mesh_of = |scene: &Scene, base_dir: &Path, body: usize| {
+            let jelly = resolve(&scene.bodies[body].shape, scene.model_places(base_dir), &()).expect("a model");
+            jelly.mesh.expect("its mesh")
+        };
+        let before: Vec<_> = (0..5).map(|body| mesh_of(&scene, &base_dir, body)).collect();
+        drop(outer);
+        let nowhere = Path::new("/nowhere");
+        let mut read = Scene::load(&file).expect("a scene");
+        for (body, before) in before.iter().enumerate() {
+            assert_eq!(mesh_of(&read, nowhere, body), *before, "{:?}", read.bodies[body].shape);
+        }
+        load_meshes(&mut read, nowhere, &()).expect("the obstacle has its mesh");
+        let again = elsewhere.path().join("again.ron");
+        collect_into_file(&read, nowhere, &again).expect("a sound scene");
+        assert_eq!(fs::read(&again).expect("a file"), fs::read(&file).expect("a file"), "as it was");
+        let folder = elsewhere.path().join("folder");
+        collect(&read, nowhere, "a", &folder).expect("a sound scene");
+        let scene = Scene::load(&folder.join("a.ron")).expect("a scene");
+        assert!(scene.models.is_empty() && mesh_of(&scene, &folder, 2) == before[2], "files again");
+        read.models = crate::scene::Embedded::default();
+        let lost = collect_into_file(&read, nowhere, &again).expect_err("they are nowhere").to_string();
+        assert_eq!(lost, "the model of body 1: the scene holds no tent.obj");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::document::ModelPlace;
 use super::modes::Swing;
 use super::stability_map::StabilityOf;
 use crate::scene::edit::{BodyId, Edit};
@@ -49,6 +50,8 @@ pub enum Command {
         path: PathBuf,
         /// Where the camera stands.
         camera: CameraSettings,
+        /// Where it has its models from then on.
+        models: ModelPlace,
     },
     /// Write a new folder with the scene and every model that it reads; its own file stays what it is.
     Collect {

@@ -3,19 +3,22 @@
 //!
 //! ```text
 //! file ─ Opened::from_file ─► Session        base_dir: where relative model paths start, for the session's whole life
-//! file ◄─ Document::save ──── Session        model paths are written as seen from the file's own folder
+//! file ◄─ Document::save ──── Session        model paths are written as seen from the file's own folder, or the models
+//!                                            themselves
 //! ```
 
 use std::ffi::OsStr;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::gather::{CollectError, with_models_inside};
+use super::model_paths::{absolute, model_files, plain, seen_from};
 use crate::disk::{self, fnv1a, folder_of};
 use crate::geometry::import;
 use crate::scene::file::SceneFileError;
 use crate::scene::view_settings::CameraSettings;
-use crate::scene::{ObstacleShape, Scene, Shape, ViewSettings, builtin, presets};
+use crate::scene::{Scene, ViewSettings, presets};
 
 /// What a scene without a file is called.
 pub const UNTITLED: &str = "untitled";
@@ -40,9 +43,22 @@ pub enum SaveError {
         /// Where its model is.
         path: PathBuf,
     },
+    /// A model cannot be put inside.
+    #[error(transparent)]
+    Inside(#[from] Box<CollectError>),
     /// The file cannot be written.
     #[error(transparent)]
     File(#[from] SceneFileError),
+}
+
+/// Where a scene file has its models.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ModelPlace {
+    /// They are files of their own, which it names.
+    #[default]
+    Beside,
+    /// In it, so that it can be opened anywhere.
+    Inside,
 }
 
 /// A scene on its way into a sandbox, with all that is known of its file.
@@ -82,17 +98,8 @@ impl Opened {
 impl Opened {
     /// The files that the scene is read from: its own and those of its models, buffers beside these too.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        let models = self.scene.bodies.iter().filter_map(|body| match &body.shape {
-            Shape::Model(model) if !model.path.starts_with(builtin::PREFIX) => Some(self.base_dir.join(&model.path)),
-            _ => None,
-        });
-        let meshes = self.scene.obstacles.iter().filter_map(|obstacle| match &obstacle.shape {
-            ObstacleShape::Mesh(mesh) if !mesh.path.starts_with(builtin::PREFIX) => {
-                Some(self.base_dir.join(&mesh.path))
-            }
-            _ => None,
-        });
-        let read = models.chain(meshes).flat_map(|path| import::files_of(&path));
+        let mut scene = self.scene.clone();
+        let read = model_files(&mut scene).flat_map(|(_, path)| import::files_of(&self.base_dir.join(&*path)));
         read.chain(self.file.clone()).collect()
     }
 }
@@ -100,13 +107,14 @@ impl Opened {
 /// Whether two scenes differ in what a person would miss. How the picture is looked at is saved, but is no change: the
 /// camera, the colours, what is drawn over the jelly.
 pub fn differs(saved: &Scene, scene: &Scene) -> bool {
-    let Scene { version, settings, bodies, obstacles, view } = scene;
+    let Scene { version, settings, bodies, obstacles, view, models } = scene;
     let ViewSettings { camera: _, light, color: _, color_range: _, overlays: _ } = view;
     let same = saved.version == *version
         && saved.settings == *settings
         && saved.bodies == *bodies
         && saved.obstacles == *obstacles
-        && saved.view.light == *light;
+        && saved.view.light == *light
+        && saved.models == *models;
     !same
 }
 
@@ -125,6 +133,8 @@ pub(super) struct Document {
     saved: Option<Scene>,
     /// The fingerprint of the file as last opened or saved; none where there was none.
     on_disk: Option<u64>,
+    /// Where the file has its models.
+    models: ModelPlace,
     /// How often saving was refused because another program had changed the file.
     pub(super) refused_saves: u32,
 }
@@ -135,8 +145,12 @@ impl Document {
         let Opened { scene, title, base_dir, file, unsaved } = opened;
         let saved = (!unsaved).then(|| scene.clone());
         let on_disk = file.as_deref().and_then(fingerprint);
+        // What is recovered goes on as its file is, which is not what it was read from.
+        let of_file = || file.as_deref().filter(|_| *unsaved).and_then(|file| Scene::load(file).ok());
+        let has_inside = !scene.models.is_empty() || of_file().is_some_and(|scene| !scene.models.is_empty());
+        let models = if has_inside { ModelPlace::Inside } else { ModelPlace::Beside };
         let (title, base_dir, file) = (title.clone(), base_dir.clone(), file.clone());
-        Self { title, base_dir, file, saved, on_disk, refused_saves: 0 }
+        Self { title, base_dir, file, saved, on_disk, models, refused_saves: 0 }
     }
 
     /// Whether the scene holds changes that are in no file.
@@ -144,11 +158,22 @@ impl Document {
         self.saved.as_ref().is_none_or(|saved| differs(saved, scene))
     }
 
-    /// Writes the scene, seen by `camera`, to its file or to one that is named, which is its file from then on. What
-    /// another program has written into its file in the meantime is replaced only by name.
-    pub(super) fn save(&mut self, scene: &Scene, camera: CameraSettings, to: Option<PathBuf>) -> Result<(), SaveError> {
+    /// Where the file of a scene has its models: a scene that holds some has nowhere else to put them.
+    pub(super) fn models(&self, scene: &Scene) -> ModelPlace {
+        if scene.models.is_empty() { self.models } else { ModelPlace::Inside }
+    }
+
+    /// Writes the scene, seen by `camera`, to its file or to one that is named, which is its file from then on and has its
+    /// models where it is said. What another program has written into its file in the meantime is replaced only by name.
+    pub(super) fn save(
+        &mut self,
+        scene: &Scene,
+        camera: CameraSettings,
+        to: Option<(PathBuf, ModelPlace)>,
+    ) -> Result<(), SaveError> {
         let named = to.is_some();
-        let file = to.or_else(|| self.file.clone()).ok_or(SaveError::NoFile)?;
+        let to = to.or_else(|| self.file.clone().map(|file| (file, self.models)));
+        let (file, models) = to.ok_or(SaveError::NoFile)?;
         let file = std::path::absolute(&file).unwrap_or(file);
         if !is_scene_path(&file) {
             return Err(SaveError::NotAScene(file));
@@ -158,12 +183,16 @@ impl Document {
             self.refused_saves += 1;
             return Err(SaveError::ChangedOnDisk(file));
         }
-        let mut written = moved(scene, &self.base_dir, &folder_of(&file))?;
+        let mut written = match models {
+            ModelPlace::Beside if scene.models.is_empty() => moved(scene, &self.base_dir, &folder_of(&file))?,
+            _ => with_models_inside(scene, &self.base_dir).map_err(Box::new)?,
+        };
         written.view.camera = camera;
         written.save(&file)?;
         self.title = title_of(&file);
         self.on_disk = fingerprint(&file);
         self.refused_saves = 0;
+        self.models = models;
         self.file = Some(file);
         self.saved = Some(scene.clone());
         Ok(())
@@ -180,7 +209,7 @@ fn fingerprint(file: &Path) -> Option<u64> {
 pub fn moved(scene: &Scene, from: &Path, to: &Path) -> Result<Scene, SaveError> {
     let mut scene = scene.clone();
     let [from, to] = [from, to].map(|folder| plain(&absolute(folder)));
-    for (whose, path) in model_paths(&mut scene) {
+    for (whose, path) in model_files(&mut scene) {
         if from != to || Path::new(&*path).is_absolute() {
             let found = seen_from(&from.join(&*path), &to);
             let text = found.to_str().map(|text| if cfg!(windows) { text.replace('\\', "/") } else { text.to_owned() });
@@ -194,66 +223,12 @@ pub fn moved(scene: &Scene, from: &Path, to: &Path) -> Result<Scene, SaveError> 
 pub fn anchored(scene: &Scene, base_dir: &Path) -> Scene {
     let mut scene = scene.clone();
     let base_dir = absolute(base_dir);
-    for (_, path) in model_paths(&mut scene) {
+    for (_, path) in model_files(&mut scene) {
         if let Some(anchored) = base_dir.join(&*path).to_str().map(str::to_owned) {
             *path = anchored;
         }
     }
     scene
-}
-
-/// The paths of all models that are files, and whose they are.
-pub(super) fn model_paths(scene: &mut Scene) -> impl Iterator<Item = (String, &mut String)> {
-    let bodies = (1..).zip(&mut scene.bodies).filter_map(|(number, body)| match &mut body.shape {
-        Shape::Model(model) => Some((format!("body {number}"), &mut model.path)),
-        _ => None,
-    });
-    let obstacles = (1..).zip(&mut scene.obstacles).filter_map(|(number, obstacle)| match &mut obstacle.shape {
-        ObstacleShape::Mesh(mesh) => Some((format!("obstacle {number}"), &mut mesh.path)),
-        _ => None,
-    });
-    bodies.chain(obstacles).filter(|(_, path)| !path.starts_with(builtin::PREFIX))
-}
-
-/// An absolute path as seen from an absolute folder without `.` and `..`.
-fn seen_from(path: &Path, folder: &Path) -> PathBuf {
-    let target = plain(path);
-    let shared = target.components().zip(folder.components()).take_while(|(a, b)| a == b);
-    let named = |&(part, _): &(Component<'_>, _)| matches!(part, Component::Normal(_));
-    let (all, names) = shared.fold((0, 0), |(all, names), pair| (all + 1, names + usize::from(named(&pair))));
-    if names == 0 {
-        return target;
-    }
-    let up = folder.components().skip(all).map(|_| Component::ParentDir);
-    let relative: PathBuf = up.chain(target.components().skip(all)).collect();
-    // A link on the way may make `..` lead elsewhere.
-    let same = match (folder.join(&relative).canonicalize(), path.canonicalize()) {
-        (Ok(found), Ok(wanted)) => found == wanted,
-        (_, Err(_missing)) => true,
-        (Err(_misled), Ok(_)) => false,
-    };
-    if same { relative } else { path.to_owned() }
-}
-
-/// A folder from the root on; no name is the current one.
-fn absolute(folder: &Path) -> PathBuf {
-    let named = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    std::path::absolute(named).unwrap_or_else(|_no_current_folder| folder.to_owned())
-}
-
-/// A path without `.` and, as far as they follow a name, without `..`.
-fn plain(path: &Path) -> PathBuf {
-    let mut plain = PathBuf::new();
-    for part in path.components() {
-        match part {
-            Component::CurDir => {}
-            Component::ParentDir if matches!(plain.components().next_back(), Some(Component::Normal(_))) => {
-                plain.pop();
-            }
-            _ => plain.push(part),
-        }
-    }
-    plain
 }
 
 fn title_of(file: &Path) -> String {
@@ -265,10 +240,12 @@ mod tests {
     use std::error::Error;
 
     use super::*;
-    use crate::scene::ColorBy;
     use crate::scene::body::{Body, ModelShape};
     use crate::scene::edit::{BodyId, Edit};
+    use crate::scene::{ColorBy, Shape};
     use crate::session::{Command, Session, SessionError};
+
+    use ModelPlace::{Beside, Inside};
 
     fn with_model(path: &str) -> Scene {
         let shape = Shape::Model(ModelShape { path: path.to_owned(), ..ModelShape::default() });
@@ -387,7 +364,9 @@ mod tests {
         let other = folder.path().join("other");
         std::fs::create_dir(&other).expect("a folder");
         let to = other.join("b.ron");
-        session.handle(Command::SaveAs { path: to.clone(), camera: CameraSettings::default() }).expect("it is saved");
+        session
+            .handle(Command::SaveAs { path: to.clone(), camera: CameraSettings::default(), models: Beside })
+            .expect("it is saved");
         session.handle(Command::Undo).expect("the body comes back");
         session.handle(Command::Save { camera: CameraSettings::default() }).expect("to the new file");
         assert_eq!((session.title(), session.status().file), ("b.ron", Some(to.clone())));
@@ -395,6 +374,37 @@ mod tests {
         let Shape::Model(model) = &again.scene.bodies[0].shape else { panic!("a model") };
         assert_eq!(model.path, "../box.obj");
         Session::open(again, &()).expect("the model is found");
+    }
+
+    #[test]
+    fn a_scene_with_its_models_inside_needs_no_other_file_and_stays_so() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut session, _) = opened(folder.path(), "a.ron");
+        let camera = CameraSettings::default();
+        assert_eq!((session.status().models, session.status().chooses_models), (Beside, true));
+        let whole = folder.path().join("whole.ron");
+        session.handle(Command::SaveAs { path: whole.clone(), camera, models: Inside }).expect("it is saved");
+        assert_eq!(session.status().models, Inside, "as the file has them");
+        let elsewhere = tempfile::tempdir().expect("another folder");
+        let there = elsewhere.path().join("b.ron");
+        std::fs::copy(&whole, &there).expect("one file");
+        let mut again = Session::open(Opened::from_file(&there).expect("a scene"), &()).expect("it has its model");
+        assert_eq!(again.simulation().hash(), session.simulation().hash(), "the very same body");
+        assert_eq!((again.status().models, again.status().chooses_models), (Inside, false), "it has no other place");
+        brighten(&mut again);
+        again.handle(Command::Save { camera }).expect("saved");
+        let written = Scene::load(&there).expect("a scene");
+        assert_eq!(written.models, again.scene().models, "nothing is lost or doubled");
+        again.handle(Command::Edit(Edit::RemoveBody(BodyId(0)))).expect("away with it");
+        again.handle(Command::Save { camera }).expect("saved");
+        assert!(Scene::load(&there).expect("a scene").models.is_empty(), "nobody needs it");
+        again.handle(Command::Undo).expect("it comes back without a file");
+        again.handle(Command::Save { camera }).expect("saved");
+        assert_eq!(Scene::load(&there).expect("a scene"), written, "as it was");
+        let recover =
+            Command::Recover { scene: Box::new(with_model("builtin:spot.obj")), title: "b".into(), file: Some(there) };
+        again.handle(recover).expect("a scene");
+        assert_eq!(again.status().models, Inside, "its file goes on as it was");
     }
 
     #[test]
@@ -410,8 +420,8 @@ mod tests {
             (Command::Open { path: folder.path().join("none.ron") }, "none.ron"),
             (Command::Open { path: folder.path().join("box.obj") }, "box.obj:1"),
             (Command::Open { path: lost }, "missing.obj"),
-            (Command::SaveAs { path: folder.path().join("none/a.ron"), camera }, "cannot be written"),
-            (Command::SaveAs { path: folder.path().join("a.obj"), camera }, "ends in .ron"),
+            (Command::SaveAs { path: folder.path().join("none/a.ron"), camera, models: Beside }, "cannot be written"),
+            (Command::SaveAs { path: folder.path().join("a.obj"), camera, models: Beside }, "ends in .ron"),
         ];
         for (command, word) in refused {
             let error = session.handle(command.clone()).expect_err("it must be refused");
@@ -436,7 +446,7 @@ mod tests {
         assert!(refused.contains("a.ron has changed on the disk"), "{refused}");
         assert_eq!(std::fs::read_to_string(&file).expect("a file"), "(version: 1)", "it is still there");
         assert_eq!(session.status().refused_saves, 1, "the window can ask");
-        session.handle(Command::SaveAs { path: file.clone(), camera }).expect("by name");
+        session.handle(Command::SaveAs { path: file.clone(), camera, models: Beside }).expect("by name");
         assert!(Scene::load(&file).expect("a scene") != Scene::default(), "replaced");
         assert_eq!(session.status().refused_saves, 0, "answered");
         session.handle(Command::Save { camera }).expect("it is as this session left it");

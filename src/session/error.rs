@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::collect::CollectError;
 use super::document::SaveError;
+use super::gather::CollectError;
 use super::state_error::StateError;
 use crate::machine::bytes_text;
 use crate::scene::edit::EditError;

@@ -40,7 +40,9 @@ impl Session {
                 }
             }
             Command::Save { camera } => self.document.save(&self.scene, camera, None)?,
-            Command::SaveAs { path, camera } => self.document.save(&self.scene, camera, Some(path))?,
+            Command::SaveAs { path, camera, models } => {
+                self.document.save(&self.scene, camera, Some((path, models)))?;
+            }
             Command::Collect { folder, camera } => {
                 let mut scene = Scene::clone(&self.scene);
                 scene.view.camera = camera;

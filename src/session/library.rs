@@ -4,8 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::geometry::Watch;
-use crate::scene::Shape;
-use crate::scene::resolve::{Filled, Jelly, Outline, ResolveError, fill, resolve};
+use crate::scene::resolve::{Filled, Jelly, ModelPlaces, Outline, ResolveError, fill, resolve};
+use crate::scene::{Embedded, Shape, embedded};
 
 /// Shapes kept; the one that was not asked for longest goes first.
 const CAPACITY: usize = 64;
@@ -14,6 +14,8 @@ const CAPACITY: usize = 64;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Library {
     base_dir: PathBuf,
+    /// Models that the scene holds itself.
+    embedded: Embedded,
     entries: Vec<(Shape, Jelly)>,
     /// Models that have been filled and wait to be made ready: that takes long.
     filled: Vec<(Shape, Filled)>,
@@ -22,7 +24,21 @@ pub(super) struct Library {
 impl Library {
     /// An empty one; relative model paths start at `base_dir`.
     pub(super) fn new(base_dir: PathBuf) -> Self {
-        Self { base_dir, entries: Vec::new(), filled: Vec::new() }
+        Self { base_dir, embedded: Embedded::default(), entries: Vec::new(), filled: Vec::new() }
+    }
+
+    /// The models that the scene holds itself; another scene holds others.
+    pub(super) fn hold(&mut self, embedded: &Embedded) {
+        if self.embedded != *embedded {
+            self.entries.retain(|(shape, _)| !is_embedded(shape));
+            self.filled.retain(|(shape, _)| !is_embedded(shape));
+            self.embedded = embedded.clone();
+        }
+    }
+
+    /// Where models are.
+    fn places(&self) -> ModelPlaces<'_> {
+        ModelPlaces { base_dir: &self.base_dir, embedded: Some(&self.embedded) }
     }
 
     /// The folder that relative model paths start at.
@@ -35,7 +51,7 @@ impl Library {
         if let Some((_, jelly)) = self.entries.iter().find(|(known, _)| known == shape) {
             return Ok(jelly.outline());
         }
-        let filled = fill(shape, &self.base_dir, watch)?;
+        let filled = fill(shape, self.places(), watch)?;
         let outline = filled.outline();
         if matches!(shape, Shape::Model(_)) {
             self.filled.push((shape.clone(), filled));
@@ -54,7 +70,7 @@ impl Library {
             Some(place) => self.entries.remove(place).1,
             None => match self.filled.iter().position(|(known, _)| known == shape) {
                 Some(place) => self.filled.remove(place).1.build(),
-                None => resolve(shape, &self.base_dir, watch)?,
+                None => resolve(shape, self.places(), watch)?,
             },
         };
         self.put(shape.clone(), jelly.clone());
@@ -69,6 +85,11 @@ impl Library {
             self.entries.remove(0);
         }
     }
+}
+
+/// Whether a shape is a model that a scene holds itself.
+fn is_embedded(shape: &Shape) -> bool {
+    matches!(shape, Shape::Model(model) if model.path.starts_with(embedded::PREFIX))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::document::Opened;
+use super::document::{ModelPlace, Opened};
 use super::{Command, Session};
 use crate::scene::edit::{Edit, ObstacleId};
 use crate::scene::obstacle::Mesh;
@@ -87,7 +87,9 @@ fn the_path_of_a_mesh_is_written_as_seen_from_the_scenes_folder() {
     let deeper = folder.join("scenes");
     std::fs::create_dir(&deeper).expect("a folder");
     let path = deeper.join("a.ron");
-    session.handle(Command::SaveAs { path: path.clone(), camera: CameraSettings::default() }).expect("it is written");
+    session
+        .handle(Command::SaveAs { path: path.clone(), camera: CameraSettings::default(), models: ModelPlace::Beside })
+        .expect("it is written");
     let opened = Opened::from_file(&path).expect("a scene");
     let ObstacleShape::Mesh(mesh) = &opened.scene.obstacles[0].shape else { panic!("a mesh") };
     assert_eq!(mesh.path, "../pyramid.obj");

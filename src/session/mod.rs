@@ -16,6 +16,7 @@ mod editing;
 mod error;
 pub mod error_curve;
 mod explain;
+mod gather;
 mod grab;
 mod handle;
 mod history;
@@ -23,6 +24,7 @@ pub mod hold;
 pub mod jellify;
 mod library;
 mod look_ahead;
+mod model_paths;
 pub mod modes;
 mod needs;
 mod picture;
@@ -159,6 +161,7 @@ impl Session {
         mut library: Library,
         watch: &dyn Watch,
     ) -> Result<Self, SessionError> {
+        library.hold(&scene.models);
         load_meshes(&mut scene, library.base_dir(), watch)?;
         let mut bodies = Bodies::resolve(&scene, &mut library, watch)?;
         bodies.dress(&scene);

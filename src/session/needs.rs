@@ -1,6 +1,7 @@
 //! The memory that a scene needs, known from the number of its cells before any particle is made, and the refusal of a
 //! scene that needs more than there is.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::SessionError;
@@ -77,7 +78,7 @@ fn scheme(scene: &Scene, outlines: &[Outline]) -> Option<Scheme> {
             solid.damping_ratio *= f64::from(longest) / f64::from(cells);
         }
     }
-    let lattices = sample.bodies.iter().map(|body| resolve(&body.shape, "".as_ref(), &()).map(|jelly| jelly.lattice));
+    let lattices = sample.bodies.iter().map(|body| resolve(&body.shape, Path::new(""), &()).map(|jelly| jelly.lattice));
     // A cube of a few cells can be made.
     let lattices = lattices.collect::<Result<Vec<_>, _>>().ok()?;
     Some(Simulation::<f32>::new(&sample, &lattices).plan().scheme)

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::model_paths::chooses_models;
 use super::{BodyStatus, Session, Status};
 use crate::math::{Aabb, rotation};
 
@@ -19,6 +20,8 @@ impl Session {
             file: self.document.file.clone(),
             unsaved: self.document.is_unsaved(&self.scene),
             refused_saves: self.document.refused_saves,
+            models: self.document.models(&self.scene),
+            chooses_models: chooses_models(&self.scene),
             base_dir: self.document.base_dir.clone(),
             playing: self.playing,
             at_rest: self.simulation.is_asleep(),

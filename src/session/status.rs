@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::document::ModelPlace;
 use super::modes::Swing;
 use super::stability_map::StabilityShown;
 use super::step_error::StepError;
@@ -15,7 +16,7 @@ use crate::scene::settings::Integrator;
 
 /// The state of a session, published with every snapshot.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[expect(clippy::struct_excessive_bools, reason = "four independent facts, each true or not")]
+#[expect(clippy::struct_excessive_bools, reason = "independent facts, each true or not")]
 pub struct Status {
     /// A preset's name or a file's.
     pub title: String,
@@ -25,6 +26,10 @@ pub struct Status {
     pub unsaved: bool,
     /// How often saving was refused since the last success because another program had changed the file.
     pub refused_saves: u32,
+    /// Where its file has its models, or would have them.
+    pub models: ModelPlace,
+    /// Whether a person can choose that: some are files, and the scene holds none that have no other place.
+    pub chooses_models: bool,
     /// Where relative model paths of the scene start.
     pub base_dir: PathBuf,
     /// Whether time runs.

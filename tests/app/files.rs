@@ -11,6 +11,7 @@ use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
 use gelatin::scene::body::UpAxis;
 use gelatin::scene::view_settings::CameraSettings;
 use gelatin::scene::{Scene, Shape, presets};
+use gelatin::session::document::ModelPlace;
 use gelatin::session::jellify::jellify;
 use gelatin::session::progress::Progress;
 use gelatin::session::{Command, Session, Status};
@@ -223,6 +224,23 @@ fn a_scene_is_collected_into_a_new_folder() {
     let commands = click(&mut harness, "Collect");
     let [Command::Collect { folder: made, .. }] = &commands[..] else { panic!("one folder, not {commands:?}") };
     assert_eq!(*made, folder.path().join("mine"));
+}
+
+#[test]
+fn a_scene_is_saved_with_its_models_inside_where_it_has_some() {
+    let (folder, file) = folder_with_a_scene();
+    let mut harness = show(Some(&file), false);
+    ask(&mut harness, FileAction::SaveAs);
+    assert!(harness.query_by_label("With its models inside").is_none(), "it has no model");
+    harness.key_press(egui::Key::Escape);
+    harness.run_steps(3);
+    harness.state_mut().status.chooses_models = true;
+    ask(&mut harness, FileAction::SaveAs);
+    click(&mut harness, "With its models inside");
+    choose(&mut harness, PathUse::SaveScene, &folder.path().join("whole"));
+    let commands = click(&mut harness, "Save");
+    let [Command::SaveAs { models, .. }] = &commands[..] else { panic!("saved under a name, not {commands:?}") };
+    assert_eq!(*models, ModelPlace::Inside);
 }
 
 #[test]

@@ -119,6 +119,30 @@ fn a_collected_scene_moves_as_the_one_it_was() {
 }
 
 #[test]
+fn a_scene_with_its_models_inside_moves_as_the_one_it_was() {
+    let folder = folder();
+    let body = "(shape: model(path: \"m.gltf\", divisions: 4))";
+    folder.write("a.ron", format!("(version: 1, bodies: [{body}], obstacles: [(mesh: (path: \"m.stl\"))])"));
+    let found = folder.json("collect a.ron -o whole.ron --json");
+    let inside = ["embedded:m/m.gltf", "embedded:m/beside.bin", "embedded:m.stl"];
+    assert_eq!(found["models"], serde_json::json!(inside), "{found}");
+    let hash = |scene: &str| folder.json(&format!("run {scene} --seconds 0.05 --json"))["hash"].clone();
+    let wanted = hash("a.ron");
+    for file in ["m.gltf", "m.stl", "beside.bin", "a.ron"] {
+        std::fs::remove_file(folder.path(file)).expect("it is there");
+    }
+    assert_eq!(hash("whole.ron"), wanted, "one file alone");
+    let set = "--set bodies.0.shape.model.path=embedded:m.stl";
+    assert_eq!(folder.json(&format!("check whole.ron {set} --json"))["ok"], true, "one of them by its path");
+    let unknown = "run whole.ron --set bodies.0.shape.model.path=embedded:cow.obj";
+    refused(&folder, unknown, FAILED, &["the scene holds no model cow.obj; it holds m/m.gltf, m/beside.bin, m.stl"]);
+    refused(&folder, "collect whole.ron -o whole.ron", USAGE, &["whole.ron is what is read"]);
+    let text = std::fs::read_to_string(folder.path("whole.ron")).expect("a text");
+    folder.write("cut.ron", text.replacen("bytes: ", "bytes: 1", 1));
+    refused(&folder, "run cut.ron", FAILED, &["cut.ron: models.0.bytes = 1", "but it has fewer", "(line "]);
+}
+
+#[test]
 fn damaged_models_of_every_format_are_refused_by_name() {
     let folder = folder();
     folder

@@ -45,7 +45,7 @@ const MODELS: [&str; 3] = [
 const MODEL_WORDS: [&str; 16] =
     ["v ", "f ", "l ", "vn ", "o ", "\n", "\\\n", "/", "//", " 1", " -1", "#", "curv ", "usemtl ", "1/1/1 ", "\u{fe}"];
 
-const SCENES: [&str; 3] = [
+const SCENES: [&str; 4] = [
     "(version: 1, settings: (dt: 0.001, integrator: semi_implicit, stepping: auto, gravity: (0, -9.81, 0)),\n\
      bodies: [(name: \"A\", shape: cube(cells: 3, size: 0.5), pose: (position: (0, 1, 0), rotation_deg: (0, 10, 0)),\n\
      velocity: (1, 0, 0), material: springs(structural: (stiffness: 100, damping: 0.1), shear: (stiffness: 50, \
@@ -56,9 +56,12 @@ const SCENES: [&str; 3] = [
      radius: 0.5), stiffness: 1e4), (plane: ())], view: (color: strain))",
     "(version: 1, settings: (dt: 0.01, integrator: implicit, contact: thesis), bodies: [(shape: \
      model(path: \"builtin:spot.obj\", divisions: 4, length: 1.0, occupancy: auto, keep: largest)), (shape: cube(cells: 2))])",
+    "(version: 1, bodies: [(shape: model(path: \"embedded:a/m.obj\", divisions: 3))], obstacles: [(mesh: (path: \
+     \"embedded:a/m.obj\", center: (0, -2, 0)))],\nmodels: [(path: \"a/m.obj\", bytes: 64, deflated: \
+     \"eNorUzAAQa4yIGkEpo3hfAMFU640BUOguDGYNlYwAdMmCkZA2ghIG3MBAH9tC2k=\")])",
 ];
 
-const SCENE_WORDS: [&str; 30] = [
+const SCENE_WORDS: [&str; 34] = [
     "(",
     ")",
     "[",
@@ -88,6 +91,10 @@ const SCENE_WORDS: [&str; 30] = [
     "obstacles: [(plane: ())]",
     "allow_implicit: false",
     "dt: 1e-6",
+    "embedded:",
+    "models: [(path: \"b\", bytes: 1073741824, deflated: \"eJztwQEBAAAAgJD+r+4ICgAAAAAAAAA=\")]",
+    "bytes: 0",
+    "AAAA",
     "\u{1b}[2J",
 ];
 

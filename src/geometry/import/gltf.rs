@@ -7,8 +7,6 @@
 mod buffers;
 mod primitive;
 
-use std::path::PathBuf;
-
 use glam::{DMat4, DQuat, DVec3};
 use gltf_json::{Index, Node, Root};
 
@@ -62,12 +60,11 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     reader.finish()
 }
 
-/// The files beside a model that it is read from too; none where it cannot be read.
-pub(super) fn files_beside(file: ModelFile<'_>) -> Vec<PathBuf> {
+/// The names of the files beside a model that it is read from too; none where it cannot be read.
+pub(super) fn names_beside(file: ModelFile<'_>) -> Vec<String> {
     let parts = if is_glb(file.bytes) { chunks(file) } else { Ok(Parts { json: file.bytes, blob: None }) };
     let root = parts.and_then(|parts| parse(file, parts.json));
-    let both = root.ok().zip(file.folder);
-    both.map(|(root, folder)| buffers::files_of(&root, folder)).unwrap_or_default()
+    root.map(|root| buffers::names_beside(&root)).unwrap_or_default()
 }
 
 /// What was left out on the way.

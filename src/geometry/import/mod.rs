@@ -5,6 +5,7 @@
 //! is held against the bytes that are there before anything is made of it.
 
 mod assembly;
+mod beside;
 mod error;
 mod formats;
 mod gltf;
@@ -21,6 +22,8 @@ use std::path::{Path, PathBuf};
 use super::Watch;
 use crate::disk::{self, ReadError};
 use crate::text::echo_path;
+pub use beside::HeldFiles;
+use beside::{Beside, folder_and_name, joined};
 pub use error::{ImportError, Place, Problem};
 pub use formats::{ENDINGS, FORMATS, MAX_FILE_BYTES, MAX_PARTS};
 pub use model_file::Imported;
@@ -47,34 +50,63 @@ pub fn load(path: &Path) -> Result<Imported, ImportError> {
 /// Reads a model file while someone waits.
 pub fn load_watched(path: &Path, watch: &dyn Watch) -> Result<Imported, ImportError> {
     let name = &echo_path(path);
-    let file = || name.clone();
-    let bytes = disk::read(path, MAX_FILE_BYTES).map_err(|error| match error {
-        ReadError::NotAFile(kind) => ImportError::NotAFile { file: file(), kind },
-        ReadError::TooLarge(_limit) => ImportError::TooLarge { file: file() },
-        ReadError::Refused(source) if source.kind() == io::ErrorKind::NotFound => ImportError::Missing { file: file() },
-        ReadError::Refused(source) => ImportError::Unreadable { file: file(), source },
-    })?;
+    let bytes = disk::read(path, MAX_FILE_BYTES).map_err(|error| unread(name, error))?;
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    read(ModelFile { bytes: &bytes, name, folder: Some(&disk::folder_of(path)), watch }, &ending)
+    read(ModelFile { bytes: &bytes, name, beside: Some(Beside::Folder(&disk::folder_of(path))), watch }, &ending)
+}
+
+/// Reads a model file that is kept elsewhere than on the disk, while someone waits.
+pub fn load_held(files: &dyn HeldFiles, place: &str, watch: &dyn Watch) -> Result<Imported, ImportError> {
+    let name = &files.shown(place);
+    let bytes = files.read(place, MAX_FILE_BYTES).map_err(|error| unread(name, error))?;
+    let beside = Some(Beside::Held(files, folder_and_name(place).0));
+    read(ModelFile { bytes: &bytes, name, beside, watch }, &ending_of(place))
+}
+
+/// Why a model's own file was not read.
+fn unread(name: &str, error: ReadError) -> ImportError {
+    let file = name.to_owned();
+    match error {
+        ReadError::NotAFile(kind) => ImportError::NotAFile { file, kind },
+        ReadError::TooLarge(_limit) => ImportError::TooLarge { file },
+        ReadError::Refused(source) if source.kind() == io::ErrorKind::NotFound => ImportError::Missing { file },
+        ReadError::Refused(source) => ImportError::Unreadable { file, source },
+    }
 }
 
 /// The files that a model is read from: itself, and those beside it that hold its bytes.
 pub fn files_of(path: &Path) -> Vec<PathBuf> {
-    let mut files = vec![path.to_owned()];
-    if let Ok(bytes) = disk::read(path, MAX_FILE_BYTES) {
-        let (name, folder) = (&echo_path(path), &disk::folder_of(path));
-        let file = ModelFile { bytes: &bytes, name, folder: Some(folder), watch: &() };
-        if format_of(&bytes) == Some(Format::Gltf) {
-            files.extend(gltf::files_beside(file));
-        }
-    }
-    files
+    let folder = disk::folder_of(path);
+    let bytes = disk::read(path, MAX_FILE_BYTES).unwrap_or_default();
+    let names = names_beside(&bytes, Beside::Folder(&folder));
+    [path.to_owned()].into_iter().chain(names.into_iter().map(|name| folder.join(name))).collect()
+}
+
+/// The same of a model that is kept elsewhere than on the disk: their places.
+pub fn held_files_of(files: &dyn HeldFiles, place: &str) -> Vec<String> {
+    let folder = folder_and_name(place).0;
+    let bytes = files.read(place, MAX_FILE_BYTES).unwrap_or_default();
+    let names = names_beside(&bytes, Beside::Held(files, folder));
+    [place.to_owned()].into_iter().chain(names.into_iter().map(|name| joined(folder, &name))).collect()
+}
+
+/// The names of the files beside a model that it is read from, each once.
+fn names_beside(bytes: &[u8], beside: Beside<'_>) -> Vec<String> {
+    let file = ModelFile { bytes, name: "", beside: Some(beside), watch: &() };
+    let mut names = if format_of(bytes) == Some(Format::Gltf) { gltf::names_beside(file) } else { Vec::new() };
+    names.sort_unstable();
+    names.dedup();
+    names
 }
 
 /// Reads the bytes of a model file in any format; `name` stands for the file in messages.
 pub fn parse(bytes: &[u8], name: &str) -> Result<Imported, ImportError> {
-    let ending = name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase()).unwrap_or_default();
-    read(ModelFile::new(bytes, name), &ending)
+    read(ModelFile::new(bytes, name), &ending_of(name))
+}
+
+/// What a name ends with, in small letters.
+fn ending_of(name: &str) -> String {
+    name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase()).unwrap_or_default()
 }
 
 /// Reads the bytes of an OBJ file; `name` stands for the file in messages.

@@ -1,7 +1,6 @@
 //! A model file in memory, and the mesh that is made of it.
 
-use std::path::Path;
-
+use super::beside::Beside;
 use super::error::{ImportError, Place, Problem};
 use crate::geometry::named_parts::NamedParts;
 use crate::geometry::{TriMesh, Watch};
@@ -26,15 +25,15 @@ pub(super) struct ModelFile<'a> {
     pub(super) bytes: &'a [u8],
     /// What it is called in messages.
     pub(super) name: &'a str,
-    /// The folder that it is in, if it is a file.
-    pub(super) folder: Option<&'a Path>,
+    /// Where the files beside it are, if it is a file.
+    pub(super) beside: Option<Beside<'a>>,
     pub(super) watch: &'a dyn Watch,
 }
 
 impl<'a> ModelFile<'a> {
     /// A file that nobody waits for.
     pub(super) fn new(bytes: &'a [u8], name: &'a str) -> Self {
-        Self { bytes, name, folder: None, watch: &() }
+        Self { bytes, name, beside: None, watch: &() }
     }
 
     /// What is wrong at a place of this file.

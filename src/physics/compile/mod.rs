@@ -63,7 +63,7 @@ impl<R: Real> Simulation<R> {
         let mut scene = scene.clone();
         load_meshes(&mut scene, folder, &())?;
         let lattices = scene.bodies.iter().enumerate().map(|(body, described)| {
-            let jelly = resolve(&described.shape, folder, &());
+            let jelly = resolve(&described.shape, scene.model_places(folder), &());
             jelly.map(|jelly| jelly.lattice).map_err(|source| SceneError::Shape { body, source })
         });
         let lattices = lattices.collect::<Result<Vec<_>, _>>()?;

@@ -10,7 +10,7 @@ use std::fmt;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::Scene;
+use super::{Embedded, Scene};
 use crate::text::echo;
 pub(super) use default::default_at;
 #[cfg(test)]
@@ -44,9 +44,12 @@ pub fn find(path: &str) -> Option<&'static Param> {
     })
 }
 
-/// Every value of a scene that is not allowed.
+/// Every value of a scene that is not allowed. The models that it holds are no values.
 pub fn validate(scene: &Scene) -> Vec<Problem> {
-    problems("", scene)
+    if scene.models.is_empty() {
+        return problems("", scene);
+    }
+    problems("", &Scene { models: Embedded::default(), ..scene.clone() })
 }
 
 /// The first value of one node of a scene that is not allowed.

@@ -74,7 +74,7 @@ fn begin(action: FileAction, status: &Status, state: &mut UiState, commands: &mu
                 Some(file) => file.clone(),
                 None => files.start_folder(status).join(Path::new(&status.title).with_extension("ron")),
             };
-            files.dialog = Some(PathDialog::new(PathUse::SaveScene, &name));
+            files.dialog = Some(PathDialog::save_scene(&name, status));
         }
         FileAction::OpenState => {
             let start = files.start_folder(status);

@@ -27,7 +27,7 @@ pub(super) fn overwrite_ui(ui: &Ui, status: &Status, files: &mut FilesState, com
             }
             if ui.button("Replace").clicked() {
                 answered = true;
-                commands.push(Command::SaveAs { path: file.clone(), camera: files.camera });
+                commands.push(Command::SaveAs { path: file.clone(), camera: files.camera, models: status.models });
             }
             answered |= ui.button("Cancel").clicked();
         });

@@ -6,9 +6,11 @@ use egui::{RichText, Ui};
 
 use super::dialog::{buttons_ui, dialog_ui, main_button_ui};
 use super::path_field::{PathField, PathUse, Verdict};
+use super::state::PathDialog;
 use super::{FileAction, FilesState, Wish};
 use crate::app::ui::theme;
 use crate::session::Command;
+use crate::session::document::ModelPlace;
 
 /// Recent files offered in the dialog; the menu has all.
 const RECENT: usize = 4;
@@ -38,6 +40,9 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, files: &mut FilesState, commands: &mut
             let start = dialog.field.folder();
             files.wishes.push(Wish::Browse(dialog.purpose, start));
         }
+        if dialog.purpose == PathUse::SaveScene {
+            models_ui(ui, &mut dialog);
+        }
         ui.add_space(6.0);
         buttons_ui(ui, |ui| {
             let verdict = dialog.field.verdict().clone();
@@ -56,7 +61,7 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, files: &mut FilesState, commands: &mut
             let confirmed = main_button_ui(ui, label, ready).clicked() || (response.entered && ready);
             let cancelled = ui.button("Cancel").clicked();
             if confirmed {
-                confirm(verdict, dialog.purpose, files, commands);
+                confirm(verdict, &dialog, files, commands);
             }
             done = confirmed || cancelled;
         });
@@ -66,10 +71,23 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, files: &mut FilesState, commands: &mut
     }
 }
 
-fn confirm(verdict: Verdict, purpose: PathUse, files: &mut FilesState, commands: &mut Vec<Command>) {
-    match (verdict, purpose) {
+/// Whether the models of the scene are put into its file.
+fn models_ui(ui: &mut Ui, dialog: &mut PathDialog) {
+    let mut inside = dialog.models == ModelPlace::Inside;
+    if !inside && !dialog.chooses_models {
+        return;
+    }
+    ui.add_space(4.0);
+    ui.add_enabled(dialog.chooses_models, egui::Checkbox::new(&mut inside, "With its models inside"))
+        .on_hover_text("The file is larger, and can be opened anywhere without the files of its models")
+        .on_disabled_hover_text("The scene came with its models inside: they have no other place");
+    dialog.models = if inside { ModelPlace::Inside } else { ModelPlace::Beside };
+}
+
+fn confirm(verdict: Verdict, dialog: &PathDialog, files: &mut FilesState, commands: &mut Vec<Command>) {
+    match (verdict, dialog.purpose) {
         (Verdict::Usable(path, _) | Verdict::Replaces(path), PathUse::SaveScene) => {
-            commands.push(Command::SaveAs { path, camera: files.camera });
+            commands.push(Command::SaveAs { path, camera: files.camera, models: dialog.models });
         }
         (Verdict::Usable(path, _) | Verdict::Replaces(path), PathUse::SaveState) => {
             commands.push(Command::SaveState { path });

@@ -8,6 +8,7 @@ use super::path_field::{PathField, PathUse};
 use super::wish::Wish;
 use crate::app::preferences::Folders;
 use crate::scene::view_settings::CameraSettings;
+use crate::session::document::ModelPlace;
 use crate::session::{Command, Status};
 
 /// A scene found after a crash.
@@ -110,12 +111,22 @@ fn first_folder(known: [Option<PathBuf>; 2]) -> PathBuf {
 pub(super) struct PathDialog {
     pub(super) purpose: PathUse,
     pub(super) field: PathField,
+    /// Where a scene file is to have its models.
+    pub(super) models: ModelPlace,
+    /// Whether a person can choose that.
+    pub(super) chooses_models: bool,
 }
 
 impl PathDialog {
     /// A dialog that starts from a path.
     pub(super) fn new(purpose: PathUse, start: &Path) -> Self {
-        Self { purpose, field: PathField::new(purpose, start) }
+        Self { purpose, field: PathField::new(purpose, start), models: ModelPlace::Beside, chooses_models: false }
+    }
+
+    /// A dialog that saves a scene; it offers the models' place that the scene's file has.
+    pub(super) fn save_scene(start: &Path, status: &Status) -> Self {
+        let (models, chooses_models) = (status.models, status.chooses_models);
+        Self { models, chooses_models, ..Self::new(PathUse::SaveScene, start) }
     }
 }
 

@@ -2,7 +2,6 @@
 //! for, and once.
 
 use std::borrow::Cow;
-use std::path::{Component, Path, PathBuf};
 
 use base64::Engine as _;
 use base64::alphabet::STANDARD;
@@ -10,11 +9,12 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf_json::Root;
 use percent_encoding::percent_decode_str;
 
-use crate::disk::{self, ReadError};
+use crate::disk::ReadError;
+use crate::geometry::import::beside::below;
 use crate::geometry::import::error::{ImportError, Place, Problem};
 use crate::geometry::import::formats::MAX_FILE_BYTES;
 use crate::geometry::import::model_file::ModelFile;
-use crate::text::{echo_path, echo_up_to};
+use crate::text::echo_up_to;
 
 /// Standard base64; whether it is filled up with `=` does not matter.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -97,37 +97,33 @@ impl<'a> Buffers<'a> {
         }
     }
 
-    /// The bytes of a file beside the model or in a folder below it: a model that somebody sends must not make this
-    /// program look anywhere else.
+    /// The bytes of a file beside the model or in a folder below it.
     fn beside(&self, uri: &str) -> Result<Vec<u8>, Fault> {
-        let Some(path) = self.file.folder.and_then(|folder| path_beside(folder, uri)) else {
-            let what = format!("the buffer `{}`", echo_up_to(&percent_decode_str(uri).decode_utf8_lossy(), 60));
+        let Some((beside, name)) = self.file.beside.zip(below(&decoded(uri))) else {
+            let what = format!("the buffer `{}`", echo_up_to(&decoded(uri), 60));
             let remedy = "only files beside the model and in folders below it are";
             return Err(Problem::Unsupported { what, remedy }.into());
         };
-        disk::read(&path, self.budget).map_err(|error| {
+        beside.read(&name, self.budget).map_err(|error| {
             let why = match &error {
                 ReadError::TooLarge(_) => return Fault::TooLarge,
                 ReadError::Refused(source) if source.kind() == std::io::ErrorKind::NotFound => "does not exist".into(),
                 other => other.to_string(),
             };
-            Problem::Beside { file: echo_path(&path), why }.into()
+            Problem::Beside { file: beside.shown(&name), why }.into()
         })
     }
 }
 
-/// Where a file is that a URI names, if that is in the folder of the model or below it.
-fn path_beside(folder: &Path, uri: &str) -> Option<PathBuf> {
-    let name = percent_decode_str(uri).decode_utf8_lossy();
-    let path = Path::new(&*name);
-    let is_below = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    (is_below && !name.contains([':', '\\'])).then(|| folder.join(path))
+/// What a URI names.
+fn decoded(uri: &str) -> Cow<'_, str> {
+    percent_decode_str(uri).decode_utf8_lossy()
 }
 
-/// The files that a model has its buffers in.
-pub(super) fn files_of(root: &Root, folder: &Path) -> Vec<PathBuf> {
+/// The names of the files that a model has its buffers in.
+pub(super) fn names_beside(root: &Root) -> Vec<String> {
     let uris = root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
-    uris.filter(|uri| !uri.starts_with("data:")).filter_map(|uri| path_beside(folder, uri)).collect()
+    uris.filter(|uri| !uri.starts_with("data:")).filter_map(|uri| below(&decoded(uri))).collect()
 }
 
 /// Why a buffer gives no bytes.

@@ -1,0 +1,192 @@
+//! The files of all models that a scene reads, each once and at a place of its own, however scattered they are:
+//!
+//! ```text
+//! cow.obj                          a model that is one file
+//! lamp/lamp.gltf, lamp/bin/a.bin   one that has its buffers beside it, and they as it names them
+//! ```
+//!
+//! In a folder or within a scene file they are found there by another person.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use super::model_paths;
+use crate::disk::{self, ReadError, folder_of};
+use crate::geometry::import::{self, ImportError, MAX_FILE_BYTES};
+use crate::scene::embedded::{EmbeddedFile, PREFIX};
+use crate::scene::file::SceneFileError;
+use crate::scene::{Embedded, Scene};
+
+/// Why a scene cannot be collected; nothing has been written then.
+#[derive(Debug, Error)]
+pub enum CollectError {
+    /// A model cannot be read.
+    #[error("the model of {whose}")]
+    Model {
+        /// The body or obstacle.
+        whose: String,
+        /// Why.
+        source: Box<ImportError>,
+    },
+    /// A file's name cannot be written into the scene.
+    #[error("the model of {whose}: {} is not UTF-8, so it cannot be written; rename the file", path.display())]
+    Name {
+        /// The body or obstacle.
+        whose: String,
+        /// The model.
+        path: PathBuf,
+    },
+    /// A file of a model cannot be read.
+    #[error("{} cannot be taken along", path.display())]
+    Beside {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: ReadError,
+    },
+    /// A file of a model that the scene should hold is not in it.
+    #[error("the model of {whose}: the scene holds no {place}")]
+    Lost {
+        /// The body or obstacle.
+        whose: String,
+        /// The file.
+        place: String,
+    },
+    /// The folder cannot be written.
+    #[error("{} cannot be written", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The scene has no text.
+    #[error(transparent)]
+    Scene(#[from] SceneFileError),
+}
+
+/// A file of a model.
+pub(super) struct Gathered {
+    /// Its place among the others, with `/` between folders.
+    pub(super) place: String,
+    /// Where it is.
+    pub(super) from: Source,
+}
+
+/// Where a file of a model is.
+pub(super) enum Source {
+    /// On the disk.
+    Disk(PathBuf),
+    /// In the scene.
+    Scene(EmbeddedFile),
+}
+
+impl Gathered {
+    /// The file to be held by a scene.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    fn packed(self) -> Result<EmbeddedFile, CollectError> {
+        let Self { place: path, from } = self;
+        match from {
+            Source::Scene(file) => Ok(file.at(path)),
+            Source::Disk(from) => match disk::read(&from, MAX_FILE_BYTES) {
+                Ok(bytes) => Ok(EmbeddedFile::pack(path, &bytes)),
+                Err(source) => Err(CollectError::Beside { path: from, source }),
+            },
+        }
+    }
+}
+
+/// Gathers the files of a scene's models, whose relative paths start at `base_dir`. The scene then names each model by its
+/// place behind `prefix`, and holds none.
+///
+/// # Errors
+/// If a model cannot be read.
+pub(super) fn gather(scene: &mut Scene, base_dir: &Path, prefix: &str) -> Result<Vec<Gathered>, CollectError> {
+    let held = std::mem::take(&mut scene.models);
+    let mut taken: Vec<(PathBuf, String)> = Vec::new();
+    let mut all = Vec::new();
+    for (whose, path) in model_paths::models(scene) {
+        let (known, files) = match path.strip_prefix(PREFIX) {
+            Some(place) => (PathBuf::from(&*path), held_files(&held, place, &whose)?),
+            None => (base_dir.join(&*path), files_on_disk(&base_dir.join(&*path), &whose)?),
+        };
+        let is_same = |other: &Path| *other == *known || disk::is_same_file(other, &known);
+        if let Some((_, place)) = taken.iter().find(|(other, _)| is_same(other)) {
+            *path = format!("{prefix}{place}");
+            continue;
+        }
+        let name = files.first().map(|(name, _)| name.clone()).unwrap_or_default();
+        let own = |name: &str| {
+            if files.len() > 1 { format!("{}/{name}", stem(name)) } else { name.to_owned() }
+        };
+        let in_other = |number: u32| format!("{}-{number}/{name}", stem(&name));
+        let numbered = (2..).map(|number| if files.len() > 1 { in_other(number) } else { with_number(&name, number) });
+        let is_free = |place: &String| taken.iter().all(|(_, other)| !other.eq_ignore_ascii_case(place));
+        let place = std::iter::once(own(&name)).chain(numbered).find(is_free).unwrap_or_default();
+        let folder = place.rsplit_once('/').map_or("", |(folder, _)| folder);
+        // The model itself may be called otherwise; what is beside it is not.
+        let in_folder = |(number, (name, from)): (usize, (String, Source))| {
+            let place = if number == 0 { place.clone() } else { format!("{folder}/{name}") };
+            Gathered { place, from }
+        };
+        all.extend(files.into_iter().enumerate().map(in_folder));
+        *path = format!("{prefix}{place}");
+        taken.push((known, place));
+    }
+    Ok(all)
+}
+
+/// The same scene with all its models inside.
+///
+/// # Errors
+/// If a model cannot be read.
+pub(super) fn with_models_inside(scene: &Scene, base_dir: &Path) -> Result<Scene, CollectError> {
+    let mut scene = scene.clone();
+    let files = gather(&mut scene, base_dir, PREFIX)?;
+    scene.models = Embedded::new(files.into_iter().map(Gathered::packed).collect::<Result<_, _>>()?);
+    Ok(scene)
+}
+
+/// The files of a model on the disk, itself first: their names as seen from its folder.
+fn files_on_disk(path: &Path, whose: &str) -> Result<Vec<(String, Source)>, CollectError> {
+    // What another person could not open is found here and now.
+    import::load(path).map_err(|source| CollectError::Model { whose: whose.to_owned(), source: Box::new(source) })?;
+    let beside = folder_of(path);
+    let named = |file: PathBuf| {
+        // What lies beside a model is never above it.
+        let name = if file == path { path.file_name().map(Path::new) } else { file.strip_prefix(&beside).ok() };
+        match name.and_then(Path::to_str) {
+            Some(name) => Ok((name.replace('\\', "/"), Source::Disk(file))),
+            None => Err(CollectError::Name { whose: whose.to_owned(), path: file }),
+        }
+    };
+    import::files_of(path).into_iter().map(named).collect()
+}
+
+/// The same of a model that the scene holds.
+fn held_files(held: &Embedded, place: &str, whose: &str) -> Result<Vec<(String, Source)>, CollectError> {
+    let lost = |place: &str| CollectError::Lost { whose: whose.to_owned(), place: place.to_owned() };
+    let folder = place.rsplit_once('/').map_or("", |(folder, _)| folder);
+    let named = |place: String| {
+        let file = held.find(&place).ok_or_else(|| lost(&place))?.clone();
+        let name = place.strip_prefix(folder).unwrap_or(&place).trim_start_matches('/');
+        Ok((name.to_owned(), Source::Scene(file)))
+    };
+    import::held_files_of(held, place).into_iter().map(named).collect()
+}
+
+fn stem(name: &str) -> &str {
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+/// A file's name with a number before its ending.
+fn with_number(name: &str, number: u32) -> String {
+    match name.rsplit_once('.') {
+        Some((stem, ending)) => format!("{stem}-{number}.{ending}"),
+        None => format!("{name}-{number}"),
+    }
+}
