@@ -159,7 +159,10 @@ fn the_conveyor_carries_both_jellies_off_its_end() {
 fn watched<T>(name: &str, looks: usize, look: impl Fn(&Simulation<f32>) -> T) -> Vec<T> {
     let mut simulation = simulate::<f32>(&(preset(name).expect("a preset").build)());
     let looks = (0..looks).map(|_| {
-        assert!(!simulation.run_for(0.05).diverged, "{name} stays sound");
+        let report = simulation.run_for(0.05);
+        assert!(!report.diverged, "{name} stays sound");
+        let deep = report.counters.peak_penetration_m;
+        assert!(deep < 0.2, "no part of {name} is {deep} m deep: none is so thick");
         look(&simulation)
     });
     looks.collect()

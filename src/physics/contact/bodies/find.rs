@@ -47,6 +47,8 @@ pub(super) struct Found {
     pub(super) normal: DVec3,
     /// How deep the point is inside along the normal, m.
     pub(super) depth: f64,
+    /// How far it is to a nearer side that it does not leave by, m.
+    pub(super) nearer: Option<f64>,
 }
 
 /// Finds the points of one body of a pair that are inside the other: in the broad phase of those that are near
@@ -114,12 +116,14 @@ pub(super) fn ways_out<R: Real>(
         let cell = Cell(carriers.map(|corner| ahead[cells.particles.start + corner as usize]));
         let (hull, ways) = (points.hull(), &cells.hull().ways[seen.cell as usize]);
         let own = || outward(points, hull.around(seen.point as usize), seen.ahead, &ahead[points.particles.clone()]);
+        let sides = sides(&cell, seen.at, ways);
         let (normal, depth) = match away {
-            Some(away) => way_along(&cell, seen.at, ways, away),
-            None => way_out(&cell, seen.at, ways, own())?,
+            Some(away) => way_along(sides, away),
+            None => way_out(sides, own())?,
         };
         let point = hull.points[seen.point as usize];
-        Some(Found { point, carriers, at: seen.at, normal, depth })
+        let nearer = sides.map(|(_, depth)| depth).into_iter().filter(|other| *other < depth).reduce(f64::min);
+        Some(Found { point, carriers, at: seen.at, normal, depth, nearer })
     })
 }
 
@@ -163,11 +167,11 @@ fn outward<R: Real>(body: &BodyModel<R>, around: &[u32], point: DVec3, ahead: &[
     (point - sum / (8.0 * around.len() as f64)).normalize_or_zero()
 }
 
-/// The normal of the nearest side of a body that a point of a cell may leave it by, and how deep it is there, m.
-fn way_out(cell: &Cell, at: DVec3, ways: &[u32; 6], outward: DVec3) -> Option<(DVec3, f64)> {
+/// The normal of the nearest side of a body that a point may leave it by, and how deep it is there, m.
+fn way_out(sides: [(DVec3, f64); 6], outward: DVec3) -> Option<(DVec3, f64)> {
     let leads_out = |normal: DVec3| outward == DVec3::ZERO || outward.dot(normal) < AGAINST;
     let mut best: Option<(DVec3, f64)> = None;
-    for (normal, depth) in sides(cell, at, ways) {
+    for (normal, depth) in sides {
         if leads_out(normal) && best.is_none_or(|(_, least)| depth < least) {
             best = Some((normal, depth));
         }
@@ -176,8 +180,7 @@ fn way_out(cell: &Cell, at: DVec3, ways: &[u32; 6], outward: DVec3) -> Option<(D
 }
 
 /// The same of the side that leads along a direction the most.
-fn way_along(cell: &Cell, at: DVec3, ways: &[u32; 6], along: DVec3) -> (DVec3, f64) {
-    let [first, others @ ..] = sides(cell, at, ways);
+fn way_along([first, others @ ..]: [(DVec3, f64); 6], along: DVec3) -> (DVec3, f64) {
     let better =
         |best: (DVec3, f64), side: (DVec3, f64)| if side.0.dot(along) > best.0.dot(along) { side } else { best };
     others.into_iter().fold(first, better)

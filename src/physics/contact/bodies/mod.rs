@@ -81,7 +81,8 @@ pub(in crate::physics) fn meet<R: Real>(
     weighted::solve(constraints, movers, dt);
     for (contact, constraint) in contacts[kept..].iter_mut().zip(constraints) {
         contact.force = constraint.impulse() / dt;
-        deepest = deepest.max(-(contact.gap + dt * constraint.past(movers).dot(contact.normal)));
+        let along = -(contact.gap + dt * constraint.past(movers).dot(contact.normal));
+        deepest = deepest.max(contact.nearer.map_or(along, |nearer| along.min(nearer)));
         let BodyContact { bodies, particle, .. } = *contact;
         presses.push(Press { bodies, particle, depth_m: constraint.pressed_at_end(movers, dt) });
     }
@@ -220,7 +221,7 @@ fn add<R: Real>(
     let at = Where { normal: found.normal, carried: DVec3::ZERO };
     let Some(constraint) = PointConstraint::new(law, &workspace.movers, shares, at, spring, dt) else { return };
     workspace.constraints.push(constraint);
-    let (normal, force) = (found.normal, DVec3::ZERO);
+    let (normal, nearer, force) = (found.normal, found.nearer, DVec3::ZERO);
     let bodies = [of_point, of_cell];
-    workspace.contacts.push(BodyContact { bodies, particle, carriers, weights, normal, gap, force });
+    workspace.contacts.push(BodyContact { bodies, particle, carriers, weights, normal, gap, nearer, force });
 }

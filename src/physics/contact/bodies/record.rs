@@ -17,6 +17,8 @@ pub struct BodyContact {
     pub normal: DVec3,
     /// Distance from the cell's body along the normal when the substep began, m; negative inside.
     pub gap: f64,
+    /// How far it was to a nearer side that the particle was not let out by, m: a thin body's, most of the way through.
+    pub nearer: Option<f64>,
     /// Mean force on the particle over the substep, normal and friction, N; the cell has the opposite.
     pub force: DVec3,
 }
