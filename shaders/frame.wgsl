@@ -42,7 +42,7 @@ struct Frame {
     viewport: vec2f,
     // One over the range of colours; 0 shows bodies in their own colours.
     color_scale: f32,
-    show_scalars: u32,
+    coloring: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -1,5 +1,6 @@
 // Jelly: Phong (ambient, diffuse, specular) with a rim of light, a crisp highlight and light that shines through
-// where the body is thin. With scalars shown the surface takes its colour from the map and shines less.
+// where the body is thin. With scalars shown the surface takes its colour from the map and shines less; it may also show
+// what its vertices are painted in.
 
 struct Varying {
     @builtin(position) position: vec4f,
@@ -9,6 +10,12 @@ struct Varying {
     @location(3) @interpolate(flat) color: vec3f,
     // The body's largest side, m.
     @location(4) @interpolate(flat) size: f32,
+    // Linear red, green, blue of what is painted, times how much of it is: 0..1.
+    @location(5) paint: vec4f,
+}
+
+fn linear_from_srgb(srgb: vec3f) -> vec3f {
+    return select(pow((srgb + 0.055) / 1.055, vec3f(2.4)), srgb / 12.92, srgb <= vec3f(0.04045));
 }
 
 @vertex
@@ -18,8 +25,10 @@ fn vertex(
     @location(2) normal: vec3f,
     @location(3) color: vec3f,
     @location(4) size: f32,
+    @location(5) tint: vec4f,
 ) -> Varying {
-    return Varying(frame.clip_from_world * vec4f(position, 1.0), position, normal, scalar, color, size);
+    let paint = vec4f(linear_from_srgb(tint.rgb) * tint.a, tint.a);
+    return Varying(frame.clip_from_world * vec4f(position, 1.0), position, normal, scalar, color, size, paint);
 }
 
 @fragment
@@ -30,7 +39,10 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
 
     var albedo = in.color;
     var gloss = 1.0;
-    if frame.show_scalars != 0u {
+    if frame.coloring == 2u {
+        albedo = in.paint.rgb + (1.0 - in.paint.a) * in.color;
+    }
+    if frame.coloring == 1u {
         let level = clamp((in.scalar - frame.color_low) * frame.color_scale, 0.0, 1.0);
         albedo = textureLoad(colormap, vec2i(i32(level * 255.0 + 0.5), 0), 0).rgb;
         gloss = 0.35;
@@ -44,7 +56,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     // parts and edges towards the light glow, the heart of the body is deeper in colour.
     let under = shadow_place(in.world - normal * (0.18 * in.size), vec3f(0.0));
     var through = exp(-4.5 * depth_below_light(under) / in.size);
-    if frame.show_scalars != 0u {
+    if frame.coloring == 1u {
         // Colours that are to be read must not depend on how deep the body is.
         through = mix(0.5, through, 0.2);
     }

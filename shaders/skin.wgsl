@@ -5,13 +5,14 @@ struct SkinVertex {
     position: array<f32, 8>,
     tangent_u: array<f32, 8>,
     tangent_v: array<f32, 8>,
+    tint: u32,
 }
 
 struct DeformedVertex {
     position: vec3f,
     scalar: f32,
     normal: vec3f,
-    padding: f32,
+    tint: u32,
 }
 
 // Three numbers a particle.
@@ -45,5 +46,5 @@ fn deform(@builtin(global_invocation_id) id: vec3u) {
     deformed[index].position = position;
     deformed[index].scalar = scalar;
     deformed[index].normal = select(vec3f(0.0), normal / length_of_normal, length_of_normal > 0.0);
-    deformed[index].padding = 0.0;
+    deformed[index].tint = skin[index].tint;
 }

@@ -55,7 +55,7 @@
 //!
 //! | module | names | its job |
 //! |---|---|---|
-//! | [`math`] | – | scalars, boxes, rotations, seeded random numbers, how long a frame is |
+//! | [`math`] | – | scalars, boxes, rotations, colours as light, seeded random numbers, how long a frame is |
 //! | [`disk`] | – | files read and written whole |
 //! | [`machine`] | – | what memory there is, threads that are awake when there is work |
 //! | [`text`] | – | texts of strangers, fit for a message |

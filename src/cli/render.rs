@@ -32,7 +32,7 @@ pub(super) struct RenderArgs {
     /// Width and height in pixels, 1 to 16384 each.
     #[arg(long, value_name = "WxH", default_value = "1280x800", allow_hyphen_values = true, value_parser = size)]
     size: [u32; 2],
-    /// The scalar that colours the jelly; the scene's own choice without it.
+    /// The scalar that colours the jelly, or the model's own colours; the scene's own choice without it.
     #[arg(long, value_parser = color())]
     color: Option<ColorBy>,
     /// The number of pictures of a sequence; a single picture without it.
@@ -74,6 +74,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         opened.scene.view.color = color;
     }
     let mut session = scene_args::session(opened)?;
+    if args.color == Some(ColorBy::Model) && !session.draw_list().skins.iter().any(|body| body.skin.is_painted()) {
+        out::note("warning: no model of this scene has colours in its file; bodies are drawn in their own");
+    }
     let gpu = Gpu::headless()?;
     let mut renderer = offscreen::renderer(&gpu, Quality::Fine);
     let watch = Progress::new("simulating");

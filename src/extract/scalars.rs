@@ -8,7 +8,7 @@ use crate::scene::ColorBy;
 /// not looked at.
 pub fn scalars<R: Real>(simulation: &Simulation<R>, color: ColorBy) -> Option<Vec<f32>> {
     let quantity = match color {
-        ColorBy::Plain => return None,
+        ColorBy::Plain | ColorBy::Model => return None,
         ColorBy::Load => Quantity::MeanLinkForce,
         ColorBy::Force => Quantity::LinkForce,
         ColorBy::Net => Quantity::NetForce,

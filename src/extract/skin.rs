@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use crate::geometry::embed::{Embedder, Embedding};
-use crate::geometry::{Lattice, TriMesh};
+use crate::geometry::paint::{NO_TINT, Tint};
+use crate::geometry::{Lattice, Paint, TriMesh};
 use crate::view::{Skin, SkinVertex};
 
 /// Faces of a mesh that meet at a smaller angle than this share a smooth normal; at a larger one there is a crease.
@@ -129,31 +130,30 @@ impl Direction {
 }
 
 /// A model's mesh, given in the lattice's own coordinates, carried by the cells around it; every vertex moves with the
-/// eight particles of one cell. Vertices are split where faces meet at a crease.
+/// eight particles of one cell. Vertices are split where faces meet at a crease or have other colours of `paint`.
 ///
 /// Parts of the mesh whose cells were dropped are left out: nothing carries them. Particle `p` of the lattice is
 /// particle `first_particle + p` of the draw list. Empty where the lattice has no cells.
-pub fn model_skin(lattice: &Lattice, mesh: &TriMesh, first_particle: u32) -> Skin {
+pub fn model_skin(lattice: &Lattice, mesh: &TriMesh, paint: Option<&Paint>, first_particle: u32) -> Skin {
     let embedder = Embedder::new(lattice);
     let Some(embeddings) = embedder.embed_all(&mesh.positions) else { return Skin::default() };
-    let CreasedMesh { corners, triangles } = creased(&near_cells(mesh, &embeddings));
+    let CreasedMesh { corners, triangles } = creased(mesh, &near_cells(mesh, &embeddings), paint);
     let vertices = corners
         .iter()
-        .map(|&Corner { vertex, normal }| {
+        .map(|&Corner { vertex, normal, tint }| {
             let embedding = &embeddings[vertex as usize];
-            embedded_vertex(&embedder, embedding, mesh.positions[vertex as usize], normal, first_particle)
+            let place = mesh.positions[vertex as usize];
+            let vertex = embedded_vertex(&embedder, embedding, place, normal, first_particle);
+            SkinVertex { tint, ..vertex }
         })
         .collect();
     Skin::new(vertices, triangles)
 }
 
-/// The mesh without the triangles that reach too far from any cell.
-fn near_cells(mesh: &TriMesh, embeddings: &[Embedding]) -> TriMesh {
+/// The triangles of a mesh but those that reach too far from any cell.
+fn near_cells(mesh: &TriMesh, embeddings: &[Embedding]) -> Vec<usize> {
     let is_near = |vertex: &u32| embeddings[*vertex as usize].outside <= FARTHEST_CELLS;
-    TriMesh {
-        positions: mesh.positions.clone(),
-        triangles: mesh.triangles.iter().copied().filter(|triangle| triangle.iter().all(is_near)).collect(),
-    }
+    (0..mesh.triangles.len()).filter(|&triangle| mesh.triangles[triangle].iter().all(is_near)).collect()
 }
 
 fn embedded_vertex(
@@ -169,6 +169,7 @@ fn embedded_vertex(
         position: embedding.weights.map(narrow),
         tangent_u: tangent_u.map(narrow),
         tangent_v: tangent_v.map(narrow),
+        tint: NO_TINT,
     }
 }
 
@@ -178,17 +179,19 @@ struct CreasedMesh {
     triangles: Vec<[u32; 3]>,
 }
 
-/// A vertex of the source with one of its normals.
+/// A vertex of the source with one of its normals and colours.
 struct Corner {
     vertex: u32,
     normal: DVec3,
+    tint: Tint,
 }
 
-fn creased(mesh: &TriMesh) -> CreasedMesh {
-    let face_normals: Vec<DVec3> = mesh.triangles.iter().map(|triangle| area_normal(mesh, triangle)).collect();
+fn creased(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>) -> CreasedMesh {
+    let corners_of = |face: &usize| &mesh.triangles[*face];
+    let face_normals: Vec<DVec3> = faces.iter().map(|face| area_normal(mesh, corners_of(face))).collect();
     let points = welded(mesh);
     let mut around: Vec<Vec<u32>> = vec![Vec::new(); mesh.positions.len()];
-    for (face, triangle) in (0..).zip(&mesh.triangles) {
+    for (face, triangle) in (0..).zip(faces.iter().map(corners_of)) {
         for &vertex in triangle {
             around[points[vertex as usize] as usize].push(face);
         }
@@ -196,13 +199,13 @@ fn creased(mesh: &TriMesh) -> CreasedMesh {
     let least_cos = libm::cos(CREASE_DEG.to_radians());
     let mut corners: Vec<Corner> = Vec::new();
     let mut made: Vec<Vec<u32>> = vec![Vec::new(); mesh.positions.len()];
-    let mut triangles = Vec::with_capacity(mesh.triangles.len());
-    for (triangle, face_normal) in mesh.triangles.iter().zip(&face_normals) {
+    let mut triangles = Vec::with_capacity(faces.len());
+    for (&face, face_normal) in faces.iter().zip(&face_normals) {
         if *face_normal == DVec3::ZERO {
             continue;
         }
         let own = face_normal.normalize();
-        triangles.push(triangle.map(|vertex| {
+        triangles.push(corners_of(&face).map(|vertex| {
             let smooth = around[points[vertex as usize] as usize]
                 .iter()
                 .map(|&face| face_normals[face as usize])
@@ -210,9 +213,11 @@ fn creased(mesh: &TriMesh) -> CreasedMesh {
             // Weighted by area: a large face tells more about the surface than a sliver.
             let normal = smooth.sum::<DVec3>().normalize_or(own);
             let known = &mut made[vertex as usize];
-            let found = known.iter().find(|&&corner| corners[corner as usize].normal.distance(normal) < 1e-6).copied();
+            let tint = paint.map_or(NO_TINT, |paint| paint.tint(face, vertex as usize));
+            let is_same = |corner: &Corner| corner.tint == tint && corner.normal.distance(normal) < 1e-6;
+            let found = known.iter().find(|&&corner| is_same(&corners[corner as usize])).copied();
             found.unwrap_or_else(|| {
-                corners.push(Corner { vertex, normal });
+                corners.push(Corner { vertex, normal, tint });
                 let corner = last_index(corners.len());
                 known.push(corner);
                 corner

@@ -120,8 +120,8 @@ fn particles_of_other_bodies_come_first() {
         "the same surface, five particles later"
     );
     assert_eq!(
-        model_skin(&lattice, &boxed(0.2, false), 5).evaluate(&particles),
-        model_skin(&lattice, &boxed(0.2, false), 0).evaluate(&particles[5..]),
+        model_skin(&lattice, &boxed(0.2, false), None, 5).evaluate(&particles),
+        model_skin(&lattice, &boxed(0.2, false), None, 0).evaluate(&particles[5..]),
         "for a model too"
     );
 }
@@ -130,7 +130,7 @@ fn particles_of_other_bodies_come_first() {
 fn a_model_stays_at_rest_and_follows_affine_motion_exactly() {
     let lattice = lattice(&U);
     let mesh = boxed(0.7, false);
-    let skin = model_skin(&lattice, &mesh, 0);
+    let skin = model_skin(&lattice, &mesh, None, 0);
     let squeeze = DMat3::from_diagonal(DVec3::new(1.4, 0.5, 1.1)) * from_euler_deg([10.0, 70.0, -30.0]);
     for motion in [DMat3::IDENTITY, squeeze] {
         let cofactors = motion.determinant() * motion.inverse().transpose();
@@ -153,7 +153,7 @@ fn a_model_stays_at_rest_and_follows_affine_motion_exactly() {
 fn creases_split_vertices_and_gentle_bends_do_not() {
     let lattice = lattice(&U);
     for repeat in [false, true] {
-        let cube = model_skin(&lattice, &boxed(0.7, repeat), 0);
+        let cube = model_skin(&lattice, &boxed(0.7, repeat), None, 0);
         assert_eq!(cube.vertices().len(), 24, "a cube has three normals a corner");
     }
     let roof = |height: f64| TriMesh {
@@ -165,9 +165,9 @@ fn creases_split_vertices_and_gentle_bends_do_not() {
         ],
         triangles: vec![[0, 2, 1], [1, 2, 3]],
     };
-    let gentle = model_skin(&lattice, &roof(0.1), 0);
+    let gentle = model_skin(&lattice, &roof(0.1), None, 0);
     assert_eq!(gentle.vertices().len(), 4, "23 degrees are smooth");
-    assert_eq!(model_skin(&lattice, &roof(0.3), 0).vertices().len(), 6, "62 degrees are a crease");
+    assert_eq!(model_skin(&lattice, &roof(0.3), None, 0).vertices().len(), 6, "62 degrees are a crease");
     let ridge = gentle.evaluate(&moved(&lattice, DMat3::IDENTITY));
     assert!(ridge.iter().any(|(_, normal)| normal.distance(Vec3::Y) < 1e-5), "the ridge looks straight up");
 }
@@ -175,17 +175,41 @@ fn creases_split_vertices_and_gentle_bends_do_not() {
 #[test]
 fn triangles_without_area_are_left_out() {
     let mesh = TriMesh { positions: vec![DVec3::ZERO, DVec3::X * 0.1, DVec3::X * 0.2], triangles: vec![[0, 1, 2]] };
-    assert_eq!(model_skin(&lattice(&U), &mesh, 0).triangles(), Vec::<[u32; 3]>::new(), "nothing to see");
+    assert_eq!(model_skin(&lattice(&U), &mesh, None, 0).triangles(), Vec::<[u32; 3]>::new(), "nothing to see");
 }
 
 #[test]
 fn a_part_of_the_mesh_without_cells_is_left_out() {
     let one_cell = lattice(&[[0, 0, 0]]);
     let mut mesh = boxed(0.5 * SIZE, false);
-    let kept = model_skin(&one_cell, &mesh, 0).triangles().len();
+    let kept = model_skin(&one_cell, &mesh, None, 0).triangles().len();
     let far = boxed(0.5 * SIZE, false);
     mesh.triangles.extend(far.triangles.iter().map(|triangle| triangle.map(|vertex| vertex + 8)));
     mesh.positions.extend(far.positions.iter().map(|position| *position + DVec3::X * 4.0 * SIZE));
     assert_eq!(kept, 12, "the box in the cell is there");
-    assert_eq!(model_skin(&one_cell, &mesh, 0).triangles().len(), kept, "the one four cells away is not");
+    assert_eq!(model_skin(&one_cell, &mesh, None, 0).triangles().len(), kept, "the one four cells away is not");
+}
+
+#[test]
+fn vertices_are_split_where_colours_meet_and_nowhere_else() {
+    let lattice = lattice(&[[0, 0, 0]]);
+    let mesh = boxed(0.2, false);
+    let bare = model_skin(&lattice, &mesh, None, 0);
+    assert!(!bare.is_painted());
+    let (red, blue) = ([255, 0, 0, 255], [0, 0, 255, 255]);
+    let painted = |of: &dyn Fn(usize) -> Tint| {
+        let paint = Paint::new(Vec::new(), (0..mesh.triangles.len()).map(of).collect()).expect("colours");
+        model_skin(&lattice, &mesh, Some(&paint), 0)
+    };
+    let one = painted(&|_| red);
+    assert!(one.is_painted() && one.vertices().iter().all(|vertex| vertex.tint == red), "all of it");
+    assert_eq!((one.vertices().len(), one.triangles()), (bare.vertices().len(), bare.triangles()), "the same mesh");
+    // Each side of the box is two triangles with four vertices of their own: two more where these differ.
+    let two = painted(&|triangle| if triangle == 0 { blue } else { red });
+    assert_eq!(two.vertices().len(), bare.vertices().len() + 2, "along one diagonal");
+    for (number, corners) in two.triangles().iter().enumerate() {
+        let tints = corners.map(|vertex| two.vertices()[vertex as usize].tint);
+        assert_eq!(tints, [if number == 0 { blue } else { red }; 3], "triangle {number}");
+    }
+    assert_eq!(two.folds().len(), bare.folds().len(), "the surface is the same");
 }

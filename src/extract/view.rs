@@ -40,7 +40,7 @@ pub fn light(light: &LightSettings) -> Light {
 
 /// The legend of the scalar shown, whose colours span `range` (in the scalar's unit); `None` where none is shown.
 pub fn legend(color: ColorBy, range: [f32; 2]) -> Option<Legend> {
-    (color != ColorBy::Plain).then(|| Legend::new(color.name(), color.unit(), range, LEGEND_TICKS))
+    color.is_map().then(|| Legend::new(color.name(), color.unit(), range, LEGEND_TICKS))
 }
 
 #[cfg(test)]
@@ -64,7 +64,9 @@ mod tests {
 
     #[test]
     fn plain_bodies_have_no_legend() {
-        assert_eq!(legend(ColorBy::Plain, [0.0, 1.0]), None, "nothing to explain");
+        for color in [ColorBy::Plain, ColorBy::Model] {
+            assert_eq!(legend(color, [0.0, 1.0]), None, "nothing to explain");
+        }
         assert_eq!(legend(ColorBy::Speed, [0.0, 1.0]).map(|legend| legend.title), Some("speed, m/s".to_owned()));
     }
 }

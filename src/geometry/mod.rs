@@ -1,11 +1,13 @@
 //! Shapes to shapes, no physics: a model file becomes a triangle mesh, a mesh becomes cells of a grid, cells become
 //! the particles and links of a lattice, and points of the mesh find their place in it; a few of
-//! them stand for all of its surface. Cells are of the parts that the file names.
+//! them stand for all of its surface. Cells are of the parts that the file names, and the mesh has the colours
+//! that the file gives it.
 
 pub mod embed;
 pub mod import;
 pub mod lattice;
 pub mod named_parts;
+pub mod paint;
 pub mod part_cells;
 pub mod sampling;
 pub mod surface;
@@ -15,6 +17,7 @@ pub mod voxel;
 pub mod watch;
 
 pub use lattice::{Family, Lattice, LatticeCounts};
+pub use paint::Paint;
 pub use sampling::SurfaceSample;
 pub use surface::Surface;
 pub use trimesh::TriMesh;

@@ -189,7 +189,7 @@ impl Namer {
 }
 
 /// A name as it is kept: printable, short, without blanks around it.
-fn clean(name: &str) -> String {
+pub(super) fn clean(name: &str) -> String {
     echo_up_to(name.trim(), LONGEST)
 }
 

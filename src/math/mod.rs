@@ -1,7 +1,8 @@
 //! Small numeric vocabulary shared by every layer: the scalar and vector traits the physics is generic over,
-//! boxes, rotations, the frame and a seeded random generator. Knows nothing of bodies, files or pictures.
+//! boxes, rotations, colours, the frame and a seeded random generator. Knows nothing of bodies, files or pictures.
 
 pub mod aabb;
+pub mod color;
 pub mod frame;
 pub mod real;
 pub mod rigid_motion;

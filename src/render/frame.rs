@@ -93,7 +93,7 @@ impl Lay {
             color_low: *low,
             viewport: [width, height],
             color_scale: if span.is_finite() && span > 0.0 { 1.0 / span } else { 0.0 },
-            show_scalars: u32::from(draw_list.scalars.is_some()),
+            coloring: if draw_list.scalars.is_some() { 1 } else { 2 * u32::from(draw_list.painted) },
         }
     }
 }

@@ -67,8 +67,8 @@ pub struct Frame {
     pub viewport: [f32; 2],
     /// One over the range of the colour map.
     pub color_scale: f32,
-    /// 1 to show scalars, 0 to show bodies in their own colours.
-    pub show_scalars: u32,
+    /// 2 to show what skins are painted in, 1 to show scalars, 0 to show each body in one colour.
+    pub coloring: u32,
 }
 
 /// `SkinVertex` in `skin.wgsl`: see [`view::SkinVertex`].
@@ -83,12 +83,14 @@ pub struct SkinVertex {
     pub tangent_u: [f32; 8],
     /// Weights of the second tangent.
     pub tangent_v: [f32; 8],
+    /// Its own colour, a byte a channel.
+    pub tint: u32,
 }
 
 impl From<&view::SkinVertex> for SkinVertex {
     fn from(vertex: &view::SkinVertex) -> Self {
-        let view::SkinVertex { particles, position, tangent_u, tangent_v } = *vertex;
-        Self { particles, position, tangent_u, tangent_v }
+        let view::SkinVertex { particles, position, tangent_u, tangent_v, tint } = *vertex;
+        Self { particles, position, tangent_u, tangent_v, tint: u32::from_le_bytes(tint) }
     }
 }
 
@@ -102,8 +104,8 @@ pub struct DeformedVertex {
     pub scalar: f32,
     /// Outward, of unit length; null where the surface has collapsed.
     pub normal: [f32; 3],
-    /// Fills up to a multiple of 16 bytes.
-    pub padding: f32,
+    /// Its own colour, a byte a channel: sRGB, and whether it has one.
+    pub tint: u32,
 }
 
 impl DeformedVertex {
@@ -112,8 +114,8 @@ impl DeformedVertex {
     pub const STRIDE: u32 = (size_of::<Self>() / size_of::<f32>()) as u32;
 
     /// The vertex inputs of `mesh.wgsl`; the first alone serves `shadow.wgsl`.
-    pub const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
-        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3];
+    pub const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 5 => Unorm8x4];
 }
 
 /// The inputs of `mesh.wgsl` that are the same for a whole body.

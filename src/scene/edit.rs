@@ -279,7 +279,7 @@ mod tests {
         let obstacle = Obstacle { friction_static: below(12) as f64, ..Obstacle::default() };
         match below(8) {
             0 => Edit::Settings(Settings { dt: below(9) as f64 * 1e-3, ..Settings::default() }),
-            1 => Edit::View(ViewSettings { color: ColorBy::ALL[below(7)], ..ViewSettings::default() }),
+            1 => Edit::View(ViewSettings { color: ColorBy::ALL[below(8)], ..ViewSettings::default() }),
             2 => Edit::Body(body_id, Box::new(body)),
             3 => Edit::InsertBody(body_id, Box::new(body)),
             4 => Edit::RemoveBody(body_id),

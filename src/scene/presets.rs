@@ -6,11 +6,11 @@ mod parts;
 
 pub use parts::jelly;
 
-use super::Scene;
 use super::body::{Body, CubeShape, ModelShape, Pose, Shape, Skin};
 use super::material::{Material, Spring, Springs};
 use super::obstacle::{Cuboid, Cylinder, Motion, Obstacle, ObstacleShape, Oscillate, Plane, Turn};
 use super::settings::Stepping;
+use super::{ColorBy, Scene};
 use parts::{ball, carried, damped, in_steps_of, looking_at, mesh, scene, turned, u};
 
 /// The preset that opens when none is asked for.
@@ -37,19 +37,22 @@ pub fn preset(name: &str) -> Option<&'static Preset> {
     PRESETS.iter().find(|preset| preset.name == name)
 }
 
-/// The scene a model file opens in: jellified with default settings, dropped on the default ground. `path` is as in
-/// [`ModelShape::path`].
+/// The scene a model file opens in: jellified with default settings, dropped on the default ground, in its own colours
+/// where it has some. `path` is as in [`ModelShape::path`].
 pub fn drop_model(path: &str) -> Scene {
     let shape = ModelShape { path: path.to_owned(), ..ModelShape::for_new() };
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
     let name = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-    looking_at([0.0, 0.45, 0.0], 3.6, scene(model_body(name, shape, 1.1), Vec::new()))
+    let mut scene = looking_at([0.0, 0.45, 0.0], 3.6, scene(model_body(name, shape, 1.1), Vec::new()));
+    scene.view.color = ColorBy::Model;
+    scene
 }
 
 /// The scene to start with when it is to hold nothing of one's own yet: the default ground.
 pub fn ground_only() -> Scene {
     let mut scene = drop_model("");
     scene.bodies.clear();
+    scene.view.color = ColorBy::Plain;
     scene
 }
 

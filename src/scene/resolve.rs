@@ -18,7 +18,7 @@ use crate::geometry::voxel::{
     Cells, CellsError, Contents, Grid, VoxelReport, VoxelizeError, VoxelizeOptions, voxelize,
 };
 use crate::geometry::watch::CancelOnly;
-use crate::geometry::{Lattice, LatticeCounts, Surface, TriMesh, UpAxis, Watch};
+use crate::geometry::{Lattice, LatticeCounts, Paint, Surface, TriMesh, UpAxis, Watch};
 use crate::text::echo;
 
 /// The most particles of a body: its links alone then take more than a gigabyte.
@@ -34,6 +34,8 @@ pub struct Jelly {
     pub lattice: Arc<Lattice>,
     /// The model's own surface; none for cubes and lists of cells.
     pub mesh: Option<Arc<TriMesh>>,
+    /// The colours of the model's own surface; none where its file gives none.
+    pub paint: Option<Arc<Paint>>,
     /// How the model was filled, lengths in metres; none for cubes and lists of cells.
     pub report: Option<VoxelReport>,
     /// The axis of the model's file that points up, never `Auto`; y for cubes and lists of cells.
@@ -129,6 +131,7 @@ pub struct Filled {
     cells: Cells,
     contents: Option<Contents>,
     mesh: Option<Arc<TriMesh>>,
+    paint: Option<Arc<Paint>>,
     parts: Option<Arc<Parts>>,
     report: Option<VoxelReport>,
     up: UpAxis,
@@ -165,11 +168,11 @@ impl Filled {
 
     /// Builds the lattice.
     pub fn build(self) -> Jelly {
-        let Self { cells, contents, mesh, parts, report, up, warnings } = self;
+        let Self { cells, contents, mesh, paint, parts, report, up, warnings } = self;
         let mass_warnings = contents.as_ref().map(Contents::warnings).unwrap_or_default();
         let shares = contents.map(|contents| contents.shares);
         let lattice = Arc::new(Lattice { shares, mesh: mesh.clone(), parts, ..Lattice::new(&cells) });
-        Jelly { lattice, mesh, report, up, warnings, mass_warnings }
+        Jelly { lattice, mesh, paint, report, up, warnings, mass_warnings }
     }
 }
 
@@ -220,7 +223,16 @@ pub fn fill<'a>(shape: &Shape, places: impl Into<ModelPlaces<'a>>, watch: &dyn W
         Shape::Cells(cells) => Cells::from_list(&cells.list, cells.size)?,
         Shape::Model(model) => return fill_model(model, places.into(), watch),
     };
-    Ok(Filled { cells, contents: None, mesh: None, parts: None, report: None, up: UpAxis::Y, warnings: Vec::new() })
+    Ok(Filled {
+        cells,
+        contents: None,
+        mesh: None,
+        paint: None,
+        parts: None,
+        report: None,
+        up: UpAxis::Y,
+        warnings: Vec::new(),
+    })
 }
 
 /// So many names of parts are listed where one is wrong.
@@ -319,7 +331,7 @@ fn load_surface(mesh: &Mesh, places: ModelPlaces<'_>, watch: &dyn Watch) -> Resu
 }
 
 fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) -> Result<Filled, ResolveError> {
-    let Imported { mut mesh, parts, mut warnings } = load_model(&model.path, places, watch)?;
+    let Imported { mut mesh, parts, paint, mut warnings } = load_model(&model.path, places, watch)?;
     let up = model.up.found(&mesh);
     up.turn(&mut mesh);
     if up != model.up && up != UpAxis::Y {
@@ -353,7 +365,16 @@ fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) ->
     report.volume_m3 *= scale.powi(3);
     warnings.extend(report.warnings.iter().cloned());
     let parts = parts.map(|names| Arc::new(Parts::new(names)));
-    Ok(Filled { cells, contents, mesh: Some(Arc::new(mesh)), parts, report: Some(report), up, warnings })
+    Ok(Filled {
+        cells,
+        contents,
+        mesh: Some(Arc::new(mesh)),
+        paint: paint.map(Arc::new),
+        parts,
+        report: Some(report),
+        up,
+        warnings,
+    })
 }
 
 /// The models that a scene holds, as far as they are listed.

@@ -82,7 +82,7 @@ impl Default for LightSettings {
     }
 }
 
-/// The scalar that colours the jelly.
+/// What colours the jelly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ColorBy {
@@ -101,12 +101,14 @@ pub enum ColorBy {
     Speed,
     /// Contact force, N.
     Contact,
+    /// No map: the colours of the model's own file, where it has any.
+    Model,
 }
 
 impl ColorBy {
     /// All of them, in the order of lists.
-    pub const ALL: [Self; 7] =
-        [Self::Plain, Self::Load, Self::Force, Self::Net, Self::Strain, Self::Speed, Self::Contact];
+    pub const ALL: [Self; 8] =
+        [Self::Plain, Self::Load, Self::Force, Self::Net, Self::Strain, Self::Speed, Self::Contact, Self::Model];
 
     /// The word in files, on the command line and on screen.
     pub fn name(self) -> &'static str {
@@ -118,13 +120,19 @@ impl ColorBy {
             Self::Strain => "strain",
             Self::Speed => "speed",
             Self::Contact => "contact",
+            Self::Model => "model",
         }
     }
 
-    /// The unit of the scalar; empty for [`ColorBy::Plain`].
+    /// Whether a scalar is shown, by a map that has a legend.
+    pub fn is_map(self) -> bool {
+        !matches!(self, Self::Plain | Self::Model)
+    }
+
+    /// The unit of the scalar; empty where none is shown.
     pub fn unit(self) -> &'static str {
         match self {
-            Self::Plain => "",
+            Self::Plain | Self::Model => "",
             Self::Load | Self::Force | Self::Net | Self::Contact => "N",
             Self::Strain => "%",
             Self::Speed => "m/s",

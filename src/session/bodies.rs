@@ -95,7 +95,9 @@ impl Bodies {
                 let skin = match old.iter().find(fits) {
                     Some(dressed) => Arc::clone(&dressed.skin),
                     None => Arc::new(match (&jelly.mesh, body.skin) {
-                        (Some(mesh), SkinChoice::Auto) => model_skin(lattice, mesh, first_particle),
+                        (Some(mesh), SkinChoice::Auto) => {
+                            model_skin(lattice, mesh, jelly.paint.as_deref(), first_particle)
+                        }
                         _ => cells_skin(lattice, first_particle),
                     }),
                 };

@@ -42,7 +42,7 @@ fn least(simulation: &Simulation<f32>, color: ColorBy) -> f64 {
         f64::from(body.particle_mass) * acceleration
     };
     match color {
-        ColorBy::Plain => 1.0,
+        ColorBy::Plain | ColorBy::Model => 1.0,
         ColorBy::Load => LOAD_SHARE * largest(&weight),
         ColorBy::Force | ColorBy::Net | ColorBy::Contact => largest(&weight),
         ColorBy::Strain => STRAIN_PERCENT,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::{Session, color_range};
 use crate::extract;
+use crate::scene::ColorBy;
 use crate::view::DrawList;
 
 impl Session {
@@ -36,6 +37,7 @@ impl Session {
             skins: self.bodies.skins(|body| !self.simulation.state().bodies[body].gone),
             absent: self.absent(),
             particles: Arc::clone(&self.picture.particles),
+            painted: view.color == ColorBy::Model,
             scalars: self.picture.scalars.clone(),
             color_range: view.color_range.map_or(self.picture.automatic_range, |range| range.map(|end| end as f32)),
             solids: extract::solid::solids(

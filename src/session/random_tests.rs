@@ -130,7 +130,7 @@ impl Hand {
                 gravity: self.vector(50.0),
                 ..scene.settings.clone()
             }),
-            1 => Edit::View(ViewSettings { color: ColorBy::ALL[self.below(7)], ..scene.view.clone() }),
+            1 => Edit::View(ViewSettings { color: ColorBy::ALL[self.below(8)], ..scene.view.clone() }),
             2 => Edit::RemoveBody(body_id),
             3 if !full => Edit::InsertBody(body_id, Box::new(self.body())),
             4 => Edit::Obstacle(obstacle_id, Box::new(self.obstacle())),

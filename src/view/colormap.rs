@@ -53,7 +53,7 @@ impl Colormap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::color::linear_from_srgb;
+    use crate::math::color::linear_from_srgb;
 
     /// CIE lightness L*, 0..100.
     fn lightness(srgb: [u8; 3]) -> f32 {

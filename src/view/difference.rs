@@ -56,6 +56,7 @@ impl DrawList {
             && (colormap, selected, solids) == (&other.colormap, &other.selected, &other.solids)
             && (overlay, tools) == (&other.overlay, &other.tools)
             && (self.particles.len(), self.scalars.is_some()) == (other.particles.len(), other.scalars.is_some())
+            && self.painted == other.painted
     }
 
     /// The furthest way of a particle, pixels.
@@ -119,6 +120,7 @@ mod tests {
         assert_eq!(change(picture(vec![[0.0; 3]], vec![1.1])), Change::Shade, "another one");
         assert_eq!(change(DrawList { color_range: [0.0, 11.0], ..still.clone() }), Change::Shade, "another range");
         assert_eq!(change(DrawList { scalars: None, ..still.clone() }), Change::Things, "no colours");
+        assert_eq!(change(DrawList { painted: true, ..still.clone() }), Change::Things, "the models' own colours");
     }
 
     #[test]

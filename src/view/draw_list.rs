@@ -23,6 +23,8 @@ pub struct DrawList {
     pub particles: Arc<Vec<[f32; 3]>>,
     /// The particles of bodies that are hidden or gone, ascending: nothing of them is drawn, and no bounds hold them.
     pub absent: Vec<Range<usize>>,
+    /// Whether skins show the colours of their own that they have, as far as no scalars are shown.
+    pub painted: bool,
     /// One value per particle, shown through the colour map; `None` shows every body in its own colour.
     pub scalars: Option<Arc<Vec<f32>>>,
     /// The scalars at the two ends of the colour map.

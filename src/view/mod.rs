@@ -6,7 +6,6 @@
 pub mod axes;
 pub mod camera;
 mod clusters;
-pub mod color;
 pub mod colormap;
 pub mod difference;
 pub mod draw_list;

@@ -29,6 +29,7 @@ pub struct Skin {
     edges: Vec<[u32; 2]>,
     folds: Vec<[u32; 4]>,
     clusters: Clusters,
+    is_painted: bool,
 }
 
 impl Skin {
@@ -40,7 +41,13 @@ impl Skin {
     pub fn new(vertices: Vec<SkinVertex>, triangles: Vec<[u32; 3]>) -> Self {
         let (edges, folds) = (edges(&triangles), folds(&vertices, &triangles));
         let clusters = Clusters::new(&vertices, &triangles);
-        Self { vertices, triangles, edges, folds, clusters }
+        let is_painted = vertices.iter().any(|vertex| vertex.tint != [0; 4]);
+        Self { vertices, triangles, edges, folds, clusters, is_painted }
+    }
+
+    /// Whether any of it has a colour of its own.
+    pub fn is_painted(&self) -> bool {
+        self.is_painted
     }
 
     /// The vertices.
@@ -192,6 +199,7 @@ mod tests {
             position: [0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             tangent_u: [-1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             tangent_v: [-1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            ..SkinVertex::default()
         };
         let skin = Skin::new(vec![vertex], Vec::new());
         assert_eq!(skin.particles_needed(), 3, "three particles are named");

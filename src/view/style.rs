@@ -1,7 +1,7 @@
 //! The colours of everything in the view but scalars: a dark and a light theme in which the jelly is the only
 //! saturated thing.
 
-use super::color::linear_from_srgb;
+use crate::math::color::linear_from_srgb;
 
 /// The colours of a theme, linear red, green, blue.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -201,7 +201,7 @@ impl Default for Style {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::color::srgb_from_linear;
+    use crate::math::color::srgb_from_linear;
 
     #[test]
     fn obstacles_stand_out_from_the_floor_which_is_the_lighter() {

@@ -32,7 +32,7 @@ fn show(file: Option<&Path>, unsaved: bool) -> Harness<'static, Stage> {
     let mut harness = Harness::builder().with_size([1280.0, 800.0]).build_ui_state(
         |ui, stage: &mut Stage| {
             theme::apply(ui.ctx());
-            let running = Running { status: &stage.status, scene: &stage.scene, color_key: None };
+            let running = Running { status: &stage.status, scene: &stage.scene, color_key: None, is_painted: false };
             // What a frame asks for is sent before the next one.
             let mut commands = Vec::new();
             panels_ui(

@@ -190,7 +190,8 @@ fn frame(ui: &mut egui::Ui, live: &mut Live) {
     }
     let mut commands = Vec::new();
     let (status, scene) = (live.session.status(), live.session.scene());
-    let running = Running { status: &status, scene, color_key: Some((Colormap::default(), [0.0, 12.4])) };
+    let running =
+        Running { status: &status, scene, color_key: Some((Colormap::default(), [0.0, 12.4])), is_painted: false };
     panels_ui(
         ui,
         &Shown { running: Some(running), failure: "", value: "", opening: None, drawing: DrawingCost::default() },

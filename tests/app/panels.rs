@@ -50,7 +50,7 @@ fn show_at(stage: Stage, size: [f32; 2]) -> Harness<'static, Stage> {
         |ui, stage: &mut Stage| {
             theme::apply(ui.ctx());
             let color_key = Some((Colormap::default(), [0.0, 12.4]));
-            let running = Running { status: &stage.status, scene: &stage.scene, color_key };
+            let running = Running { status: &stage.status, scene: &stage.scene, color_key, is_painted: false };
             let shown = Shown {
                 running: Some(running),
                 failure: &stage.failure,
@@ -135,6 +135,21 @@ fn a_scalar_is_chosen_and_gets_a_legend() {
     harness.state_mut().scene.view.color = ColorBy::Load;
     harness.run_steps(2);
     harness.get_by_label_contains("Legend: load, N from 0.000 to 12.400");
+}
+
+#[test]
+fn the_models_own_colours_are_chosen_and_have_no_legend() {
+    let mut harness = show(stage());
+    click(&mut harness, "Colour by");
+    let commands = click(&mut harness, "the model's own colours");
+    let [Command::Edit(Edit::View(view))] = &commands[..] else { panic!("one edit, not {commands:?}") };
+    assert_eq!(view.color, ColorBy::Model);
+    let none = "No model here has colours in its file";
+    assert!(harness.query_by_label(none).is_none(), "nobody has asked");
+    harness.state_mut().scene.view.color = ColorBy::Model;
+    harness.run_steps(2);
+    harness.get_by_label(none);
+    assert!(harness.query_by_label_contains("Legend").is_none(), "there is no scale");
 }
 
 #[test]

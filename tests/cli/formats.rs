@@ -165,3 +165,44 @@ fn damaged_models_of_every_format_are_refused_by_name() {
     folder.write("mesh.ron", "(version: 1, obstacles: [(mesh: (path: \"cut.stl\"))])");
     refused(&folder, "run mesh.ron", FAILED, &["obstacle", "cut.stl, header"]);
 }
+
+/// The mean colour of the pixels of a picture that are as saturated as jelly.
+fn body_color(folder: &Folder, command: &str) -> [f64; 3] {
+    let ran = folder.run(&format!("{command} -o p.png --size 200x200 --at 0"));
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let picture = image::open(folder.path("p.png")).expect("a picture").to_rgb8();
+    let is_body =
+        |pixel: &&image::Rgb<u8>| pixel.0.iter().max() > pixel.0.iter().min().map(|least| least + 60).as_ref();
+    let body: Vec<_> = picture.pixels().filter(is_body).collect();
+    assert!(body.len() > 300, "the body is seen: {} pixels", body.len());
+    [0, 1, 2].map(|channel| body.iter().map(|pixel| f64::from(pixel.0[channel])).sum::<f64>() / body.len() as f64)
+}
+
+#[test]
+fn a_model_is_drawn_in_the_colours_of_its_file() {
+    let folder = folder();
+    let green = ply().replace(
+        "property float z\n",
+        "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n",
+    );
+    let green = PLACES.iter().fold(green, |text, place| {
+        text.replacen(&format!("\n{}\n", line(place)), &format!("\n{} 0 200 0\n", line(place)), 1)
+    });
+    folder.write("green.ply", green);
+    folder
+        .write("blue.obj", format!("mtllib blue.mtl\nusemtl b\n{}", obj()))
+        .write("blue.mtl", "newmtl b\nKd 0 0 0.8\n");
+    let is_most = |color: [f64; 3], most: usize| (0..3).all(|other| other == most || color[most] > 1.5 * color[other]);
+    let found = body_color(&folder, "render green.ply");
+    assert!(is_most(found, 1), "a model that is opened looks like itself: {found:?}");
+    let found = body_color(&folder, "render blue.obj --color model");
+    assert!(is_most(found, 2), "by its material: {found:?}");
+    let plain = body_color(&folder, "render green.ply --color plain");
+    assert!(!is_most(plain, 1), "or as jelly: {plain:?}");
+    folder.json("collect blue.obj -o whole.ron --json");
+    std::fs::remove_file(folder.path("blue.mtl")).expect("it is there");
+    let found = body_color(&folder, "render whole.ron");
+    assert!(is_most(found, 2), "the material is in the scene file: {found:?}");
+    let said = folder.run("render m.obj -o p.png --color model --at 0 --size 64x64");
+    assert!(said.notes.contains("no model of this scene has colours in its file"), "{said:?}");
+}

@@ -46,7 +46,8 @@ const STL_WORDS: [&str; 12] = [
     "-0 ",
 ];
 
-const PLY_WORDS: [&str; 14] = [
+const PLY_WORDS: [&str; 15] = [
+    "property uchar red\nproperty uchar green\nproperty uchar blue\n",
     "element vertex 3\n",
     "element face 4294967295\n",
     "element other 7\n",

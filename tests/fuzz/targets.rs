@@ -174,12 +174,18 @@ fn check_words(words: &str) {
 }
 
 fn try_model(input: &[u8], name: &str) {
-    let Imported { mesh, .. } = match parse(input, name) {
+    let Imported { mesh, paint, .. } = match parse(input, name) {
         Ok(imported) => imported,
         Err(error) => return check_words(&error.to_string()),
     };
     assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < mesh.positions.len()), "indices in range");
     assert!(mesh.positions.iter().all(|position| position.is_finite()), "finite positions");
+    if let Some(paint) = paint {
+        let corners =
+            mesh.triangles.iter().enumerate().flat_map(|(at, corners)| corners.map(|vertex| (at, vertex as usize)));
+        let mut tints = corners.map(|(triangle, vertex)| paint.tint(triangle, vertex));
+        assert!(tints.all(|[.., there]| matches!(there, 0 | 255)), "a colour or none");
+    }
     let options = VoxelizeOptions { divisions: 6, occupancy: OccupancyChoice::Auto, keep: Keep::All };
     match voxelize(&mesh, &options, &()) {
         Ok(filled) => assert!(filled.report.cells > 0, "success means cells"),

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use gelatin::math::color::{linear_from_srgb, srgb_from_linear};
 use gelatin::render::Quality;
-use gelatin::view::color::{linear_from_srgb, srgb_from_linear};
 use gelatin::view::{Camera, DrawList, Image, Light, Solid};
 use glam::{Vec2, Vec3};
 

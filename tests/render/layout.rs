@@ -34,7 +34,7 @@ fn the_frame_agrees() {
         clip_from_world, shadow_from_world, eye, ambient, light_direction, shadow_texel, light_color, shadow_span,
         background_top, shadow_opacity, background_bottom, grid_opacity, grid, grid_spacing, grid_strengths, grid_width,
         plane_line, plane_line_opacity, camera_target, ground_radius, contact_origin, contact_side, contact_height,
-        contact_reach, contact_opacity, color_low, viewport, color_scale, show_scalars);
+        contact_reach, contact_opacity, color_low, viewport, color_scale, coloring);
     for shader in [shader::SHADOW, shader::SOLID, shader::MESH, shader::BACKGROUND, shader::GROUND, shader::LINES] {
         check(shader, "Frame", &ours);
     }
@@ -42,8 +42,8 @@ fn the_frame_agrees() {
 
 #[test]
 fn skin_vertices_agree() {
-    check(shader::SKIN, "SkinVertex", &members!(SkinVertex: particles, position, tangent_u, tangent_v));
-    check(shader::SKIN, "DeformedVertex", &members!(DeformedVertex: position, scalar, normal, padding));
+    check(shader::SKIN, "SkinVertex", &members!(SkinVertex: particles, position, tangent_u, tangent_v, tint));
+    check(shader::SKIN, "DeformedVertex", &members!(DeformedVertex: position, scalar, normal, tint));
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn the_looks_of_overlays_agree() {
 
 #[test]
 fn a_struct_in_another_order_is_found() {
-    let (ours, size) = members!(DeformedVertex: position, scalar, normal, padding);
+    let (ours, size) = members!(DeformedVertex: position, scalar, normal, tint);
     let swapped =
         shader::SKIN.source().replacen("position: vec3f,\n    scalar: f32", "scalar: f32,\n    position: vec3f", 1);
     assert_ne!(shader_members(&swapped, "DeformedVertex"), (ours, size), "position and scalar have changed places");

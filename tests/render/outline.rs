@@ -1,7 +1,7 @@
 //! The outline of what is selected surrounds its silhouette and covers none of it.
 
+use gelatin::math::color::srgb_from_linear;
 use gelatin::render::Quality;
-use gelatin::view::color::srgb_from_linear;
 use gelatin::view::{Camera, DrawList, Image, Selected, Solid};
 use glam::{Vec2, Vec3};
 

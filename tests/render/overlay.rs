@@ -235,7 +235,7 @@ fn overlays_have_the_colours_of_the_theme_they_are_drawn_in() {
         };
         scene.overlay.lines[0].tint = Tint::Link(1);
         let [r, g, b, _] = studio.picture(&scene, SIZE).pixel([120, 120]).unwrap();
-        let wanted = gelatin::view::color::srgb_from_linear(style.overlay.links[1]);
+        let wanted = gelatin::math::color::srgb_from_linear(style.overlay.links[1]);
         assert!([r, g, b].iter().zip(wanted).all(|(a, b)| a.abs_diff(b) <= 2), "{:?}, not {wanted:?}", [r, g, b]);
     }
 }

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use gelatin::math::color::{linear_from_srgb, srgb_from_linear};
 use gelatin::render::Quality;
 use gelatin::render::layout::DeformedVertex;
-use gelatin::view::color::{linear_from_srgb, srgb_from_linear};
-use gelatin::view::{Camera, DrawList, Image, Light, Solid};
+use gelatin::view::{Camera, DrawList, Image, Light, Skin, Solid};
 use glam::{Vec2, Vec3};
 
 use crate::gpu::Studio;
+use crate::image_diff::difference;
 use crate::scenes::{camera, camera_above, cube, cube_at};
 
 const SIZE: [u32; 2] = [240, 240];
@@ -169,4 +170,39 @@ fn without_antialiasing_only_edges_differ() {
     let pixels = smooth.rgba.chunks(4).zip(rough.rgba.chunks(4));
     let differing = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 8)).count();
     assert!((1..smooth.rgba.len() / 4 / 20).contains(&differing), "{differing} pixels differ");
+}
+
+/// The cube with another colour on each half of its front, and none on its other sides.
+fn painted_cube() -> DrawList {
+    let mut scene = cube();
+    let skin = &scene.skins[0].skin;
+    let places = skin.evaluate(&scene.particles);
+    let mut vertices = skin.vertices().to_vec();
+    for (vertex, (place, normal)) in vertices.iter_mut().zip(places) {
+        if normal.z > 0.5 {
+            vertex.tint = if place.x < -0.1 { [0, 0, 255, 255] } else { [0, 255, 0, 255] };
+        }
+    }
+    scene.skins[0].skin = Arc::new(Skin::new(vertices, skin.triangles().to_vec()));
+    scene
+}
+
+#[test]
+fn a_painted_skin_shows_its_colours_only_where_they_are_asked_for() {
+    let mut studio = Studio::new();
+    let plain = studio.picture(&cube(), SIZE);
+    let mut scene = painted_cube();
+    assert_eq!(difference(&plain, &studio.picture(&scene, SIZE)), None, "nobody has asked for them");
+    scene.painted = true;
+    let picture = studio.picture(&scene, SIZE);
+    let at = |x: f32| linear_from_srgb(pixel(&picture, Vec2::new(x, 130.0)));
+    let [left, right] = [at(100.0), at(140.0)];
+    assert!(left[2] > 2.0 * left[1] && left[2] > 2.0 * left[0], "blue on the left: {left:?}");
+    assert!(right[1] > 2.0 * right[2] && right[1] > 2.0 * right[0], "green on the right: {right:?}");
+    scene.scalars = Some(Arc::new(vec![0.0; scene.particles.len()]));
+    let mapped = studio.picture(&scene, SIZE);
+    scene.painted = false;
+    assert_eq!(difference(&mapped, &studio.picture(&scene, SIZE)), None, "a map of scalars is shown alone");
+    let bare = DrawList { painted: true, ..cube() };
+    assert_eq!(difference(&plain, &studio.picture(&bare, SIZE)), None, "without colours a body keeps its own");
 }

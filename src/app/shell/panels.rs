@@ -55,10 +55,11 @@ impl Shell {
 
 /// The running sandbox, as panels are given it.
 pub(super) fn running(snapshot: &Snapshot) -> Running<'_> {
-    let DrawList { scalars, colormap, color_range, .. } = &snapshot.draw_list;
+    let DrawList { skins, scalars, colormap, color_range, .. } = &snapshot.draw_list;
     Running {
         status: &snapshot.status,
         scene: &snapshot.scene,
         color_key: scalars.as_ref().map(|_scalars| (*colormap, *color_range)),
+        is_painted: skins.iter().any(|instance| instance.skin.is_painted()),
     }
 }

@@ -34,6 +34,7 @@ pub(super) fn color_ui(
     ui: &mut Ui,
     view: &ViewSettings,
     key: Option<(Colormap, [f32; 2])>,
+    is_painted: bool,
     commands: &mut Vec<Command>,
 ) {
     ui.horizontal(|ui| {
@@ -49,7 +50,10 @@ pub(super) fn color_ui(
         });
         response.response.labelled_by(label.id).on_hover_text(help(view.color));
     });
-    if let (Some((colormap, range)), true) = (key, view.color != ColorBy::Plain) {
+    if view.color == ColorBy::Model && !is_painted {
+        ui.label(RichText::new("No model here has colours in its file").color(theme::of(ui).weak));
+    }
+    if let (Some((colormap, range)), true) = (key, view.color.is_map()) {
         let legend = Legend::new(view.color.name(), view.color.unit(), range, TICKS);
         legend_ui(ui, &legend, colormap);
         range_ui(ui, view, range, commands);
@@ -140,11 +144,12 @@ fn gradient(bar: Rect, colormap: Colormap) -> Shape {
     Shape::mesh(mesh)
 }
 
-/// The scalar's name with its unit.
+/// The scalar's name with its unit, or what else is shown.
 pub(super) fn words(color: ColorBy) -> String {
-    match color.unit() {
-        "" => color.name().to_owned(),
-        unit => format!("{}, {unit}", color.name()),
+    match (color, color.unit()) {
+        (ColorBy::Model, _) => "the model's own colours".to_owned(),
+        (_, "") => color.name().to_owned(),
+        (_, unit) => format!("{}, {unit}", color.name()),
     }
 }
 
@@ -157,5 +162,6 @@ fn help(color: ColorBy) -> &'static str {
         ColorBy::Strain => "Largest stretch of a particle's links",
         ColorBy::Speed => "Speed of a particle",
         ColorBy::Contact => "Force of an obstacle on a particle",
+        ColorBy::Model => "The colours of vertices and materials in the model's file, where it has any",
     }
 }

@@ -77,7 +77,7 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
             trouble::trouble_ui(ui, status, state, commands);
             let card = over_view(ui, "color", state.view_rect, Align2::LEFT_BOTTOM, |ui| {
                 theme::float_frame(ui).show(ui, |ui| {
-                    color::color_ui(ui, &running.scene.view, running.color_key, commands);
+                    color::color_ui(ui, &running.scene.view, running.color_key, running.is_painted, commands);
                 });
             });
             state.free_rect = beside_corner_card(state.free_rect, card);

@@ -30,4 +30,6 @@ pub struct Running<'a> {
     pub scene: &'a Scene,
     /// The colours of the scalar shown and its values at their two ends; `None` where nothing is shown.
     pub color_key: Option<(Colormap, [f32; 2])>,
+    /// Whether a model that is seen has colours of its own.
+    pub is_painted: bool,
 }

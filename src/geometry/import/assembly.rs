@@ -6,8 +6,9 @@ use super::error::{ImportError, Place, Problem};
 use super::formats::MAX_PARTS;
 use super::model_file::{Imported, ModelFile};
 use super::polygon::Cutter;
-use crate::geometry::TriMesh;
 use crate::geometry::named_parts::{NameOf, Namer};
+use crate::geometry::paint::{NO_TINT, Tint};
+use crate::geometry::{Paint, TriMesh};
 
 /// A face of more corners takes so long to cut that a watcher is asked first.
 pub(super) const MANY_CORNERS: usize = 100;
@@ -21,6 +22,12 @@ pub(super) struct Assembly<'a> {
     namer: Option<Namer>,
     /// Of every triangle, where there are names.
     labels: Vec<u16>,
+    /// What the material of the next faces looks like.
+    material: Tint,
+    /// The colours of vertices, of all of them or of the first.
+    vertex_tints: Vec<Tint>,
+    /// The colours of triangles by their materials.
+    triangle_tints: Vec<Tint>,
     small_faces: usize,
     warnings: Vec<String>,
 }
@@ -33,6 +40,9 @@ impl<'a> Assembly<'a> {
             cutter: Cutter::new(),
             namer: None,
             labels: Vec::new(),
+            material: NO_TINT,
+            vertex_tints: Vec::new(),
+            triangle_tints: Vec::new(),
             small_faces: 0,
             warnings: Vec::new(),
         }
@@ -46,6 +56,20 @@ impl<'a> Assembly<'a> {
     /// The faces that follow have this name; an empty one is none.
     pub(super) fn call(&mut self, kind: NameOf, name: &str) {
         self.namer.get_or_insert_with(Namer::new).call(kind, name);
+    }
+
+    /// The faces that follow have a material of this colour.
+    pub(super) fn paint_faces(&mut self, tint: Tint) {
+        self.material = tint;
+    }
+
+    /// Gives the vertex that was added last a colour.
+    pub(super) fn paint_vertex(&mut self, tint: Tint) {
+        if tint != NO_TINT || !self.vertex_tints.is_empty() {
+            let added = self.vertices();
+            self.vertex_tints.resize(added.saturating_sub(1), NO_TINT);
+            self.vertex_tints.push(tint);
+        }
     }
 
     /// Adds a vertex, which is finite.
@@ -73,6 +97,7 @@ impl<'a> Assembly<'a> {
             [a, b, c] => self.mesh.triangles.push([a, b, c]),
             _ => self.small_faces += 1,
         }
+        self.triangle_tints.resize(self.mesh.triangles.len(), self.material);
         if let Some(namer) = &mut self.namer {
             self.labels.resize(self.mesh.triangles.len(), namer.label());
         }
@@ -95,7 +120,8 @@ impl<'a> Assembly<'a> {
         }
         self.warnings.extend(self.namer.as_ref().and_then(Namer::warning));
         let parts = self.namer.and_then(|namer| namer.finish(self.labels));
-        Ok(Imported { mesh: self.mesh, parts, warnings: self.warnings })
+        let paint = Paint::new(self.vertex_tints, self.triangle_tints);
+        Ok(Imported { mesh: self.mesh, parts, paint, warnings: self.warnings })
     }
 
     fn check_size(&self) -> Result<(), ImportError> {

@@ -2,7 +2,8 @@
 //! glTF is in metres and has y up, as everything here.
 //!
 //! gltf-json says what the JSON text means and nothing more: no index is followed and no byte read but here, so that
-//! each is held against what is there. Of materials nothing but their names is looked at, of cameras and animations nothing.
+//! each is held against what is there. Of materials their names and base colours are looked at, of cameras and animations
+//! nothing.
 
 mod buffers;
 mod primitive;

@@ -10,6 +10,7 @@ mod error;
 mod formats;
 mod gltf;
 mod model_file;
+mod mtl;
 mod obj;
 mod obj_lines;
 mod ply;
@@ -93,7 +94,11 @@ pub fn held_files_of(files: &dyn HeldFiles, place: &str) -> Vec<String> {
 /// The names of the files beside a model that it is read from, each once.
 fn names_beside(bytes: &[u8], beside: Beside<'_>) -> Vec<String> {
     let file = ModelFile { bytes, name: "", beside: Some(beside), watch: &() };
-    let mut names = if format_of(bytes) == Some(Format::Gltf) { gltf::names_beside(file) } else { Vec::new() };
+    let mut names = match format_of(bytes) {
+        Some(Format::Gltf) => gltf::names_beside(file),
+        Some(Format::Obj) => obj::names_beside(file),
+        _ => Vec::new(),
+    };
     names.sort_unstable();
     names.dedup();
     names

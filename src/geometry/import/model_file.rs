@@ -3,7 +3,7 @@
 use super::beside::Beside;
 use super::error::{ImportError, Place, Problem};
 use crate::geometry::named_parts::NamedParts;
-use crate::geometry::{TriMesh, Watch};
+use crate::geometry::{Paint, TriMesh, Watch};
 
 /// Elements between two looks at whether someone still waits.
 const LOOK: usize = 1 << 16;
@@ -15,6 +15,8 @@ pub struct Imported {
     pub mesh: TriMesh,
     /// What its triangles are called; none where nothing has a name.
     pub parts: Option<NamedParts>,
+    /// What colours it has; none where the file gives none.
+    pub paint: Option<Paint>,
     /// What was left out, a sentence each.
     pub warnings: Vec<String>,
 }

@@ -7,9 +7,12 @@ use glam::DVec3;
 use super::assembly::{MANY_CORNERS, small_faces_warning};
 use super::error::{ImportError, Place, Problem};
 use super::model_file::{Imported, ModelFile};
-use super::obj_lines::{LeftOut, ObjLines, Stop};
+use super::mtl;
+use super::obj_lines::{LeftOut, ObjLines, Stop, libraries};
 use super::polygon::Cutter;
-use crate::geometry::{TriMesh, Watch};
+use crate::geometry::named_parts::{NameOf, NamedParts};
+use crate::geometry::paint::{NO_TINT, Tint, tint_of_srgb};
+use crate::geometry::{Paint, TriMesh, Watch};
 
 /// Reads an OBJ file.
 pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
@@ -32,6 +35,7 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     let mut cutter = Cutter::new();
     let (namer, of_faces) = lines.take_names();
     let (mut of_faces, mut of_triangles) = (of_faces.into_iter(), Vec::new());
+    let mut channels = Vec::new();
     for model in &models {
         let named = |triangles: usize| {
             if let Some(label) = of_faces.next() {
@@ -39,11 +43,47 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
             }
         };
         append(&mut mesh, &model.mesh, &mut cutter, file.watch, named).ok_or_else(|| file.cancelled())?;
+        channels.extend_from_slice(model.mesh.vertex_color.as_chunks().0);
     }
     let mut warnings = warnings(lines.left_out());
     warnings.extend(cutter.warning());
     warnings.extend(namer.warning());
-    Ok(Imported { mesh, parts: namer.finish(of_triangles), warnings })
+    let parts = namer.finish(of_triangles);
+    let materials = parts.as_ref().map(|parts| material_tints(file, parts, lines.libraries(), &mut warnings));
+    let paint = Paint::new(vertex_tints(&channels), materials.unwrap_or_default());
+    Ok(Imported { mesh, parts, paint, warnings })
+}
+
+/// The names of the files beside a model that its colours are read from; those that are not there are left out.
+pub(super) fn names_beside(file: ModelFile<'_>) -> Vec<String> {
+    file.beside.map(|beside| mtl::names_beside(beside, &libraries(file.bytes))).unwrap_or_default()
+}
+
+/// The colours of vertices: of 0..1, or of 0..255 where one is above 1. Below 0 stands for none.
+fn vertex_tints(channels: &[[f64; 3]]) -> Vec<Tint> {
+    let most = channels.iter().flatten().fold(1.0_f64, |most, &channel| most.max(channel));
+    let scale = if most > 1.0 { 1.0 / 255.0 } else { 1.0 };
+    let tint = |channels: &[f64; 3]| {
+        if channels[0] < 0.0 { NO_TINT } else { tint_of_srgb(channels.map(|channel| channel * scale)) }
+    };
+    channels.iter().map(tint).collect()
+}
+
+/// The colours of triangles by their materials.
+fn material_tints(
+    file: ModelFile<'_>,
+    parts: &NamedParts,
+    libraries: &[String],
+    warnings: &mut Vec<String>,
+) -> Vec<Tint> {
+    if parts.places(NameOf::Material).all(|place| place.is_none()) {
+        return Vec::new();
+    }
+    let materials = mtl::read(file, libraries, warnings);
+    let of_name = |place: u32| materials.get(&parts.names()[place as usize]).copied();
+    let of_place = |place: Option<u32>| place.and_then(of_name).unwrap_or(NO_TINT);
+    let of_label: Vec<Tint> = parts.places(NameOf::Material).map(of_place).collect();
+    (0..parts.count()).map(|triangle| of_label[usize::from(parts.label(triangle))]).collect()
 }
 
 /// Adds the polygons of one model of the file, as triangles, and calls `added` with the number of those of each; none where

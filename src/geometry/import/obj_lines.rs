@@ -2,12 +2,14 @@
 //!
 //! tobj names no line in its errors, takes `l` for a face, wants every texture coordinate in order and opens
 //! materials. So it is handed only vertices (three coordinates) and faces (position indices, counted from 1), each
-//! checked where it stands; everything else a surface does not need stays behind. What faces are called (`usemtl`, `g`,
+//! checked where it stands; everything else a surface does not need stays behind. Vertices have colours (three more
+//! numbers) where one of the file has, those without one -1. What faces are called (`usemtl`, `g`,
 //! `o`) is kept beside them: all of the line behind the first word is the name, blanks and `#` within it too.
 
 use std::io::{self, BufRead, Read};
 
 use super::error::{Problem, coordinate, quote};
+use super::mtl::MOST_LIBRARIES;
 use crate::geometry::Watch;
 use crate::geometry::named_parts::{NameOf, Namer};
 
@@ -28,6 +30,8 @@ pub(super) struct ObjLines<'a> {
     total_bytes: usize,
     total_vertices: u64,
     vertices: u64,
+    /// Whether a vertex of the file has a colour.
+    has_colors: bool,
     faces: usize,
     next_line: usize,
     /// The line being read, counted from 1; of a continued line the first.
@@ -38,6 +42,8 @@ pub(super) struct ObjLines<'a> {
     namer: Namer,
     /// Of every face that was given on, once something has a name.
     labels: Vec<u16>,
+    /// The material files that are named.
+    libraries: Vec<String>,
     stop: Option<Stop>,
     watch: &'a dyn Watch,
 }
@@ -57,6 +63,7 @@ impl<'a> ObjLines<'a> {
             total_bytes: bytes.len(),
             total_vertices: 0,
             vertices: 0,
+            has_colors: false,
             faces: 0,
             next_line: 1,
             line: 0,
@@ -65,11 +72,16 @@ impl<'a> ObjLines<'a> {
             left_out: LeftOut::default(),
             namer: Namer::new(),
             labels: Vec::new(),
+            libraries: Vec::new(),
             stop: None,
             watch,
         };
         while let Some(line) = lines.take_line() {
-            lines.total_vertices += u64::from(words(&line).next() == Some(b"v"));
+            let mut words = words(&line);
+            if words.next() == Some(b"v") {
+                lines.total_vertices += 1;
+                lines.has_colors = lines.has_colors || color(words.skip(3)).is_some();
+            }
         }
         lines.rest = bytes;
         lines.next_line = 1;
@@ -82,6 +94,11 @@ impl<'a> ObjLines<'a> {
 
     pub(super) fn faces(&self) -> usize {
         self.faces
+    }
+
+    /// The material files that it names, as the file has them, each once.
+    pub(super) fn libraries(&self) -> &[String] {
+        &self.libraries
     }
 
     pub(super) fn left_out(&self) -> LeftOut {
@@ -160,6 +177,10 @@ impl<'a> ObjLines<'a> {
                     self.left_out.curves += 1;
                     Ok(())
                 }
+                Some(b"mtllib") => {
+                    add_library(&mut self.libraries, &line);
+                    Ok(())
+                }
                 Some(word) => {
                     self.call(word, &line);
                     Ok(())
@@ -178,6 +199,12 @@ impl<'a> ObjLines<'a> {
             coordinate(word)?;
             self.clean.push(b' ');
             self.clean.extend_from_slice(word);
+        }
+        if self.has_colors {
+            for channel in color(words).unwrap_or([b"-1"; 3]) {
+                self.clean.push(b' ');
+                self.clean.extend_from_slice(channel);
+            }
         }
         self.clean.push(b'\n');
         self.vertices += 1;
@@ -266,6 +293,30 @@ fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
+/// The colour that a vertex has behind its coordinates: three numbers, and how opaque it is where that is written.
+fn color<'w>(mut words: impl Iterator<Item = &'w [u8]>) -> Option<[&'w [u8]; 3]> {
+    let channels = [words.next()?, words.next()?, words.next()?];
+    let is_channel = |word: &&[u8]| coordinate(word).is_ok_and(|channel| channel >= 0.0);
+    (channels.iter().all(is_channel) && words.nth(1).is_none()).then_some(channels)
+}
+
+/// The material files that an OBJ file names, each once.
+pub(super) fn libraries(bytes: &[u8]) -> Vec<String> {
+    let mut found = Vec::new();
+    let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
+    lines.filter(|line| words(line).next() == Some(b"mtllib")).for_each(|line| add_library(&mut found, line));
+    found
+}
+
+/// Adds what a line `mtllib` names.
+fn add_library(libraries: &mut Vec<String>, line: &[u8]) {
+    let rest = line.trim_ascii().strip_prefix(b"mtllib").unwrap_or_default();
+    let name = String::from_utf8_lossy(rest.trim_ascii()).into_owned();
+    if libraries.len() < MOST_LIBRARIES && !name.is_empty() && !libraries.contains(&name) {
+        libraries.push(name);
+    }
+}
+
 /// What a line that begins with this word names.
 fn name_of(word: &[u8]) -> Option<NameOf> {
     match word {
@@ -299,7 +350,9 @@ mod tests {
     #[test]
     fn only_vertices_and_faces_come_through() {
         let text = "mtllib gone.mtl\r\nv 0 0 0 1 0 0 # red\rv 1 0 0\nv 0 1\\\n 0\nvt 1\nusemtl\no a\ns off\nf 1/9 2//7 -1/2/3\n";
-        assert_eq!(clean(text).0, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "three line ends, a comment, a continuation");
+        let read = "v 0 0 0 1 0 0\nv 1 0 0 -1 -1 -1\nv 0 1 0 -1 -1 -1\nf 1 2 3\n";
+        assert_eq!(clean(text).0, read, "three line ends, a comment, a continuation, a colour");
+        assert!(clean(&text.replace(" 1 0 0 #", " 1 0 x #")).0.starts_with("v 0 0 0\nv 1"), "no colour");
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! PLY files, binary and text: vertices with `x`, `y` and `z`, faces with any number of corners. Colours, normals and
-//! whatever else a file's own header describes is stepped over.
+//! PLY files, binary and text: vertices with `x`, `y` and `z`, faces with any number of corners, and the colours of both
+//! (`red`, `green`, `blue`). Normals and whatever else a file's own header describes is stepped over.
 //!
 //! ply-rs-bw reads the header and the elements of binary files, one at a time, so that each can be named. Texts are taken
 //! apart here: it reads neither `nan` where nobody asks for a number nor `.5`, and drops the digits that a double has
@@ -14,6 +14,7 @@ use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 use super::assembly::{Assembly, finite, vertex_index};
 use super::error::{ImportError, Place, Problem, quote};
 use super::model_file::{Imported, ModelFile};
+use crate::geometry::paint::tint_of_srgb;
 use element::{Element, INDICES, text_element};
 
 /// No header is longer than this, bytes.
@@ -164,13 +165,17 @@ fn read_elements(
         let element = rest.next(def).map_err(|problem| file.at(rest.place(def, number), problem))?;
         let place = || rest.place(def, number);
         match kind {
-            Kind::Vertex => assembly.vertex(finite(file, DVec3::from_array(element.position), place)?)?,
+            Kind::Vertex => {
+                assembly.vertex(finite(file, DVec3::from_array(element.position), place)?)?;
+                assembly.paint_vertex(tint_of_srgb(element.color));
+            }
             Kind::Face => {
                 let corners = element.corners.iter().map(|&corner| vertex_index(corner, vertices));
                 face.clear();
                 for corner in corners {
                     face.push(corner.map_err(|problem| file.at(place(), problem))?);
                 }
+                assembly.paint_faces(tint_of_srgb(element.color));
                 assembly.face(&mut face)?;
             }
             Kind::Other => {}

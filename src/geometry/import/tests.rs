@@ -70,3 +70,58 @@ fn every_format_has_an_ending_that_the_window_lists() {
     }
     assert!(ENDINGS.iter().all(|ending| Path::new("m").with_extension(ending).extension().is_some()), "no dots");
 }
+
+/// The colours of the four vertices of a model as corners of its first triangle, and what is said of it.
+fn tints(imported: &Imported) -> [[u8; 4]; 4] {
+    [0, 1, 2, 3].map(|vertex| imported.paint.as_ref().map_or([0; 4], |paint| paint.tint(0, vertex)))
+}
+
+#[test]
+fn vertices_of_an_obj_file_may_have_colours_behind_their_coordinates() {
+    let read = |text: &str| parse_obj(text.as_bytes(), "t.obj").expect("a good file");
+    assert_eq!(read(TETRAHEDRON).paint, None, "no colours");
+    let text = TETRAHEDRON.replacen("v 0 0 0", "v 0 0 0 1 0.5 0", 1).replacen("v 0 0 5", "v 0 0 5 0 0 1 0.3", 1);
+    let colored = read(&text);
+    assert_eq!((&colored.mesh, colored.warnings.len()), (&tetrahedron(), 0), "the same mesh");
+    assert_eq!(tints(&colored), [[255, 128, 0, 255], [0; 4], [0; 4], [0, 0, 255, 255]], "two have one");
+    let bytes = read(&TETRAHEDRON.replacen("v 0 2 0", "v 0 2 0 255 128 1", 1));
+    assert_eq!(tints(&bytes)[1], [255, 128, 1, 255], "of 0 to 255");
+    for odd in ["v 0 2 0 0.5", "v 0 2 0 1 0", "v 0 2 0 1 x 0", "v 0 2 0 1 -1 0", "v 0 2 0 1 2 3 4 5", "v 0 2 0 nan 0 0"]
+    {
+        assert_eq!(read(&TETRAHEDRON.replacen("v 0 2 0", odd, 1)).paint, None, "{odd} has no colour");
+    }
+}
+
+#[test]
+fn materials_beside_an_obj_file_colour_its_faces() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    let model = |lines: &str| {
+        write("t.obj", &TETRAHEDRON.replacen("f 1", &format!("{lines}\nusemtl Red Rubber #25\nf 1"), 1));
+        load(&folder.path().join("t.obj")).expect("a good file")
+    };
+    write("a b.mtl", "newmtl Red Rubber #25\nKd 1 0 0\n");
+    write("c.mtl", "newmtl other\nKd 0 1 0\n");
+    for lines in ["mtllib a b.mtl", "mtllib c.mtl\nmtllib ./a b.mtl"] {
+        let found = model(lines);
+        assert_eq!((tints(&found), found.warnings.len()), ([[255, 0, 0, 255]; 4], 0), "{lines}");
+    }
+    let names: Vec<_> =
+        files_of(&folder.path().join("t.obj")).iter().map(|file| file.file_name().map(ToOwned::to_owned)).collect();
+    assert_eq!(names, ["t.obj", "a b.mtl", "c.mtl"].map(|name| Some(name.into())), "they belong to the model");
+    write("d.mtl", "newmtl Red Rubber #25\nKd 0 0 1\n");
+    assert_eq!(tints(&model("mtllib c.mtl d.mtl")), [[0, 0, 255, 255]; 4], "several in a line");
+    for (lines, why) in [
+        ("mtllib gone.mtl", "no colours from the materials in gone.mtl: there is no such file"),
+        (
+            "mtllib ../c.mtl",
+            "no colours from the materials in ../c.mtl: only files beside the model and in folders below it are read",
+        ),
+    ] {
+        let found = model(lines);
+        assert_eq!((found.paint, found.warnings), (None, vec![why.to_owned()]), "the model is read without");
+    }
+    assert_eq!(files_of(&folder.path().join("t.obj")).len(), 1, "what is not read does not belong to it");
+    let unused = load(&folder.path().join("t.obj")).expect("a good file");
+    assert_eq!(unused.mesh.triangles.len(), 4);
+}

@@ -107,7 +107,7 @@ pub const PARAMS: &[Param] = &[
     number("view.light.direction", "", -100.0, 100.0, "From the scene towards the light; any length but zero.").of(3),
     number("view.light.strength", "", 0.0, 10.0, "Multiplies the light's colour."),
     number("view.light.color", "", 0.0, 1.0, "Linear red, green and blue of the light.").of(3),
-    words("view.color", &["plain", "load", "force", "net", "strain", "speed", "contact"], "The scalar that colours the jelly."),
+    words("view.color", &["plain", "load", "force", "net", "strain", "speed", "contact", "model"], "The scalar that colours the jelly, or the colours of the models' own files."),
     number("view.color_range", "", -1e12, 1e12, "Fixed ends of the colour range in the scalar's unit; automatic when absent.").of(2),
     flag("view.overlays.wireframe", "Draws the edges of the skin's triangles."),
     flag("view.overlays.structural", "Draws the links to the nearest particles."),

@@ -12,6 +12,7 @@ use crate::geometry::import::error::{ImportError, Place, Problem};
 use crate::geometry::import::formats::MAX_PARTS;
 use crate::geometry::import::model_file::{Imported, ModelFile};
 use crate::geometry::named_parts::NameOf;
+use crate::geometry::paint::{NO_TINT, Tint, tint_of_linear};
 
 /// Follows the indices of a file into its buffers, and gathers the triangles that it finds.
 pub(super) struct Reader<'a> {
@@ -60,8 +61,12 @@ impl<'a> Reader<'a> {
         let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions)).ok_or_else(missing)?.value();
         let material = primitive.material.and_then(|material| self.root.materials.get(material.value()));
         self.call(NameOf::Material, material.and_then(|material| material.name.as_ref()));
+        let base = material.map(|material| material.pbr_metallic_roughness.base_color_factor.0);
+        self.assembly.paint_faces(base.map_or(NO_TINT, |[red, green, blue, _]| tint_of_linear([red, green, blue])));
         let base = self.assembly.vertices();
-        let count = self.add_positions(positions, transform, place)?;
+        let colors = primitive.attributes.get(&Checked::Valid(Semantic::Colors(0)));
+        let tints = colors.map(|accessor| self.tints(accessor.value(), place)).unwrap_or_default();
+        let count = self.add_positions(positions, transform, &tints, place)?;
         let corners = match primitive.indices {
             Some(indices) => self.indices(indices.value(), place)?,
             None => (0..).take(count).collect(),
@@ -85,10 +90,16 @@ impl<'a> Reader<'a> {
         Ok(true)
     }
 
-    /// Adds the vertices of an accessor. How many they are.
-    fn add_positions(&mut self, accessor: usize, transform: &DMat4, place: &Place) -> Result<usize, ImportError> {
+    /// Adds the vertices of an accessor, and their colours as far as there are any. How many they are.
+    fn add_positions(
+        &mut self,
+        accessor: usize,
+        transform: &DMat4,
+        tints: &[Tint],
+        place: &Place,
+    ) -> Result<usize, ImportError> {
         let file = self.file;
-        let elements = elements(self, accessor, Type::Vec3, place)?;
+        let elements = elements(self, accessor, &[Type::Vec3], place)?;
         let (count, stride, size) = (elements.count, elements.stride, elements.component.size());
         // The bytes are those of a buffer that the assembly knows nothing of.
         let placed: Vec<DVec3> = (0..count)
@@ -100,13 +111,31 @@ impl<'a> Reader<'a> {
         for (number, position) in placed.into_iter().enumerate() {
             file.look(number, || 0.5)?;
             self.assembly.vertex(finite(file, position, || place.clone())?)?;
+            self.assembly.paint_vertex(tints.get(number).copied().unwrap_or(NO_TINT));
         }
         Ok(count)
     }
 
+    /// The colours of an accessor; told and left out where there is something wrong with them.
+    fn tints(&mut self, accessor: usize, place: &Place) -> Vec<Tint> {
+        let found = elements(self, accessor, &[Type::Vec3, Type::Vec4], place).map(|elements| {
+            let (stride, size) = (elements.stride, elements.component.size());
+            let tint = |number: usize| {
+                #[expect(clippy::cast_possible_truncation, reason = "a colour needs no more than single precision")]
+                let channel = |channel: usize| elements.number(number * stride + channel * size) as f32;
+                tint_of_linear([channel(0), channel(1), channel(2)])
+            };
+            (0..elements.count).map(tint).collect()
+        });
+        found.unwrap_or_else(|error| {
+            self.warn(format!("colours of vertices were left out: {error}"));
+            Vec::new()
+        })
+    }
+
     fn indices(&mut self, accessor: usize, place: &Place) -> Result<Vec<i64>, ImportError> {
         let file = self.file;
-        let elements = elements(self, accessor, Type::Scalar, place)?;
+        let elements = elements(self, accessor, &[Type::Scalar], place)?;
         if !matches!(elements.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
             let what = format!("an index of the type {:?}", elements.component);
             return Err(file.at(place.clone(), Problem::Unsupported { what, remedy: "U8, U16 and U32 are" }));
@@ -122,7 +151,7 @@ impl<'a> Reader<'a> {
 fn elements<'r>(
     reader: &'r mut Reader<'_>,
     number: usize,
-    wanted: Type,
+    wanted: &[Type],
     place: &Place,
 ) -> Result<Elements<'r>, ImportError> {
     let file = reader.file;
@@ -131,10 +160,13 @@ fn elements<'r>(
     let (Checked::Valid(found), Checked::Valid(component)) = (accessor.type_, accessor.component_type) else {
         return Err(fail(Problem::Missing("the type of an accessor")));
     };
-    if found != wanted {
+    if !wanted.contains(&found) {
         let what = format!("accessor {number} of the type {found:?}");
-        let remedy =
-            if wanted == Type::Vec3 { "positions are of the type Vec3" } else { "indices are of the type Scalar" };
+        let remedy = match wanted {
+            [Type::Vec3] => "positions are of the type Vec3",
+            [Type::Scalar] => "indices are of the type Scalar",
+            _ => "colours are of the type Vec3 or Vec4",
+        };
         return Err(fail(Problem::Unsupported { what, remedy }));
     }
     if accessor.sparse.is_some() {

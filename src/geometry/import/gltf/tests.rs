@@ -282,3 +282,39 @@ fn a_watcher_can_cancel() {
     let cancelled = read(ModelFile { watch: &Never, ..ModelFile::new(&bytes, "m.glb") });
     assert!(matches!(cancelled, Err(ImportError::Cancelled { .. })), "stopped on the way");
 }
+
+#[test]
+fn base_colours_and_colours_of_vertices_are_read() {
+    let mut blob = bytes();
+    blob.extend([[255_u8, 255, 255, 7], [255, 0, 0, 7], [0, 255, 0, 7], [188, 188, 188, 7]].concat());
+    let colored = |attribute: &str, material: &str, accessor: &str| {
+        let accessor =
+            format!(r#", {{"bufferView": 2, "componentType": 5121, "count": 4, {accessor}}}], "bufferViews": ["#);
+        let text = text(r#"{"mesh": 0}"#, "")
+            .replace(r#""NORMAL": 99"#, attribute)
+            .replace(r#""mode": 4"#, &format!(r#""mode": 4{material}"#))
+            .replace("],\n\"bufferViews\": [", &accessor)
+            .replace(r#""byteLength": 24}"#, r#""byteLength": 24}, {"buffer": 0, "byteOffset": 72, "byteLength": 16}"#)
+            .replace(r#""byteLength": 72"#, r#""byteLength": 88"#)
+            .replace(
+                r#""name": "red""#,
+                r#""name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0, 1]}"#,
+            );
+        let imported = parse(&glb(&text, &blob), "m.glb").expect("a good file");
+        (imported.paint.map(|paint| [0, 1, 2, 3].map(|vertex| paint.tint(0, vertex))), imported.warnings)
+    };
+    let (vec4, none) = (r#""type": "VEC4", "normalized": true"#, Vec::<String>::new());
+    let plain = colored(r#""X": 0"#, "", vec4);
+    assert_eq!(plain, (None, none.clone()), "no colours");
+    let [white, red, green] = [[255; 4], [255, 0, 0, 255], [0, 255, 0, 255]];
+    let vertices = colored(r#""COLOR_0": 2"#, "", vec4);
+    assert_eq!(vertices, (Some([white, red, green, [223, 223, 223, 255]]), none.clone()), "light, not what is shown");
+    let material = colored(r#""X": 0"#, r#", "material": 0"#, vec4);
+    assert_eq!(material, (Some([[255, 188, 0, 255]; 4]), none), "half the light of green");
+    let both = colored(r#""COLOR_0": 2"#, r#", "material": 0"#, vec4).0.expect("colours");
+    assert_eq!(both, [[255, 188, 0, 255], red, [0, 188, 0, 255], [223, 164, 0, 255]], "one times the other");
+    let (paint, warnings) = colored(r#""COLOR_0": 2"#, r#", "material": 0"#, r#""type": "VEC2""#);
+    let left_out = "colours of vertices were left out: m.glb, mesh 0, primitive 0: accessor 2 of the type Vec2 is not read; \
+                    colours are of the type Vec3 or Vec4";
+    assert_eq!((paint, warnings), (Some([[255, 188, 0, 255]; 4]), vec![left_out.to_owned()]), "the model is read");
+}

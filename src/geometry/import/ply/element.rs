@@ -1,6 +1,6 @@
 //! One element of a PLY file: what a surface needs of it.
 
-use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType};
+use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 
 use crate::geometry::import::error::{Problem, coordinate, quote};
 
@@ -8,22 +8,26 @@ use crate::geometry::import::error::{Problem, coordinate, quote};
 pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// What a surface needs of a vertex or of a face.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Element {
     /// Of a vertex.
     pub(super) position: [f64; 3],
+    /// sRGB red, green, blue, 0..1; what is not there is no number.
+    pub(super) color: [f64; 3],
     /// Of a face, as written.
     pub(super) corners: Vec<i64>,
 }
 
 impl PropertyAccess for Element {
     fn new() -> Self {
-        Self::default()
+        Self { position: [0.0; 3], color: [f64::NAN; 3], corners: Vec::new() }
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
         if let Some(axis) = axis(name) {
             self.position[axis] = number(&property);
+        } else if let Some(channel) = channel(name) {
+            self.color[channel] = number(&property) / full(&kind(&property));
         } else if INDICES.contains(&name) {
             self.corners = whole_numbers(property);
         } else {
@@ -37,11 +41,16 @@ impl PropertyAccess for Element {
 pub(super) fn text_element(line: &[u8], def: &ElementDef) -> Result<Element, Problem> {
     let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
     let mut next = || words.next().ok_or(Problem::Missing("a number that the header describes"));
-    let mut element = Element::default();
+    let mut element = Element::new();
     for (name, property) in &def.properties {
         match (&property.data_type, axis(name)) {
             (PropertyType::Scalar(_), Some(axis)) => element.position[axis] = coordinate(next()?)?,
-            (PropertyType::Scalar(_), None) => drop(next()?),
+            (PropertyType::Scalar(kind), None) => {
+                let word = next()?;
+                if let Some(channel) = channel(name) {
+                    element.color[channel] = coordinate(word).unwrap_or(f64::NAN) / full(kind);
+                }
+            }
             (PropertyType::List(..), _) => {
                 let count: u32 = whole_number(next()?, "a number of entries")?;
                 let is_corner = INDICES.contains(&name.as_str());
@@ -61,6 +70,32 @@ pub(super) fn text_element(line: &[u8], def: &ElementDef) -> Result<Element, Pro
 /// The coordinate that a property is.
 fn axis(name: &str) -> Option<usize> {
     ["x", "y", "z"].iter().position(|axis| *axis == name)
+}
+
+/// The channel of a colour that a property is.
+fn channel(name: &str) -> Option<usize> {
+    let name = name.strip_prefix("diffuse_").unwrap_or(name);
+    ["red", "green", "blue"].iter().position(|channel| *channel == name)
+}
+
+/// The kind of number of a property that is no list.
+fn kind(property: &Property) -> ScalarType {
+    match property {
+        Property::Float(_) => ScalarType::Float,
+        Property::Double(_) => ScalarType::Double,
+        Property::Short(_) => ScalarType::Short,
+        Property::UShort(_) => ScalarType::UShort,
+        _ => ScalarType::UChar,
+    }
+}
+
+/// What full light is written as.
+fn full(kind: &ScalarType) -> f64 {
+    match kind {
+        ScalarType::Float | ScalarType::Double => 1.0,
+        ScalarType::Short | ScalarType::UShort => f64::from(u16::MAX),
+        _ => f64::from(u8::MAX),
+    }
 }
 
 fn whole_number<T: std::str::FromStr>(word: &[u8], needed: &'static str) -> Result<T, Problem> {

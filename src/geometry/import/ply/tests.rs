@@ -154,3 +154,45 @@ fn a_watcher_can_cancel() {
         assert!(matches!(cancelled, Err(ImportError::Cancelled { .. })), "stopped on the way");
     }
 }
+
+#[test]
+fn vertices_and_faces_may_have_colours() {
+    let body = |vertex: &str, face: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n{vertex}\
+             element face 1\nproperty list uchar int vertex_indices\n{face}end_header\n"
+        )
+    };
+    let channels = |kind: &str, prefix: &str| {
+        ["red", "green", "blue"].map(|channel| format!("property {kind} {prefix}{channel}\n")).concat()
+    };
+    let tint = |text: String| {
+        let imported = parse(text.as_bytes(), "m.ply").expect("a good file");
+        imported.paint.map(|paint| [0, 1, 2].map(|vertex| paint.tint(0, vertex)))
+    };
+    let orange = [255, 128, 0, 255];
+    for (kind, prefix, written) in [
+        ("uchar", "", "255 128 0"),
+        ("float", "", "1 0.5 0"),
+        ("ushort", "", "65535 32896 0"),
+        ("uchar", "diffuse_", "255 128 0"),
+    ] {
+        let header = body(&channels(kind, prefix), "");
+        let text = format!("{header}0 0 0 {written}\n1 0 0 {written}\n0 1 0 {written}\n3 0 1 2\n");
+        assert_eq!(tint(text), Some([orange; 3]), "{kind} {prefix}");
+    }
+    let header = body("", &channels("uchar", ""));
+    assert_eq!(tint(format!("{header}0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 128 0\n")), Some([orange; 3]), "a face");
+    let header = body(&channels("float", ""), "");
+    let odd = format!("{header}0 0 0 nan 0 0\n1 0 0 x 0 0\n0 1 0 9 -9 0\n3 0 1 2\n");
+    assert_eq!(tint(odd), Some([[0; 4], [0; 4], [255, 0, 0, 255]]), "what is no colour is none, the rest is clipped");
+    let header = body(&channels("uchar", ""), "").replace("ascii", "binary_little_endian");
+    let mut bytes = header.into_bytes();
+    for corner in 0..3_u8 {
+        let place = [f32::from(corner), f32::from(corner * corner), 0.0];
+        bytes.extend(place.into_iter().flat_map(f32::to_le_bytes).chain([255, 128, corner]));
+    }
+    bytes.extend([3].into_iter().chain([0_i32, 1, 2].into_iter().flat_map(i32::to_le_bytes)));
+    let paint = parse(&bytes, "m.ply").expect("a good file").paint.expect("colours");
+    assert_eq!([0, 1, 2].map(|vertex| paint.tint(0, vertex)[2]), [0, 1, 2], "each its own");
+}

@@ -1,0 +1,109 @@
+//! The material files of OBJ: text that stands beside the model. Of a material its colour is read (`Kd`); one line that
+//! is not understood spoils no other.
+
+use std::collections::BTreeMap;
+
+use super::beside::{Beside, below};
+use super::error::coordinate;
+use super::model_file::ModelFile;
+use crate::disk::ReadError;
+use crate::geometry::named_parts::clean;
+use crate::geometry::paint::{NO_TINT, Tint, tint_of_srgb};
+use crate::text::echo_up_to;
+
+/// All material files of a model together may have so many bytes.
+const MAX_BYTES: u64 = 16 << 20;
+
+/// The most material files of a model that are looked for.
+pub(super) const MOST_LIBRARIES: usize = 64;
+
+/// The colours of materials by their names, as [`clean`] leaves them.
+pub(super) type Materials = BTreeMap<String, Tint>;
+
+/// Reads the material files that a model names; what cannot be read is told in `warnings`. A model that is no file has
+/// none beside it.
+pub(super) fn read(file: ModelFile<'_>, named: &[String], warnings: &mut Vec<String>) -> Materials {
+    let mut materials = Materials::new();
+    let Some(beside) = file.beside else { return materials };
+    let mut budget = MAX_BYTES;
+    for named in named {
+        match find(beside, named, budget) {
+            Ok(files) => {
+                for (_, bytes) in files {
+                    budget = budget.saturating_sub(bytes.len() as u64);
+                    add(&mut materials, &bytes);
+                }
+            }
+            Err(why) => warnings.push(format!("no colours from the materials in {}: {why}", echo_up_to(named, 60))),
+        }
+    }
+    materials
+}
+
+/// The names of the material files beside a model that are there.
+pub(super) fn names_beside(beside: Beside<'_>, named: &[String]) -> Vec<String> {
+    let there = named.iter().filter_map(|named| find(beside, named, MAX_BYTES).ok());
+    there.flatten().map(|(name, _)| name).collect()
+}
+
+/// The file that a line `mtllib` names, blanks in its name included, or else the several that it names.
+fn find(beside: Beside<'_>, named: &str, limit: u64) -> Result<Vec<(String, Vec<u8>)>, String> {
+    let one = |name: &str| {
+        let elsewhere = || "only files beside the model and in folders below it are read".to_owned();
+        let name = below(name).ok_or_else(elsewhere)?;
+        let bytes = beside.read(&name, limit).map_err(|error| match error {
+            ReadError::Refused(source) if source.kind() == std::io::ErrorKind::NotFound => {
+                "there is no such file".to_owned()
+            }
+            other => other.to_string(),
+        })?;
+        Ok((name, bytes))
+    };
+    let whole = one(named).map(|file| vec![file]);
+    if whole.is_err() && named.contains(char::is_whitespace) {
+        let several: Result<Vec<_>, String> = named.split_whitespace().map(one).collect();
+        return several.or(whole);
+    }
+    whole
+}
+
+/// Adds the materials of a file.
+fn add(materials: &mut Materials, bytes: &[u8]) {
+    let mut now = None;
+    for line in bytes.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii) {
+        let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
+        let (word, rest) = line.split_at(end);
+        match word {
+            b"newmtl" => now = Some(clean(&String::from_utf8_lossy(rest))),
+            b"Kd" => {
+                let channels = rest.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+                let found: Vec<f64> = channels.map_while(|word| coordinate(word).ok()).collect();
+                let tint = match found[..] {
+                    [grey] => tint_of_srgb([grey; 3]),
+                    [red, green, blue, ..] => tint_of_srgb([red, green, blue]),
+                    _ => NO_TINT,
+                };
+                if let Some(name) = &now {
+                    materials.insert(name.clone(), tint);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_read_whatever_else_is_there() {
+        let text = "# a\nKd 1 1 1\nnewmtl Red Rubber #25\nd -halo 0.5\n\tKd 1 0 0.5\nmap_Kd\nnewmtl grey\r\nKd 0.2\n\
+                    newmtl measured\nKd spectral a.rfl 1\nnewmtl two\nKd 1 2\nnewmtl bright\nKd 9 0 0\nKs x\n";
+        let mut found = Materials::new();
+        add(&mut found, text.as_bytes());
+        let names = ["Red Rubber #25", "grey", "measured", "two", "bright"].map(|name| found[name]);
+        assert_eq!(names, [[255, 0, 128, 255], [51, 51, 51, 255], NO_TINT, NO_TINT, [255, 0, 0, 255]]);
+        assert_eq!(found.len(), 5, "a colour without a material is nobody's");
+    }
+}
