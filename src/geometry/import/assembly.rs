@@ -13,6 +13,9 @@ use crate::geometry::{Paint, TriMesh};
 /// A face of more corners takes so long to cut that a watcher is asked first.
 pub(super) const MANY_CORNERS: usize = 100;
 
+/// What is said of a model whose materials have pictures.
+pub(super) const TEXTURES_WARNING: &str = "textures are not read: where a material has one, its plain colour is shown";
+
 /// A mesh that grows, and what was left out of it.
 pub(super) struct Assembly<'a> {
     file: ModelFile<'a>,

@@ -1,4 +1,5 @@
-//! The material files of OBJ: text that stands beside the model. Of a material its colour is read (`Kd`); one line that
+//! The material files of OBJ: text that stands beside the model. Of a material its colour is read (`Kd`), and whether it has a
+//! texture; one line that
 //! is not understood spoils no other.
 
 use std::collections::BTreeMap;
@@ -17,8 +18,17 @@ const MAX_BYTES: u64 = 16 << 20;
 /// The most material files of a model that are looked for.
 pub(super) const MOST_LIBRARIES: usize = 64;
 
-/// The colours of materials by their names, as [`clean`] leaves them.
-pub(super) type Materials = BTreeMap<String, Tint>;
+/// Materials by their names, as [`clean`] leaves them.
+pub(super) type Materials = BTreeMap<String, Material>;
+
+/// What a material looks like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Material {
+    /// Its colour.
+    pub(super) tint: Tint,
+    /// Whether it has a picture for its colours.
+    pub(super) has_texture: bool,
+}
 
 /// Reads the material files that a model names; what cannot be read is told in `warnings`. A model that is no file has
 /// none beside it.
@@ -84,7 +94,12 @@ fn add(materials: &mut Materials, bytes: &[u8]) {
                     _ => NO_TINT,
                 };
                 if let Some(name) = &now {
-                    materials.insert(name.clone(), tint);
+                    materials.entry(name.clone()).or_default().tint = tint;
+                }
+            }
+            b"map_Kd" if !rest.is_empty() => {
+                if let Some(name) = &now {
+                    materials.entry(name.clone()).or_default().has_texture = true;
                 }
             }
             _ => {}
@@ -102,8 +117,9 @@ mod tests {
                     newmtl measured\nKd spectral a.rfl 1\nnewmtl two\nKd 1 2\nnewmtl bright\nKd 9 0 0\nKs x\n";
         let mut found = Materials::new();
         add(&mut found, text.as_bytes());
-        let names = ["Red Rubber #25", "grey", "measured", "two", "bright"].map(|name| found[name]);
+        let names = ["Red Rubber #25", "grey", "measured", "two", "bright"].map(|name| found[name].tint);
         assert_eq!(names, [[255, 0, 128, 255], [51, 51, 51, 255], NO_TINT, NO_TINT, [255, 0, 0, 255]]);
+        assert!(found.values().all(|material| !material.has_texture), "`map_Kd` names no file");
         assert_eq!(found.len(), 5, "a colour without a material is nobody's");
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::assembly::{MANY_CORNERS, small_faces_warning};
+use super::assembly::{MANY_CORNERS, TEXTURES_WARNING, small_faces_warning};
 use super::error::{ImportError, Place, Problem};
 use super::model_file::{Imported, ModelFile};
 use super::mtl;
@@ -81,8 +81,12 @@ fn material_tints(
     }
     let materials = mtl::read(file, libraries, warnings);
     let of_name = |place: u32| materials.get(&parts.names()[place as usize]).copied();
-    let of_place = |place: Option<u32>| place.and_then(of_name).unwrap_or(NO_TINT);
-    let of_label: Vec<Tint> = parts.places(NameOf::Material).map(of_place).collect();
+    let of_labels: Vec<_> = parts.places(NameOf::Material).map(|place| place.and_then(of_name)).collect();
+    if of_labels.iter().flatten().any(|material| material.has_texture) {
+        warnings.push(TEXTURES_WARNING.into());
+    }
+    let of_label: Vec<Tint> =
+        of_labels.into_iter().map(|material| material.map_or(NO_TINT, |found| found.tint)).collect();
     (0..parts.count()).map(|triangle| of_label[usize::from(parts.label(triangle))]).collect()
 }
 

@@ -109,6 +109,10 @@ fn materials_beside_an_obj_file_colour_its_faces() {
     let names: Vec<_> =
         files_of(&folder.path().join("t.obj")).iter().map(|file| file.file_name().map(ToOwned::to_owned)).collect();
     assert_eq!(names, ["t.obj", "a b.mtl", "c.mtl"].map(|name| Some(name.into())), "they belong to the model");
+    write("e.mtl", "newmtl Red Rubber #25\nKd 0 0 1\nmap_Kd -s 1 1 1 rubber.png\nnewmtl unused\nmap_Kd b.png\n");
+    let textured = model("mtllib e.mtl");
+    let plain = "textures are not read: where a material has one, its plain colour is shown";
+    assert_eq!((tints(&textured), textured.warnings), ([[0, 0, 255, 255]; 4], vec![plain.to_owned()]), "said");
     write("d.mtl", "newmtl Red Rubber #25\nKd 0 0 1\n");
     assert_eq!(tints(&model("mtllib c.mtl d.mtl")), [[0, 0, 255, 255]; 4], "several in a line");
     for (lines, why) in [

@@ -7,7 +7,7 @@ use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
 
 use super::buffers::Buffers;
-use crate::geometry::import::assembly::{Assembly, finite, vertex_index};
+use crate::geometry::import::assembly::{Assembly, TEXTURES_WARNING, finite, vertex_index};
 use crate::geometry::import::error::{ImportError, Place, Problem};
 use crate::geometry::import::formats::MAX_PARTS;
 use crate::geometry::import::model_file::{Imported, ModelFile};
@@ -20,6 +20,7 @@ pub(super) struct Reader<'a> {
     root: &'a Root,
     buffers: Buffers<'a>,
     assembly: Assembly<'a>,
+    has_textures: bool,
 }
 
 /// The numbers of an accessor, element by element.
@@ -34,7 +35,7 @@ struct Elements<'a> {
 impl<'a> Reader<'a> {
     /// Nothing yet; `blob` is the buffer within a binary file.
     pub(super) fn new(file: ModelFile<'a>, root: &'a Root, blob: Option<&'a [u8]>) -> Self {
-        Self { file, root, buffers: Buffers::new(file, root, blob), assembly: Assembly::new(file) }
+        Self { file, root, buffers: Buffers::new(file, root, blob), assembly: Assembly::new(file), has_textures: false }
     }
 
     /// Takes note of something that a person should know.
@@ -48,7 +49,10 @@ impl<'a> Reader<'a> {
     }
 
     /// The mesh of all that was added.
-    pub(super) fn finish(self) -> Result<Imported, ImportError> {
+    pub(super) fn finish(mut self) -> Result<Imported, ImportError> {
+        if self.has_textures {
+            self.warn(TEXTURES_WARNING.into());
+        }
         self.assembly.finish()
     }
 
@@ -61,7 +65,9 @@ impl<'a> Reader<'a> {
         let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions)).ok_or_else(missing)?.value();
         let material = primitive.material.and_then(|material| self.root.materials.get(material.value()));
         self.call(NameOf::Material, material.and_then(|material| material.name.as_ref()));
-        let base = material.map(|material| material.pbr_metallic_roughness.base_color_factor.0);
+        let base = material.map(|material| &material.pbr_metallic_roughness);
+        self.has_textures |= base.is_some_and(|base| base.base_color_texture.is_some());
+        let base = base.map(|base| base.base_color_factor.0);
         self.assembly.paint_faces(base.map_or(NO_TINT, |[red, green, blue, _]| tint_of_linear([red, green, blue])));
         let base = self.assembly.vertices();
         let colors = primitive.attributes.get(&Checked::Valid(Semantic::Colors(0)));

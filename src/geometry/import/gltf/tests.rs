@@ -318,3 +318,18 @@ fn base_colours_and_colours_of_vertices_are_read() {
                     colours are of the type Vec3 or Vec4";
     assert_eq!((paint, warnings), (Some([[255, 188, 0, 255]; 4]), vec![left_out.to_owned()]), "the model is read");
 }
+
+#[test]
+fn a_texture_that_is_not_read_is_told() {
+    let red =
+        r#""name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1], "baseColorTexture": {"index": 0}}"#;
+    let unused = text(r#"{"mesh": 0}"#, "").replace(r#""name": "red""#, red);
+    let used = unused.replace(r#""mode": 4"#, r#""mode": 4, "material": 0"#);
+    let said = |text: &str| {
+        let imported = parse(&glb(text, &bytes()), "m.glb").expect("a good file");
+        (imported.paint.map(|paint| paint.tint(3, 3)), imported.warnings)
+    };
+    let plain = "textures are not read: where a material has one, its plain colour is shown";
+    assert_eq!(said(&used), (Some([255, 0, 0, 255]), vec![plain.to_owned()]));
+    assert_eq!(said(&unused), (None, Vec::new()), "nobody misses it");
+}
