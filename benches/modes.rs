@@ -1,14 +1,15 @@
-//! Time of one step by modes, which does not depend on the cells, and of what is drawn of it, which does.
+//! Time of one step of a body that moves by its modes, which does not depend on the cells, and of putting its particles where
+//! they have it, which does.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gelatin::modal::{self, ModalModel, ModalPull, Wanted};
-use gelatin::physics::Simulation;
+use gelatin::modal::{self, Wanted};
+use gelatin::physics::{Grab, Simulation};
 use gelatin::scene::Shape;
 use gelatin::scene::body::PinBox;
 use gelatin::scene::presets::drop_model;
-use glam::DVec3;
+use glam::Vec3;
 
 fn modes(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("modes");
@@ -18,19 +19,26 @@ fn modes(criterion: &mut Criterion) {
         let Shape::Model(shape) = &mut scene.bodies[0].shape else { panic!("a model is dropped") };
         shape.divisions = divisions;
         scene.bodies[0].pins = vec![PinBox { min: [-9.0; 3], max: [9.0, -0.3, 9.0] }];
+        scene.settings.sleeping = false;
         let simulation = Simulation::<f32>::from_scene(&scene, "".as_ref()).expect("a sound scene");
         let body = &simulation.model().bodies[0];
+        let (particles, lattice) = (body.start.len(), body.lattice.clone());
         let found = modal::modes(body, Wanted { count: 40, ..Wanted::default() }, &()).expect("modes");
-        let model = ModalModel::new(body, &found, 1e-3);
-        let mut state = model.start();
-        let pull = ModalPull { weights: vec![(body.start.len() - 1, 1.0)], target: DVec3::splat(0.1), stiffness: 10.0 };
-        let particles = body.start.len();
+        let mut led = Simulation::<f32>::with_modes(&scene, &[lattice], &[Some(found.reduced(body))]);
         group.bench_function(format!("spot-{divisions}/{particles} particles/step"), |bencher| {
-            bencher.iter(|| model.step(black_box(&mut state), DVec3::NEG_Y, Some(&pull)));
+            bencher.iter(|| black_box(led.step()));
         });
-        let mut way = Vec::new();
-        group.bench_function(format!("spot-{divisions}/{particles} particles/displacements"), |bencher| {
-            bencher.iter(|| model.displacements(black_box(&state), &mut way));
+        let start = &led.model().bodies[0].start;
+        let target = start[particles - 1] + Vec3::splat(0.1);
+        led.set_grab(Some(Grab { body: 0, weights: vec![(particles - 1, 1.0)], target, stiffness: 10.0 }));
+        group.bench_function(format!("spot-{divisions}/{particles} particles/step with a hand"), |bencher| {
+            bencher.iter(|| black_box(led.step()));
+        });
+        group.bench_function(format!("spot-{divisions}/{particles} particles/step and place"), |bencher| {
+            bencher.iter(|| {
+                led.step();
+                led.place_led();
+            });
         });
     }
     group.finish();

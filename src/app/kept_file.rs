@@ -58,6 +58,11 @@ impl KeptFile {
     }
 }
 
+/// The folder for what can be worked out anew.
+pub fn cache_folder() -> Option<PathBuf> {
+    ProjectDirs::from("", "", "gelatin").map(|folders| folders.cache_dir().to_owned())
+}
+
 /// The folder for what outlives a window but is no document.
 pub(super) fn state_folder() -> Option<PathBuf> {
     let folders = ProjectDirs::from("", "", "gelatin");

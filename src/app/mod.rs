@@ -41,6 +41,7 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::WindowId;
 
+pub use self::kept_file::cache_folder;
 use self::shell::Shell;
 pub use self::shell::ShellError;
 use self::wake::Wake;

@@ -31,7 +31,10 @@ pub(super) struct CheckArgs {
 /// Checks the scene and prints what was found; errors in it are a failure.
 pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
     match args.scene.open().and_then(|opened| Ok(scene_args::session(opened)?)) {
-        Ok(session) => report(args, &session),
+        Ok(mut session) => {
+            scene_args::find_modes(&mut session);
+            report(args, &session)
+        }
         Err(failure @ Failure::Usage(_)) => Err(failure),
         Err(Failure::Work(error)) => {
             if args.json {
@@ -75,6 +78,9 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
             prediction.mesh_points
         ))?;
     }
+    for modes in &prediction.modes {
+        out::figures(&modes.words())?;
+    }
     if let Some(most) = prediction.most_iterations_per_frame {
         out::figures(&format!(
             "at most {most} iterations of the implicit integrator in 1/60 s, however violent the motion"
@@ -117,6 +123,7 @@ fn unsound(error: &anyhow::Error, scene: &OsStr) -> Value {
         "links": none,
         "mass_kg": none,
         "mesh_points": none,
+        "modes": [],
         "named_parts": [],
         "memory_bytes": none,
         "dt_limit_secs": none,

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::Failure;
 use super::out::{self, Progress};
-use super::scene_args::SceneArgs;
+use super::scene_args::{self, SceneArgs};
 use crate::session::Command;
 use crate::session::predict::{crawl, speed_alone};
 use crate::session::run::{RunFigures, run as run_session};
@@ -48,6 +48,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         out::check_writable(path)?;
     }
     let mut session = args.scene.start(args.save_state.as_deref())?;
+    scene_args::find_modes(&mut session);
     if let Some(path) = &args.from_state {
         session.handle(Command::OpenState { path: path.clone() })?;
     }
@@ -140,5 +141,7 @@ fn table(figures: &RunFigures) -> String {
         ("finite", if figures.finite { "yes" } else { "no" }.to_owned()),
         ("hash", figures.hash.clone()),
     ];
-    rows.map(|(name, value)| format!("{name:<10} {value}")).join("\n")
+    let modes = figures.modes.iter().map(|modes| ("modes", modes.words()));
+    let all = rows.into_iter().chain(modes).map(|(name, value)| format!("{name:<10} {value}"));
+    all.collect::<Vec<_>>().join("\n")
 }

@@ -8,6 +8,7 @@ use clap::Args;
 
 use super::Failure;
 use super::out::{self, Progress};
+use crate::app::cache_folder;
 use crate::disk;
 use crate::machine;
 use crate::scene::body::{MAX_DIVISIONS, ModelShape, UpAxis};
@@ -238,6 +239,14 @@ pub(super) fn up_axis(text: &str) -> Result<UpAxis, String> {
     let name = word.strip_prefix('_').map(|letter| format!("minus_{letter}")).unwrap_or(word);
     let found = UpAxis::ALL.into_iter().find(|up| up.name() == name);
     found.ok_or_else(|| "an axis is needed: auto, y, z, x, -y, -z or -x".to_owned())
+}
+
+/// Finds the modes that bodies of the scene are to move by, unless they were found before.
+pub(super) fn find_modes(session: &mut Session) {
+    if session.awaited_modes().is_some() {
+        let folder = session.modes_folder(cache_folder());
+        session.find_modes(folder.as_deref(), &Progress::new("finding modes"));
+    }
 }
 
 /// Fills the models and puts the scene at its start.

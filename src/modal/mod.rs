@@ -1,5 +1,5 @@
-//! How a body swings: the lowest modes of its lattice about rest, by which a body moves at a cost that does not depend on
-//! the number of its cells (A. Pentland, J. Williams, "Good vibrations: modal dynamics for graphics and animation",
+//! How a body swings: the lowest modes of its lattice about rest, by which the physics can move it at a cost that does not
+//! depend on the number of its cells (A. Pentland, J. Williams, "Good vibrations: modal dynamics for graphics and animation",
 //! SIGGRAPH 1989; SC §5).
 //!
 //! # Theory
@@ -23,7 +23,7 @@
 //!   rigid       the motions without frequency
 //!   factor      sparse Cholesky of M^-½ K M^-½ + σ (faer), after its size was predicted
 //!   lanczos     block Lanczos on the inverse, which sees the lowest frequencies first (shift and invert)
-//!   motion      what is done with them: steps that cost as much as there are modes
+//!   reduced     what the physics is given of them, to move a body by ([`crate::physics::ModalModel`])
 //! ```
 //!
 //! The equations are linear: **a large turn of a part looks wrong**, as it grows where it should turn.
@@ -42,15 +42,15 @@ mod error;
 mod factor;
 mod lanczos;
 mod mode;
-mod motion;
 mod ordering;
+mod reduced;
 mod rigid;
 mod stiffness;
 
 pub use error::ModalError;
 pub use lanczos::modes;
 pub use mode::{COUNTS, Mode, Modes, Wanted};
-pub use motion::{ModalModel, ModalPull, ModalState};
+pub use reduced::masses;
 
 #[cfg(test)]
 mod tests;

@@ -18,6 +18,7 @@
 //! share, team  who works out what: bodies cut into shares of as much work, shared out among the threads of a pool
 //! kernels      many at a time: the forces of links again, which those of `forces` are the oracle of; boxes around vectors
 //! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
+//! modes        bodies that are led by their modes, at a cost that no cell adds to
 //! contact      obstacles: where they are, who meets them, what they do to velocities; bodies that meet each other
 //! limits       how large a step may be: waves, cells
 //! interaction  a hand that pulls
@@ -67,6 +68,7 @@ mod kernels;
 mod limits;
 pub mod memory;
 mod model;
+mod modes;
 mod observe;
 mod report;
 mod schemes;
@@ -90,7 +92,7 @@ pub use model::plan::{
     StageRates,
 };
 pub use model::{
-    BodyModel, ContactModel, ContactRule, Link, LinkFamily, MeshModel, Model, ObstacleModel, ObstacleShape,
+    BodyModel, ContactModel, ContactRule, Link, LinkFamily, MeshModel, ModalModel, Model, ObstacleModel, ObstacleShape,
     OrientedForm, OrientedModel, PlaneModel, RecoveryModel, Scheme, Values,
 };
 pub use observe::diagnostics::{Diagnostics, Energy};
@@ -100,5 +102,5 @@ pub use simulation::{Arrival, BodyMotion, Simulation};
 pub use state::moving::{Approach, Sweep};
 pub use state::press::Press;
 pub use state::touch::SampleTouch;
-pub use state::{BodyMemory, RecoveryAccount, State};
+pub use state::{BodyMemory, ModalState, RecoveryAccount, State};
 pub use team::{choose_step_threads, step_threads};

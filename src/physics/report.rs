@@ -56,6 +56,8 @@ pub struct Counters {
     /// Substeps of the implicit integrator that reached the limit of their work, and were finished in long parts, slowed
     /// where those would have given energy.
     pub slowed: u64,
+    /// Modes that were followed, and boxes and points looked at, of bodies that are led by their modes.
+    pub modal_work: u64,
     /// Work that moving obstacles did, J.
     pub obstacle_work_j: f64,
     /// Work that parted bodies which were inside each other without having pressed, J.
@@ -105,6 +107,7 @@ impl Counters {
         self.iterations += other.iterations;
         self.halved += other.halved;
         self.slowed += other.slowed;
+        self.modal_work += other.modal_work;
         self.obstacle_work_j += other.obstacle_work_j;
         self.parting_work_j += other.parting_work_j;
         self.fastest_surface_m_s = self.fastest_surface_m_s.max(other.fastest_surface_m_s);

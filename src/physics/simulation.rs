@@ -4,15 +4,18 @@ mod motion;
 
 pub use motion::BodyMotion;
 
+use std::sync::Arc;
+
 use super::contact::sweep;
 use super::contact::{BodyContact, ContactRecord, Placed, SampleContact, arrive};
 use super::interaction::Grab;
 use super::model::Model;
+use super::modes;
 use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
 use super::state::{BodyMemory, State};
 use super::step::substep::Part;
 use super::step::{self, Inputs, StepWorkspace};
-use super::stepping;
+use super::stepping::{self, looks};
 use crate::math::Real;
 use crate::physics::forces::recovery;
 use crate::physics::model::plan::Plan;
@@ -34,6 +37,8 @@ pub struct Simulation<R: Real = f32> {
     /// What held at the end of the last substep: it holds while steps are only counted.
     last: LastSubstep,
     diverged: bool,
+    /// Whether the particles of bodies that are led by modes are where these have them.
+    is_placed: bool,
 }
 
 impl<R: Real> Simulation<R> {
@@ -44,13 +49,18 @@ impl<R: Real> Simulation<R> {
         state.fit_sleep(&plan);
         let workspace = StepWorkspace::new(&model, &plan);
         let obstacles = Placed::now(&model, &state);
-        Self { model, plan, state, workspace, obstacles, grab: None, last: LastSubstep::default(), diverged: false }
+        let last = LastSubstep::default();
+        let mut simulation =
+            Self { model, plan, state, workspace, obstacles, grab: None, last, diverged: false, is_placed: false };
+        simulation.place_led();
+        simulation
     }
 
     /// Goes on with another model of the same bodies and another plan, while everything keeps moving. `kept` names, for
     /// each obstacle of the model, the one it was.
     pub(super) fn replace_model(&mut self, model: Model<R>, plan: Plan, kept: &[Option<usize>], arrival: Arrival) {
         debug_assert_eq!(model.particle_count(), self.model.particle_count(), "the bodies must be the same");
+        self.place_led();
         let old = Placed::now(&self.model, &self.state);
         self.state.sweeps = match arrival {
             Arrival::Swept => sweep::sweeps(&old, &self.model, &model, kept, &self.state),
@@ -81,12 +91,19 @@ impl<R: Real> Simulation<R> {
                 arrive::begin_for(&model, &plan, placed.all(), body, &mut self.state);
             }
         }
+        for (body, (before, now)) in self.model.bodies.iter().zip(&model.bodies).enumerate() {
+            let are_the_same = matches!((before.modes(), now.modes()), (Some(a), Some(b)) if Arc::ptr_eq(a, b));
+            self.state.bodies[body].led &= are_the_same || now.led.is_none();
+        }
+        self.state.fit_modes(&model);
+        self.is_placed = false;
         self.wake_all();
         self.workspace.fit(&model, &plan);
         self.model = model;
         self.plan = plan;
         self.diverged = false;
         self.obstacles = Placed::now(&self.model, &self.state);
+        self.place_led();
     }
 
     /// Takes over the motion of bodies that `before` had too, and on which side of the planes they are: `kept` names,
@@ -144,7 +161,7 @@ impl<R: Real> Simulation<R> {
     }
 
     /// Advances by as many whole steps as last so long, at least one where it is more than half a step, s. Ends early
-    /// where a step diverges.
+    /// where a step diverges. All particles are where they belong then: see [`Simulation::place_led`].
     pub fn run_for(&mut self, secs: f64) -> StepReport {
         let mut report = StepReport::default();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
@@ -155,7 +172,17 @@ impl<R: Real> Simulation<R> {
                 break;
             }
         }
+        self.place_led();
         report
+    }
+
+    /// Puts the particles of bodies that are led by modes where these have them. Steps leave them where they were: nothing but
+    /// this costs more with more cells.
+    pub fn place_led(&mut self) {
+        if !self.is_placed {
+            modes::place(&self.model, &mut self.state);
+            self.is_placed = true;
+        }
     }
 
     /// Advances by one substep, or a part of one where the implicit integrator halves it. A simulation that has
@@ -170,7 +197,8 @@ impl<R: Real> Simulation<R> {
             return StepReport { last: self.last, ..StepReport::default() };
         }
         if let Some(grab) = &self.grab {
-            self.state.bodies[grab.body].asleep = self.state.bodies[grab.body].gone;
+            let memory = &mut self.state.bodies[grab.body];
+            memory.asleep = memory.gone || memory.led;
         }
         if !self.state.sweeps.is_empty() {
             self.wake_all();
@@ -182,13 +210,13 @@ impl<R: Real> Simulation<R> {
             self.state.bodies[approach.body].wake();
         }
         let Self { model, plan, state, workspace, obstacles, grab, .. } = self;
-        let report = stepping::advance(model, plan, state, workspace, obstacles, grab.as_ref(), timer);
+        let mut report = stepping::advance(model, plan, state, workspace, obstacles, grab.as_ref(), timer);
         if report.stopped {
             return report;
         }
         self.diverged = report.diverged;
-        self.last = report.last;
         if !self.diverged && self.state.end_part() {
+            self.advance_led(&mut report, timer);
             self.state.held_steps = 0;
             self.state.substep += 1;
             if self.state.substep >= self.plan.substeps {
@@ -196,7 +224,39 @@ impl<R: Real> Simulation<R> {
                 self.state.steps += 1;
             }
         }
+        report.last.bodies_asleep = self.bodies_asleep();
+        self.last = report.last;
         report
+    }
+
+    /// Moves bodies that are led by modes over the substep that was taken.
+    fn advance_led(&mut self, report: &mut StepReport, timer: &mut impl StageTimer) {
+        if self.model.bodies.iter().all(|body| body.led.is_none()) {
+            return;
+        }
+        let Self { model, plan, state, workspace, obstacles, grab, .. } = self;
+        obstacles.place(model, state, plan.substep_secs());
+        let mut recorder = Recorder::new(timer);
+        let led = modes::advance(model, plan, obstacles, grab.as_ref(), state, &mut workspace.modal, &mut recorder);
+        recorder.note_depth(led.deepest_m.max(report.last.max_penetration_m));
+        let of_led = recorder.leave(!led.is_finite);
+        report.counters.add(&of_led.counters);
+        report.last.contacts += led.contacts;
+        report.last.max_penetration_m = of_led.last.max_penetration_m;
+        report.diverged |= of_led.diverged;
+        (self.diverged, self.is_placed) = (report.diverged, false);
+    }
+
+    /// Bodies that sleep, and of those that are led by modes the ones at rest.
+    fn bodies_asleep(&self) -> usize {
+        (0..self.state.bodies.len()).filter(|body| self.is_body_asleep(*body)).count()
+    }
+
+    /// Whether a body has come to rest and is left alone until something touches it.
+    pub fn is_body_asleep(&self, body: usize) -> bool {
+        let memory = &self.state.bodies[body];
+        let long_enough = looks::substeps_in(&self.plan, sleep::STILL_SECS, libm::ceil);
+        memory.asleep && (!memory.led || self.plan.sleeping && modes::resting(memory, long_enough))
     }
 
     /// Whether the last step would have made a number infinite or NaN.
@@ -247,9 +307,12 @@ impl<R: Real> Simulation<R> {
         self.state.fit_scheme(&self.plan);
         self.state.fit_sleep(&self.plan);
         self.state.fit_touches(&self.model, &self.plan);
+        self.state.fit_modes(&self.model);
         self.workspace = StepWorkspace::new(&self.model, &self.plan);
         self.diverged = false;
         self.find_contacts_of_sleepers();
+        self.is_placed = false;
+        self.place_led();
     }
 
     /// A sleeping body's contacts are no part of the state, but are shown.
@@ -274,7 +337,7 @@ impl<R: Real> Simulation<R> {
         self.workspace.contact.keep_of_sleepers(&self.model, &self.state);
         // The steps that a longer substep covers tell what the last one did.
         self.workspace.contact.report_kept(&mut recorder);
-        self.last = LastSubstep { bodies_asleep: sleep::asleep(&self.state), ..recorder.last };
+        self.last = LastSubstep { bodies_asleep: self.bodies_asleep(), ..recorder.last };
     }
 
     /// Wakes a body, if it sleeps: it must rest anew before it sleeps again.
@@ -289,7 +352,8 @@ impl<R: Real> Simulation<R> {
 
     /// Whether all bodies sleep and no obstacle moves: a step then changes nothing but the time.
     pub fn is_asleep(&self) -> bool {
-        sleep::is_quiet(&self.state) && !self.model.moves_by_itself()
+        let is_quiet = sleep::is_quiet(&self.state) && !self.model.moves_by_itself();
+        is_quiet && (0..self.state.bodies.len()).all(|body| self.is_body_asleep(body))
     }
 
     /// What the last substep found of contact, by particle; of bodies asleep what they keep.
@@ -341,7 +405,12 @@ impl<R: Real> Simulation<R> {
 
     /// The fingerprint of positions and velocities.
     pub fn hash(&self) -> u64 {
-        state_hash(&self.state)
+        if self.is_placed {
+            return state_hash(&self.state);
+        }
+        let mut placed = self.state.clone();
+        modes::place(&self.model, &mut placed);
+        state_hash(&placed)
     }
 }
 

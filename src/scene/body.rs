@@ -39,6 +39,10 @@ pub struct Body {
     pub friction_dynamic: f64,
     /// With what it meets obstacles and other bodies.
     pub contact_on: ContactOn,
+    /// What its motion is worked out from.
+    pub moves_by: MovesBy,
+    /// How many of the lowest modes it moves by, where it moves by modes.
+    pub mode_count: u32,
     /// Which surface is drawn.
     pub skin: Skin,
     /// Drawn or not; a hidden body still moves.
@@ -61,6 +65,8 @@ impl Default for Body {
             friction_static: 0.6,
             friction_dynamic: 0.5,
             contact_on: ContactOn::default(),
+            moves_by: MovesBy::default(),
+            mode_count: 20,
             skin: Skin::default(),
             hidden: false,
         }
@@ -229,6 +235,17 @@ pub enum ContactOn {
     Cells,
     /// Points on the original mesh where the body is a model, which its cells carry; the particles of its cells otherwise.
     Mesh,
+}
+
+/// What the motion of a body is worked out from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MovesBy {
+    /// All its cells.
+    #[default]
+    Cells,
+    /// Its lowest modes, at a cost that no cell adds to: right for small motion of a body that is held.
+    Modes,
 }
 
 /// The surface that is drawn for a body.

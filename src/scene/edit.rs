@@ -181,6 +181,7 @@ pub fn body_impact(old: &Body, new: &Body) -> Impact {
         .max(leaf_impact(old.material != new.material, Impact::Parameters))
         .max(leaf_impact(old.inlays != new.inlays || old.parts != new.parts, Impact::Parameters))
         .max(leaf_impact(among_bodies(old) != among_bodies(new), Impact::Parameters))
+        .max(leaf_impact((old.moves_by, old.mode_count) != (new.moves_by, new.mode_count), Impact::Parameters))
 }
 
 /// How a body meets others and itself, and with what.
@@ -199,7 +200,7 @@ mod tests {
     use crate::math::rng::Rng;
     use crate::scene::body::{CubeShape, Inlay, Part};
     use crate::scene::material::Springs;
-    use crate::scene::{ColorBy, Material, Pose, Shape};
+    use crate::scene::{ColorBy, Material, MovesBy, Pose, Shape};
 
     fn impact_of(change: impl FnOnce(&mut Body)) -> Impact {
         let mut scene = param::specimen();
@@ -219,6 +220,8 @@ mod tests {
         assert_eq!(impact_of(|body| body.collides = false), Impact::Parameters, "others");
         assert_eq!(impact_of(|body| body.self_collides = false), Impact::Parameters, "itself");
         assert_eq!(impact_of(|body| body.contact_on = ContactOn::Mesh), Impact::Parameters, "its mesh");
+        assert_eq!(impact_of(|body| body.moves_by = MovesBy::Modes), Impact::Parameters, "by what it moves");
+        assert_eq!(impact_of(|body| body.mode_count = 7), Impact::Parameters, "and how many modes");
         assert_eq!(impact_of(|body| body.friction_dynamic = 0.1), Impact::Parameters, "friction among bodies");
         assert_eq!(impact_of(|body| body.velocity[1] = 2.0), Impact::Motion, "a velocity");
         assert_eq!(impact_of(|body| body.pins.clear()), Impact::Topology, "pins");

@@ -26,7 +26,7 @@ mod warnings;
 use serde::{Deserialize, Serialize};
 
 pub use crate::geometry::Family;
-pub use body::{Body, ContactOn, Pose, Shape, Skin};
+pub use body::{Body, ContactOn, MovesBy, Pose, Shape, Skin};
 pub use embedded::Embedded;
 pub use material::{Material, Solid, Springs};
 pub use material_value::MaterialValue;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::document::ModelPlace;
 use super::modes::Swing;
 use super::stability_map::StabilityOf;
+use super::wanted_modes::FoundModes;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::resolve::Jelly;
 use crate::scene::view_settings::CameraSettings;
@@ -111,6 +112,8 @@ pub enum Command {
     WatchStability(Option<StabilityOf>),
     /// Show a body moved by its modes while time stands still, or no longer.
     ShowModes(Option<Swing>),
+    /// Go on with what became of looking for the modes that a body waits for.
+    TakeModes(Box<FoundModes>),
 }
 
 /// A pull at a point of a body by a spring.
@@ -140,6 +143,7 @@ impl Command {
                 | Self::WatchCost(_)
                 | Self::WatchStability(_)
                 | Self::ShowModes(_)
+                | Self::TakeModes(_)
         )
     }
 
@@ -168,7 +172,8 @@ impl Command {
             | Self::Grab(_)
             | Self::WatchCost(_)
             | Self::WatchStability(_)
-            | Self::ShowModes(_) => false,
+            | Self::ShowModes(_)
+            | Self::TakeModes(_) => false,
         }
     }
 }

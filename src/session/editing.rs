@@ -147,6 +147,7 @@ impl Session {
         }
         self.scene = Arc::new(scene);
         self.end_old_swing();
+        self.follow_modes();
         self.find_inversion();
         self.find_notice();
         self.find_safe_values();
@@ -180,7 +181,7 @@ impl Session {
         };
         let reshaped: Vec<_> = kept.iter().enumerate().filter_map(refilled).collect();
         let kept: Vec<_> = kept.iter().enumerate().map(same_shape).collect();
-        let mut simulation = Simulation::new(scene, &bodies.lattices());
+        let mut simulation = Simulation::with_modes(scene, &bodies.lattices(), &self.known_modes(scene));
         simulation.carry_over(&self.simulation, &kept);
         for (body, old) in reshaped {
             let scale = bodies.model_length(body) / self.bodies.model_length(old);

@@ -62,6 +62,7 @@ impl Session {
             Command::WatchCost(watch) => self.costs = watch.then(|| Costs::new(&self.simulation)),
             Command::WatchStability(of) => self.watch_stability(of),
             Command::ShowModes(swing) => self.show_modes(swing)?,
+            Command::TakeModes(found) => self.take_modes(*found),
         }
         Ok(())
     }

@@ -22,10 +22,12 @@ mod handle;
 mod history;
 pub mod hold;
 pub mod jellify;
+pub mod led;
 mod library;
 mod look_ahead;
 mod model_paths;
 pub mod modes;
+mod modes_cache;
 mod needs;
 mod picture;
 pub mod predict;
@@ -49,6 +51,7 @@ mod swing;
 pub mod threads;
 mod trials;
 pub mod trouble;
+pub mod wanted_modes;
 mod warnings;
 mod words;
 
@@ -87,6 +90,7 @@ use stability_map::StabilityShown;
 use step_error::StepErrors;
 use stoppable::Stoppable;
 use trials::Trials;
+use wanted_modes::{FoundModes, WantedModes};
 
 /// While time runs, one part in so many goes to looking for what helps.
 const CURES_SHARE: u32 = 4;
@@ -131,6 +135,10 @@ pub struct Session {
     hold: Arc<Hold>,
     /// The modes that are shown of a body, while someone looks.
     swinging: Option<Swinging>,
+    /// What is known of the modes that bodies move by.
+    found_modes: Vec<FoundModes>,
+    /// The modes that a body waits for.
+    awaited_modes: Option<Arc<WantedModes>>,
     /// Why time stands still until a person lets it run; empty where it does not.
     too_slow: String,
     /// That is still to be found out.
@@ -150,9 +158,12 @@ impl Session {
         Self::start(opened.scene, document, library, watch)
     }
 
-    /// Another sandbox at the start of another scene; shapes that are ready here are not made again.
+    /// Another sandbox at the start of another scene; shapes and modes that are ready here are not made again.
     pub fn with_scene(&self, scene: Scene) -> Result<Self, SessionError> {
-        Self::start(scene, self.document.clone(), self.library.clone(), &())
+        let mut other = Self::start(scene, self.document.clone(), self.library.clone(), &())?;
+        other.found_modes.clone_from(&self.found_modes);
+        other.follow_modes();
+        Ok(other)
     }
 
     fn start(
@@ -190,10 +201,13 @@ impl Session {
             stop: Arc::default(),
             hold: Arc::default(),
             swinging: None,
+            found_modes: Vec::new(),
+            awaited_modes: None,
             too_slow: String::new(),
             may_be_too_slow: false,
             safe: Vec::new(),
         };
+        session.follow_modes();
         session.find_notice();
         session.find_safe_values();
         Ok(session)
@@ -210,7 +224,8 @@ impl Session {
     }
 
     fn restart(&mut self) {
-        self.simulation = Simulation::new(&self.scene, &self.bodies.lattices());
+        let modes = self.known_modes(&self.scene);
+        self.simulation = Simulation::with_modes(&self.scene, &self.bodies.lattices(), &modes);
         self.step_errors.forget();
         self.clock.forgive();
         self.forget_trouble();
@@ -227,7 +242,7 @@ impl Session {
     /// taken; an expensive step is left half done and goes on at the next call. Looks for what helps where something is
     /// wrong.
     pub fn advance(&mut self, wall: Duration, budget: Duration) {
-        if self.swing_on(wall) {
+        if self.swing_on(wall) || self.awaited_modes.is_some() {
             return;
         }
         let (begin, processor) = (Instant::now(), ThreadTime::now());
@@ -253,6 +268,7 @@ impl Session {
                 }
             }
         });
+        self.simulation.place_led();
         self.clock.note(Stretch {
             wall_secs: wall.as_secs_f64(),
             simulated_secs: self.simulation.state().time_secs - time_before,
@@ -268,8 +284,17 @@ impl Session {
         self.look_for_cures(None);
     }
 
-    /// Takes one whole step. Says whether the simulation is still sound.
+    /// Takes one whole step; none while modes are to be found. Says whether the simulation is still sound.
     pub fn step(&mut self) -> bool {
+        if self.awaited_modes.is_some() {
+            return true;
+        }
+        let is_sound = self.take_step();
+        self.simulation.place_led();
+        is_sound
+    }
+
+    fn take_step(&mut self) -> bool {
         loop {
             if !self.substep() {
                 return false;
@@ -336,7 +361,8 @@ impl Session {
 
     /// Whether nothing moves and nothing will, until someone touches it.
     pub fn is_at_rest(&self) -> bool {
-        let stands = self.swinging.is_some() || !self.playing || self.simulation.is_asleep();
+        let waits = self.swinging.is_some() || self.awaited_modes.is_some();
+        let stands = waits || !self.playing || self.simulation.is_asleep();
         stands && !self.is_looking_for_cures() && !self.is_swinging()
     }
 
@@ -373,6 +399,8 @@ mod cure_tests;
 mod fallen_tests;
 #[cfg(test)]
 mod history_tests;
+#[cfg(test)]
+mod led_tests;
 #[cfg(test)]
 mod mesh_tests;
 #[cfg(test)]

@@ -12,9 +12,9 @@ use crate::machine::free_memory;
 use crate::modal::{self, ModalError, Modes, Wanted};
 use crate::physics::Simulation;
 use crate::scene::edit::BodyId;
-use crate::scene::{Body, Scene};
+use crate::scene::{Body, MovesBy, Scene};
 
-/// Modes that a person looks at.
+/// Modes that a person looks at of a body that moves by its cells.
 pub const COUNT: usize = 20;
 
 /// The most swings in a second of a picture: an eye does not follow more.
@@ -74,7 +74,8 @@ pub fn body_modes(
         return Err(BackgroundError::Cancelled);
     }
     let simulation = Simulation::<f32>::new(&opened.scene, &lattices);
-    let modes = find(&simulation, 0, COUNT, &Paced { progress, pause }).map_err(|error| match error {
+    let count = if described.moves_by == MovesBy::Modes { described.mode_count as usize } else { COUNT };
+    let modes = find(&simulation, 0, count, &Paced { progress, pause }).map_err(|error| match error {
         ModalError::Cancelled => BackgroundError::Cancelled,
         error => BackgroundError::Modal(error),
     })?;
@@ -94,12 +95,14 @@ pub(super) fn find(
 impl BodyModes {
     /// Whether they are of the body as the scene has it now; where it stands does not matter.
     pub fn is_of(&self, scene: &Scene) -> bool {
-        scene.bodies.get(self.body.0).is_some_and(|body| {
-            let Body { shape, material, inlays, parts, pins, .. } = body;
-            let own = &self.described;
-            (shape, material, inlays, parts, pins) == (&own.shape, &own.material, &own.inlays, &own.parts, &own.pins)
-        })
+        scene.bodies.get(self.body.0).is_some_and(|body| is_alike(body, &self.described))
     }
+}
+
+/// Whether two bodies have the same modes; where they stand does not matter.
+pub(super) fn is_alike(body: &Body, other: &Body) -> bool {
+    let Body { shape, material, inlays, parts, pins, .. } = body;
+    (shape, material, inlays, parts, pins) == (&other.shape, &other.material, &other.inlays, &other.parts, &other.pins)
 }
 
 impl Swing {

@@ -11,7 +11,7 @@ use crate::physics::memory::{Size, bytes};
 use crate::physics::{Scheme, Simulation};
 use crate::scene::body::CubeShape;
 use crate::scene::resolve::{Outline, resolve};
-use crate::scene::{ContactOn, Material, Obstacle, ObstacleShape, Scene, Shape};
+use crate::scene::{ContactOn, Material, MovesBy, Obstacle, ObstacleShape, Scene, Shape};
 use crate::view::SkinVertex;
 
 /// The program itself and what is small, bytes.
@@ -36,12 +36,20 @@ pub(super) fn needed(scene: &Scene, outlines: &[Outline]) -> u64 {
     let size = Size { obstacles: scene.obstacles.len(), planes, meshes, on_mesh, scheme: scheme(scene, outlines) };
     let counts: Vec<_> = outlines.iter().map(|outline| outline.counts).collect();
     let vertices = |outline: &Outline| outline.mesh_vertices.max(outline.counts.surface) as u64;
-    let of_bodies = bytes(&counts, size) + outlines.iter().map(vertices).sum::<u64>() * OF_A_SKIN;
+    let of_bodies =
+        bytes(&counts, size) + of_modes(scene, outlines) + outlines.iter().map(vertices).sum::<u64>() * OF_A_SKIN;
     // The models of obstacles are read one after another, before there is a body.
     let surfaces = surfaces(scene);
     let lasting: u64 = surfaces.iter().map(|surface| surface.bytes()).sum();
     let while_made = surfaces.iter().map(|surface| surface.bytes_while_made()).max().unwrap_or(0);
     PROGRAM + lasting + while_made.max(of_bodies)
+}
+
+/// What the modes of bodies take that are to move by them; whether there is room to find them is known when they are found.
+fn of_modes(scene: &Scene, outlines: &[Outline]) -> u64 {
+    let led = scene.bodies.iter().zip(outlines).filter(|(body, _)| body.moves_by == MovesBy::Modes);
+    let numbers = led.map(|(body, outline)| outline.counts.particles as u64 * u64::from(body.mode_count));
+    numbers.sum::<u64>() * size_of::<[f32; 3]>() as u64
 }
 
 /// The surfaces of mesh obstacles that are read: each once, whoever shares it.

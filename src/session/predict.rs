@@ -6,6 +6,7 @@ use cpu_time::ThreadTime;
 use serde::Serialize;
 
 use super::Session;
+use super::led::ModesFigures;
 use crate::math::FRAME_SECS;
 use crate::physics::MOST_WORK_A_FRAME;
 use crate::physics::{Scheme, SchemeCost, Simulation, Term};
@@ -33,6 +34,8 @@ pub struct Prediction {
     pub mass_kg: f64,
     /// Points of bodies' meshes that meet obstacles in place of their particles.
     pub mesh_points: usize,
+    /// The modes of the bodies that move by theirs.
+    pub modes: Vec<ModesFigures>,
     pub memory_bytes: u64,
     pub dt_limit_secs: Option<f64>,
     pub dt_safe_secs: Option<f64>,
@@ -91,6 +94,7 @@ impl Prediction {
             links: simulation.model().link_counts().iter().sum(),
             mass_kg: simulation.model().bodies.iter().map(|body| f64::from(body.total_mass())).sum(),
             mesh_points: plan.on_mesh.map_or(0, |_| simulation.model().sample_count()),
+            modes: session.modes_figures(),
             memory_bytes: session.memory_bytes(),
             dt_limit_secs: plan.limits_at_work().dt_limit_secs,
             dt_safe_secs: plan.limits_at_work().dt_safe_secs,

@@ -5,6 +5,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::Session;
+use super::led::ModesFigures;
 use super::predict::slowed_words;
 use crate::geometry::Watch;
 use crate::machine::peak_memory;
@@ -40,6 +41,8 @@ pub struct RunFigures {
     pub threads: usize,
     pub finite: bool,
     pub particles: usize,
+    /// The modes of the bodies that move by theirs.
+    pub modes: Vec<ModesFigures>,
     /// As predicted before the run.
     pub memory_bytes: u64,
     /// What the process has taken at most; none where the system does not tell.
@@ -166,6 +169,7 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
             if elapsed >= next_sample {
                 // What sleeps has no new extremes.
                 if !session.simulation.is_asleep() {
+                    session.simulation.place_led();
                     peak.include(&session.simulation.diagnostics());
                 }
                 watch.progress((step + 1) as f64 / steps as f64);
@@ -173,6 +177,7 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
             }
         }
     });
+    session.simulation.place_led();
     session.report = report;
     session.picture.touch();
     let wall_secs = begin.elapsed().as_secs_f64();
@@ -234,6 +239,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         threads: plan.threads,
         finite: last.finite && !report.diverged,
         particles: simulation.model().particle_count(),
+        modes: session.modes_figures(),
         memory_bytes: session.memory_bytes(),
         peak_memory_bytes: peak_memory(),
         links: LinkFigures { structural, shear, bending },

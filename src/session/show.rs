@@ -41,7 +41,7 @@ impl Session {
             particles: model.particle_count(),
             links,
             contacts: self.report.last.contacts + self.report.last.body_contacts,
-            message: if self.too_slow.is_empty() { &self.notice } else { &self.too_slow }.clone(),
+            message: self.message(),
             failed: false,
             undo: self.history.undo_words().to_owned(),
             redo: self.history.redo_words().to_owned(),
@@ -50,7 +50,17 @@ impl Session {
             cost: self.costs.as_ref().map(|costs| costs.shown(plan)),
             stability: self.stability.clone(),
             swing: self.swing().cloned(),
+            awaited_modes: self.awaited_modes().cloned(),
             step_error: self.step_error(),
+        }
+    }
+
+    fn message(&self) -> String {
+        match &self.awaited_modes {
+            // It is shown with how far they are.
+            Some(_) => String::new(),
+            None if self.too_slow.is_empty() => self.notice.clone(),
+            None => self.too_slow.clone(),
         }
     }
 
@@ -74,7 +84,8 @@ impl Session {
             bounds: if memory.gone { Aabb::empty() } else { bounds() },
             start_size: self.start_size(body),
             gone: memory.gone,
-            asleep: memory.asleep,
+            asleep: self.simulation.is_body_asleep(body),
+            modes_hz: model.modes().map(|modes| Arc::clone(modes.frequencies_hz())),
             stature: found.stature,
             safe: Arc::clone(&found.safe),
             part_names: model.lattice.parts.as_ref().map(|parts| parts.names.shared_names()).unwrap_or_default(),

@@ -1,7 +1,7 @@
 //! A simulation's state as bytes, exactly: what the window and `gelatin run --save-state` write and go on from.
 //!
 //! ```text
-//! "gelatin-state 12\n"                                      magic and version; of version 11 all but what touches is read
+//! "gelatin-state 13\n"                                      magic and version; of versions 11 and 12 what they have is read
 //! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
@@ -10,7 +10,8 @@
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
 //! bodies: each a count u64 and as many cells u32             watched as they may invert
-//!         1 if asleep + 2 if strained + 4 if stuck + 8 if gone + 16 if near itself, ns slow in a knot,
+//!         1 if asleep + 2 if strained + 4 if stuck + 8 if gone + 16 if near itself
+//!         + 32 if its modes lead it, ns slow in a knot,
 //!         substeps it has been calm after strain                           three u32
 //!         J that recovery took of its energy, the share of the pull,
 //!         cells by which it may still fold until that is looked for       three f64
@@ -28,6 +29,10 @@
 //! points of meshes that touch obstacles: a count u64, and of each
 //!         its body, its number, the obstacle, its side + 1        four u64
 //!         how far its spring is pressed                    one f64
+//! bodies that their modes lead: a count u64, and of each
+//!         its body, how many modes                         two u64
+//!         how far they are from rest, how fast they go,
+//!         how fast they went in the last substep           3 × modes f64
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
 
@@ -36,12 +41,13 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::json;
 
-use super::state_error::{MAGIC, StateError, StateFileError, WITHOUT_TOUCHES};
+use super::state_error::{MAGIC, StateError, StateFileError, WITHOUT_MODES, WITHOUT_TOUCHES};
 use super::state_origin::Origin;
-use super::state_reader::Reader;
+use super::state_reader::{Reader, Tells};
 use super::{Session, SessionError};
 use crate::disk::{self, fnv1a};
 use crate::physics::Approach;
+use crate::physics::BodyMemory;
 use crate::physics::Press;
 use crate::physics::RecoveryAccount;
 use crate::physics::SampleTouch;
@@ -69,9 +75,9 @@ pub fn summary(path: &Path) -> Result<StateSummary, StateError> {
 
 /// The scene that bytes belong to, and what follows it but for the checksum, which is right.
 fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
-    let known = [MAGIC, WITHOUT_TOUCHES].map(|magic| bytes.strip_prefix(magic.as_bytes()));
-    let has_touches = known[0].is_some();
-    let Some(contents) = known[0].or(known[1]) else {
+    let known = [MAGIC, WITHOUT_MODES, WITHOUT_TOUCHES].map(|magic| bytes.strip_prefix(magic.as_bytes()));
+    let tells = Tells { modes: known[0].is_some(), touches: known[2].is_none() };
+    let Some(contents) = known.into_iter().flatten().next() else {
         let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
         return Err(match line.strip_prefix(b"gelatin-state ") {
             Some(version) if version.len() < 8 => {
@@ -87,7 +93,7 @@ fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
         return Err(StateFileError::Damaged);
     }
     let origin = serde_json::from_slice(line).map_err(|_not_ours| StateFileError::Damaged)?;
-    Ok((origin, Reader::new(&numbers[..numbers.len() - 8], has_touches)))
+    Ok((origin, Reader::new(&numbers[..numbers.len() - 8], tells)))
 }
 
 impl Session {
@@ -139,7 +145,8 @@ impl Session {
         for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
-            let flags = [memory.asleep, memory.strained, memory.stuck, memory.gone, memory.near_itself].map(u32::from);
+            let BodyMemory { asleep, strained, stuck, gone, near_itself, led, .. } = *memory;
+            let flags = [asleep, strained, stuck, gone, near_itself, led].map(u32::from);
             let flags = flags.iter().rev().fold(0, |all, flag| 2 * all + flag);
             let words = [flags, memory.knotted_nanos, memory.calm_substeps];
             bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
@@ -174,6 +181,19 @@ impl Session {
             bytes
                 .extend([body as u64, sample as u64, obstacle as u64, side].iter().flat_map(|word| word.to_le_bytes()));
             bytes.extend(depth_m.to_le_bytes());
+        }
+        let led = || state.modal.iter().enumerate().filter(|(_, modal)| !modal.amplitude.is_empty());
+        bytes.extend((led().count() as u64).to_le_bytes());
+        for (body, modal) in led() {
+            bytes.extend([body as u64, modal.amplitude.len() as u64].iter().flat_map(|word| word.to_le_bytes()));
+            bytes.extend(
+                modal
+                    .amplitude
+                    .iter()
+                    .chain(&modal.rate)
+                    .chain(&modal.mean_rate)
+                    .flat_map(|number| number.to_le_bytes()),
+            );
         }
         let checksum = fnv1a(&bytes);
         bytes.extend(checksum.to_le_bytes());

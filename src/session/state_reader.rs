@@ -5,9 +5,11 @@ use std::fmt::Display;
 use glam::{DQuat, DVec3, Vec3};
 
 use super::state_error::StateFileError;
+use crate::modal::COUNTS;
 use crate::physics::Approach;
 use crate::physics::BodyMemory;
 use crate::physics::MOST_HALVINGS;
+use crate::physics::ModalState;
 use crate::physics::Press;
 use crate::physics::RecoveryAccount;
 use crate::physics::SampleTouch;
@@ -21,8 +23,16 @@ const MOST_STEPS: u64 = 1 << 53;
 /// Takes numbers off the front of bytes.
 pub(super) struct Reader<'a> {
     rest: &'a [u8],
-    /// Whether it tells of points of meshes that touch obstacles.
-    has_touches: bool,
+    tells: Tells,
+}
+
+/// What a version of the file tells of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tells {
+    /// Points of meshes that touch obstacles.
+    pub(super) touches: bool,
+    /// Bodies that their modes lead.
+    pub(super) modes: bool,
 }
 
 /// The numbers that a state begins with.
@@ -41,8 +51,8 @@ pub(super) struct Counts {
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(bytes: &'a [u8], has_touches: bool) -> Self {
-        Self { rest: bytes, has_touches }
+    pub(super) fn new(bytes: &'a [u8], tells: Tells) -> Self {
+        Self { rest: bytes, tells }
     }
 
     /// The numbers that a state begins with; they come first.
@@ -98,7 +108,8 @@ impl<'a> Reader<'a> {
         let approaches = self.approaches(model)?;
         let sweeps = self.sweeps(model)?;
         let presses = self.presses(model)?;
-        let touches = if self.has_touches { self.touches(model)? } else { Vec::new() };
+        let touches = if self.tells.touches { self.touches(model)? } else { Vec::new() };
+        let modal = if self.tells.modes { self.modal(model)? } else { Vec::new() };
         if !self.rest.is_empty() {
             return Err(StateFileError::Length { field: "all the numbers".to_owned() });
         }
@@ -116,6 +127,7 @@ impl<'a> Reader<'a> {
             sweeps,
             presses,
             touches,
+            modal,
             steps: counts.steps,
             // Saved under settings that divide a step further, it is at its last substep here.
             substep: counts.substep.min(plan.substeps - 1),
@@ -154,10 +166,11 @@ impl<'a> Reader<'a> {
         need(last == 0 || (last as usize) < cells, &field, format!("one with cell {last}"), "a cell of the body")?;
         let field = of_body("the memory");
         let [flags, knotted_nanos, calm_substeps] = [self.u32(&field)?, self.u32(&field)?, self.u32(&field)?];
-        need(flags < 32, &field, flags, "a sum of 1, 2, 4, 8 and 16")?;
-        let [asleep, strained, stuck, gone, near_itself] = [1, 2, 4, 8, 16].map(|flag| flags & flag != 0);
+        need(flags < 64, &field, flags, "a sum of 1, 2, 4, 8, 16 and 32")?;
+        let [asleep, strained, stuck, gone, near_itself, led] = [1, 2, 4, 8, 16, 32].map(|flag| flags & flag != 0);
         need(strained || calm_substeps == 0, &field, "one that is calm after no strain", "0 substeps")?;
         need(asleep || !gone, &field, "one of a body that has fallen out and is awake", "one that sleeps")?;
+        need(asleep || !led, &field, "one of a body that modes lead and is awake", "one that sleeps")?;
         let field = of_body("the account of recovery");
         let [taken_j, pull_share] = [self.f64(&field)?, self.f64(&field)?];
         need(taken_j.is_finite(), &field, format!("{taken_j} J"), "a finite number")?;
@@ -183,9 +196,35 @@ impl<'a> Reader<'a> {
             still_substeps,
             asleep,
             gone,
+            led,
             near_itself,
             apart,
         })
+    }
+
+    /// How bodies move that their modes lead, by body.
+    fn modal(&mut self, model: &Model<f32>) -> Result<Vec<ModalState>, StateFileError> {
+        let field = "the bodies that modes lead";
+        let mut modal = vec![ModalState::default(); model.bodies.len()];
+        let mut last = None;
+        for _ in 0..self.u64(field)? {
+            let [body, count] = [self.u64(field)?, self.u64(field)?];
+            let body = place((body, model.bodies.len()))?;
+            need(last < Some(body), field, "out of order", "every body once, in their order")?;
+            let most = COUNTS[1] as u64;
+            need((1..=most).contains(&count), field, format!("{count} modes"), &format!("1 to {most}"))?;
+            let mut numbers = Vec::new();
+            for _ in 0..3 * count {
+                let number = self.f64(field)?;
+                need(number.is_finite(), "a mode", number, "a finite number")?;
+                numbers.push(number);
+            }
+            let mut rate = numbers.split_off(numbers.len() / 3);
+            let mean_rate = rate.split_off(rate.len() / 2);
+            modal[body] = ModalState { amplitude: numbers, rate, mean_rate };
+            last = Some(body);
+        }
+        Ok(modal)
     }
 
     /// The obstacles on their way to bodies.

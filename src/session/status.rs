@@ -7,6 +7,7 @@ use super::document::ModelPlace;
 use super::modes::Swing;
 use super::stability_map::StabilityShown;
 use super::step_error::StepError;
+use super::wanted_modes::WantedModes;
 use super::{StepCost, Trouble};
 use crate::math::Aabb;
 pub use crate::physics::SafeValue;
@@ -87,6 +88,8 @@ pub struct Status {
     pub stability: Option<Arc<StabilityShown>>,
     /// What is shown of a body's modes; none while nobody looks.
     pub swing: Option<Swing>,
+    /// The modes that a body waits for, while time stands still for that.
+    pub awaited_modes: Option<Arc<WantedModes>>,
     /// How far the steps miss, as far as it is known.
     pub step_error: StepError,
 }
@@ -112,6 +115,8 @@ pub struct BodyStatus {
     pub gone: bool,
     /// Whether it has come to rest and is left alone until something touches it or a value changes.
     pub asleep: bool,
+    /// How often the modes swing in a second that it moves by, Hz; none where it moves by its cells.
+    pub modes_hz: Option<Arc<[f64]>>,
     /// How it is built, as far as it matters to how it stands.
     pub stature: Stature,
     /// How far each value of its material may go before the step asked for has to be divided.

@@ -32,6 +32,11 @@ impl Session {
     /// Lets time stand still, with the reason, where it would run slower than anyone can watch. When someone stops that,
     /// it is found out before time goes on.
     pub fn hold_if_too_slow(&mut self) {
+        if self.awaited_modes().is_some() {
+            // Bodies move by their cells as yet.
+            self.may_be_too_slow = true;
+            return;
+        }
         self.too_slow = too_slow(&self.simulation, &self.stop).unwrap_or_default();
         self.playing &= self.too_slow.is_empty();
         self.may_be_too_slow = self.stop.load(Ordering::Relaxed);

@@ -15,6 +15,7 @@ impl Session {
     pub fn warnings(&self) -> Vec<String> {
         let (model, state) = (self.simulation().model(), self.simulation().state());
         let mut warnings = scene::warnings(self.scene());
+        warnings.extend(self.modes_warnings());
         warnings.extend(self.bodies.warnings(self.scene()));
         warnings.extend(never_stable(&self.scene().settings));
         warnings.extend(taken_over(&self.scene().settings, self.simulation().plan()));

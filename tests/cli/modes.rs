@@ -1,4 +1,4 @@
-//! `gelatin modes`: frequencies, pictures, and what it refuses.
+//! `gelatin modes`: frequencies, pictures, and what it refuses; scenes whose bodies move by their modes.
 
 use serde_json::Value;
 
@@ -53,4 +53,58 @@ fn what_has_no_modes_is_refused_in_a_sentence() {
     refused(&folder, "modes held.ron --body 1", USAGE, &["bodies 0 to 0"]);
     refused(&folder, "modes held.ron --count 0", USAGE, &["1..=60"]);
     refused(&folder, "modes held.ron -o m.jpg", USAGE, &["m_0001.jpg: pictures are PNG"]);
+}
+
+/// A folder with a cube that is held below and moves by five modes, thrown.
+fn by_modes() -> Folder {
+    let folder = Folder::new();
+    let scene = cube(20.0, "(min: (-9, -9, -9), max: (9, -0.15, 9))");
+    let led = scene.replace("shape: cube", "moves_by: modes, mode_count: 5, velocity: (0.3, 0, 0), shape: cube");
+    folder.write("held.ron", led);
+    folder
+}
+
+#[test]
+fn a_held_body_moves_by_its_modes_which_are_kept_beside_the_scene() {
+    let folder = by_modes();
+    let first = folder.json("run held.ron --seconds 0.3 --json");
+    let told = first["modes"][0]["frequencies_hz"].as_array().expect("frequencies");
+    assert_eq!((told.len(), first["warnings"].as_array().map(Vec::len)), (5, Some(0)), "{first}");
+    let found = folder.json("modes held.ron --count 5 --json");
+    for (told, found) in told.iter().zip(frequencies(&found)) {
+        assert!((told.as_f64().expect("Hz") / found - 1.0).abs() < 1e-9, "{told} Hz and {found} Hz");
+    }
+    let kept = || std::fs::read_dir(folder.path("held.modes")).expect("a folder of its name").count();
+    assert_eq!(kept(), 1, "one body");
+    let again = folder.json("run held.ron --seconds 0.3 --json");
+    assert_eq!((&again["hash"], kept()), (&first["hash"], 1), "the same from what was kept");
+    let by_cells = folder.json("run held.ron --set bodies.0.moves_by=cells --seconds 0.3 --json");
+    assert!(
+        by_cells["modes"].as_array().expect("a list").is_empty() && by_cells["hash"] != first["hash"],
+        "{by_cells}"
+    );
+    let ran = folder.run("check held.ron");
+    assert!(ran.figures.contains("moves by 5 modes, ") && ran.figures.contains(" Hz"), "{ran:?}");
+}
+
+#[test]
+fn a_motion_by_modes_is_saved_in_the_middle_and_goes_on_bit_for_bit() {
+    let folder = by_modes();
+    let whole = folder.json("run held.ron --seconds 0.4 --json");
+    folder.json("run held.ron --seconds 0.2 --save-state middle.state --json");
+    let on = folder.json("run held.ron --seconds 0.2 --from-state middle.state --json");
+    assert_eq!(on["hash"], whole["hash"]);
+}
+
+#[test]
+fn a_body_that_modes_cannot_move_is_told_so_and_moves_by_its_cells() {
+    let folder = Folder::new();
+    let free = cube(20.0, "").replace("shape: cube", "moves_by: modes, shape: cube");
+    folder
+        .write("free.ron", &free)
+        .write("none.ron", free.replace("moves_by: modes", "moves_by: modes, mode_count: 99"));
+    let ran = folder.json("check free.ron --json");
+    let warnings = ran["warnings"].to_string();
+    assert!(ran["modes"].as_array().expect("a list").is_empty() && warnings.contains("nothing holds it"), "{ran}");
+    refused(&folder, "check none.ron", FAILED, &["bodies.0.mode_count", "1", "60"]);
 }

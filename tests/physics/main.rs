@@ -15,6 +15,7 @@ mod friction;
 mod golden;
 mod hertz;
 mod integrators;
+mod led;
 mod mesh_contact;
 mod mesh_obstacles;
 mod modes;

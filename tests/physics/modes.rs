@@ -1,17 +1,15 @@
-//! Modes against beam theory and against what the full simulation does.
+//! Modes against beam theory and against how often the full simulation swings. What moves by them is in `led`.
 
 use std::f64::consts::PI;
 
-use gelatin::modal::{self, ModalModel, ModalPull, Mode, Modes, Wanted};
-use gelatin::physics::{BodyModel, Grab, Simulation};
+use gelatin::modal::{self, Mode, Modes, Wanted};
+use gelatin::physics::{BodyModel, Simulation};
 use gelatin::scene::body::{CellsShape, CubeShape, PinBox};
 use gelatin::scene::{Body, Material, Shape, Solid};
-use gelatin::session::run::whole_steps;
-use glam::{DVec3, Vec3};
 
 use super::support::{alone, simulate};
 
-const SOLID: Solid = Solid { young_modulus: 1e5, density: 1000.0, damping_ratio: 0.0 };
+pub(crate) const SOLID: Solid = Solid { young_modulus: 1e5, density: 1000.0, damping_ratio: 0.0 };
 /// The speed of waves along a thin bar, m/s.
 const BAR_SPEED: f64 = 10.0;
 /// Length over thickness.
@@ -25,7 +23,7 @@ fn bar(across: i32) -> Body {
     Body { shape: Shape::Cells(shape), material: Material::Solid(SOLID), ..Body::default() }
 }
 
-fn cantilever(across: i32) -> Body {
+pub(crate) fn cantilever(across: i32) -> Body {
     Body { pins: vec![PinBox { min: [-9.0; 3], max: [-0.4999, 9.0, 9.0] }], ..bar(across) }
 }
 
@@ -146,80 +144,4 @@ fn the_full_simulation_swings_as_often_as_the_mode_that_it_is_thrown_into() {
             assert!((simulated / modal - 1.0).abs() < 0.01, "{name}, mode {number}: {simulated} Hz for {modal} Hz");
         }
     }
-}
-
-/// What pushes a cantilever that is at rest.
-#[derive(Clone, Copy)]
-struct Push {
-    /// m/s².
-    gravity: f64,
-    /// Stiffness of a hand (N/m) that pulls the middle of the free end, and how far (m).
-    hand: [f64; 2],
-}
-
-/// How far the modal motion is from the full one after the same push, over three swings: root mean square over all
-/// particles, as a share of that of the motion.
-fn difference(push: Push, count: usize) -> f64 {
-    let mut body = cantilever(2);
-    body.material = Material::Solid(Solid { damping_ratio: 0.02, ..SOLID });
-    let mut scene = alone(body, 2e-3);
-    scene.settings.gravity = [0.0, -push.gravity, 0.0];
-    let mut full: Simulation<f64> = simulate(&scene);
-    let model = full.model().bodies[0].clone();
-    let modes = found(&model, count);
-    let modal = ModalModel::new(&model, &modes, full.plan().dt_secs);
-    let tip: Vec<usize> = (0..model.start.len()).filter(|&p| model.start[p].x > 0.4999).collect();
-    let weights: Vec<(usize, f64)> = tip.iter().map(|&p| (p, 1.0 / tip.len() as f64)).collect();
-    let [stiffness, target] = push.hand;
-    let target = DVec3::Z * target;
-    let pull = ModalPull { weights: weights.clone(), target, stiffness };
-    if stiffness > 0.0 {
-        let at = Grab { body: 0, weights, target: DVec3::ZERO, stiffness };
-        let target = at.point(&model.start) + target;
-        full.set_grab(Some(Grab { target, ..at }));
-    }
-    let (mut state, mut way) = (modal.start(), Vec::new());
-    let (mut off, mut all) = (0.0, 0.0);
-    let steps = whole_steps(3.0 / modes.modes[0].frequency_hz, full.plan().dt_secs);
-    for _ in 0..steps {
-        assert!(!full.step().diverged, "a small motion");
-        let pull = (stiffness > 0.0).then_some(&pull);
-        modal.step(&mut state, DVec3::NEG_Y * push.gravity, pull);
-        modal.displacements(&state, &mut way);
-        for ((at, start), way) in full.state().position.iter().zip(&model.start).zip(&way) {
-            let moved = *at - *start;
-            off += moved.distance_squared(Vec3::from(*way).as_dvec3());
-            all += moved.length_squared();
-        }
-    }
-    assert!((all / steps as f64 / model.start.len() as f64).sqrt() > 1e-4, "it moves");
-    (off / all).sqrt()
-}
-
-#[test]
-fn a_small_motion_by_modes_is_that_of_the_full_simulation() {
-    let weight = Push { gravity: 0.01, hand: [0.0; 2] };
-    let hand = Push { gravity: 0.0, hand: [5.0, 0.01] };
-    for (name, push) in [("weight", weight), ("hand", hand)] {
-        let off = difference(push, 20);
-        assert!(off < 0.05, "{name}: {off} of the motion");
-    }
-    // What moves far turns, and what turns is not linear.
-    let far = difference(Push { gravity: 0.6, ..weight }, 20);
-    assert!(far > 0.05, "a large motion differs: {far}");
-}
-
-#[test]
-fn a_throw_is_taken_up_by_the_modes_and_swings_on_without_loss() {
-    let body = compiled(cube());
-    let modes = found(&body, 6);
-    let still = vec![DVec3::ZERO; body.start.len()];
-    let thrown: Vec<DVec3> = modes.modes[2].shape.iter().map(|way| *way * 0.3).collect();
-    let model = ModalModel::new(&body, &modes, 0.01);
-    let mut state = modes.project(&body, [&still, &thrown]);
-    assert!((state.rate[2] - 0.3).abs() < 1e-9 && state.rate[1].abs() < 1e-9, "{state:?}");
-    let before: f64 = modes.energy(&state).iter().sum();
-    (0..10_000).for_each(|_| model.step(&mut state, DVec3::ZERO, None));
-    let after: f64 = modes.energy(&state).iter().sum();
-    assert!((after / before - 1.0).abs() < 1e-9, "{before} J became {after} J");
 }

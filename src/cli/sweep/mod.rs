@@ -83,6 +83,7 @@ pub(super) fn run(args: &SweepArgs) -> Result<(), Failure> {
     axis::check(&args.over, &scene)?;
     let ron = scene.to_ron().context("the scene cannot be written down")?;
     let mut base = scene_args::session(opened)?;
+    scene_args::find_modes(&mut base);
     let specimen = serde_json::to_value(run_session(&mut base, 0.0, &()))?;
     let names = figures::names(args.figures.as_deref(), &specimen)?;
     let title = specimen["scene"].as_str().unwrap_or_default().to_owned();
@@ -123,6 +124,7 @@ fn row(base: &Session, about: &About, values: &[f64]) -> Result<Row, Failure> {
     let words = || about.over.iter().zip(values).map(|(axis, value)| format!("{} = {value}", axis.path));
     let named = || words().collect::<Vec<_>>().join(", ");
     let mut session = base.with_scene(scene).with_context(named)?;
+    session.find_modes(None, &());
     let figures = run_session(&mut session, about.seconds, &());
     let finite = figures.finite;
     let figures = serde_json::to_value(&figures)?;

@@ -2,6 +2,7 @@
 //! placed, links measured, obstacles framed, steps planned.
 
 mod assembly;
+mod lead;
 mod obstacles;
 pub(in crate::physics) mod other_form;
 mod plan;
@@ -23,6 +24,7 @@ use crate::geometry::Lattice;
 use crate::math::{Aabb, Real, Vector, rotation};
 use crate::physics::kernels::{BoxedLinks, Layout};
 use crate::physics::limits::{any_state, lattice};
+use crate::physics::model::ModalModel;
 use crate::physics::model::plan::Plan;
 use crate::physics::simulation::{Arrival, Simulation};
 use crate::physics::state::fallen;
@@ -76,8 +78,21 @@ impl<R: Real> Simulation<R> {
 
     /// A scene at its start. `lattices` are those of the scene's bodies, in their order.
     pub fn new(scene: &Scene, lattices: &[Arc<Lattice>]) -> Self {
-        let (model, plan) = compile(scene, lattices, None);
+        Self::with_modes(scene, lattices, &[])
+    }
+
+    /// The same with bodies that are led by modes where there are any, in the bodies' order; the others move by their cells.
+    pub fn with_modes(scene: &Scene, lattices: &[Arc<Lattice>], modes: &[Option<Arc<ModalModel>>]) -> Self {
+        let (model, plan) = compile(scene, lattices, modes, None);
         Self::start(model, plan)
+    }
+
+    /// Has bodies be led by these modes from now on, each from where it is and as it moves; those without any move by their
+    /// cells. The scene must be the one that goes on.
+    pub fn set_modes(&mut self, scene: &Scene, lattices: &[Arc<Lattice>], modes: &[Option<Arc<ModalModel>>]) {
+        let kept: Vec<Option<usize>> = (0..scene.obstacles.len()).map(Some).collect();
+        let (model, plan) = compile(scene, lattices, modes, Some(self.model()));
+        self.replace_model(model, plan, &kept, Arrival::Placed);
     }
 
     /// Takes new parameters, obstacles and settings while everything keeps moving: the scene must have the bodies
@@ -89,20 +104,22 @@ impl<R: Real> Simulation<R> {
         kept: &[Option<usize>],
         arrival: Arrival,
     ) {
-        let (model, plan) = compile(scene, lattices, Some(self.model()));
+        let modes: Vec<_> = self.model().bodies.iter().map(|body| body.modes().cloned()).collect();
+        let (model, plan) = compile(scene, lattices, &modes, Some(self.model()));
         self.replace_model(model, plan, kept, arrival);
     }
 }
 
 /// Builds the model of a scene and the plan of its step; `lattices` are those of the scene's bodies, in their order.
 /// What follows from a lattice alone is taken from bodies of the model `before`, where there is one: changing a constant
-/// does not measure a million links again.
+/// does not measure a million links again. `modes` lead bodies that have any, in the bodies' order.
 ///
 /// # Panics
 /// If there are not as many lattices as bodies: the caller resolves every body first.
 pub(super) fn compile<R: Real>(
     scene: &Scene,
     lattices: &[Arc<Lattice>],
+    modes: &[Option<Arc<ModalModel>>],
     before: Option<&Model<R>>,
 ) -> (Model<R>, Plan) {
     assert_eq!(scene.bodies.len(), lattices.len(), "every body needs its lattice");
@@ -114,13 +131,16 @@ pub(super) fn compile<R: Real>(
         fall_limit: None,
     };
     let (mut first, before) = (0, before.map_or(&[][..], |model| &model.bodies));
-    for (body, lattice) in scene.bodies.iter().zip(lattices) {
-        let compiled = compile_body(body, lattice, first, scene, before);
+    for (number, (body, lattice)) in scene.bodies.iter().zip(lattices).enumerate() {
+        let mut compiled = compile_body(body, lattice, first, scene, before);
+        if let Some(modes) = modes.get(number).and_then(Option::as_ref) {
+            lead::lead(&mut compiled, modes, &body.pose, before);
+        }
         first = compiled.particles.end;
         model.bodies.push(compiled);
     }
     model.fall_limit = fallen::limit(&model);
-    let plan = plan::plan(&scene.settings, &model);
+    let plan = plan::plan(&scene.settings, lead::without_led(&model).as_ref().unwrap_or(&model));
     for body in &mut model.bodies {
         recovery::bear(body, &plan);
     }
@@ -218,6 +238,7 @@ fn compile_body<R: Real>(
             heaviest,
             load,
         },
+        led: None,
         samples,
     }
 }

@@ -51,7 +51,7 @@ pub(in crate::physics) fn begin<R: Real>(
     let running = std::mem::take(&mut state.approaches);
     for (obstacle, (was, ObstacleModel { shape, .. })) in kept.iter().zip(placed.all()).enumerate() {
         let stays = stays(old, placed, kept, state, obstacle);
-        for (number, body) in new.bodies.iter().enumerate() {
+        for (number, body) in new.bodies.iter().enumerate().filter(|(_, body)| body.led.is_none()) {
             let before = was.and_then(|was| running.iter().find(|a| (a.body, a.obstacle) == (number, was)));
             if stays {
                 state.approaches.extend(before.map(|approach| Approach { obstacle, ..*approach }));
@@ -95,6 +95,9 @@ pub(in crate::physics) fn begin_for<R: Real>(
     state: &mut State<R>,
 ) {
     state.approaches.retain(|approach| approach.body != number);
+    if model.bodies[number].led.is_some() {
+        return;
+    }
     let points = MeetingPoints::new(model, plan, number, &state.position);
     for (obstacle, ObstacleModel { shape, .. }) in obstacles.iter().enumerate() {
         if let Some(WayOut { way, length_m }) = way_out(&points, shape, &Memory::none()) {

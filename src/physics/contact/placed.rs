@@ -59,7 +59,7 @@ impl<R: Real> Placed<R> {
 
     /// An obstacle where a body meets it.
     #[inline]
-    pub(super) fn met(&self, body: usize, obstacle: usize) -> &ObstacleModel<R> {
+    pub(in crate::physics) fn met(&self, body: usize, obstacle: usize) -> &ObstacleModel<R> {
         let here = |displaced: &&Displaced<R>| (displaced.body, displaced.obstacle) == (body, obstacle);
         self.displaced.iter().find(here).map_or(&self.obstacles[obstacle], |displaced| &displaced.met)
     }

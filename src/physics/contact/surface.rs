@@ -4,11 +4,11 @@ use crate::math::Real;
 
 /// The surface as one particle meets it: a tangent plane, in a frame that rides along with the obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::physics::contact) struct Surface<R: Real> {
+pub(in crate::physics) struct Surface<R: Real> {
     /// Unit normal, towards the side the particle came from.
-    pub(in crate::physics::contact) normal: R::Vec3,
+    pub(in crate::physics) normal: R::Vec3,
     /// Distance of the particle from the surface along the normal when the substep begins, m; negative inside.
-    pub(in crate::physics::contact) gap: R,
+    pub(in crate::physics) gap: R,
 }
 
 /// The part of a line `from + t way` that is inside a form.

@@ -8,15 +8,15 @@ use crate::physics::model::{ObstacleModel, ObstacleShape};
 
 /// A point on its way.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Swept<R: Real> {
+pub(in crate::physics) struct Swept<R: Real> {
     /// Where it begins, m.
-    pub(super) from: R::Vec3,
+    pub(in crate::physics) from: R::Vec3,
     /// The way that it would go, m.
-    pub(super) path: R::Vec3,
+    pub(in crate::physics) path: R::Vec3,
     /// The side of a plane or an open mesh that it touched before, else 0.
-    pub(super) side: i8,
+    pub(in crate::physics) side: i8,
     /// How far out what it is worked out from is, m, as rounding is a share of that; none where it is a particle.
-    pub(super) widest: Option<R::Vec3>,
+    pub(in crate::physics) widest: Option<R::Vec3>,
 }
 
 impl<R: Real> Swept<R> {
@@ -25,7 +25,7 @@ impl<R: Real> Swept<R> {
     ///
     /// Contact with an obstacle that moves is swept in the obstacle's own frame: the point's start rides along, and what is
     /// left of its path is its motion past the obstacle.
-    pub(super) fn meet(
+    pub(in crate::physics) fn meet(
         &self,
         obstacle: &ObstacleModel<R>,
         dt: R,

@@ -116,7 +116,7 @@ mod tests {
         for name in ["cube-on-plane", "tree", "u-on-sphere"] {
             let scene = (preset(name).expect("a preset").build)();
             let lattice = resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a sound shape").lattice;
-            let (model, _) = compile::<f64>(&scene, &[lattice], None);
+            let (model, _) = compile::<f64>(&scene, &[lattice], &[], None);
             let most =
                 |loads: Vec<[f64; 2]>| loads.iter().fold([0.0_f64; 2], |[k, d], load| [k.max(load[0]), d.max(load[1])]);
             let (few, each) = (loads(&model.bodies[0]), loads_of_each(&model.bodies[0]));

@@ -7,10 +7,10 @@ use crate::geometry::embed::{Embedder, Embedding};
 use crate::math::{Real, Vector, rotation};
 use crate::physics::contact::arrive;
 use crate::physics::model::BodyModel;
-use crate::physics::state::BodyMemory;
 use crate::physics::state::moving::Approach;
 use crate::physics::state::press::Press;
 use crate::physics::state::touch::SampleTouch;
+use crate::physics::state::{BodyMemory, ModalState};
 
 /// How a body moves: a copy of its part of the state.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +20,8 @@ pub struct BodyMotion<R: Real> {
     velocity: Vec<R::Vec3>,
     side: Vec<Vec<i8>>,
     memory: BodyMemory,
+    /// How its modes move, where these led it.
+    modal: ModalState,
     approaches: Vec<Approach>,
     touches: Vec<SampleTouch>,
 }
@@ -34,6 +36,7 @@ impl<R: Real> Simulation<R> {
             velocity: self.state.velocity[particles.clone()].to_vec(),
             side: self.state.side.iter().map(|row| row[particles.clone()].to_vec()).collect(),
             memory: self.state.bodies[body].clone(),
+            modal: self.state.modal[body].clone(),
             approaches: self.state.approaches.iter().filter(|approach| approach.body == body).copied().collect(),
             touches: self.state.touches.iter().filter(|touch| touch.body == body).copied().collect(),
         }
@@ -55,6 +58,10 @@ impl<R: Real> Simulation<R> {
             }
         }
         self.state.bodies[body].clone_from(&motion.memory);
+        self.state.modal[body].clone_from(&motion.modal);
+        self.state.fit_modes(&self.model);
+        self.is_placed = false;
+        self.place_led();
         self.state.approaches.retain(|approach| approach.body != body);
         let there = |approach: &&Approach| approach.obstacle < self.model.obstacles.len();
         let own = motion.approaches.iter().filter(there).map(|approach| Approach { body, ..*approach });
@@ -80,6 +87,7 @@ impl<R: Real> Simulation<R> {
             velocity: (0..start.particles.len()).map(|local| self.start_velocity(body, local)).collect(),
             side: Vec::new(),
             memory: BodyMemory::default(),
+            modal: ModalState::default(),
             approaches: Vec::new(),
             touches: Vec::new(),
         };
@@ -109,6 +117,7 @@ impl<R: Real> Simulation<R> {
             velocity: vec![R::Vec3::ZERO; new.particles.len()],
             side: Vec::new(),
             memory: BodyMemory::default(),
+            modal: ModalState::default(),
             approaches: Vec::new(),
             touches: Vec::new(),
         };
@@ -132,6 +141,14 @@ impl<R: Real> Simulation<R> {
         for (local, particle) in self.model.bodies[body].particles.clone().enumerate() {
             self.state.velocity[particle] = self.start_velocity(body, local);
         }
+        if let Some(led) = &self.model.bodies[body].led {
+            let (own, modal) = (self.model.bodies[body].particles.clone(), &mut self.state.modal[body]);
+            let particles = [&self.state.position[own.clone()], &self.state.velocity[own]];
+            modal.rate = led.project(&self.model.bodies[body], particles).rate;
+            modal.mean_rate.clone_from(&modal.rate);
+        }
+        self.is_placed = false;
+        self.place_led();
         self.wake(body);
         self.diverged = false;
     }
@@ -141,6 +158,17 @@ impl<R: Real> Simulation<R> {
     pub fn teleport_body(&mut self, body: usize, old_rotation_deg: [f64; 3], new_rotation_deg: [f64; 3]) {
         if self.state.bodies[body].gone {
             self.restart_body(body);
+            return;
+        }
+        if self.model.bodies[body].led.is_some() {
+            // Its modes are about where it is put.
+            let modal = &mut self.state.modal[body];
+            modal.rate.fill(0.0);
+            modal.mean_rate.fill(0.0);
+            self.is_placed = false;
+            self.place_led();
+            self.wake(body);
+            self.diverged = false;
             return;
         }
         let turn = rotation::from_euler_deg(new_rotation_deg) * rotation::from_euler_deg(old_rotation_deg).transpose();
@@ -157,6 +185,7 @@ impl<R: Real> Simulation<R> {
             velocity: vec![R::Vec3::ZERO; particles.len()],
             side: Vec::new(),
             memory: self.state.bodies[body].clone(),
+            modal: ModalState::default(),
             approaches: Vec::new(),
             touches: Vec::new(),
         };

@@ -4,7 +4,7 @@ use crate::math::{Real, Vector};
 use crate::physics::state::State;
 
 /// FNV-1a over the bits of all positions, then all velocities, then of what is left of the obstacles' ways and sweeps and of
-/// the springs between bodies and of points of meshes (Fowler, Noll and Vo; 64 bits, eight bytes at a time).
+/// the springs between bodies of points of meshes, and of modes that lead bodies (Fowler, Noll and Vo; 64 bits, eight bytes at a time).
 pub(crate) fn state_hash<R: Real>(state: &State<R>) -> u64 {
     const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
     const PRIME: u64 = 0x0000_0100_0000_01b3;
@@ -18,5 +18,12 @@ pub(crate) fn state_hash<R: Real>(state: &State<R>) -> u64 {
         .chain(state.sweeps.iter().flat_map(|sweep| sweep.left_secs.to_bits().to_le_bytes()))
         .chain(state.presses.iter().flat_map(|press| press.depth_m.to_bits().to_le_bytes()))
         .chain(state.touches.iter().flat_map(|touch| touch.depth_m.to_bits().to_le_bytes()))
+        .chain(
+            state
+                .modal
+                .iter()
+                .flat_map(|modal| modal.amplitude.iter().chain(&modal.rate).chain(&modal.mean_rate))
+                .flat_map(|x| x.to_bits().to_le_bytes()),
+        )
         .fold(OFFSET, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
 }

@@ -2,10 +2,13 @@
 
 pub(in crate::physics) mod fallen;
 pub(in crate::physics) mod hash;
+mod modal;
 pub(in crate::physics) mod moving;
 pub(in crate::physics) mod press;
 pub(in crate::physics) mod sleep;
 pub(in crate::physics) mod touch;
+
+pub use modal::ModalState;
 
 use moving::{Approach, Sweep};
 use press::Press;
@@ -51,6 +54,9 @@ pub struct State<R: Real> {
     pub presses: Vec<Press>,
     /// Where points of bodies' meshes touch obstacles, by body, point and obstacle.
     pub touches: Vec<SampleTouch>,
+    /// How bodies move that are led by their modes, by body: particles of these are where they were put last. Of no length where
+    /// a body moves by its cells.
+    pub modal: Vec<ModalState>,
     /// Whole steps taken.
     pub steps: u64,
     /// Substeps taken of the step that is under way.
@@ -71,7 +77,7 @@ pub struct State<R: Real> {
 
 /// What is remembered of a body as a whole: choices that hold for longer than a substep.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[expect(clippy::struct_excessive_bools, reason = "five choices that are remembered, each made or not")]
+#[expect(clippy::struct_excessive_bools, reason = "six choices that are remembered, each made or not")]
 pub struct BodyMemory {
     /// Cells that are watched as they may invert, ascending.
     pub near_inversion: Vec<u32>,
@@ -91,6 +97,8 @@ pub struct BodyMemory {
     pub asleep: bool,
     /// Whether it has fallen out of the scene: it sleeps until it is put elsewhere.
     pub gone: bool,
+    /// Whether its modes lead it: it sleeps as far as its particles go, and is at rest where it has been still for long.
+    pub led: bool,
     /// Whether parts of it that are apart at rest were near each other when this was looked for last.
     pub near_itself: bool,
     /// How far its particles may move past each other until it is looked for again, in cells.
@@ -110,7 +118,7 @@ pub struct RecoveryAccount {
 impl BodyMemory {
     /// The body moves as it must, and rest is looked for anew; nothing wakes one that is gone.
     pub fn wake(&mut self) {
-        self.asleep = self.gone;
+        self.asleep = self.gone || self.led;
         self.still_substeps = 0;
     }
 
@@ -120,7 +128,7 @@ impl BodyMemory {
         near_inversion.clear();
         near_inversion.extend_from_slice(&of.near_inversion);
         let Self { near_inversion: _, strained, calm_substeps, knotted_nanos, stuck, account, .. } = *of;
-        let Self { still_substeps, asleep, gone, near_itself, apart, .. } = *of;
+        let Self { still_substeps, asleep, gone, led, near_itself, apart, .. } = *of;
         *self = Self {
             near_inversion,
             strained,
@@ -131,6 +139,7 @@ impl BodyMemory {
             still_substeps,
             asleep,
             gone,
+            led,
             near_itself,
             apart,
         };
@@ -169,6 +178,7 @@ impl<R: Real> State<R> {
             sweeps: Vec::new(),
             presses: Vec::new(),
             touches: Vec::new(),
+            modal: Vec::new(),
             steps: 0,
             substep: 0,
             part: 0,
@@ -184,6 +194,7 @@ impl<R: Real> State<R> {
         }
         state.fit_sides(model);
         state.reserve(model);
+        state.fit_modes(model);
         state
     }
 

@@ -106,6 +106,9 @@ pub(in crate::physics) fn wake_near_moving<R: Real>(
     state: &mut State<R>,
 ) {
     for (number, body) in model.bodies.iter().enumerate() {
+        if state.bodies[number].led {
+            continue;
+        }
         let position = &state.position[body.particles.clone()];
         let is_near = |obstacle: &ObstacleModel<R>| {
             position.iter().any(|at| Aabb { min: *at, max: *at }.overlaps(&obstacle.bounds))

@@ -35,6 +35,7 @@ use crate::physics::forces::recovery;
 use crate::physics::kernels;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{ContactRule, Scheme};
+use crate::physics::modes::ModalWorkspace;
 use crate::physics::observe::runaway::runs_away;
 use crate::physics::schemes::implicit::balance::{End, body_gains_energy, gains_energy};
 use crate::physics::schemes::{self, SchemeWorkspace, Stepper};
@@ -56,6 +57,8 @@ pub(super) struct StepWorkspace<R: Real> {
     pub contact: contact::ContactWorkspace<R>,
     scheme: schemes::SchemeWorkspace<R>,
     forces: forces::ForceWorkspace<R>,
+    /// What bodies that are led by modes work in.
+    pub modal: ModalWorkspace,
     /// What was remembered of every body before the substep, where one may be given up.
     remembered: Vec<BodyMemory>,
 }
@@ -72,15 +75,16 @@ impl<R: Real> StepWorkspace<R> {
             contact: contact::ContactWorkspace::new(model, plan),
             scheme: schemes::SchemeWorkspace::new(model, plan),
             forces: forces::ForceWorkspace::new(model, plan),
+            modal: ModalWorkspace::new(model, plan),
             remembered: remembered(model),
         }
     }
 
     /// Makes room for a model of the same bodies with other constants or obstacles.
     pub(super) fn fit(&mut self, model: &Model<R>, plan: &Plan) {
-        let Self { contact, thesis_force, scheme, forces, remembered, .. } = Self::new(model, plan);
+        let Self { contact, thesis_force, scheme, forces, modal, remembered, .. } = Self::new(model, plan);
         (self.contact, self.thesis_force, self.scheme, self.forces) = (contact, thesis_force, scheme, forces);
-        self.remembered = remembered;
+        (self.modal, self.remembered) = (modal, remembered);
     }
 
     /// Goes on with as many threads as a plan wants.

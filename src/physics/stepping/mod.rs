@@ -50,7 +50,7 @@ pub(super) fn advance<R: Real>(
     while let Some(part) = division.next(plan, state, &mut recorder.counters) {
         obstacles.place(model, state, part.secs);
         let work_before = recorder.counters.implicit_work();
-        let inputs = Inputs { obstacles, grab: grab.filter(|grab| !state.bodies[grab.body].gone) };
+        let inputs = Inputs { obstacles, grab: grab.filter(|grab| !state.bodies[grab.body].asleep) };
         ending = substep(model, plan, part, inputs, state, workspace, &mut recorder);
         if ending == Ending::Stopped {
             workspace.contact.bodies.forget_looks(state);

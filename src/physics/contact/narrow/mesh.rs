@@ -27,7 +27,7 @@ const SPARE: f64 = 1e-9;
 
 /// What was found when a particle was last looked at closely: it makes the next look shorter and changes nothing else.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::physics::contact) struct Known {
+pub(in crate::physics) struct Known {
     /// Where it was, in the mesh's own axes and unit.
     at: DVec3,
     /// How far the surface was then; nothing where it was behind it.

@@ -285,7 +285,7 @@ mod tests {
         body.pose.position = [0.0; 3];
         let lattice = resolve(&body.shape, Path::new("."), &()).expect("a cube").lattice;
         let scene = Scene { bodies: vec![body], ..Scene::default() };
-        let (model, _) = compile::<f64>(&scene, &[lattice], None);
+        let (model, _) = compile::<f64>(&scene, &[lattice], &[], None);
         let body = &model.bodies[0];
         let stretching = rate * turning_speed(body) * body.inverse_cell_size;
         let velocity: Vec<DVec3> = body.start.iter().map(|x| DVec3::X * x.x * stretching).collect();

@@ -1,0 +1,21 @@
+//! What leads a body that moves by its modes.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use super::modal::ModalModel;
+use super::modal_points::ModalPoints;
+
+/// What leads a body.
+#[derive(Clone, Debug)]
+pub(in crate::physics) struct Led {
+    /// Its modes.
+    pub(in crate::physics) modes: Arc<ModalModel>,
+    /// What of it meets obstacles.
+    pub(in crate::physics) points: Arc<ModalPoints>,
+    /// From the body's coordinates to the scene's.
+    pub(in crate::physics) turn: DMat3,
+    /// The origin of the body's coordinates in the scene, m.
+    pub(in crate::physics) place: DVec3,
+}

@@ -1,0 +1,255 @@
+//! What of a body that is led by modes meets obstacles: the particles of its hull, or points of its mesh, in a tree of boxes
+//! that move and grow with the amplitudes alone (D. James, D. Pai, "BD-tree: output-sensitive collision detection for reduced
+//! deformable models", SIGGRAPH 2004).
+//!
+//! ```text
+//!   ┌───────────┐      each way that a mode moves points of a box is between a least and a most, so that all of them are
+//!   │ ∙ ┌─────┐ │      within  [min + Σ qᵢ least, max + Σ qᵢ most]  (the two exchanged where qᵢ < 0):
+//!   │   │ ∙ ∙ │ │      what does not reach an obstacle is left out with all that it holds, however many points these are
+//!   └───┴─────┴─┘
+//! ```
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::hull::Hull;
+use super::modal::ModalModel;
+use super::samples::Samples;
+use crate::geometry::Lattice;
+use crate::math::Aabb;
+
+/// Points in a box that is not divided any more.
+const LEAF: usize = 8;
+
+/// What carries the points.
+#[derive(Clone, Debug)]
+enum Carriers {
+    /// Each is a particle.
+    Particles(Vec<u32>),
+    /// Each is a mean of the particles of a cell.
+    Samples(Arc<Samples>),
+}
+
+/// The points of a body that modes move, in their boxes. All in the body's coordinates.
+#[derive(Clone, Debug)]
+pub(in crate::physics) struct ModalPoints {
+    carriers: Carriers,
+    /// Where each is at rest, m.
+    rest: Vec<DVec3>,
+    /// The points box after box.
+    order: Vec<u32>,
+    /// The whole first, every box before those within it.
+    boxes: Vec<PointBox>,
+    /// By box and mode.
+    ways: Vec<Way>,
+    /// The farthest that any point is moved by an amplitude of 1 of each mode, 1/√kg.
+    farthest: Vec<f64>,
+    modes: usize,
+}
+
+/// Between what an amplitude of 1 moves all points of a box, along each axis, 1/√kg.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    least: [f32; 3],
+    most: [f32; 3],
+}
+
+/// Points that are near each other.
+#[derive(Clone, Debug)]
+struct PointBox {
+    /// Around them at rest, m.
+    bounds: Aabb<f64>,
+    /// Places in the order.
+    points: Range<usize>,
+    /// The second of the two boxes within it, whose first follows it; none where it is not divided.
+    second: Option<usize>,
+}
+
+impl ModalPoints {
+    /// The points of a lattice with these modes: of its mesh where there are `samples`, else of its hull.
+    pub(in crate::physics) fn new(lattice: &Lattice, modes: &ModalModel, samples: Option<&Arc<Samples>>) -> Self {
+        let carriers = samples.map_or_else(
+            || Carriers::Particles(Hull::new(lattice).points),
+            |samples| Carriers::Samples(Arc::clone(samples)),
+        );
+        let all = match &carriers {
+            Carriers::Particles(particles) => particles.len(),
+            Carriers::Samples(samples) => samples.count(),
+        };
+        let mut points = Self {
+            carriers,
+            rest: Vec::with_capacity(all),
+            order: Vec::new(),
+            boxes: Vec::new(),
+            ways: Vec::new(),
+            farthest: vec![0.0; modes.count()],
+            modes: modes.count(),
+        };
+        for point in 0..all {
+            let mut at = DVec3::ZERO;
+            points.carried(point, |particle, weight| at += lattice.rest_position(particle) * weight);
+            points.rest.push(at);
+        }
+        let mut row = vec![DVec3::ZERO; modes.count()];
+        let moves = |point: &u32| {
+            points.row(modes, *point as usize, &mut row);
+            row.iter().any(|way| *way != DVec3::ZERO)
+        };
+        let mut order: Vec<u32> = (0..u32::try_from(all).unwrap_or(u32::MAX)).filter(moves).collect();
+        points.divide(0, &mut order);
+        points.order = order;
+        points.find_ways(modes);
+        points
+    }
+
+    /// Makes the box of some points, which begin at a place of the order, and those within it.
+    fn divide(&mut self, first: usize, order: &mut [u32]) {
+        let bounds = Aabb::<f64>::around(order.iter().map(|point| self.rest[*point as usize]));
+        let number = self.boxes.len();
+        let points = first..first + order.len();
+        self.boxes.push(PointBox { bounds, points, second: None });
+        if order.len() <= LEAF {
+            return;
+        }
+        let size = bounds.max - bounds.min;
+        let axis = (0..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest });
+        order.sort_unstable_by(|one, other| {
+            let [a, b] = [one, other].map(|point| self.rest[*point as usize][axis]);
+            a.total_cmp(&b).then(one.cmp(other))
+        });
+        let middle = order.len() / 2;
+        let (low, high) = order.split_at_mut(middle);
+        self.divide(first, low);
+        self.boxes[number].second = Some(self.boxes.len());
+        self.divide(first + middle, high);
+    }
+
+    /// Finds between what modes move the points of all boxes.
+    fn find_ways(&mut self, modes: &ModalModel) {
+        let none = Way { least: [f32::INFINITY; 3], most: [f32::NEG_INFINITY; 3] };
+        self.ways = vec![none; self.boxes.len() * self.modes];
+        let mut row = vec![DVec3::ZERO; self.modes];
+        // Those within a box come after it.
+        for number in (0..self.boxes.len()).rev() {
+            let mut ways = vec![none; self.modes];
+            if let Some(second) = self.boxes[number].second {
+                for (mode, way) in ways.iter_mut().enumerate() {
+                    *way = self.ways_of(number + 1)[mode].with(self.ways_of(second)[mode]);
+                }
+            } else {
+                for point in self.boxes[number].points.clone() {
+                    self.row(modes, self.order[point] as usize, &mut row);
+                    for (mode, at) in row.iter().enumerate() {
+                        ways[mode] = ways[mode].with(Way::of(*at));
+                        self.farthest[mode] = self.farthest[mode].max(at.length());
+                    }
+                }
+            }
+            self.ways[number * self.modes..][..self.modes].copy_from_slice(&ways);
+        }
+    }
+
+    /// How many there are that modes move.
+    pub(in crate::physics) fn count(&self) -> usize {
+        self.order.len()
+    }
+
+    /// Whether they are those of the body's mesh.
+    pub(in crate::physics) fn is_on_mesh(&self) -> bool {
+        matches!(self.carriers, Carriers::Samples(_))
+    }
+
+    /// The farthest that any point is moved by an amplitude of 1 of a mode, 1/√kg.
+    pub(in crate::physics) fn farthest(&self, mode: usize) -> f64 {
+        self.farthest[mode]
+    }
+
+    /// Where a point is at rest, m.
+    pub(in crate::physics) fn rest(&self, point: usize) -> DVec3 {
+        self.rest[point]
+    }
+
+    /// How a point moves by each mode, 1/√kg.
+    pub(in crate::physics) fn row(&self, modes: &ModalModel, point: usize, to: &mut [DVec3]) {
+        to.fill(DVec3::ZERO);
+        self.carried(point, |particle, weight| {
+            for (to, way) in to.iter_mut().zip(modes.row(particle)) {
+                *to += DVec3::from(way.map(f64::from)) * weight;
+            }
+        });
+    }
+
+    /// Calls with every particle that carries a point and its weight.
+    fn carried(&self, point: usize, mut with: impl FnMut(usize, f64)) {
+        match &self.carriers {
+            Carriers::Particles(particles) => with(particles[point] as usize, 1.0),
+            Carriers::Samples(samples) => {
+                let (carriers, weights) = samples.point(point);
+                carriers.iter().zip(weights).for_each(|(carrier, weight)| with(*carrier as usize, *weight));
+            }
+        }
+    }
+
+    /// Calls with every point whose box may be where `is_near` says, which is given what is around the points of the box at
+    /// these amplitudes of the modes and those, m. Tells how many boxes were looked at.
+    pub(in crate::physics) fn near(
+        &self,
+        amplitudes: [&[f64]; 2],
+        is_near: impl Fn(Aabb<f64>) -> bool,
+        mut with: impl FnMut(usize),
+    ) -> u64 {
+        let (mut looks, mut next) = (0, 0);
+        while let Some(at) = self.boxes.get(next) {
+            looks += 1;
+            let [now, then] = amplitudes.map(|of| self.around(next, of));
+            let enters = is_near(Aabb { min: now.min.min(then.min), max: now.max.max(then.max) });
+            if enters && at.second.is_none() {
+                self.order[at.points.clone()].iter().for_each(|point| with(*point as usize));
+            }
+            next = if enters { next + 1 } else { self.after(next) };
+        }
+        looks
+    }
+
+    /// What is around the points of a box at these amplitudes, m.
+    fn around(&self, number: usize, amplitudes: &[f64]) -> Aabb<f64> {
+        let mut around = self.boxes[number].bounds;
+        for (Way { least, most }, q) in self.ways_of(number).iter().zip(amplitudes) {
+            let [one, other] = [least, most].map(|end| DVec3::from(end.map(f64::from)) * *q);
+            around.min += one.min(other);
+            around.max += one.max(other);
+        }
+        around
+    }
+
+    /// The box that comes after all within this one.
+    fn after(&self, mut number: usize) -> usize {
+        while let Some(second) = self.boxes[number].second {
+            number = second;
+        }
+        number + 1
+    }
+
+    fn ways_of(&self, number: usize) -> &[Way] {
+        &self.ways[number * self.modes..][..self.modes]
+    }
+}
+
+impl Way {
+    /// That of one point, rounded outwards.
+    #[expect(clippy::cast_possible_truncation, reason = "it is rounded outwards")]
+    fn of(way: DVec3) -> Self {
+        let single = way.to_array().map(|part| part as f32);
+        Self { least: single.map(f32::next_down), most: single.map(f32::next_up) }
+    }
+
+    /// Those of both.
+    fn with(self, other: Self) -> Self {
+        Self {
+            least: std::array::from_fn(|axis| self.least[axis].min(other.least[axis])),
+            most: std::array::from_fn(|axis| self.most[axis].max(other.most[axis])),
+        }
+    }
+}

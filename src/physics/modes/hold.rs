@@ -1,0 +1,116 @@
+//! The hand and all contacts of a body that is led by modes, solved together: one after another, round by round, in a fixed
+//! order.
+
+use glam::{DMat3, DVec3};
+
+use super::contact::{Meetings, Motion, sum};
+use crate::math::{Real, Vector};
+use crate::physics::interaction::Grab;
+
+/// Rounds in which all that pushes at points is solved for.
+const ROUNDS: usize = 32;
+
+/// Impulses have settled that change by less than this share of the largest.
+const SETTLED: f64 = 1e-6;
+
+/// A hand that pulls at a point. In the body's coordinates.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Hand {
+    /// How the point moves by each mode.
+    row: Vec<DVec3>,
+    modes: usize,
+    /// What an impulse changes of the point's speed, 1/kg.
+    mobility: DMat3,
+    /// From the point at the end of the substep without what pushes to where it is pulled to, m.
+    left: DVec3,
+    /// How fast it is then, m/s.
+    speed: DVec3,
+    stiffness: f64,
+    damping: f64,
+    /// The impulse so far, N·s.
+    impulse: DVec3,
+}
+
+impl Hand {
+    /// Room for so many modes.
+    pub(super) fn new(modes: usize) -> Self {
+        Self { row: vec![DVec3::ZERO; modes], ..Self::default() }
+    }
+
+    /// Takes a point of a body. Says whether that moves.
+    pub(super) fn take<R: Real>(&mut self, grab: &Grab<R>, motion: &Motion<'_, R>) -> bool {
+        let (led, body) = (motion.led, motion.body);
+        self.modes = led.modes.count();
+        let row = &mut self.row[..self.modes];
+        row.fill(DVec3::ZERO);
+        let mut rest = DVec3::ZERO;
+        for &(particle, weight) in &grab.weights {
+            let (local, weight) = (particle - body.particles.start, weight.to_f64());
+            rest += body.start[local].to_dvec3() * weight;
+            for (to, way) in row.iter_mut().zip(led.modes.row(local)) {
+                *to += DVec3::from(way.map(f64::from)) * weight;
+            }
+        }
+        self.mobility = DMat3::ZERO;
+        for (way, oscillator) in row.iter().zip(motion.oscillators) {
+            self.mobility += DMat3::from_cols(*way * way.x, *way * way.y, *way * way.z) * oscillator.yields;
+        }
+        self.left = led.turn.transpose() * (grab.target.to_dvec3() - rest) - sum(row, motion.free.amplitude);
+        self.speed = motion.speed(row);
+        (self.stiffness, self.damping) = (grab.stiffness.to_f64(), grab.damping(body).to_f64());
+        self.impulse = DVec3::ZERO;
+        self.mobility != DMat3::ZERO
+    }
+
+    /// Does what all others leave it to do, which change the point's speed by `change` (m/s). Tells the change of its impulse,
+    /// N·s.
+    fn solve(&mut self, change: DVec3, dt: f64) -> DVec3 {
+        // Without what it does itself.
+        let change = change - self.mobility * self.impulse;
+        let resistance = dt * (dt * self.stiffness + self.damping);
+        let pulling = (self.left - change * dt) * (dt * self.stiffness) - (self.speed + change) * (dt * self.damping);
+        let impulse = (DMat3::IDENTITY + self.mobility * resistance).inverse() * pulling;
+        let more = impulse - self.impulse;
+        self.impulse = impulse;
+        more
+    }
+}
+
+/// Finds what a hand and all meetings do, and what that changes of the modes' rates.
+pub(super) fn solve<R: Real>(
+    mut hand: Option<&mut Hand>,
+    meetings: &mut Meetings,
+    motion: &Motion<'_, R>,
+    change: &mut [f64],
+) {
+    let dt = motion.secs;
+    let push = |row: &[DVec3], impulse: DVec3, change: &mut [f64]| {
+        for ((change, way), oscillator) in change.iter_mut().zip(row).zip(motion.oscillators) {
+            *change += oscillator.yields * way.dot(impulse);
+        }
+    };
+    let mut largest = 0.0_f64;
+    // A hand alone has its way at once.
+    let rounds = if meetings.is_empty() { 1 } else { ROUNDS };
+    for _ in 0..rounds {
+        let mut most = 0.0_f64;
+        if let Some(hand) = &mut hand {
+            let so_far = sum(&hand.row[..hand.modes], change);
+            let impulse = hand.solve(so_far, dt);
+            push(&hand.row[..hand.modes], impulse, change);
+            most = impulse.length();
+        }
+        for (meeting, row) in meetings.each() {
+            let so_far = sum(row, change);
+            let impulse = meeting.solve(so_far, dt);
+            if impulse != DVec3::ZERO {
+                push(row, impulse, change);
+                most = most.max(impulse.length());
+            }
+        }
+        largest = largest.max(most);
+        if most <= SETTLED * largest {
+            break;
+        }
+    }
+}

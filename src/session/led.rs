@@ -1,0 +1,143 @@
+//! Bodies of a sandbox that move by their modes: which modes are known, and which are still to be found. Until they are, time
+//! stands still, so that the motion is the same however long that takes.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::Session;
+use super::wanted_modes::{FoundModes, Outcome, WantedModes, folder, is_of, is_wanted};
+use crate::geometry::Watch;
+use crate::physics::{BodyModel, ModalModel};
+use crate::scene::{Body, Scene, named};
+use crate::view::legend::three_digits;
+
+/// What is known of modes is kept for so many bodies beside those of the scene, so that undo finds them at once.
+const KEPT: usize = 8;
+
+/// The modes that a body moves by; the names are those of the JSON object of the command line.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
+pub struct ModesFigures {
+    pub body: String,
+    pub frequencies_hz: Vec<f64>,
+}
+
+impl ModesFigures {
+    /// The same as a person reads it.
+    pub fn words(&self) -> String {
+        let Self { body, frequencies_hz } = self;
+        let [lowest, highest] = [frequencies_hz.first(), frequencies_hz.last()].map(|hz| hz.copied().unwrap_or(0.0));
+        let count = frequencies_hz.len();
+        format!("{body} moves by {count} modes, {} to {} Hz", three_digits(lowest), three_digits(highest))
+    }
+}
+
+impl Session {
+    /// The modes that a body waits for, while time stands still for that.
+    pub fn awaited_modes(&self) -> Option<&Arc<WantedModes>> {
+        self.awaited_modes.as_ref()
+    }
+
+    /// Where modes are kept of its scene, as [`folder`] has it.
+    pub fn modes_folder(&self, spare: Option<PathBuf>) -> Option<PathBuf> {
+        folder(self.document.file.as_deref(), spare)
+    }
+
+    /// The modes that bodies move by, of every body that does.
+    pub fn modes_figures(&self) -> Vec<ModesFigures> {
+        let bodies = self.scene.bodies.iter().zip(&self.simulation.model().bodies).enumerate();
+        let of = |(number, (body, model)): (usize, (&Body, &BodyModel<f32>))| {
+            let frequencies_hz = model.modes()?.frequencies_hz().to_vec();
+            Some(ModesFigures { body: named(&body.name, "body", number), frequencies_hz })
+        };
+        bodies.filter_map(of).collect()
+    }
+
+    /// Finds the modes of all bodies that are to move by them, however long it takes; `folder` keeps them. What `watch` cancels
+    /// moves by its cells.
+    pub fn find_modes(&mut self, folder: Option<&Path>, watch: &dyn Watch) {
+        while let Some(wanted) = self.awaited_modes.clone() {
+            let found = wanted.find_in(&self.simulation, wanted.body.0, folder, watch);
+            self.take_modes(found.unwrap_or_else(|_cancelled| wanted.stopped()));
+        }
+    }
+
+    /// Goes on with what became of looking for modes.
+    pub(super) fn take_modes(&mut self, found: FoundModes) {
+        self.found_modes.retain(|known| !is_of(&known.described, &found.described));
+        self.found_modes.push(found);
+        self.follow_modes();
+        self.find_notice();
+    }
+
+    /// The modes that bodies of a scene move by, as far as they are known.
+    pub(super) fn known_modes(&self, scene: &Scene) -> Vec<Option<Arc<ModalModel>>> {
+        let of = |body: &Body| match &self.outcome(body)?.outcome {
+            Outcome::Led(modes) => Some(Arc::clone(modes)),
+            Outcome::Refused(_) | Outcome::Stopped => None,
+        };
+        scene.bodies.iter().map(of).collect()
+    }
+
+    /// Has bodies move by what the scene says, as far as modes are known.
+    pub(super) fn follow_modes(&mut self) {
+        // Who asks again after a stop means it.
+        let scene = Arc::clone(&self.scene);
+        let is_used =
+            |known: &FoundModes| scene.bodies.iter().any(|body| is_wanted(body) && is_of(body, &known.described));
+        self.found_modes.retain(|known| !matches!(known.outcome, Outcome::Stopped) || is_used(known));
+        let spare = self.found_modes.iter().filter(|known| !is_used(known)).count();
+        if spare > KEPT
+            && let Some(oldest) = self.found_modes.iter().position(|known| !is_used(known))
+        {
+            self.found_modes.remove(oldest);
+        }
+        let modes = self.known_modes(&scene);
+        let now = self.simulation.model().bodies.iter().map(|body| body.modes());
+        let is_led_so = |(now, modes): (Option<&Arc<ModalModel>>, &Option<Arc<ModalModel>>)| match (now, modes) {
+            (Some(now), Some(modes)) => Arc::ptr_eq(now, modes),
+            (now, modes) => now.is_none() && modes.is_none(),
+        };
+        if !now.zip(&modes).all(is_led_so) {
+            self.simulation.set_modes(&scene, &self.bodies.lattices(), &modes);
+            self.step_errors.forget();
+            self.picture.touch();
+        }
+        let mut bodies = (0..scene.bodies.len()).filter(|body| self.outcome(&scene.bodies[*body]).is_none());
+        let awaited = bodies.find_map(|body| WantedModes::of(&scene, body));
+        if self.awaited_modes.as_deref() != awaited.as_ref() {
+            self.awaited_modes = awaited.map(Arc::new);
+            self.clock.forgive();
+        }
+    }
+
+    /// What is known of the modes of a body that is to move by them.
+    fn outcome(&self, body: &Body) -> Option<&FoundModes> {
+        let wanted = is_wanted(body).then_some(body)?;
+        self.found_modes.iter().find(|known| is_of(wanted, &known.described))
+    }
+
+    /// What a person should know of bodies that are to move by modes, a sentence each.
+    pub(super) fn modes_warnings(&self) -> Vec<String> {
+        let bodies = &self.scene.bodies;
+        let meets_none = |number: usize, body: &Body| {
+            let others = bodies.iter().enumerate().any(|(other, body)| other != number && body.collides);
+            others && body.collides && self.scene.settings.body_contact
+        };
+        let of = |(number, body): (usize, &Body)| {
+            let name = named(&body.name, "body", number);
+            match &self.outcome(body)?.outcome {
+                Outcome::Led(_) => meets_none(number, body).then(|| {
+                    format!("{name} moves by its modes and does not meet other bodies, which pass through it")
+                }),
+                Outcome::Refused(why) => Some(format!("{name} moves by its cells: {why}")),
+                Outcome::Stopped => {
+                    Some(format!("{name} moves by its cells: the search for its modes was stopped; choose modes anew"))
+                }
+            }
+        };
+        bodies.iter().enumerate().filter_map(of).collect()
+    }
+}

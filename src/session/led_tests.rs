@@ -1,0 +1,239 @@
+//! Bodies of a sandbox that move by their modes: waiting for them, moving by them, and what edits, states and files make of it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::progress::Progress;
+use super::wanted_modes::find_modes;
+use super::*;
+use crate::geometry::watch::CancelOnly;
+use crate::physics::ModalState;
+use crate::scene::body::{CubeShape, PinBox};
+use crate::scene::edit::{BodyId, Edit};
+use crate::scene::{Body, Material, MovesBy, Shape, Solid};
+
+/// A cube that is held below and moves by its modes.
+fn held() -> Body {
+    Body {
+        name: "Pudding".to_owned(),
+        shape: Shape::Cube(CubeShape { cells: 4, size: 1.0 }),
+        material: Material::Solid(Solid::default()),
+        velocity: [0.3, 0.0, 0.0],
+        pins: vec![PinBox { min: [-9.0; 3], max: [9.0, -0.49, 9.0] }],
+        moves_by: MovesBy::Modes,
+        mode_count: 10,
+        ..Body::default()
+    }
+}
+
+fn session_of(body: Body) -> Session {
+    let scene = Scene { bodies: vec![body], ..Scene::default() };
+    Session::new(scene, PathBuf::new(), "pudding".to_owned()).expect("it resolves")
+}
+
+fn found() -> Session {
+    let mut session = session_of(held());
+    session.find_modes(None, &());
+    session
+}
+
+/// By how many modes the body moves.
+fn led_by(session: &Session) -> Option<usize> {
+    session.status().bodies[0].modes_hz.as_ref().map(|modes| modes.len())
+}
+
+fn edit(session: &mut Session, change: impl FnOnce(&mut Body)) {
+    let mut body = session.scene().bodies[0].clone();
+    change(&mut body);
+    session.handle(Command::Edit(Edit::Body(BodyId(0), Box::new(body)))).expect("an edit");
+    session.handle(Command::EndEdit).expect("it ends");
+}
+
+fn pass(session: &mut Session, millis: u64) {
+    session.advance(Duration::from_millis(millis), Duration::from_secs(20));
+}
+
+#[test]
+fn time_stands_still_until_the_modes_are_there() {
+    let mut session = session_of(held());
+    pass(&mut session, 100);
+    assert!(session.step() && session.simulation().state().steps == 0, "nothing moves");
+    let wanted = session.status().awaited_modes.expect("it waits for them");
+    assert_eq!(wanted.name, "Pudding");
+    assert!(session.is_at_rest() && session.is_playing(), "and goes on by itself");
+    let found = find_modes(session.scene(), Path::new(""), &wanted, None, &Progress::default(), &|| ());
+    session.handle(Command::TakeModes(Box::new(found.expect("modes")))).expect("they are taken");
+    assert!(session.status().awaited_modes.is_none(), "it waits no longer");
+    pass(&mut session, 100);
+    let status = session.status();
+    assert_eq!((led_by(&session), status.message.as_str()), (Some(10), ""), "it moves by them");
+    assert!(session.simulation().state().steps > 50, "{} steps", session.simulation().state().steps);
+    let moved = session.simulation().state().position.iter().zip(&session.simulation().model().bodies[0].start);
+    let farthest = moved.map(|(at, start)| at.distance(*start)).fold(0.0, f32::max);
+    assert!(farthest > 0.003, "its particles are where the modes have them: {farthest} m");
+}
+
+#[test]
+fn modes_found_beside_the_sandbox_or_by_it_give_the_same_bits() {
+    let (mut one, mut other) = (found(), session_of(held()));
+    let wanted = other.awaited_modes().cloned().expect("it waits");
+    let beside = find_modes(other.scene(), Path::new(""), &wanted, None, &Progress::default(), &|| ());
+    other.handle(Command::TakeModes(Box::new(beside.expect("modes")))).expect("they are taken");
+    (0..200).for_each(|_| assert!(one.step() && other.step(), "a sound motion"));
+    assert_eq!(one.simulation().hash(), other.simulation().hash());
+}
+
+#[test]
+fn a_body_whose_search_is_stopped_moves_by_its_cells_until_it_is_asked_anew() {
+    let mut session = session_of(held());
+    let stopped = Progress::default();
+    stopped.cancel();
+    session.find_modes(None, &CancelOnly(&stopped));
+    pass(&mut session, 50);
+    let status = session.status();
+    assert!(led_by(&session).is_none() && session.simulation().state().steps > 0, "by its cells");
+    assert!(status.message.contains("Pudding moves by its cells"), "{}", status.message);
+    edit(&mut session, |body| body.moves_by = MovesBy::Cells);
+    assert_eq!(session.status().message, "", "as it is told");
+    edit(&mut session, |body| body.moves_by = MovesBy::Modes);
+    assert!(session.awaited_modes().is_some(), "it is looked for anew");
+}
+
+#[test]
+fn a_body_that_can_turn_moves_by_its_cells_and_says_why() {
+    let free = session_of(Body { pins: Vec::new(), ..held() });
+    assert!(free.awaited_modes().is_none(), "nothing is looked for");
+    assert!(free.warnings().iter().any(|said| said.contains("nothing holds it")), "{:?}", free.warnings());
+    let corner = vec![PinBox { min: [-9.0; 3], max: [-0.49; 3] }];
+    let mut hung = session_of(Body { pins: corner, ..held() });
+    hung.find_modes(None, &());
+    assert!(hung.awaited_modes().is_none() && led_by(&hung).is_none(), "by its cells");
+    assert!(hung.warnings().iter().any(|said| said.contains("hold it at three places")), "{:?}", hung.warnings());
+    pass(&mut hung, 20);
+    assert!(hung.simulation().state().steps > 0, "time goes on");
+}
+
+#[test]
+fn every_edit_is_taken_back_to_the_same_bytes_and_the_modes_come_back_with_it() {
+    let mut session = found();
+    pass(&mut session, 50);
+    let before = session.scene().to_ron().expect("a scene");
+    let edits: [fn(&mut Body); 5] = [
+        |body| body.moves_by = MovesBy::Cells,
+        |body| body.mode_count = 5,
+        |body| body.material = Material::Solid(Solid { young_modulus: 2e5, ..Solid::default() }),
+        |body| body.pins[0].max[1] = -0.2,
+        |body| body.pose.position[1] = 3.0,
+    ];
+    for change in edits {
+        edit(&mut session, change);
+        session.find_modes(None, &());
+        pass(&mut session, 20);
+        session.handle(Command::Undo).expect("it is taken back");
+        assert_eq!(session.scene().to_ron().expect("a scene"), before, "to the same bytes");
+        assert!(session.awaited_modes().is_none(), "its modes are known");
+        assert_eq!(led_by(&session), Some(10), "and it moves by them");
+        pass(&mut session, 20);
+    }
+}
+
+#[test]
+fn a_body_that_is_moved_keeps_its_swing_about_the_new_place() {
+    let mut session = found();
+    pass(&mut session, 50);
+    let before = session.simulation().state().modal[0].clone();
+    edit(&mut session, |body| body.pose.position = [1.0, 2.0, 0.5]);
+    let after = &session.simulation().state().modal[0];
+    for (before, after) in before.amplitude.iter().zip(&after.amplitude) {
+        assert!((before - after).abs() < 1e-4, "{before} became {after}");
+    }
+    session.handle(Command::Undo).expect("it goes back");
+    assert_eq!(session.simulation().state().modal[0], before, "and moves as it did, to the bit");
+    session.handle(Command::Restart).expect("a new start");
+    assert_eq!(led_by(&session), Some(10), "by its modes again");
+}
+
+#[test]
+fn a_saved_state_goes_on_bit_for_bit() {
+    let mut session = found();
+    (0..300).for_each(|_| assert!(session.step(), "a sound motion"));
+    let (bytes, mut again) = (session.state_bytes(), found());
+    again.set_state_bytes(&bytes).expect("a state of this scene");
+    assert_eq!(again.simulation().hash(), session.simulation().hash(), "where it was");
+    (0..300).for_each(|_| assert!(session.step() && again.step(), "a sound motion"));
+    assert_eq!(again.simulation().hash(), session.simulation().hash(), "and on from there");
+    let mut by_cells = session_of(Body { moves_by: MovesBy::Cells, ..held() });
+    by_cells.set_state_bytes(&bytes).expect("a state of these cells");
+    assert!(by_cells.step() && !by_cells.simulation().state().bodies[0].led, "its cells go on from there too");
+    let cells = by_cells.state_bytes();
+    again.set_state_bytes(&cells).expect("and back");
+    assert!(again.step() && again.simulation().state().bodies[0].led, "by modes");
+}
+
+#[test]
+fn what_a_state_says_of_modes_is_checked_and_other_modes_take_up_its_motion() {
+    let mut session = found();
+    (0..100).for_each(|_| assert!(session.step(), "a sound motion"));
+    let said = |change: &dyn Fn(&mut ModalState)| {
+        let mut odd = found();
+        let mut state = session.simulation().state().clone();
+        change(&mut state.modal[0]);
+        odd.replace_state(state);
+        let bytes = odd.state_bytes();
+        found().set_state_bytes(&bytes).err().map_or("nothing".to_owned(), |error| error.to_string())
+    };
+    assert_eq!(said(&|_| ()), "nothing", "this may be");
+    assert!(said(&|modal| modal.rate[3] = f64::NAN).contains("is NaN, and a finite number"));
+    assert!(said(&|modal| modal.rate[9] = f64::INFINITY).contains("a finite number"));
+    let mut fewer = session_of(Body { mode_count: 4, ..held() });
+    fewer.find_modes(None, &());
+    fewer.set_state_bytes(&session.state_bytes()).expect("a state of these cells");
+    let [all, own] = [&session, &fewer].map(|of| &of.simulation().state().modal[0].amplitude);
+    // The first two swing alike, along two directions that may be any.
+    let of_pair = |of: &[f64]| of[0].hypot(of[1]);
+    let off = [of_pair(own) - of_pair(all), own[3] - all[3]];
+    assert!(own.len() == 4 && off.iter().all(|off| off.abs() < 1e-5), "{own:?} of {all:?}");
+}
+
+#[test]
+fn modes_that_were_kept_are_found_at_once_and_damaged_ones_anew() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cache = folder.path().join("modes");
+    let mut first = session_of(held());
+    first.find_modes(Some(&cache), &());
+    let files = || fs::read_dir(&cache).expect("it is made").map(|entry| entry.expect("an entry").path());
+    let kept: Vec<PathBuf> = files().collect();
+    assert_eq!(kept.len(), 1, "{kept:?}");
+    // Who may not look any further has them all the same.
+    let stopped = Progress::default();
+    stopped.cancel();
+    let mut second = session_of(held());
+    second.find_modes(Some(&cache), &CancelOnly(&stopped));
+    assert_eq!(led_by(&second), Some(10), "they were there");
+    (0..100).for_each(|_| assert!(first.step() && second.step(), "a sound motion"));
+    assert_eq!(first.simulation().hash(), second.simulation().hash(), "the same to the bit");
+    let sound = fs::read(&kept[0]).expect("a file");
+    for damage in [0, sound.len() / 2, sound.len() - 1] {
+        let mut bytes = sound.clone();
+        bytes[damage] ^= 1;
+        fs::write(&kept[0], bytes).expect("it is damaged");
+        let mut third = session_of(held());
+        third.find_modes(Some(&cache), &());
+        assert_eq!(led_by(&third), Some(10), "found anew");
+        assert_eq!(fs::read(&kept[0]).expect("a file"), sound, "and kept again");
+    }
+    fs::write(&kept[0], &sound[..20]).expect("it is cut short");
+    let mut other = session_of(Body { mode_count: 3, ..held() });
+    other.find_modes(Some(&cache), &());
+    assert_eq!((led_by(&other), files().count()), (Some(3), 2), "other modes are others");
+}
+
+#[test]
+fn a_body_that_moves_by_modes_says_that_others_pass_through_it() {
+    let mut session = found();
+    let cube = Edit::InsertBody(BodyId(1), Box::new(Body { name: "Cube".to_owned(), ..Body::default() }));
+    session.handle(Command::Edit(cube)).expect("a body more");
+    assert!(session.warnings()[0].contains("does not meet other bodies"), "{:?}", session.warnings());
+    assert_eq!(led_by(&session), Some(10), "and goes on by its modes");
+}

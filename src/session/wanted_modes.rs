@@ -1,0 +1,143 @@
+//! Modes that a body is to move by: what is looked for, beside the sandbox or in it, where it is kept, and what became of it.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::background::{BackgroundError, Paced};
+use super::document::Opened;
+use super::modes::{find, is_alike};
+use super::modes_cache::{self, ENDING};
+use super::progress::Progress;
+use crate::geometry::Watch;
+use crate::geometry::watch::CancelOnly;
+use crate::modal::ModalError;
+use crate::physics::{ModalModel, Simulation};
+use crate::scene::edit::BodyId;
+use crate::scene::{Body, MovesBy, Scene, named};
+
+/// Modes that a body of the scene is to move by and that are still to be found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WantedModes {
+    /// The body.
+    pub body: BodyId,
+    /// Its name.
+    pub name: String,
+    /// What they are of.
+    described: Body,
+}
+
+/// What became of looking for a body's modes.
+#[derive(Clone, Debug)]
+pub struct FoundModes {
+    pub(super) described: Body,
+    pub(super) outcome: Outcome,
+}
+
+/// What it can be.
+#[derive(Clone, Debug)]
+pub(super) enum Outcome {
+    /// It moves by these.
+    Led(Arc<ModalModel>),
+    /// It cannot move by them; why, as half a sentence.
+    Refused(String),
+    /// A person stopped it.
+    Stopped,
+}
+
+impl WantedModes {
+    /// Of a body of a scene, if it is to move by modes and is held.
+    pub(super) fn of(scene: &Scene, body: usize) -> Option<Self> {
+        let described = &scene.bodies[body];
+        is_wanted(described).then(|| Self {
+            body: BodyId(body),
+            name: named(&described.name, "body", body),
+            described: described.clone(),
+        })
+    }
+
+    /// Nobody wants to wait for them.
+    pub fn stopped(&self) -> FoundModes {
+        FoundModes { described: self.described.clone(), outcome: Outcome::Stopped }
+    }
+
+    /// They cannot be found; why, as half a sentence.
+    pub fn refused(&self, why: String) -> FoundModes {
+        FoundModes { described: self.described.clone(), outcome: Outcome::Refused(why) }
+    }
+
+    /// Whether another body waits for the same.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        is_of(&self.described, &other.described)
+    }
+
+    /// Finds them in a compiled body, or in a folder where they were kept, and keeps them there.
+    pub(super) fn find_in(
+        &self,
+        simulation: &Simulation<f32>,
+        body: usize,
+        folder: Option<&Path>,
+        watch: &dyn Watch,
+    ) -> Result<FoundModes, ModalError> {
+        let model = &simulation.model().bodies[body];
+        let count = self.described.mode_count as usize;
+        let key = modes_cache::key(model, count);
+        let kept = folder.and_then(|folder| modes_cache::read(folder, key, model));
+        let outcome = match kept {
+            Some(kept) => Outcome::Led(Arc::new(kept)),
+            None => match find(simulation, body, count, watch) {
+                Ok(found) if found.rigid > 0 => Outcome::Refused(
+                    "a part of it can still turn or move freely, which modes cannot follow; hold it at three places or \
+                     more that are not in a line"
+                        .to_owned(),
+                ),
+                Ok(found) => {
+                    let modes = found.reduced(model);
+                    if let Some(folder) = folder {
+                        modes_cache::write(folder, key, &modes);
+                    }
+                    Outcome::Led(modes)
+                }
+                Err(ModalError::Cancelled) => return Err(ModalError::Cancelled),
+                Err(error) => Outcome::Refused(error.to_string()),
+            },
+        };
+        Ok(FoundModes { described: self.described.clone(), outcome })
+    }
+}
+
+/// Where modes are kept that were found once: beside the scene's file, in a folder of its name; what has no file has its
+/// modes in the folder of what can be found anew, where there is one.
+pub fn folder(file: Option<&Path>, spare: Option<PathBuf>) -> Option<PathBuf> {
+    let beside = file.map(|file| file.with_extension(ENDING));
+    beside.or_else(|| spare.map(|spare| spare.join(ENDING)))
+}
+
+/// Finds the modes that a body of a scene waits for, unless `folder` has them. Relative model paths start at `base_dir`;
+/// `pause` is called now and then.
+pub fn find_modes(
+    scene: &Scene,
+    base_dir: &Path,
+    wanted: &WantedModes,
+    folder: Option<&Path>,
+    progress: &Progress,
+    pause: &(dyn Fn() + Sync),
+) -> Result<FoundModes, BackgroundError> {
+    let alone = Scene { bodies: vec![wanted.described.clone()], obstacles: Vec::new(), ..scene.clone() };
+    let opened = Opened::without_file(alone, String::new(), base_dir.to_owned());
+    let lattices = opened.lattices(&CancelOnly(progress))?;
+    if progress.is_cancelled() {
+        return Err(BackgroundError::Cancelled);
+    }
+    let simulation = Simulation::<f32>::new(&opened.scene, &lattices);
+    wanted.find_in(&simulation, 0, folder, &Paced { progress, pause }).map_err(|_cancelled| BackgroundError::Cancelled)
+}
+
+/// Whether a body is to move by modes and can.
+pub(super) fn is_wanted(body: &Body) -> bool {
+    body.moves_by == MovesBy::Modes && !body.pins.is_empty()
+}
+
+/// Whether one body has the modes of another, and as many of them are wanted.
+pub(super) fn is_of(body: &Body, described: &Body) -> bool {
+    body.mode_count == described.mode_count && is_alike(body, described)
+}
