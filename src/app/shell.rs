@@ -4,6 +4,7 @@
 mod camera;
 mod draw;
 mod drawing;
+mod modes;
 mod panels;
 mod pointing;
 
@@ -41,6 +42,7 @@ use crate::session::document::Opened;
 use crate::session::error_curve::{ErrorCurve, error_curve};
 use crate::session::modes::{BodyModes, body_modes};
 use crate::session::stability_map::{MapOf, PlaneShown, StabilityMap, stability_map};
+use crate::session::wanted_modes::FoundModes;
 use crate::view::Orbit;
 
 /// The window's size at the start, points.
@@ -74,6 +76,7 @@ pub(super) struct Shell {
     error_job: BackgroundJob<ErrorCurve>,
     stability_job: BackgroundJob<StabilityMap>,
     modes_job: BackgroundJob<Arc<BodyModes>>,
+    led_job: BackgroundJob<FoundModes>,
     preferences: PreferencesFile,
     snapshot: Option<Snapshot>,
     orbit: Orbit,
@@ -125,6 +128,7 @@ impl Shell {
             error_job: BackgroundJob::default(),
             stability_job: BackgroundJob::default(),
             modes_job: BackgroundJob::default(),
+            led_job: BackgroundJob::default(),
             preferences,
             snapshot: None,
             orbit: Orbit::default(),
@@ -191,6 +195,7 @@ impl Shell {
                 self.error_job.answer(&mut self.ui.error_panel);
                 self.stability_job.answer(&mut self.ui.stability_panel);
                 self.modes_job.answer(&mut self.ui.modes_panel.asked);
+                self.answer_awaited_modes();
                 self.drawing.ask_panels();
             }
             Wake::Accessibility(event) => {
@@ -324,6 +329,7 @@ impl Shell {
             Some(move |beside: Beside<'_>| find(beside).map(Arc::new))
         };
         self.modes_job.grant(&mut self.ui.modes_panel.asked, modes, wake.clone());
+        self.find_awaited_modes(wake.clone());
         let granted = self.files.grant(&mut self.ui.files, wake);
         granted.commands.into_iter().for_each(|command| self.send(command));
         if granted.quit {

@@ -10,6 +10,7 @@ mod panels_error;
 mod panels_fit;
 mod panels_material;
 mod panels_modes;
+mod panels_motion;
 mod panels_parts;
 mod panels_pictures;
 mod panels_places;

@@ -18,7 +18,8 @@ const HIGH: [f32; 2] = [1280.0, 1500.0];
 const THINGS: [Option<&str>; 6] = [None, Some("Springs"), Some("Solid"), Some("Cow"), Some("Ground"), Some("Sphere")];
 
 /// Parts of the panel of values.
-const SECTIONS: [&str; 7] = ["World", "Time step", "Material", "Place", "Shape", "Contact", "Light and camera"];
+const SECTIONS: [&str; 8] =
+    ["World", "Time step", "Material", "Place", "Motion", "Shape", "Contact", "Light and camera"];
 
 /// One of each, with values of more digits than any widget shows.
 fn scene() -> Scene {

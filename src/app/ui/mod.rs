@@ -11,6 +11,7 @@ mod error_panel;
 mod figure;
 mod file_menu;
 pub mod files;
+mod finding;
 mod icon;
 mod inspector;
 mod keys;
@@ -43,6 +44,7 @@ use crate::session::{Command, Status};
 use card::{beside_corner_card, over_view};
 
 pub use color::color_command;
+pub use finding::Finding;
 pub use modes_panel::ModesPanel;
 pub use panels::{Below, Panels};
 pub use shown::{Running, Shown};
@@ -91,6 +93,7 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     }
     value_under_pointer_ui(ui, shown.value);
     message::opening_ui(ui, shown.opening, state);
+    finding::finding_ui(ui, status, &state.finding, &mut state.free_rect, commands);
     message::message_ui(ui, status, shown.failure, state);
     keys::keys_ui(ui, state);
     // After a failure nothing can be saved any more: what is unsaved is kept as a draft.

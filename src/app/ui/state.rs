@@ -3,6 +3,7 @@
 use egui::{Pos2, Rect};
 
 use super::files::FilesState;
+use super::finding::Finding;
 use super::modes_panel::{self, ModesPanel};
 use super::panels::Panels;
 use super::things;
@@ -71,6 +72,8 @@ pub struct UiState {
     pub stability_panel: Asked<StabilityMap>,
     /// The modes of a body.
     pub modes_panel: ModesPanel,
+    /// The modes that a body of the scene waits for.
+    pub finding: Finding,
 }
 
 /// A material that was chosen for a body that is too large for it.
@@ -121,6 +124,7 @@ impl UiState {
             error_panel: Asked::default(),
             stability_panel: Asked::default(),
             modes_panel: ModesPanel::default(),
+            finding: Finding::default(),
         }
     }
 

@@ -12,14 +12,20 @@ use crate::app::ui::value::{AXES, LABEL_WIDTH, field_ui, help, slider_ui, vector
 use crate::app::ui::{Running, UiState, edits, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::param;
-use crate::scene::{Body, ContactOn, Shape, Skin};
+use crate::scene::{Body, ContactOn, MovesBy, Shape, Skin};
 use crate::session::{BodyStatus, Command};
+use crate::view::legend::three_digits;
+
+const LINEAR: &str = "Linear: right for small motion; where a part turns far it looks wrong, it grows. Its cells cost nothing, \
+                      and other bodies pass through it.";
+const NOT_LED: &str = "It moves by its cells as yet: the message over the view says why.";
 
 /// The panel of a body.
 pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(body) = running.scene.bodies.get(id.0) else { return };
     section_ui(ui, "Material", true, |ui| material_ui(ui, id, running, state, commands));
     section_ui(ui, "Place", true, |ui| place_ui(ui, id, body, running.status.bodies.get(id.0), state, commands));
+    section_ui(ui, "Motion", false, |ui| moves_by_ui(ui, id, running, body, commands));
     section_ui(ui, "Contact", false, |ui| contact_ui(ui, id, body, commands));
     section_ui(ui, "Shape", true, |ui| shape_ui(ui, id, body, running.status.bodies.get(id.0), commands));
 }
@@ -41,6 +47,47 @@ fn contact_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>)
     let mut interaction = at_rest;
     interaction.and(slider_ui(ui, &path("friction_dynamic"), "Sliding", &mut changed.friction_dynamic, None));
     interaction.send(|| Edit::Body(id, Box::new(changed)), commands);
+}
+
+/// What its motion is worked out from.
+fn moves_by_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, body: &Body, commands: &mut Vec<Command>) {
+    let words = |moves_by| if moves_by == MovesBy::Modes { "its lowest modes" } else { "all its cells" };
+    ui.horizontal(|ui| {
+        let label = name_ui(ui, "Moves by");
+        let combo = ComboBox::from_id_salt("moves_by").truncate().selected_text(words(body.moves_by));
+        let response = combo.show_ui(ui, |ui| {
+            for moves_by in [MovesBy::Cells, MovesBy::Modes] {
+                let is_chosen = moves_by == body.moves_by;
+                if ui.selectable_label(is_chosen, words(moves_by)).clicked() && !is_chosen {
+                    let changed = Body { moves_by, ..body.clone() };
+                    commands.extend(edits::alone(Edit::Body(id, Box::new(changed))));
+                }
+            }
+        });
+        if let Some(param) = param::find(&format!("bodies.{}.moves_by", id.0)) {
+            tip_ui(ui, &response.response, || help(param));
+        }
+        response.response.labelled_by(label.id);
+    });
+    if body.moves_by == MovesBy::Cells {
+        return;
+    }
+    let mut count = f64::from(body.mode_count);
+    let interaction = field_ui(ui, &format!("bodies.{}.mode_count", id.0), "Modes", &mut count);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the parameter's range")]
+    let mode_count = count.round() as u32;
+    interaction.send(|| Edit::Body(id, Box::new(Body { mode_count, ..body.clone() })), commands);
+    let modes_hz = running.status.bodies.get(id.0).and_then(|status| status.modes_hz.as_deref());
+    let words = modes_hz.map_or(NOT_LED.to_owned(), |modes_hz| format!("{} {LINEAR}", frequency_words(modes_hz)));
+    ui.add(egui::Label::new(RichText::new(words).color(theme::of(ui).weak)).wrap());
+}
+
+/// How often a body swings, as a sentence.
+fn frequency_words(modes_hz: &[f64]) -> String {
+    const FIRST: usize = 4;
+    let first = modes_hz.iter().take(FIRST).map(|hz| three_digits(*hz)).collect::<Vec<_>>().join(", ");
+    let last = modes_hz.last().filter(|_| modes_hz.len() > FIRST).map(|hz| format!(" … {}", three_digits(*hz)));
+    format!("It swings {first}{} times a second; Modes (M) shows how.", last.unwrap_or_default())
 }
 
 fn place_ui(

@@ -1,0 +1,74 @@
+//! The modes that a body of the scene waits for, while they are found: a card over the view that says how far they are, and a
+//! button with which the body moves by its cells instead.
+
+use std::sync::Arc;
+
+use egui::{Rect, RichText, Ui};
+
+use super::work::{Asked, Wish, Work};
+use super::{card, theme, work};
+use crate::session::wanted_modes::{FoundModes, WantedModes};
+use crate::session::{Command, Status};
+
+/// Width of the bar, points.
+const BAR: f32 = 320.0;
+
+/// The work on modes that a body waits for.
+#[derive(Debug, Default)]
+pub struct Finding {
+    /// How far it is.
+    pub asked: Asked<FoundModes>,
+    /// What is looked for.
+    of: Option<Arc<WantedModes>>,
+}
+
+impl Finding {
+    /// Begins what a body waits for now, and stops what none waits for any more.
+    pub fn follow(&mut self, awaited: Option<&Arc<WantedModes>>) {
+        match (awaited, &self.of) {
+            (Some(now), Some(of)) if now.is_alike(of) => {}
+            (Some(now), _) => (self.of, self.asked.wish) = (Some(Arc::clone(now)), Some(Wish::Begin)),
+            (None, Some(_)) => (self.of, self.asked.wish) = (None, Some(Wish::Stop)),
+            (None, None) => {}
+        }
+    }
+
+    /// What is looked for.
+    pub fn of(&self) -> Option<&Arc<WantedModes>> {
+        self.of.as_ref()
+    }
+
+    /// What came of it, once.
+    pub fn take(&mut self) -> Option<Command> {
+        let of = self.of.as_ref()?;
+        let found = match std::mem::replace(&mut self.asked.work, Work::Idle) {
+            Work::Ready(found) => *found,
+            Work::Failed(why) => of.refused(why),
+            unfinished => {
+                self.asked.work = unfinished;
+                return None;
+            }
+        };
+        Some(Command::TakeModes(Box::new(found)))
+    }
+}
+
+/// The card, while a body waits.
+pub(super) fn finding_ui(ui: &Ui, status: &Status, finding: &Finding, free: &mut Rect, commands: &mut Vec<Command>) {
+    let Some(wanted) = &status.awaited_modes else { return };
+    card::card_over_view(ui, "finding modes", free, |ui| {
+        theme::float_frame(ui).show(ui, |ui| {
+            ui.set_max_width(BAR);
+            let title = format!("Finding the modes of {}", wanted.name);
+            ui.label(RichText::new(title).color(theme::of(ui).strong).strong());
+            ui.label(RichText::new("Time stands still until they are there.").color(theme::of(ui).weak));
+            if let Work::Running(progress) = &finding.asked.work {
+                work::progress_ui(ui, progress, BAR);
+            }
+            ui.add_space(2.0);
+            if ui.button("Stop: move by its cells").clicked() {
+                commands.push(Command::TakeModes(Box::new(wanted.stopped())));
+            }
+        });
+    });
+}
