@@ -62,7 +62,7 @@
 //! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells; which cells are of which part that the file names |
 //! | [`scene`] | math, disk, text, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
 //! | [`physics`] | math, geometry, scene (in `compile` alone) | the core: forces, contact, stability limits, the step; no input, output or clock |
-//! | [`modal`] | math, machine, geometry, physics | how a body swings: the lowest modes about rest, and motion by them at a cost that no cell adds to |
+//! | [`modal`] | math, machine, geometry, physics | how a body swings: the lowest modes about rest, by which the physics can move it at a cost that no cell adds to |
 //! | [`view`] | math | camera, draw list, colours, legend: a picture as plain data |
 //! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; what explains them (links, contacts, boxes) → overlays |
 //! | `render` | math, view | wgpu: draws a draw list to a window's surface or an image; has never heard of a spring |
@@ -95,6 +95,11 @@
 //! still a body may be shown moved by its modes (`Command::ShowModes`): its state stays as it is. A frame is drawn
 //! only where something looks different, and where a processor draws, at a pace and with as many pixels as leave the
 //! simulation its share (`app::pace`); one that a person waits for has the processors to itself.
+//!
+//! A body that is to move by its modes waits for them with time standing still (`session::led`): the window finds them on a
+//! thread beside the sandbox with progress and a stop, the command line at once, both in a folder beside the scene where they
+//! were found before. What comes of it is a `Command::TakeModes`; from then on modes lead the body's particles
+//! (`physics::modes`), and its cells are not simulated.
 //!
 //! # Two walks through the code
 //!

@@ -60,7 +60,7 @@ pub fn ground_only() -> Scene {
 /// its steps are.
 const DAMPED_DT_SECS: f64 = 4e-3;
 
-const PRESETS: [Preset; 24] = [
+const PRESETS: [Preset; 26] = [
     Preset { name: DEFAULT, summary: "A jelly cube falls on the ground beside a sphere.", build: cube_on_plane },
     Preset {
         name: "cube-on-sphere",
@@ -89,6 +89,16 @@ const PRESETS: [Preset; 24] = [
         name: "bridge",
         summary: "A bridge of 310 loose parts, joined by its cells, sways under a gust and a load.",
         build: models::bridge,
+    },
+    Preset {
+        name: "chair-modes",
+        summary: "Two chairs without weight get the same push: one moves by its cells, the other by 30 modes.",
+        build: models::chair_modes,
+    },
+    Preset {
+        name: "bridge-modes",
+        summary: "The bridge moved by 40 modes, which cost next to nothing; a ball knocks at it.",
+        build: models::bridge_modes,
     },
     Preset { name: "shell", summary: "The open body shell of a car falls on its nose.", build: models::shell },
     Preset { name: "many", summary: "A dozen jellified models fall together.", build: models::many },

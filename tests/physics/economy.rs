@@ -12,7 +12,7 @@ use crate::support::{alone, ball, cube, falling, plane, simulate, springs};
 #[test]
 fn the_broad_phase_changes_no_preset_and_saves_tests() {
     // The finest models and the largest scenes differ only in cost.
-    let costly = ["coupler-40", "coupler-20", "spot", "bridge", "many"];
+    let costly = ["coupler-40", "coupler-20", "spot", "bridge", "chair-modes", "bridge-modes", "many"];
     let coarse = presets().iter().filter(|preset| !costly.contains(&preset.name));
     let by = |rule: ContactRule| {
         move |mut scene: Scene| {

@@ -8,6 +8,7 @@ use gelatin::scene::presets::{preset, presets};
 use gelatin::scene::{Material, Scene};
 use gelatin::session::Session;
 use gelatin::session::run::{RunFigures, run};
+use glam::DVec3;
 
 use crate::support::simulate;
 
@@ -202,6 +203,43 @@ fn the_bridge_of_loose_parts_hangs_together_and_sways() {
     assert!(looks[59].3 > 0.8, "it carries the load, which is {} m high", looks[59].3);
 }
 
+/// The middles of all bodies of a preset that is moved by modes, every twentieth of a second.
+fn middles(name: &str, looks: usize) -> Vec<Vec<DVec3>> {
+    let preset = preset(name).expect("a preset of this name");
+    let mut session = Session::new((preset.build)(), PathBuf::new(), name.to_owned()).expect("presets resolve");
+    session.find_modes(None, &());
+    let mut look = |_| {
+        let figures = run(&mut session, 0.05, &());
+        assert!(figures.finite && figures.warnings.iter().all(|said| !said.contains("modes")), "{figures:?}");
+        session.status().bodies.iter().map(|body| DVec3::from(body.center)).collect()
+    };
+    (0..looks).map(&mut look).collect()
+}
+
+#[test]
+fn the_chair_by_modes_swings_as_the_full_one_beside_it() {
+    let looks = middles("chair-modes", 40);
+    let moved = |body: usize, at: &Vec<DVec3>| at[body] - looks[0][body];
+    let off: f64 = looks.iter().map(|at| (moved(0, at) - moved(1, at)).length_squared()).sum();
+    let all: f64 = looks.iter().map(|at| moved(0, at).length_squared()).sum();
+    let (share, far) = ((off / all).sqrt(), (all / looks.len() as f64).sqrt());
+    assert!(share < 0.05 && far > 0.01, "{share} of a motion of {far} m");
+}
+
+#[test]
+fn the_ball_knocks_the_bridge_that_moves_by_modes() {
+    let knocked = middles("bridge-modes", 80);
+    let [near, far] = range(knocked.iter().map(|at| at[0].z));
+    assert!(near < -0.02 && far > 0.02, "it sways from {near} m to {far} m");
+    let mut scene = (preset("bridge-modes").expect("a preset").build)();
+    let ball = scene.obstacles.pop().expect("the ball is the last");
+    let mut session = Session::new(scene, PathBuf::new(), ball.name).expect("it resolves");
+    session.find_modes(None, &());
+    let alone = run(&mut session, 4.0, &());
+    let apart = knocked[79][0].z - alone.center[2];
+    assert!(apart.abs() > 1e-3, "the ball makes {apart} m");
+}
+
 #[test]
 fn the_shell_lands_on_its_sills() {
     let figures = after_eight_seconds("shell");
@@ -222,6 +260,7 @@ fn the_dozen_lies_in_a_heap_and_none_has_gone_through_the_ground() {
 fn every_preset_is_there() {
     let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
     let wanted = "cube-on-plane cube-on-sphere incline incline-slide u-on-sphere tree coupler-7 coupler-8 coupler-20 \
-                  coupler-40 spot chair bridge shell many exploding broken newton hook stack fold pile comb conveyor";
+                  coupler-40 spot chair bridge chair-modes bridge-modes shell many exploding broken newton hook stack fold pile \
+                  comb conveyor";
     assert_eq!(names, wanted.split_whitespace().collect::<Vec<_>>(), "in the order of the list");
 }

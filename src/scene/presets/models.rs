@@ -1,10 +1,11 @@
 //! Jellified models: one with thin parts, a long one, an open one, and many at once. All are solids, which are as stiff
 //! in few cells as in many.
 
-use super::parts::{carried, looking_at, scene, turned};
+use super::parts::{ball, carried, looking_at, scene, turned};
 use crate::scene::Scene;
-use crate::scene::body::{Body, CubeShape, ModelShape, OccupancyChoice, PinBox, Pose, Shape};
+use crate::scene::body::{Body, CubeShape, ModelShape, MovesBy, OccupancyChoice, PinBox, Pose, Shape};
 use crate::scene::material::{Material, Solid};
+use crate::scene::obstacle::{Motion, Obstacle, Oscillate};
 
 /// The chair of SC, Fig 1. A jelly is thrown into it and swings it; its feet are held.
 pub(super) fn chair() -> Scene {
@@ -50,6 +51,39 @@ pub(super) fn bridge() -> Scene {
     let mut scene = looking_at([0.4, 1.2, 0.0], 14.6, scene(bridge, Vec::new()));
     scene.bodies.push(load);
     turned(20.0, 12.0, scene)
+}
+
+/// The chair twice, with the same push at the start: the left one moves by its cells, the right one by its modes. Neither has
+/// weight, which would nearly buckle legs as soft as these: modes are about rest and know nothing of that.
+pub(super) fn chair_modes() -> Scene {
+    let mut scene = chair();
+    let Some(chair) = scene.bodies.first().cloned() else { return scene };
+    let beside = |name: &str, x: f64, moves_by| Body {
+        name: name.to_owned(),
+        pose: Pose { position: [x, chair.pose.position[1], 0.0], ..chair.pose },
+        velocity: [0.0, 0.0, -0.3],
+        moves_by,
+        mode_count: 30,
+        collides: false,
+        self_collides: false,
+        ..chair.clone()
+    };
+    scene.settings.gravity = [0.0; 3];
+    scene.bodies = vec![beside("By cells", -0.6, MovesBy::Cells), beside("By modes", 0.6, MovesBy::Modes)];
+    turned(25.0, 14.0, looking_at([0.0, 0.55, 0.0], 4.2, scene))
+}
+
+/// The bridge by its modes, with the same gust; a ball that swings to and fro knocks at its deck.
+pub(super) fn bridge_modes() -> Scene {
+    let mut scene = bridge();
+    scene.bodies.truncate(1);
+    for bridge in &mut scene.bodies {
+        (bridge.moves_by, bridge.mode_count) = (MovesBy::Modes, 40);
+    }
+    let knocks = Motion::Oscillate(Oscillate { axis: [0.0, 0.0, 1.0], amplitude: 0.5, period_secs: 3.0 });
+    let ball = Obstacle { name: "Ball".to_owned(), motion: Some(knocks), ..ball([0.0, 1.35, -1.2], 0.25) };
+    scene.obstacles.push(ball);
+    scene
 }
 
 /// A sheet without thickness that has no inside. It falls on its nose.
