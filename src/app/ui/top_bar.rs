@@ -18,10 +18,10 @@ const SPEEDS: [f64; 8] = [0.01, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0];
 /// The width of the box with the scene's name, points.
 const SCENE_WIDTH: f32 = 136.0;
 /// What is left of the window's height below the list of scenes and above it, and the least height of the list, points.
-const BELOW_LIST: f32 = 100.0;
+const BELOW_LIST: f32 = 72.0;
 const LEAST_LIST: f32 = 200.0;
 /// Between two rows of the list of presets, points: all of them are to be seen in a window 800 points high.
-const BETWEEN_PRESETS: f32 = 2.0;
+const BETWEEN_PRESETS: f32 = 0.0;
 /// Where summaries begin in the list of presets, points from the names.
 const SUMMARY_COLUMN: f32 = 124.0;
 /// Below these widths of the bar (points) it has no room for the error of the step, for the step in figures, and for
