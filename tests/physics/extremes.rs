@@ -96,6 +96,7 @@ fn scenes_that_once_exploded_do_not() {
         (2_675_233_212, 1101),
         (1_705_650_560, 993),
         (2_252_673_541, 6665),
+        (2_151_317_611, 9257),
     ];
     let [scenes, second] = [(Edition::First, &scenes[..]), (Edition::Second, &second)]
         .map(|(edition, scenes)| scenes.iter().map(move |(seed, number)| (edition, *seed, *number)));

@@ -20,15 +20,12 @@ pub struct StepSettings {
     pub dt_secs: f64,
     /// What takes it.
     pub integrator: Integrator,
-    /// Whether there are obstacles: automatic stepping may keep a wider margin then.
-    pub among_obstacles: bool,
 }
 
 impl StepSettings {
     /// The step that a scene asks for.
     pub fn of(scene: &Scene) -> Self {
-        let (dt_secs, integrator) = (scene.settings.dt, scene.settings.integrator);
-        Self { dt_secs, integrator, among_obstacles: !scene.obstacles.is_empty() }
+        Self { dt_secs: scene.settings.dt, integrator: scene.settings.integrator }
     }
 
     pub(super) fn scheme(self) -> Scheme {
@@ -37,7 +34,7 @@ impl StepSettings {
 
     /// What automatic stepping keeps of the limit.
     pub(super) fn margin(self) -> Margin {
-        Margin::of(self.scheme(), self.among_obstacles)
+        Margin::of(self.scheme())
     }
 
     /// How many times its damping a link's stiffness may be, 1/s, where the scheme asks for that.

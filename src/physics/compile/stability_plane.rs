@@ -282,7 +282,7 @@ mod tests {
     fn plane(body: &Body, dt_secs: f64, integrator: Integrator) -> StabilityPlane {
         let scene = Scene { bodies: vec![body.clone()], ..Scene::default() };
         let simulation = Simulation::<f32>::new(&scene, &[lattice(body)]);
-        let step = StepSettings { dt_secs, integrator, among_obstacles: false };
+        let step = StepSettings { dt_secs, integrator };
         StabilityPlane::of(body, &simulation.model().bodies[0], step, None)
     }
 

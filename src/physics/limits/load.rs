@@ -20,12 +20,6 @@ const DISC_SAFETY: f64 = 0.9;
 /// The largest eigenvalue of `M⁻¹ (dt² K + 2 dt C)` with which motion stays bounded.
 pub(in crate::physics) const LATTICE_LIMIT: f64 = 4.0;
 
-/// The share of [`SAFETY`] that is left to RK4 where bodies meet obstacles. A particle in contact moves with the velocity
-/// that the forces at the start of the substep predict while those around it go through four stages; near RK4's own limit
-/// the two are far apart and the highest vibrations grow, slowly, as long as the contact lasts. Of the random extreme
-/// scenes that are stepped so, four in some 1300 gained with a share of 0.6 and none with 0.45.
-const RK4_CONTACT_SHARE: f64 = 0.4;
-
 /// Where in the complex plane dt times an eigenvalue of the motion may lie, by scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Region {
@@ -91,13 +85,12 @@ impl Margin {
     /// All of the bound.
     pub(in crate::physics) const NONE: Self = Self { stiffness: 1.0, damping: [1.0; 3] };
 
-    /// What a scheme keeps, among obstacles or not.
-    pub(in crate::physics) fn of(scheme: Scheme, among_obstacles: bool) -> Self {
+    /// What a scheme keeps.
+    pub(in crate::physics) fn of(scheme: Scheme) -> Self {
         let alike = |share: f64| Self { stiffness: share, damping: [share; 3] };
         match scheme {
             Scheme::SemiImplicit => Self { stiffness: SAFETY, damping: DAMPING_SAFETY },
             Scheme::Stabilised => Self { stiffness: DISC_SAFETY, damping: DAMPING_SAFETY },
-            Scheme::Rk4 if among_obstacles => alike(RK4_CONTACT_SHARE * SAFETY),
             _ => alike(SAFETY),
         }
     }

@@ -103,7 +103,7 @@ impl SceneLimits {
     /// vibration: theirs are the steps beyond which every vibration blows up at once.
     pub fn of<R: Real>(model: &Model<R>, rule: ContactRule, scheme: Scheme) -> Self {
         let waves = lattice_waves();
-        let margin = Margin::of(scheme, !model.obstacles.is_empty());
+        let margin = Margin::of(scheme);
         let bodies = model.bodies.iter().map(|body| body_limits(body, rule, Region::of(scheme), margin, &waves));
         bodies.reduce(Self::tighter).unwrap_or_default()
     }
