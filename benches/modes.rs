@@ -24,20 +24,20 @@ fn modes(criterion: &mut Criterion) {
         let body = &simulation.model().bodies[0];
         let (particles, lattice) = (body.start.len(), body.lattice.clone());
         let found = modal::modes(body, Wanted { count: 40, ..Wanted::default() }, &()).expect("modes");
-        let mut led = Simulation::<f32>::with_modes(&scene, &[lattice], &[Some(found.reduced(body))]);
+        let mut modal = Simulation::<f32>::with_modes(&scene, &[lattice], &[Some(found.reduced(body))]);
         group.bench_function(format!("spot-{divisions}/{particles} particles/step"), |bencher| {
-            bencher.iter(|| black_box(led.step()));
+            bencher.iter(|| black_box(modal.step()));
         });
-        let start = &led.model().bodies[0].start;
+        let start = &modal.model().bodies[0].start;
         let target = start[particles - 1] + Vec3::splat(0.1);
-        led.set_grab(Some(Grab { body: 0, weights: vec![(particles - 1, 1.0)], target, stiffness: 10.0 }));
+        modal.set_grab(Some(Grab { body: 0, weights: vec![(particles - 1, 1.0)], target, stiffness: 10.0 }));
         group.bench_function(format!("spot-{divisions}/{particles} particles/step with a hand"), |bencher| {
-            bencher.iter(|| black_box(led.step()));
+            bencher.iter(|| black_box(modal.step()));
         });
         group.bench_function(format!("spot-{divisions}/{particles} particles/step and place"), |bencher| {
             bencher.iter(|| {
-                led.step();
-                led.place_led();
+                modal.step();
+                modal.place_modal();
             });
         });
     }

@@ -96,7 +96,7 @@
 //! only where something looks different, and where a processor draws, at a pace and with as many pixels as leave the
 //! simulation its share (`app::pace`); one that a person waits for has the processors to itself.
 //!
-//! A body that is to move by its modes waits for them with time standing still (`session::led`): the window finds them on a
+//! A body that is to move by its modes waits for them with time standing still (`session::modal`): the window finds them on a
 //! thread beside the sandbox with progress and a stop, the command line at once, both in a folder beside the scene where they
 //! were found before. What comes of it is a `Command::TakeModes`; from then on modes lead the body's particles
 //! (`physics::modes`), and its cells are not simulated.

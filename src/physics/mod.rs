@@ -18,7 +18,7 @@
 //! share, team  who works out what: bodies cut into shares of as much work, shared out among the threads of a pool
 //! kernels      many at a time: the forces of links again, which those of `forces` are the oracle of; boxes around vectors
 //! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
-//! modes        bodies that are led by their modes, at a cost that no cell adds to
+//! modes        modal bodies, at a cost that no cell adds to
 //! contact      obstacles: where they are, who meets them, what they do to velocities; bodies that meet each other
 //! limits       how large a step may be: waves, cells
 //! interaction  a hand that pulls

@@ -56,7 +56,7 @@ pub struct Counters {
     /// Substeps of the implicit integrator that reached the limit of their work, and were finished in long parts, slowed
     /// where those would have given energy.
     pub slowed: u64,
-    /// Modes that were followed, and boxes and points looked at, of bodies that are led by their modes.
+    /// Modes that were followed, and boxes and points looked at, of modal bodies.
     pub modal_work: u64,
     /// Work that moving obstacles did, J.
     pub obstacle_work_j: f64,

@@ -37,7 +37,7 @@ pub struct Simulation<R: Real = f32> {
     /// What held at the end of the last substep: it holds while steps are only counted.
     last: LastSubstep,
     diverged: bool,
-    /// Whether the particles of bodies that are led by modes are where these have them.
+    /// Whether the particles of modal bodies are where these have them.
     is_placed: bool,
 }
 
@@ -52,7 +52,7 @@ impl<R: Real> Simulation<R> {
         let last = LastSubstep::default();
         let mut simulation =
             Self { model, plan, state, workspace, obstacles, grab: None, last, diverged: false, is_placed: false };
-        simulation.place_led();
+        simulation.place_modal();
         simulation
     }
 
@@ -60,7 +60,7 @@ impl<R: Real> Simulation<R> {
     /// each obstacle of the model, the one it was.
     pub(super) fn replace_model(&mut self, model: Model<R>, plan: Plan, kept: &[Option<usize>], arrival: Arrival) {
         debug_assert_eq!(model.particle_count(), self.model.particle_count(), "the bodies must be the same");
-        self.place_led();
+        self.place_modal();
         let old = Placed::now(&self.model, &self.state);
         self.state.sweeps = match arrival {
             Arrival::Swept => sweep::sweeps(&old, &self.model, &model, kept, &self.state),
@@ -93,7 +93,7 @@ impl<R: Real> Simulation<R> {
         }
         for (body, (before, now)) in self.model.bodies.iter().zip(&model.bodies).enumerate() {
             let are_the_same = matches!((before.modes(), now.modes()), (Some(a), Some(b)) if Arc::ptr_eq(a, b));
-            self.state.bodies[body].led &= are_the_same || now.led.is_none();
+            self.state.bodies[body].is_modal &= are_the_same || now.modal.is_none();
         }
         self.state.fit_modes(&model);
         self.is_placed = false;
@@ -103,7 +103,7 @@ impl<R: Real> Simulation<R> {
         self.plan = plan;
         self.diverged = false;
         self.obstacles = Placed::now(&self.model, &self.state);
-        self.place_led();
+        self.place_modal();
     }
 
     /// Takes over the motion of bodies that `before` had too, and on which side of the planes they are: `kept` names,
@@ -161,7 +161,7 @@ impl<R: Real> Simulation<R> {
     }
 
     /// Advances by as many whole steps as last so long, at least one where it is more than half a step, s. Ends early
-    /// where a step diverges. All particles are where they belong then: see [`Simulation::place_led`].
+    /// where a step diverges. All particles are where they belong then: see [`Simulation::place_modal`].
     pub fn run_for(&mut self, secs: f64) -> StepReport {
         let mut report = StepReport::default();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
@@ -172,13 +172,13 @@ impl<R: Real> Simulation<R> {
                 break;
             }
         }
-        self.place_led();
+        self.place_modal();
         report
     }
 
-    /// Puts the particles of bodies that are led by modes where these have them. Steps leave them where they were: nothing but
+    /// Puts the particles of modal bodies where these have them. Steps leave them where they were: nothing but
     /// this costs more with more cells.
-    pub fn place_led(&mut self) {
+    pub fn place_modal(&mut self) {
         if !self.is_placed {
             modes::place(&self.model, &mut self.state);
             self.is_placed = true;
@@ -198,7 +198,7 @@ impl<R: Real> Simulation<R> {
         }
         if let Some(grab) = &self.grab {
             let memory = &mut self.state.bodies[grab.body];
-            memory.asleep = memory.gone || memory.led;
+            memory.asleep = memory.gone || memory.is_modal;
         }
         if !self.state.sweeps.is_empty() {
             self.wake_all();
@@ -216,7 +216,7 @@ impl<R: Real> Simulation<R> {
         }
         self.diverged = report.diverged;
         if !self.diverged && self.state.end_part() {
-            self.advance_led(&mut report, timer);
+            self.advance_modal(&mut report, timer);
             self.state.held_steps = 0;
             self.state.substep += 1;
             if self.state.substep >= self.plan.substeps {
@@ -229,25 +229,25 @@ impl<R: Real> Simulation<R> {
         report
     }
 
-    /// Moves bodies that are led by modes over the substep that was taken.
-    fn advance_led(&mut self, report: &mut StepReport, timer: &mut impl StageTimer) {
-        if self.model.bodies.iter().all(|body| body.led.is_none()) {
+    /// Moves modal bodies over the substep that was taken.
+    fn advance_modal(&mut self, report: &mut StepReport, timer: &mut impl StageTimer) {
+        if self.model.bodies.iter().all(|body| body.modal.is_none()) {
             return;
         }
         let Self { model, plan, state, workspace, obstacles, grab, .. } = self;
         obstacles.place(model, state, plan.substep_secs());
         let mut recorder = Recorder::new(timer);
-        let led = modes::advance(model, plan, obstacles, grab.as_ref(), state, &mut workspace.modal, &mut recorder);
-        recorder.note_depth(led.deepest_m.max(report.last.max_penetration_m));
-        let of_led = recorder.leave(!led.is_finite);
-        report.counters.add(&of_led.counters);
-        report.last.contacts += led.contacts;
-        report.last.max_penetration_m = of_led.last.max_penetration_m;
-        report.diverged |= of_led.diverged;
+        let modal = modes::advance(model, plan, obstacles, grab.as_ref(), state, &mut workspace.modal, &mut recorder);
+        recorder.note_depth(modal.deepest_m.max(report.last.max_penetration_m));
+        let of_modal = recorder.leave(!modal.is_finite);
+        report.counters.add(&of_modal.counters);
+        report.last.contacts += modal.contacts;
+        report.last.max_penetration_m = of_modal.last.max_penetration_m;
+        report.diverged |= of_modal.diverged;
         (self.diverged, self.is_placed) = (report.diverged, false);
     }
 
-    /// Bodies that sleep, and of those that are led by modes the ones at rest.
+    /// Bodies that sleep, and the modal ones at rest.
     fn bodies_asleep(&self) -> usize {
         (0..self.state.bodies.len()).filter(|body| self.is_body_asleep(*body)).count()
     }
@@ -256,7 +256,7 @@ impl<R: Real> Simulation<R> {
     pub fn is_body_asleep(&self, body: usize) -> bool {
         let memory = &self.state.bodies[body];
         let long_enough = looks::substeps_in(&self.plan, sleep::STILL_SECS, libm::ceil);
-        memory.asleep && (!memory.led || self.plan.sleeping && modes::resting(memory, long_enough))
+        memory.asleep && (!memory.is_modal || self.plan.sleeping && modes::resting(memory, long_enough))
     }
 
     /// Whether the last step would have made a number infinite or NaN.
@@ -312,7 +312,7 @@ impl<R: Real> Simulation<R> {
         self.diverged = false;
         self.find_contacts_of_sleepers();
         self.is_placed = false;
-        self.place_led();
+        self.place_modal();
     }
 
     /// A sleeping body's contacts are no part of the state, but are shown.

@@ -22,9 +22,9 @@ mod handle;
 mod history;
 pub mod hold;
 pub mod jellify;
-pub mod led;
 mod library;
 mod look_ahead;
+pub mod modal;
 mod model_paths;
 pub mod modes;
 mod modes_cache;
@@ -268,7 +268,7 @@ impl Session {
                 }
             }
         });
-        self.simulation.place_led();
+        self.simulation.place_modal();
         self.clock.note(Stretch {
             wall_secs: wall.as_secs_f64(),
             simulated_secs: self.simulation.state().time_secs - time_before,
@@ -290,7 +290,7 @@ impl Session {
             return true;
         }
         let is_sound = self.take_step();
-        self.simulation.place_led();
+        self.simulation.place_modal();
         is_sound
     }
 
@@ -400,9 +400,9 @@ mod fallen_tests;
 #[cfg(test)]
 mod history_tests;
 #[cfg(test)]
-mod led_tests;
-#[cfg(test)]
 mod mesh_tests;
+#[cfg(test)]
+mod modal_tests;
 #[cfg(test)]
 mod part_tests;
 #[cfg(test)]

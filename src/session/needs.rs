@@ -47,8 +47,8 @@ pub(super) fn needed(scene: &Scene, outlines: &[Outline]) -> u64 {
 
 /// What the modes of bodies take that are to move by them; whether there is room to find them is known when they are found.
 fn of_modes(scene: &Scene, outlines: &[Outline]) -> u64 {
-    let led = scene.bodies.iter().zip(outlines).filter(|(body, _)| body.moves_by == MovesBy::Modes);
-    let numbers = led.map(|(body, outline)| outline.counts.particles as u64 * u64::from(body.mode_count));
+    let modal = scene.bodies.iter().zip(outlines).filter(|(body, _)| body.moves_by == MovesBy::Modes);
+    let numbers = modal.map(|(body, outline)| outline.counts.particles as u64 * u64::from(body.mode_count));
     numbers.sum::<u64>() * size_of::<[f32; 3]>() as u64
 }
 

@@ -6,7 +6,7 @@ use cpu_time::ThreadTime;
 use serde::Serialize;
 
 use super::Session;
-use super::led::ModesFigures;
+use super::modal::ModesFigures;
 use crate::math::FRAME_SECS;
 use crate::physics::MOST_WORK_A_FRAME;
 use crate::physics::{Scheme, SchemeCost, Simulation, Term};

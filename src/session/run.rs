@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::Session;
-use super::led::ModesFigures;
+use super::modal::ModesFigures;
 use super::predict::slowed_words;
 use crate::geometry::Watch;
 use crate::machine::peak_memory;
@@ -169,7 +169,7 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
             if elapsed >= next_sample {
                 // What sleeps has no new extremes.
                 if !session.simulation.is_asleep() {
-                    session.simulation.place_led();
+                    session.simulation.place_modal();
                     peak.include(&session.simulation.diagnostics());
                 }
                 watch.progress((step + 1) as f64 / steps as f64);
@@ -177,7 +177,7 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
             }
         }
     });
-    session.simulation.place_led();
+    session.simulation.place_modal();
     session.report = report;
     session.picture.touch();
     let wall_secs = begin.elapsed().as_secs_f64();

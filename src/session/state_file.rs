@@ -145,8 +145,8 @@ impl Session {
         for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
-            let BodyMemory { asleep, strained, stuck, gone, near_itself, led, .. } = *memory;
-            let flags = [asleep, strained, stuck, gone, near_itself, led].map(u32::from);
+            let BodyMemory { asleep, strained, stuck, gone, near_itself, is_modal, .. } = *memory;
+            let flags = [asleep, strained, stuck, gone, near_itself, is_modal].map(u32::from);
             let flags = flags.iter().rev().fold(0, |all, flag| 2 * all + flag);
             let words = [flags, memory.knotted_nanos, memory.calm_substeps];
             bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
@@ -182,9 +182,9 @@ impl Session {
                 .extend([body as u64, sample as u64, obstacle as u64, side].iter().flat_map(|word| word.to_le_bytes()));
             bytes.extend(depth_m.to_le_bytes());
         }
-        let led = || state.modal.iter().enumerate().filter(|(_, modal)| !modal.amplitude.is_empty());
-        bytes.extend((led().count() as u64).to_le_bytes());
-        for (body, modal) in led() {
+        let modal = || state.modal.iter().enumerate().filter(|(_, modal)| !modal.amplitude.is_empty());
+        bytes.extend((modal().count() as u64).to_le_bytes());
+        for (body, modal) in modal() {
             bytes.extend([body as u64, modal.amplitude.len() as u64].iter().flat_map(|word| word.to_le_bytes()));
             bytes.extend(
                 modal

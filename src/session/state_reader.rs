@@ -167,10 +167,10 @@ impl<'a> Reader<'a> {
         let field = of_body("the memory");
         let [flags, knotted_nanos, calm_substeps] = [self.u32(&field)?, self.u32(&field)?, self.u32(&field)?];
         need(flags < 64, &field, flags, "a sum of 1, 2, 4, 8, 16 and 32")?;
-        let [asleep, strained, stuck, gone, near_itself, led] = [1, 2, 4, 8, 16, 32].map(|flag| flags & flag != 0);
+        let [asleep, strained, stuck, gone, near_itself, is_modal] = [1, 2, 4, 8, 16, 32].map(|flag| flags & flag != 0);
         need(strained || calm_substeps == 0, &field, "one that is calm after no strain", "0 substeps")?;
         need(asleep || !gone, &field, "one of a body that has fallen out and is awake", "one that sleeps")?;
-        need(asleep || !led, &field, "one of a body that modes lead and is awake", "one that sleeps")?;
+        need(asleep || !is_modal, &field, "one of a modal body that is awake", "one that sleeps")?;
         let field = of_body("the account of recovery");
         let [taken_j, pull_share] = [self.f64(&field)?, self.f64(&field)?];
         need(taken_j.is_finite(), &field, format!("{taken_j} J"), "a finite number")?;
@@ -196,7 +196,7 @@ impl<'a> Reader<'a> {
             still_substeps,
             asleep,
             gone,
-            led,
+            is_modal,
             near_itself,
             apart,
         })

@@ -37,7 +37,7 @@ pub struct FoundModes {
 #[derive(Clone, Debug)]
 pub(super) enum Outcome {
     /// It moves by these.
-    Led(Arc<ModalModel>),
+    Found(Arc<ModalModel>),
     /// It cannot move by them; why, as half a sentence.
     Refused(String),
     /// A person stopped it.
@@ -83,7 +83,7 @@ impl WantedModes {
         let key = modes_cache::key(model, count);
         let kept = folder.and_then(|folder| modes_cache::read(folder, key, model));
         let outcome = match kept {
-            Some(kept) => Outcome::Led(Arc::new(kept)),
+            Some(kept) => Outcome::Found(Arc::new(kept)),
             None => match find(simulation, body, count, watch) {
                 Ok(found) if found.rigid > 0 => Outcome::Refused(
                     "a part of it can still turn or move freely, which modes cannot follow; hold it at three places or \
@@ -95,7 +95,7 @@ impl WantedModes {
                     if let Some(folder) = folder {
                         modes_cache::write(folder, key, &modes);
                     }
-                    Outcome::Led(modes)
+                    Outcome::Found(modes)
                 }
                 Err(ModalError::Cancelled) => return Err(ModalError::Cancelled),
                 Err(error) => Outcome::Refused(error.to_string()),

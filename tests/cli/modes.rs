@@ -59,8 +59,8 @@ fn what_has_no_modes_is_refused_in_a_sentence() {
 fn by_modes() -> Folder {
     let folder = Folder::new();
     let scene = cube(20.0, "(min: (-9, -9, -9), max: (9, -0.15, 9))");
-    let led = scene.replace("shape: cube", "moves_by: modes, mode_count: 5, velocity: (0.3, 0, 0), shape: cube");
-    folder.write("held.ron", led);
+    let modal = scene.replace("shape: cube", "moves_by: modes, mode_count: 5, velocity: (0.3, 0, 0), shape: cube");
+    folder.write("held.ron", modal);
     folder
 }
 

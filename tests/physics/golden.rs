@@ -36,7 +36,7 @@ fn seconds(preset: &str) -> f64 {
 }
 
 fn cases() -> Vec<Case> {
-    // What moves by modes is in `led`; by its cells it is another preset.
+    // What moves by modes is in `modal`; by its cells it is another preset.
     let mut cases: Vec<Case> = presets()
         .iter()
         .filter(|preset| (preset.build)().bodies.iter().all(|body| body.moves_by == MovesBy::Cells))

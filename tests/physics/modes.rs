@@ -1,4 +1,4 @@
-//! Modes against beam theory and against how often the full simulation swings. What moves by them is in `led`.
+//! Modes against beam theory and against how often the full simulation swings. What moves by them is in `modal`.
 
 use std::f64::consts::PI;
 

@@ -21,12 +21,12 @@ impl Shell {
                 find_modes(&scene, &base_dir, &of, folder.as_deref(), beside.progress, &|| ())
             })
         };
-        self.led_job.grant(&mut self.ui.finding.asked, work, wake);
+        self.awaited_job.grant(&mut self.ui.finding.asked, work, wake);
     }
 
     /// Tells the sandbox what came of it.
     pub(super) fn answer_awaited_modes(&mut self) {
-        self.led_job.answer(&mut self.ui.finding.asked);
+        self.awaited_job.answer(&mut self.ui.finding.asked);
         if let Some(command) = self.ui.finding.take() {
             self.send(command);
         }

@@ -2,7 +2,7 @@
 //! placed, links measured, obstacles framed, steps planned.
 
 mod assembly;
-mod lead;
+mod modal;
 mod obstacles;
 pub(in crate::physics) mod other_form;
 mod plan;
@@ -81,13 +81,13 @@ impl<R: Real> Simulation<R> {
         Self::with_modes(scene, lattices, &[])
     }
 
-    /// The same with bodies that are led by modes where there are any, in the bodies' order; the others move by their cells.
+    /// The same with modal bodies where there are any, in the bodies' order; the others move by their cells.
     pub fn with_modes(scene: &Scene, lattices: &[Arc<Lattice>], modes: &[Option<Arc<ModalModel>>]) -> Self {
         let (model, plan) = compile(scene, lattices, modes, None);
         Self::start(model, plan)
     }
 
-    /// Has bodies be led by these modes from now on, each from where it is and as it moves; those without any move by their
+    /// Has bodies move by these modes from now on, each from where it is and as it moves; those without any move by their
     /// cells. The scene must be the one that goes on.
     pub fn set_modes(&mut self, scene: &Scene, lattices: &[Arc<Lattice>], modes: &[Option<Arc<ModalModel>>]) {
         let kept: Vec<Option<usize>> = (0..scene.obstacles.len()).map(Some).collect();
@@ -134,13 +134,13 @@ pub(super) fn compile<R: Real>(
     for (number, (body, lattice)) in scene.bodies.iter().zip(lattices).enumerate() {
         let mut compiled = compile_body(body, lattice, first, scene, before);
         if let Some(modes) = modes.get(number).and_then(Option::as_ref) {
-            lead::lead(&mut compiled, modes, &body.pose, before);
+            modal::move_by(&mut compiled, modes, &body.pose, before);
         }
         first = compiled.particles.end;
         model.bodies.push(compiled);
     }
     model.fall_limit = fallen::limit(&model);
-    let plan = plan::plan(&scene.settings, lead::without_led(&model).as_ref().unwrap_or(&model));
+    let plan = plan::plan(&scene.settings, modal::without_modal(&model).as_ref().unwrap_or(&model));
     for body in &mut model.bodies {
         recovery::bear(body, &plan);
     }
@@ -238,7 +238,7 @@ fn compile_body<R: Real>(
             heaviest,
             load,
         },
-        led: None,
+        modal: None,
         samples,
     }
 }

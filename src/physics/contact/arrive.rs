@@ -51,7 +51,7 @@ pub(in crate::physics) fn begin<R: Real>(
     let running = std::mem::take(&mut state.approaches);
     for (obstacle, (was, ObstacleModel { shape, .. })) in kept.iter().zip(placed.all()).enumerate() {
         let stays = stays(old, placed, kept, state, obstacle);
-        for (number, body) in new.bodies.iter().enumerate().filter(|(_, body)| body.led.is_none()) {
+        for (number, body) in new.bodies.iter().enumerate().filter(|(_, body)| body.modal.is_none()) {
             let before = was.and_then(|was| running.iter().find(|a| (a.body, a.obstacle) == (number, was)));
             if stays {
                 state.approaches.extend(before.map(|approach| Approach { obstacle, ..*approach }));
@@ -95,7 +95,7 @@ pub(in crate::physics) fn begin_for<R: Real>(
     state: &mut State<R>,
 ) {
     state.approaches.retain(|approach| approach.body != number);
-    if model.bodies[number].led.is_some() {
+    if model.bodies[number].modal.is_some() {
         return;
     }
     let points = MeetingPoints::new(model, plan, number, &state.position);

@@ -2,10 +2,10 @@
 //! one compilation to the next; live parameter changes replace it and keep the [`super::State`].
 
 mod hull;
-mod led;
 pub(in crate::physics) mod levels;
 pub(in crate::physics) mod link;
 mod modal;
+mod modal_body;
 mod modal_points;
 mod obstacle;
 pub(in crate::physics) mod plan;
@@ -16,10 +16,10 @@ pub(in crate::physics) use samples::{SampledCell, Samples};
 pub use scheme::Scheme;
 
 pub(in crate::physics) use hull::{Hull, Surroundings};
-pub(in crate::physics) use led::Led;
 pub(in crate::physics) use link::LinkConstants;
 pub use link::{Link, LinkFamily};
 pub use modal::ModalModel;
+pub(in crate::physics) use modal_body::ModalBody;
 pub(in crate::physics) use modal_points::ModalPoints;
 pub(in crate::physics) use obstacle::Carry;
 pub use obstacle::{MeshModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel};
@@ -132,7 +132,7 @@ pub struct BodyModel<R: Real> {
     /// How it meets other bodies and itself.
     pub(in crate::physics) among_bodies: AmongBodies,
     /// What leads it where it moves by its modes.
-    pub(in crate::physics) led: Option<Led>,
+    pub(in crate::physics) modal: Option<ModalBody>,
     /// Points of its mesh that meet obstacles in place of its particles; none where these are to, or there is no mesh.
     pub(in crate::physics) samples: Option<Arc<Samples>>,
 }
@@ -180,7 +180,7 @@ impl<R: Real> BodyModel<R> {
 
     /// The modes that it moves by; none where it moves by its cells.
     pub fn modes(&self) -> Option<&Arc<ModalModel>> {
-        self.led.as_ref().map(|led| &led.modes)
+        self.modal.as_ref().map(|modal| &modal.modes)
     }
 
     /// Links of all families.

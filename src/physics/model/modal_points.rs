@@ -1,4 +1,4 @@
-//! What of a body that is led by modes meets obstacles: the particles of its hull, or points of its mesh, in a tree of boxes
+//! What of a modal body meets obstacles: the particles of its hull, or points of its mesh, in a tree of boxes
 //! that move and grow with the amplitudes alone (D. James, D. Pai, "BD-tree: output-sensitive collision detection for reduced
 //! deformable models", SIGGRAPH 2004).
 //!

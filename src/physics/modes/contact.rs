@@ -1,4 +1,4 @@
-//! Which points of a body that is led by modes meet which obstacles within a substep, and what their springs have to do.
+//! Which points of a modal body meet which obstacles within a substep, and what their springs have to do.
 
 use glam::{DMat3, DVec3};
 
@@ -6,7 +6,7 @@ use super::oscillator::Oscillator;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::{Known, Placed, Swept};
 use crate::physics::model::plan::{Plan, Stage};
-use crate::physics::model::{BodyModel, Led, Model, ObstacleModel, ObstacleShape};
+use crate::physics::model::{BodyModel, ModalBody, Model, ObstacleModel, ObstacleShape};
 use crate::physics::report::Recorder;
 
 /// The most meetings that are solved for at once: where there are more, the deepest ones.
@@ -35,7 +35,7 @@ pub(super) struct Motion<'a, R: Real> {
     pub(super) body: &'a BodyModel<R>,
     /// Its place among the bodies.
     pub(super) number: usize,
-    pub(super) led: &'a Led,
+    pub(super) modal: &'a ModalBody,
     /// Its modes over the substep.
     pub(super) oscillators: &'a [Oscillator],
     /// The amplitudes when it begins.
@@ -181,7 +181,7 @@ impl Meetings {
         self.modes = motion.now.len();
         self.all.clear();
         self.rows.clear();
-        let points = &motion.led.points;
+        let points = &motion.modal.points;
         for number in 0..model.obstacles.len() {
             let obstacle = obstacles.met(motion.number, number);
             let bounds = [obstacle.bounds.min, obstacle.bounds.max].map(Vector::to_dvec3);
@@ -207,21 +207,21 @@ impl Meetings {
         obstacle: &ObstacleModel<R>,
         point: usize,
     ) {
-        let Motion { body, led, secs, .. } = *motion;
+        let Motion { body, modal, secs, .. } = *motion;
         let row = &mut self.row[..self.modes];
-        led.points.row(&led.modes, point, row);
-        let rest = led.points.rest(point);
-        let scene = |at: DVec3| led.place + led.turn * at;
+        modal.points.row(&modal.modes, point, row);
+        let rest = modal.points.rest(point);
+        let scene = |at: DVec3| modal.place + modal.turn * at;
         let [from, way] = [rest + sum(row, motion.now), sum(row, motion.free.amplitude) - sum(row, motion.now)];
         let swept = Swept {
             from: R::Vec3::from_dvec3(scene(from)),
-            path: R::Vec3::from_dvec3(led.turn * way),
-            side: side(&obstacle.shape, R::Vec3::from_dvec3(scene(rest)), R::Vec3::from_dvec3(led.place)),
+            path: R::Vec3::from_dvec3(modal.turn * way),
+            side: side(&obstacle.shape, R::Vec3::from_dvec3(scene(rest)), R::Vec3::from_dvec3(modal.place)),
             widest: None,
         };
         self.known.fill(Known::default());
         let Some((surface, velocity)) = swept.meet(obstacle, R::from_f64(secs), &mut self.known) else { return };
-        let back: DMat3 = led.turn.transpose();
+        let back: DMat3 = modal.turn.transpose();
         let (normal, velocity) = (back * surface.normal.to_dvec3(), back * velocity.to_dvec3());
         let (mut along, mut across) = (0.0, 0.0);
         for (way, Oscillator { yields, .. }) in row.iter().zip(motion.oscillators) {
@@ -264,7 +264,7 @@ impl Meetings {
 
 /// Whether points in a box in the body's coordinates may come to an obstacle in these bounds, m, in the scene.
 fn reaches<R: Real>(motion: &Motion<'_, R>, around: Aabb<f64>, [min, max]: [DVec3; 2]) -> bool {
-    let Led { turn, place, .. } = motion.led;
+    let ModalBody { turn, place, .. } = motion.modal;
     let half = 0.5 * (around.max - around.min);
     let middle = *place + *turn * (around.min + half);
     let half = turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;

@@ -1,4 +1,4 @@
-//! The hand and all contacts of a body that is led by modes, solved together: one after another, round by round, in a fixed
+//! The hand and all contacts of a modal body, solved together: one after another, round by round, in a fixed
 //! order.
 
 use glam::{DMat3, DVec3};
@@ -39,15 +39,15 @@ impl Hand {
 
     /// Takes a point of a body. Says whether that moves.
     pub(super) fn take<R: Real>(&mut self, grab: &Grab<R>, motion: &Motion<'_, R>) -> bool {
-        let (led, body) = (motion.led, motion.body);
-        self.modes = led.modes.count();
+        let (modal, body) = (motion.modal, motion.body);
+        self.modes = modal.modes.count();
         let row = &mut self.row[..self.modes];
         row.fill(DVec3::ZERO);
         let mut rest = DVec3::ZERO;
         for &(particle, weight) in &grab.weights {
             let (local, weight) = (particle - body.particles.start, weight.to_f64());
             rest += body.start[local].to_dvec3() * weight;
-            for (to, way) in row.iter_mut().zip(led.modes.row(local)) {
+            for (to, way) in row.iter_mut().zip(modal.modes.row(local)) {
                 *to += DVec3::from(way.map(f64::from)) * weight;
             }
         }
@@ -55,7 +55,7 @@ impl Hand {
         for (way, oscillator) in row.iter().zip(motion.oscillators) {
             self.mobility += DMat3::from_cols(*way * way.x, *way * way.y, *way * way.z) * oscillator.yields;
         }
-        self.left = led.turn.transpose() * (grab.target.to_dvec3() - rest) - sum(row, motion.free.amplitude);
+        self.left = modal.turn.transpose() * (grab.target.to_dvec3() - rest) - sum(row, motion.free.amplitude);
         self.speed = motion.speed(row);
         (self.stiffness, self.damping) = (grab.stiffness.to_f64(), grab.damping(body).to_f64());
         self.impulse = DVec3::ZERO;

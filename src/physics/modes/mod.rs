@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The motion is linear and about the place of rest, so it is one of bodies that are held: a free one would have to turn.
-//! The modes themselves come from outside (`modal` finds them); a body that has them is `led` by them. Its particles sleep as
+//! The modes themselves come from outside (`modal` finds them); a body that has them is a modal body. Its particles sleep as
 //! far as all other rooms know, and are put where the modes have them when someone looks: so a substep costs as much as there
 //! are modes, and contact as much as comes near.
 //!
@@ -14,7 +14,7 @@
 //! oscillator   one mode over a step in which the force stays the same, exactly
 //! contact      which points meet what, and their springs
 //! hold         the hand and all contacts together, taken implicitly
-//! led          the particles: where modes have them, and what modes take up of their motion
+//! particles    of a modal body: where modes have them, and what modes take up of their motion
 //! ```
 //!
 //! What is constant of them (frequencies, shapes, the points that meet obstacles) is in `model`, how far each is from rest and
@@ -41,10 +41,10 @@
 
 mod contact;
 mod hold;
-mod led;
 mod oscillator;
+mod particles;
 
-pub(in crate::physics) use led::{place, resting};
+pub(in crate::physics) use particles::{place, resting};
 
 use contact::{Ends, Meetings};
 use hold::Hand;
@@ -52,7 +52,7 @@ use oscillator::Oscillator;
 
 use super::contact::Placed;
 use super::interaction::Grab;
-use super::model::{Led, Model};
+use super::model::{ModalBody, Model};
 use super::report::Recorder;
 use super::state::State;
 use super::stepping::looks::substeps_in;
@@ -63,7 +63,7 @@ use crate::physics::state::sleep::STILL_SECS;
 /// A body is at rest that moves no faster than this, and is pushed to no faster within [`STILL_SECS`], body sizes a second.
 const STILL: f64 = 1e-4;
 
-/// What bodies that are led by modes work in: allocated once, meaningless between substeps.
+/// What modal bodies work in: allocated once, meaningless between substeps.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct ModalWorkspace {
     /// Of every body, its modes over a substep; none of a body that moves by its cells.
@@ -79,18 +79,18 @@ pub(in crate::physics) struct ModalWorkspace {
 impl ModalWorkspace {
     /// Room for a model under a plan.
     pub(in crate::physics) fn new<R: Real>(model: &Model<R>, plan: &Plan) -> Self {
-        let led = || model.bodies.iter().filter_map(|body| body.led.as_ref());
-        if led().next().is_none() {
+        let modal = || model.bodies.iter().filter_map(|body| body.modal.as_ref());
+        if modal().next().is_none() {
             return Self::default();
         }
         let secs = plan.substep_secs();
-        let of_body = |led: &Led| {
-            let rates = led.modes.rates().iter();
+        let of_body = |modal: &ModalBody| {
+            let rates = modal.modes.rates().iter();
             rates.map(|&[omega, damping]| Oscillator::new(omega, damping, secs)).collect()
         };
-        let oscillators = model.bodies.iter().map(|body| body.led.as_ref().map_or_else(Vec::new, of_body)).collect();
-        let most = led().map(|led| led.modes.count()).max().unwrap_or(0);
-        let points = led().map(|led| led.points.count()).max().unwrap_or(0);
+        let oscillators = model.bodies.iter().map(|body| body.modal.as_ref().map_or_else(Vec::new, of_body)).collect();
+        let most = modal().map(|modal| modal.modes.count()).max().unwrap_or(0);
+        let points = modal().map(|modal| modal.points.count()).max().unwrap_or(0);
         Self {
             oscillators,
             free: [vec![0.0; most], vec![0.0; most]],
@@ -101,9 +101,9 @@ impl ModalWorkspace {
     }
 }
 
-/// What bodies that are led by modes did in a substep.
+/// What modal bodies did in a substep.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::physics) struct LedReport {
+pub(in crate::physics) struct ModalReport {
     /// Contacts that push.
     pub(in crate::physics) contacts: usize,
     /// The deepest point at the end, m.
@@ -112,7 +112,7 @@ pub(in crate::physics) struct LedReport {
     pub(in crate::physics) is_finite: bool,
 }
 
-/// Moves all bodies that are led by modes over a substep. Where a number would not be finite, nothing of that body is changed.
+/// Moves all modal bodies over a substep. Where a number would not be finite, nothing of that body is changed.
 pub(in crate::physics) fn advance<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -121,23 +121,23 @@ pub(in crate::physics) fn advance<R: Real>(
     state: &mut State<R>,
     workspace: &mut ModalWorkspace,
     recorder: &mut Recorder<'_>,
-) -> LedReport {
-    let mut report = LedReport { is_finite: true, ..LedReport::default() };
+) -> ModalReport {
+    let mut report = ModalReport { is_finite: true, ..ModalReport::default() };
     let secs = plan.substep_secs();
     let long_enough = substeps_in(plan, STILL_SECS, libm::ceil);
     for (number, body) in model.bodies.iter().enumerate() {
-        let Some(led) = &body.led else { continue };
+        let Some(modal) = &body.modal else { continue };
         let grab = grab.filter(|grab| grab.body == number);
         if plan.sleeping && grab.is_none() && !model.moves_by_itself() && resting(&state.bodies[number], long_enough) {
             continue;
         }
-        let (modes, own) = (&*led.modes, &mut state.modal[number]);
+        let (modes, own) = (&*modal.modes, &mut state.modal[number]);
         let count = modes.count();
         recorder.enter(Stage::Integrate);
         recorder.counters.modal_work += count as u64;
         let ModalWorkspace { oscillators, free, change, meetings, hand } = &mut *workspace;
         let oscillators = &oscillators[number];
-        let gravity = led.turn.transpose() * model.gravity.to_dvec3();
+        let gravity = modal.turn.transpose() * model.gravity.to_dvec3();
         let [amplitude, rate] = free.each_mut().map(|of| &mut of[..count]);
         for (mode, oscillator) in oscillators.iter().enumerate() {
             let force = modes.load(mode).dot(gravity);
@@ -146,7 +146,7 @@ pub(in crate::physics) fn advance<R: Real>(
         let (free, change) = (Ends { amplitude, rate }, &mut change[..count]);
         change.fill(0.0);
         recorder.enter(Stage::BroadPhase);
-        let motion = contact::Motion { body, number, led, oscillators, now: &own.amplitude, free, secs };
+        let motion = contact::Motion { body, number, modal, oscillators, now: &own.amplitude, free, secs };
         meetings.find(&motion, model, obstacles, plan, recorder);
         let pulls = grab.is_some_and(|grab| hand.take(grab, &motion));
         if pulls || !meetings.is_empty() {
@@ -166,8 +166,8 @@ pub(in crate::physics) fn advance<R: Real>(
         for mode in 0..count {
             let [amplitude, rate] = end(mode);
             let mean = (amplitude - own.amplitude[mode]) / secs;
-            push += (rate - own.rate[mode]).abs() * led.points.farthest(mode) / secs;
-            speed += mean.abs() * led.points.farthest(mode);
+            push += (rate - own.rate[mode]).abs() * modal.points.farthest(mode) / secs;
+            speed += mean.abs() * modal.points.farthest(mode);
             (own.amplitude[mode], own.rate[mode], own.mean_rate[mode]) = (amplitude, rate, mean);
         }
         let memory = &mut state.bodies[number];

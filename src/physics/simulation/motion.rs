@@ -20,7 +20,7 @@ pub struct BodyMotion<R: Real> {
     velocity: Vec<R::Vec3>,
     side: Vec<Vec<i8>>,
     memory: BodyMemory,
-    /// How its modes move, where these led it.
+    /// How its modes move, where it moves by them.
     modal: ModalState,
     approaches: Vec<Approach>,
     touches: Vec<SampleTouch>,
@@ -61,7 +61,7 @@ impl<R: Real> Simulation<R> {
         self.state.modal[body].clone_from(&motion.modal);
         self.state.fit_modes(&self.model);
         self.is_placed = false;
-        self.place_led();
+        self.place_modal();
         self.state.approaches.retain(|approach| approach.body != body);
         let there = |approach: &&Approach| approach.obstacle < self.model.obstacles.len();
         let own = motion.approaches.iter().filter(there).map(|approach| Approach { body, ..*approach });
@@ -141,14 +141,14 @@ impl<R: Real> Simulation<R> {
         for (local, particle) in self.model.bodies[body].particles.clone().enumerate() {
             self.state.velocity[particle] = self.start_velocity(body, local);
         }
-        if let Some(led) = &self.model.bodies[body].led {
-            let (own, modal) = (self.model.bodies[body].particles.clone(), &mut self.state.modal[body]);
+        if let Some(modal) = &self.model.bodies[body].modal {
+            let (own, motion) = (self.model.bodies[body].particles.clone(), &mut self.state.modal[body]);
             let particles = [&self.state.position[own.clone()], &self.state.velocity[own]];
-            modal.rate = led.project(&self.model.bodies[body], particles).rate;
-            modal.mean_rate.clone_from(&modal.rate);
+            motion.rate = modal.project(&self.model.bodies[body], particles).rate;
+            motion.mean_rate.clone_from(&motion.rate);
         }
         self.is_placed = false;
-        self.place_led();
+        self.place_modal();
         self.wake(body);
         self.diverged = false;
     }
@@ -160,13 +160,13 @@ impl<R: Real> Simulation<R> {
             self.restart_body(body);
             return;
         }
-        if self.model.bodies[body].led.is_some() {
+        if self.model.bodies[body].modal.is_some() {
             // Its modes are about where it is put.
             let modal = &mut self.state.modal[body];
             modal.rate.fill(0.0);
             modal.mean_rate.fill(0.0);
             self.is_placed = false;
-            self.place_led();
+            self.place_modal();
             self.wake(body);
             self.diverged = false;
             return;

@@ -54,7 +54,7 @@ pub struct State<R: Real> {
     pub presses: Vec<Press>,
     /// Where points of bodies' meshes touch obstacles, by body, point and obstacle.
     pub touches: Vec<SampleTouch>,
-    /// How bodies move that are led by their modes, by body: particles of these are where they were put last. Of no length where
+    /// How modal bodies move, by body: particles of these are where they were put last. Of no length where
     /// a body moves by its cells.
     pub modal: Vec<ModalState>,
     /// Whole steps taken.
@@ -98,7 +98,7 @@ pub struct BodyMemory {
     /// Whether it has fallen out of the scene: it sleeps until it is put elsewhere.
     pub gone: bool,
     /// Whether its modes lead it: it sleeps as far as its particles go, and is at rest where it has been still for long.
-    pub led: bool,
+    pub is_modal: bool,
     /// Whether parts of it that are apart at rest were near each other when this was looked for last.
     pub near_itself: bool,
     /// How far its particles may move past each other until it is looked for again, in cells.
@@ -118,7 +118,7 @@ pub struct RecoveryAccount {
 impl BodyMemory {
     /// The body moves as it must, and rest is looked for anew; nothing wakes one that is gone.
     pub fn wake(&mut self) {
-        self.asleep = self.gone || self.led;
+        self.asleep = self.gone || self.is_modal;
         self.still_substeps = 0;
     }
 
@@ -128,7 +128,7 @@ impl BodyMemory {
         near_inversion.clear();
         near_inversion.extend_from_slice(&of.near_inversion);
         let Self { near_inversion: _, strained, calm_substeps, knotted_nanos, stuck, account, .. } = *of;
-        let Self { still_substeps, asleep, gone, led, near_itself, apart, .. } = *of;
+        let Self { still_substeps, asleep, gone, is_modal, near_itself, apart, .. } = *of;
         *self = Self {
             near_inversion,
             strained,
@@ -139,7 +139,7 @@ impl BodyMemory {
             still_substeps,
             asleep,
             gone,
-            led,
+            is_modal,
             near_itself,
             apart,
         };

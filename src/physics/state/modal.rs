@@ -2,7 +2,7 @@
 
 use crate::physics::model::ModalModel;
 
-/// The motion of a body that is led by its modes; of no length where it moves by its cells.
+/// The motion of a modal body; of no length where it moves by its cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModalState {
     /// `q`, m √kg.

@@ -106,7 +106,7 @@ pub(in crate::physics) fn wake_near_moving<R: Real>(
     state: &mut State<R>,
 ) {
     for (number, body) in model.bodies.iter().enumerate() {
-        if state.bodies[number].led {
+        if state.bodies[number].is_modal {
             continue;
         }
         let position = &state.position[body.particles.clone()];

@@ -57,7 +57,7 @@ pub(super) struct StepWorkspace<R: Real> {
     pub contact: contact::ContactWorkspace<R>,
     scheme: schemes::SchemeWorkspace<R>,
     forces: forces::ForceWorkspace<R>,
-    /// What bodies that are led by modes work in.
+    /// What modal bodies work in.
     pub modal: ModalWorkspace,
     /// What was remembered of every body before the substep, where one may be given up.
     remembered: Vec<BodyMemory>,

@@ -1,4 +1,4 @@
-//! Bodies that are led by their modes, beside the same bodies by all their cells.
+//! Modal bodies, beside the same bodies by all their cells.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ fn modes<R: Real>(scene: &Scene) -> Vec<Option<Arc<ModalModel>>> {
     scene.bodies.iter().enumerate().map(of).collect()
 }
 
-fn led<R: Real>(scene: &Scene) -> Simulation<R> {
+fn modal<R: Real>(scene: &Scene) -> Simulation<R> {
     Simulation::with_modes(scene, &lattices(scene), &modes::<R>(scene))
 }
 
@@ -60,7 +60,7 @@ fn tip<R: Real>(simulation: &Simulation<R>) -> Vec<(usize, R)> {
 /// Where the free end of a beam is, m.
 fn tip_now<R: Real>(simulation: &mut Simulation<R>) -> DVec3 {
     let weights = tip(simulation);
-    simulation.place_led();
+    simulation.place_modal();
     let at = |(particle, weight): &(usize, R)| simulation.state().position[*particle].to_dvec3() * weight.to_f64();
     weights.iter().map(at).sum()
 }
@@ -75,19 +75,19 @@ fn hand(simulation: &Simulation<f64>, stiffness: f64, way: DVec3) -> Grab<f64> {
 /// How far a motion by modes is from the full one after the same push, over three swings: root mean square over all
 /// particles, as a share of that of the motion.
 fn difference(scene: &Scene, pull: Option<DVec3>) -> f64 {
-    let (mut full, mut led) = (simulate::<f64>(scene), led::<f64>(scene));
+    let (mut full, mut modal) = (simulate::<f64>(scene), modal::<f64>(scene));
     if let Some(way) = pull {
         full.set_grab(Some(hand(&full, 5.0, way)));
-        led.set_grab(Some(hand(&led, 5.0, way)));
+        modal.set_grab(Some(hand(&modal, 5.0, way)));
     }
     let start = full.model().bodies[0].start.clone();
-    let swing = std::f64::consts::TAU / led.model().bodies[0].modes().expect("modes").rates()[0][0];
+    let swing = std::f64::consts::TAU / modal.model().bodies[0].modes().expect("modes").rates()[0][0];
     let (mut off, mut all) = (0.0, 0.0);
     let steps = whole_steps(3.0 * swing, full.plan().dt_secs);
     for _ in 0..steps {
-        assert!(!full.step().diverged && !led.step().diverged, "a sound motion");
-        led.place_led();
-        for ((at, by_modes), start) in full.state().position.iter().zip(&led.state().position).zip(&start) {
+        assert!(!full.step().diverged && !modal.step().diverged, "a sound motion");
+        modal.place_modal();
+        for ((at, by_modes), start) in full.state().position.iter().zip(&modal.state().position).zip(&start) {
             off += at.distance_squared(*by_modes);
             all += at.distance_squared(*start);
         }
@@ -118,7 +118,7 @@ fn a_body_that_is_turned_moves_as_one_that_is_not() {
         let mut scene = hanging(body, 0.0, Vec::new());
         let turn = turn.to_radians();
         scene.settings.gravity = [0.5 * turn.sin(), -0.5 * turn.cos(), 0.0];
-        led::<f64>(&scene)
+        modal::<f64>(&scene)
     });
     flat.run_for(0.4);
     upright.run_for(0.4);
@@ -131,7 +131,7 @@ fn a_body_that_is_turned_moves_as_one_that_is_not() {
 #[test]
 fn what_is_held_stays_where_it_is_and_the_rest_swings_without_loss() {
     let undamped = Body { material: Material::Solid(SOLID), velocity: [0.0, 0.3, 0.0], ..beam(2) };
-    let mut swings = led::<f64>(&hanging(undamped, 0.0, Vec::new()));
+    let mut swings = modal::<f64>(&hanging(undamped, 0.0, Vec::new()));
     let energy = |of: &Simulation<f64>| {
         let modes = of.model().bodies[0].modes().expect("modes").clone();
         of.state().modal[0].energy(&modes).iter().sum::<f64>()
@@ -152,7 +152,7 @@ fn what_is_held_stays_where_it_is_and_the_rest_swings_without_loss() {
 
 #[test]
 fn a_hand_pulls_a_point_to_it_and_lets_it_swing_back() {
-    let mut pulled = led::<f64>(&hanging(damped(), 0.0, Vec::new()));
+    let mut pulled = modal::<f64>(&hanging(damped(), 0.0, Vec::new()));
     let rest = tip_now(&mut pulled);
     pulled.set_grab(Some(hand(&pulled, 1e6, DVec3::Z * 0.05)));
     pulled.run_for(4.0);
@@ -166,7 +166,7 @@ fn a_hand_pulls_a_point_to_it_and_lets_it_swing_back() {
     let back = tip_now(&mut pulled) - rest;
     assert!(back.length() < 1e-4, "and comes to rest where it was: {back}");
     for stiffness in [1e-3, 1.0, 1e6, 1e12] {
-        let mut pulled = led::<f64>(&hanging(beam(2), 0.0, Vec::new()));
+        let mut pulled = modal::<f64>(&hanging(beam(2), 0.0, Vec::new()));
         pulled.set_grab(Some(hand(&pulled, stiffness, DVec3::Y * 3.0)));
         let report = pulled.run_for(2.0);
         let speed = pulled.diagnostics().max_speed;
@@ -186,12 +186,12 @@ fn support(gap: f64) -> Obstacle {
 fn a_body_comes_to_rest_on_an_obstacle_as_the_full_one_does() {
     let scene = hanging(damped(), 0.1, vec![support(0.02)]);
     let free = {
-        let mut hangs = led::<f64>(&hanging(damped(), 0.1, Vec::new()));
+        let mut hangs = modal::<f64>(&hanging(damped(), 0.1, Vec::new()));
         hangs.run_for(30.0);
         tip_now(&mut hangs).y
     };
     assert!(free < -0.05, "without it the end hangs {free} m lower");
-    let ends = [simulate::<f64>(&scene), led::<f64>(&scene)].map(|mut rests| {
+    let ends = [simulate::<f64>(&scene), modal::<f64>(&scene)].map(|mut rests| {
         let report = rests.run_for(30.0);
         assert!(report.last.contacts > 0, "it touches");
         assert!(report.last.max_penetration_m < 5e-3, "{} m deep", report.last.max_penetration_m);
@@ -207,7 +207,7 @@ fn no_contact_gives_energy() {
         for stiffness in [1.0, 1e4, 1e8] {
             let obstacle = Obstacle { stiffness: ContactStiffness::Given(stiffness), ..obstacle.clone() };
             let thrown = Body { material: Material::Solid(SOLID), velocity: [0.0, -1.0, 0.0], ..beam(2) };
-            let mut falls = led::<f64>(&hanging(thrown, 0.0, vec![obstacle]));
+            let mut falls = modal::<f64>(&hanging(thrown, 0.0, vec![obstacle]));
             let modes = falls.model().bodies[0].modes().expect("modes").clone();
             let energy = |of: &Simulation<f64>| of.state().modal[0].energy(&modes).iter().sum::<f64>();
             let before = energy(&falls);
@@ -225,7 +225,7 @@ fn no_contact_gives_energy() {
 fn an_obstacle_that_moves_pushes_the_body_along() {
     let motion = Motion::Oscillate(Oscillate { axis: [0.0, 0.0, 1.0], amplitude: 0.1, period_secs: 2.0 });
     let swings = Obstacle { motion: Some(motion), ..ball([0.45, 0.0, -0.23], 0.1) };
-    let mut pushed = led::<f64>(&hanging(beam(2), 0.0, vec![swings]));
+    let mut pushed = modal::<f64>(&hanging(beam(2), 0.0, vec![swings]));
     let rest = tip_now(&mut pushed);
     let (mut touched, mut work, mut farthest) = (0, 0.0, 0.0_f64);
     for _ in 0..500 {
@@ -242,7 +242,7 @@ fn an_obstacle_that_moves_pushes_the_body_along() {
 #[test]
 fn a_step_costs_as_much_as_there_are_modes_however_many_cells() {
     let work = |across: i32, obstacles: Vec<Obstacle>| {
-        let mut swings = led::<f32>(&hanging(beam(across), 0.1, obstacles));
+        let mut swings = modal::<f32>(&hanging(beam(across), 0.1, obstacles));
         swings.run_for(0.1).counters
     };
     let [few, many] = [2, 5].map(|across| work(across, Vec::new()));
@@ -262,7 +262,7 @@ fn what_is_far_is_left_out_without_changing_a_bit() {
     for turn in [0.0, 25.0] {
         let mut body = Body { velocity: [0.1, -0.3, 0.2], ..beam(3) };
         body.pose.rotation_deg = [turn, 0.0, 0.5 * turn];
-        let mut with_boxes = led::<f32>(&hanging(body, 0.3, obstacles.to_vec()));
+        let mut with_boxes = modal::<f32>(&hanging(body, 0.3, obstacles.to_vec()));
         let mut without = with_boxes.clone();
         without.plan_mut().broad_phase = false;
         let [mut few, mut all, mut touched] = [0; 3];
@@ -278,15 +278,15 @@ fn what_is_far_is_left_out_without_changing_a_bit() {
 }
 
 #[test]
-fn nothing_limits_the_steps_of_a_body_that_is_led() {
+fn nothing_limits_the_steps_of_a_modal_body() {
     let stiff = Body { material: Material::Solid(Solid { young_modulus: 1e9, ..SOLID }), ..beam(3) };
     let scene = hanging(stiff, 9.81, Vec::new());
-    assert_eq!(led::<f32>(&scene).plan().substeps, 1, "every mode is followed exactly");
+    assert_eq!(modal::<f32>(&scene).plan().substeps, 1, "every mode is followed exactly");
     let by_cells = simulate::<f32>(&scene);
     assert!(by_cells.plan().limits.substeps(1e-3) > 1, "by its cells it would need more");
 }
 
-/// A beam that is led over an obstacle, and a cube beside it that is not.
+/// A modal beam over an obstacle, and a cube beside it that is not.
 fn beside_a_cube() -> Scene {
     let mut scene = hanging(beam(2), 3.0, vec![support(0.02), plane([0.0, -1.0, 0.0], [0.0; 3], [0.5, 0.4])]);
     let mut cube = Body { shape: Shape::Cube(CubeShape { cells: 3, size: 0.3 }), ..Body::default() };
@@ -297,17 +297,17 @@ fn beside_a_cube() -> Scene {
 
 #[test]
 fn the_bits_are_the_same_whoever_looks_and_whenever_it_is_kept() {
-    let mut alone = led::<f32>(&beside_a_cube());
+    let mut alone = modal::<f32>(&beside_a_cube());
     let mut looked_at = alone.clone();
     for step in 0..800 {
         alone.step();
         looked_at.step();
         if step % 7 == 0 {
-            looked_at.place_led();
+            looked_at.place_modal();
         }
         if step == 400 {
             let state = looked_at.state().clone();
-            looked_at = led::<f32>(&beside_a_cube());
+            looked_at = modal::<f32>(&beside_a_cube());
             looked_at.set_state(state);
         }
     }
@@ -318,11 +318,11 @@ fn the_bits_are_the_same_whoever_looks_and_whenever_it_is_kept() {
 }
 
 #[test]
-fn a_body_that_is_led_changes_nothing_for_others() {
+fn a_modal_body_changes_nothing_for_others() {
     let scene = beside_a_cube();
     let mut without = scene.clone();
     without.bodies.remove(0);
-    let (mut both, mut cube) = (led::<f32>(&scene), simulate::<f32>(&without));
+    let (mut both, mut cube) = (modal::<f32>(&scene), simulate::<f32>(&without));
     for _ in 0..600 {
         both.step();
         cube.step();
@@ -354,7 +354,7 @@ fn a_body_changes_from_cells_to_modes_and_back_where_it_is() {
 fn a_body_at_rest_is_left_alone_until_something_touches_it() {
     let mut scene = hanging(damped(), 3.0, vec![support(0.02)]);
     scene.settings.sleeping = true;
-    let mut rests = led::<f32>(&scene);
+    let mut rests = modal::<f32>(&scene);
     for _ in 0..120 {
         rests.run_for(0.5);
     }

@@ -1,12 +1,12 @@
-//! A body that is led by its modes, and its particles: where modes have them, and what modes take up of their motion.
+//! A modal body, and its particles: where modes have them, and what modes take up of their motion.
 
 use glam::{DVec3, Vec3};
 
 use crate::math::{Real, Vector};
-use crate::physics::model::{BodyModel, Led, Model};
+use crate::physics::model::{BodyModel, ModalBody, Model};
 use crate::physics::state::{BodyMemory, ModalState, State};
 
-impl Led {
+impl ModalBody {
     /// What the modes take up of the motion of particles that start where the body does.
     pub(in crate::physics) fn project<R: Real>(
         &self,
@@ -46,39 +46,39 @@ impl Led {
     }
 }
 
-/// Puts the particles of all bodies that are led by modes where these have them.
+/// Puts the particles of all modal bodies where these have them.
 pub(in crate::physics) fn place<R: Real>(model: &Model<R>, state: &mut State<R>) {
     for (number, body) in model.bodies.iter().enumerate() {
-        let Some(led) = &body.led else { continue };
+        let Some(modal) = &body.modal else { continue };
         let own = body.particles.clone();
-        led.place(body, &state.modal[number], [&mut state.position[own.clone()], &mut state.velocity[own.clone()]]);
+        modal.place(body, &state.modal[number], [&mut state.position[own.clone()], &mut state.velocity[own.clone()]]);
         state.position_residual[own].fill(R::Vec3::ZERO);
     }
 }
 
-/// Whether a body that is led by modes has been still for long enough to be left alone.
+/// Whether a modal body has been still for long enough to be left alone.
 pub(in crate::physics) fn resting(memory: &BodyMemory, long_enough: u64) -> bool {
-    memory.led && memory.still_substeps > long_enough
+    memory.is_modal && memory.still_substeps > long_enough
 }
 
 impl<R: Real> State<R> {
-    /// Has bodies of a model be led by their modes that have any, from where their particles are and as these move; those that
-    /// are led already by as many go on.
+    /// Has bodies of a model move by their modes that have any, from where their particles are and as these move; those that
+    /// move by as many already go on.
     pub(in crate::physics) fn fit_modes(&mut self, model: &Model<R>) {
         self.modal.resize_with(model.bodies.len(), ModalState::default);
         for (number, body) in model.bodies.iter().enumerate() {
-            let (memory, modal) = (&mut self.bodies[number], &mut self.modal[number]);
-            let Some(led) = &body.led else {
-                if memory.led {
-                    (memory.led, memory.asleep, memory.still_substeps) = (false, memory.gone, 0);
+            let (memory, motion) = (&mut self.bodies[number], &mut self.modal[number]);
+            let Some(modal) = &body.modal else {
+                if memory.is_modal {
+                    (memory.is_modal, memory.asleep, memory.still_substeps) = (false, memory.gone, 0);
                 }
-                *modal = ModalState::default();
+                *motion = ModalState::default();
                 continue;
             };
-            if !memory.led || modal.amplitude.len() != led.modes.count() {
+            if !memory.is_modal || motion.amplitude.len() != modal.modes.count() {
                 let own = body.particles.clone();
-                *modal = led.project(body, [&self.position[own.clone()], &self.velocity[own]]);
-                *memory = BodyMemory { led: true, asleep: true, ..BodyMemory::default() };
+                *motion = modal.project(body, [&self.position[own.clone()], &self.velocity[own]]);
+                *memory = BodyMemory { is_modal: true, asleep: true, ..BodyMemory::default() };
             }
         }
     }

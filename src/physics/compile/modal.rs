@@ -1,37 +1,39 @@
-//! Bodies that are led by their modes: what leads them, and what is left of them for the plan of a step.
+//! Modal bodies: what moves them, and what is left of them for the plan of a step.
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::math::{Real, rotation};
-use crate::physics::model::{AmongBodies, BodyModel, Led, LinkConstants, LinkFamily, ModalModel, ModalPoints, Model};
+use crate::physics::model::{
+    AmongBodies, BodyModel, LinkConstants, LinkFamily, ModalBody, ModalModel, ModalPoints, Model,
+};
 use crate::scene::Pose;
 
-/// Has a compiled body be led by modes that are of as many particles as it has; other modes are left alone. What of it
-/// meets obstacles is taken over from bodies that were led by the same modes.
-pub(super) fn lead<R: Real>(body: &mut BodyModel<R>, modes: &Arc<ModalModel>, pose: &Pose, before: &[BodyModel<R>]) {
+/// Has a compiled body move by modes that are of as many particles as it has; other modes are left alone. What of it
+/// meets obstacles is taken over from bodies that moved by the same modes.
+pub(super) fn move_by<R: Real>(body: &mut BodyModel<R>, modes: &Arc<ModalModel>, pose: &Pose, before: &[BodyModel<R>]) {
     if modes.particle_count() != body.particles.len() {
         return;
     }
     let known = before
         .iter()
-        .filter_map(|body| body.led.as_ref())
-        .find(|led| Arc::ptr_eq(&led.modes, modes) && led.points.is_on_mesh() == body.samples.is_some());
+        .filter_map(|body| body.modal.as_ref())
+        .find(|modal| Arc::ptr_eq(&modal.modes, modes) && modal.points.is_on_mesh() == body.samples.is_some());
     let points = known.map_or_else(
         || Arc::new(ModalPoints::new(&body.lattice, modes, body.samples.as_ref())),
-        |led| Arc::clone(&led.points),
+        |modal| Arc::clone(&modal.points),
     );
     let (turn, place) = (rotation::from_euler_deg(pose.rotation_deg), DVec3::from(pose.position));
-    body.led = Some(Led { modes: Arc::clone(modes), points, turn, place });
+    body.modal = Some(ModalBody { modes: Arc::clone(modes), points, turn, place });
     // Its particles are elsewhere within a substep than where they were put last.
     (body.among_bodies.meets_others, body.among_bodies.meets_itself) = (false, false);
 }
 
-/// A model in which bodies that are led by modes have nothing that would limit a step; none where no body is.
-pub(super) fn without_led<R: Real>(model: &Model<R>) -> Option<Model<R>> {
-    model.bodies.iter().any(|body| body.led.is_some()).then(|| {
-        let bodies = model.bodies.iter().map(|body| if body.led.is_some() { idle(body) } else { body.clone() });
+/// A model in which modal bodies have nothing that would limit a step; none where no body is.
+pub(super) fn without_modal<R: Real>(model: &Model<R>) -> Option<Model<R>> {
+    model.bodies.iter().any(|body| body.modal.is_some()).then(|| {
+        let bodies = model.bodies.iter().map(|body| if body.modal.is_some() { idle(body) } else { body.clone() });
         Model { bodies: bodies.collect(), ..model.clone() }
     })
 }

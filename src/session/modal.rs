@@ -75,7 +75,7 @@ impl Session {
     /// The modes that bodies of a scene move by, as far as they are known.
     pub(super) fn known_modes(&self, scene: &Scene) -> Vec<Option<Arc<ModalModel>>> {
         let of = |body: &Body| match &self.outcome(body)?.outcome {
-            Outcome::Led(modes) => Some(Arc::clone(modes)),
+            Outcome::Found(modes) => Some(Arc::clone(modes)),
             Outcome::Refused(_) | Outcome::Stopped => None,
         };
         scene.bodies.iter().map(of).collect()
@@ -96,11 +96,11 @@ impl Session {
         }
         let modes = self.known_modes(&scene);
         let now = self.simulation.model().bodies.iter().map(|body| body.modes());
-        let is_led_so = |(now, modes): (Option<&Arc<ModalModel>>, &Option<Arc<ModalModel>>)| match (now, modes) {
+        let is_so = |(now, modes): (Option<&Arc<ModalModel>>, &Option<Arc<ModalModel>>)| match (now, modes) {
             (Some(now), Some(modes)) => Arc::ptr_eq(now, modes),
             (now, modes) => now.is_none() && modes.is_none(),
         };
-        if !now.zip(&modes).all(is_led_so) {
+        if !now.zip(&modes).all(is_so) {
             self.simulation.set_modes(&scene, &self.bodies.lattices(), &modes);
             self.step_errors.forget();
             self.picture.touch();
@@ -129,7 +129,7 @@ impl Session {
         let of = |(number, body): (usize, &Body)| {
             let name = named(&body.name, "body", number);
             match &self.outcome(body)?.outcome {
-                Outcome::Led(_) => meets_none(number, body).then(|| {
+                Outcome::Found(_) => meets_none(number, body).then(|| {
                     format!("{name} moves by its modes and does not meet other bodies, which pass through it")
                 }),
                 Outcome::Refused(why) => Some(format!("{name} moves by its cells: {why}")),

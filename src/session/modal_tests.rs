@@ -39,7 +39,7 @@ fn found() -> Session {
 }
 
 /// By how many modes the body moves.
-fn led_by(session: &Session) -> Option<usize> {
+fn modes_of(session: &Session) -> Option<usize> {
     session.status().bodies[0].modes_hz.as_ref().map(|modes| modes.len())
 }
 
@@ -67,7 +67,7 @@ fn time_stands_still_until_the_modes_are_there() {
     assert!(session.status().awaited_modes.is_none(), "it waits no longer");
     pass(&mut session, 100);
     let status = session.status();
-    assert_eq!((led_by(&session), status.message.as_str()), (Some(10), ""), "it moves by them");
+    assert_eq!((modes_of(&session), status.message.as_str()), (Some(10), ""), "it moves by them");
     assert!(session.simulation().state().steps > 50, "{} steps", session.simulation().state().steps);
     let moved = session.simulation().state().position.iter().zip(&session.simulation().model().bodies[0].start);
     let farthest = moved.map(|(at, start)| at.distance(*start)).fold(0.0, f32::max);
@@ -92,7 +92,7 @@ fn a_body_whose_search_is_stopped_moves_by_its_cells_until_it_is_asked_anew() {
     session.find_modes(None, &CancelOnly(&stopped));
     pass(&mut session, 50);
     let status = session.status();
-    assert!(led_by(&session).is_none() && session.simulation().state().steps > 0, "by its cells");
+    assert!(modes_of(&session).is_none() && session.simulation().state().steps > 0, "by its cells");
     assert!(status.message.contains("Pudding moves by its cells"), "{}", status.message);
     edit(&mut session, |body| body.moves_by = MovesBy::Cells);
     assert_eq!(session.status().message, "", "as it is told");
@@ -108,7 +108,7 @@ fn a_body_that_can_turn_moves_by_its_cells_and_says_why() {
     let corner = vec![PinBox { min: [-9.0; 3], max: [-0.49; 3] }];
     let mut hung = session_of(Body { pins: corner, ..held() });
     hung.find_modes(None, &());
-    assert!(hung.awaited_modes().is_none() && led_by(&hung).is_none(), "by its cells");
+    assert!(hung.awaited_modes().is_none() && modes_of(&hung).is_none(), "by its cells");
     assert!(hung.warnings().iter().any(|said| said.contains("hold it at three places")), "{:?}", hung.warnings());
     pass(&mut hung, 20);
     assert!(hung.simulation().state().steps > 0, "time goes on");
@@ -133,7 +133,7 @@ fn every_edit_is_taken_back_to_the_same_bytes_and_the_modes_come_back_with_it() 
         session.handle(Command::Undo).expect("it is taken back");
         assert_eq!(session.scene().to_ron().expect("a scene"), before, "to the same bytes");
         assert!(session.awaited_modes().is_none(), "its modes are known");
-        assert_eq!(led_by(&session), Some(10), "and it moves by them");
+        assert_eq!(modes_of(&session), Some(10), "and it moves by them");
         pass(&mut session, 20);
     }
 }
@@ -151,7 +151,7 @@ fn a_body_that_is_moved_keeps_its_swing_about_the_new_place() {
     session.handle(Command::Undo).expect("it goes back");
     assert_eq!(session.simulation().state().modal[0], before, "and moves as it did, to the bit");
     session.handle(Command::Restart).expect("a new start");
-    assert_eq!(led_by(&session), Some(10), "by its modes again");
+    assert_eq!(modes_of(&session), Some(10), "by its modes again");
 }
 
 #[test]
@@ -165,10 +165,10 @@ fn a_saved_state_goes_on_bit_for_bit() {
     assert_eq!(again.simulation().hash(), session.simulation().hash(), "and on from there");
     let mut by_cells = session_of(Body { moves_by: MovesBy::Cells, ..held() });
     by_cells.set_state_bytes(&bytes).expect("a state of these cells");
-    assert!(by_cells.step() && !by_cells.simulation().state().bodies[0].led, "its cells go on from there too");
+    assert!(by_cells.step() && !by_cells.simulation().state().bodies[0].is_modal, "its cells go on from there too");
     let cells = by_cells.state_bytes();
     again.set_state_bytes(&cells).expect("and back");
-    assert!(again.step() && again.simulation().state().bodies[0].led, "by modes");
+    assert!(again.step() && again.simulation().state().bodies[0].is_modal, "by modes");
 }
 
 #[test]
@@ -210,7 +210,7 @@ fn modes_that_were_kept_are_found_at_once_and_damaged_ones_anew() {
     stopped.cancel();
     let mut second = session_of(held());
     second.find_modes(Some(&cache), &CancelOnly(&stopped));
-    assert_eq!(led_by(&second), Some(10), "they were there");
+    assert_eq!(modes_of(&second), Some(10), "they were there");
     (0..100).for_each(|_| assert!(first.step() && second.step(), "a sound motion"));
     assert_eq!(first.simulation().hash(), second.simulation().hash(), "the same to the bit");
     let sound = fs::read(&kept[0]).expect("a file");
@@ -220,13 +220,13 @@ fn modes_that_were_kept_are_found_at_once_and_damaged_ones_anew() {
         fs::write(&kept[0], bytes).expect("it is damaged");
         let mut third = session_of(held());
         third.find_modes(Some(&cache), &());
-        assert_eq!(led_by(&third), Some(10), "found anew");
+        assert_eq!(modes_of(&third), Some(10), "found anew");
         assert_eq!(fs::read(&kept[0]).expect("a file"), sound, "and kept again");
     }
     fs::write(&kept[0], &sound[..20]).expect("it is cut short");
     let mut other = session_of(Body { mode_count: 3, ..held() });
     other.find_modes(Some(&cache), &());
-    assert_eq!((led_by(&other), files().count()), (Some(3), 2), "other modes are others");
+    assert_eq!((modes_of(&other), files().count()), (Some(3), 2), "other modes are others");
 }
 
 #[test]
@@ -235,5 +235,5 @@ fn a_body_that_moves_by_modes_says_that_others_pass_through_it() {
     let cube = Edit::InsertBody(BodyId(1), Box::new(Body { name: "Cube".to_owned(), ..Body::default() }));
     session.handle(Command::Edit(cube)).expect("a body more");
     assert!(session.warnings()[0].contains("does not meet other bodies"), "{:?}", session.warnings());
-    assert_eq!(led_by(&session), Some(10), "and goes on by its modes");
+    assert_eq!(modes_of(&session), Some(10), "and goes on by its modes");
 }

@@ -1,4 +1,4 @@
-//! What leads a body that moves by its modes.
+//! What moves a modal body: one that moves by its modes.
 
 use std::sync::Arc;
 
@@ -7,9 +7,9 @@ use glam::{DMat3, DVec3};
 use super::modal::ModalModel;
 use super::modal_points::ModalPoints;
 
-/// What leads a body.
+/// What moves a modal body.
 #[derive(Clone, Debug)]
-pub(in crate::physics) struct Led {
+pub(in crate::physics) struct ModalBody {
     /// Its modes.
     pub(in crate::physics) modes: Arc<ModalModel>,
     /// What of it meets obstacles.
