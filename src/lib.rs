@@ -145,7 +145,8 @@
 //!
 //! # Invariants, and the test that holds each
 //!
-//! 1. The core builds and passes without features; no graphics or window crate is in its tree (`.ci/run`).
+//! 1. The core builds and passes its unit tests without the features of the program; no graphics or window crate is in its
+//!    tree (`.ci/run`).
 //! 2. Only `app` names egui and winit; only `render` and `app::canvas` name wgpu (`tests/tidy.rs`).
 //! 3. A step cannot fail, allocate, read a clock or log; it abandons a step that would make a number infinite and
 //!    keeps the last good state (`tests/physics/determinism.rs`, `stability.rs`).
