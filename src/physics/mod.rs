@@ -31,16 +31,14 @@
 //!
 //! ```text
 //! simulation.step()   substep by substep; steps that a longer substep covers are counted
-//!   stepping          a substep in parts where links are strained, bodies come near each other or equations prove wrong;
-//!                     for each of them:
-//!     contact         Placed: where obstacles are in the part, from model and state
-//!     step            (model, plan, part, inputs, &mut state) with one recorder for counts, stage times and stops
-//!       forces        F = gravity + links (by kernels) + cells near inversion, at the state
-//!       schemes       v' from F, or solved for; paths where x moves by another velocity
-//!       contact       changes v' on the way: of bodies that meet each other, then of what meets obstacles
-//!       is_sound      else the state stays the last good one and the report says so
-//!       accept        x += dt u, v = v', what the scheme remembers; what contact remembers just before it
-//!       rest          who falls asleep or has fallen out
+//!   stepping          part by part, where obstacles are in it (Placed): (model, plan, part, inputs, &mut state)
+//!     forces          F = gravity + links (by kernels) + cells near inversion, at the state
+//!     schemes         v' from F, or solved for; paths where x moves by another velocity
+//!     contact         changes v' on the way: of bodies that meet each other, then of what meets obstacles
+//!     is_sound        else the state stays the last good one and the report says so
+//!     accept          x += dt u, v = v', what scheme and contact remember; then who falls asleep or has fallen out
+//!     pass            obstacles that come, or are swept, are as much nearer
+//!   modes             modal bodies over the whole substep
 //!   StepReport        sums over substeps, and what held at the end of the last
 //! ```
 //!
@@ -79,11 +77,11 @@ mod step;
 mod stepping;
 mod team;
 
+pub use compile::SceneError;
 pub use compile::other_form::other_form;
 pub use compile::safe_values::{ContactLoad, SafeValue, StepSettings, largest_safe};
 pub use compile::stability_plane::{Place, StabilityPlane};
-pub use compile::{DEPTH_SHARE, SceneError};
-pub use contact::{BodyContact, ContactRecord, Placed, SampleContact};
+pub use contact::{BodyContact, ContactRecord, DEPTH_SHARE, Placed, SampleContact};
 pub use interaction::Grab;
 pub use kernels::SimdLevel;
 pub use limits::{SAFETY, SceneLimits, Term};

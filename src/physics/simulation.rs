@@ -13,7 +13,6 @@ use super::model::Model;
 use super::modes;
 use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
 use super::state::{BodyMemory, State};
-use super::step::substep::Part;
 use super::step::{self, Inputs, StepWorkspace};
 use super::stepping::{self, looks};
 use crate::math::Real;
@@ -189,12 +188,13 @@ impl<R: Real> Simulation<R> {
     /// diverged stays where it was last good. Where `timer` stops it, the substep is yet to be taken.
     pub fn substep(&mut self, timer: &mut impl StageTimer) -> StepReport {
         if self.diverged {
-            return StepReport { diverged: true, ..StepReport::default() };
+            return StepReport { last: self.last, diverged: true, ..StepReport::default() };
         }
         if self.state.held_steps + 1 < self.plan.span {
             self.state.held_steps += 1;
             self.state.steps += 1;
-            return StepReport { last: self.last, ..StepReport::default() };
+            let last = LastSubstep { bodies_asleep: self.bodies_asleep(), ..self.last };
+            return StepReport { last, ..StepReport::default() };
         }
         if let Some(grab) = &self.grab {
             let memory = &mut self.state.bodies[grab.body];
@@ -212,7 +212,7 @@ impl<R: Real> Simulation<R> {
         let Self { model, plan, state, workspace, obstacles, grab, .. } = self;
         let mut report = stepping::advance(model, plan, state, workspace, obstacles, grab.as_ref(), timer);
         if report.stopped {
-            return report;
+            return StepReport { last: self.last, ..report };
         }
         self.diverged = report.diverged;
         if !self.diverged && self.state.end_part() {
@@ -325,8 +325,7 @@ impl<R: Real> Simulation<R> {
         let mut found = StepWorkspace::new(&self.model, &self.plan);
         let obstacles = Placed::now(&self.model, &self.state);
         let inputs = Inputs { obstacles: &obstacles, grab: None };
-        let (whole, timer) = (Part::one_of(&self.plan, 1), &mut ());
-        let whole = Part { scheme: self.plan.on_mesh.map_or(whole.scheme, |on_mesh| on_mesh.scheme), ..whole };
+        let (whole, timer) = (stepping::whole(&self.plan), &mut ());
         let mut recorder = Recorder::new(timer);
         step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut recorder);
         self.workspace.contact.contacts = found.contact.contacts;

@@ -326,6 +326,24 @@ fn a_stack_falls_asleep_together_and_is_woken_by_what_comes() {
     assert!(woken.is_some(), "what falls on them wakes both");
 }
 
+/// A state holds no contacts: they are found again, by a scheme that has a place for them.
+#[test]
+fn what_sleeps_shows_its_contacts_again_after_its_state_was_put_back() {
+    for integrator in [Integrator::SemiImplicit, Integrator::Implicit, Integrator::Stabilised] {
+        let mut scene = stack(2, 3);
+        (scene.settings.sleeping, scene.settings.integrator) = (true, integrator);
+        for body in &mut scene.bodies {
+            body.material = Material::Springs(springs(60.0, 1.0, 0.01));
+        }
+        let mut simulation = simulate::<f32>(&scene);
+        let sleeps = (0..12_000).any(|_| simulation.step().last.bodies_asleep == 2);
+        let before = simulation.body_contacts().len();
+        assert!(sleeps && before > 0, "{integrator:?}: they lie on each other, {before} contacts");
+        simulation.set_state(simulation.state().clone());
+        assert_eq!(simulation.body_contacts().len(), before, "{integrator:?}");
+    }
+}
+
 #[test]
 fn steps_in_which_bodies_meet_allocate_nothing() {
     let mut simulation = simulate::<f32>(&stack(3, 4));

@@ -32,7 +32,6 @@ use crate::scene::param::{self, Problem};
 use crate::scene::resolve::{MeshError, ResolveError, load_meshes, part_problem, resolve};
 use crate::scene::{Body, ContactOn, Material, Scene};
 use assembly::Assembled;
-pub use obstacles::DEPTH_SHARE;
 
 /// Why a scene cannot be simulated.
 #[derive(Debug, Error)]

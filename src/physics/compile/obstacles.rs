@@ -3,20 +3,15 @@
 use glam::{DMat3, DVec3};
 
 use crate::math::{Aabb, Real, RigidMotion, Vector, rotation};
+use crate::physics::contact::{DEPTH_SHARE, STIFFNESS_OVER_MASS};
 use crate::physics::model::{
     ContactModel, MeshModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel,
 };
 use crate::scene::obstacle::{Capsule, ContactStiffness, Cylinder, Mesh, Plane};
 use crate::scene::{self, Obstacle};
 
-/// Stiffness of the default contact over the particle's mass, 1/s².
-const AUTO_STIFFNESS: f64 = 1e5;
-
-/// No particle rests, or ends a step, deeper in an obstacle than this share of its body's size.
-pub const DEPTH_SHARE: f64 = 0.02;
-
-/// Nor deeper than this share of the way to the middle of a closed form: past the middle the nearest way
-/// out is the other side.
+/// No particle rests, or ends a step, deeper in a closed form than this share of the way to its middle: past that the
+/// nearest way out is the other side.
 const THIN_SHARE: f64 = 0.5;
 
 /// How a body of this size (m) meets an obstacle; `mass` is that of its heaviest particle (kg), `load` what one may have to
@@ -32,7 +27,7 @@ pub(super) fn contact<R: Real>(
     let depth_limit = (DEPTH_SHARE * size).min(thin);
     let stiffness = match obstacle.stiffness {
         ContactStiffness::Given(stiffness) => stiffness,
-        ContactStiffness::Auto => (AUTO_STIFFNESS * mass).max(load / depth_limit),
+        ContactStiffness::Auto => (STIFFNESS_OVER_MASS * mass).max(load / depth_limit),
     };
     ContactModel {
         stiffness: R::from_f64(stiffness),

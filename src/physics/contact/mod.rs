@@ -50,4 +50,6 @@ pub use samples::SampleContact;
 pub(super) use sides::remember_sides;
 pub(super) use solved::{find as find_constraints, finish as finish_constraints};
 pub(super) use swept::Swept;
+pub use weighted::DEPTH_SHARE;
+pub(super) use weighted::{GENTLE_SHARE, STIFFNESS_OVER_MASS};
 pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace};

@@ -133,7 +133,7 @@ impl SceneLimits {
     }
 
     /// The longest step that can be divided into safe ones, s: there is no counting beyond it.
-    pub fn longest_step_secs(&self) -> f64 {
+    pub(in crate::physics) fn longest_step_secs(&self) -> f64 {
         self.dt_safe_secs.map_or(f64::INFINITY, |safe| safe * f64::from(u32::MAX))
     }
 

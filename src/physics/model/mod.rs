@@ -71,7 +71,7 @@ impl<R: Real> Model<R> {
     }
 
     /// Whether any obstacle moves by itself.
-    pub fn moves_by_itself(&self) -> bool {
+    pub(in crate::physics) fn moves_by_itself(&self) -> bool {
         self.obstacles.iter().any(|obstacle| obstacle.motion.is_some())
     }
 
@@ -171,7 +171,7 @@ impl<R: Real> BodyModel<R> {
     }
 
     /// Mass of the lightest particle, kg.
-    pub fn lightest_mass(&self) -> R {
+    pub(in crate::physics) fn lightest_mass(&self) -> R {
         match &self.masses {
             Values::Uniform(mass) => *mass,
             Values::Each(masses) => masses.iter().copied().fold(self.particle_mass, R::min),
@@ -194,7 +194,7 @@ impl<R: Real> BodyModel<R> {
     }
 
     /// Whether it is to meet itself.
-    pub fn meets_itself(&self) -> bool {
+    pub(in crate::physics) fn meets_itself(&self) -> bool {
         self.among_bodies.meets_itself
     }
 

@@ -92,7 +92,7 @@ impl StageRates {
     }
 
     /// The same where a body is strained.
-    pub fn stages_strained(&self, secs: f64) -> u32 {
+    pub(in crate::physics) fn stages_strained(&self, secs: f64) -> u32 {
         stages_for(self.strained * secs)
     }
 }

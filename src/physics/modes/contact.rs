@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::oscillator::Oscillator;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::contact::{Known, Placed, Swept};
+use crate::physics::contact::{GENTLE_SHARE, Known, Placed, Swept};
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{BodyModel, ModalBody, Model, ObstacleModel, ObstacleShape};
 use crate::physics::report::Recorder;
@@ -14,9 +14,6 @@ const MOST: usize = 256;
 
 /// Boxes are grown by this share of the body's size, for what rounding takes off them.
 const MARGIN: f64 = 1e-5;
-
-/// Nothing is pushed out of what it is in faster than this share of its body's size in a second.
-const GENTLE_SHARE: f64 = 0.5;
 
 /// A mode moves a point by less than rounding where its mobility is below this, 1/kg.
 const HELD: f64 = 1e-12;

@@ -85,7 +85,7 @@ impl Diagnostics {
     }
 
     /// Of every body in a state, for little more than of one.
-    pub fn of_each<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Vec<Self> {
+    pub(in crate::physics) fn of_each<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Vec<Self> {
         let ahead = Ahead::of(model, plan, state);
         (0..model.bodies.len()).map(|body| ahead.diagnostics(body..body + 1)).collect()
     }
@@ -127,14 +127,14 @@ impl<'a, R: Real> Ahead<'a, R> {
         let mut workspace;
         let (way, part) = if is_on_time {
             // Only what touches is asked for: any scheme finds it, at the least cost.
-            let whole = Part::one_of(plan, 1);
+            let whole = stepping::whole(plan);
             let way = Plan { scheme: Scheme::SemiImplicit, halvings: 0, ..plan.clone() };
             workspace = StepWorkspace::new(model, &way);
             (Cow::Owned(way), Part { secs: whole.secs * INSTANT, scheme: Scheme::SemiImplicit, ..whole })
         } else {
             workspace = StepWorkspace::new(model, plan);
-            let parts = stepping::parts_now(model, plan, &mut next, &mut workspace.contact.bodies);
-            (Cow::Borrowed(plan), Part::one_of(plan, parts))
+            let part = stepping::first_part(model, plan, &mut next, &mut workspace.contact.bodies);
+            (Cow::Borrowed(plan), part)
         };
         let obstacles = Placed::now(model, state);
         let inputs = Inputs { obstacles: &obstacles, grab: None };

@@ -66,12 +66,17 @@ pub(super) struct StepWorkspace<R: Real> {
 impl<R: Real> StepWorkspace<R> {
     /// Room for a model under a plan.
     pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
-        let count = model.particle_count();
+        let room = || vec![R::Vec3::ZERO; model.particle_count()];
+        Self::around([room(), room()], model, plan)
+    }
+
+    /// The same about the force and the velocity of every particle.
+    fn around([force, velocity]: [Vec<R::Vec3>; 2], model: &Model<R>, plan: &Plan) -> Self {
         let has_thesis_force = plan.contact && plan.contact_rule == ContactRule::Thesis;
         Self {
-            force: vec![R::Vec3::ZERO; count],
-            thesis_force: has_thesis_force.then(|| vec![R::Vec3::ZERO; count]),
-            velocity: vec![R::Vec3::ZERO; count],
+            thesis_force: has_thesis_force.then(|| vec![R::Vec3::ZERO; force.len()]),
+            force,
+            velocity,
             contact: contact::ContactWorkspace::new(model, plan),
             scheme: schemes::SchemeWorkspace::new(model, plan),
             forces: forces::ForceWorkspace::new(model, plan),
@@ -82,9 +87,8 @@ impl<R: Real> StepWorkspace<R> {
 
     /// Makes room for a model of the same bodies with other constants or obstacles.
     pub(super) fn fit(&mut self, model: &Model<R>, plan: &Plan) {
-        let Self { contact, thesis_force, scheme, forces, modal, remembered, .. } = Self::new(model, plan);
-        (self.contact, self.thesis_force, self.scheme, self.forces) = (contact, thesis_force, scheme, forces);
-        (self.modal, self.remembered) = (modal, remembered);
+        let kept = [&mut self.force, &mut self.velocity].map(std::mem::take);
+        *self = Self::around(kept, model, plan);
     }
 
     /// Goes on with as many threads as a plan wants.

@@ -92,13 +92,3 @@ pub(in crate::physics) enum Gain {
     /// It is taken as it is; nobody looks.
     Take,
 }
-
-impl Part {
-    /// A whole substep, come what may, in one of so many equal parts.
-    pub(in crate::physics) fn one_of(plan: &Plan, parts: u32) -> Self {
-        let secs = plan.substep_secs() / f64::from(parts);
-        let is_strained = parts > 1;
-        let (scheme, bodies_are_near) = (plan.scheme, plan.between_bodies.is_some());
-        Self { secs, scheme, is_strained, bodies_are_near, gain: Gain::Take, is_first: true, is_last: true }
-    }
-}

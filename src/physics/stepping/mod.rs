@@ -76,15 +76,29 @@ pub(super) fn advance<R: Real>(
     recorder.leave(ending == Ending::Diverged)
 }
 
-/// Into how many parts the coming substep is divided, before any is halved.
-pub(in crate::physics) fn parts_now<R: Real>(
+/// A whole substep in one part, come what may, by a scheme that has a place for all that may meet in it.
+pub(in crate::physics) fn whole(plan: &Plan) -> Part {
+    Part {
+        secs: plan.substep_secs(),
+        scheme: plan.on_mesh.or(plan.between_bodies).map_or(plan.scheme, |met| met.scheme),
+        is_strained: false,
+        bodies_are_near: plan.between_bodies.is_some(),
+        gain: Gain::Take,
+        is_first: true,
+        is_last: true,
+    }
+}
+
+/// The first of the parts that the coming substep is divided into, before any is halved, come what may.
+pub(in crate::physics) fn first_part<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     state: &mut State<R>,
     workspace: &mut BodiesWorkspace<R>,
-) -> u32 {
+) -> Part {
     let obstacles = Placed::now(model, state);
-    Division::of(model, plan, state, &obstacles, workspace).parts
+    let Division { parts, secs, scheme, bodies_are_near, .. } = Division::of(model, plan, state, &obstacles, workspace);
+    Part { secs, scheme, is_strained: parts > 1, bodies_are_near, ..whole(plan) }
 }
 
 /// A substep in the parts that it is taken in: those that the strain of bodies asks for, or the next of the parts that it

@@ -1,21 +1,11 @@
 //! How two bodies push each other and rub: one law for a pair of them.
 
 use crate::math::Real;
-use crate::physics::contact::weighted::PointLaw;
+use crate::physics::contact::weighted::{DEPTH_SHARE, GENTLE_SHARE, PointLaw, STIFFNESS_OVER_MASS};
 use crate::physics::model::Model;
 
-/// Stiffness of the contact over the mass of the heavier particle, 1/s²: that of the default contact with obstacles.
-const STIFFNESS_OVER_MASS: f64 = 1e5;
-
-/// No point is pressed deeper than this share of the smaller body's size, nor ...
-const DEPTH_SHARE: f64 = 0.02;
-
-/// ... than this share of the smaller cell.
+/// No point is pressed deeper than [`DEPTH_SHARE`] of the smaller body, nor than this share of the smaller cell.
 const CELL_SHARE: f64 = 0.25;
-
-/// Bodies that are inside each other without having pressed come apart no faster than this share of the smaller one's size
-/// in a second.
-const GENTLE_SHARE: f64 = 0.5;
 
 /// The law of the points of one body in the cells of another.
 pub(in crate::physics) fn pair_law<R: Real>(model: &Model<R>, bodies: [usize; 2]) -> PointLaw {

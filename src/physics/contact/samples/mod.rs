@@ -30,7 +30,7 @@ use glam::DVec3;
 use self::workspace::Found;
 use super::narrow;
 use super::response;
-use super::weighted::{self, Mover, PointConstraint, PointLaw, SpringBefore, Where};
+use super::weighted::{self, GENTLE_SHARE, Mover, PointConstraint, PointLaw, SpringBefore, Where};
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::model::{ObstacleShape, Samples};
@@ -41,9 +41,6 @@ use crate::physics::step::substep::Substep;
 /// How often points are looked for that only the velocities lead in which contact leaves; those that are found at last are
 /// remembered to be on the side that they came from, and are pushed in the next substep.
 const ROUNDS: usize = 4;
-
-/// What is in an obstacle without having pressed leaves it no faster than this share of its body's size in a second.
-const GENTLE_SHARE: f64 = 0.5;
 
 /// Changes the predicted velocities of all particles that carry points which meet obstacles within this substep.
 pub(in crate::physics) fn meet<R: Real>(

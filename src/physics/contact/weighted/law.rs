@@ -1,5 +1,14 @@
 //! How hard a contact of a point pushes and rubs.
 
+/// Stiffness of a spring that nobody chose over the mass of the particle it has to carry, 1/s².
+pub(in crate::physics) const STIFFNESS_OVER_MASS: f64 = 1e5;
+
+/// Nothing rests, or ends a step, deeper in what it meets than this share of its body's size.
+pub const DEPTH_SHARE: f64 = 0.02;
+
+/// What is inside something without having pressed leaves it no faster than this share of its body's size in a second.
+pub(in crate::physics) const GENTLE_SHARE: f64 = 0.5;
+
 /// The law of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::physics) struct PointLaw {

@@ -14,6 +14,7 @@ mod movers;
 mod solve;
 
 pub(super) use constraint::{PointConstraint, SpringBefore, Where};
-pub(in crate::physics) use law::PointLaw;
+pub use law::DEPTH_SHARE;
+pub(in crate::physics) use law::{GENTLE_SHARE, PointLaw, STIFFNESS_OVER_MASS};
 pub(super) use movers::{Mover, Movers};
 pub(super) use solve::solve;
