@@ -11,6 +11,7 @@ use crate::export::png::write_png;
 use crate::extract;
 use crate::render::{Gpu, Renderer, offscreen};
 use crate::session::Session;
+use crate::text::echo_path;
 
 /// Two sides in pixels.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
@@ -27,7 +28,7 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 pub(super) fn check(files: &[PathBuf]) -> Result<(), Failure> {
     for path in files {
         if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
-            return Err(Failure::usage(anyhow!("{}: pictures are PNG; end the name in .png", path.display())));
+            return Err(Failure::usage(anyhow!("{}: pictures are PNG; end the name in .png", echo_path(path))));
         }
     }
     files.iter().try_for_each(|path| out::check_writable(path))?;

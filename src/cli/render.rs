@@ -70,6 +70,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     pictures::check(&outputs)?;
     args.scene.share_steps();
     let mut opened = args.scene.open()?;
+    let inputs = opened.inputs();
+    outputs.iter().try_for_each(|path| out::check_spares(path, &inputs))?;
     if let Some(color) = args.color {
         opened.scene.view.color = color;
     }

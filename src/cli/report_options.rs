@@ -13,6 +13,7 @@ use super::scene_args::Changes;
 use crate::geometry::Lattice;
 use crate::scene::Scene;
 use crate::session::document::Opened;
+use crate::text::echo_path;
 
 /// What every report takes.
 #[derive(Debug, Args)]
@@ -93,7 +94,7 @@ impl ReportForm {
 
 /// Makes a folder where there is none, and refuses it where one of the files cannot be written there.
 pub(super) fn make_folder(folder: &Path, files: &[&str]) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be created", folder.display()))?;
+    std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be made a folder", echo_path(folder)))?;
     for name in files {
         out::check_writable(&folder.join(name))?;
     }

@@ -46,6 +46,7 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
 pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     if let Some(path) = &args.save_state {
         out::check_writable(path)?;
+        out::check_spares(path, args.from_state.as_slice())?;
     }
     let mut session = args.scene.start(args.save_state.as_deref())?;
     scene_args::find_modes(&mut session);

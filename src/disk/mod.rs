@@ -184,6 +184,7 @@ fn other_kind(about: &Metadata) -> Option<&'static str> {
     match about {
         _ if about.is_file() => None,
         _ if about.is_dir() => Some("folder"),
+        _ if about.is_symlink() => Some("link"),
         _ => Some("device"),
     }
 }

@@ -19,6 +19,7 @@ use crate::geometry::import;
 use crate::scene::file::SceneFileError;
 use crate::scene::view_settings::CameraSettings;
 use crate::scene::{Scene, ViewSettings, presets};
+use crate::text::echo_path;
 
 /// What a scene without a file is called.
 pub const UNTITLED: &str = "untitled";
@@ -30,13 +31,13 @@ pub enum SaveError {
     #[error("the scene has no file yet; use Save as… to give it one")]
     NoFile,
     /// The name would not be recognised as a scene's.
-    #[error("{}: the name of a scene file ends in .ron", .0.display())]
+    #[error("{}: the name of a scene file ends in .ron", echo_path(.0))]
     NotAScene(PathBuf),
     /// Another program has written to it.
-    #[error("{} has changed on the disk since it was opened; use Save as… to replace it or to keep both", .0.display())]
+    #[error("{} has changed on the disk since it was opened; use Save as… to replace it or to keep both", echo_path(.0))]
     ChangedOnDisk(PathBuf),
     /// A model's place cannot be written into the file.
-    #[error("the model of {whose}: {} is not UTF-8, so it cannot be written; rename the folder", path.display())]
+    #[error("the model of {whose}: {} is not UTF-8, so it cannot be written; rename the folder", echo_path(path))]
     ModelPath {
         /// The body or obstacle.
         whose: String,

@@ -12,6 +12,7 @@ use crate::scene::edit::EditError;
 use crate::scene::file::SceneFileError;
 use crate::scene::param::Problem;
 use crate::scene::resolve::{MeshError, ResolveError};
+use crate::text::echo_path;
 
 /// Speeds a person may ask for, simulated seconds a wall second.
 pub(super) const SPEEDS: [f64; 2] = [0.01, 10.0];
@@ -84,7 +85,7 @@ pub enum SessionError {
     #[error(transparent)]
     Save(#[from] SaveError),
     /// A state cannot be read or written.
-    #[error("{}", file.display())]
+    #[error("{}", echo_path(file))]
     State {
         /// The file.
         file: PathBuf,

@@ -18,6 +18,7 @@ use crate::geometry::import::{self, ImportError, MAX_FILE_BYTES};
 use crate::scene::embedded::{EmbeddedFile, PREFIX};
 use crate::scene::file::SceneFileError;
 use crate::scene::{Embedded, Scene};
+use crate::text::echo_path;
 
 /// Why a scene cannot be collected; nothing has been written then.
 #[derive(Debug, Error)]
@@ -31,7 +32,7 @@ pub enum CollectError {
         source: Box<ImportError>,
     },
     /// A file's name cannot be written into the scene.
-    #[error("the model of {whose}: {} is not UTF-8, so it cannot be written; rename the file", path.display())]
+    #[error("the model of {whose}: {} is not UTF-8, so it cannot be written; rename the file", echo_path(path))]
     Name {
         /// The body or obstacle.
         whose: String,
@@ -39,7 +40,7 @@ pub enum CollectError {
         path: PathBuf,
     },
     /// A file of a model cannot be read.
-    #[error("{} cannot be taken along", path.display())]
+    #[error("{} cannot be taken along", echo_path(path))]
     Beside {
         /// The file.
         path: PathBuf,
@@ -55,7 +56,7 @@ pub enum CollectError {
         place: String,
     },
     /// The folder cannot be written.
-    #[error("{} cannot be written", folder.display())]
+    #[error("{} cannot be written", echo_path(folder))]
     Folder {
         /// The folder.
         folder: PathBuf,

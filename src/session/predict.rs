@@ -118,14 +118,12 @@ pub fn crawl(real_time_factor: f64) -> Option<String> {
     (real_time_factor < SLOWEST).then(|| {
         let wait = 1.0 / real_time_factor.max(f64::MIN_POSITIVE);
         let takes = match wait {
-            secs if secs < 7200.0 => format!("{:.0} minutes", secs / 60.0),
-            secs if secs < 172_800.0 => format!("{:.0} hours", secs / 3600.0),
-            secs if secs < 3e8 => format!("{:.0} days", secs / 86_400.0),
+            secs if secs < 7200.0 => format!("about {:.0} minutes", secs / 60.0),
+            secs if secs < 172_800.0 => format!("about {:.0} hours", secs / 3600.0),
+            secs if secs < 3e8 => format!("about {:.0} days", secs / 86_400.0),
             _ => "many years".to_owned(),
         };
-        format!(
-            "a simulated second will take about {takes} on this machine: this is slower than a thousandth of real time"
-        )
+        format!("a simulated second will take {takes} on this machine: this is slower than a thousandth of real time")
     })
 }
 

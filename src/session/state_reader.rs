@@ -20,6 +20,9 @@ use crate::physics::{Simulation, State};
 /// More steps than this are not counted one by one.
 const MOST_STEPS: u64 = 1 << 53;
 
+/// No mode's amplitude or rate is larger, m √kg and m √kg / s: a body that swings so far has exploded.
+const MOST_OF_A_MODE: f64 = 1e12;
+
 /// Takes numbers off the front of bytes.
 pub(super) struct Reader<'a> {
     rest: &'a [u8],
@@ -31,7 +34,7 @@ pub(super) struct Reader<'a> {
 pub(super) struct Tells {
     /// Points of meshes that touch obstacles.
     pub(super) touches: bool,
-    /// Bodies that their modes lead.
+    /// Modal bodies.
     pub(super) modes: bool,
 }
 
@@ -204,7 +207,7 @@ impl<'a> Reader<'a> {
 
     /// How bodies move that their modes lead, by body.
     fn modal(&mut self, model: &Model<f32>) -> Result<Vec<ModalState>, StateFileError> {
-        let field = "the bodies that modes lead";
+        let field = "the modal bodies";
         let mut modal = vec![ModalState::default(); model.bodies.len()];
         let mut last = None;
         for _ in 0..self.u64(field)? {
@@ -216,7 +219,7 @@ impl<'a> Reader<'a> {
             let mut numbers = Vec::new();
             for _ in 0..3 * count {
                 let number = self.f64(field)?;
-                need(number.is_finite(), "a mode", number, "a finite number")?;
+                need(number.abs() <= MOST_OF_A_MODE, "a mode", number, "a number from -1e12 to 1e12")?;
                 numbers.push(number);
             }
             let mut rate = numbers.split_off(numbers.len() / 3);
@@ -283,7 +286,8 @@ impl<'a> Reader<'a> {
             let particle = place((self.u64(field)?, model.particle_count()))?;
             let bodies =
                 [place((self.u64(field)?, model.bodies.len()))?, place((self.u64(field)?, model.bodies.len()))?];
-            let is_own = model.bodies[bodies[0]].particles.contains(&particle) && bodies[0] != bodies[1];
+            // A body that meets itself is both.
+            let is_own = model.bodies[bodies[0]].particles.contains(&particle);
             need(
                 is_own,
                 field,

@@ -87,6 +87,21 @@ fn every_number_of_a_state_is_checked() {
 }
 
 #[test]
+fn a_state_of_a_body_that_presses_itself_is_read_again() {
+    let scene = (presets::preset("fold").expect("a preset").build)();
+    let open = || Session::new(scene.clone(), PathBuf::new(), "fold".to_owned()).expect("it resolves");
+    let mut folds = open();
+    let presses_itself = |session: &Session| {
+        let presses = &session.simulation().state().presses;
+        presses.iter().any(|press| press.bodies[0] == press.bodies[1])
+    };
+    assert!((0..2000).any(|_| folds.step() && presses_itself(&folds)), "it folds onto itself");
+    let mut again = open();
+    again.set_state_bytes(&folds.state_bytes()).expect("it is sound");
+    assert!(presses_itself(&again) && again.simulation().hash() == folds.simulation().hash());
+}
+
+#[test]
 fn a_state_whose_energy_is_no_number_is_refused() {
     let huge = refused(VECTORS + 24 * PARTICLES, &f32::MAX.to_le_bytes());
     assert_eq!(huge, "nothing", "fast, but a number");

@@ -302,3 +302,12 @@ fn pictures_are_written_one_by_one_and_differ() {
     assert!(pictures.iter().all(|bytes| bytes.starts_with(b"\x89PNG")), "they are PNG files");
     assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2], "the cube falls");
 }
+
+#[test]
+fn without_a_body_no_motion_is_too_violent() {
+    let folder = Folder::new();
+    folder.write("bare.ron", "(version: 1, bodies: [], obstacles: [(sphere: (radius: 1))])");
+    for command in ["run bare.ron --seconds 0.01 --json", "check bare.ron --json"] {
+        assert!(!folder.json(command).to_string().contains("too violent"), "{command}");
+    }
+}

@@ -100,6 +100,27 @@ fn a_buffer_beside_a_model_is_not_replaced() {
 }
 
 #[test]
+fn no_picture_replaces_a_scene_or_its_model() {
+    let folder = folder();
+    folder.write("s.ron", "(version: 1, bodies: [(shape: model(path: \"m.obj\", divisions: 2))])");
+    std::fs::hard_link(folder.path("m.obj"), folder.path("f_0002.png")).expect("a second name");
+    std::fs::hard_link(folder.path("s.ron"), folder.path("s.png")).expect("a second name");
+    for (output, replaced) in [("s.png", "s.png"), ("f.png --frames 3", "f_0002.png")] {
+        let command = format!("render s.ron --at 0 --size 8x8 -o {output}");
+        refused(&folder, &command, USAGE, &[&format!("{replaced} is what is read")]);
+    }
+    assert_eq!(std::fs::read_to_string(folder.path("m.obj")).expect("it is there"), obj());
+}
+
+#[test]
+fn a_state_that_is_gone_on_from_is_not_replaced() {
+    let folder = folder();
+    folder.json("run cube-on-plane --seconds 0.01 --save-state a.state --json");
+    let command = "run cube-on-plane --seconds 0.01 --from-state a.state --save-state a.state";
+    refused(&folder, command, USAGE, &["a.state is what is read"]);
+}
+
+#[test]
 fn a_collected_scene_moves_as_the_one_it_was() {
     let folder = folder();
     let body = "(shape: model(path: \"m.gltf\", divisions: 4))";

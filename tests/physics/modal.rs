@@ -286,6 +286,17 @@ fn nothing_limits_the_steps_of_a_modal_body() {
     assert!(by_cells.plan().limits.substeps(1e-3) > 1, "by its cells it would need more");
 }
 
+#[test]
+fn a_body_that_swings_a_million_times_as_far_as_it_is_long_has_exploded() {
+    for (rate, explodes) in [(1.0, false), (1e12, true), (1e100, true)] {
+        let mut simulation = modal::<f32>(&hanging(beam(2), 0.0, Vec::new()));
+        let mut state = simulation.state().clone();
+        state.modal[0].rate[0] = rate;
+        simulation.set_state(state);
+        assert_eq!((simulation.step().diverged, simulation.has_diverged()), (explodes, explodes), "{rate}");
+    }
+}
+
 /// A modal beam over an obstacle, and a cube beside it that is not.
 fn beside_a_cube() -> Scene {
     let mut scene = hanging(beam(2), 3.0, vec![support(0.02), plane([0.0, -1.0, 0.0], [0.0; 3], [0.5, 0.4])]);

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::error::{ImportError, Place, Problem};
+use super::error::{ImportError, Place, Problem, is_within_reach};
 use super::formats::MAX_PARTS;
 use super::model_file::{Imported, ModelFile};
 use super::polygon::Cutter;
@@ -75,7 +75,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Adds a vertex, which is finite.
+    /// Adds a vertex, whose coordinates are within reach.
     pub(super) fn vertex(&mut self, position: DVec3) -> Result<(), ImportError> {
         self.mesh.positions.push(position);
         self.check_size()
@@ -142,14 +142,14 @@ pub(super) fn vertex_index(index: i64, vertices: usize) -> Result<u32, Problem> 
     known.and_then(|index| u32::try_from(index).ok()).ok_or_else(out)
 }
 
-/// A position whose coordinates are finite; `place` says where it is.
-pub(super) fn finite(
+/// A position whose coordinates are within reach; `place` says where it is.
+pub(super) fn within_reach(
     file: ModelFile<'_>,
     position: DVec3,
     place: impl FnOnce() -> Place,
 ) -> Result<DVec3, ImportError> {
-    match position.to_array().iter().find(|coordinate| !coordinate.is_finite()) {
-        Some(coordinate) => Err(file.at(place(), Problem::NotFinite(coordinate.to_string()))),
+    match position.to_array().iter().find(|coordinate| !is_within_reach(**coordinate)) {
+        Some(coordinate) => Err(file.at(place(), Problem::OutOfReach(coordinate.to_string()))),
         None => Ok(position),
     }
 }

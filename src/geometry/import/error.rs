@@ -132,9 +132,9 @@ pub enum Problem {
     /// A coordinate that is no number.
     #[error("`{0}` is not a number; a coordinate such as 0.5 is needed")]
     BadNumber(String),
-    /// A coordinate that is NaN, infinite or too large for a double.
-    #[error("the coordinate `{0}` is not finite; every coordinate must be a number below 1e308")]
-    NotFinite(String),
+    /// A coordinate that is NaN or farther out than [`FARTHEST`].
+    #[error("the coordinate `{0}` is out of reach; every coordinate must be a number from -1e50 to 1e50")]
+    OutOfReach(String),
     /// A face corner that is no index.
     #[error("`{0}` is not a vertex index; whole numbers are needed, as in `f 1 2 3` or `f 1/1/1 2/2/2 3/3/3`")]
     BadIndex(String),
@@ -224,11 +224,19 @@ pub(super) fn quote(word: &[u8]) -> String {
     echo_up_to(&String::from_utf8_lossy(&word[..word.len().min(200)]), 30)
 }
 
+/// No coordinate is farther out: squares of areas and volumes of what is larger would be infinite.
+const FARTHEST: f64 = 1e50;
+
+/// Whether a coordinate is a number that can be reckoned with.
+pub(super) fn is_within_reach(coordinate: f64) -> bool {
+    coordinate.abs() <= FARTHEST
+}
+
 /// The number that a word of a text stands for: a coordinate.
 pub(super) fn coordinate(word: &[u8]) -> Result<f64, Problem> {
     match std::str::from_utf8(word).ok().and_then(|text| text.parse::<f64>().ok()) {
         None => Err(Problem::BadNumber(quote(word))),
-        Some(number) if !number.is_finite() => Err(Problem::NotFinite(quote(word))),
+        Some(number) if !is_within_reach(number) => Err(Problem::OutOfReach(quote(word))),
         Some(number) => Ok(number),
     }
 }

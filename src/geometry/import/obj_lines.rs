@@ -388,9 +388,10 @@ mod tests {
 
     #[test]
     fn a_bad_coordinate_is_named_with_its_line() {
-        assert_eq!(problem("v 0 0 0\n\nv 1 nan 2\n"), (3, Problem::NotFinite("nan".into())), "NaN");
-        assert_eq!(problem("v 0 -inf 0"), (1, Problem::NotFinite("-inf".into())), "infinite");
-        assert_eq!(problem("v 0 1e400 0"), (1, Problem::NotFinite("1e400".into())), "beyond a double");
+        assert_eq!(problem("v 0 0 0\n\nv 1 nan 2\n"), (3, Problem::OutOfReach("nan".into())), "NaN");
+        assert_eq!(problem("v 0 -inf 0"), (1, Problem::OutOfReach("-inf".into())), "infinite");
+        assert_eq!(problem("v 0 1e400 0"), (1, Problem::OutOfReach("1e400".into())), "beyond a double");
+        assert_eq!(problem("v 0 1e308 0"), (1, Problem::OutOfReach("1e308".into())), "its square would be infinite");
         assert_eq!(problem("v 0 0,5 0"), (1, Problem::BadNumber("0,5".into())), "a comma");
         assert_eq!(problem("v 0 \\\n 0 \\\n"), (1, Problem::MissingCoordinate(2)), "continued into the void");
     }

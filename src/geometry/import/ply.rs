@@ -11,7 +11,7 @@ use glam::DVec3;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 
-use super::assembly::{Assembly, finite, vertex_index};
+use super::assembly::{Assembly, vertex_index, within_reach};
 use super::error::{ImportError, Place, Problem, quote};
 use super::model_file::{Imported, ModelFile};
 use crate::geometry::paint::tint_of_srgb;
@@ -166,7 +166,7 @@ fn read_elements(
         let place = || rest.place(def, number);
         match kind {
             Kind::Vertex => {
-                assembly.vertex(finite(file, DVec3::from_array(element.position), place)?)?;
+                assembly.vertex(within_reach(file, DVec3::from_array(element.position), place)?)?;
                 assembly.paint_vertex(tint_of_srgb(element.color));
             }
             Kind::Face => {

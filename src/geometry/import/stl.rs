@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::assembly::{Assembly, finite};
+use super::assembly::{Assembly, within_reach};
 use super::error::{ImportError, Place, Problem, coordinate, quote};
 use super::formats::MAX_PARTS;
 use super::model_file::{Imported, ModelFile};
@@ -51,7 +51,7 @@ pub(super) fn read_binary(file: ModelFile<'_>) -> Result<Imported, ImportError> 
         let mut numbers = numbers.skip(3);
         for _ in 0..3 {
             let [x, y, z] = [(); 3].map(|()| numbers.next().unwrap_or(f64::NAN));
-            corners.push(finite(file, DVec3::new(x, y, z), || Place::Triangle(number))?)?;
+            corners.push(within_reach(file, DVec3::new(x, y, z), || Place::Triangle(number))?)?;
         }
     }
     let rest = bytes.len() as u64 - needed(count);
@@ -313,7 +313,7 @@ mod tests {
         assert_eq!(said(" endfacet", ""), "m.stl, line 9: `endsolid` stands where `endfacet` is needed");
         assert_eq!(
             said("vertex 0", "vertex nan"),
-            "m.stl, line 4: the coordinate `nan` is not finite; every coordinate must be a number below 1e308"
+            "m.stl, line 4: the coordinate `nan` is out of reach; every coordinate must be a number from -1e50 to 1e50"
         );
         assert_eq!(
             said("vertex 0", "vertex 0,5"),
@@ -326,7 +326,7 @@ mod tests {
         infinite[HEADER + RECORD + 16..][..4].copy_from_slice(&f32::INFINITY.to_le_bytes());
         assert_eq!(
             refusal(&infinite, "m.stl"),
-            "m.stl, triangle 2: the coordinate `inf` is not finite; every coordinate must be a number below 1e308"
+            "m.stl, triangle 2: the coordinate `inf` is out of reach; every coordinate must be a number from -1e50 to 1e50"
         );
         let short = "need 284 bytes, but 283 are there; the file may have been cut off";
         assert_eq!(refusal(&binary[..283], "m.stl"), format!("m.stl, header: 4 triangles {short}"));

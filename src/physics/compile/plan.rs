@@ -118,7 +118,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let parts = if scheme == Scheme::Implicit { 0 } else { any_state::parts(model, scheme, secs) };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
     let share = (MOST_WORK_A_FRAME as f64 * secs / FRAME_SECS) as u64;
-    let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len() as u64);
+    let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len().max(1) as u64);
     Plan { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
 }
 

@@ -63,6 +63,9 @@ use crate::physics::state::sleep::STILL_SECS;
 /// A body is at rest that moves no faster than this, and is pushed to no faster within [`STILL_SECS`], body sizes a second.
 const STILL: f64 = 1e-4;
 
+/// A body that swings farther than so many of its sizes has exploded: single precision has no places left for its shape.
+const MOST_SIZES: f64 = 1e6;
+
 /// What modal bodies work in: allocated once, meaningless between substeps.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct ModalWorkspace {
@@ -108,11 +111,12 @@ pub(in crate::physics) struct ModalReport {
     pub(in crate::physics) contacts: usize,
     /// The deepest point at the end, m.
     pub(in crate::physics) deepest_m: f64,
-    /// Whether all numbers are finite.
+    /// Whether all numbers are finite and no body has exploded.
     pub(in crate::physics) is_finite: bool,
 }
 
-/// Moves all modal bodies over a substep. Where a number would not be finite, nothing of that body is changed.
+/// Moves all modal bodies over a substep. Where a number would not be finite or a body has
+/// exploded, nothing of that body is changed.
 pub(in crate::physics) fn advance<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -158,7 +162,9 @@ pub(in crate::physics) fn advance<R: Real>(
         }
         recorder.enter(Stage::Integrate);
         let end = |mode: usize| [free.amplitude[mode] + secs * change[mode], free.rate[mode] + change[mode]];
-        if !(0..count).all(|mode| end(mode).iter().all(|number| number.is_finite())) {
+        let reach: f64 = (0..count).map(|mode| end(mode)[0].abs() * modal.points.farthest(mode)).sum();
+        let is_sound = reach <= MOST_SIZES * body.size.to_f64() && (0..count).all(|mode| end(mode)[1].is_finite());
+        if !is_sound {
             report.is_finite = false;
             continue;
         }

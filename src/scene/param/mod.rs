@@ -72,6 +72,9 @@ pub(super) fn tree_problem(path: &str, tree: &Value) -> Option<Problem> {
 }
 
 fn not_a_setting(value: &Value) -> String {
+    if value.is_null() {
+        return "a name alone is not a setting of a scene; give it as a scene file has it".to_owned();
+    }
     format!("{} is not a setting of a scene", echo(&value.to_string()))
 }
 

@@ -7,7 +7,7 @@ use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
 
 use super::buffers::Buffers;
-use crate::geometry::import::assembly::{Assembly, TEXTURES_WARNING, finite, vertex_index};
+use crate::geometry::import::assembly::{Assembly, TEXTURES_WARNING, vertex_index, within_reach};
 use crate::geometry::import::error::{ImportError, Place, Problem};
 use crate::geometry::import::formats::MAX_PARTS;
 use crate::geometry::import::model_file::{Imported, ModelFile};
@@ -116,7 +116,7 @@ impl<'a> Reader<'a> {
             .collect();
         for (number, position) in placed.into_iter().enumerate() {
             file.look(number, || 0.5)?;
-            self.assembly.vertex(finite(file, position, || place.clone())?)?;
+            self.assembly.vertex(within_reach(file, position, || place.clone())?)?;
             self.assembly.paint_vertex(tints.get(number).copied().unwrap_or(NO_TINT));
         }
         Ok(count)

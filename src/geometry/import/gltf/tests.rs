@@ -251,7 +251,7 @@ fn damaged_bytes_say_what_is_wrong_where() {
         blob[at..at + bytes_there.len()].copy_from_slice(bytes_there);
         refusal(&glb(&json, &blob), "m.glb")
     };
-    let finite = "the coordinate `NaN` is not finite; every coordinate must be a number below 1e308";
+    let finite = "the coordinate `NaN` is out of reach; every coordinate must be a number from -1e50 to 1e50";
     assert_eq!(with(16, &f32::NAN.to_le_bytes()), format!("m.glb, mesh 0, primitive 0: {finite}"));
     let far = "the face asks for vertex 4, but only 4 vertices are in the file";
     assert_eq!(with(48, &4_u16.to_le_bytes()), format!("m.glb, mesh 0, primitive 0: {far}"));

@@ -122,7 +122,7 @@ fn damaged_headers_say_what_is_wrong_where() {
 fn damaged_elements_are_named() {
     let good = text(&tetrahedron());
     let said = |from: &str, to: &str| refusal(good.replacen(from, to, 1).as_bytes(), "m.ply");
-    let finite = "is not finite; every coordinate must be a number below 1e308";
+    let finite = "is out of reach; every coordinate must be a number from -1e50 to 1e50";
     assert_eq!(said("255 0 2", "255 inf 2"), format!("m.ply, line 19: the coordinate `inf` {finite}"));
     assert_eq!(said("255 0 2", "255 x 2"), "m.ply, line 19: `x` is not a number; a coordinate such as 0.5 is needed");
     assert_eq!(said("255 0 2 ", "255 0 9 "), "m.ply, line 19: a number that the header describes is missing");
