@@ -132,7 +132,7 @@ pub enum Problem {
     /// A coordinate that is no number.
     #[error("`{0}` is not a number; a coordinate such as 0.5 is needed")]
     BadNumber(String),
-    /// A coordinate that is NaN or farther out than [`FARTHEST`].
+    /// A coordinate that is NaN or farther out than 1e50.
     #[error("the coordinate `{0}` is out of reach; every coordinate must be a number from -1e50 to 1e50")]
     OutOfReach(String),
     /// A face corner that is no index.
