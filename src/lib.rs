@@ -68,7 +68,7 @@
 //! | `render` | math, view | wgpu: draws a draw list to a window's surface or an image; has never heard of a spring |
 //! | [`report`] | math, machine, geometry, scene, physics | measures and explains: how exact a scheme is for its time and a body for its cells, what a scene costs and does not need, how fast a step is, how far steps may go, how contact compares with theory, whether extreme scenes stay whole, how another engine does |
 //! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no window |
-//! | [`export`] | math, disk, geometry, view | pictures to files |
+//! | [`export`] | math, disk, text, geometry, view | pictures to files |
 //! | `cli` | all but physics | the command line; opens the window |
 //! | `app` | all but geometry, physics, modal, report and cli | winit and egui: the window, its panels, the thread the session runs on |
 //!

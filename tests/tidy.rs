@@ -25,7 +25,7 @@ const LAYERS: [(&str, &[&str]); 16] = [
         "session",
         &["math", "disk", "machine", "text", "geometry", "scene", "physics", "modal", "view", "extract", "report"],
     ),
-    ("export", &["math", "disk", "geometry", "view"]),
+    ("export", &["math", "disk", "text", "geometry", "view"]),
     // The command line opens the window, and so is the top of the program.
     (
         "cli",

@@ -10,8 +10,7 @@ use super::{TEMPORARY, TEMPORARY_REST, folder_of, other_kind};
 pub fn check_new_folder(path: &Path) -> io::Result<()> {
     let outer = folder_of(path);
     if !outer.is_dir() {
-        let missing = format!("the folder {} does not exist", outer.display());
-        return Err(io::Error::new(io::ErrorKind::NotFound, missing));
+        return Err(io::Error::new(io::ErrorKind::NotFound, "the folder it is to be in does not exist"));
     }
     let Ok(about) = fs::symlink_metadata(path) else { return Ok(()) };
     let words = match other_kind(&about) {

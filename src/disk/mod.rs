@@ -116,8 +116,7 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
     replaceable(&target)?;
     let folder = folder_of(&target);
     if !folder.is_dir() {
-        let missing = format!("the folder {} does not exist", folder.display());
-        return Err(io::Error::new(io::ErrorKind::NotFound, missing));
+        return Err(io::Error::new(io::ErrorKind::NotFound, "the folder it is to be in does not exist"));
     }
     tempfile::tempfile_in(&folder).map(drop)
 }

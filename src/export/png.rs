@@ -7,13 +7,14 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
 use crate::disk;
+use crate::text::echo_path;
 use crate::view::Image;
 
 /// A picture that could not be written. What was at the path before is still there.
 #[derive(Debug, thiserror::Error)]
 pub enum PngError {
     /// The folder or the file cannot be written.
-    #[error("cannot write the picture {path}", path = path.display())]
+    #[error("cannot write the picture {path}", path = echo_path(path))]
     Write {
         /// The file.
         path: PathBuf,
@@ -21,7 +22,7 @@ pub enum PngError {
         source: io::Error,
     },
     /// The picture does not hold as many pixels as it says.
-    #[error("cannot write the picture {path}: it holds {bytes} bytes, not those of {size:?} pixels", path = path.display())]
+    #[error("cannot write the picture {path}: it holds {bytes} bytes, not those of {size:?} pixels", path = echo_path(path))]
     Incomplete {
         /// The file.
         path: PathBuf,
@@ -31,7 +32,7 @@ pub enum PngError {
         bytes: usize,
     },
     /// The picture cannot be encoded.
-    #[error("cannot encode the picture {path} of {size:?} pixels", path = path.display())]
+    #[error("cannot encode the picture {path} of {size:?} pixels", path = echo_path(path))]
     Encode {
         /// The file.
         path: PathBuf,
