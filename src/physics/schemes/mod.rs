@@ -114,11 +114,17 @@ impl<R: Real> Stepper<'_, R> {
         pushed.clear();
         let changed = (0..after_contact.len()).filter(|&particle| after_contact[particle] != predicted[particle]);
         pushed.extend(changed.map(|particle| (particle, after_contact[particle])));
-        if self.substep.scheme != Scheme::Explicit {
-            let after_others =
-                |particle| moved.binary_search_by_key(&particle, |one| one.0).map(|place| moved[place].1);
-            pushed.retain(|&(particle, after)| after_others(particle) != Ok(after));
+        if self.substep.scheme == Scheme::Explicit {
+            return;
         }
+        for &(particle, after) in moved {
+            if let Ok(place) = pushed.binary_search_by_key(&particle, |one| one.0)
+                && pushed[place].1 == after
+            {
+                pushed[place].1 = predicted[particle];
+            }
+        }
+        pushed.retain(|&(particle, after)| after != predicted[particle]);
     }
 }
 

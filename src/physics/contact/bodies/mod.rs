@@ -95,7 +95,6 @@ pub(in crate::physics) fn meet<R: Real>(
             moved.push((particle, after));
         }
     }
-    moved.sort_unstable_by_key(|one| one.0);
     // Contacts of a pair follow each other.
     for of_pair in workspace.contacts[kept..].chunk_by(|one, next| one.bodies == next.bodies) {
         let (pair, has_pushed) = (of_pair[0].bodies, of_pair.iter().any(|contact| contact.force != DVec3::ZERO));

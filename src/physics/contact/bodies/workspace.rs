@@ -37,8 +37,7 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(super) sorted: Vec<(DVec3, Surroundings)>,
     pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
-    /// The particles that contact between bodies has just given another velocity, and that velocity, m/s; in
-    /// the order of the particles.
+    /// The particles that contact between bodies has just given another velocity, and that velocity, m/s.
     pub(in crate::physics) moved: Vec<(usize, R::Vec3)>,
     /// The pairs of bodies that pushed each other since this was cleared.
     pub(in crate::physics) met: Vec<[usize; 2]>,
