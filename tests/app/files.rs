@@ -6,25 +6,22 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use gelatin::app::frame_meter::DrawingCost;
 use gelatin::app::theme;
-use gelatin::app::ui::files::{FileAction, FoundDraft, PathUse, Wish, Work};
+use gelatin::app::ui::files::{FileAction, FoundDraft, PathUse, Wish};
 use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
-use gelatin::scene::body::UpAxis;
 use gelatin::scene::view_settings::CameraSettings;
-use gelatin::scene::{Scene, Shape, presets};
+use gelatin::scene::{Scene, presets};
 use gelatin::session::document::ModelPlace;
-use gelatin::session::jellify::jellify;
-use gelatin::session::progress::Progress;
 use gelatin::session::{Command, Session, Status};
 
 /// What the panels show, and what came of it.
-struct Stage {
-    status: Status,
-    scene: Scene,
-    ui: UiState,
-    commands: Vec<Command>,
+pub(crate) struct Stage {
+    pub(crate) status: Status,
+    pub(crate) scene: Scene,
+    pub(crate) ui: UiState,
+    pub(crate) commands: Vec<Command>,
 }
 
-fn show(file: Option<&Path>, unsaved: bool) -> Harness<'static, Stage> {
+pub(crate) fn show(file: Option<&Path>, unsaved: bool) -> Harness<'static, Stage> {
     let status = Status { title: "a.ron".into(), file: file.map(Path::to_owned), unsaved, ..Status::default() };
     let mut ui = UiState::new(presets::presets());
     ui.files.camera = CameraSettings { distance: 3.5, ..CameraSettings::default() };
@@ -55,13 +52,13 @@ fn show(file: Option<&Path>, unsaved: bool) -> Harness<'static, Stage> {
     harness
 }
 
-fn ask(harness: &mut Harness<'_, Stage>, action: FileAction) -> Vec<Command> {
+pub(crate) fn ask(harness: &mut Harness<'_, Stage>, action: FileAction) -> Vec<Command> {
     harness.state_mut().ui.files.ask(action);
     harness.run_steps(3);
     std::mem::take(&mut harness.state_mut().commands)
 }
 
-fn click(harness: &mut Harness<'_, Stage>, label: &str) -> Vec<Command> {
+pub(crate) fn click(harness: &mut Harness<'_, Stage>, label: &str) -> Vec<Command> {
     harness.get_by_label(label).click();
     harness.run_steps(3);
     std::mem::take(&mut harness.state_mut().commands)
@@ -73,7 +70,7 @@ fn choose(harness: &mut Harness<'_, Stage>, purpose: PathUse, path: &Path) {
     harness.run_steps(2);
 }
 
-fn is_open(harness: &Harness<'_, Stage>, label: &str) -> bool {
+pub(crate) fn is_open(harness: &Harness<'_, Stage>, label: &str) -> bool {
     harness.query_by_label(label).is_some()
 }
 
@@ -312,129 +309,8 @@ fn what_was_found_after_a_crash_is_offered() {
     harness.get_by_label("Unsaved changes");
 }
 
-/// Opens the assistant on a model and makes the body, as the window would on another thread.
-fn jellify_in_assistant(harness: &mut Harness<'_, Stage>, path: &Path) {
-    harness.state_mut().ui.files.load_model(path);
-    jellify_wished(harness);
-}
-
-/// Makes the body that the assistant's values stand for.
-fn jellify_wished(harness: &mut Harness<'_, Stage>) {
-    // The values have to stand for a while before the work begins.
-    harness.run_steps(60);
-    let wishes = std::mem::take(&mut harness.state_mut().ui.files.wishes);
-    let asked = wishes.into_iter().find_map(|wish| match wish {
-        Wish::Jellify(shape, settings) => Some((shape, settings)),
-        _ => None,
-    });
-    let (shape, settings) = asked.expect("the work is asked for");
-    let work = match jellify(&shape, Path::new(""), &settings, &Progress::default()) {
-        Ok(body) => Work::Ready(Box::new(body)),
-        Err(error) => Work::Failed(error.to_string()),
-    };
-    harness.state_mut().ui.files.set_work(work);
-    // The dialog grows around what will come of the model before it stands still.
-    harness.run_steps(10);
-}
-
-fn box_model(folder: &Path) -> PathBuf {
-    let path = folder.join("slab.obj");
-    std::fs::write(
-        &path,
-        "v 0 0 0\nv 3 0 0\nv 3 0 1\nv 0 0 1\nv 1 2 0\nf 1 2 3 4\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n",
-    )
-    .expect("a file");
-    path
-}
-
-#[test]
-fn a_model_is_looked_at_before_it_is_added() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut harness = show(None, false);
-    jellify_in_assistant(&mut harness, &box_model(folder.path()));
-    for label in [
-        "Cells",
-        "Particles",
-        "Links",
-        "Components",
-        "Safe step",
-        "Speed",
-        "Divisions",
-        "Length",
-        "Fill",
-        "Keep",
-        "Up axis",
-    ] {
-        assert!(harness.query_all_by_label(label).next().is_some(), "{label} is shown");
-    }
-    assert!(is_open(&harness, "y, guessed"), "it stands as it is");
-    let commands = click(&mut harness, "Add to scene");
-    let [Command::AddBody { body, jelly }] = &commands[..] else { panic!("one body, not {commands:?}") };
-    assert_eq!(body.name, "slab");
-    assert!(jelly.report.as_ref().is_some_and(|report| report.cells > 10), "filled already");
-    assert!(!is_open(&harness, "Load model"), "the assistant is closed");
-}
-
-#[test]
-fn a_model_that_lies_on_its_side_is_stood_up_by_a_guess_or_by_choice() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = box_model(folder.path());
-    let lying = "v 0 0 0\nv 3 0 0\nv 3 1 0\nv 0 1 0\nv 1 0 2\nf 1 2 3 4\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n";
-    std::fs::write(&path, lying.replace("v 1 0 2", "v 1.5 0.5 2")).expect("a file");
-    let mut harness = show(None, false);
-    jellify_in_assistant(&mut harness, &path);
-    assert!(is_open(&harness, "z, guessed"), "it stands only that way");
-    let choose = |harness: &mut Harness<'_, Stage>, label: &str| {
-        harness.get_by_role_and_label(egui::accesskit::Role::ComboBox, "Up axis").click();
-        harness.run_steps(3);
-        click(harness, label);
-        jellify_wished(harness);
-    };
-    choose(&mut harness, "−x");
-    let commands = click(&mut harness, "Add to scene");
-    let [Command::AddBody { body, .. }] = &commands[..] else { panic!("one body, not {commands:?}") };
-    let Shape::Model(model) = &body.shape else { panic!("a model") };
-    assert_eq!(model.up, UpAxis::MinusX, "as chosen");
-}
-
-#[test]
-fn a_model_that_takes_the_scenes_place_waits_for_unsaved_changes_as_a_whole() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut harness = show(None, true);
-    jellify_in_assistant(&mut harness, &box_model(folder.path()));
-    assert!(click(&mut harness, "Replace scene").is_empty(), "the body must not fall into the old scene");
-    let commands = click(&mut harness, "Discard");
-    assert!(matches!(commands[..], [Command::Replace { .. }, Command::AddBody { .. }]), "{commands:?}");
-}
-
-#[test]
-fn a_model_that_cannot_be_read_is_explained_in_the_assistant() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("bad.obj");
-    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 zero\nf 1 2 3\n").expect("a file");
-    let mut harness = show(None, false);
-    jellify_in_assistant(&mut harness, &path);
-    assert!(harness.query_by_label_contains("bad.obj, line 3").is_some(), "file and line");
-    assert!(click(&mut harness, "Add to scene").is_empty(), "there is nothing to add");
-}
-
-#[test]
-fn work_that_is_stopped_or_closed_is_no_longer_wanted() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut harness = show(None, false);
-    harness.state_mut().ui.files.load_model(&box_model(folder.path()));
-    harness.run_steps(2);
-    harness.state_mut().ui.files.set_work(Work::Running(std::sync::Arc::default()));
-    harness.run_steps(2);
-    for label in ["Stop", "Close"] {
-        harness.state_mut().ui.files.wishes.clear();
-        click(&mut harness, label);
-        assert!(harness.state().ui.files.wishes.contains(&Wish::StopJellifying), "{label}");
-    }
-}
-
 /// Where things are, which must stay there.
-fn places(harness: &Harness<'_, Stage>, labels: &[&str]) -> Vec<egui::Rect> {
+pub(crate) fn places(harness: &Harness<'_, Stage>, labels: &[&str]) -> Vec<egui::Rect> {
     labels.iter().map(|label| harness.get_all_by_label(label).next().expect("it is there").rect()).collect()
 }
 
@@ -463,25 +339,6 @@ fn a_dialog_stands_still_whatever_is_typed_and_found() {
     harness.run_steps(3);
     assert_eq!(places(&harness, &labels), still, "once the system is known to have no window of its own");
     harness.get_by_label_contains("xdg-desktop-portal");
-}
-
-#[test]
-fn the_assistant_stands_still_while_it_works() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut harness = show(None, false);
-    harness.state_mut().ui.files.load_model(folder.path());
-    harness.run_steps(3);
-    let labels = ["Load model", "Divisions", "Close", "Add to scene"];
-    let still = places(&harness, &labels);
-    let words = "a sentence about what is wrong with this model, which is long. ".repeat(9);
-    for work in [Work::Running(std::sync::Arc::default()), Work::Failed(words), Work::Idle] {
-        let what = format!("{work:?}");
-        harness.state_mut().ui.files.set_work(work);
-        harness.run_steps(3);
-        assert_eq!(places(&harness, &labels), still, "{what}");
-    }
-    jellify_in_assistant(&mut harness, &box_model(folder.path()));
-    assert_eq!(places(&harness, &labels), still, "the body is ready");
 }
 
 #[test]
