@@ -98,8 +98,8 @@
 //!
 //! A body that is to move by its modes waits for them with time standing still (`session::modal`): the window finds them on a
 //! thread beside the sandbox with progress and a stop, the command line at once, both in a folder beside the scene where they
-//! were found before. What comes of it is a `Command::TakeModes`; from then on modes lead the body's particles
-//! (`physics::modes`), and its cells are not simulated.
+//! were found before. What comes of it is a `Command::TakeModes`; from then on it is a modal body (`physics::modes`), and
+//! its cells are not simulated.
 //!
 //! # Two walks through the code
 //!

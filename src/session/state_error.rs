@@ -9,7 +9,7 @@ use crate::disk::ReadError;
 /// What a state begins with: magic and version.
 pub(super) const MAGIC: &str = "gelatin-state 13\n";
 
-/// The same of the version before, which knew no bodies that modes lead.
+/// The same of the version before, which knew no modal bodies.
 pub(super) const WITHOUT_MODES: &str = "gelatin-state 12\n";
 
 /// The same of the version before that, which knew no points of meshes.

@@ -11,7 +11,7 @@
 //! sides: planes × particles i8
 //! bodies: each a count u64 and as many cells u32             watched as they may invert
 //!         1 if asleep + 2 if strained + 4 if stuck + 8 if gone + 16 if near itself
-//!         + 32 if its modes lead it, ns slow in a knot,
+//!         + 32 if it is a modal body, ns slow in a knot,
 //!         substeps it has been calm after strain                           three u32
 //!         J that recovery took of its energy, the share of the pull,
 //!         cells by which it may still fold until that is looked for       three f64
@@ -29,7 +29,7 @@
 //! points of meshes that touch obstacles: a count u64, and of each
 //!         its body, its number, the obstacle, its side + 1        four u64
 //!         how far its spring is pressed                    one f64
-//! bodies that their modes lead: a count u64, and of each
+//! modal bodies: a count u64, and of each
 //!         its body, how many modes                         two u64
 //!         how far they are from rest, how fast they go,
 //!         how fast they went in the last substep           3 × modes f64

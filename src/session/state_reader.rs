@@ -205,7 +205,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// How bodies move that their modes lead, by body.
+    /// How modal bodies move, by body.
     fn modal(&mut self, model: &Model<f32>) -> Result<Vec<ModalState>, StateFileError> {
         let field = "the modal bodies";
         let mut modal = vec![ModalState::default(); model.bodies.len()];

@@ -1,12 +1,13 @@
 //! The predicted limit against the measured one; automatic and manual stepping.
 
 use gelatin::math::rng::Rng;
+use gelatin::physics::{Stage, StageTimer};
 use gelatin::scene::material::Spring;
-use gelatin::scene::settings::Stepping;
+use gelatin::scene::settings::{Integrator, Stepping};
 use gelatin::scene::{Scene, Springs};
 use glam::DVec3;
 
-use crate::support::{alone, ball, cube, plane, simulate, springs};
+use crate::support::{alone, ball, cube, falling, plane, simulate, springs};
 
 /// Steps after which a body that has not blown up counts as stable.
 const STEPS: usize = 1500;
@@ -103,4 +104,27 @@ fn no_numbers_within_their_ranges_explode_a_jelly() {
         let extent = simulation.diagnostics().bounds.size().max_element();
         assert!(extent < 3.0 * size, "case {case}: a cube of {size} m reaches {extent} m: {constants:?}");
     }
+}
+
+/// Somebody who waits for no step.
+struct Never;
+
+impl StageTimer for Never {
+    fn enter(&mut self, _: Stage) {}
+    fn leave(&mut self) {}
+    fn stops(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_substep_that_is_given_up_leaves_what_was_told_of_the_last() {
+    let mut scene = falling(cube(3, 1.0, springs(60.0, 1.0, 0.01), [0.0, 0.52, 0.0]));
+    scene.settings.integrator = Integrator::Implicit;
+    scene.obstacles = vec![plane([0.0; 3], [0.0; 3], [0.5, 0.4])];
+    let mut simulation = simulate::<f32>(&scene);
+    let last = simulation.run_for(0.5).last;
+    assert!(last.contacts > 0, "it has landed");
+    let given_up = simulation.step_timed(&mut Never);
+    assert!(given_up.stopped && given_up.last == last, "{given_up:?}");
 }

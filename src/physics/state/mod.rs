@@ -97,7 +97,7 @@ pub struct BodyMemory {
     pub asleep: bool,
     /// Whether it has fallen out of the scene: it sleeps until it is put elsewhere.
     pub gone: bool,
-    /// Whether its modes lead it: it sleeps as far as its particles go, and is at rest where it has been still for long.
+    /// Whether it is a modal body: it sleeps as far as its particles go, and is at rest where it has been still for long.
     pub is_modal: bool,
     /// Whether parts of it that are apart at rest were near each other when this was looked for last.
     pub near_itself: bool,

@@ -39,7 +39,7 @@ pub(in crate::physics) fn secs_between<R: Real>(model: &Model<R>, plan: &Plan, s
 
 /// How fast the particles of a body move past each other, m/s: no two of them faster.
 pub(in crate::physics) fn spread<R: Real>(body: &BodyModel<R>, plan: &Plan, state: &State<R>) -> f64 {
-    // Nobody looks at particles that modes lead.
+    // Nobody looks at particles of modal bodies.
     if body.modal.is_some() { 0.0 } else { spread_of::<R>(plan, &state.velocity[body.particles.clone()]) }
 }
 
