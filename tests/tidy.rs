@@ -10,9 +10,9 @@ mod imports;
 /// Layers and the crate's own modules each may name, lowest first.
 const LAYERS: [(&str, &[&str]); 16] = [
     ("math", &[]),
-    ("disk", &[]),
-    ("machine", &[]),
     ("text", &[]),
+    ("disk", &["text"]),
+    ("machine", &[]),
     ("geometry", &["math", "disk", "text"]),
     ("scene", &["math", "disk", "text", "geometry"]),
     ("physics", &["math", "geometry", "scene"]),

@@ -5,12 +5,14 @@ use std::io;
 use std::path::Path;
 
 use super::{TEMPORARY, TEMPORARY_REST, folder_of, other_kind};
+use crate::text::echo_path;
 
 /// Why a folder cannot be made here; nothing where it can: there is nothing of this name, or an empty folder.
 pub fn check_new_folder(path: &Path) -> io::Result<()> {
     let outer = folder_of(path);
     if !outer.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::NotFound, "the folder it is to be in does not exist"));
+        let missing = format!("the folder {} does not exist", echo_path(&outer));
+        return Err(io::Error::new(io::ErrorKind::NotFound, missing));
     }
     let Ok(about) = fs::symlink_metadata(path) else { return Ok(()) };
     let words = match other_kind(&about) {

@@ -10,6 +10,8 @@ use std::time::Duration;
 
 use thiserror::Error;
 
+use crate::text::echo_path;
+
 pub use folder::{check_new_folder, write_folder};
 
 /// What temporary files begin with, and how long the rest of their names is.
@@ -116,7 +118,8 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
     replaceable(&target)?;
     let folder = folder_of(&target);
     if !folder.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::NotFound, "the folder it is to be in does not exist"));
+        let missing = format!("the folder {} does not exist", echo_path(&folder));
+        return Err(io::Error::new(io::ErrorKind::NotFound, missing));
     }
     tempfile::tempfile_in(&folder).map(drop)
 }
