@@ -45,13 +45,13 @@ const MODELS: [&str; 3] = [
 const MODEL_WORDS: [&str; 16] =
     ["v ", "f ", "l ", "vn ", "o ", "\n", "\\\n", "/", "//", " 1", " -1", "#", "curv ", "usemtl ", "1/1/1 ", "\u{fe}"];
 
-const SCENES: [&str; 4] = [
+const SCENES: [&str; 5] = [
     "(version: 1, settings: (dt: 0.001, integrator: semi_implicit, stepping: auto, gravity: (0, -9.81, 0)),\n\
      bodies: [(name: \"A\", shape: cube(cells: 3, size: 0.5), pose: (position: (0, 1, 0), rotation_deg: (0, 10, 0)),\n\
      velocity: (1, 0, 0), material: springs(structural: (stiffness: 100, damping: 0.1), shear: (stiffness: 50, \
      damping: 0.1), bending: (stiffness: 20, damping: 0.1), particle_mass: 0.01), pins: [(min: (-1, 0.2, -1), \
      max: (1, 1, 1))])],\nobstacles: [(plane: (center: (0, 0, 0), half_extents: (5, 5)), friction_static: 0.5)])",
-    "(version: 1, bodies: [(shape: cells(list: [[0, 0, 0], [1, 0, 0], [1, 1, 0]], size: 0.2), material: \
+    "(version: 1, bodies: [(shape: cells(list: [(0, 0, 0), (1, 0, 0), (1, 1, 0)], size: 0.2), material: \
      solid(young_modulus: 1e5, density: 1000, damping_ratio: 0.1))],\nobstacles: [(sphere: (center: (0, -1, 0), \
      radius: 0.5), stiffness: 1e4), (plane: ())], view: (color: strain))",
     "(version: 1, settings: (dt: 0.01, integrator: implicit, contact: thesis), bodies: [(shape: \
@@ -59,6 +59,14 @@ const SCENES: [&str; 4] = [
     "(version: 1, bodies: [(shape: model(path: \"embedded:a/m.obj\", divisions: 3))], obstacles: [(mesh: (path: \
      \"embedded:a/m.obj\", center: (0, -2, 0)))],\nmodels: [(path: \"a/m.obj\", bytes: 64, deflated: \
      \"eNorUzAAQa4yIGkEpo3hfAMFU640BUOguDGYNlYwAdMmCkZA2ghIG3MBAH9tC2k=\")])",
+    "(version: 1, bodies: [(shape: cube(cells: 2), material: solid(young_modulus: 1e5, density: 500), \
+     inlays: [(min: (-1, 0, -1), max: (1, 1, 1), solid: (young_modulus: 1e6))], pins: [(min: (-1, 0.2, -1), max: (1, 1, \
+     1))], moves_by: modes, mode_count: 7, skin: cells, hidden: true), (shape: model(path: \"embedded:b.obj\", \
+     divisions: 3, mass_from: samples), parts: [(name: \"b\", solid: (density: 100))], contact_on: mesh, \
+     self_collides: false, friction_dynamic: 0.2)],\nobstacles: [(box: (center: (0, -1, 0)), motion: turn(axis: (0, 1, \
+     0), turns_per_sec: 0.5)), (capsule: (half_height: 0.2), motion: oscillate(amplitude: 0.1, period_secs: 2)), \
+     (cylinder: (radius: 0.1, rotation_deg: (0, 0, 90)), hidden: true)],\nmodels: [(path: \"b.obj\", bytes: 132, \
+     deflated: \"eNo9i8ENwCAMA/+ZwiNgKJB12kfZgPnrRhHK4y6xs3DbRvlH5CGD5VCWOTNn5rQXFxpqWMfAhMuoy0C3hUdbVWNiyJrajhlfVN/tA19uF/4=\")])",
 ];
 
 const SCENE_WORDS: [&str; 34] = [
@@ -74,8 +82,8 @@ const SCENE_WORDS: [&str; 34] = [
     "cells: 199",
     "cube(",
     "cells(list: ",
-    "[0, 0, 0],",
-    "[2147483647, 0, -2147483648],",
+    "(0, 0, 0),",
+    "(2147483647, 0, -2147483648),",
     "size: ",
     "true",
     "None",
@@ -203,28 +211,44 @@ fn try_scene(input: &[u8]) {
     let written = scene.to_ron().expect("what was read can be written");
     assert_eq!(Scene::from_ron(&written, "b.ron").expect("and read again"), scene, "the same scene");
     match Session::new(scene, PathBuf::from("/nowhere"), String::new()) {
-        Ok(mut session) => session.advance(Duration::from_millis(2), Duration::from_millis(100)),
+        Ok(mut session) => {
+            session.find_modes(None, &());
+            session.advance(Duration::from_millis(2), Duration::from_millis(100));
+        }
         Err(error) => check_words(&echo(&error.to_string())),
     }
 }
 
-/// The session that states are of: two small bodies, one of them watched, on a plane.
-fn session() -> Session {
-    let text = "(version: 1, bodies: [(shape: cube(cells: 2)), (shape: cube(cells: 1), pose: (position: (3, 1, 0)))], \
-                obstacles: [(plane: ())])";
+/// The scenes that states are of: two small bodies, one of them watched, on a plane; a modal body beside one that meets
+/// a moving obstacle with its mesh and itself, and keeps its accelerations.
+const OF_STATES: [&str; 2] = [
+    "(version: 1, bodies: [(shape: cube(cells: 2)), (shape: cube(cells: 1), pose: (position: (3, 1, 0)))], \
+     obstacles: [(plane: ())])",
+    "(version: 1, settings: (integrator: verlet), bodies: [(shape: cube(cells: 2), material: solid(young_modulus: 1e5, \
+     density: 500), pins: [(min: (-1, 0.2, -1), max: (1, 1, 1))], moves_by: modes, mode_count: 5), (shape: model(path: \
+     \"embedded:a/m.obj\", divisions: 2, length: 1), pose: (position: (3, 0.5, 0)), velocity: (0, -4, 0), material: \
+     solid(young_modulus: 2e3, density: 500), contact_on: mesh)], obstacles: [(plane: ()), (sphere: (center: (3, -0.4, \
+     0), radius: 0.5), motion: oscillate(axis: (1, 0, 0), amplitude: 0.2, period_secs: 0.5))], models: [(path: \
+     \"a/m.obj\", bytes: 64, deflated: \"eNorUzAAQa4yIGkEpo3hfAMFU640BUOguDGYNlYwAdMmCkZA2ghIG3MBAH9tC2k=\")])",
+];
+
+fn session(text: &str) -> Session {
     let scene = Scene::from_ron(text, "s.ron").expect("a scene");
-    Session::new(scene, PathBuf::new(), "s".to_owned()).expect("it resolves")
+    let mut session = Session::new(scene, PathBuf::new(), "s".to_owned()).expect("it resolves");
+    session.find_modes(None, &());
+    session
 }
 
 /// A state with changes, sealed anew in most cases.
 fn state(rng: &mut Rng) -> Vec<u8> {
-    let mut session = session();
+    let mut session = session(OF_STATES[below(rng, OF_STATES.len())]);
     for _ in 0..below(rng, 4) * 40 {
         session.step();
     }
     let mut state = session.state_bytes();
     state.truncate(state.len() - 8);
-    let text = state.iter().rposition(|byte| *byte == b'\n').unwrap_or(0).min(400);
+    let lines = state.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
+    let text = lines.map(|(at, _)| at).nth(1).expect("two lines of text");
     for _ in 0..=below(rng, 3) {
         match below(rng, 5) {
             0 => bytes(rng, &mut state),
@@ -246,7 +270,7 @@ fn state(rng: &mut Rng) -> Vec<u8> {
                 if below(rng, 4) == 0 { state.truncate(length) } else { state.extend(vec![0; length % 100]) }
             }
         }
-        if state.len() < 600 {
+        if state.len() < text + 100 {
             break;
         }
     }
@@ -256,8 +280,14 @@ fn state(rng: &mut Rng) -> Vec<u8> {
     state
 }
 
+/// Gives a state to a session of its own scene, and to those of others.
 fn try_state(input: &[u8]) {
-    let mut session = session();
+    for scene in OF_STATES {
+        try_state_with(session(scene), input);
+    }
+}
+
+fn try_state_with(mut session: Session, input: &[u8]) {
     let before = session.simulation().hash();
     if let Err(error) = session.set_state_bytes(input) {
         check_words(&error.to_string());
@@ -319,5 +349,21 @@ fn try_set(input: &[u8]) {
             check_words(&error.to_string());
             assert_eq!(scene, before, "what is refused changes nothing");
         }
+    }
+}
+
+#[test]
+fn what_is_mutated_is_good() {
+    for text in SCENES {
+        let scene = Scene::from_ron(text, "a.ron").unwrap();
+        Session::new(scene, PathBuf::from("/nowhere"), String::new()).unwrap();
+    }
+    for text in OF_STATES {
+        let mut begun = session(text);
+        (0..40).for_each(|_| assert!(begun.step()));
+        session(text).set_state_bytes(&begun.state_bytes()).unwrap();
+    }
+    for text in MODELS {
+        parse(text.as_bytes(), "m.obj").unwrap();
     }
 }
