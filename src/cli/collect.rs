@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
 
@@ -22,6 +23,9 @@ pub(super) struct CollectArgs {
     /// name ends in .ron.
     #[arg(short, long, value_name = "FOLDER|FILE.ron")]
     output: PathBuf,
+    /// Replace the scene file where there is one of that name.
+    #[arg(long)]
+    force: bool,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -34,6 +38,10 @@ pub(super) fn run(args: &CollectArgs) -> Result<(), Failure> {
     let is_file = is_scene_path(&args.output);
     let found = if is_file {
         out::check_spares(&args.output, &opened.inputs())?;
+        if !args.force && args.output.try_exists().unwrap_or(true) {
+            let shown = echo_path(&args.output);
+            return Err(Failure::usage(anyhow!("{shown} is there; give another name, or --force to replace it")));
+        }
         collect_into_file(scene, base_dir, &args.output)
     } else {
         collect(scene, base_dir, title, &args.output)

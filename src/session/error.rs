@@ -53,7 +53,7 @@ pub enum SessionError {
     /// More memory than there is.
     #[error(
         "the scene needs about {} of memory, and {} is free {whose}; use fewer or larger cells, or start with \
-         --memory {:.0} to try all the same",
+         --memory {:.0} to try all the same, though the system may end the program then",
         bytes_text(*needed), bytes_text(*free), (*needed as f64 / 1e9).ceil().max(1.0)
     )]
     Memory {

@@ -157,7 +157,12 @@ fn a_scene_with_its_models_inside_moves_as_the_one_it_was() {
     assert_eq!(folder.json(&format!("check whole.ron {set} --json"))["ok"], true, "one of them by its path");
     let unknown = "run whole.ron --set bodies.0.shape.model.path=embedded:cow.obj";
     refused(&folder, unknown, FAILED, &["the scene holds no model cow.obj; it holds m/m.gltf, m/beside.bin, m.stl"]);
-    refused(&folder, "collect whole.ron -o whole.ron", USAGE, &["whole.ron is what is read"]);
+    refused(&folder, "collect whole.ron -o whole.ron --force", USAGE, &["whole.ron is what is read"]);
+    folder.write("mine.ron", "somebody's work");
+    refused(&folder, "collect whole.ron -o mine.ron", USAGE, &["mine.ron is there", "--force"]);
+    assert_eq!(std::fs::read_to_string(folder.path("mine.ron")).expect("a text"), "somebody's work");
+    folder.json("collect whole.ron -o mine.ron --force --json");
+    assert_eq!(hash("mine.ron"), wanted, "the same scene");
     let text = std::fs::read_to_string(folder.path("whole.ron")).expect("a text");
     folder.write("cut.ron", text.replacen("bytes: ", "bytes: 1", 1));
     refused(&folder, "run cut.ron", FAILED, &["cut.ron: models.0.bytes = 1", "but it has fewer", "(line "]);
