@@ -320,6 +320,8 @@ mod tests {
         let broken = refusal("bodies", "[[[");
         assert_eq!(broken, "bodies = [[[ does not fit; allowed: what a scene file may have there");
         assert!(refusal("bodies", &"[".repeat(5000)).len() < 400, "long texts are cut");
+        let unknown = format!("[(shape: cube({}: 3))]", "x".repeat(5000));
+        assert!(refusal("bodies", &unknown).len() < 400, "and long names of what is not there");
         assert!(refusal("settings.solver", "x").contains("settings."), "the nearest path");
         for path in ["", ".", "bodies", "bodies.", "bodies.0", "settings.dt.x", "version"] {
             refusal(path, "7");

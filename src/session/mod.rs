@@ -346,7 +346,7 @@ impl Session {
 
     /// The memory that the scene needs without a window, bytes.
     pub fn memory_bytes(&self) -> u64 {
-        needs::needed(&self.scene, &self.bodies.outlines())
+        needs::needed(&self.scene, &self.bodies.outlines(), Some(self.simulation.plan().scheme))
     }
 
     /// Whether time runs.

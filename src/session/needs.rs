@@ -18,11 +18,14 @@ use crate::view::SkinVertex;
 const PROGRAM: u64 = 10 << 20;
 /// Of a vertex of a skin: itself, its triangles, their edges and folds, its place in double precision, bytes.
 const OF_A_SKIN: u64 = size_of::<SkinVertex>() as u64 + 2 * 12 + 3 * 8 + 3 * 16 + 24;
+/// A large body has up to twice as many links a particle as a small one, and is met by stiffer obstacles: which scheme is
+/// cheaper is known to this factor only.
+const ABOUT_AS_CHEAP: f64 = 2.0;
 /// Cells an edge of the small body that tells which integrator a large one of its material needs.
 const SAMPLE_CELLS: u32 = 3;
 
-/// The bytes that a scene of bodies of these sizes takes without a window.
-pub(super) fn needed(scene: &Scene, outlines: &[Outline]) -> u64 {
+/// The bytes that a scene of bodies of these sizes takes without a window while a scheme is at work.
+pub(super) fn needed(scene: &Scene, outlines: &[Outline], scheme: Option<Scheme>) -> u64 {
     let has_sides = |shape: &ObstacleShape| matches!(shape, ObstacleShape::Plane(_) | ObstacleShape::Mesh(_));
     let planes = scene.obstacles.iter().filter(|obstacle| has_sides(&obstacle.shape)).count();
     let is_mesh = |obstacle: &&Obstacle| matches!(obstacle.shape, ObstacleShape::Mesh(_));
@@ -33,7 +36,7 @@ pub(super) fn needed(scene: &Scene, outlines: &[Outline]) -> u64 {
         .zip(outlines)
         .filter(|(body, outline)| body.contact_on == ContactOn::Mesh && outline.mesh_vertices > 0);
     let on_mesh = with_mesh.map(|(_, outline)| outline.counts.surface).sum();
-    let size = Size { obstacles: scene.obstacles.len(), planes, meshes, on_mesh, scheme: scheme(scene, outlines) };
+    let size = Size { obstacles: scene.obstacles.len(), planes, meshes, on_mesh, scheme };
     let counts: Vec<_> = outlines.iter().map(|outline| outline.counts).collect();
     let vertices = |outline: &Outline| outline.mesh_vertices.max(outline.counts.surface) as u64;
     let of_bodies =
@@ -63,17 +66,19 @@ fn surfaces(scene: &Scene) -> Vec<Arc<Surface>> {
     found
 }
 
-/// Refuses a scene that needs more than is free.
+/// Refuses a scene that needs more than is free, by the scheme that takes most of those which may be at work.
 pub(super) fn check(scene: &Scene, outlines: &[Outline]) -> Result<(), SessionError> {
-    let needed = needed(scene, outlines);
+    let by = schemes(scene, outlines).into_iter().map(|scheme| needed(scene, outlines, Some(scheme)));
+    let needed = by.max().unwrap_or_else(|| needed(scene, outlines, None));
     match free_memory() {
         Some(free) if needed > free.bytes => Err(SessionError::Memory { needed, free: free.bytes, whose: free.whose }),
         _ => Ok(()),
     }
 }
 
-/// The scheme that will be at work: as it is for small bodies of the same materials and cells.
-fn scheme(scene: &Scene, outlines: &[Outline]) -> Option<Scheme> {
+/// The schemes that may be at work: those that cost small bodies of the same materials and cells about as little as the
+/// cheapest, which comes first.
+fn schemes(scene: &Scene, outlines: &[Outline]) -> Vec<Scheme> {
     let mut sample = scene.clone();
     for (body, outline) in sample.bodies.iter_mut().zip(outlines) {
         let cell = outline.grid.cell_size;
@@ -88,6 +93,42 @@ fn scheme(scene: &Scene, outlines: &[Outline]) -> Option<Scheme> {
     }
     let lattices = sample.bodies.iter().map(|body| resolve(&body.shape, Path::new(""), &()).map(|jelly| jelly.lattice));
     // A cube of a few cells can be made.
-    let lattices = lattices.collect::<Result<Vec<_>, _>>().ok()?;
-    Some(Simulation::<f32>::new(&sample, &lattices).plan().scheme)
+    let Ok(lattices) = lattices.collect::<Result<Vec<_>, _>>() else { return Vec::new() };
+    let simulation = Simulation::<f32>::new(&sample, &lattices);
+    let costs = &simulation.plan().scheme_costs;
+    let least = costs.iter().map(|cost| cost.cost_per_sec).fold(f64::INFINITY, f64::min);
+    let mut cheap: Vec<_> = costs.iter().filter(|cost| cost.cost_per_sec <= ABOUT_AS_CHEAP * least).collect();
+    cheap.sort_by(|a, b| a.cost_per_sec.total_cmp(&b.cost_per_sec));
+    cheap.into_iter().map(|cost| cost.scheme).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::voxel::OccupancyChoice;
+    use crate::scene::body::ModelShape;
+    use crate::scene::resolve::fill;
+    use crate::scene::{Body, Obstacle};
+
+    #[test]
+    fn the_scheme_at_work_is_among_those_that_are_counted() {
+        let mut found_dearer = 0;
+        for (divisions, occupancy, is_met) in [10, 25, 40].into_iter().flat_map(|divisions| {
+            [OccupancyChoice::Surface, OccupancyChoice::Auto]
+                .into_iter()
+                .flat_map(move |occupancy| [false, true].map(|is_met| (divisions, occupancy, is_met)))
+        }) {
+            let path = "builtin:spot.obj".to_owned();
+            let shape = Shape::Model(ModelShape { path, divisions, occupancy, ..ModelShape::default() });
+            let obstacles = if is_met { vec![Obstacle::default()] } else { Vec::new() };
+            let scene = Scene { bodies: vec![Body { shape, ..Body::default() }], obstacles, ..Scene::default() };
+            let jelly = resolve(&scene.bodies[0].shape, Path::new(""), &()).expect("a model");
+            let outlines = [fill(&scene.bodies[0].shape, Path::new(""), &()).expect("a model").outline()];
+            let scheme = Simulation::<f32>::new(&scene, &[jelly.lattice]).plan().scheme;
+            let counted = schemes(&scene, &outlines);
+            assert!(counted.contains(&scheme), "{divisions} {occupancy:?} {is_met}: {scheme:?} is not in {counted:?}");
+            found_dearer += usize::from(counted[0] != scheme);
+        }
+        assert!(found_dearer > 0, "the cheapest for a small body is not always that of a large one");
+    }
 }

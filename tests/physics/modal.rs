@@ -111,6 +111,23 @@ fn a_small_motion_by_modes_is_that_of_the_full_simulation() {
 }
 
 #[test]
+fn a_plan_with_another_step_is_followed() {
+    let scene = hanging(beam(2), 0.5, Vec::new());
+    let [mut whole, mut finer] = [1.0, 0.5].map(|share| {
+        let mut simulation = modal::<f64>(&scene);
+        simulation.plan_mut().dt_secs *= share;
+        simulation
+    });
+    let start = tip_now(&mut whole);
+    for simulation in [&mut whole, &mut finer] {
+        simulation.run_for(0.1);
+    }
+    let [by_whole, by_finer] = [tip_now(&mut whole), tip_now(&mut finer)];
+    let moved = by_whole.distance(start);
+    assert!(by_whole.distance(by_finer) < 1e-9 * moved && moved > 1e-4, "{by_whole} and {by_finer} after {moved} m");
+}
+
+#[test]
 fn a_body_that_is_turned_moves_as_one_that_is_not() {
     let [mut flat, mut upright] = [0.0, 90.0].map(|turn| {
         let mut body = beam(2);

@@ -6,7 +6,9 @@ use crate::math::{Aabb, Real};
 use crate::physics::compile::assembly;
 use crate::physics::compile::waves::{largest_share, waves};
 use crate::physics::limits::cells::CellLoads;
-use crate::physics::limits::{LATTICE_LIMIT, LoadShare, Margin, largest, load_shares, most_stiffness_per_damping};
+use crate::physics::limits::{
+    LATTICE_LIMIT, LoadShare, Margin, Pushes, has_pushes, largest, load_shares, most_stiffness_per_damping,
+};
 use crate::physics::model::{BodyModel, Scheme};
 use crate::scene::material::{Solid, Spring};
 use crate::scene::obstacle::ContactStiffness;
@@ -62,36 +64,57 @@ pub struct SafeValue {
     pub is_smallest: bool,
 }
 
-/// What the thesis's explicit contact (GC §5.2) leaves of the limit, of which it takes a share as a spring does: the
-/// stiffness of an obstacle over the mass of the lightest particle, 1/s². Nothing by the other rule.
+/// What contact leaves of the limit, of which it takes a share as links do: that of the thesis (GC §5.2) as a spring by its
+/// stiffness over the mass of the lightest particle, 1/s²; the other where it pushes at the stages of the scheme.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactLoad {
     /// Of obstacles whose stiffness follows from the mass: the same whatever that is.
-    following: f64,
+    following: ObstacleLoad,
     /// Of obstacles whose stiffness is given: the less, the more mass there is.
-    given: f64,
+    given: ObstacleLoad,
+}
+
+/// The most that obstacles of one kind add.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct ObstacleLoad {
+    /// By the thesis's rule, 1/s².
+    stiffness: f64,
+    pushes: Pushes,
+}
+
+impl ObstacleLoad {
+    fn max(self, other: Self) -> Self {
+        Self { stiffness: self.stiffness.max(other.stiffness), pushes: self.pushes.max(other.pushes) }
+    }
 }
 
 impl ContactLoad {
     /// Of a body of the scene that its model was compiled from.
     pub fn of<R: Real>(body: &BodyModel<R>, scene: &Scene) -> Self {
         let mut load = Self::default();
-        if scene.settings.contact != ContactRule::Thesis {
-            return load;
-        }
+        let is_thesis = scene.settings.contact == ContactRule::Thesis;
+        let has_pushes = has_pushes(StepSettings::of(scene).scheme(), scene.settings.contact.into());
         let lightest = body.lightest_mass().to_f64();
         for (obstacle, contact) in scene.obstacles.iter().zip(&body.contacts) {
             let of_kind = match obstacle.stiffness {
                 ContactStiffness::Auto => &mut load.following,
                 ContactStiffness::Given(_) => &mut load.given,
             };
-            *of_kind = of_kind.max(contact.stiffness.to_f64() / lightest);
+            let stiffness = if is_thesis { contact.stiffness.to_f64() / lightest } else { 0.0 };
+            let pushes = if has_pushes { Pushes::of_contact(contact, lightest) } else { Pushes::default() };
+            *of_kind = of_kind.max(ObstacleLoad { stiffness, pushes });
         }
         load
     }
 
-    fn now(self) -> f64 {
+    fn now(self) -> ObstacleLoad {
         self.following.max(self.given)
+    }
+
+    /// How many times the mass there must be at least, where stiffness may be so many times its damping (1/s).
+    fn least_mass(self, per_damping: f64) -> f64 {
+        let [following, given] = [self.following, self.given].map(|load| load.pushes.stiffness_per_damping);
+        if following > per_damping { f64::INFINITY } else { (given / per_damping) * (given / per_damping) }
     }
 }
 
@@ -104,19 +127,26 @@ struct Load {
 }
 
 impl Load {
+    fn of(&self, obstacles: ObstacleLoad) -> f64 {
+        self.contact_secs2 * obstacles.stiffness + self.links.pushes * obstacles.pushes.rate
+    }
+
     /// What is left for the links, as contact is now.
     fn limit(&self) -> f64 {
-        LATTICE_LIMIT - self.contact_secs2 * self.contact.now()
+        LATTICE_LIMIT - self.of(self.contact.now())
     }
 
-    /// What is left for the links by obstacles whose stiffness follows from the mass.
-    fn limit_of_following(&self) -> f64 {
-        LATTICE_LIMIT - self.contact_secs2 * self.contact.following
-    }
-
-    /// What obstacles of a given stiffness add now.
-    fn of_given(&self) -> f64 {
-        self.contact_secs2 * self.contact.given
+    /// How many times 1/mass may be, where links add this to the load now: `stiff` falls as the mass grows, `damped` as
+    /// its root does.
+    fn times_lighter(&self, stiff: f64, damped: f64) -> f64 {
+        let of_following = LATTICE_LIMIT - self.of(self.contact.following);
+        let given = self.contact.given;
+        let (stiff_given, damped_given) = (self.contact_secs2 * given.stiffness, self.links.pushes * given.pushes.rate);
+        times_within(stiff, damped, of_following).min(times_within(
+            stiff + stiff_given,
+            damped + damped_given,
+            LATTICE_LIMIT,
+        ))
     }
 }
 
@@ -126,8 +156,8 @@ fn loads(step: StepSettings, contact: ContactLoad) -> Vec<Load> {
         Some(shares) => {
             shares.into_iter().map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect()
         }
-        None if contact.now() > 0.0 => {
-            let links = LoadShare { stiffness: 0.0, damping: [0.0; 3] };
+        None if contact.now().stiffness > 0.0 => {
+            let links = LoadShare { stiffness: 0.0, damping: [0.0; 3], pushes: 0.0 };
             vec![Load { links, contact_secs2: step.margin().contact_secs2(step.dt_secs), contact }]
         }
         None => Vec::new(),
@@ -146,12 +176,18 @@ pub fn largest_safe<R: Real>(
     let loads = loads(step, contact);
     let per_damping = step.stiffness_per_damping().unwrap_or(f64::INFINITY);
     match &body.material {
-        Material::Springs(springs) => of_springs(springs, &model.lattice, &loads, per_damping),
-        Material::Solid(solid) => of_solid(solid, body, model, &loads, per_damping),
+        Material::Springs(springs) => of_springs(springs, &model.lattice, &loads, per_damping, contact),
+        Material::Solid(solid) => of_solid(solid, body, model, &loads, per_damping, contact),
     }
 }
 
-fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load], per_damping: f64) -> Vec<SafeValue> {
+fn of_springs(
+    springs: &Springs,
+    lattice: &Lattice,
+    all: &[Load],
+    per_damping: f64,
+    contact: ContactLoad,
+) -> Vec<SafeValue> {
     let waves = waves();
     let scale = 1.0 / (springs.particle_mass * lattice.grid.cell_size);
     let has_links = Family::ALL.map(|family| !lattice.links[family as usize].is_empty());
@@ -164,9 +200,17 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load], per_damping: f
     };
     let [of_stiffness, of_damping]: [fn(&LoadShare, Family) -> f64; 2] =
         [|share, _| share.stiffness, |share, family| share.damping[family as usize]];
+    // Where stiffness may only be so much of the damping: whether a family, or contact, has more.
+    let has_more = |family: Family, damping: f64| {
+        has_links[family as usize] && springs.family(family).stiffness > per_damping * damping
+    };
+    let family_has_more = |family: Family| has_more(family, springs.family(family).damping);
+    let contact_has_more = contact.now().pushes.stiffness_per_damping > per_damping;
     let mut bounds = Vec::new();
     for family in Family::ALL {
         let constants = springs.family(family);
+        let others_have_more =
+            contact_has_more || Family::ALL.into_iter().any(|other| other != family && family_has_more(other));
         let stiffness = (MaterialValue::Stiffness(family), constants.stiffness, of_stiffness);
         let damping = (MaterialValue::Damping(family), constants.damping, of_damping);
         for (value, now, factor) in [stiffness, damping] {
@@ -183,22 +227,20 @@ fn of_springs(springs: &Springs, lattice: &Lattice, all: &[Load], per_damping: f
                     f64::INFINITY
                 }
             };
-            let own = match value {
-                MaterialValue::Stiffness(_) if per_damping.is_finite() => per_damping * constants.damping,
-                _ => f64::INFINITY,
-            };
+            let is_damping = matches!(value, MaterialValue::Damping(_));
+            let own =
+                if is_damping || per_damping.is_infinite() { f64::INFINITY } else { per_damping * constants.damping };
             let bound = all.iter().map(bound).fold(own, f64::min);
+            let none_is_safe = others_have_more || is_damping && has_more(family, bound);
+            let bound = if none_is_safe { 0.0 } else { bound };
             let bound = (has_links[family as usize] && bound < f64::INFINITY).then_some(bound);
             bounds.push(SafeValue { value, bound, is_smallest: false });
         }
     }
-    // How many times the mass there must be at least.
-    let least = |load: &Load| {
-        let (links, limit) = (largest(&waves.tensors, loads(&load.links)), load.limit_of_following());
-        let by_following = if limit > 0.0 { links / limit } else { f64::INFINITY };
-        by_following.max((links + load.of_given()) / LATTICE_LIMIT)
-    };
-    let mass = springs.particle_mass * all.iter().map(least).fold(0.0, f64::max);
+    let least = |load: &Load| 1.0 / load.times_lighter(largest(&waves.tensors, loads(&load.links)), 0.0);
+    let by_contact = contact.least_mass(per_damping);
+    let own = if Family::ALL.into_iter().any(family_has_more) { f64::INFINITY } else { by_contact };
+    let mass = springs.particle_mass * all.iter().map(least).fold(own, f64::max);
     let bound = (mass > 0.0).then_some(mass);
     bounds.push(SafeValue { value: MaterialValue::ParticleMass, bound, is_smallest: true });
     bounds
@@ -210,6 +252,7 @@ fn of_solid<R: Real>(
     model: &BodyModel<R>,
     all: &[Load],
     per_damping: f64,
+    contact: ContactLoad,
 ) -> Vec<SafeValue> {
     let lattice = &model.lattice;
     let size = host_size(lattice);
@@ -226,6 +269,10 @@ fn of_solid<R: Real>(
     if others.stiffness_per_damping > per_damping {
         (times, times_lighter, damping_ratio) = (0.0, 0.0, 0.0);
     }
+    times_lighter = times_lighter.min(1.0 / contact.least_mass(per_damping));
+    if contact.now().pushes.stiffness_per_damping > per_damping {
+        (times, damping_ratio) = (0.0, 0.0);
+    }
     for load in all {
         let (share, limit) = (&load.links, load.limit());
         let of_damping = share.damping_of_cells();
@@ -235,15 +282,17 @@ fn of_solid<R: Real>(
         let (stiff, damped) = (share.stiffness * loads.stiffness, of_damping * loads.damping);
         // How many times E, and how many times 1/ρ, may be what they are.
         times = times.min(times_within(stiff, damped, limit));
-        let by_following = times_within(stiff, damped, load.limit_of_following());
-        times_lighter =
-            times_lighter.min(by_following.min(times_within(stiff + load.of_given(), damped, LATTICE_LIMIT)));
+        times_lighter = times_lighter.min(load.times_lighter(stiff, damped));
         let room = limit - stiff;
         if room < 0.0 {
             damping_ratio = 0.0;
         } else if of_damping > 0.0 {
             damping_ratio = damping_ratio.min(room / (of_damping * critical.damping));
         }
+    }
+    // Stiffness is the less of its damping, the more there is of that.
+    if critical.stiffness_per_damping > per_damping * damping_ratio {
+        damping_ratio = 0.0;
     }
     [
         (MaterialValue::YoungModulus, solid.young_modulus * times, false),
@@ -377,6 +426,24 @@ mod tests {
                 scene.settings.contact = ContactRule::Thesis;
                 // At rest contact takes about a third of the limit: a solid's lightest particle is an eighth of a cell.
                 scene.settings.dt = if is_solid { 7e-4 } else { 2e-3 };
+                let given = ContactStiffness::Given(10f64.powf(rng.between(2.0, 6.0)));
+                let stiffness = if is_given { given } else { ContactStiffness::Auto };
+                scene.obstacles = vec![Obstacle { stiffness, ..Obstacle::default() }];
+                checked += check(&scene);
+            }
+            assert!(checked > 20, "bounds that can be set: {checked}, solid {is_solid}, given {is_given}");
+        }
+    }
+
+    #[test]
+    fn contact_that_pushes_at_the_stages_takes_its_share() {
+        let mut rng = Rng::new(31);
+        for (is_solid, is_given) in [(false, false), (false, true), (true, false), (true, true)] {
+            let mut checked = 0;
+            for _ in 0..40 {
+                let mut scene = random(&mut rng, is_solid);
+                scene.settings.integrator = Integrator::Stabilised;
+                scene.settings.dt = 10f64.powf(rng.between(-4.0, -1.5));
                 let given = ContactStiffness::Given(10f64.powf(rng.between(2.0, 6.0)));
                 let stiffness = if is_given { given } else { ContactStiffness::Auto };
                 scene.obstacles = vec![Obstacle { stiffness, ..Obstacle::default() }];

@@ -30,7 +30,8 @@ pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, scheme: Scheme, dt_se
         let dt = dt_secs / (SHARE * f64::from(parts));
         let shares = load_shares(scheme, dt, Margin::NONE);
         // Across a link that is stretched nothing damps: there the stabilised scheme is no better than RK2.
-        let across = (scheme == Scheme::Stabilised).then_some(LoadShare { stiffness: dt * dt, damping: [0.0; 3] });
+        let across =
+            (scheme == Scheme::Stabilised).then_some(LoadShare { stiffness: dt * dt, damping: [0.0; 3], pushes: 0.0 });
         shares.iter().flatten().chain(&across).all(|share| {
             let bearable = |[k, d]: &[f64; 2]| k * share.stiffness + d * share.damping_of_cells() <= LATTICE_LIMIT;
             loads.iter().all(bearable)

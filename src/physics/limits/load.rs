@@ -2,7 +2,7 @@
 //! stepping keeps.
 
 use crate::geometry::Family;
-use crate::physics::model::Scheme;
+use crate::physics::model::{ContactRule, Scheme};
 use crate::physics::schemes::chebyshev::{DISC_RADIUS, MOST_STAGES, reach};
 
 /// The share of the step bounded at rest by stiffness alone that automatic stepping takes, which covers crumpled bodies.
@@ -59,12 +59,14 @@ pub(in crate::physics) struct LoadShare {
     pub(in crate::physics) stiffness: f64,
     /// Of each family, s.
     pub(in crate::physics) damping: [f64; 3],
+    /// Of contact where it pushes at the stages of the scheme, s.
+    pub(in crate::physics) pushes: f64,
 }
 
 impl LoadShare {
     /// For steps of `dt` (s) of the default scheme, semi-implicit Euler.
     pub(in crate::physics) fn of_default(dt: f64) -> Self {
-        Self { stiffness: dt * dt, damping: [2.0 * dt; 3] }
+        Self { stiffness: dt * dt, damping: [2.0 * dt; 3], pushes: 0.0 }
     }
 
     /// Of the damping of cells that share out their links, s: whichever family it is of.
@@ -109,18 +111,19 @@ pub(in crate::physics) fn load_shares(scheme: Scheme, dt: f64, margin: Margin) -
     match Region::of(scheme) {
         Region::Leapfrog(share) => {
             let damping = of_damping.map(|dt| 2.0 * share * dt);
-            Some(vec![LoadShare { stiffness: of_stiffness * of_stiffness, damping }])
+            Some(vec![LoadShare { stiffness: of_stiffness * of_stiffness, damping, pushes: 0.0 }])
         }
         Region::HalfDisc(radius) => Some(vec![
             LoadShare {
                 stiffness: LATTICE_LIMIT * (of_stiffness / radius) * (of_stiffness / radius),
                 damping: [0.0; 3],
+                pushes: 0.0,
             },
-            LoadShare { stiffness: 0.0, damping: of_damping.map(|dt| LATTICE_LIMIT * dt / radius) },
+            LoadShare { stiffness: 0.0, damping: of_damping.map(|dt| LATTICE_LIMIT * dt / radius), pushes: 0.0 },
         ]),
         Region::DiscAndAxis => {
-            let damping = of_damping.map(|dt| LATTICE_LIMIT * dt / most_reach());
-            Some(vec![LoadShare { stiffness: 0.0, damping }])
+            let of_rate = |dt: f64| LATTICE_LIMIT * dt / most_reach();
+            Some(vec![LoadShare { stiffness: 0.0, damping: of_damping.map(of_rate), pushes: of_rate(dt) }])
         }
         Region::Everywhere => None,
     }
@@ -137,7 +140,16 @@ pub(in crate::physics) fn most_stiffness_per_damping(scheme: Scheme, dt: f64, ma
     (Region::of(scheme) == Region::DiscAndAxis).then(|| DISC_RADIUS * margin.stiffness / dt)
 }
 
+/// Whether the springs of contact push at the stages of a scheme and so take their share of its limits.
+pub(in crate::physics) fn has_pushes(scheme: Scheme, rule: ContactRule) -> bool {
+    Region::of(scheme).has_pushes(rule)
+}
+
 impl Region {
+    pub(super) fn has_pushes(self, rule: ContactRule) -> bool {
+        self == Self::DiscAndAxis && rule != ContactRule::Thesis
+    }
+
     /// The largest step for a vibration with `ω² = λ`.
     pub(super) fn undamped_limit(self, lambda: f64) -> Option<f64> {
         match self {

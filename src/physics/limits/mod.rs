@@ -30,11 +30,13 @@ pub(in crate::physics) mod tension;
 use glam::{DMat3, DVec3};
 
 pub use load::SAFETY;
-pub(in crate::physics) use load::{LATTICE_LIMIT, LoadShare, Margin, load_shares, most_stiffness_per_damping};
+pub(in crate::physics) use load::{
+    LATTICE_LIMIT, LoadShare, Margin, has_pushes, load_shares, most_stiffness_per_damping,
+};
 
 use load::{Region, damped_limit, undamped_limit};
 
-use super::model::{BodyModel, Model};
+use super::model::{BodyModel, ContactModel, Model};
 use crate::geometry::Family;
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
@@ -264,27 +266,37 @@ fn body_limits<R: Real>(
 }
 
 /// The springs of contact where they push at the stages of a scheme.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pushes {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::physics) struct Pushes {
     /// How many times their damping their stiffness is, at most, 1/s.
-    stiffness_per_damping: f64,
+    pub(in crate::physics) stiffness_per_damping: f64,
     /// How fast they stop a particle, at most, 1/s.
-    rate: f64,
+    pub(in crate::physics) rate: f64,
 }
 
 impl Pushes {
     fn of<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region) -> Self {
-        if rule == ContactRule::Thesis || region != Region::DiscAndAxis {
+        if !region.has_pushes(rule) {
             return Self::default();
         }
         let lightest = body.lightest_mass().to_f64();
-        body.contacts.iter().filter(|contact| contact.stiffness > R::ZERO).fold(Self::default(), |most, contact| {
-            let [stiffness, damping] = [contact.stiffness, contact.damping].map(Real::to_f64);
-            Self {
-                stiffness_per_damping: most.stiffness_per_damping.max(stiffness / damping),
-                rate: most.rate.max(damping / lightest),
-            }
-        })
+        body.contacts.iter().map(|contact| Self::of_contact(contact, lightest)).fold(Self::default(), Self::max)
+    }
+
+    /// Of one obstacle and particles of which the lightest has this mass, kg.
+    pub(in crate::physics) fn of_contact<R: Real>(contact: &ContactModel<R>, lightest: f64) -> Self {
+        if contact.stiffness <= R::ZERO {
+            return Self::default();
+        }
+        let [stiffness, damping] = [contact.stiffness, contact.damping].map(Real::to_f64);
+        Self { stiffness_per_damping: stiffness / damping, rate: damping / lightest }
+    }
+
+    pub(in crate::physics) fn max(self, other: Self) -> Self {
+        Self {
+            stiffness_per_damping: self.stiffness_per_damping.max(other.stiffness_per_damping),
+            rate: self.rate.max(other.rate),
+        }
     }
 
     fn limit(self, region: Region) -> Option<f64> {

@@ -69,6 +69,8 @@ const MOST_SIZES: f64 = 1e6;
 /// What modal bodies work in: allocated once, meaningless between substeps.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct ModalWorkspace {
+    /// The length of a substep, s.
+    secs: f64,
     /// Of every body, its modes over a substep; none of a body that moves by its cells.
     oscillators: Vec<Vec<Oscillator>>,
     /// Amplitudes and rates of the body under work at the end without what pushes at points.
@@ -86,22 +88,34 @@ impl ModalWorkspace {
         if modal().next().is_none() {
             return Self::default();
         }
-        let secs = plan.substep_secs();
-        let of_body = |modal: &ModalBody| {
-            let rates = modal.modes.rates().iter();
-            rates.map(|&[omega, damping]| Oscillator::new(omega, damping, secs)).collect()
-        };
-        let oscillators = model.bodies.iter().map(|body| body.modal.as_ref().map_or_else(Vec::new, of_body)).collect();
         let most = modal().map(|modal| modal.modes.count()).max().unwrap_or(0);
         let points = modal().map(|modal| modal.points.count()).max().unwrap_or(0);
         Self {
-            oscillators,
+            secs: plan.substep_secs(),
+            oscillators: oscillators(model, plan.substep_secs()),
             free: [vec![0.0; most], vec![0.0; most]],
             change: vec![0.0; most],
             meetings: Meetings::new(points * model.obstacles.len(), most, model.mesh_count()),
             hand: Hand::new(most),
         }
     }
+
+    /// Has the modes swing in substeps of another length, s.
+    fn follow<R: Real>(&mut self, model: &Model<R>, secs: f64) {
+        #[expect(clippy::float_cmp, reason = "the same length or another")]
+        if self.secs != secs {
+            (self.secs, self.oscillators) = (secs, oscillators(model, secs));
+        }
+    }
+}
+
+/// Of every body its modes over a substep, none of one that moves by its cells.
+fn oscillators<R: Real>(model: &Model<R>, secs: f64) -> Vec<Vec<Oscillator>> {
+    let of_body = |modal: &ModalBody| {
+        let rates = modal.modes.rates().iter();
+        rates.map(|&[omega, damping]| Oscillator::new(omega, damping, secs)).collect()
+    };
+    model.bodies.iter().map(|body| body.modal.as_ref().map_or_else(Vec::new, of_body)).collect()
 }
 
 /// What modal bodies did in a substep.
@@ -128,6 +142,7 @@ pub(in crate::physics) fn advance<R: Real>(
 ) -> ModalReport {
     let mut report = ModalReport { is_finite: true, ..ModalReport::default() };
     let secs = plan.substep_secs();
+    workspace.follow(model, secs);
     let long_enough = substeps_in(plan, STILL_SECS, libm::ceil);
     for (number, body) in model.bodies.iter().enumerate() {
         let Some(modal) = &body.modal else { continue };
@@ -139,7 +154,7 @@ pub(in crate::physics) fn advance<R: Real>(
         let count = modes.count();
         recorder.enter(Stage::Integrate);
         recorder.counters.modal_work += count as u64;
-        let ModalWorkspace { oscillators, free, change, meetings, hand } = &mut *workspace;
+        let ModalWorkspace { oscillators, free, change, meetings, hand, .. } = &mut *workspace;
         let oscillators = &oscillators[number];
         let gravity = modal.turn.transpose() * model.gravity.to_dvec3();
         let [amplitude, rate] = free.each_mut().map(|of| &mut of[..count]);

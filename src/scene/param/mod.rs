@@ -31,7 +31,7 @@ impl std::error::Error for Problem {}
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} = {}", self.path, self.message)
+        write!(f, "{} = {}", echo(&self.path), self.message)
     }
 }
 

@@ -256,13 +256,14 @@ impl Colours {
             for number in self.of_colour[colour].clone() {
                 let Group { first, terms } = &self.groups[number];
                 let load = [&load_x[own..], &load_y[own..], &load_z[own..]];
-                let load = [lanes(load[0], *first), lanes(load[1], *first), lanes(load[2], *first)];
                 relax(
-                    &self.terms[terms.clone()],
-                    &self.inverse[number],
-                    *first,
-                    load,
-                    [x, y, z],
+                    Relaxed {
+                        first: *first,
+                        terms: &self.terms[terms.clone()],
+                        inverse: &self.inverse[number],
+                        load: [lanes(load[0], *first), lanes(load[1], *first), lanes(load[2], *first)],
+                        before: [x, y, z],
+                    },
                     lanes_mut(own_x, *first),
                     lanes_mut(own_y, *first),
                     lanes_mut(own_z, *first),
@@ -287,11 +288,13 @@ impl Colours {
             for number in self.of_colour[colour].clone() {
                 let Group { first, terms } = &self.groups[number];
                 relax(
-                    &self.terms[terms.clone()],
-                    &self.inverse[number],
-                    *first,
-                    [lanes(load_x, *first), lanes(load_y, *first), lanes(load_z, *first)],
-                    [x, y, z],
+                    Relaxed {
+                        first: *first,
+                        terms: &self.terms[terms.clone()],
+                        inverse: &self.inverse[number],
+                        load: [lanes(load_x, *first), lanes(load_y, *first), lanes(load_z, *first)],
+                        before: [x, y, z],
+                    },
                     lanes_mut(own_x, *first),
                     lanes_mut(own_y, *first),
                     lanes_mut(own_z, *first),
@@ -392,17 +395,26 @@ fn lanes_mut(of: &mut [f64], first: usize) -> &mut Lanes {
     of[first..].first_chunk_mut().expect("there is room for a group past the last corner")
 }
 
-/// Relaxes a group of corners of one colour, the first of which is at place `first`: their solution becomes what their load
-/// and the solution `before`, of the earlier colours, make it. What they do to those colours is taken from what is `left`
-/// there.
-#[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "what is written is borrowed apart, or no vectors are made of the loops")]
-fn relax(
-    terms: &[Term],
-    inverse: &LaneBlocks,
+/// A group of corners of one colour.
+struct Relaxed<'a> {
+    /// The place of the first.
     first: usize,
-    load: [&Lanes; 3],
-    [before_x, before_y, before_z]: [&[f64]; 3],
+    /// What of the matrix ties them to the earlier colours.
+    terms: &'a [Term],
+    /// The inverses of their own blocks.
+    inverse: &'a LaneBlocks,
+    load: [&'a Lanes; 3],
+    /// The solution of the earlier colours.
+    before: [&'a [f64]; 3],
+}
+
+/// Relaxes a group of corners: their solution becomes what their load and the solution of the earlier colours make it. What
+/// they do to those colours is taken from what is `left` there.
+///
+/// What is written is borrowed by arguments of their own, or no vectors are made of the loops.
+#[inline(always)]
+fn relax(
+    Relaxed { first, terms, inverse, load, before: [before_x, before_y, before_z] }: Relaxed<'_>,
     x: &mut Lanes,
     y: &mut Lanes,
     z: &mut Lanes,
