@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use crate::geometry::embed::{Embedder, Embedding};
 use crate::geometry::paint::{NO_TINT, Tint};
-use crate::geometry::{Lattice, Paint, TriMesh};
+use crate::geometry::shading::SmoothGroup;
+use crate::geometry::{Lattice, Paint, Shading, TriMesh};
 use crate::view::{Skin, SkinVertex};
 
 /// Faces of a mesh that meet at a smaller angle than this share a smooth normal; at a larger one there is a crease.
@@ -130,14 +131,21 @@ impl Direction {
 }
 
 /// A model's mesh, given in the lattice's own coordinates, carried by the cells around it; every vertex moves with the
-/// eight particles of one cell. Vertices are split where faces meet at a crease or have other colours of `paint`.
+/// eight particles of one cell. Vertices are split where faces have other colours of `paint`, and where they are not smooth by
+/// `shading` or, where that says nothing, meet at a crease.
 ///
 /// Parts of the mesh whose cells were dropped are left out: nothing carries them. Particle `p` of the lattice is
 /// particle `first_particle + p` of the draw list. Empty where the lattice has no cells.
-pub fn model_skin(lattice: &Lattice, mesh: &TriMesh, paint: Option<&Paint>, first_particle: u32) -> Skin {
+pub fn model_skin(
+    lattice: &Lattice,
+    mesh: &TriMesh,
+    paint: Option<&Paint>,
+    shading: Option<&Shading>,
+    first_particle: u32,
+) -> Skin {
     let embedder = Embedder::new(lattice);
     let Some(embeddings) = embedder.embed_all(&mesh.positions) else { return Skin::default() };
-    let CreasedMesh { corners, triangles } = creased(mesh, &near_cells(mesh, &embeddings), paint);
+    let CreasedMesh { corners, triangles } = creased(mesh, &near_cells(mesh, &embeddings), paint, shading);
     let vertices = corners
         .iter()
         .map(|&Corner { vertex, normal, tint }| {
@@ -186,14 +194,15 @@ struct Corner {
     tint: Tint,
 }
 
-fn creased(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>) -> CreasedMesh {
+fn creased(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>, shading: Option<&Shading>) -> CreasedMesh {
     let corners_of = |face: &usize| &mesh.triangles[*face];
     let face_normals: Vec<DVec3> = faces.iter().map(|face| area_normal(mesh, corners_of(face))).collect();
     let points = welded(mesh);
-    let mut around: Vec<Vec<u32>> = vec![Vec::new(); mesh.positions.len()];
-    for (face, triangle) in (0..).zip(faces.iter().map(corners_of)) {
-        for &vertex in triangle {
-            around[points[vertex as usize] as usize].push(face);
+    let groups_of = |face: usize| shading.map_or([None; 3], |shading| shading.of(face));
+    let mut around: Vec<Vec<(u32, SmoothGroup)>> = vec![Vec::new(); mesh.positions.len()];
+    for (place, &face) in (0..).zip(faces) {
+        for (&vertex, group) in corners_of(&face).iter().zip(groups_of(face)) {
+            around[points[vertex as usize] as usize].push((place, group));
         }
     }
     let least_cos = libm::cos(CREASE_DEG.to_radians());
@@ -205,11 +214,14 @@ fn creased(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>) -> CreasedMes
             continue;
         }
         let own = face_normal.normalize();
-        triangles.push(corners_of(&face).map(|vertex| {
+        let groups = groups_of(face);
+        triangles.push([0, 1, 2].map(|corner| {
+            let (vertex, group) = (corners_of(&face)[corner], groups[corner]);
             let smooth = around[points[vertex as usize] as usize]
                 .iter()
-                .map(|&face| face_normals[face as usize])
-                .filter(|other| other.dot(own) >= least_cos * other.length());
+                .filter(|(_, other)| *other == group)
+                .map(|&(face, _)| face_normals[face as usize])
+                .filter(|other| group.is_some() || other.dot(own) >= least_cos * other.length());
             // Weighted by area: a large face tells more about the surface than a sliver.
             let normal = smooth.sum::<DVec3>().normalize_or(own);
             let known = &mut made[vertex as usize];

@@ -1,6 +1,7 @@
 //! Skins: every outer face once, normals outward, exact under affine motion.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroU32;
 
 use glam::{DMat3, Vec3};
 
@@ -120,8 +121,8 @@ fn particles_of_other_bodies_come_first() {
         "the same surface, five particles later"
     );
     assert_eq!(
-        model_skin(&lattice, &boxed(0.2, false), None, 5).evaluate(&particles),
-        model_skin(&lattice, &boxed(0.2, false), None, 0).evaluate(&particles[5..]),
+        model_skin(&lattice, &boxed(0.2, false), None, None, 5).evaluate(&particles),
+        model_skin(&lattice, &boxed(0.2, false), None, None, 0).evaluate(&particles[5..]),
         "for a model too"
     );
 }
@@ -130,7 +131,7 @@ fn particles_of_other_bodies_come_first() {
 fn a_model_stays_at_rest_and_follows_affine_motion_exactly() {
     let lattice = lattice(&U);
     let mesh = boxed(0.7, false);
-    let skin = model_skin(&lattice, &mesh, None, 0);
+    let skin = model_skin(&lattice, &mesh, None, None, 0);
     let squeeze = DMat3::from_diagonal(DVec3::new(1.4, 0.5, 1.1)) * from_euler_deg([10.0, 70.0, -30.0]);
     for motion in [DMat3::IDENTITY, squeeze] {
         let cofactors = motion.determinant() * motion.inverse().transpose();
@@ -153,7 +154,7 @@ fn a_model_stays_at_rest_and_follows_affine_motion_exactly() {
 fn creases_split_vertices_and_gentle_bends_do_not() {
     let lattice = lattice(&U);
     for repeat in [false, true] {
-        let cube = model_skin(&lattice, &boxed(0.7, repeat), None, 0);
+        let cube = model_skin(&lattice, &boxed(0.7, repeat), None, None, 0);
         assert_eq!(cube.vertices().len(), 24, "a cube has three normals a corner");
     }
     let roof = |height: f64| TriMesh {
@@ -165,41 +166,59 @@ fn creases_split_vertices_and_gentle_bends_do_not() {
         ],
         triangles: vec![[0, 2, 1], [1, 2, 3]],
     };
-    let gentle = model_skin(&lattice, &roof(0.1), None, 0);
+    let gentle = model_skin(&lattice, &roof(0.1), None, None, 0);
     assert_eq!(gentle.vertices().len(), 4, "23 degrees are smooth");
-    assert_eq!(model_skin(&lattice, &roof(0.3), None, 0).vertices().len(), 6, "62 degrees are a crease");
+    assert_eq!(model_skin(&lattice, &roof(0.3), None, None, 0).vertices().len(), 6, "62 degrees are a crease");
     let ridge = gentle.evaluate(&moved(&lattice, DMat3::IDENTITY));
     assert!(ridge.iter().any(|(_, normal)| normal.distance(Vec3::Y) < 1e-5), "the ridge looks straight up");
 }
 
 #[test]
+fn what_a_file_says_of_smoothness_counts_more_than_the_angle() {
+    let lattice = lattice(&U);
+    let cube = boxed(0.7, false);
+    let skin = |groups: &dyn Fn(usize) -> u32| {
+        let corners = (0..cube.triangles.len()).map(|triangle| [NonZeroU32::new(groups(triangle)); 3]).collect();
+        model_skin(&lattice, &cube, None, Shading::new(corners).as_ref(), 0)
+    };
+    assert_eq!(skin(&|_| 1).vertices().len(), 8, "a smooth cube");
+    assert_eq!(skin(&|_| 0).vertices().len(), 24, "nothing is said");
+    let gentle = TriMesh {
+        positions: [[-0.5, 0.0, 0.0], [0.0, 0.1, -0.5], [0.0, 0.1, 0.5], [0.5, 0.0, 0.0]].map(DVec3::from).to_vec(),
+        triangles: vec![[0, 2, 1], [1, 2, 3]],
+    };
+    let flat = Shading::new(vec![[NonZeroU32::new(1); 3], [NonZeroU32::new(2); 3]]);
+    assert_eq!(model_skin(&lattice, &gentle, None, flat.as_ref(), 0).vertices().len(), 6, "a fold of 23 degrees");
+}
+
+#[test]
 fn triangles_without_area_are_left_out() {
     let mesh = TriMesh { positions: vec![DVec3::ZERO, DVec3::X * 0.1, DVec3::X * 0.2], triangles: vec![[0, 1, 2]] };
-    assert_eq!(model_skin(&lattice(&U), &mesh, None, 0).triangles(), Vec::<[u32; 3]>::new(), "nothing to see");
+    assert_eq!(model_skin(&lattice(&U), &mesh, None, None, 0).triangles(), Vec::<[u32; 3]>::new(), "nothing to see");
 }
 
 #[test]
 fn a_part_of_the_mesh_without_cells_is_left_out() {
     let one_cell = lattice(&[[0, 0, 0]]);
     let mut mesh = boxed(0.5 * SIZE, false);
-    let kept = model_skin(&one_cell, &mesh, None, 0).triangles().len();
+    let kept = model_skin(&one_cell, &mesh, None, None, 0).triangles().len();
     let far = boxed(0.5 * SIZE, false);
     mesh.triangles.extend(far.triangles.iter().map(|triangle| triangle.map(|vertex| vertex + 8)));
     mesh.positions.extend(far.positions.iter().map(|position| *position + DVec3::X * 4.0 * SIZE));
     assert_eq!(kept, 12, "the box in the cell is there");
-    assert_eq!(model_skin(&one_cell, &mesh, None, 0).triangles().len(), kept, "the one four cells away is not");
+    assert_eq!(model_skin(&one_cell, &mesh, None, None, 0).triangles().len(), kept, "the one four cells away is not");
 }
 
 #[test]
 fn vertices_are_split_where_colours_meet_and_nowhere_else() {
     let lattice = lattice(&[[0, 0, 0]]);
     let mesh = boxed(0.2, false);
-    let bare = model_skin(&lattice, &mesh, None, 0);
+    let bare = model_skin(&lattice, &mesh, None, None, 0);
     assert!(!bare.is_painted());
     let (red, blue) = ([255, 0, 0, 255], [0, 0, 255, 255]);
     let painted = |of: &dyn Fn(usize) -> Tint| {
         let paint = Paint::new(Vec::new(), (0..mesh.triangles.len()).map(of).collect()).expect("colours");
-        model_skin(&lattice, &mesh, Some(&paint), 0)
+        model_skin(&lattice, &mesh, Some(&paint), None, 0)
     };
     let one = painted(&|_| red);
     assert!(one.is_painted() && one.vertices().iter().all(|vertex| vertex.tint == red), "all of it");

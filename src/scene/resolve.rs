@@ -18,7 +18,7 @@ use crate::geometry::voxel::{
     Cells, CellsError, Contents, Grid, VoxelReport, VoxelizeError, VoxelizeOptions, voxelize,
 };
 use crate::geometry::watch::CancelOnly;
-use crate::geometry::{Lattice, LatticeCounts, Paint, Surface, TriMesh, UpAxis, Watch};
+use crate::geometry::{Lattice, LatticeCounts, Paint, Shading, Surface, TriMesh, UpAxis, Watch};
 use crate::text::echo;
 
 /// The most particles of a body: its links alone then take more than a gigabyte.
@@ -36,6 +36,8 @@ pub struct Jelly {
     pub mesh: Option<Arc<TriMesh>>,
     /// The colours of the model's own surface; none where its file gives none.
     pub paint: Option<Arc<Paint>>,
+    /// Where it is smooth by its own file.
+    pub shading: Option<Arc<Shading>>,
     /// How the model was filled, lengths in metres; none for cubes and lists of cells.
     pub report: Option<VoxelReport>,
     /// The axis of the model's file that points up, never `Auto`; y for cubes and lists of cells.
@@ -132,6 +134,7 @@ pub struct Filled {
     contents: Option<Contents>,
     mesh: Option<Arc<TriMesh>>,
     paint: Option<Arc<Paint>>,
+    shading: Option<Arc<Shading>>,
     parts: Option<Arc<Parts>>,
     report: Option<VoxelReport>,
     up: UpAxis,
@@ -168,11 +171,11 @@ impl Filled {
 
     /// Builds the lattice.
     pub fn build(self) -> Jelly {
-        let Self { cells, contents, mesh, paint, parts, report, up, warnings } = self;
+        let Self { cells, contents, mesh, paint, shading, parts, report, up, warnings } = self;
         let mass_warnings = contents.as_ref().map(Contents::warnings).unwrap_or_default();
         let shares = contents.map(|contents| contents.shares);
         let lattice = Arc::new(Lattice { shares, mesh: mesh.clone(), parts, ..Lattice::new(&cells) });
-        Jelly { lattice, mesh, paint, report, up, warnings, mass_warnings }
+        Jelly { lattice, mesh, paint, shading, report, up, warnings, mass_warnings }
     }
 }
 
@@ -228,6 +231,7 @@ pub fn fill<'a>(shape: &Shape, places: impl Into<ModelPlaces<'a>>, watch: &dyn W
         contents: None,
         mesh: None,
         paint: None,
+        shading: None,
         parts: None,
         report: None,
         up: UpAxis::Y,
@@ -331,7 +335,7 @@ fn load_surface(mesh: &Mesh, places: ModelPlaces<'_>, watch: &dyn Watch) -> Resu
 }
 
 fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) -> Result<Filled, ResolveError> {
-    let Imported { mut mesh, parts, paint, mut warnings } = load_model(&model.path, places, watch)?;
+    let Imported { mut mesh, parts, paint, shading, mut warnings } = load_model(&model.path, places, watch)?;
     let up = model.up.found(&mesh);
     up.turn(&mut mesh);
     if up != model.up && up != UpAxis::Y {
@@ -370,6 +374,7 @@ fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) ->
         contents,
         mesh: Some(Arc::new(mesh)),
         paint: paint.map(Arc::new),
+        shading: shading.map(Arc::new),
         parts,
         report: Some(report),
         up,

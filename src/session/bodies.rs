@@ -96,7 +96,7 @@ impl Bodies {
                     Some(dressed) => Arc::clone(&dressed.skin),
                     None => Arc::new(match (&jelly.mesh, body.skin) {
                         (Some(mesh), SkinChoice::Auto) => {
-                            model_skin(lattice, mesh, jelly.paint.as_deref(), first_particle)
+                            model_skin(lattice, mesh, jelly.paint.as_deref(), jelly.shading.as_deref(), first_particle)
                         }
                         _ => cells_skin(lattice, first_particle),
                     }),

@@ -6,9 +6,11 @@ use super::error::{ImportError, Place, Problem, is_within_reach};
 use super::formats::MAX_PARTS;
 use super::model_file::{Imported, ModelFile};
 use super::polygon::Cutter;
+use super::smooth_groups::SmoothGroups;
 use crate::geometry::named_parts::{NameOf, Namer};
 use crate::geometry::paint::{NO_TINT, Tint};
-use crate::geometry::{Paint, TriMesh};
+use crate::geometry::shading::SmoothGroup;
+use crate::geometry::{Paint, Shading, TriMesh};
 
 /// A face of more corners takes so long to cut that a watcher is asked first.
 pub(super) const MANY_CORNERS: usize = 100;
@@ -31,6 +33,9 @@ pub(super) struct Assembly<'a> {
     vertex_tints: Vec<Tint>,
     /// The colours of triangles by their materials.
     triangle_tints: Vec<Tint>,
+    smooth_groups: SmoothGroups,
+    /// What vertices are smooth with by their normals, of all of them or of the first.
+    vertex_groups: Vec<SmoothGroup>,
     small_faces: usize,
     warnings: Vec<String>,
 }
@@ -46,6 +51,8 @@ impl<'a> Assembly<'a> {
             material: NO_TINT,
             vertex_tints: Vec::new(),
             triangle_tints: Vec::new(),
+            smooth_groups: SmoothGroups::default(),
+            vertex_groups: Vec::new(),
             small_faces: 0,
             warnings: Vec::new(),
         }
@@ -72,6 +79,16 @@ impl<'a> Assembly<'a> {
             let added = self.vertices();
             self.vertex_tints.resize(added.saturating_sub(1), NO_TINT);
             self.vertex_tints.push(tint);
+        }
+    }
+
+    /// Gives the vertex that was added last a normal, of any length.
+    pub(super) fn vertex_normal(&mut self, normal: DVec3) {
+        let group = self.smooth_groups.of_normal(normal.to_array());
+        if group.is_some() || !self.vertex_groups.is_empty() {
+            let added = self.vertices();
+            self.vertex_groups.resize(added.saturating_sub(1), None);
+            self.vertex_groups.push(group);
         }
     }
 
@@ -124,7 +141,10 @@ impl<'a> Assembly<'a> {
         self.warnings.extend(self.namer.as_ref().and_then(Namer::warning));
         let parts = self.namer.and_then(|namer| namer.finish(self.labels));
         let paint = Paint::new(self.vertex_tints, self.triangle_tints);
-        Ok(Imported { mesh: self.mesh, parts, paint, warnings: self.warnings })
+        let group = |vertex: u32| self.vertex_groups.get(vertex as usize).copied().flatten();
+        let corners = || self.mesh.triangles.iter().map(|triangle| triangle.map(group)).collect();
+        let shading = if self.vertex_groups.is_empty() { None } else { Shading::new(corners()) };
+        Ok(Imported { mesh: self.mesh, parts, paint, shading, warnings: self.warnings })
     }
 
     fn check_size(&self) -> Result<(), ImportError> {

@@ -15,6 +15,7 @@ mod obj;
 mod obj_lines;
 mod ply;
 mod polygon;
+mod smooth_groups;
 mod stl;
 
 use std::io;

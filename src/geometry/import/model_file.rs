@@ -3,7 +3,7 @@
 use super::beside::Beside;
 use super::error::{ImportError, Place, Problem};
 use crate::geometry::named_parts::NamedParts;
-use crate::geometry::{Paint, TriMesh, Watch};
+use crate::geometry::{Paint, Shading, TriMesh, Watch};
 
 /// Elements between two looks at whether someone still waits.
 const LOOK: usize = 1 << 16;
@@ -17,6 +17,8 @@ pub struct Imported {
     pub parts: Option<NamedParts>,
     /// What colours it has; none where the file gives none.
     pub paint: Option<Paint>,
+    /// Where it is smooth; none where the file says nothing of that.
+    pub shading: Option<Shading>,
     /// What was left out, a sentence each.
     pub warnings: Vec<String>,
 }

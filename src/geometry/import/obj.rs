@@ -12,7 +12,7 @@ use super::obj_lines::{LeftOut, ObjLines, Stop, libraries};
 use super::polygon::Cutter;
 use crate::geometry::named_parts::{NameOf, NamedParts};
 use crate::geometry::paint::{NO_TINT, Tint, tint_of_srgb};
-use crate::geometry::{Paint, TriMesh, Watch};
+use crate::geometry::{Paint, Shading, TriMesh, Watch};
 
 /// Reads an OBJ file.
 pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
@@ -35,14 +35,21 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     let mut cutter = Cutter::new();
     let (namer, of_faces) = lines.take_names();
     let (mut of_faces, mut of_triangles) = (of_faces.into_iter(), Vec::new());
+    let groups = lines.take_smooth_groups();
+    let (mut of_corners, mut smooth) = (groups.into_iter(), Vec::new());
     let mut channels = Vec::new();
     for model in &models {
-        let named = |triangles: usize| {
+        let mut of_face = Vec::new();
+        let added = |corners: usize, cut: &[[u32; 3]]| {
             if let Some(label) = of_faces.next() {
-                of_triangles.resize(of_triangles.len() + triangles, label);
+                of_triangles.resize(of_triangles.len() + cut.len(), label);
             }
+            of_face.clear();
+            of_face.extend(of_corners.by_ref().take(corners));
+            let group = |place: u32| of_face.get(place as usize).copied().flatten();
+            smooth.extend(cut.iter().map(|triangle| triangle.map(group)));
         };
-        append(&mut mesh, &model.mesh, &mut cutter, file.watch, named).ok_or_else(|| file.cancelled())?;
+        append(&mut mesh, &model.mesh, &mut cutter, file.watch, added).ok_or_else(|| file.cancelled())?;
         channels.extend_from_slice(model.mesh.vertex_color.as_chunks().0);
     }
     let mut warnings = warnings(lines.left_out());
@@ -51,7 +58,7 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     let parts = namer.finish(of_triangles);
     let materials = parts.as_ref().map(|parts| material_tints(file, parts, lines.libraries(), &mut warnings));
     let paint = Paint::new(vertex_tints(&channels), materials.unwrap_or_default());
-    Ok(Imported { mesh, parts, paint, warnings })
+    Ok(Imported { mesh, parts, paint, shading: Shading::new(smooth), warnings })
 }
 
 /// The names of the files beside a model that its colours are read from; those that are not there are left out.
@@ -90,20 +97,20 @@ fn material_tints(
     (0..parts.count()).map(|triangle| of_label[usize::from(parts.label(triangle))]).collect()
 }
 
-/// Adds the polygons of one model of the file, as triangles, and calls `added` with the number of those of each; none where
-/// someone has cancelled.
+/// Adds the polygons of one model of the file, as triangles, and calls `added` with the number of corners of each and the
+/// triangles between these; none where someone has cancelled.
 fn append(
     mesh: &mut TriMesh,
     model: &tobj::Mesh,
     cutter: &mut Cutter,
     watch: &dyn Watch,
-    mut added: impl FnMut(usize),
+    mut added: impl FnMut(usize, &[[u32; 3]]),
 ) -> Option<()> {
     let base = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
     mesh.positions.extend(model.positions.as_chunks().0.iter().map(|&position| DVec3::from_array(position)));
     if model.face_arities.is_empty() {
         mesh.triangles.extend(model.indices.as_chunks().0.iter().map(|triangle| triangle.map(|vertex| base + vertex)));
-        (0..model.indices.len() / 3).for_each(|_| added(1));
+        (0..model.indices.len() / 3).for_each(|_| added(3, &[[0, 1, 2]]));
         return Some(());
     }
     let mut rest = model.indices.as_slice();
@@ -115,7 +122,7 @@ fn append(
         }
         let corners: Vec<DVec3> = face.iter().map(|&vertex| mesh.positions[(base + vertex) as usize]).collect();
         let cut = cutter.cut(&corners);
-        added(cut.len());
+        added(face.len(), &cut);
         mesh.triangles.extend(cut.into_iter().map(|triangle| triangle.map(|place| base + face[place as usize])));
     }
     Some(())

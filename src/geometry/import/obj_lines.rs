@@ -3,15 +3,18 @@
 //! tobj names no line in its errors, takes `l` for a face, wants every texture coordinate in order and opens
 //! materials. So it is handed only vertices (three coordinates) and faces (position indices, counted from 1), each
 //! checked where it stands; everything else a surface does not need stays behind. Vertices have colours (three more
-//! numbers) where one of the file has, those without one -1. What faces are called (`usemtl`, `g`,
+//! numbers) where one of the file has, those without one -1. What corners are smooth with, by their normals (`vn`) or the
+//! smoothing group (`s`) of the face, is kept beside them. What faces are called (`usemtl`, `g`,
 //! `o`) is kept beside them: all of the line behind the first word is the name, blanks and `#` within it too.
 
 use std::io::{self, BufRead, Read};
 
 use super::error::{Problem, coordinate, quote};
 use super::mtl::MOST_LIBRARIES;
+use super::smooth_groups::SmoothGroups;
 use crate::geometry::Watch;
 use crate::geometry::named_parts::{NameOf, Namer};
+use crate::geometry::shading::SmoothGroup;
 
 /// What was left out on the way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,10 +45,28 @@ pub(super) struct ObjLines<'a> {
     namer: Namer,
     /// Of every face that was given on, once something has a name.
     labels: Vec<u16>,
+    smooth_groups: SmoothGroups,
+    /// The group of every normal that was read.
+    normals: Vec<SmoothGroup>,
+    smoothing: Smoothing,
+    /// Corners of the faces that were given on, and the groups of them, once one has any.
+    corners: usize,
+    corner_groups: Vec<SmoothGroup>,
     /// The material files that are named.
     libraries: Vec<String>,
     stop: Option<Stop>,
     watch: &'a dyn Watch,
+}
+
+/// How faces are smooth whose corners have no normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Smoothing {
+    /// Nothing was said yet.
+    Unsaid,
+    /// Not at all.
+    Off,
+    /// With the faces of this group.
+    Group(u64),
 }
 
 /// Why reading ended early.
@@ -72,6 +93,11 @@ impl<'a> ObjLines<'a> {
             left_out: LeftOut::default(),
             namer: Namer::new(),
             labels: Vec::new(),
+            smooth_groups: SmoothGroups::default(),
+            normals: Vec::new(),
+            smoothing: Smoothing::Unsaid,
+            corners: 0,
+            corner_groups: Vec::new(),
             libraries: Vec::new(),
             stop: None,
             watch,
@@ -108,6 +134,11 @@ impl<'a> ObjLines<'a> {
     /// What names the faces, and the label of each; faces before the first name have none.
     pub(super) fn take_names(&mut self) -> (Namer, Vec<u16>) {
         (std::mem::replace(&mut self.namer, Namer::new()), std::mem::take(&mut self.labels))
+    }
+
+    /// What the corners of faces are smooth with, in the order of the file; those that are missing with nothing said.
+    pub(super) fn take_smooth_groups(&mut self) -> Vec<SmoothGroup> {
+        std::mem::take(&mut self.corner_groups)
     }
 
     pub(super) fn take_stop(&mut self) -> Option<Stop> {
@@ -168,6 +199,14 @@ impl<'a> ObjLines<'a> {
             let mut words = words(&line);
             match words.next() {
                 Some(b"v") => self.vertex(words),
+                Some(b"vn") => {
+                    self.normal(words);
+                    Ok(())
+                }
+                Some(b"s") => {
+                    self.smooth(words);
+                    Ok(())
+                }
                 Some(b"f" | b"fo") => self.face(words),
                 Some(b"p" | b"l") => {
                     self.left_out.points_and_lines += 1;
@@ -212,9 +251,9 @@ impl<'a> ObjLines<'a> {
     }
 
     fn face<'w>(&mut self, words: impl Iterator<Item = &'w [u8]>) -> Result<(), Problem> {
-        let mut corners = words.map(|word| self.position_index(word)).collect::<Result<Vec<_>, _>>()?;
-        corners.dedup();
-        while corners.len() > 1 && corners.first() == corners.last() {
+        let mut corners = words.map(|word| self.corner(word)).collect::<Result<Vec<_>, _>>()?;
+        corners.dedup_by_key(|corner| corner.0);
+        while corners.len() > 1 && corners[0].0 == corners[corners.len() - 1].0 {
             corners.pop();
         }
         if corners.len() < 3 {
@@ -228,11 +267,35 @@ impl<'a> ObjLines<'a> {
         }
         self.faces += 1;
         self.clean.push(b'f');
-        for corner in corners {
-            self.clean.extend_from_slice(format!(" {corner}").as_bytes());
+        let by_face = match self.smoothing {
+            Smoothing::Unsaid => None,
+            Smoothing::Off => self.smooth_groups.alone(),
+            Smoothing::Group(number) => self.smooth_groups.of_number(number),
+        };
+        for (position, by_normal) in corners {
+            let group = by_normal.or(by_face);
+            if group.is_some() || !self.corner_groups.is_empty() {
+                self.corner_groups.resize(self.corners, None);
+                self.corner_groups.push(group);
+            }
+            self.corners += 1;
+            self.clean.extend_from_slice(format!(" {position}").as_bytes());
         }
         self.clean.push(b'\n');
         Ok(())
+    }
+
+    fn normal<'w>(&mut self, words: impl Iterator<Item = &'w [u8]>) {
+        let mut parts = words.map(|word| coordinate(word).unwrap_or(f64::NAN));
+        let normal = [0; 3].map(|_| parts.next().unwrap_or(f64::NAN));
+        let group = self.smooth_groups.of_normal(normal);
+        self.normals.push(group);
+    }
+
+    /// Takes note of a smoothing group, a number or `off`: it holds for the faces that follow.
+    fn smooth<'w>(&mut self, mut words: impl Iterator<Item = &'w [u8]>) {
+        let number = words.next().and_then(|word| std::str::from_utf8(word).ok()?.parse().ok());
+        self.smoothing = number.filter(|&number| number > 0).map_or(Smoothing::Off, Smoothing::Group);
     }
 
     /// Takes note of a name: it holds for the faces that follow. A new object has no group yet.
@@ -245,12 +308,18 @@ impl<'a> ObjLines<'a> {
         }
     }
 
-    /// The position index of a face corner (`1`, `1/2`, `1//3`, `-4/…`), counted from 1.
-    fn position_index(&self, word: &[u8]) -> Result<u64, Problem> {
+    /// The position index of a face corner (`1`, `1/2`, `1//3`, `-4/…`), counted from 1, and what it is smooth with by its
+    /// normal, where that stands above it.
+    fn corner(&self, word: &[u8]) -> Result<(u64, SmoothGroup), Problem> {
         let parse = |part: &[u8]| std::str::from_utf8(part).ok().and_then(|text| text.parse::<i64>().ok());
         let bad = || Problem::BadIndex(quote(word));
         let mut parts = word.split(|&byte| byte == b'/');
         let index = parts.next().and_then(parse).ok_or_else(bad)?;
+        let normal = parts
+            .clone()
+            .nth(1)
+            .and_then(parse)
+            .and_then(|index| self.normals.get(place_of(index, self.normals.len())?));
         let rest_is_good = parts.clone().count() <= 2 && parts.all(|part| part.is_empty() || parse(part).is_some());
         if !rest_is_good {
             return Err(bad());
@@ -261,7 +330,8 @@ impl<'a> ObjLines<'a> {
             _ => (self.vertices + 1).checked_sub(index.unsigned_abs()).filter(|&position| position > 0),
         };
         let vertices = if index < 0 { self.vertices } else { self.total_vertices };
-        found.ok_or(Problem::OutOfRange { index, vertices, so_far: index < 0 })
+        let position = found.ok_or(Problem::OutOfRange { index, vertices, so_far: index < 0 })?;
+        Ok((position, normal.copied().flatten()))
     }
 }
 
@@ -286,6 +356,15 @@ impl BufRead for ObjLines<'_> {
 
     fn consume(&mut self, count: usize) {
         self.given += count;
+    }
+}
+
+/// The place of what an index of the file means, counted from 1 or back from the last of so many.
+fn place_of(index: i64, count: usize) -> Option<usize> {
+    match index {
+        0 => None,
+        1.. => usize::try_from(index - 1).ok(),
+        _ => count.checked_sub(usize::try_from(index.unsigned_abs()).ok()?),
     }
 }
 

@@ -168,6 +168,7 @@ fn read_elements(
             Kind::Vertex => {
                 assembly.vertex(within_reach(file, DVec3::from_array(element.position), place)?)?;
                 assembly.paint_vertex(tint_of_srgb(element.color));
+                assembly.vertex_normal(DVec3::from_array(element.normal));
             }
             Kind::Face => {
                 let corners = element.corners.iter().map(|&corner| vertex_index(corner, vertices));

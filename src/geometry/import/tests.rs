@@ -129,3 +129,28 @@ fn materials_beside_an_obj_file_colour_its_faces() {
     let unused = load(&folder.path().join("t.obj")).expect("a good file");
     assert_eq!(unused.mesh.triangles.len(), 4);
 }
+
+#[test]
+fn corners_of_an_obj_file_are_smooth_by_their_normals_or_the_group_of_the_face() {
+    const BENT: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\n";
+    let groups = |faces: &str| {
+        let shading = parse_obj(format!("{BENT}{faces}").as_bytes(), "m.obj").expect("a good file").shading;
+        shading.map(|shading| [0, 1, 2, 3].map(|triangle| shading.of(triangle)))
+    };
+    assert_eq!(groups("f 1 2 3 4\nf 2 1 5 6\n"), None, "nothing is said");
+    let [a, b, c, d] = groups("s 1\nf 1 2 3 4\nf 2 1 5 6\n").expect("a group");
+    assert!(a[0].is_some() && [a, b, c, d] == [[a[0]; 3]; 4], "all in one");
+    let [a, b, c, d] = groups("s 1\nf 1 2 3 4\ns 2\nf 2 1 5 6\n").expect("groups");
+    assert!(a == b && c == d && a[0] != c[0], "another is not smooth with it");
+    let [a, b, c, d] = groups("s off\nf 1 2 3 4\nf 2 1 5 6\n").expect("flat");
+    assert!(a[0].is_some() && a == b && c == d && a[0] != c[0], "each face alone, in one piece");
+    let normals = "vn 0 0 1\nvn 0 -1 0\nvn 0 0 1\n";
+    let faces = "s 1\nf 1//1 2//-1 3//3 4/7/1 4\nf 2//2 1//2 5//9 6\n";
+    let [a, b, c, d] = groups(&format!("{normals}{faces}")).expect("normals");
+    assert!(a.into_iter().chain(b).all(|group| group.is_some() && group == a[0]), "one by its value: {a:?} {b:?}");
+    let of_normal = c.into_iter().chain(d).filter(|&group| group != a[0]).collect::<Vec<_>>();
+    let mut kinds = of_normal.clone();
+    kinds.sort_unstable();
+    kinds.dedup();
+    assert_eq!((of_normal.len(), kinds.len()), (6, 2), "by the normal, and where there is none by the group");
+}

@@ -72,7 +72,9 @@ impl<'a> Reader<'a> {
         let base = self.assembly.vertices();
         let colors = primitive.attributes.get(&Checked::Valid(Semantic::Colors(0)));
         let tints = colors.map(|accessor| self.tints(accessor.value(), place)).unwrap_or_default();
-        let count = self.add_positions(positions, transform, &tints, place)?;
+        let normals = primitive.attributes.get(&Checked::Valid(Semantic::Normals));
+        let normals = normals.map(|accessor| self.normals(accessor.value(), transform, place)).unwrap_or_default();
+        let count = self.add_positions(positions, transform, (&tints, &normals), place)?;
         let corners = match primitive.indices {
             Some(indices) => self.indices(indices.value(), place)?,
             None => (0..).take(count).collect(),
@@ -96,12 +98,12 @@ impl<'a> Reader<'a> {
         Ok(true)
     }
 
-    /// Adds the vertices of an accessor, and their colours as far as there are any. How many they are.
+    /// Adds the vertices of an accessor, and their colours and normals as far as there are any. How many they are.
     fn add_positions(
         &mut self,
         accessor: usize,
         transform: &DMat4,
-        tints: &[Tint],
+        (tints, normals): (&[Tint], &[DVec3]),
         place: &Place,
     ) -> Result<usize, ImportError> {
         let file = self.file;
@@ -118,6 +120,7 @@ impl<'a> Reader<'a> {
             file.look(number, || 0.5)?;
             self.assembly.vertex(within_reach(file, position, || place.clone())?)?;
             self.assembly.paint_vertex(tints.get(number).copied().unwrap_or(NO_TINT));
+            self.assembly.vertex_normal(normals.get(number).copied().unwrap_or(DVec3::ZERO));
         }
         Ok(count)
     }
@@ -135,6 +138,21 @@ impl<'a> Reader<'a> {
         });
         found.unwrap_or_else(|error| {
             self.warn(format!("colours of vertices were left out: {error}"));
+            Vec::new()
+        })
+    }
+
+    /// The normals of an accessor, turned with what they stand on; told and left out where there is something wrong with them.
+    fn normals(&mut self, accessor: usize, transform: &DMat4, place: &Place) -> Vec<DVec3> {
+        let found = elements(self, accessor, &[Type::Vec3], place).map(|elements| {
+            let (stride, size) = (elements.stride, elements.component.size());
+            let at = |number: usize, axis: usize| elements.number(number * stride + axis * size);
+            let normal = |number: usize| DVec3::from_array([0, 1, 2].map(|axis| at(number, axis)));
+            // They are told apart, not pointed along.
+            (0..elements.count).map(|number| transform.transform_vector3(normal(number))).collect()
+        });
+        found.unwrap_or_else(|error| {
+            self.warn(format!("normals were left out: {error}"));
             Vec::new()
         })
     }
@@ -169,7 +187,7 @@ fn elements<'r>(
     if !wanted.contains(&found) {
         let what = format!("accessor {number} of the type {found:?}");
         let remedy = match wanted {
-            [Type::Vec3] => "positions are of the type Vec3",
+            [Type::Vec3] => "positions and normals are of the type Vec3",
             [Type::Scalar] => "indices are of the type Scalar",
             _ => "colours are of the type Vec3 or Vec4",
         };

@@ -20,7 +20,7 @@ fn bytes() -> Vec<u8> {
 fn text(nodes: &str, uri: &str) -> String {
     format!(
         r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}], "nodes": [{nodes}],
-"meshes": [{{"primitives": [{{"attributes": {{"NORMAL": 99, "POSITION": 0}}, "indices": 1, "mode": 4}}]}}],
+"meshes": [{{"primitives": [{{"attributes": {{"TANGENT": 99, "POSITION": 0}}, "indices": 1, "mode": 4}}]}}],
 "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}},
 {{"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}}],
 "bufferViews": [{{"buffer": 0, "byteLength": 48}}, {{"buffer": 0, "byteOffset": 48, "byteLength": 24}}],
@@ -207,7 +207,7 @@ fn damaged_files_say_what_is_wrong_where() {
     assert_eq!(said("{\"mesh\": 0}", "{\"children\": [0]}"), format!("node 0: {tree}"));
     assert_eq!(said("\"POSITION\": 0", "\"POSITION\": 9"), "mesh 0, primitive 0: accessor 9 does not exist");
     assert_eq!(said(", \"POSITION\": 0", ""), "mesh 0, primitive 0: the attribute `POSITION` is missing");
-    let types = "accessor 0 of the type Vec2 is not read; positions are of the type Vec3";
+    let types = "accessor 0 of the type Vec2 is not read; positions and normals are of the type Vec3";
     assert_eq!(said("VEC3", "VEC2"), format!("mesh 0, primitive 0: {types}"));
     assert!(said("5123", "5122").contains("an index of the type I16 is not read"), "signed");
     let cut = "but 48 are there; the file may have been cut off";
@@ -291,7 +291,7 @@ fn base_colours_and_colours_of_vertices_are_read() {
         let accessor =
             format!(r#", {{"bufferView": 2, "componentType": 5121, "count": 4, {accessor}}}], "bufferViews": ["#);
         let text = text(r#"{"mesh": 0}"#, "")
-            .replace(r#""NORMAL": 99"#, attribute)
+            .replace(r#""TANGENT": 99"#, attribute)
             .replace(r#""mode": 4"#, &format!(r#""mode": 4{material}"#))
             .replace("],\n\"bufferViews\": [", &accessor)
             .replace(r#""byteLength": 24}"#, r#""byteLength": 24}, {"buffer": 0, "byteOffset": 72, "byteLength": 16}"#)
@@ -332,4 +332,35 @@ fn a_texture_that_is_not_read_is_told() {
     let plain = "textures are not read: where a material has one, its plain colour is shown";
     assert_eq!(said(&used), (Some([255, 0, 0, 255]), vec![plain.to_owned()]));
     assert_eq!(said(&unused), (None, Vec::new()), "nobody misses it");
+}
+
+#[test]
+fn vertices_of_one_normal_are_smooth_with_each_other() {
+    let mut blob = bytes();
+    let normals = [[0.0_f32, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0; 3]];
+    blob.extend(normals.into_iter().flatten().flat_map(f32::to_le_bytes));
+    let smooth = |accessor: &str| {
+        let accessor =
+            format!(r#", {{"bufferView": 2, "componentType": 5126, "count": 4, {accessor}}}], "bufferViews": ["#);
+        let text = text(r#"{"mesh": 0}"#, "")
+            .replace(r#""TANGENT": 99"#, r#""NORMAL": 2"#)
+            .replace("],\n\"bufferViews\": [", &accessor)
+            .replace(r#""byteLength": 24}"#, r#""byteLength": 24}, {"buffer": 0, "byteOffset": 72, "byteLength": 48}"#)
+            .replace(r#""byteLength": 72"#, r#""byteLength": 120"#);
+        let imported = parse(&glb(&text, &blob), "m.glb").expect("a good file");
+        let mut of_vertices = [None; 4];
+        let triangles = imported.mesh.triangles.iter().enumerate();
+        for (triangle, corners) in triangles.filter(|_| imported.shading.is_some()) {
+            let groups = imported.shading.as_ref().expect("looked at above").of(triangle);
+            corners.iter().zip(groups).for_each(|(&vertex, group)| of_vertices[vertex as usize] = group);
+        }
+        (of_vertices, imported.warnings)
+    };
+    let ([a, b, c, d], warnings) = smooth(r#""type": "VEC3""#);
+    assert!(a.is_some() && a == b && c.is_some() && c != a && d.is_none(), "told apart: {a:?} {b:?} {c:?} {d:?}");
+    assert_eq!(warnings, [""; 0], "nothing is left out");
+    let (none, warnings) = smooth(r#""type": "VEC2""#);
+    let left_out = "normals were left out: m.glb, mesh 0, primitive 0: accessor 2 of the type Vec2 is not read; positions \
+                    and normals are of the type Vec3";
+    assert_eq!((none, warnings), ([None; 4], vec![left_out.to_owned()]), "the model is read");
 }

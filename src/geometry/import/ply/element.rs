@@ -12,6 +12,8 @@ pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 pub(super) struct Element {
     /// Of a vertex.
     pub(super) position: [f64; 3],
+    /// Of a vertex; what is not there points nowhere.
+    pub(super) normal: [f64; 3],
     /// sRGB red, green, blue, 0..1; what is not there is no number.
     pub(super) color: [f64; 3],
     /// Of a face, as written.
@@ -20,12 +22,14 @@ pub(super) struct Element {
 
 impl PropertyAccess for Element {
     fn new() -> Self {
-        Self { position: [0.0; 3], color: [f64::NAN; 3], corners: Vec::new() }
+        Self { position: [0.0; 3], normal: [0.0; 3], color: [f64::NAN; 3], corners: Vec::new() }
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
         if let Some(axis) = axis(name) {
             self.position[axis] = number(&property);
+        } else if let Some(axis) = normal_axis(name) {
+            self.normal[axis] = number(&property);
         } else if let Some(channel) = channel(name) {
             self.color[channel] = number(&property) / full(&kind(&property));
         } else if INDICES.contains(&name) {
@@ -47,7 +51,9 @@ pub(super) fn text_element(line: &[u8], def: &ElementDef) -> Result<Element, Pro
             (PropertyType::Scalar(_), Some(axis)) => element.position[axis] = coordinate(next()?)?,
             (PropertyType::Scalar(kind), None) => {
                 let word = next()?;
-                if let Some(channel) = channel(name) {
+                if let Some(axis) = normal_axis(name) {
+                    element.normal[axis] = coordinate(word).unwrap_or(f64::NAN);
+                } else if let Some(channel) = channel(name) {
                     element.color[channel] = coordinate(word).unwrap_or(f64::NAN) / full(kind);
                 }
             }
@@ -70,6 +76,11 @@ pub(super) fn text_element(line: &[u8], def: &ElementDef) -> Result<Element, Pro
 /// The coordinate that a property is.
 fn axis(name: &str) -> Option<usize> {
     ["x", "y", "z"].iter().position(|axis| *axis == name)
+}
+
+/// The coordinate of a normal that a property is.
+fn normal_axis(name: &str) -> Option<usize> {
+    ["nx", "ny", "nz"].iter().position(|axis| *axis == name)
 }
 
 /// The channel of a colour that a property is.

@@ -196,3 +196,17 @@ fn vertices_and_faces_may_have_colours() {
     let paint = parse(&bytes, "m.ply").expect("a good file").paint.expect("colours");
     assert_eq!([0, 1, 2].map(|vertex| paint.tint(0, vertex)[2]), [0, 1, 2], "each its own");
 }
+
+#[test]
+fn vertices_of_one_normal_are_smooth_with_each_other() {
+    let header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                  property float nx\nproperty float ny\nproperty float nz\nelement face 2\n\
+                  property list uchar int vertex_indices\nend_header\n";
+    let text = format!("{header}0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 1 0\n1 1 0 0 0 0\n3 0 1 2\n3 1 3 2\n");
+    let shading = parse(text.as_bytes(), "m.ply").expect("a good file").shading.expect("normals");
+    let [[up, same, other], [again, none, _]] = [0, 1].map(|triangle| shading.of(triangle));
+    assert!(up.is_some() && up == same && up == again && other.is_some() && other != up, "told apart");
+    assert_eq!(none, None, "what points nowhere says nothing");
+    let bare = text.replace("property float n", "property float other_n");
+    assert_eq!(parse(bare.as_bytes(), "m.ply").expect("a good file").shading, None, "no normals");
+}
