@@ -4,7 +4,7 @@
 /// for it whenever adapters are looked for, and complains that it has no folder. All else that is written stays.
 #[cfg(unix)]
 pub(super) fn sifted<T>(work: impl FnOnce() -> T) -> T {
-    if std::env::var_os("XDG_RUNTIME_DIR").is_some() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| !folder.is_empty()) {
         return work();
     }
     let Ok(_kept) = unix::Kept::begin() else { return work() };

@@ -15,6 +15,7 @@
 //!
 //! with the largest stable steps `dt_K` and `dt_C` of each family's stiffness and damping alone.
 
+use crate::geometry::LatticeCounts;
 use crate::math::Real;
 use crate::physics::limits::{SceneLimits, Term};
 use crate::physics::model::plan::{SOLVE_WORK, SchemeCost};
@@ -65,6 +66,20 @@ pub(super) fn of<R: Real>(
         Scheme::SemiImplicit | Scheme::Explicit | Scheme::Verlet => evaluation(model),
     };
     SchemeCost { scheme, substep_secs, cost_per_sec: substep / substep_secs }
+}
+
+impl SchemeCost {
+    /// About what the same costs bodies of the same materials that are as large as these `in_place_of` those.
+    #[must_use]
+    pub fn of_bodies(self, these: &[LatticeCounts], in_place_of: &[LatticeCounts]) -> Self {
+        let [of_link, of_particle] = match self.scheme {
+            Scheme::Implicit => [LINK_OF_ITERATION, PARTICLE_OF_ITERATION],
+            _ => [1.0, PARTICLE],
+        };
+        let of_body = |body: &LatticeCounts| of_link * body.all_links() as f64 + of_particle * body.particles as f64;
+        let operations = |bodies: &[LatticeCounts]| bodies.iter().map(of_body).sum::<f64>();
+        Self { cost_per_sec: self.cost_per_sec * operations(these) / operations(in_place_of), ..self }
+    }
 }
 
 /// What it costs to work out the forces once, and to move by them.
