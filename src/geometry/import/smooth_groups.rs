@@ -1,12 +1,12 @@
 //! Numbers for what the corners of a file are smooth with.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 
 use crate::geometry::shading::SmoothGroup;
 
 /// What makes corners smooth with each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Reason {
     /// One normal, by its bits: who exports a smooth edge writes the same on both of its sides.
     Normal([u64; 3]),
@@ -17,7 +17,7 @@ enum Reason {
 /// The groups that were met, and how many there are.
 #[derive(Debug, Default)]
 pub(super) struct SmoothGroups {
-    known: HashMap<Reason, NonZeroU32>,
+    known: BTreeMap<Reason, NonZeroU32>,
     count: u32,
 }
 
