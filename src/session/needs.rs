@@ -76,7 +76,7 @@ pub(super) fn check(scene: &Scene, outlines: &[Outline]) -> Result<(), SessionEr
     }
 }
 
-/// The schemes that may be at work: those that cost about as little as the cheapest, which comes first, as far as small
+/// The schemes that may be at work: those that cost about as little as the cheapest, as far as small
 /// bodies of the same materials and cells tell.
 fn schemes(scene: &Scene, outlines: &[Outline]) -> Vec<Scheme> {
     let mut sample = scene.clone();
@@ -101,9 +101,8 @@ fn schemes(scene: &Scene, outlines: &[Outline]) -> Vec<Scheme> {
     let costs = simulation.plan().scheme_costs.iter();
     let costs: Vec<SchemeCost> = costs.map(|cost| cost.of_bodies(&counts, &of_small)).collect();
     let least = costs.iter().map(|cost| cost.cost_per_sec).fold(f64::INFINITY, f64::min);
-    let mut cheap: Vec<_> = costs.into_iter().filter(|cost| cost.cost_per_sec <= ABOUT_AS_CHEAP * least).collect();
-    cheap.sort_by(|a, b| a.cost_per_sec.total_cmp(&b.cost_per_sec));
-    cheap.into_iter().map(|cost| cost.scheme).collect()
+    let cheap = costs.into_iter().filter(|cost| cost.cost_per_sec <= ABOUT_AS_CHEAP * least);
+    cheap.map(|cost| cost.scheme).collect()
 }
 
 #[cfg(test)]
@@ -116,7 +115,7 @@ mod tests {
 
     #[test]
     fn the_scheme_at_work_is_among_those_that_are_counted() {
-        let mut found = [0; 2];
+        let mut not_sure = 0;
         for (divisions, occupancy, is_met) in [10, 25, 40].into_iter().flat_map(|divisions| {
             [OccupancyChoice::Surface, OccupancyChoice::Auto]
                 .into_iter()
@@ -131,9 +130,8 @@ mod tests {
             let scheme = Simulation::<f32>::new(&scene, &[jelly.lattice]).plan().scheme;
             let counted = schemes(&scene, &outlines);
             assert!(counted.contains(&scheme), "{divisions} {occupancy:?} {is_met}: {scheme:?} is not in {counted:?}");
-            found[0] += usize::from(counted[0] == scheme);
-            found[1] += usize::from(counted.len() > 1);
+            not_sure += usize::from(counted.len() > 1);
         }
-        assert!(found[0] >= 11 && found[1] <= 6, "of 12 the first that is counted, and more than one: {found:?}");
+        assert!(not_sure <= 6, "{not_sure} of 12 with more than one");
     }
 }

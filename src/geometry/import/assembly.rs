@@ -75,21 +75,13 @@ impl<'a> Assembly<'a> {
 
     /// Gives the vertex that was added last a colour.
     pub(super) fn paint_vertex(&mut self, tint: Tint) {
-        if tint != NO_TINT || !self.vertex_tints.is_empty() {
-            let added = self.vertices();
-            self.vertex_tints.resize(added.saturating_sub(1), NO_TINT);
-            self.vertex_tints.push(tint);
-        }
+        set(&mut self.vertex_tints, self.mesh.positions.len().saturating_sub(1), tint);
     }
 
     /// Gives the vertex that was added last a normal, of any length.
     pub(super) fn vertex_normal(&mut self, normal: DVec3) {
         let group = self.smooth_groups.of_normal(normal.to_array());
-        if group.is_some() || !self.vertex_groups.is_empty() {
-            let added = self.vertices();
-            self.vertex_groups.resize(added.saturating_sub(1), None);
-            self.vertex_groups.push(group);
-        }
+        set(&mut self.vertex_groups, self.mesh.positions.len().saturating_sub(1), group);
     }
 
     /// Adds a vertex, whose coordinates are within reach.
@@ -152,6 +144,15 @@ impl<'a> Assembly<'a> {
             return Err(ImportError::TooDetailed { file: self.file.name.to_owned() });
         }
         Ok(())
+    }
+}
+
+/// Writes the value of an element behind those of the elements before it. What nobody set is the default, and nothing is
+/// kept as long as all are.
+pub(super) fn set<T: Copy + Default + PartialEq>(list: &mut Vec<T>, place: usize, value: T) {
+    if value != T::default() || !list.is_empty() {
+        list.resize(place, T::default());
+        list.push(value);
     }
 }
 

@@ -9,6 +9,7 @@
 
 use std::io::{self, BufRead, Read};
 
+use super::assembly::set;
 use super::error::{Problem, coordinate, quote};
 use super::mtl::MOST_LIBRARIES;
 use super::smooth_groups::SmoothGroups;
@@ -260,11 +261,7 @@ impl<'a> ObjLines<'a> {
             self.left_out.small_faces += 1;
             return Ok(());
         }
-        let label = self.namer.label();
-        if label > 0 || !self.labels.is_empty() {
-            self.labels.resize(self.faces, 0);
-            self.labels.push(label);
-        }
+        set(&mut self.labels, self.faces, self.namer.label());
         self.faces += 1;
         self.clean.push(b'f');
         let by_face = match self.smoothing {
@@ -273,11 +270,7 @@ impl<'a> ObjLines<'a> {
             Smoothing::Group(number) => self.smooth_groups.of_number(number),
         };
         for (position, by_normal) in corners {
-            let group = by_normal.or(by_face);
-            if group.is_some() || !self.corner_groups.is_empty() {
-                self.corner_groups.resize(self.corners, None);
-                self.corner_groups.push(group);
-            }
+            set(&mut self.corner_groups, self.corners, by_normal.or(by_face));
             self.corners += 1;
             self.clean.extend_from_slice(format!(" {position}").as_bytes());
         }

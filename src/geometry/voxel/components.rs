@@ -45,12 +45,17 @@ impl Forest {
     }
 }
 
-impl Components {
-    pub(super) fn new(cells: &Cells) -> Self {
-        let [length, rows, layers] = cells.grid.dims.map(|n| n as usize);
-        let mut runs: Vec<Run> = Vec::new();
-        // The first run of each row, and past the last.
-        let mut starts = vec![0];
+/// The runs of all rows, one row after another.
+struct Runs {
+    runs: Vec<Run>,
+    /// The first run of each row, and past the last.
+    starts: Vec<usize>,
+}
+
+impl Runs {
+    fn of(cells: &Cells) -> Self {
+        let length = cells.grid.dims[0] as usize;
+        let (mut runs, mut starts) = (Vec::new(), vec![0]);
         for row in cells.filled.chunks_exact(length) {
             let mut at = 0;
             while let Some(empty) = row[at..].iter().position(|&filled| filled) {
@@ -61,40 +66,56 @@ impl Components {
             }
             starts.push(runs.len());
         }
-        let mut forest = Forest((0..runs.len()).collect());
+        Self { runs, starts }
+    }
+
+    /// Joins the runs of two rows that share particles.
+    fn join(&self, rows: [usize; 2], forest: &mut Forest) {
+        let [mut a, mut b] = rows.map(|row| self.starts[row]);
+        let [a_end, b_end] = rows.map(|row| self.starts[row + 1]);
+        while a < a_end && b < b_end {
+            let (one, other) = (self.runs[a], self.runs[b]);
+            if one.first <= other.end && other.first <= one.end {
+                forest.join(a, b);
+            }
+            if one.end < other.end { a += 1 } else { b += 1 }
+        }
+    }
+}
+
+impl Components {
+    pub(super) fn new(cells: &Cells) -> Self {
+        let [length, rows, layers] = cells.grid.dims.map(|n| n as usize);
+        let runs = Runs::of(cells);
+        let mut forest = Forest((0..runs.runs.len()).collect());
         for (layer, row) in (0..layers).flat_map(|layer| (0..rows).map(move |row| (layer, row))) {
-            let here = layer * rows + row;
             for [up, back] in BEFORE {
-                let Some(other) = row.checked_add_signed(up).filter(|&other| other < rows) else { continue };
-                let Some(other) = layer.checked_add_signed(back).map(|layer| layer * rows + other) else { continue };
-                let (mut a, mut b) = (starts[here], starts[other]);
-                while a < starts[here + 1] && b < starts[other + 1] {
-                    if runs[a].first <= runs[b].end && runs[b].first <= runs[a].end {
-                        forest.join(a, b);
-                    }
-                    if runs[a].end < runs[b].end { a += 1 } else { b += 1 }
+                let other_row = row.checked_add_signed(up).filter(|&other| other < rows);
+                if let (Some(other_row), Some(other_layer)) = (other_row, layer.checked_add_signed(back)) {
+                    runs.join([layer * rows + row, other_layer * rows + other_row], &mut forest);
                 }
             }
         }
-        let mut labels = vec![NONE; cells.filled.len()];
-        let mut sizes: Vec<usize> = Vec::new();
-        let mut of_run: Vec<u32> = Vec::with_capacity(runs.len());
-        for (row, run) in starts.windows(2).enumerate().flat_map(|(row, of)| (of[0]..of[1]).map(move |run| (row, run)))
-        {
-            let root = forest.root(run);
-            let label = if root == run {
-                sizes.push(0);
-                // There are fewer components than cells, and fewer cells than 2³².
-                u32::try_from(sizes.len() - 1).unwrap_or(NONE - 1)
-            } else {
-                of_run[root]
-            };
-            let Run { first, end } = runs[run];
-            labels[row * length + first..row * length + end].fill(label);
-            sizes[label as usize] += end - first;
-            of_run.push(label);
+        let mut found = Self { labels: vec![NONE; cells.filled.len()], sizes: Vec::new() };
+        let mut of_run: Vec<u32> = Vec::with_capacity(runs.runs.len());
+        for (row, own) in runs.starts.windows(2).enumerate() {
+            for run in own[0]..own[1] {
+                let root = forest.root(run);
+                let label = if root == run { found.add() } else { of_run[root] };
+                let Run { first, end } = runs.runs[run];
+                found.labels[row * length + first..row * length + end].fill(label);
+                found.sizes[label as usize] += end - first;
+                of_run.push(label);
+            }
         }
-        Self { labels, sizes }
+        found
+    }
+
+    /// Adds a component without cells and says which it is.
+    fn add(&mut self) -> u32 {
+        self.sizes.push(0);
+        // There are fewer components than cells, and fewer cells than 2³².
+        u32::try_from(self.sizes.len() - 1).unwrap_or(NONE - 1)
     }
 
     /// Empties the cells that are not kept; says how many. Of equally large components the first is kept.
@@ -114,6 +135,7 @@ impl Components {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::voxel::Grid;
     use crate::math::rng::Rng;
 
     /// The same, cell by cell.
@@ -149,7 +171,7 @@ mod tests {
         for _ in 0..300 {
             let dims = [0; 3].map(|_| 1 + u32::try_from(rng.next_u64() % 9).expect("small"));
             let share = rng.unit();
-            let mut cells = Cells { grid: super::super::Grid::centred(dims, 1.0), filled: Vec::new() };
+            let mut cells = Cells { grid: Grid::centred(dims, 1.0), filled: Vec::new() };
             cells.filled = cells.grid.iter().map(|_| rng.unit() < 0.3 * share).collect();
             let found = Components::new(&cells);
             several += usize::from(found.sizes.len() > 2 && found.sizes.iter().any(|&size| size > 4));

@@ -148,7 +148,8 @@ impl<'a> Reader<'a> {
             let (stride, size) = (elements.stride, elements.component.size());
             let at = |number: usize, axis: usize| elements.number(number * stride + axis * size);
             let normal = |number: usize| DVec3::from_array([0, 1, 2].map(|axis| at(number, axis)));
-            // They are told apart, not pointed along.
+            // They are told apart, not pointed along. Where there are none glTF wants flat faces (§ 3.7.2.1); here the angle
+            // decides as in other formats, so that a round thing which was exported without them looks round.
             (0..elements.count).map(|number| transform.transform_vector3(normal(number))).collect()
         });
         found.unwrap_or_else(|error| {
