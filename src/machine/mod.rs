@@ -4,6 +4,7 @@
 mod free_memory;
 #[cfg(target_os = "linux")]
 mod linux;
+mod processors;
 pub mod threads;
 
 use std::sync::OnceLock;

@@ -6,6 +6,8 @@ use std::thread::yield_now;
 
 use rayon::Yield;
 
+use super::processors::Processors;
+
 /// Lets the work end that keeps threads awake, also where what they are kept awake for panics.
 struct Done<'a>(&'a AtomicBool);
 
@@ -23,11 +25,14 @@ pub fn kept_awake<T>(threads: usize, work: impl FnOnce() -> T) -> T {
         return work();
     }
     let (awake, done) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let processors = Processors::default();
+    processors.take_one();
     rayon::in_place_scope(|scope| {
         let done_at_last = Done(&done);
         for _ in 0..others {
             scope.spawn(|_| {
                 awake.fetch_add(1, Ordering::Relaxed);
+                processors.take_one();
                 while !done.load(Ordering::Acquire) {
                     if rayon::yield_now() != Some(Yield::Executed) {
                         yield_now();

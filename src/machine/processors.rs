@@ -1,0 +1,85 @@
+//! Threads that work together, each on a processor of its own.
+//!
+//! A system that wakes a thread may put it on the processor of the one that woke it though another is free. There the two
+//! take turns, and as one that waits offers the processor again and again, the system takes both for too lately at work to
+//! move: on Linux 6 they stay together for milliseconds, as long as the work.
+
+#[cfg(target_os = "linux")]
+use std::sync::Mutex;
+
+#[cfg(target_os = "linux")]
+use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};
+
+/// The processors that threads which work together are on.
+#[derive(Debug, Default)]
+pub(super) struct Processors {
+    #[cfg(target_os = "linux")]
+    taken: Mutex<Option<CpuSet>>,
+}
+
+impl Processors {
+    /// Lets the calling thread go on on a processor that none of the others is on, if it may be on one. It is not bound to
+    /// it, nor is anything done where the system does not tell.
+    #[cfg(target_os = "linux")]
+    pub(super) fn take_one(&self) {
+        let Ok(mut taken) = self.taken.lock() else { return };
+        let taken = taken.get_or_insert_default();
+        if is_on(taken)
+            && let Ok(allowed) = sched_getaffinity(None)
+        {
+            let mut free = allowed;
+            for processor in (0..CpuSet::MAX_CPU).filter(|processor| taken.is_set(*processor)) {
+                free.unset(processor);
+            }
+            // Where it may be on no other processor, or is forbidden to choose, it stays.
+            if free.count() > 0 && sched_setaffinity(None, &free).is_ok() && sched_setaffinity(None, &allowed).is_err()
+            {
+                log::debug!("a thread stays bound to {} processors", free.count());
+            }
+        }
+        let processor = sched_getcpu();
+        if processor < CpuSet::MAX_CPU {
+            taken.set(processor);
+        }
+    }
+
+    /// Nothing is known of processors here.
+    #[cfg(not(target_os = "linux"))]
+    #[expect(clippy::unused_self, reason = "as on Linux")]
+    pub(super) fn take_one(&self) {}
+}
+
+/// Whether the calling thread is on one of these.
+#[cfg(target_os = "linux")]
+fn is_on(processors: &CpuSet) -> bool {
+    let processor = sched_getcpu();
+    processor < CpuSet::MAX_CPU && processors.is_set(processor)
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use std::thread::scope;
+
+    use super::*;
+
+    #[test]
+    fn a_thread_leaves_the_processor_of_another_and_may_still_be_on_all() {
+        scope(|scope| {
+            scope.spawn(|| {
+                let allowed = sched_getaffinity(None).expect("Linux tells");
+                let processors = Processors::default();
+                // The processor that this thread is on is taken by another until it goes: at most as many times as there
+                // are processors.
+                for _ in 0..allowed.count() {
+                    processors.take_one();
+                    assert_eq!(sched_getaffinity(None), Ok(allowed), "it is bound to none");
+                }
+                let taken = processors.taken.into_inner().expect("nobody panicked").expect("one at least");
+                assert_eq!(taken.count(), allowed.count(), "another one each time");
+                let again = Processors { taken: Mutex::new(Some(taken)) };
+                again.take_one();
+                assert_eq!(sched_getaffinity(None), Ok(allowed), "there is none left: it stays");
+            });
+        });
+    }
+}
