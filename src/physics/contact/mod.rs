@@ -38,7 +38,6 @@ mod way_out;
 pub(super) mod weighted;
 mod workspace;
 
-pub(super) use bodies::BodiesWorkspace;
 pub use bodies::BodyContact;
 pub(super) use candidate::{respond, respond_to_paths};
 pub(super) use constraint::ContactConstraint;

@@ -4,6 +4,7 @@ pub(in crate::physics) mod exact;
 pub(in crate::physics) mod links;
 pub(in crate::physics) mod particles;
 pub(in crate::physics) mod recovery;
+pub(in crate::physics) mod strain;
 
 use exact::ExactLinks;
 use links::{Configuration, is_damped};

@@ -75,7 +75,7 @@ pub(in crate::physics) struct BoxedLinks<R> {
     pub(in crate::physics) layout: Arc<Layout>,
     laws: Laws<R>,
     /// Of the links of each direction, 1/m.
-    inverse_rest_length: [f64; 16],
+    pub(super) inverse_rest_length: [f64; 16],
 }
 
 impl<R: Real> BoxedLinks<R> {

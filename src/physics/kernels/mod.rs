@@ -38,6 +38,7 @@ mod layout;
 mod level;
 mod motion;
 mod piece;
+mod strain;
 mod sweep;
 mod tangent;
 
@@ -48,6 +49,7 @@ pub(in crate::physics) use layout::{BYTES_A_CORNER, Layout, MOST_CORNERS_A_PARTI
 pub use level::SimdLevel;
 pub(in crate::physics) use motion::{StageSources, StageTerms, advance, kick, kick_each, next_stage, next_stage_each};
 pub(in crate::physics) use piece::{Piece, pieces};
+pub(in crate::physics) use strain::are_strained;
 pub(in crate::physics) use sweep::{Pass, Start, add_forces};
 pub(in crate::physics) use tangent::{Tangents, tangent_bytes};
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{BoxedLinks, Layout, Pass, SimdLevel, Start, Tangents, add_forces, pieces};
+use super::{BoxedLinks, Layout, Pass, SimdLevel, Start, Tangents, add_forces, are_strained, pieces};
 use crate::geometry::Lattice;
 use crate::geometry::voxel::Cells;
 use crate::math::rng::Rng;
@@ -261,6 +261,69 @@ fn links_without_length_have_no_force() {
         let (force, _) = boxed(&links, &[point.clone(), velocity.clone()], [[true; 3]; 2], level);
         assert!(force.iter().all(|force| *force == glam::Vec3::ZERO), "all particles in one place");
     }
+}
+
+/// The largest strain of any link, now or after `secs`, along the list.
+fn listed_strain<R: Real>(families: &[LinkFamily<R>; 3], [position, velocity]: &[Vec<R::Vec3>; 2], secs: f64) -> f64 {
+    let strain = |link: &Link<R>, secs: f64| {
+        let [i, j] = link.ends.map(|end| end as usize);
+        let (d, dv) = (position[j] - position[i], velocity[j] - velocity[i]);
+        let length = (d.to_dvec3() + dv.to_dvec3() * secs).length();
+        (length / link.rest_length.to_f64() - 1.0).abs()
+    };
+    let links = families.iter().flat_map(|family| family.links.iter());
+    links.map(|link| strain(link, 0.0).max(strain(link, secs))).fold(0.0, f64::max)
+}
+
+/// Whether links are found to be strained by more than so much, by a body cut after these shares of its work.
+fn finds_strain<R: Real>(
+    links: &BoxedLinks<R>,
+    [position, velocity]: &[Vec<R::Vec3>; 2],
+    (strain, secs): (f64, f64),
+    level: SimdLevel,
+    cuts: &[f64],
+) -> bool {
+    pieces(links, cuts).iter_mut().any(|piece| {
+        // Where there is no particle, there may be anything.
+        let rooms = piece.position.iter_mut().chain(&mut piece.velocity).flatten();
+        rooms.enumerate().for_each(|(place, room)| *room = R::from_f64(if place % 3 == 0 { 1e3 } else { 0.0 }));
+        are_strained(links, level, strain, R::from_f64(secs), [position, velocity], piece)
+    })
+}
+
+fn compare_strain<R: Real>() {
+    const SECS: f64 = 0.01;
+    let mut rng = Rng::new(5);
+    for Shape { name, lattice } in &shapes() {
+        let families = families::<R>(lattice, Material::Alike, [0.0; 3]);
+        let links = in_box(lattice, &families);
+        let count = lattice.corners.len();
+        let place = |particle: usize| R::Vec3::from_dvec3(lattice.rest_position(particle));
+        for moved in 0..6 {
+            // One particle is out of place, or about to be.
+            let mut motion = [(0..count).map(place).collect::<Vec<_>>(), vec![R::Vec3::ZERO; count]];
+            let drawn = usize::try_from(rng.next_u64() % count as u64).expect("a particle");
+            let particle = if moved == 0 { count - 1 } else { drawn };
+            let way = DVec3::from([0; 3].map(|_| rng.between(-0.05, 0.05)));
+            let is_about_to = moved % 2 == 1;
+            let way = if is_about_to { way * (1.0 / SECS) } else { way };
+            motion[usize::from(is_about_to)][particle] += R::Vec3::from_dvec3(way);
+            let strain = listed_strain(&families, &motion, SECS);
+            for level in levels() {
+                for cuts in CUTS.into_iter().chain([&[][..]]) {
+                    let finds = |share: f64| finds_strain(&links, &motion, (share * strain, SECS), level, cuts);
+                    let found = [0.999, 1.001].map(finds);
+                    assert_eq!(found, [true, false], "{name}: {strain} at {particle}, {level:?}, {cuts:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn strained_links_are_found_as_along_the_list() {
+    compare_strain::<f32>();
+    compare_strain::<f64>();
 }
 
 #[test]

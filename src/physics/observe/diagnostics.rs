@@ -133,7 +133,7 @@ impl<'a, R: Real> Ahead<'a, R> {
             (Cow::Owned(way), Part { secs: whole.secs * INSTANT, scheme: Scheme::SemiImplicit, ..whole })
         } else {
             workspace = StepWorkspace::new(model, plan);
-            let part = stepping::first_part(model, plan, &mut next, &mut workspace.contact.bodies);
+            let part = stepping::first_part(model, plan, &mut next, &mut workspace);
             (Cow::Borrowed(plan), part)
         };
         let obstacles = Placed::now(model, state);

@@ -26,6 +26,7 @@ use super::forces;
 use super::forces::exact::ExactLinks;
 use super::forces::links::Configuration;
 use super::forces::particles::Kick;
+use super::forces::strain::Motion;
 use super::interaction::Grab;
 use super::model::Model;
 use super::report::Recorder;
@@ -56,7 +57,8 @@ pub(super) struct StepWorkspace<R: Real> {
     /// What contact works in and what it found.
     pub contact: contact::ContactWorkspace<R>,
     scheme: schemes::SchemeWorkspace<R>,
-    forces: forces::ForceWorkspace<R>,
+    /// What forces are worked out in.
+    pub forces: forces::ForceWorkspace<R>,
     /// What modal bodies work in.
     pub modal: ModalWorkspace,
     /// What was remembered of every body before the substep, where one may be given up.
@@ -368,7 +370,8 @@ fn predicted_velocities<R: Real>(
     }
     if begun.scheme == Scheme::Stabilised {
         let Substep { model, plan, state, dt, is_strained, .. } = begun;
-        if plan.parts > 1 && !is_strained && strain::tear(model, plan, state, velocity, dt) {
+        let motion = Motion { position: &state.position, velocity, secs: dt };
+        if plan.parts > 1 && !is_strained && strain::tear(model, plan, &state.bodies, motion, stepper.forces) {
             return false;
         }
         contact.hold(begun, stepper.force, velocity, &mut stepper.workspace.stages.held);

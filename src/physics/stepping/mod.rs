@@ -18,7 +18,9 @@
 pub(in crate::physics) mod looks;
 pub(in crate::physics) mod strain;
 
-use super::contact::{BodiesWorkspace, Placed, arrive, bodies, samples, sweep};
+use super::contact::{ContactWorkspace, Placed, arrive, bodies, samples, sweep};
+use super::forces::ForceWorkspace;
+use super::forces::strain::Motion;
 use super::interaction::Grab;
 use super::model::plan::{MOST_HALVINGS, Plan};
 use super::model::{Model, Scheme};
@@ -45,7 +47,7 @@ pub(super) fn advance<R: Real>(
     if plan.on_mesh.is_some() {
         obstacles.place(model, state, plan.substep_secs());
     }
-    let mut division = Division::of(model, plan, state, obstacles, &mut workspace.contact.bodies);
+    let mut division = Division::of(model, plan, state, obstacles, workspace);
     let mut ending = Ending::Taken;
     while let Some(part) = division.next(plan, state, &mut recorder.counters) {
         obstacles.place(model, state, part.secs);
@@ -61,7 +63,7 @@ pub(super) fn advance<R: Real>(
         if ending == Ending::Refused {
             match part.scheme {
                 Scheme::Implicit => division.refuse(plan, state, &mut recorder.counters),
-                _ => division.divide_torn(model, plan, &workspace.velocity, state),
+                _ => division.divide_torn(model, plan, state, workspace),
             }
             continue;
         }
@@ -71,7 +73,7 @@ pub(super) fn advance<R: Real>(
         arrive::pass(model, &workspace.contact, part.secs, state);
         sweep::pass(model, part.secs, state);
         division.take();
-        division.divide_further(model, plan, state);
+        division.divide_further(model, plan, state, &mut workspace.forces);
     }
     recorder.leave(ending == Ending::Diverged)
 }
@@ -94,7 +96,7 @@ pub(in crate::physics) fn first_part<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     state: &mut State<R>,
-    workspace: &mut BodiesWorkspace<R>,
+    workspace: &mut StepWorkspace<R>,
 ) -> Part {
     let obstacles = Placed::now(model, state);
     let Division { parts, secs, scheme, bodies_are_near, .. } = Division::of(model, plan, state, &obstacles, workspace);
@@ -133,26 +135,28 @@ impl Division {
         plan: &Plan,
         state: &mut State<R>,
         obstacles: &Placed<R>,
-        workspace: &mut BodiesWorkspace<R>,
+        workspace: &mut StepWorkspace<R>,
     ) -> Self {
+        let StepWorkspace { contact: ContactWorkspace { bodies: of_bodies, .. }, forces, .. } = workspace;
         let looks_out = plan.parts > 0 || plan.between_bodies.is_some() || plan.on_mesh.is_some();
-        workspace.spreads.clear();
+        of_bodies.spreads.clear();
         let bodies = model.bodies.iter().filter(|_| looks_out);
-        workspace.spreads.extend(bodies.map(|body| looks::spread(body, plan, state)));
-        let near = bodies::parts(model, plan, state, workspace);
-        let bodies_are_near = near.is_some();
+        of_bodies.spreads.extend(bodies.map(|body| looks::spread(body, plan, state)));
         let secs = plan.substep_secs();
+        let near = bodies::parts(model, plan, secs, state, of_bodies);
+        let bodies_are_near = near.is_some();
         let on_mesh = plan.on_mesh.filter(|_| samples::comes_near(model, plan, obstacles, state, secs));
         let near = near.max(on_mesh.map(|on_mesh| on_mesh.parts));
         // What a mesh meets obstacles by has a place for bodies that meet, too.
         let met = on_mesh.or(plan.between_bodies.filter(|_| near.is_some()));
         let while_strained = met.filter(|_| plan.is_divided()).map_or(plan.parts, |met| met.strained_parts);
-        let parts = strain::parts_now(model, plan, while_strained, &workspace.spreads, state).max(near.unwrap_or(1));
+        let parts = strain::parts_now(model, plan, while_strained, &of_bodies.spreads, state, forces);
+        let parts = parts.max(near.unwrap_or(1));
         let scheme = met.map_or(plan.scheme, |met| met.scheme);
         Self {
             parts,
             left: parts,
-            secs: plan.substep_secs() / f64::from(parts),
+            secs: secs / f64::from(parts),
             while_strained,
             unseen_secs: 0.0,
             scheme,
@@ -202,12 +206,18 @@ impl Division {
 
     /// Divides what is left into shorter parts where bodies come near each other and one of them has become strained since the
     /// substep began.
-    fn divide_further<R: Real>(&mut self, model: &Model<R>, plan: &Plan, state: &mut State<R>) {
+    fn divide_further<R: Real>(
+        &mut self,
+        model: &Model<R>,
+        plan: &Plan,
+        state: &mut State<R>,
+        forces: &mut ForceWorkspace<R>,
+    ) {
         if !(self.bodies_are_near || self.on_mesh) || self.left == 0 || self.parts >= self.while_strained {
             return;
         }
         self.unseen_secs += self.secs;
-        if strain::is_strained_by_now(model, plan, state, &mut self.unseen_secs, self.secs) {
+        if strain::is_strained_by_now(model, plan, state, &mut self.unseen_secs, self.secs, forces) {
             let left = (u64::from(self.left) * u64::from(self.while_strained)).div_ceil(u64::from(self.parts));
             let left = u32::try_from(left).unwrap_or(u32::MAX);
             self.secs *= f64::from(self.left) / f64::from(left);
@@ -215,10 +225,17 @@ impl Division {
         }
     }
 
-    /// The whole substep was refused as these velocities would tear bodies apart: those are strained from now on.
-    fn divide_torn<R: Real>(&mut self, model: &Model<R>, plan: &Plan, velocity: &[R::Vec3], state: &mut State<R>) {
-        let by_way =
-            strain::look(model, plan, &mut state.bodies, strain::Whose::All, [&state.position, velocity], self.secs);
+    /// The whole substep was refused as the velocities that were found would tear bodies apart: those are strained from now on.
+    fn divide_torn<R: Real>(
+        &mut self,
+        model: &Model<R>,
+        plan: &Plan,
+        state: &mut State<R>,
+        workspace: &mut StepWorkspace<R>,
+    ) {
+        let StepWorkspace { velocity, forces, .. } = workspace;
+        let motion = Motion { position: &state.position, velocity, secs: R::from_f64(self.secs) };
+        let by_way = strain::look(model, plan, strain::Whose::All, motion, &mut state.bodies, forces);
         let parts = self.while_strained.max(by_way);
         (self.parts, self.left, self.secs) = (parts, parts, self.secs / f64::from(parts));
         self.tears = true;

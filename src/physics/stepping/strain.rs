@@ -9,8 +9,9 @@
 //! limit would change it at the same place of every swing, and gain a little each time. So a body has to be calm for a
 //! while before its substeps are whole again.
 
-use crate::math::{Real, Vector};
-use crate::physics::forces::recovery;
+use crate::math::Real;
+use crate::physics::forces::strain::{self, Motion};
+use crate::physics::forces::{ForceWorkspace, recovery};
 use crate::physics::limits::any_state::MOST_PARTS;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model, Scheme};
@@ -41,6 +42,7 @@ pub(in crate::physics) fn parts_now<R: Real>(
     while_strained: u32,
     spreads: &[f64],
     state: &mut State<R>,
+    forces: &mut ForceWorkspace<R>,
 ) -> u32 {
     if while_strained == 0 {
         return 1;
@@ -49,8 +51,9 @@ pub(in crate::physics) fn parts_now<R: Real>(
     let is_time = looks::is_time_to_look_at(model, plan, state, spreads);
     if is_time || state.bodies.iter().any(|memory| memory.strained) {
         let whose = if is_time { Whose::All } else { Whose::Strained };
-        let at = [&state.position[..], &state.velocity];
-        by_way = look(model, plan, &mut state.bodies, whose, at, plan.substep_secs());
+        let State { position, velocity, bodies, .. } = state;
+        let motion = Motion { position, velocity, secs: R::from_f64(plan.substep_secs()) };
+        by_way = look(model, plan, whose, motion, bodies, forces);
     }
     // The longer substeps of the stabilised scheme would bear little of what pushes cells back that are near inversion.
     let is_crushed = |body: &BodyModel<R>, memory: &BodyMemory| {
@@ -70,29 +73,34 @@ pub(in crate::physics) fn is_strained_by_now<R: Real>(
     state: &mut State<R>,
     unseen: &mut f64,
     secs: f64,
+    forces: &mut ForceWorkspace<R>,
 ) -> bool {
     if *unseen + secs > looks::secs_between(model, plan, state) {
         *unseen = 0.0;
-        look(model, plan, &mut state.bodies, Whose::All, [&state.position, &state.velocity], secs);
+        let State { position, velocity, bodies, .. } = state;
+        look(model, plan, Whose::All, Motion { position, velocity, secs: R::from_f64(secs) }, bodies, forces);
     }
     state.bodies.iter().any(|memory| memory.strained && !memory.asleep)
 }
 
-/// Whether links of a body that is awake and not strained would be beyond the larger strain after so many seconds with these
-/// velocities, m/s: where what it meets leaves them to some particles and stops others.
+/// Whether links of a body that is awake and not strained would be beyond the larger strain in this motion: where what it
+/// meets leaves them to some particles and stops others.
 pub(in crate::physics) fn tear<R: Real>(
     model: &Model<R>,
     plan: &Plan,
-    state: &State<R>,
-    velocity: &[R::Vec3],
-    secs: R,
+    memories: &[BodyMemory],
+    motion: Motion<'_, R>,
+    forces: &mut ForceWorkspace<R>,
 ) -> bool {
-    let mut bodies = model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep && !memory.strained);
-    bodies.any(|(body, _)| {
-        let [position, velocity] = [&state.position, velocity].map(|of| &of[body.particles.clone()]);
-        looks::unseen_secs(body, looks::spread_of::<R>(plan, velocity)) < secs.to_f64()
-            && is_beyond(body, [position, velocity], plan.strains[1], secs)
-    })
+    forces.find_strained(model, memories, plan.simd, motion, |number| {
+        let (body, memory) = (&model.bodies[number], &memories[number]);
+        let is_due = !memory.asleep && !memory.strained && {
+            let spread = looks::spread_of::<R>(plan, motion.of(body).velocity);
+            looks::unseen_secs(body, spread) < motion.secs.to_f64()
+        };
+        is_due.then_some(plan.strains[1])
+    });
+    (0..model.bodies.len()).any(|body| forces.is_strained(body))
 }
 
 /// Whose links are looked at.
@@ -104,23 +112,28 @@ pub(in crate::physics) enum Whose {
     All,
 }
 
-/// Looks at the links, as they are and as they would be after so many seconds with these velocities (m/s), and tells into how
-/// many parts such a time has to be divided for the ways that those of strained bodies go in it.
+/// Looks at the links in a motion, remembers which bodies are strained, and tells into how many parts the time of the motion
+/// has to be divided for the ways that links of these go in it.
 pub(in crate::physics) fn look<R: Real>(
     model: &Model<R>,
     plan: &Plan,
-    memories: &mut [BodyMemory],
     whose: Whose,
-    [position, velocity]: [&[R::Vec3]; 2],
-    secs: f64,
+    motion: Motion<'_, R>,
+    memories: &mut [BodyMemory],
+    forces: &mut ForceWorkspace<R>,
 ) -> u32 {
     let calm_substeps = looks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
-    let secs = R::from_f64(secs);
-    let mut longest_way = R::ZERO;
     let is_looked_at = |memory: &BodyMemory| !memory.asleep && (whose == Whose::All || memory.strained);
-    for (body, memory) in model.bodies.iter().zip(memories).filter(|(_, memory)| is_looked_at(memory)) {
-        let own = [position, velocity].map(|of| &of[body.particles.clone()]);
-        if is_beyond(body, own, plan.strains[usize::from(!memory.strained)], secs) {
+    forces.find_strained(model, memories, plan.simd, motion, |body| {
+        let memory = &memories[body];
+        is_looked_at(memory).then_some(plan.strains[usize::from(!memory.strained)])
+    });
+    let mut longest_way = 0.0_f64;
+    for (number, (body, memory)) in model.bodies.iter().zip(memories).enumerate() {
+        if !is_looked_at(memory) {
+            continue;
+        }
+        if forces.is_strained(number) {
             (memory.strained, memory.calm_substeps) = (true, 0);
         } else if memory.strained {
             memory.calm_substeps += 1;
@@ -129,36 +142,12 @@ pub(in crate::physics) fn look<R: Real>(
             }
         }
         if memory.strained {
-            longest_way = links(body, own, secs).fold(longest_way, |most, (_, way)| most.max(way.dot(way)));
+            longest_way = longest_way.max(strain::longest_way(body, motion.of(body)));
         }
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
-    let parts = libm::ceil(longest_way.to_f64().sqrt() / MOST_WAY) as u32;
+    let parts = libm::ceil(longest_way / MOST_WAY) as u32;
     parts.clamp(1, MOST_PARTS)
-}
-
-/// Whether any link is strained by more than so much, or is after so many seconds.
-fn is_beyond<R: Real>(body: &BodyModel<R>, own: [&[R::Vec3]; 2], strain: f64, secs: R) -> bool {
-    let [shortest, longest] = [1.0 - strain, 1.0 + strain].map(R::from_f64);
-    let is_beyond = |d: R::Vec3| {
-        let squared = d.dot(d);
-        squared > longest * longest || squared < shortest * shortest
-    };
-    links(body, own, secs).any(|(d, way)| is_beyond(d) || is_beyond(d + way))
-}
-
-/// From end to end of each link and how that changes in so many seconds, in lengths at rest; of links without a force, too:
-/// their length tells of the angles between others.
-fn links<R: Real>(
-    body: &BodyModel<R>,
-    [position, velocity]: [&[R::Vec3]; 2],
-    secs: R,
-) -> impl Iterator<Item = (R::Vec3, R::Vec3)> {
-    body.links.iter().flat_map(|family| family.links.iter()).map(move |link| {
-        let [i, j] = link.ends.map(|end| end as usize);
-        let d = (position[j] - position[i]) * link.inverse_rest_length;
-        (d, (velocity[j] - velocity[i]) * (link.inverse_rest_length * secs))
-    })
 }
 
 #[cfg(test)]

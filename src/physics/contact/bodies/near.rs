@@ -23,11 +23,12 @@ const MARGIN: f64 = 0.25;
 /// No substep is divided further for that: at 1 ms and cells of 1 cm bodies are caught that meet at 1280 m/s.
 const MOST_PARTS: u32 = 256;
 
-/// Into how many parts the coming substep has to be divided for bodies that come near each other or themselves; none where
-/// none do. Wakes bodies that sleep where one comes.
+/// Into how many parts the coming substep of so many seconds has to be divided for bodies that come near each other or
+/// themselves; none where none do. Wakes bodies that sleep where one comes.
 pub(in crate::physics) fn parts<R: Real>(
     model: &Model<R>,
     plan: &Plan,
+    secs: f64,
     state: &mut State<R>,
     workspace: &mut BodiesWorkspace<R>,
 ) -> Option<u32> {
@@ -35,15 +36,15 @@ pub(in crate::physics) fn parts<R: Real>(
     if sleep::is_quiet(state) {
         return None;
     }
-    let secs = R::from_f64(plan.substep_secs());
-    look_at_each(model, plan, state, workspace);
+    look_at_each(model, secs, state, workspace);
     let (mut longest, mut are_near) = (0.0_f64, false);
     for number in near_themselves(model, state) {
         are_near = true;
         let body = &model.bodies[number];
-        let way = workspace.spreads[number] * plan.substep_secs();
+        let way = workspace.spreads[number] * secs;
         longest = longest.max(way / (LONGEST_WAY * body.lattice.grid.cell_size));
     }
+    let secs = R::from_f64(secs);
     let motions = &mut workspace.motions;
     motions.clear();
     if model.bodies.len() > 1 {
@@ -96,14 +97,14 @@ pub(super) fn near_themselves<R: Real>(model: &Model<R>, state: &State<R>) -> im
 }
 
 /// Looks which bodies are near themselves: those whose particles may have moved past each other by as much as there was left
-/// at the last look.
-fn look_at_each<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>, workspace: &mut BodiesWorkspace<R>) {
+/// at the last look, in the coming substep of so many seconds.
+fn look_at_each<R: Real>(model: &Model<R>, secs: f64, state: &mut State<R>, workspace: &mut BodiesWorkspace<R>) {
     for (number, body) in model.bodies.iter().enumerate() {
         let memory = &mut state.bodies[number];
         if !body.meets_itself() || memory.asleep {
             continue;
         }
-        let way = workspace.spreads[number] * plan.substep_secs() / body.lattice.grid.cell_size;
+        let way = workspace.spreads[number] * secs / body.lattice.grid.cell_size;
         memory.apart -= way;
         if memory.apart.is_nan() || memory.apart <= 0.0 {
             let position = &state.position[body.particles.clone()];
