@@ -131,7 +131,8 @@ pub(super) struct Candidate<'a, R: Real> {
 impl<'a, R: Real> Candidate<'a, R> {
     /// What is `known` is that of all particles.
     pub(super) fn new(substep: Substep<'a, R>, body: usize, particle: usize, known: &'a mut [Known]) -> Self {
-        let meshes = known.len() / substep.model.particle_count().max(1);
+        // Without a mesh no time goes on a division.
+        let meshes = if known.is_empty() { 0 } else { known.len() / substep.model.particle_count() };
         let known = &mut known[particle * meshes..][..meshes];
         Self { substep, body, particle, known, tests: 0, sphere_tests: 0, frictions: 0 }
     }

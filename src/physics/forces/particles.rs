@@ -144,6 +144,11 @@ pub(in crate::physics) fn kick_some<R: Real>(
         Values::Uniform(mass) => kernels::kick(level, dt / *mass, force, velocity),
         Values::Each(masses) => kernels::kick_each(level, dt, &masses[some.clone()], force, velocity),
     }
+    hold_pinned(body, some, velocity);
+}
+
+/// Lets those of some particles of a body (local numbers) that are pinned stand still: the velocities are of them.
+pub(in crate::physics) fn hold_pinned<R: Real>(body: &BodyModel<R>, some: Range<usize>, velocity: &mut [R::Vec3]) {
     match &body.pinned {
         Values::Uniform(false) => {}
         Values::Uniform(true) => velocity.fill(R::Vec3::ZERO),

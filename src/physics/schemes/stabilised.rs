@@ -21,6 +21,7 @@ use super::stepper::{SchemeWorkspace, Stepper};
 use crate::math::{Real, Vector};
 use crate::physics::forces;
 use crate::physics::forces::links::Configuration;
+use crate::physics::forces::particles::hold_pinned;
 use crate::physics::kernels::{self, SimdLevel, StageSources, StageTerms};
 use crate::physics::model::{BodyModel, Values, plan};
 use crate::physics::report::Recorder;
@@ -37,13 +38,16 @@ pub(super) fn predict<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::
         if substep.state.bodies[number].asleep {
             continue;
         }
-        for (local, particle) in body.particles.clone().enumerate() {
-            if body.is_pinned(local) {
-                velocity[particle] = R::Vec3::ZERO;
-            } else {
-                velocity[particle] += stepper.force[particle] * (substep.dt / substep.inertia(number, local));
+        let own = body.particles.clone();
+        let (velocity, force) = (&mut velocity[own.clone()], &stepper.force[own]);
+        if let Values::Uniform(_) = body.masses {
+            kernels::kick(substep.plan.simd, substep.dt / substep.inertia(number, 0), force, velocity);
+        } else {
+            for (local, (velocity, force)) in velocity.iter_mut().zip(force).enumerate() {
+                *velocity += *force * (substep.dt / substep.inertia(number, local));
             }
         }
+        hold_pinned(body, 0..velocity.len(), velocity);
     }
     stepper.workspace.predicted.copy_from_slice(velocity);
 }

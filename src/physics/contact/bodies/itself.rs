@@ -102,8 +102,12 @@ fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspa
         let (around, low) = (Aabb::<f64>::around(cell.0), body.lattice.low(number));
         let within = around.grown(least * size);
         for (point, surroundings) in buckets.rows(&within).flat_map(|row| &sorted[row]) {
+            // Most of those near a cell are around it, and this costs the least.
+            if surroundings.touch(low) {
+                continue;
+            }
             let boxed = (*point - point.clamp(around.min, around.max)).abs().max_element() / size;
-            if boxed >= least || surroundings.touch(low) {
+            if boxed >= least {
                 continue;
             }
             let place = cell.locate(*point, DVec3::splat(0.5), size);
