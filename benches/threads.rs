@@ -103,10 +103,10 @@ fn main() -> std::io::Result<()> {
         return Ok(());
     }
     let out = &mut std::io::stdout();
-    for particles in [20, 40] {
+    for particles in [10, 14, 20, 40] {
         compare(&format!("cube {particles}"), &landed(&cube(particles), 0), out)?;
     }
-    for name in ["coupler-20", "coupler-40"] {
+    for name in ["spot", "coupler-20", "coupler-40"] {
         let scene = (preset(name).expect("a preset").build)();
         compare(name, &landed(&scene, BEFORE), out)?;
     }

@@ -94,8 +94,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         families: Family::ALL.map(|family| has_force(family as usize)),
         damped: Family::ALL.map(|family| model.bodies.iter().any(|body| body.links[family as usize].damping > R::ZERO)),
         simd: SimdLevel::chosen(),
-        // The implicit scheme has one thread.
-        threads: if scheme == Scheme::Implicit { 1 } else { share::fitting(model, team::step_threads()) },
+        threads: share::fitting(model, team::step_threads()),
         spheres: model.obstacles.iter().any(|o| matches!(o.shape, ObstacleShape::Sphere { .. })),
         friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
         recovery: model.bodies.iter().any(|body| body.recovery.stiffness > R::ZERO),
