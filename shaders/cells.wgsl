@@ -33,19 +33,19 @@ fn vertex(@builtin(vertex_index) index: u32, @location(0) low: vec4u, @location(
         particle(low.x), particle(low.y), particle(low.z), particle(low.w),
         particle(high.x), particle(high.y), particle(high.z), particle(high.w),
     );
-    // Right way out where the three edges at every corner are right-handed.
-    var least = 1e30;
+    // The mean edges along x, y and z, of which the volume has the sign that cells turned inside out are counted by.
+    var x = vec3f(0.0);
+    var y = vec3f(0.0);
+    var z = vec3f(0.0);
     var center = vec3f(0.0);
     for (var corner = 0u; corner < 8u; corner++) {
         let here = corners[corner];
-        let x = corners[corner ^ 1u] - here;
-        let y = corners[corner ^ 2u] - here;
-        let z = corners[corner ^ 4u] - here;
-        let turns = (corner & 1u) + ((corner >> 1u) & 1u) + (corner >> 2u);
-        least = min(least, dot(cross(x, y), z) * select(1.0, -1.0, (turns & 1u) != 0u));
+        x += select(-here, here, (corner & 1u) != 0u);
+        y += select(-here, here, (corner & 2u) != 0u);
+        z += select(-here, here, (corner & 4u) != 0u);
         center += 0.125 * here;
     }
-    let is_inverted = least < 0.0;
+    let is_inverted = dot(cross(x, y), z) <= 0.0;
     let line = index / 6u;
     var ends = ENDS;
     let a = mix(center, corners[ends[line].x], SPAN);

@@ -151,10 +151,10 @@ fn bodies_can_be_seen_through() {
 fn only_cells_turned_inside_out_are_crossed() {
     let mut studio = Studio::new();
     let cells = Arc::new(vec![[0, 1, 2, 3, 4, 5, 6, 7]]);
-    let marked = |studio: &mut Studio, mirror: f32| {
+    let marked = |studio: &mut Studio, moved: &dyn Fn(u8, [f32; 3]) -> [f32; 3]| {
         let corner = |place: u8| {
-            let [x, y, z] = [0, 1, 2].map(|bit| f32::from(place >> bit & 1) - 0.5);
-            [mirror * x, y + 0.5, z]
+            let [x, y, z] = moved(place, [0, 1, 2].map(|bit| f32::from(place >> bit & 1) - 0.5));
+            [x, y + 0.5, z]
         };
         let mut scene = DrawList { camera: camera(), particles: Arc::new((0..8).map(corner).collect()), ..cube() };
         scene.skins.clear();
@@ -162,8 +162,11 @@ fn only_cells_turned_inside_out_are_crossed() {
         let [r, _, b, _] = studio.picture(&scene, SIZE).pixel([120, 120]).unwrap();
         r > b + 60
     };
-    assert!(!marked(&mut studio, 1.0), "a sound cell is empty in the middle");
-    assert!(marked(&mut studio, -1.0), "a mirrored one is crossed there");
+    assert!(!marked(&mut studio, &|_, at| at), "a sound cell is empty in the middle");
+    assert!(marked(&mut studio, &|_, [x, y, z]| [-x, y, z]), "a mirrored one is crossed there");
+    // Past the corner next to it; the edges there stay away from the middle of the picture.
+    let pulled = |place: u8, at: [f32; 3]| if place == 7 { [-0.6, 0.9, 0.9] } else { at };
+    assert!(!marked(&mut studio, &pulled), "one corner that is on the wrong side makes no such cell");
 }
 
 #[test]
