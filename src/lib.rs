@@ -114,7 +114,8 @@
 //! physics/model/plan.rs           substep_secs    how long each is
 //! physics/simulation.rs           substep         the owner of model, plan and state takes one
 //! physics/stepping/mod.rs         advance         in parts, each with its length
-//! physics/step/mod.rs             move_particles  x += dt u
+//! physics/step/mod.rs             move_particles  what is awake moves
+//! physics/kernels/motion.rs       advance         x += dt u
 //! ```
 //!
 //! The second follows `bodies.0.material.springs.shear.stiffness` from its slider to the picture, which is a draw list:
@@ -132,11 +133,12 @@
 //! physics/compile/assembly.rs     uniform         the constants of a family of links
 //! physics/kernels/boxed.rs        new             the same, as the kernel reads them
 //! physics/simulation.rs           replace_model   the next substep is taken by them
+//! session/mod.rs                  advance         as much time as has passed
 //! physics/stepping/mod.rs         advance         part by part
 //! physics/step/mod.rs             substep         the stages of a part
-//! physics/forces/mod.rs           evaluate        all forces
-//! physics/forces/particles.rs     add             those of links, of a thread's shares, and what they do to velocities
+//! physics/forces/mod.rs           evaluate        all forces: those of links by a thread's shares
 //! physics/kernels/sweep.rs        add_forces      piece by piece
+//! physics/kernels/block.rs        add_forces      the force of a link
 //! app/worker/publish.rs           publish         what leaves the thread, once a frame
 //! session/draw.rs                 draw_list       particles → DrawList
 //! ```
@@ -148,8 +150,8 @@
 //! 1. The core builds and passes its unit tests without the features of the program; no graphics or window crate is in its
 //!    tree (`.ci/run`).
 //! 2. Only `app` names egui and winit; only `render` and `app::canvas` name wgpu (`tests/tidy.rs`).
-//! 3. A step cannot fail, allocate, read a clock or log; it abandons a step that would make a number infinite and
-//!    keeps the last good state (`tests/physics/determinism.rs`, `stability.rs`).
+//! 3. A step cannot fail, read a clock or log, nor allocate once bodies have been near each other; it abandons a step that
+//!    would make a number infinite and keeps the last good state (`tests/physics/determinism.rs`, `stability.rs`).
 //! 4. The same scene gives the same bits at every level of vector instructions and by any number of threads; what a plan
 //!    leaves out changes nothing but time (`tests/physics/determinism.rs`, `economy.rs`). Sleep does: what rests has stopped,
 //!    and what fell out of the scene, as a function of the state alone (`tests/physics/sleep.rs`, `fallen.rs`).

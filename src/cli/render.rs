@@ -12,10 +12,10 @@ use super::pictures::{self, draw, numbered, size};
 use super::run::seconds;
 use super::scene_args::{self, SceneArgs};
 use crate::geometry::Watch;
+use crate::math::whole_steps;
 use crate::render::{Gpu, Quality, offscreen};
 use crate::scene::ColorBy;
 use crate::session::Session;
-use crate::session::run::whole_steps;
 use crate::session::threads::within_pool;
 
 /// The scene and its picture.

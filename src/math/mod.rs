@@ -10,6 +10,6 @@ pub mod rng;
 pub mod rotation;
 
 pub use aabb::Aabb;
-pub use frame::{FRAME, FRAME_SECS};
+pub use frame::{FRAME, FRAME_SECS, whole_steps};
 pub use real::{Real, Vector, components, components_mut};
 pub use rigid_motion::RigidMotion;

@@ -27,10 +27,16 @@ impl<R: Real> Grab<R> {
         (self.stiffness * body.total_mass()).sqrt()
     }
 
-    /// The point pulled at, m.
-    pub fn point(&self, position: &[R::Vec3]) -> R::Vec3 {
-        self.weights.iter().fold(R::Vec3::ZERO, |sum, &(particle, weight)| sum + position[particle] * weight)
+    /// What the point pulled at has of something that every particle has: its place, m, or its velocity, m/s.
+    pub fn point(&self, of_all: &[R::Vec3]) -> R::Vec3 {
+        self.mean_of(of_all, 0)
     }
+}
+
+/// What a pull that is taken implicitly in a substep of `dt` (s) resists the speed of its point with, N·s/m: its damping, and
+/// what its stiffness makes of the way within the substep.
+pub(super) fn resistance<T: Real>([stiffness, damping]: [T; 2], dt: T) -> T {
+    dt * stiffness + damping
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //!
 //! A scene and the lattices of its bodies are compiled into a constant [`Model`] and the [`Plan`] of a step; a
 //! [`Simulation`] owns both with the mutable [`State`]. The core does no input or output, reads no clock, never fails and
-//! does not allocate once it runs. It is generic over the scalar: `f32` to run, `f64` as reference.
+//! does not allocate once it runs, but the first time that a body comes near another or itself. It is generic over the scalar: `f32` to run, `f64` as reference.
 //!
 //! # Rooms
 //!
@@ -32,11 +32,13 @@
 //! ```text
 //! simulation.step()   substep by substep; steps that a longer substep covers are counted
 //!   stepping          part by part, where obstacles are in it (Placed): (model, plan, part, inputs, &mut state)
-//!     forces          F = gravity + links (by kernels) + cells near inversion, at the state
-//!     schemes         v' from F, or solved for; paths where x moves by another velocity
-//!     contact         changes v' on the way: of bodies that meet each other, then of what meets obstacles
+//!     find_forces     F = gravity + links (by kernels) + cells near inversion, at the state; the thesis's contact
+//!     predict         v* = v + dt F/m, and a hand's pull
+//!     meet_bodies     v* of bodies that meet each other or themselves, then meet_obstacles: v*; the implicit scheme has
+//!                     solved_velocities instead, all at once
+//!     refine          v' and the paths by which x moves, with more forces where the scheme has stages; then meet_on_paths
 //!     is_sound        else the state stays the last good one and the report says so
-//!     accept          x += dt u, v = v', what scheme and contact remember; then who falls asleep or has fallen out
+//!     accept          x += dt u, v = v'; sides and recovery are settled before, who sleeps or has fallen out after
 //!     pass            obstacles that come, or are swept, are as much nearer
 //!   modes             modal bodies over the whole substep
 //!   StepReport        sums over substeps, and what held at the end of the last

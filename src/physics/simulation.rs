@@ -15,7 +15,7 @@ use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
 use super::state::{BodyMemory, State};
 use super::step::{self, Inputs, StepWorkspace};
 use super::stepping::{self, looks};
-use crate::math::Real;
+use crate::math::{Real, whole_steps};
 use crate::physics::forces::recovery;
 use crate::physics::model::plan::Plan;
 use crate::physics::observe::diagnostics::Diagnostics;
@@ -163,9 +163,7 @@ impl<R: Real> Simulation<R> {
     /// where a step diverges. All particles are where they belong then: see [`Simulation::place_modal`].
     pub fn run_for(&mut self, secs: f64) -> StepReport {
         let mut report = StepReport::default();
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
-        let steps = libm::round(secs / self.plan.dt_secs) as u64;
-        for _ in 0..steps {
+        for _ in 0..whole_steps(secs, self.plan.dt_secs) {
             report.add(&self.step());
             if report.diverged {
                 break;

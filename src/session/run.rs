@@ -10,7 +10,7 @@ use super::predict::slowed_words;
 use crate::geometry::Watch;
 use crate::machine::peak_memory;
 use crate::machine::threads::kept_awake;
-use crate::math::FRAME_SECS;
+use crate::math::{FRAME_SECS, whole_steps};
 use crate::physics::{Diagnostics, Energy, SimdLevel, Stage, StepReport};
 use crate::report::timer::WallTimer;
 use crate::scene::Body;
@@ -187,12 +187,6 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
     let steps = session.simulation.state().steps - steps_at_start;
     let simulated_secs = session.simulation.state().time_secs - time_at_start;
     figures(session, &Outcome { report, timer, first, last, peak, steps, simulated_secs, wall_secs })
-}
-
-/// How many whole steps of `dt_secs` come nearest to `seconds`.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
-pub fn whole_steps(seconds: f64, dt_secs: f64) -> u64 {
-    libm::round(seconds / dt_secs) as u64
 }
 
 /// The vector instructions that the machine has for forces, by name.

@@ -203,7 +203,9 @@ fn evaluations(plan: &Plan) -> f64 {
     match plan.scheme {
         Scheme::Rk2 => 2.0,
         Scheme::Rk4 => 4.0,
-        Scheme::Stabilised => f64::from(plan.stage_rates.stages_at_rest(plan.substep_secs())),
+        Scheme::Stabilised => {
+            plan.stage_rates.as_ref().map_or(1.0, |rates| f64::from(rates.stages_at_rest(plan.substep_secs())))
+        }
         _ => 1.0,
     }
 }

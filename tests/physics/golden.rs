@@ -8,12 +8,12 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use gelatin::math::whole_steps;
 use gelatin::physics::{SimdLevel, Simulation};
 use gelatin::scene::presets::{preset, presets};
 use gelatin::scene::settings::{ContactRule, Integrator};
 use gelatin::scene::{MovesBy, Scene};
 use gelatin::session::Session;
-use gelatin::session::run::whole_steps;
 
 const GOLDEN: &str = include_str!("golden.txt");
 

@@ -1,11 +1,11 @@
 //! The schemes: their orders, their contact, their limits.
 
 use gelatin::math::rng::Rng;
+use gelatin::math::whole_steps;
 use gelatin::physics::Simulation;
 use gelatin::scene::body::PinBox;
 use gelatin::scene::settings::{ContactRule, Integrator, Stepping};
 use gelatin::scene::{Material, Scene};
-use gelatin::session::run::whole_steps;
 use glam::DVec3;
 
 use crate::determinism::allocations;

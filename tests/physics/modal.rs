@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use gelatin::math::whole_steps;
 use gelatin::math::{Real, Vector};
 use gelatin::modal::{self, Wanted};
 use gelatin::physics::{Grab, ModalModel, Simulation};
@@ -9,7 +10,6 @@ use gelatin::scene::body::CubeShape;
 use gelatin::scene::obstacle::{ContactStiffness, Cuboid, Motion, Oscillate};
 use gelatin::scene::settings::Stepping;
 use gelatin::scene::{Body, Material, MovesBy, Obstacle, ObstacleShape, Scene, Shape, Solid};
-use gelatin::session::run::whole_steps;
 use glam::DVec3;
 
 use super::modes::{SOLID, cantilever};

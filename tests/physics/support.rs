@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use gelatin::geometry::Lattice;
 use gelatin::math::Real;
+use gelatin::math::whole_steps;
 use gelatin::physics::Simulation;
 use gelatin::scene::body::{CubeShape, Pose};
 use gelatin::scene::material::Spring;
@@ -12,7 +13,6 @@ use gelatin::scene::obstacle::{Plane, Sphere};
 use gelatin::scene::resolve::resolve;
 use gelatin::scene::settings::{ContactRule, Stepping};
 use gelatin::scene::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Springs};
-use gelatin::session::run::whole_steps;
 
 /// The same constants in all families.
 pub(crate) fn springs(stiffness: f64, damping: f64, particle_mass: f64) -> Springs {

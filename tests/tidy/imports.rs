@@ -148,9 +148,7 @@ fn without_uses(code: &str) -> (Vec<Use>, String) {
     while let Some(line) = lines.next() {
         let trimmed = line.trim_start();
         let is_public = trimmed.starts_with("pub");
-        let after = trimmed.strip_prefix("pub(crate) ").or_else(|| trimmed.strip_prefix("pub(super) "));
-        let after = after.or_else(|| trimmed.strip_prefix("pub ")).unwrap_or(trimmed);
-        let Some(tree) = after.strip_prefix("use ") else {
+        let Some(tree) = without_visibility(trimmed).strip_prefix("use ") else {
             rest.push_str(line);
             rest.push('\n');
             continue;
@@ -162,6 +160,13 @@ fn without_uses(code: &str) -> (Vec<Use>, String) {
         uses.push(Use { is_public, tree: tree.replace(';', "") });
     }
     (uses, rest)
+}
+
+/// A line from what is visible of it on.
+fn without_visibility(line: &str) -> &str {
+    let Some(after) = line.strip_prefix("pub") else { return line };
+    let after = after.strip_prefix('(').and_then(|inside| Some(inside.split_once(')')?.1)).unwrap_or(after);
+    after.strip_prefix(' ').unwrap_or(line)
 }
 
 /// Every path of a `use` tree, with the name it is known by.
@@ -293,6 +298,9 @@ mod tests {
         let circle = [front, ("src/m/a.rs", "use super::b3;\nstruct A;"), ("src/m/b.rs", "use crate::m::c::C;"), c];
         assert_eq!(knots(&circle), 1, "a, b and c through what the parent passes on");
         assert_eq!(knots(&circle[..3]), 0, "without c the chain has an end");
+        let front = ("src/m/mod.rs", "mod a;\nmod b;\npub(in crate::m) use b::B;");
+        let circle = [front, ("src/m/a.rs", "use super::B;\npub struct A;"), ("src/m/b.rs", "use super::a::A;")];
+        assert_eq!(knots(&circle), 1, "passed on to some only");
     }
 
     #[test]

@@ -33,8 +33,9 @@ pub(super) fn move_by<R: Real>(body: &mut BodyModel<R>, modes: &Arc<ModalModel>,
 /// A model in which modal bodies have nothing that would limit a step; none where no body is.
 pub(super) fn without_modal<R: Real>(model: &Model<R>) -> Option<Model<R>> {
     model.bodies.iter().any(|body| body.modal.is_some()).then(|| {
-        let bodies = model.bodies.iter().map(|body| if body.modal.is_some() { idle(body) } else { body.clone() });
-        Model { bodies: bodies.collect(), ..model.clone() }
+        let Model { bodies, obstacles, gravity, fall_limit } = model;
+        let bodies = bodies.iter().map(|body| if body.modal.is_some() { idle(body) } else { body.clone() });
+        Model { bodies: bodies.collect(), obstacles: obstacles.clone(), gravity: *gravity, fall_limit: *fall_limit }
     })
 }
 

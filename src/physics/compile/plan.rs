@@ -84,7 +84,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         dt_secs,
         substeps,
         span,
-        stage_rates: rates.unwrap_or_default(),
+        stage_rates: rates,
         halvings: 0,
         ends_explicitly: false,
         most_work: u64::MAX,

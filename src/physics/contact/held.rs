@@ -6,7 +6,7 @@ use super::surface::Surface;
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel};
-use crate::physics::schemes::{ContactSpring, Friction, Held, Touch};
+use crate::physics::schemes::{ContactSpring, Held, HeldFriction, SurfaceContact};
 use crate::physics::step::substep::Substep;
 
 /// A particle whose velocity along a surface is this small a share of those it comes from is held there.
@@ -36,7 +36,7 @@ impl<R: Real> ContactWorkspace<R> {
             // Between several nothing slides.
             let touch = pushing.next().map_or_else(|| Some(by_one()), |_| None);
             let across = |of: R::Vec3| of - record.normal * of.dot(record.normal);
-            let is_stopped = touch.is_some_and(|touch| matches!(touch.friction, Friction::Sticks { .. }));
+            let is_stopped = touch.is_some_and(|touch| matches!(touch.friction, HeldFriction::Sticks { .. }));
             let slides = if is_stopped { across(velocity[particle] - record.surface_velocity) } else { R::Vec3::ZERO };
             held.push(Held::new(particle, mass, velocity[particle] - slides, touch));
         }
@@ -77,7 +77,7 @@ pub(in crate::physics) fn limit_depths<R: Real>(
     velocity: &mut [R::Vec3],
 ) {
     for held in held {
-        let Some(Touch { normal, surface_velocity, spring: Some(spring), .. }) = held.touch else { continue };
+        let Some(SurfaceContact { normal, surface_velocity, spring: Some(spring), .. }) = held.touch else { continue };
         let Some(number) = substep.model.body_of(held.particle) else { continue };
         let body = &substep.model.bodies[number];
         let deepest = spring.depth_limit.max(-spring.gap);
@@ -103,7 +103,7 @@ fn touch<R: Real>(
     contact: &ContactModel<R>,
     obstacle: &ObstacleModel<R>,
     dt: R,
-) -> Touch<R> {
+) -> SurfaceContact<R> {
     let &ContactRecord { normal, surface_velocity, gap, force, .. } = record;
     let across = |of: R::Vec3| of - normal * of.dot(normal);
     let past = velocity - surface_velocity;
@@ -114,13 +114,13 @@ fn touch<R: Real>(
     let slowest = response::deepest_velocity(&Surface { normal, gap }, contact, dt);
     let &ContactModel { stiffness, damping, depth_limit, .. } = contact;
     let is_at_limit = past.dot(normal) <= slowest + R::from_f64(STICKS) * slowest.abs();
-    Touch {
+    SurfaceContact {
         normal,
         surface_velocity,
         spring: (!is_at_limit).then_some(ContactSpring { stiffness, damping, gap, depth_limit }),
         friction: match obstacle.friction_dynamic {
-            dynamic if holds || is_stopped => Friction::Sticks { coefficient: obstacle.friction_static, dynamic },
-            dynamic => Friction::Slides(dynamic),
+            dynamic if holds || is_stopped => HeldFriction::Sticks { coefficient: obstacle.friction_static, dynamic },
+            dynamic => HeldFriction::Slides(dynamic),
         },
     }
 }

@@ -12,12 +12,12 @@ const SWEEP_SECS: f64 = FRAME_SECS;
 
 /// Place and orientation of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Frame {
+pub(super) struct Pose {
     pub(super) center: DVec3,
     pub(super) rotation: DQuat,
 }
 
-impl Frame {
+impl Pose {
     pub(super) fn of<R: Real>(shape: &ObstacleShape<R>) -> Self {
         match shape {
             ObstacleShape::Plane(plane) => {
@@ -48,7 +48,7 @@ impl Frame {
         Self { center: self.center - way, rotation: turn.inverse() * self.rotation }
     }
 
-    /// Part of the way to another frame; the rotation by normalised linear interpolation, which needs no sine.
+    /// Part of the way to another; the rotation by normalised linear interpolation, which needs no sine.
     fn towards(self, to: Self, share: f64) -> Self {
         let near = if self.rotation.dot(to.rotation) < 0.0 { -to.rotation } else { to.rotation };
         let mixed = self.rotation * (1.0 - share) + near * share;
@@ -62,13 +62,13 @@ impl Sweep {
     /// The time that a sweep takes, s.
     pub const SECS: f64 = SWEEP_SECS;
 
-    fn now(&self) -> Frame {
-        Frame { center: self.center, rotation: self.rotation }
+    fn now(&self) -> Pose {
+        Pose { center: self.center, rotation: self.rotation }
     }
 
     /// Where it is after the next `secs`, and the time that is left then.
-    pub(super) fn next<R: Real>(&self, arrived: &ObstacleModel<R>, secs: f64) -> (Frame, f64) {
-        let to = Frame::of(&arrived.shape);
+    pub(super) fn next<R: Real>(&self, arrived: &ObstacleModel<R>, secs: f64) -> (Pose, f64) {
+        let to = Pose::of(&arrived.shape);
         let share = (secs / self.left_secs).min(1.0);
         if share < 1.0 { (self.now().towards(to, share), self.left_secs - secs) } else { (to, 0.0) }
     }
@@ -84,7 +84,7 @@ pub(super) fn placed<R: Real>(
 ) -> ObstacleModel<R> {
     let mut obstacle = arrived.clone();
     let size = arrived.bounds.size().length().to_f64();
-    let stands = Frame::of(&arrived.shape);
+    let stands = Pose::of(&arrived.shape);
     let motion = arrived.motion.as_ref();
     let now = sweep.map_or(stands, Sweep::now).after(motion, time_secs);
     if secs <= 0.0 {
@@ -112,19 +112,19 @@ fn around<R: Real>(center: DVec3, reach: f64) -> Aabb<R> {
     Aabb { min: R::Vec3::from_dvec3(center - reach), max: R::Vec3::from_dvec3(center + reach) }
 }
 
-fn place<R: Real>(obstacle: &mut ObstacleModel<R>, frame: Frame) {
+fn place<R: Real>(obstacle: &mut ObstacleModel<R>, pose: Pose) {
     match &mut obstacle.shape {
         ObstacleShape::Plane(plane) => {
-            let turned = DMat3::from_quat(frame.rotation);
-            plane.center = R::Vec3::from_dvec3(frame.center);
+            let turned = DMat3::from_quat(pose.rotation);
+            plane.center = R::Vec3::from_dvec3(pose.center);
             plane.axes = [turned.x_axis, turned.z_axis].map(R::Vec3::from_dvec3);
             plane.normal = R::Vec3::from_dvec3(turned.y_axis);
         }
-        ObstacleShape::Sphere { center, .. } => *center = R::Vec3::from_dvec3(frame.center),
+        ObstacleShape::Sphere { center, .. } => *center = R::Vec3::from_dvec3(pose.center),
         ObstacleShape::Oriented(OrientedModel { center, axes, .. })
         | ObstacleShape::Mesh(MeshModel { center, axes, .. }) => {
-            let turned = DMat3::from_quat(frame.rotation);
-            *center = R::Vec3::from_dvec3(frame.center);
+            let turned = DMat3::from_quat(pose.rotation);
+            *center = R::Vec3::from_dvec3(pose.center);
             *axes = [turned.x_axis, turned.y_axis, turned.z_axis].map(R::Vec3::from_dvec3);
         }
     }

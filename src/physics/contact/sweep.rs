@@ -5,7 +5,7 @@
 use std::mem::discriminant;
 use std::sync::Arc;
 
-use super::moving::Frame;
+use super::moving::Pose;
 use super::placed::Placed;
 use crate::math::{Real, Vector};
 use crate::physics::model::{MeshModel, Model, ObstacleShape, PlaneModel};
@@ -28,7 +28,7 @@ pub(in crate::physics) fn sweeps<R: Real>(
             let (placed, model) = (&old.all()[was], &before.obstacles[was]);
             let sweeps = state.sweeps.iter().any(|sweep| sweep.obstacle == was);
             let moved = sweeps || model.motion != after.motion || model.shape != after.shape;
-            let from = Frame::of(&placed.shape).before(after.motion.as_ref(), state.time_secs);
+            let from = Pose::of(&placed.shape).before(after.motion.as_ref(), state.time_secs);
             let moved = moved && same_form(&placed.shape, &after.shape);
             moved.then_some(Sweep { obstacle, center: from.center, rotation: from.rotation, left_secs: Sweep::SECS })
         })

@@ -95,9 +95,9 @@ pub struct SceneLimits {
     /// The largest step that automatic stepping takes, s.
     pub dt_safe_secs: Option<f64>,
     /// The largest rate of damping at rest with the margin that automatic stepping keeps, and of contact, 1/s.
-    pub damping_rate: f64,
+    pub(in crate::physics) damping_rate: f64,
     /// That of contact alone, where it pushes at the stages of a scheme, 1/s.
-    pub push_rate: f64,
+    pub(in crate::physics) push_rate: f64,
 }
 
 impl SceneLimits {

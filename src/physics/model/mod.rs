@@ -99,26 +99,26 @@ pub struct BodyModel<R: Real> {
     /// Where its particles start, m.
     pub start: Vec<R::Vec3>,
     /// The velocity its particles start with, m/s.
-    pub start_velocity: R::Vec3,
+    pub(in crate::physics) start_velocity: R::Vec3,
     /// Mass of every particle where all weigh alike, else their mean, kg: times their number the body's mass.
     pub particle_mass: R,
     /// Masses of the particles, kg.
-    pub masses: Values<R>,
+    pub(in crate::physics) masses: Values<R>,
     /// What the cells share out to links and particles; none where every link of a family is alike and every particle
     /// weighs alike.
     pub(in crate::physics) cell_kinds: Option<Vec<CellKind>>,
     /// The largest load of its cells together over that of one of them alone, at most 1: below it only where all cells
     /// are of one kind and not too many.
-    pub load_share: f64,
+    pub(in crate::physics) load_share: f64,
     /// Which particles are held.
-    pub pinned: Values<bool>,
+    pub(in crate::physics) pinned: Values<bool>,
     /// Links by family: structural, shear, bending. Particle numbers are local to the body.
     pub links: [LinkFamily<R>; 3],
     /// The same links in the box of the body's grid corners; none where it is mostly empty.
     pub(in crate::physics) boxed_links: Option<BoxedLinks<R>>,
     /// How crowded with links its particles are: for every different one the sums of their inverse rest lengths by
     /// family, 1/m.
-    pub crowds: Arc<[[f64; 3]]>,
+    pub(in crate::physics) crowds: Arc<[[f64; 3]]>,
     /// What it was built from: cells and corners, for diagnostics and pictures.
     pub lattice: Arc<Lattice>,
     /// The longest extent at rest, m.
@@ -255,11 +255,11 @@ pub struct RecoveryModel<R> {
     /// The mass that a particle of the lightest cell has against that push, kg.
     pub mass: R,
     /// The stiffness of the push, N·m: as much of it as a substep bears.
-    pub push: R,
+    pub(in crate::physics) push: R,
     /// The stiffness of the pull on the cells of a body that is stuck, N·m: as much as a substep bears beside the push.
-    pub pull: R,
+    pub(in crate::physics) pull: R,
     /// For how long soft links flow in a substep, s; not at all where they are part of the equations that are solved.
-    pub flow_secs: R,
+    pub(in crate::physics) flow_secs: R,
 }
 
 /// How obstacles push back.
@@ -279,9 +279,9 @@ pub struct ContactModel<R> {
     /// Critical damping of that stiffness, N·s/m.
     pub damping: R,
     /// No particle ends a step deeper than this unless it started deeper, m.
-    pub depth_limit: R,
+    pub(in crate::physics) depth_limit: R,
     /// The distance below which the thesis rule sees a particle, m.
-    pub thesis_threshold: R,
+    pub(in crate::physics) thesis_threshold: R,
 }
 
 impl<R: Real> ContactModel<R> {

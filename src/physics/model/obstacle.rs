@@ -88,32 +88,32 @@ impl<R: Real> ObstacleShape<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneModel<R: Real> {
     /// The middle, m.
-    pub center: R::Vec3,
+    pub(in crate::physics) center: R::Vec3,
     /// Unit vectors along the rectangle's own axes.
-    pub axes: [R::Vec3; 2],
+    pub(in crate::physics) axes: [R::Vec3; 2],
     /// Half the extents along the axes, m.
-    pub half_extents: [R; 2],
+    pub(in crate::physics) half_extents: [R; 2],
     /// Unit normal.
-    pub normal: R::Vec3,
+    pub(in crate::physics) normal: R::Vec3,
     /// Which of the state's rows of sides belongs to this plane.
-    pub side_row: usize,
+    pub(in crate::physics) side_row: usize,
 }
 
 /// A mesh with three axes of its own.
 #[derive(Clone, Debug)]
 pub struct MeshModel<R: Real> {
     /// The middle of its box, m.
-    pub center: R::Vec3,
+    pub(in crate::physics) center: R::Vec3,
     /// Unit vectors along its own x, y and z.
-    pub axes: [R::Vec3; 3],
+    pub(in crate::physics) axes: [R::Vec3; 3],
     /// The longest extent, m: the unit of the surface.
-    pub length: f64,
+    pub(in crate::physics) length: f64,
     /// The surface about the origin, over its length.
-    pub surface: Arc<Surface>,
+    pub(in crate::physics) surface: Arc<Surface>,
     /// Which of the state's rows of sides belongs to it; none of a closed mesh.
-    pub side_row: Option<usize>,
+    pub(in crate::physics) side_row: Option<usize>,
     /// Its place among the meshes.
-    pub place: usize,
+    pub(in crate::physics) place: usize,
 }
 
 impl<R: Real> PartialEq for MeshModel<R> {
@@ -151,11 +151,11 @@ impl<R: Real> MeshModel<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedModel<R: Real> {
     /// The middle, m.
-    pub center: R::Vec3,
+    pub(in crate::physics) center: R::Vec3,
     /// Unit vectors along its own x, y and z.
-    pub axes: [R::Vec3; 3],
+    pub(in crate::physics) axes: [R::Vec3; 3],
     /// What it is in those axes.
-    pub form: OrientedForm<R>,
+    pub(in crate::physics) form: OrientedForm<R>,
 }
 
 /// A closed form about the origin, as it stands unturned.

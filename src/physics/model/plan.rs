@@ -74,7 +74,7 @@ impl SchemeCost {
 }
 
 /// Rates that the stabilised scheme has as many stages for as they ask for.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StageRates {
     /// Its stability limits, with the largest rate of damping of bodies at rest.
     pub limits: SceneLimits,
@@ -110,7 +110,7 @@ pub struct BodyContactPlan {
     /// Parts that they are divided into for that, at least.
     pub parts: u32,
     /// The same while a body is strained.
-    pub strained_parts: u32,
+    pub(in crate::physics) strained_parts: u32,
 }
 
 /// What a step does for one scene.
@@ -133,17 +133,17 @@ pub struct Plan {
     pub halvings: u32,
     /// Whether an explicit integrator can take what is left after that many; otherwise the linear equations have the last
     /// word.
-    pub ends_explicitly: bool,
+    pub(in crate::physics) ends_explicitly: bool,
     /// The work on one substep after which the implicit integrator halves no more, see [`MOST_WORK_A_FRAME`].
     pub most_work: u64,
     /// Parts that a substep is taken in while a body is strained, at least; none where nothing is divided for that: manual
     /// steps, and those of the implicit scheme, which are halved where they would give energy.
-    pub parts: u32,
+    pub(in crate::physics) parts: u32,
     /// A body is strained from the larger of these strains of any link on, stretched or compressed, until all are below the
     /// smaller.
-    pub strains: [f64; 2],
-    /// What damping asks of the stabilised scheme; of no use to others.
-    pub stage_rates: StageRates,
+    pub(in crate::physics) strains: [f64; 2],
+    /// What damping asks of the stabilised scheme; none with others.
+    pub stage_rates: Option<StageRates>,
     /// The predicted stability limits of the scheme that was asked for: what a division of its steps follows from.
     pub limits: SceneLimits,
     /// Which families have a link with a force, in any body.
@@ -164,11 +164,11 @@ pub struct Plan {
     /// their cells meet them.
     pub on_mesh: Option<BodyContactPlan>,
     /// Whether any obstacle is a sphere.
-    pub spheres: bool,
+    pub(in crate::physics) spheres: bool,
     /// Whether any obstacle rubs.
     pub friction: bool,
     /// How obstacles push back.
-    pub contact_rule: ContactRule,
+    pub(in crate::physics) contact_rule: ContactRule,
     /// Whether the thesis's rule turns back the force that presses a particle on (GC §5.2), as it is written.
     pub pressing_force: bool,
     /// Whether an explosion is looked for: where steps are not divided until they are stable.
@@ -178,7 +178,7 @@ pub struct Plan {
     /// Whether bodies at rest sleep.
     pub sleeping: bool,
     /// Whether what cannot change anything is left out; the result is the same without, only more expensive.
-    pub lean: bool,
+    pub(in crate::physics) lean: bool,
 }
 
 impl Plan {
@@ -188,13 +188,13 @@ impl Plan {
     }
 
     /// Whether substeps are divided until they are stable.
-    pub fn is_divided(&self) -> bool {
+    pub(in crate::physics) fn is_divided(&self) -> bool {
         !self.watched
     }
 
     /// The stability limits of the explicit scheme in use, or of the one that was asked for.
     pub fn limits_at_work(&self) -> &SceneLimits {
-        if self.scheme == Scheme::Stabilised { &self.stage_rates.limits } else { &self.limits }
+        self.stage_rates.as_ref().map_or(&self.limits, |rates| &rates.limits)
     }
 
     /// The longest part of a substep in which cells near inversion are pushed, s.

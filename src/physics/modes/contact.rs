@@ -9,7 +9,7 @@ use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{BodyModel, ModalBody, Model, ObstacleModel, ObstacleShape};
 use crate::physics::report::Recorder;
 
-/// The most meetings that are solved for at once: where there are more, the deepest ones.
+/// The most contacts that are solved for at once: where there are more, the deepest ones.
 const MOST: usize = 256;
 
 /// Boxes are grown by this share of the body's size, for what rounding takes off them.
@@ -57,7 +57,7 @@ pub(super) fn sum(row: &[DVec3], amplitude: &[f64]) -> DVec3 {
 
 /// A point at an obstacle. All in the body's coordinates.
 #[derive(Clone, Debug)]
-pub(super) struct Meeting {
+pub(super) struct ModalContact {
     /// Unit normal, away from the obstacle.
     pub(super) normal: DVec3,
     /// The velocity of the surface, m/s.
@@ -80,7 +80,7 @@ pub(super) struct Meeting {
     rubbed: DVec3,
 }
 
-impl Meeting {
+impl ModalContact {
     /// Does what all others leave it to do, which change the point's speed by `change` (m/s). Tells the change of its impulse,
     /// N·s.
     pub(super) fn solve(&mut self, change: DVec3, dt: f64) -> DVec3 {
@@ -110,8 +110,8 @@ impl Meeting {
 
 /// What a body meets in a substep, and room to find it in.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Meetings {
-    all: Vec<Meeting>,
+pub(super) struct ModalContacts {
+    all: Vec<ModalContact>,
     /// How each of their points moves by the modes, one after another.
     rows: Vec<DVec3>,
     modes: usize,
@@ -120,7 +120,7 @@ pub(super) struct Meetings {
     most: usize,
 }
 
-impl Meetings {
+impl ModalContacts {
     /// Room for so many, of a body of so many modes, among so many meshes.
     pub(super) fn new(points: usize, modes: usize, meshes: usize) -> Self {
         let most = points.min(MOST);
@@ -138,14 +138,14 @@ impl Meetings {
         self.all.is_empty()
     }
 
-    /// The meetings, each with how its point moves.
-    pub(super) fn each(&mut self) -> impl Iterator<Item = (&mut Meeting, &[DVec3])> {
+    /// The contacts, each with how its point moves.
+    pub(super) fn each(&mut self) -> impl Iterator<Item = (&mut ModalContact, &[DVec3])> {
         self.all.iter_mut().zip(self.rows.chunks_exact(self.modes.max(1)))
     }
 
     /// How many push.
     pub(super) fn pushing(&self) -> usize {
-        self.all.iter().filter(|meeting| meeting.pushed > 0.0).count()
+        self.all.iter().filter(|contact| contact.pushed > 0.0).count()
     }
 
     /// How deep the deepest is at the end of the substep, m.
@@ -157,12 +157,12 @@ impl Meetings {
 
     /// Counts what obstacles did.
     pub(super) fn count_work(&self, recorder: &mut Recorder<'_>) {
-        for meeting in &self.all {
-            let impulse = meeting.normal * meeting.pushed + meeting.rubbed;
-            recorder.counters.obstacle_work_j += impulse.dot(meeting.surface);
-            recorder.counters.frictions += u64::from(meeting.pushed > 0.0 && meeting.friction[0] > 0.0);
+        for contact in &self.all {
+            let impulse = contact.normal * contact.pushed + contact.rubbed;
+            recorder.counters.obstacle_work_j += impulse.dot(contact.surface);
+            recorder.counters.frictions += u64::from(contact.pushed > 0.0 && contact.friction[0] > 0.0);
             let fastest = &mut recorder.counters.fastest_surface_m_s;
-            *fastest = fastest.max(meeting.surface.length());
+            *fastest = fastest.max(contact.surface.length());
         }
     }
 
@@ -232,7 +232,7 @@ impl Meetings {
         let depth = -(surface.gap.to_f64() + (way - velocity * secs).dot(normal));
         let (contact, rubs) = (&body.contacts[number], &model.obstacles[number]);
         let stiffness = contact.stiffness.to_f64();
-        let meeting = Meeting {
+        let contact = ModalContact {
             normal,
             surface: velocity,
             depth,
@@ -246,14 +246,14 @@ impl Meetings {
             rubbed: DVec3::ZERO,
         };
         if self.all.len() < self.most {
-            self.all.push(meeting);
+            self.all.push(contact);
             self.rows.extend_from_slice(row);
             return;
         }
         let places = self.all.iter().enumerate();
         let shallowest = places.min_by(|(_, one), (_, other)| one.depth.total_cmp(&other.depth));
         if let Some((place, _)) = shallowest.filter(|(_, shallowest)| shallowest.depth < depth) {
-            self.all[place] = meeting;
+            self.all[place] = contact;
             self.rows[place * self.modes..][..self.modes].copy_from_slice(row);
         }
     }

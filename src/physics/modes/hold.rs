@@ -3,9 +3,9 @@
 
 use glam::{DMat3, DVec3};
 
-use super::contact::{Meetings, Motion, sum};
+use super::contact::{ModalContacts, Motion, sum};
 use crate::math::{Real, Vector};
-use crate::physics::interaction::Grab;
+use crate::physics::interaction::{Grab, resistance};
 
 /// Rounds in which all that pushes at points is solved for.
 const ROUNDS: usize = 32;
@@ -67,7 +67,7 @@ impl Hand {
     fn solve(&mut self, change: DVec3, dt: f64) -> DVec3 {
         // Without what it does itself.
         let change = change - self.mobility * self.impulse;
-        let resistance = dt * (dt * self.stiffness + self.damping);
+        let resistance = dt * resistance([self.stiffness, self.damping], dt);
         let pulling = (self.left - change * dt) * (dt * self.stiffness) - (self.speed + change) * (dt * self.damping);
         let impulse = (DMat3::IDENTITY + self.mobility * resistance).inverse() * pulling;
         let more = impulse - self.impulse;
@@ -76,10 +76,10 @@ impl Hand {
     }
 }
 
-/// Finds what a hand and all meetings do, and what that changes of the modes' rates.
+/// Finds what a hand and all contacts do, and what that changes of the modes' rates.
 pub(super) fn solve<R: Real>(
     mut hand: Option<&mut Hand>,
-    meetings: &mut Meetings,
+    contacts: &mut ModalContacts,
     motion: &Motion<'_, R>,
     change: &mut [f64],
 ) {
@@ -91,7 +91,7 @@ pub(super) fn solve<R: Real>(
     };
     let mut largest = 0.0_f64;
     // A hand alone has its way at once.
-    let rounds = if meetings.is_empty() { 1 } else { ROUNDS };
+    let rounds = if contacts.is_empty() { 1 } else { ROUNDS };
     for _ in 0..rounds {
         let mut most = 0.0_f64;
         if let Some(hand) = &mut hand {
@@ -100,9 +100,9 @@ pub(super) fn solve<R: Real>(
             push(&hand.row[..hand.modes], impulse, change);
             most = impulse.length();
         }
-        for (meeting, row) in meetings.each() {
+        for (contact, row) in contacts.each() {
             let so_far = sum(row, change);
-            let impulse = meeting.solve(so_far, dt);
+            let impulse = contact.solve(so_far, dt);
             if impulse != DVec3::ZERO {
                 push(row, impulse, change);
                 most = most.max(impulse.length());

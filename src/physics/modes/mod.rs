@@ -46,7 +46,7 @@ mod particles;
 
 pub(in crate::physics) use particles::{place, resting};
 
-use contact::{Ends, Meetings};
+use contact::{Ends, ModalContacts};
 use hold::Hand;
 use oscillator::Oscillator;
 
@@ -77,7 +77,7 @@ pub(in crate::physics) struct ModalWorkspace {
     free: [Vec<f64>; 2],
     /// What that changes of the rates, m √kg / s.
     change: Vec<f64>,
-    meetings: Meetings,
+    contacts: ModalContacts,
     hand: Hand,
 }
 
@@ -95,7 +95,7 @@ impl ModalWorkspace {
             oscillators: oscillators(model, plan.substep_secs()),
             free: [vec![0.0; most], vec![0.0; most]],
             change: vec![0.0; most],
-            meetings: Meetings::new(points * model.obstacles.len(), most, model.mesh_count()),
+            contacts: ModalContacts::new(points * model.obstacles.len(), most, model.mesh_count()),
             hand: Hand::new(most),
         }
     }
@@ -154,7 +154,7 @@ pub(in crate::physics) fn advance<R: Real>(
         let count = modes.count();
         recorder.enter(Stage::Integrate);
         recorder.counters.modal_work += count as u64;
-        let ModalWorkspace { oscillators, free, change, meetings, hand, .. } = &mut *workspace;
+        let ModalWorkspace { oscillators, free, change, contacts, hand, .. } = &mut *workspace;
         let oscillators = &oscillators[number];
         let gravity = modal.turn.transpose() * model.gravity.to_dvec3();
         let [amplitude, rate] = free.each_mut().map(|of| &mut of[..count]);
@@ -166,14 +166,14 @@ pub(in crate::physics) fn advance<R: Real>(
         change.fill(0.0);
         recorder.enter(Stage::BroadPhase);
         let motion = contact::Motion { body, number, modal, oscillators, now: &own.amplitude, free, secs };
-        meetings.find(&motion, model, obstacles, plan, recorder);
+        contacts.find(&motion, model, obstacles, plan, recorder);
         let pulls = grab.is_some_and(|grab| hand.take(grab, &motion));
-        if pulls || !meetings.is_empty() {
+        if pulls || !contacts.is_empty() {
             recorder.enter(Stage::Contact);
-            hold::solve(pulls.then_some(&mut *hand), meetings, &motion, change);
-            report.contacts += meetings.pushing();
-            report.deepest_m = report.deepest_m.max(meetings.deepest(secs, change));
-            meetings.count_work(recorder);
+            hold::solve(pulls.then_some(&mut *hand), contacts, &motion, change);
+            report.contacts += contacts.pushing();
+            report.deepest_m = report.deepest_m.max(contacts.deepest(secs, change));
+            contacts.count_work(recorder);
         }
         recorder.enter(Stage::Integrate);
         let end = |mode: usize| [free.amplitude[mode] + secs * change[mode], free.rate[mode] + change[mode]];

@@ -10,7 +10,7 @@ pub(in crate::physics) struct Held<R: Real> {
     /// The velocity it has as far as it is held, m/s.
     pub(in crate::physics) velocity: R::Vec3,
     /// How one surface touches it; where that is nothing it is held in every direction.
-    pub(in crate::physics) touch: Option<Touch<R>>,
+    pub(in crate::physics) touch: Option<SurfaceContact<R>>,
     /// What brought it to its velocities, N·s.
     pub(in crate::physics) push: R::Vec3,
     /// Its mass, kg.
@@ -25,7 +25,7 @@ pub(in crate::physics) struct Held<R: Real> {
 
 /// How a surface touches a particle.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct Touch<R: Real> {
+pub(in crate::physics) struct SurfaceContact<R: Real> {
     /// Unit normal, away from the surface.
     pub(in crate::physics) normal: R::Vec3,
     /// The surface's own velocity, m/s.
@@ -33,12 +33,12 @@ pub(in crate::physics) struct Touch<R: Real> {
     /// What pushes along the normal; where that is nothing the particle is held.
     pub(in crate::physics) spring: Option<ContactSpring<R>>,
     /// What it does along the surface.
-    pub(in crate::physics) friction: Friction<R>,
+    pub(in crate::physics) friction: HeldFriction<R>,
 }
 
 /// What friction does to a particle along a surface, by Coulomb's coefficients.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) enum Friction<R: Real> {
+pub(in crate::physics) enum HeldFriction<R: Real> {
     /// It is held as long as it is pulled at with no more than static friction bears; what is stronger is dynamic friction
     /// against it.
     Sticks {
@@ -77,7 +77,7 @@ pub(super) struct AtStage<R: Real> {
     pub(super) force: R::Vec3,
 }
 
-impl<R: Real> Touch<R> {
+impl<R: Real> SurfaceContact<R> {
     /// The part of a vector along the surface.
     fn across(&self, of: R::Vec3) -> R::Vec3 {
         of - self.normal * of.dot(self.normal)
@@ -94,7 +94,12 @@ impl<R: Real> Touch<R> {
 
 impl<R: Real> Held<R> {
     /// A particle of this mass (kg) as it is pushed in the coming substep.
-    pub(in crate::physics) fn new(particle: usize, mass: R, velocity: R::Vec3, touch: Option<Touch<R>>) -> Self {
+    pub(in crate::physics) fn new(
+        particle: usize,
+        mass: R,
+        velocity: R::Vec3,
+        touch: Option<SurfaceContact<R>>,
+    ) -> Self {
         let zero = R::Vec3::ZERO;
         Self { particle, velocity, touch, mass, sliding: zero, push: zero, taken: [zero; 2], taking: [zero; 2] }
     }
@@ -103,7 +108,7 @@ impl<R: Real> Held<R> {
     pub(super) fn part(&self, of: R::Vec3) -> R::Vec3 {
         let Some(touch) = &self.touch else { return of };
         let along = if touch.spring.is_none() { touch.normal * of.dot(touch.normal) } else { R::Vec3::ZERO };
-        if let Friction::Sticks { .. } = touch.friction { along + touch.across(of) } else { along }
+        if let HeldFriction::Sticks { .. } = touch.friction { along + touch.across(of) } else { along }
     }
 
     /// Gives it the velocity that it begins with, which was another.
@@ -111,7 +116,7 @@ impl<R: Real> Held<R> {
         let change = self.part(self.velocity - *velocity);
         *velocity += change;
         (self.push, self.taken) = (change * self.mass, [R::Vec3::ZERO; 2]);
-        let past = |touch: &Touch<R>| touch.across(*velocity - touch.surface_velocity);
+        let past = |touch: &SurfaceContact<R>| touch.across(*velocity - touch.surface_velocity);
         self.sliding = self.touch.as_ref().map_or(R::Vec3::ZERO, past);
     }
 
@@ -131,14 +136,14 @@ impl<R: Real> Held<R> {
         };
         let pulling = touch.across(at.force);
         let friction = match touch.friction {
-            Friction::Sticks { coefficient, dynamic } => {
+            HeldFriction::Sticks { coefficient, dynamic } => {
                 // What stopped it was friction, too.
                 let stopping = touch.across(self.push) * (R::ONE / dt);
                 let needed = pulling - stopping;
                 let is_held = needed.length() <= coefficient * pressing;
                 if is_held { pulling } else { stopping + no_longer_than::<R>(needed, dynamic * pressing) }
             }
-            Friction::Slides(coefficient) => {
+            HeldFriction::Slides(coefficient) => {
                 let (limit, most, speed) = (coefficient * pressing, rate * self.mass, self.sliding.length());
                 if limit < most * speed {
                     let past = touch.across(at.velocity - touch.surface_velocity);

@@ -26,7 +26,7 @@ mod stabilised;
 mod stepper;
 mod verlet;
 
-pub(super) use held::{ContactSpring, Friction, Held, Touch};
+pub(super) use held::{ContactSpring, Held, HeldFriction, SurfaceContact};
 pub(super) use implicit::bytes as implicit_bytes;
 pub(super) use stepper::{SchemeWorkspace, Stepper, kicked_for, moves_by_mean};
 

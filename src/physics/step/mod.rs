@@ -23,9 +23,9 @@ pub(in crate::physics) mod substep;
 
 use super::contact::{self, ContactRecord, Placed};
 use super::forces;
+use super::forces::Kick;
 use super::forces::exact::ExactLinks;
 use super::forces::links::Configuration;
-use super::forces::particles::Kick;
 use super::forces::strain::Motion;
 use super::interaction::Grab;
 use super::model::Model;
@@ -343,21 +343,46 @@ fn predicted_velocities<R: Real>(
     workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) -> bool {
-    let (mut stepper, contact, velocity) = workspace.stepper(begun);
+    predict(begun, prediction, workspace);
+    meet_bodies(begun, workspace, recorder);
+    meet_obstacles(begun, workspace, recorder);
+    if begun.scheme == Scheme::Stabilised && !hold(begun, workspace) {
+        return false;
+    }
+    refine(begun, workspace, recorder);
+    if schemes::moves_by_mean(begun.scheme) && meets_implicitly(begun.plan) {
+        meet_on_paths(begun, workspace, recorder);
+    }
+    true
+}
+
+/// The velocities that forces and a hand predict.
+fn predict<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &mut StepWorkspace<R>) {
+    let (mut stepper, _, velocity) = workspace.stepper(begun);
     if prediction == Prediction::Missing {
         stepper.predict(velocity);
     }
     if let Some(grab) = begun.grab {
         pull::pull(begun, grab, velocity);
     }
-    if begun.bodies_are_near {
-        recorder.begin_bodies();
-        contact::bodies::meet(begun, velocity, &mut contact.bodies, recorder);
-        recorder.end_bodies();
-        recorder.enter(Stage::Integrate);
-    } else {
+}
+
+/// What bodies that meet each other or themselves leave of these.
+fn meet_bodies<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let StepWorkspace { velocity, contact, .. } = workspace;
+    if !begun.bodies_are_near {
         contact::bodies::keep_apart(begun, &mut contact.bodies, recorder);
+        return;
     }
+    recorder.begin_bodies();
+    contact::bodies::meet(begun, velocity, &mut contact.bodies, recorder);
+    recorder.end_bodies();
+    recorder.enter(Stage::Integrate);
+}
+
+/// What obstacles leave of these.
+fn meet_obstacles<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let StepWorkspace { velocity, contact, .. } = workspace;
     if meets_implicitly(begun.plan) {
         if begun.plan.on_mesh.is_some() {
             contact::samples::meet(begun, velocity, &mut contact.samples, recorder);
@@ -368,35 +393,46 @@ fn predicted_velocities<R: Real>(
     if begun.bodies_are_near {
         contact::bodies::count_parting(begun, velocity, &contact.bodies, recorder);
     }
-    if begun.scheme == Scheme::Stabilised {
-        let Substep { model, plan, state, dt, is_strained, .. } = begun;
-        let motion = Motion { position: &state.position, velocity, secs: dt };
-        if plan.parts > 1 && !is_strained && strain::tear(model, plan, &state.bodies, motion, stepper.forces) {
-            return false;
-        }
-        contact.hold(begun, stepper.force, velocity, &mut stepper.workspace.stages.held);
+}
+
+/// Takes what was met into the stages of the stabilised scheme. Says whether it did: not where a body that is not strained
+/// would be torn apart.
+fn hold<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>) -> bool {
+    let Substep { model, plan, state, dt, is_strained, .. } = begun;
+    let (stepper, contact, velocity) = workspace.stepper(begun);
+    let motion = Motion { position: &state.position, velocity, secs: dt };
+    if plan.parts > 1 && !is_strained && strain::tear(model, plan, &state.bodies, motion, stepper.forces) {
+        return false;
     }
+    contact.hold(begun, stepper.force, velocity, &mut stepper.workspace.stages.held);
+    true
+}
+
+/// The velocities at the end and the paths, with more forces on the way where the scheme has some.
+fn refine<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let (mut stepper, contact, velocity) = workspace.stepper(begun);
     stepper.refine(velocity, &contact.bodies.moved, recorder);
     if !schemes::moves_by_mean(begun.scheme) {
         // Another scheme takes a part of the plan's.
         if let Some(path) = &mut workspace.scheme.path {
             path.copy_from_slice(&workspace.velocity);
         }
-    } else if let Some(path) = &mut workspace.scheme.path
-        && meets_implicitly(begun.plan)
-    {
-        if begun.scheme == Scheme::Stabilised {
-            let held = &mut workspace.scheme.stages.held;
-            contact::limit_depths(begun, held, path, &mut workspace.velocity);
-        }
-        contact::respond_to_paths(begun, &mut workspace.velocity, path, &mut workspace.contact, recorder);
-        if begun.scheme == Scheme::Stabilised {
-            let SchemeWorkspace { stages, velocity: left, .. } = &workspace.scheme;
-            workspace.contact.note_forces(begun, &stages.held, [left, &workspace.velocity]);
-        }
-        recorder.enter(Stage::Integrate);
     }
-    true
+}
+
+/// What obstacles leave of paths that lead into them.
+fn meet_on_paths<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let Some(path) = &mut workspace.scheme.path else { return };
+    if begun.scheme == Scheme::Stabilised {
+        let held = &mut workspace.scheme.stages.held;
+        contact::limit_depths(begun, held, path, &mut workspace.velocity);
+    }
+    contact::respond_to_paths(begun, &mut workspace.velocity, path, &mut workspace.contact, recorder);
+    if begun.scheme == Scheme::Stabilised {
+        let SchemeWorkspace { stages, velocity: left, .. } = &workspace.scheme;
+        workspace.contact.note_forces(begun, &stages.held, [left, &workspace.velocity]);
+    }
+    recorder.enter(Stage::Integrate);
 }
 
 /// Writes the velocities at the end of a substep as the implicit scheme solves for them.

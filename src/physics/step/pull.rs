@@ -5,7 +5,7 @@
 //! impulse below: it adds no stability limit, however strong it is.
 
 use crate::math::Real;
-use crate::physics::interaction::Grab;
+use crate::physics::interaction::{Grab, resistance};
 use crate::physics::step::substep::Substep;
 
 /// Changes the predicted velocities of the particles that carry the point. Held particles stay.
@@ -23,7 +23,7 @@ pub(in crate::physics) fn impulse<R: Real>(substep: Substep<'_, R>, grab: &Grab<
     let inverse_mass =
         grab.weights.iter().fold(R::ZERO, |sum, &(particle, w)| sum + w * w * mobility(substep, grab, particle));
     let speed = grab.point(velocity);
-    let resistance = dt * (dt * grab.stiffness + grab.damping(&model.bodies[grab.body]));
+    let resistance = dt * resistance([grab.stiffness, grab.damping(&model.bodies[grab.body])], dt);
     let pulling = (grab.target - grab.point(&state.position)) * (dt * grab.stiffness) - speed * resistance;
     pulling * (R::ONE / (R::ONE + resistance * inverse_mass))
 }

@@ -37,14 +37,15 @@ impl<R: Real> Substep<'_, R> {
 
     /// How many stages of the stabilised scheme it takes.
     pub(in crate::physics) fn stages(&self) -> u32 {
-        let (rates, secs) = (&self.plan.stage_rates, self.dt.to_f64());
+        let Some(rates) = &self.plan.stage_rates else { return 1 };
+        let secs = self.dt.to_f64();
         if self.is_strained { rates.stages_strained(secs) } else { rates.stages_at_rest(secs) }
     }
 
     /// How fast friction may stop a particle of a body in the stages of the stabilised scheme, 1/s: no faster than its links
     /// do, which the stages are enough for.
     pub(in crate::physics) fn braking_rate(&self, body: usize) -> R {
-        let damping = self.plan.stage_rates.own.get(body).map_or(0.0, |own| own[1]);
+        let damping = self.plan.stage_rates.as_ref().map_or(0.0, |rates| rates.own[body][1]);
         R::ONE / self.dt + R::from_f64(damping)
     }
 
@@ -52,9 +53,9 @@ impl<R: Real> Substep<'_, R> {
     /// also its links, as if their other ends stood still: `m + dt c + dt² k`.
     pub(in crate::physics) fn inertia(&self, body: usize, local: usize) -> R {
         let mass = self.model.bodies[body].mass(local);
-        match self.plan.stage_rates.own.get(body) {
-            Some(&[stiffness, damping]) if self.scheme == Scheme::Stabilised => {
-                let dt = self.dt.to_f64();
+        match &self.plan.stage_rates {
+            Some(rates) if self.scheme == Scheme::Stabilised => {
+                let ([stiffness, damping], dt) = (rates.own[body], self.dt.to_f64());
                 mass * R::from_f64(1.0 + dt * (damping + dt * stiffness))
             }
             _ => mass,

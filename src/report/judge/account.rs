@@ -197,7 +197,7 @@ impl Account {
 
     /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with, by
     /// obstacles that push it and its own size, m. A body that is squeezed between obstacles leaves faster than they move,
-    /// like a pip between fingers: by what its springs held. Where links are next to nothing, one particle leaves with all
+    /// by what its springs held. Where links are next to nothing, one particle leaves with all
     /// that the spring of its own contact held. A light part that is caught by an obstacle while the heavy rest flies on
     /// is thrown by what the springs between them held; one that the heavy rest strikes as bodies strike each other, by all
     /// that this had. What rounding may show it may fly apart with, and what other bodies could give it. Bodies meet each

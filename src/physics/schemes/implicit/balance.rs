@@ -17,7 +17,7 @@ use crate::math::{Real, Vector};
 use crate::physics::contact::ContactRecord;
 use crate::physics::forces::exact::ExactLinks;
 use crate::physics::forces::recovery;
-use crate::physics::interaction::Grab;
+use crate::physics::interaction::{Grab, resistance};
 use crate::physics::kernels::LinkSum;
 use crate::physics::model::BodyModel;
 use crate::physics::state::State;
@@ -184,6 +184,7 @@ fn work_of<R: Real>(grab: &Grab<R>, body: &BodyModel<R>, dt: f64, state: &State<
     let own = body.particles.clone();
     let away = (grab.target - grab.mean_of(&state.position[own.clone()], own.start)).to_dvec3();
     let speed = grab.mean_of(&velocity[own.clone()], own.start).to_dvec3();
-    let pull = away * grab.stiffness.to_f64() - speed * (dt * grab.stiffness.to_f64() + grab.damping(body).to_f64());
+    let [stiffness, damping] = [grab.stiffness, grab.damping(body)].map(Real::to_f64);
+    let pull = away * stiffness - speed * resistance([stiffness, damping], dt);
     dt * pull.dot(speed)
 }

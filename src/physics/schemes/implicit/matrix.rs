@@ -7,7 +7,7 @@ use crate::math::{Real, Vector};
 use crate::physics::forces::exact::ByPiece;
 use crate::physics::forces::links::for_each_tangent;
 use crate::physics::forces::recovery;
-use crate::physics::interaction::Grab;
+use crate::physics::interaction::{Grab, resistance};
 use crate::physics::kernels::Piece;
 use crate::physics::model::BodyModel;
 use crate::physics::model::plan::Plan;
@@ -61,7 +61,7 @@ impl<R: Real> System<'_, R> {
     }
 
     fn grab_resistance(&self, grab: &Grab<R>) -> f64 {
-        self.dt * (self.dt * grab.stiffness.to_f64() + grab.damping(self.body).to_f64())
+        self.dt * resistance([grab.stiffness, grab.damping(self.body)].map(Real::to_f64), self.dt)
     }
 
     /// The matrix without constraints times a vector of the workspace.
