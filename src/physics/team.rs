@@ -7,6 +7,7 @@
 //! way. Work is such that its result does not depend on the halves or on who does them.
 
 use std::hint::spin_loop;
+use std::ops::Range;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::yield_now;
@@ -57,6 +58,65 @@ pub(in crate::physics) fn share(threads: usize, work: impl Halves) {
             share(threads / 2, other);
         },
     );
+}
+
+/// Fewer particles are not shared out: what they take is no longer than it takes to hand them over.
+const FEWEST_PARTICLES: usize = 2048;
+
+/// Has what is written of some particles that follow one another worked out part by part: `work` is given the places of a
+/// part among them, and its own of each of the slices, which are of one length.
+pub(in crate::physics) fn by_part<T: Send, const N: usize>(
+    threads: usize,
+    to: [&mut [T]; N],
+    work: impl Fn(Range<usize>, [&mut [T]; N]) + Sync,
+) {
+    share(threads, Part { first: 0, to, fewest: FEWEST_PARTICLES, work: &work });
+}
+
+/// The same of groups of so many particles.
+pub(in crate::physics) fn by_groups<T: Send>(
+    threads: usize,
+    group: usize,
+    to: &mut [T],
+    work: impl Fn(Range<usize>, &mut [T]) + Sync,
+) {
+    let work = |part, [to]: [&mut [T]; 1]| work(part, to);
+    share(threads, Part { first: 0, to: [to], fewest: FEWEST_PARTICLES / group, work: &work });
+}
+
+/// A part of what is written.
+struct Part<'a, T, W, const N: usize> {
+    first: usize,
+    to: [&'a mut [T]; N],
+    /// No half is shorter.
+    fewest: usize,
+    work: &'a W,
+}
+
+impl<T: Send, W: Fn(Range<usize>, [&mut [T]; N]) + Sync, const N: usize> Part<'_, T, W, N> {
+    fn len(&self) -> usize {
+        self.to.first().map_or(0, |to| to.len())
+    }
+}
+
+impl<T: Send, W: Fn(Range<usize>, [&mut [T]; N]) + Sync, const N: usize> Halves for Part<'_, T, W, N> {
+    fn pieces(&self) -> usize {
+        (self.len() / self.fewest).max(1)
+    }
+
+    fn halve(self) -> [Self; 2] {
+        let half = self.len() / 2;
+        let Self { first, to, fewest, work } = self;
+        let mut halves = to.map(|to| to.split_at_mut(half));
+        let low = halves.each_mut().map(|(low, _)| std::mem::take(low));
+        let high = halves.map(|(_, high)| high);
+        [Self { first, to: low, fewest, work }, Self { first: first + half, to: high, fewest, work }]
+    }
+
+    fn work(self) {
+        let part = self.first..self.first + self.len();
+        (self.work)(part, self.to);
+    }
 }
 
 /// Says that something is done, also where it panics.
@@ -119,6 +179,23 @@ mod tests {
                 within(threads, || share(threads, Squares(&mut squares, 0)));
                 let expected: Vec<usize> = (0..count).map(|number| number * number).collect();
                 assert_eq!(squares, expected, "{count} by {threads}");
+            }
+        }
+    }
+
+    #[test]
+    fn parts_have_their_places_and_come_to_the_whole() {
+        for threads in [1, 2, 3, 8] {
+            for count in [0, 1, 5000, 20_001] {
+                let (mut places, mut twice) = (vec![0; count], vec![0; count]);
+                let write = |part: Range<usize>, [places, twice]: [&mut [usize]; 2]| {
+                    for (place, (to, twice)) in part.zip(places.iter_mut().zip(twice)) {
+                        (*to, *twice) = (place, 2 * place);
+                    }
+                };
+                within(threads, || by_part(threads, [&mut places, &mut twice], write));
+                assert!(places.iter().copied().eq(0..count), "{count} by {threads}");
+                assert!(twice.iter().copied().eq((0..count).map(|place| 2 * place)), "{count} by {threads}");
             }
         }
     }

@@ -13,6 +13,7 @@ use crate::physics::kernels::{GROUP, motion_bounds};
 use crate::physics::model::{Model, ObstacleModel, ObstacleShape};
 use crate::physics::state::State;
 use crate::physics::step::substep::Substep;
+use crate::physics::team;
 
 /// What the broad phase finds of one body.
 #[derive(Clone, Debug)]
@@ -66,7 +67,13 @@ impl<R: Real> Near<R> {
             return;
         }
         let own = body.particles.clone();
-        motion_bounds(plan.simd, &state.position[own.clone()], &velocity[own], dt, &mut self.groups);
+        let (position, velocity) = (&state.position[own.clone()], &velocity[own.clone()]);
+        self.groups.clear();
+        self.groups.resize(own.len().div_ceil(GROUP), Aabb::empty());
+        team::by_groups(plan.threads, GROUP, &mut self.groups, |part, groups| {
+            let these = part.start * GROUP..own.len().min(part.end * GROUP);
+            motion_bounds::<R>(plan.simd, &position[these.clone()], &velocity[these], dt, groups);
+        });
         let motion = self.groups.iter().copied().fold(Aabb::empty(), Aabb::joined);
         self.obstacles.extend(
             all.filter(|(number, obstacle)| {

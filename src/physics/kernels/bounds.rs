@@ -25,22 +25,22 @@ pub(in crate::physics) fn bounds<R: Real>(level: SimdLevel, of: &[R::Vec3]) -> A
     )
 }
 
-/// The box around the motion of each [`GROUP`] of particles that move from `position` (m) for `secs` with `velocity` (m/s).
+/// Writes the box around the motion of each [`GROUP`] of particles that move from `position` (m) for `secs` with `velocity`
+/// (m/s).
 pub(in crate::physics) fn motion_bounds<R: Real>(
     level: SimdLevel,
     position: &[R::Vec3],
     velocity: &[R::Vec3],
     secs: R,
-    boxes: &mut Vec<Aabb<R>>,
+    boxes: &mut [Aabb<R>],
 ) {
-    boxes.clear();
     level.run(
         #[inline(always)]
         || {
-            for (position, velocity) in position.chunks(GROUP).zip(velocity.chunks(GROUP)) {
+            for ((position, velocity), to) in position.chunks(GROUP).zip(velocity.chunks(GROUP)).zip(boxes) {
                 let mut extremes = Extremes::none();
                 extremes.include::<true>(components(position), components(velocity), secs);
-                boxes.push(extremes.bounds());
+                *to = extremes.bounds();
             }
         },
     );
@@ -137,7 +137,7 @@ pub(super) mod tests {
             let [position, velocity] = [0; 2].map(|_| random(count, &mut rng));
             for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
                 assert_eq!(bounds::<f32>(level, &position), Aabb::around(position.iter().copied()), "{count}");
-                let mut boxes = Vec::new();
+                let mut boxes = vec![Aabb::empty(); count.div_ceil(GROUP)];
                 motion_bounds::<f32>(level, &position, &velocity, 0.25, &mut boxes);
                 let ends = |group: usize| {
                     let own = group * GROUP..count.min((group + 1) * GROUP);

@@ -27,29 +27,36 @@ use crate::physics::model::{BodyModel, Values, plan};
 use crate::physics::report::Recorder;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::pull;
-use crate::physics::team::{self, Halves};
+use crate::physics::team;
 
 /// Writes the velocities that contact and the hand find, m/s: of every particle as if it were alone with what its links
 /// resist with.
 pub(super) fn predict<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::Vec3]) {
     let substep = stepper.substep;
-    velocity.copy_from_slice(&substep.state.velocity);
+    let predicted = &mut stepper.workspace.predicted;
     for (number, body) in substep.model.bodies.iter().enumerate() {
+        let own = body.particles.clone();
+        let (now, force) = (&substep.state.velocity[own.clone()], &stepper.force[own.clone()]);
+        let (velocity, predicted) = (&mut velocity[own.clone()], &mut predicted[own]);
         if substep.state.bodies[number].asleep {
+            velocity.copy_from_slice(now);
+            predicted.copy_from_slice(now);
             continue;
         }
-        let own = body.particles.clone();
-        let (velocity, force) = (&mut velocity[own.clone()], &stepper.force[own]);
-        if let Values::Uniform(_) = body.masses {
-            kernels::kick(substep.plan.simd, substep.dt / substep.inertia(number, 0), force, velocity);
-        } else {
-            for (local, (velocity, force)) in velocity.iter_mut().zip(force).enumerate() {
-                *velocity += *force * (substep.dt / substep.inertia(number, local));
+        team::by_part(substep.plan.threads, [velocity, predicted], |part, [velocity, predicted]| {
+            let force = &force[part.clone()];
+            velocity.copy_from_slice(&now[part.clone()]);
+            if let Values::Uniform(_) = body.masses {
+                kernels::kick(substep.plan.simd, substep.dt / substep.inertia(number, 0), force, velocity);
+            } else {
+                for (local, (velocity, force)) in part.clone().zip(velocity.iter_mut().zip(force)) {
+                    *velocity += *force * (substep.dt / substep.inertia(number, local));
+                }
             }
-        }
-        hold_pinned(body, 0..velocity.len(), velocity);
+            hold_pinned(body, part, velocity);
+            predicted.copy_from_slice(velocity);
+        });
     }
-    stepper.workspace.predicted.copy_from_slice(velocity);
 }
 
 /// Goes through as many stages as the substep asks for, the first of them the state itself. Writes the mean velocities that
@@ -78,27 +85,35 @@ pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::V
         go(stepper, stage);
     }
     let SchemeWorkspace { path, velocity: end, stages, .. } = &mut *stepper.workspace;
-    velocity.copy_from_slice(end);
-    let over_dt = R::ONE / stepper.substep.dt;
-    for (path, moved) in path.iter_mut().flatten().zip(&stages.moved[1]) {
-        *path = *moved * over_dt;
-    }
+    let Some(path) = path else { return };
+    let (over_dt, moved) = (R::ONE / stepper.substep.dt, &stages.moved[1]);
+    team::by_part(stepper.substep.plan.threads, [velocity, path], |part, [velocity, path]| {
+        velocity.copy_from_slice(&end[part.clone()]);
+        for (path, moved) in path.iter_mut().zip(&moved[part]) {
+            *path = *moved * over_dt;
+        }
+    });
 }
 
 /// The first stage is the state, but that what is held has the velocity it is held at, and the forces are those of that.
 /// Says whether there is one: not where the substep is given up.
 fn begin<R: Real>(stepper: &mut Stepper<'_, R>, recorder: &mut Recorder<'_>) -> bool {
     let SchemeWorkspace { stages, velocity, force, .. } = &mut *stepper.workspace;
-    let StageWorkspace { held, start, moved, changed, .. } = stages;
-    start.copy_from_slice(&stepper.substep.state.velocity);
+    let StageWorkspace { held, start, moved: [moved_before, moved], changed: [changed_before, changed], .. } = stages;
+    let (state, known, threads) = (stepper.substep.state, stepper.force, stepper.substep.plan.threads);
+    let to = [&mut start[..], velocity, force, moved_before, moved, changed_before, changed];
+    team::by_part(threads, to, |part, [start, velocity, force, stages @ ..]: [&mut [R::Vec3]; 7]| {
+        start.copy_from_slice(&state.velocity[part.clone()]);
+        velocity.copy_from_slice(start);
+        force.copy_from_slice(&known[part]);
+        stages.into_iter().for_each(|stage| stage.fill(R::Vec3::ZERO));
+    });
+    let mut is_changed = false;
     for held in &mut *held {
-        held.begin(&mut start[held.particle]);
-    }
-    let state = stepper.substep.state;
-    let is_changed = held.iter().any(|held| start[held.particle] != state.velocity[held.particle]);
-    velocity.copy_from_slice(start);
-    for stage in moved.iter_mut().chain(changed) {
-        stage.fill(R::Vec3::ZERO);
+        let start = &mut start[held.particle];
+        held.begin(start);
+        is_changed |= *start != state.velocity[held.particle];
+        velocity[held.particle] = *start;
     }
     if is_changed {
         // Forces of the velocities it had would drive its neighbours as if it still had them.
@@ -110,7 +125,6 @@ fn begin<R: Real>(stepper: &mut Stepper<'_, R>, recorder: &mut Recorder<'_>) -> 
         }
         add_constant(stepper);
     } else {
-        force.copy_from_slice(stepper.force);
         add_pull(stepper);
     }
     hold(stepper, R::ZERO);
@@ -118,7 +132,7 @@ fn begin<R: Real>(stepper: &mut Stepper<'_, R>, recorder: &mut Recorder<'_>) -> 
     for held in held {
         held.taking[0] = held.taking[1];
     }
-    first.copy_from_slice(force);
+    team::by_part(threads, [&mut first[..]], |part, [first]| first.copy_from_slice(&force[part]));
     true
 }
 
@@ -164,19 +178,20 @@ fn go<R: Real>(stepper: &mut Stepper<'_, R>, stage: Stage) {
     let terms = StageTerms { last, before, slope, first: first_slope };
     for body in awake(substep.model, &substep.state.bodies) {
         let own = body.particles.clone();
-        let next = NextStage {
-            level: substep.plan.simd,
-            terms,
-            body,
-            local: 0..own.len(),
+        let sources = Sources {
             last: [&moved[own.clone()], &changed[own.clone()]],
-            force: &force[own.clone()],
-            first_force: &first[own.clone()],
+            slopes: [&force[own.clone()], &first[own.clone()]],
             start: [&substep.state.position[own.clone()], &start[own.clone()]],
-            gone: [&mut moved_before[own.clone()], &mut changed_before[own.clone()]],
-            at: [&mut position[own.clone()], &mut velocity[own]],
         };
-        team::share(substep.plan.threads, next);
+        let to = [
+            &mut moved_before[own.clone()],
+            &mut changed_before[own.clone()],
+            &mut position[own.clone()],
+            &mut velocity[own],
+        ];
+        team::by_part(substep.plan.threads, to, |part, to| {
+            next_stage(body, substep.plan.simd, terms, part.clone(), sources.of(part), to);
+        });
     }
     for held in held {
         let [before, last] = held.taken;
@@ -189,88 +204,49 @@ fn go<R: Real>(stepper: &mut Stepper<'_, R>, stage: Stage) {
     std::mem::swap(changed_before, changed);
 }
 
-/// Fewer particles are not shared out: what they take is no longer than it takes to hand them over.
-const FEWEST_PARTICLES: usize = 2048;
-
-/// The next stage of particles of a body that follow one another, and what it is made of: each of positions and of
-/// velocities.
-struct NextStage<'a, R: Real> {
-    level: SimdLevel,
-    terms: StageTerms<R>,
-    body: &'a BodyModel<R>,
-    /// Their numbers in the body.
-    local: Range<usize>,
+/// What the next stage of particles of a body that follow one another is made of: of positions and of velocities.
+#[derive(Clone, Copy)]
+struct Sources<'a, R: Real> {
     /// How far the last stage has gone from the state, ...
     last: [&'a [R::Vec3]; 2],
-    /// ... the forces there, N, and at the first stage, ...
-    force: &'a [R::Vec3],
-    first_force: &'a [R::Vec3],
+    /// ... the forces there and at the first stage, N, ...
+    slopes: [&'a [R::Vec3]; 2],
     /// ... and the state.
     start: [&'a [R::Vec3]; 2],
-    /// How far the stage before the last has gone, and then the next.
-    gone: [&'a mut [R::Vec3]; 2],
-    /// Where the last stage is, and then the next.
-    at: [&'a mut [R::Vec3]; 2],
 }
 
-impl<R: Real> Halves for NextStage<'_, R> {
-    fn pieces(&self) -> usize {
-        self.local.len() / FEWEST_PARTICLES
+impl<R: Real> Sources<'_, R> {
+    /// Those of a part of the particles.
+    fn of(self, part: Range<usize>) -> Self {
+        let Self { last, slopes, start } = self;
+        let [last, slopes, start] = [last, slopes, start].map(|of| of.map(|of| &of[part.clone()]));
+        Self { last, slopes, start }
     }
+}
 
-    fn halve(self) -> [Self; 2] {
-        let Self { level, terms, body, local, last, force, first_force, start, gone, at } = self;
-        let half = local.len() / 2;
-        let [last, start] = [last, start].map(|of| of.map(|of| of.split_at(half)));
-        let ([force, first_force], [gone, at]) =
-            ([force, first_force].map(|of| of.split_at(half)), [gone, at].map(|of| of.map(|of| of.split_at_mut(half))));
-        let ([gone_by, gone_at], [at_by, at_at]) = (gone, at);
-        [
-            Self {
-                level,
-                terms,
-                body,
-                local: local.start..local.start + half,
-                last: last.map(|(low, _)| low),
-                force: force.0,
-                first_force: first_force.0,
-                start: start.map(|(low, _)| low),
-                gone: [gone_by.0, gone_at.0],
-                at: [at_by.0, at_at.0],
-            },
-            Self {
-                level,
-                terms,
-                body,
-                local: local.start + half..local.end,
-                last: last.map(|(_, high)| high),
-                force: force.1,
-                first_force: first_force.1,
-                start: start.map(|(_, high)| high),
-                gone: [gone_by.1, gone_at.1],
-                at: [at_by.1, at_at.1],
-            },
-        ]
-    }
-
-    fn work(self) {
-        let Self { level, terms, body, local, last, force, first_force, start, gone, at } = self;
-        let [[moved, changed], [position, velocity]] = [gone, at];
-        let [begun, begun_velocity] = start;
-        let ways = StageSources { last: last[0], slope: &*velocity, first: begun_velocity, start: begun };
-        kernels::next_stage(level, terms, R::ONE, ways, moved, position);
-        let changes = StageSources { last: last[1], slope: force, first: first_force, start: begun_velocity };
-        match &body.masses {
-            Values::Uniform(mass) => kernels::next_stage(level, terms, R::ONE / *mass, changes, changed, velocity),
-            Values::Each(masses) => {
-                kernels::next_stage_each(level, terms, &masses[local.clone()], changes, changed, velocity);
-            }
+/// Writes how far the next stage of some particles of a body (local numbers) has gone, in place of how far the stage before
+/// the last had, and where it is, in place of where the last was.
+fn next_stage<R: Real>(
+    body: &BodyModel<R>,
+    level: SimdLevel,
+    terms: StageTerms<R>,
+    local: Range<usize>,
+    Sources { last, slopes: [force, first_force], start: [begun, begun_velocity] }: Sources<'_, R>,
+    [moved, changed, position, velocity]: [&mut [R::Vec3]; 4],
+) {
+    let ways = StageSources { last: last[0], slope: &*velocity, first: begun_velocity, start: begun };
+    kernels::next_stage(level, terms, R::ONE, ways, moved, position);
+    let changes = StageSources { last: last[1], slope: force, first: first_force, start: begun_velocity };
+    match &body.masses {
+        Values::Uniform(mass) => kernels::next_stage(level, terms, R::ONE / *mass, changes, changed, velocity),
+        Values::Each(masses) => {
+            kernels::next_stage_each(level, terms, &masses[local.clone()], changes, changed, velocity);
         }
-        if body.pinned != Values::Uniform(false) {
-            for (at, _) in local.enumerate().filter(|(_, local)| body.is_pinned(*local)) {
-                (position[at], velocity[at]) = (begun[at], begun_velocity[at]);
-                (moved[at], changed[at]) = (R::Vec3::ZERO, R::Vec3::ZERO);
-            }
+    }
+    if body.pinned != Values::Uniform(false) {
+        for (at, _) in local.enumerate().filter(|(_, local)| body.is_pinned(*local)) {
+            (position[at], velocity[at]) = (begun[at], begun_velocity[at]);
+            (moved[at], changed[at]) = (R::Vec3::ZERO, R::Vec3::ZERO);
         }
     }
 }

@@ -44,6 +44,7 @@ use crate::physics::state::fallen;
 use crate::physics::state::sleep;
 use crate::physics::step::substep::{Gain, Part, Substep};
 use crate::physics::stepping::strain;
+use crate::physics::team;
 
 /// What a substep works in: allocated once, meaningless between substeps except for reading the last one's forces.
 #[derive(Clone, Debug)]
@@ -469,7 +470,10 @@ fn stays_finite<R: Real>(Substep { model, plan, state, dt, .. }: Substep<'_, R>,
 fn move_particles<R: Real>(model: &Model<R>, plan: &Plan, dt: R, state: &mut State<R>, path: &[R::Vec3]) {
     for body in sleep::awake(model, &state.bodies) {
         let own = body.particles.clone();
-        let (position, residual) = (&mut state.position[own.clone()], &mut state.position_residual[own.clone()]);
-        kernels::advance(plan.simd, dt, &path[own], position, residual);
+        let to = [&mut state.position[own.clone()], &mut state.position_residual[own.clone()]];
+        let path = &path[own];
+        team::by_part(plan.threads, to, |part, [position, residual]| {
+            kernels::advance(plan.simd, dt, &path[part], position, residual);
+        });
     }
 }
