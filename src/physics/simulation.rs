@@ -232,8 +232,8 @@ impl<R: Real> Simulation<R> {
         if self.model.bodies.iter().all(|body| body.modal.is_none()) {
             return;
         }
+        // Obstacles are where the last part of the substep had them: time has passed since.
         let Self { model, plan, state, workspace, obstacles, grab, .. } = self;
-        obstacles.place(model, state, plan.substep_secs());
         let mut recorder = Recorder::new(timer);
         let modal = modes::advance(model, plan, obstacles, grab.as_ref(), state, &mut workspace.modal, &mut recorder);
         recorder.note_depth(modal.deepest_m.max(report.last.max_penetration_m));

@@ -257,6 +257,18 @@ fn an_obstacle_that_moves_pushes_the_body_along() {
 }
 
 #[test]
+fn an_obstacle_that_comes_is_met_when_it_is_there() {
+    let way = |secs: f64| 0.1 * (std::f64::consts::PI * secs).sin();
+    let motion = Motion::Oscillate(Oscillate { axis: [0.0, 0.0, 1.0], amplitude: 0.1, period_secs: 2.0 });
+    // It reaches a particle on the side of the beam in the eleventh step of 1 ms.
+    let (side, radius) = (-1.0 / 16.0, 0.1);
+    let comes = Obstacle { motion: Some(motion), ..ball([0.4375, 0.0, side - radius - way(0.0105)], radius) };
+    let mut waits = modal::<f64>(&hanging(beam(2), 0.0, vec![comes]));
+    let first = (1..100).find(|_| waits.step().last.contacts > 0);
+    assert_eq!(first, Some(11), "neither before nor after");
+}
+
+#[test]
 fn a_step_costs_as_much_as_there_are_modes_however_many_cells() {
     let work = |across: i32, obstacles: Vec<Obstacle>| {
         let mut swings = modal::<f32>(&hanging(beam(across), 0.1, obstacles));

@@ -53,7 +53,8 @@ pub enum SceneError {
 }
 
 impl<R: Real> Simulation<R> {
-    /// A scene at its start. Model files are looked for in `folder`, read and filled with cells.
+    /// A scene at its start. Model files are looked for in `folder`, read and filled with cells. Bodies that are to move by
+    /// their modes move by their cells until they are given some ([`Self::set_modes`]).
     ///
     /// # Errors
     /// The first value that is not allowed, by its path, or the first body whose shape cannot be made of cells.

@@ -50,12 +50,12 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
     let contact = !model.obstacles.is_empty() && !model.bodies.is_empty();
     let by_thesis = contact && contact_rule == ContactRule::Thesis;
-    let asked_for = if divided { Division::of(&limits, settings.dt) } else { Division::whole(settings.dt) };
+    let asked_for = if divided { StepDivision::of(&limits, settings.dt) } else { StepDivision::whole(settings.dt) };
     let mut ways = vec![(chosen, asked_for)];
     let mut of_stages = (chosen == Scheme::Stabilised).then(stabilised);
     if divided && of_stages.as_ref().is_some_and(|limits| !is_longer(limits, &semi_implicit)) {
         // A vibration with hardly any damping leaves it no step.
-        ways = vec![(Scheme::SemiImplicit, Division::of(&semi_implicit, settings.dt))];
+        ways = vec![(Scheme::SemiImplicit, StepDivision::of(&semi_implicit, settings.dt))];
     }
     // Who asks for a step that needs no division wants it for its error.
     if divided && asked_for.substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
@@ -64,20 +64,20 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
             let limits = of_stages.insert(stabilised());
             limits.dt_safe_secs = limits.dt_safe_secs.map(|safe| safe.min(longest_under_tension(model)));
             if is_longer(limits, &semi_implicit) {
-                ways.push((Scheme::Stabilised, Division::of_whole_steps(limits, settings.dt)));
+                ways.push((Scheme::Stabilised, StepDivision::of_whole_steps(limits, settings.dt)));
             }
         }
-        ways.push((Scheme::Implicit, Division::near(settings.dt, LONGEST_SECS)));
+        ways.push((Scheme::Implicit, StepDivision::near(settings.dt, LONGEST_SECS)));
     }
     let damping_rate = of_stages.as_ref().map_or(0.0, |limits| limits.damping_rate);
-    let cost = |&(scheme, division): &(Scheme, Division)| {
+    let cost = |&(scheme, division): &(Scheme, StepDivision)| {
         scheme_cost::of(model, &semi_implicit, damping_rate, scheme, division.substep_secs())
     };
     let scheme_costs: Vec<_> = ways.iter().map(cost).collect();
     let scheme = SchemeCost::cheapest(&scheme_costs).map_or(chosen, |cost| cost.scheme);
     let rates = of_stages.filter(|_| scheme == Scheme::Stabilised).map(|limits| stage_rates(model, limits));
-    let Division { dt_secs, substeps, span } = ways.iter().find(|way| way.0 == scheme).map_or(asked_for, |way| way.1);
-    let secs = dt_secs * f64::from(span) / f64::from(substeps);
+    let division = ways.iter().find(|way| way.0 == scheme).map_or(asked_for, |way| way.1);
+    let (StepDivision { dt_secs, substeps, span }, secs) = (division, division.substep_secs());
     let plan = Plan {
         scheme,
         scheme_costs,
@@ -182,14 +182,14 @@ fn with_impulses<R: Real>(
 
 /// How a whole step is divided into substeps, or a substep covers several.
 #[derive(Clone, Copy, Debug)]
-struct Division {
+struct StepDivision {
     /// The whole step, s.
     dt_secs: f64,
     substeps: u32,
     span: u32,
 }
 
-impl Division {
+impl StepDivision {
     /// As many whole steps a substep as fit into `longest` (s), or as many substeps a step.
     fn near(dt_secs: f64, longest: f64) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of at least one")]
