@@ -106,7 +106,9 @@ fn begin<R: Real>(stepper: &mut Stepper<'_, R>, recorder: &mut Recorder<'_>) -> 
         start.copy_from_slice(&state.velocity[part.clone()]);
         velocity.copy_from_slice(start);
         force.copy_from_slice(&known[part]);
-        stages.into_iter().for_each(|stage| stage.fill(R::Vec3::ZERO));
+        for stage in stages {
+            stage.fill(R::Vec3::ZERO);
+        }
     });
     let mut is_changed = false;
     for held in &mut *held {
