@@ -52,6 +52,10 @@ pub(super) const MOST_PLACES_A_LINK: usize = 4;
 /// The most corners of the box for each particle: past that the box takes more memory than the list of the links.
 pub(in crate::physics) const MOST_CORNERS_A_PARTICLE: usize = 16;
 
+/// Corners of a plane by multiples of which what is at the same place of several planes is kept in the same few places of a
+/// cache: 2 KiB in single precision.
+const LEAST_ALIKE: usize = 512;
+
 /// What a corner of the box takes in single precision: position, velocity, force and mask, bytes.
 pub(in crate::physics) const BYTES_A_CORNER: usize = size_of::<[f32; 9]>() + size_of::<u16>();
 
@@ -143,7 +147,10 @@ impl Layout {
             let pick = |of: [u32; 3], choose: fn(u32, u32) -> u32| [0, 1, 2].map(|axis| choose(of[axis], corner[axis]));
             (pick(low, u32::min), pick(high, u32::max))
         });
-        let dims @ [nx, ny, nz] = [0, 1, 2].map(|axis| (high[axis] - low[axis]) as usize + 1);
+        let [nx, ny, nz] = [0, 1, 2].map(|axis| (high[axis] - low[axis]) as usize + 1);
+        // An empty place at the end of each row keeps planes from lying on each other in the caches.
+        let nx = if (nx * ny).is_multiple_of(LEAST_ALIKE) { nx + 1 } else { nx };
+        let dims = [nx, ny, nz];
         let count = nx * ny * nz;
         let strides = [1, nx, nx * ny];
         // A step that leads down along one axis leads up along a later one, by more.
@@ -224,13 +231,22 @@ mod tests {
 
     #[test]
     fn every_link_is_in_one_term() {
-        for dims in [[1, 1, 1], [3, 1, 2], [9, 4, 1], [5, 6, 7]] {
+        for dims in [[1, 1, 1], [3, 1, 2], [9, 4, 1], [5, 6, 7], [31, 15, 2]] {
             let lattice = lattice(dims, |_| true);
             let layout = Layout::bounding(&lattice).expect("not empty").filled(&lattice);
             let links: usize = lattice.links.iter().map(Vec::len).sum();
             assert_eq!(layout.terms.iter().map(|term| term.links).sum::<usize>(), links, "{dims:?}");
             assert_eq!(layout.masks.iter().map(|mask| mask.count_ones() as usize).sum::<usize>(), links, "{dims:?}");
             assert_eq!(layout.runs.iter().map(|run| run.particles.len()).sum::<usize>(), lattice.corners.len());
+        }
+    }
+
+    #[test]
+    fn no_planes_lie_on_each_other_in_the_caches() {
+        for dims in [[63, 63, 2], [31, 15, 2], [15, 31, 2], [9, 9, 9]] {
+            let layout = Layout::bounding(&lattice(dims, |_| true)).expect("not empty");
+            let plane = layout.offsets[2];
+            assert!(!plane.is_multiple_of(LEAST_ALIKE), "{dims:?}: {plane} corners to the next plane");
         }
     }
 

@@ -38,6 +38,8 @@ fn shapes() -> Vec<Shape> {
     // More corners than a window has, also where they are halved.
     shapes.push(shape("block", [9, 9, 300], full));
     shapes.push(shape("subset", [9, 300, 9], |_| rng.between(0.0, 1.0) < 0.8));
+    // Rows with a place more than they need.
+    shapes.push(shape("block", [31, 15, 3], full));
     shapes.push(shape("shell", [12, 12, 12], |cell| cell.iter().any(|c| [0, 11].contains(c))));
     shapes
 }
