@@ -61,7 +61,7 @@
 //! | [`machine`] | – | what memory there is, threads that are awake when there is work |
 //! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells; which cells are of which part that the file names |
 //! | [`scene`] | math, disk, text, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
-//! | [`physics`] | math, geometry, scene (in `compile` alone) | the core: forces, contact, stability limits, the step; no input, output or clock |
+//! | [`physics`] | math, machine, geometry, scene (in `compile` alone) | the core: forces, contact, stability limits, the step; no input, output or clock |
 //! | [`modal`] | math, machine, geometry, physics | how a body swings: the lowest modes about rest, by which the physics can move it at a cost that no cell adds to |
 //! | [`view`] | math | camera, draw list, colours, legend: a picture as plain data |
 //! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; what explains them (links, contacts, boxes) → overlays |

@@ -24,7 +24,9 @@ impl Processors {
     pub(super) fn take_one(&self) {
         let Ok(mut taken) = self.taken.lock() else { return };
         let taken = taken.get_or_insert_default();
-        if is_on(taken)
+        let mut here = sched_getcpu();
+        if here < CpuSet::MAX_CPU
+            && taken.is_set(here)
             && let Ok(allowed) = sched_getaffinity(None)
         {
             let mut free = allowed;
@@ -32,14 +34,15 @@ impl Processors {
                 free.unset(processor);
             }
             // Where it may be on no other processor, or is forbidden to choose, it stays.
-            if free.count() > 0 && sched_setaffinity(None, &free).is_ok() && sched_setaffinity(None, &allowed).is_err()
-            {
-                log::debug!("a thread stays bound to {} processors", free.count());
+            if free.count() > 0 && sched_setaffinity(None, &free).is_ok() {
+                here = sched_getcpu();
+                if sched_setaffinity(None, &allowed).is_err() {
+                    log::debug!("a thread stays bound to {} processors", free.count());
+                }
             }
         }
-        let processor = sched_getcpu();
-        if processor < CpuSet::MAX_CPU {
-            taken.set(processor);
+        if here < CpuSet::MAX_CPU {
+            taken.set(here);
         }
     }
 
@@ -47,13 +50,6 @@ impl Processors {
     #[cfg(not(target_os = "linux"))]
     #[expect(clippy::unused_self, reason = "as on Linux")]
     pub(super) fn take_one(&self) {}
-}
-
-/// Whether the calling thread is on one of these.
-#[cfg(target_os = "linux")]
-fn is_on(processors: &CpuSet) -> bool {
-    let processor = sched_getcpu();
-    processor < CpuSet::MAX_CPU && processors.is_set(processor)
 }
 
 #[cfg(all(test, target_os = "linux"))]

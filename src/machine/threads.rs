@@ -1,6 +1,7 @@
 //! Threads of a pool that are kept awake while someone has short work for them again and again: one that has gone to sleep
 //! takes tens of microseconds to wake, as long as a piece of a step.
 
+use std::hint::spin_loop;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::yield_now;
 
@@ -8,7 +9,10 @@ use rayon::Yield;
 
 use super::processors::Processors;
 
-/// Lets the work end that keeps threads awake, also where what they are kept awake for panics.
+/// How often work that is waited for is looked at before the processor is offered to others: some microseconds.
+const SPINS: usize = 200;
+
+/// Says that something is done, also where it panics.
 struct Done<'a>(&'a AtomicBool);
 
 impl Drop for Done<'_> {
@@ -21,7 +25,7 @@ impl Drop for Done<'_> {
 /// elsewhere, or where one is enough. Those that wait leave the processors to whoever else wants them.
 pub fn kept_awake<T>(threads: usize, work: impl FnOnce() -> T) -> T {
     let others = threads.min(rayon::current_num_threads()).saturating_sub(1);
-    if others == 0 || rayon::current_thread_index().is_none() {
+    if others == 0 || !in_pool() {
         return work();
     }
     let (awake, done) = (AtomicUsize::new(0), AtomicBool::new(false));
@@ -48,6 +52,43 @@ pub fn kept_awake<T>(threads: usize, work: impl FnOnce() -> T) -> T {
         drop(done_at_last);
         outcome
     })
+}
+
+/// Whether the calling thread is one of a pool.
+pub fn in_pool() -> bool {
+    rayon::current_thread_index().is_some()
+}
+
+/// Does some work, and other work meanwhile by another thread of the pool that it is asked in, or by the same one where none is
+/// free. It waits for the other without going to sleep, as a join of the pool does after some microseconds.
+pub fn join(work: impl FnOnce() + Send, other: impl FnOnce() + Send) {
+    let done = AtomicBool::new(false);
+    rayon::join(
+        || {
+            work();
+            wait_for(&done);
+        },
+        || {
+            let _done_at_last = Done(&done);
+            other();
+        },
+    );
+}
+
+/// Waits for what another thread of the pool has taken up; takes it up where none has.
+fn wait_for(done: &AtomicBool) {
+    while !done.load(Ordering::Acquire) {
+        if rayon::yield_now() == Some(Yield::Executed) {
+            continue;
+        }
+        for _ in 0..SPINS {
+            if done.load(Ordering::Acquire) {
+                return;
+            }
+            spin_loop();
+        }
+        yield_now();
+    }
 }
 
 #[cfg(test)]
@@ -80,6 +121,18 @@ mod tests {
             }
         }
         assert_eq!(kept_awake(4, || sum(&numbers)), 499_500, "outside of a pool");
+    }
+
+    #[test]
+    fn both_halves_are_done_and_a_panic_of_either_is_not_waited_for() {
+        for threads in [1, 2, 3] {
+            let done = AtomicUsize::new(0);
+            let one = || _ = done.fetch_add(1, Ordering::Relaxed);
+            within(threads, || join(one, || join(one, one)));
+            assert_eq!(done.load(Ordering::Relaxed), 3, "by {threads}");
+            let panics = |work: fn(), other: fn()| within(threads, || catch_unwind(|| join(work, other)).is_err());
+            assert!(panics(|| panic!("lost"), || ()) && panics(|| (), || panic!("lost")), "by {threads}");
+        }
     }
 
     #[test]

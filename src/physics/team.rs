@@ -6,16 +6,10 @@
 //! some microseconds and sleep then; who takes many steps keeps them awake (`machine::threads`). Nothing is allocated on the
 //! way. Work is such that its result does not depend on the halves or on who does them.
 
-use std::hint::spin_loop;
 use std::ops::Range;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::yield_now;
 
-use rayon::Yield;
-
-/// How often a half that is waited for is looked at before the processor is offered to others: some microseconds.
-const SPINS: usize = 200;
+use crate::machine::threads::{in_pool, join};
 
 /// How many threads new plans may use; one where nobody has chosen.
 static CHOSEN: OnceLock<usize> = OnceLock::new();
@@ -43,21 +37,11 @@ pub(in crate::physics) trait Halves: Send + Sized {
 
 /// Has some work done by so many threads of the pool, by this one alone where it is of none.
 pub(in crate::physics) fn share(threads: usize, work: impl Halves) {
-    if threads <= 1 || work.pieces() <= 1 || rayon::current_thread_index().is_none() {
+    if threads <= 1 || work.pieces() <= 1 || !in_pool() {
         return work.work();
     }
     let [one, other] = work.halve();
-    let done = AtomicBool::new(false);
-    rayon::join(
-        || {
-            share(threads.div_ceil(2), one);
-            wait_for(&done);
-        },
-        || {
-            let _done_at_last = Done(&done);
-            share(threads / 2, other);
-        },
-    );
+    join(|| share(threads.div_ceil(2), one), || share(threads / 2, other));
 }
 
 /// Fewer particles are not shared out: what they take is no longer than it takes to hand them over.
@@ -116,32 +100,6 @@ impl<T: Send, W: Fn(Range<usize>, [&mut [T]; N]) + Sync, const N: usize> Halves 
     fn work(self) {
         let part = self.first..self.first + self.len();
         (self.work)(part, self.to);
-    }
-}
-
-/// Says that something is done, also where it panics.
-struct Done<'a>(&'a AtomicBool);
-
-impl Drop for Done<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Ordering::Release);
-    }
-}
-
-/// Waits for the other half without going to sleep, as a join does after some microseconds: to wake takes longer than is
-/// waited for. Takes it up where nobody has.
-fn wait_for(done: &AtomicBool) {
-    while !done.load(Ordering::Acquire) {
-        if rayon::yield_now() == Some(Yield::Executed) {
-            continue;
-        }
-        for _ in 0..SPINS {
-            if done.load(Ordering::Acquire) {
-                return;
-            }
-            spin_loop();
-        }
-        yield_now();
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::math::{Real, Vector};
+use crate::math::Real;
 use crate::physics::kernels::{self, SimdLevel};
 use crate::physics::model::{BodyModel, Model, Values};
 
@@ -35,14 +35,18 @@ pub(in crate::physics) fn kick_some<R: Real>(
     hold_pinned(body, some, velocity);
 }
 
-/// Lets those of some particles of a body (local numbers) that are pinned stand still: the velocities are of them.
-pub(in crate::physics) fn hold_pinned<R: Real>(body: &BodyModel<R>, some: Range<usize>, velocity: &mut [R::Vec3]) {
+/// Makes what there is of those of some particles of a body (local numbers) that are pinned nothing: their velocities, say.
+pub(in crate::physics) fn hold_pinned<R: Real, T: Clone + Default>(
+    body: &BodyModel<R>,
+    some: Range<usize>,
+    of: &mut [T],
+) {
     match &body.pinned {
         Values::Uniform(false) => {}
-        Values::Uniform(true) => velocity.fill(R::Vec3::ZERO),
+        Values::Uniform(true) => of.fill(T::default()),
         Values::Each(pinned) => {
-            let held = velocity.iter_mut().zip(&pinned[some]).filter(|(_, pinned)| **pinned);
-            held.for_each(|(velocity, _)| *velocity = R::Vec3::ZERO);
+            let held = of.iter_mut().zip(&pinned[some]).filter(|(_, pinned)| **pinned);
+            held.for_each(|(of, _)| *of = T::default());
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::physics::team::{self, Halves};
 
 /// Where and how particles are whose links are looked at.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct Motion<'a, R: Real> {
+pub(in crate::physics) struct StraightMotion<'a, R: Real> {
     /// Positions, m.
     pub(in crate::physics) position: &'a [R::Vec3],
     /// Velocities, m/s.
@@ -20,7 +20,7 @@ pub(in crate::physics) struct Motion<'a, R: Real> {
     pub(in crate::physics) secs: R,
 }
 
-impl<R: Real> Motion<'_, R> {
+impl<R: Real> StraightMotion<'_, R> {
     /// That of one body.
     pub(in crate::physics) fn of(self, body: &BodyModel<R>) -> Self {
         let Self { position, velocity, secs } = self;
@@ -36,7 +36,7 @@ impl<R: Real> ForceWorkspace<R> {
         model: &Model<R>,
         memories: &[BodyMemory],
         level: SimdLevel,
-        motion: Motion<'_, R>,
+        motion: StraightMotion<'_, R>,
         mut strain: impl FnMut(usize) -> Option<f64>,
     ) {
         let Self { shares, threads, .. } = self;
@@ -63,7 +63,7 @@ struct Look<'a, R: Real> {
     model: &'a Model<R>,
     memories: &'a [BodyMemory],
     level: SimdLevel,
-    motion: Motion<'a, R>,
+    motion: StraightMotion<'a, R>,
     shares: &'a mut [Share<R>],
 }
 
@@ -94,7 +94,7 @@ impl<R: Real> Halves for Look<'_, R> {
 }
 
 /// Whether any link is strained by more than so much, or is at the end of the motion.
-fn is_beyond<R: Real>(body: &BodyModel<R>, own: Motion<'_, R>, strain: f64) -> bool {
+fn is_beyond<R: Real>(body: &BodyModel<R>, own: StraightMotion<'_, R>, strain: f64) -> bool {
     let [shortest, longest] = [1.0 - strain, 1.0 + strain].map(R::from_f64);
     let is_beyond = |d: R::Vec3| {
         let squared = d.dot(d);
@@ -104,14 +104,14 @@ fn is_beyond<R: Real>(body: &BodyModel<R>, own: Motion<'_, R>, strain: f64) -> b
 }
 
 /// The furthest that ends of a link of a body go past each other in the motion, in its lengths at rest.
-pub(in crate::physics) fn longest_way<R: Real>(body: &BodyModel<R>, own: Motion<'_, R>) -> f64 {
+pub(in crate::physics) fn longest_way<R: Real>(body: &BodyModel<R>, own: StraightMotion<'_, R>) -> f64 {
     links(body, own).fold(R::ZERO, |most, (_, way)| most.max(way.dot(way))).to_f64().sqrt()
 }
 
 /// From end to end of each link and how that changes in the motion, in lengths at rest; of links without a force, too: their
 /// length tells of the angles between others.
-fn links<R: Real>(body: &BodyModel<R>, own: Motion<'_, R>) -> impl Iterator<Item = (R::Vec3, R::Vec3)> {
-    let Motion { position, velocity, secs } = own;
+fn links<R: Real>(body: &BodyModel<R>, own: StraightMotion<'_, R>) -> impl Iterator<Item = (R::Vec3, R::Vec3)> {
+    let StraightMotion { position, velocity, secs } = own;
     body.links.iter().flat_map(|family| family.links.iter()).map(move |link| {
         let [i, j] = link.ends.map(|end| end as usize);
         let d = (position[j] - position[i]) * link.inverse_rest_length;

@@ -26,7 +26,7 @@ use super::forces;
 use super::forces::Kick;
 use super::forces::exact::ExactLinks;
 use super::forces::links::Configuration;
-use super::forces::strain::Motion;
+use super::forces::strain::StraightMotion;
 use super::interaction::Grab;
 use super::model::Model;
 use super::report::Recorder;
@@ -401,7 +401,7 @@ fn meet_obstacles<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<
 fn hold<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>) -> bool {
     let Substep { model, plan, state, dt, is_strained, .. } = begun;
     let (stepper, contact, velocity) = workspace.stepper(begun);
-    let motion = Motion { position: &state.position, velocity, secs: dt };
+    let motion = StraightMotion { position: &state.position, velocity, secs: dt };
     if plan.parts > 1 && !is_strained && strain::tear(model, plan, &state.bodies, motion, stepper.forces) {
         return false;
     }

@@ -20,7 +20,7 @@ pub(in crate::physics) mod strain;
 
 use super::contact::{ContactWorkspace, Placed, arrive, bodies, samples, sweep};
 use super::forces::ForceWorkspace;
-use super::forces::strain::Motion;
+use super::forces::strain::StraightMotion;
 use super::interaction::Grab;
 use super::model::plan::{MOST_HALVINGS, Plan};
 use super::model::{Model, Scheme};
@@ -234,7 +234,7 @@ impl Division {
         workspace: &mut StepWorkspace<R>,
     ) {
         let StepWorkspace { velocity, forces, .. } = workspace;
-        let motion = Motion { position: &state.position, velocity, secs: R::from_f64(self.secs) };
+        let motion = StraightMotion { position: &state.position, velocity, secs: R::from_f64(self.secs) };
         let by_way = strain::look(model, plan, strain::Whose::All, motion, &mut state.bodies, forces);
         let parts = self.while_strained.max(by_way);
         (self.parts, self.left, self.secs) = (parts, parts, self.secs / f64::from(parts));

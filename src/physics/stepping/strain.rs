@@ -10,7 +10,7 @@
 //! while before its substeps are whole again.
 
 use crate::math::Real;
-use crate::physics::forces::strain::{self, Motion};
+use crate::physics::forces::strain::{self, StraightMotion};
 use crate::physics::forces::{ForceWorkspace, recovery};
 use crate::physics::limits::any_state::MOST_PARTS;
 use crate::physics::model::plan::Plan;
@@ -52,7 +52,7 @@ pub(in crate::physics) fn parts_now<R: Real>(
     if is_time || state.bodies.iter().any(|memory| memory.strained) {
         let whose = if is_time { Whose::All } else { Whose::Strained };
         let State { position, velocity, bodies, .. } = state;
-        let motion = Motion { position, velocity, secs: R::from_f64(plan.substep_secs()) };
+        let motion = StraightMotion { position, velocity, secs: R::from_f64(plan.substep_secs()) };
         by_way = look(model, plan, whose, motion, bodies, forces);
     }
     // The longer substeps of the stabilised scheme would bear little of what pushes cells back that are near inversion.
@@ -78,7 +78,7 @@ pub(in crate::physics) fn is_strained_by_now<R: Real>(
     if *unseen + secs > looks::secs_between(model, plan, state) {
         *unseen = 0.0;
         let State { position, velocity, bodies, .. } = state;
-        look(model, plan, Whose::All, Motion { position, velocity, secs: R::from_f64(secs) }, bodies, forces);
+        look(model, plan, Whose::All, StraightMotion { position, velocity, secs: R::from_f64(secs) }, bodies, forces);
     }
     state.bodies.iter().any(|memory| memory.strained && !memory.asleep)
 }
@@ -89,7 +89,7 @@ pub(in crate::physics) fn tear<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     memories: &[BodyMemory],
-    motion: Motion<'_, R>,
+    motion: StraightMotion<'_, R>,
     forces: &mut ForceWorkspace<R>,
 ) -> bool {
     forces.find_strained(model, memories, plan.simd, motion, |number| {
@@ -118,7 +118,7 @@ pub(in crate::physics) fn look<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     whose: Whose,
-    motion: Motion<'_, R>,
+    motion: StraightMotion<'_, R>,
     memories: &mut [BodyMemory],
     forces: &mut ForceWorkspace<R>,
 ) -> u32 {

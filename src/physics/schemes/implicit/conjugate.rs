@@ -7,7 +7,7 @@ use super::matrix::Factor;
 use super::system::{ImplicitWorkspace, System};
 use super::vectors::{add_scaled, dot, scale, scale_and_add};
 use crate::math::Real;
-use crate::physics::model::BodyModel;
+use crate::physics::forces::particles::hold_pinned;
 
 /// Iterations of one solve: some twenty times those a stiff body takes.
 const MOST_ITERATIONS: u64 = 400;
@@ -162,17 +162,8 @@ impl<R: Real> System<'_, R> {
         let Some(grids) = grids[self.number].as_mut().filter(|_| self.uses_grids) else { return };
         let count = self.body.particles.len();
         let (residual, scaled) = (&mut residual[..count], &mut scaled[..count]);
-        Self::hold_pinned(self.body, residual);
+        hold_pinned(self.body, 0..count, residual);
         grids.correct(self.level, residual, scaled);
-        Self::hold_pinned(self.body, scaled);
-    }
-
-    /// Makes what there is of held particles nothing.
-    fn hold_pinned(body: &BodyModel<R>, of: &mut [DVec3]) {
-        if let Values::Each(pinned) = &body.pinned {
-            for (of, _) in of.iter_mut().zip(pinned).filter(|(_, pinned)| **pinned) {
-                *of = DVec3::ZERO;
-            }
-        }
+        hold_pinned(self.body, 0..count, scaled);
     }
 }
