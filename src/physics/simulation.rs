@@ -97,7 +97,7 @@ impl<R: Real> Simulation<R> {
         self.state.fit_modes(&model);
         self.is_placed = false;
         self.wake_all();
-        self.workspace.fit(&model, &plan);
+        self.workspace.fit((&self.model, &self.plan), &model, &plan);
         self.model = model;
         self.plan = plan;
         self.diverged = false;

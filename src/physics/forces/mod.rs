@@ -7,6 +7,7 @@ pub(in crate::physics) mod recovery;
 pub(in crate::physics) mod strain;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use exact::ExactLinks;
 use links::{Configuration, for_each_link, is_damped};
@@ -46,15 +47,36 @@ impl<R: Real> ForceWorkspace<R> {
     pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
         Self {
             recovery: recovery::RecoveryWorkspace::new(model),
-            exact: if plan.scheme == Scheme::Implicit {
-                ExactLinks::new(model, plan.threads)
-            } else {
-                ExactLinks::default()
-            },
+            exact: exact_links(model, plan),
             threads: plan.threads,
             shares: shares(model, plan.threads),
         }
     }
+
+    /// Goes on with a model of the same bodies with other constants. The shares of the threads keep their room where the links
+    /// are still where they were `before`.
+    pub(super) fn fit(&mut self, before: &Model<R>, model: &Model<R>, plan: &Plan) {
+        self.recovery = recovery::RecoveryWorkspace::new(model);
+        self.exact = exact_links(model, plan);
+        if plan.threads != self.threads || !are_laid_out_alike(before, model) {
+            self.threads = plan.threads;
+            self.shares = shares(model, plan.threads);
+        }
+    }
+}
+
+/// The links of a model as the implicit scheme needs them, constants and all; other schemes need none.
+fn exact_links<R: Real>(model: &Model<R>, plan: &Plan) -> ExactLinks {
+    if plan.scheme == Scheme::Implicit { ExactLinks::new(model, plan.threads) } else { ExactLinks::default() }
+}
+
+/// Whether the links of two models of the same bodies are in the same places of the same boxes, or of the same lists.
+fn are_laid_out_alike<R: Real>(a: &Model<R>, b: &Model<R>) -> bool {
+    a.bodies.iter().zip(&b.bodies).all(|(a, b)| match (&a.boxed_links, &b.boxed_links) {
+        (Some(a), Some(b)) => Arc::ptr_eq(&a.layout, &b.layout),
+        (None, None) => a.link_count() == b.link_count(),
+        _ => false,
+    })
 }
 
 /// Writes all forces on the particles of bodies that are awake but those of contact, N, and with a kick what they do to

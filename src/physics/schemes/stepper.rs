@@ -67,6 +67,14 @@ impl<R: Real> SchemeWorkspace<R> {
 }
 
 impl<R: Real> SchemeWorkspace<R> {
+    /// Goes on with a model of the same bodies with other constants, whose steps another scheme may have taken `before`. What
+    /// the implicit scheme has follows from the constants.
+    pub(in crate::physics) fn fit(&mut self, before: Scheme, model: &Model<R>, plan: &Plan) {
+        if plan.scheme != before || plan.scheme == Scheme::Implicit {
+            *self = Self::new(model, plan);
+        }
+    }
+
     /// The velocities that move particles, given those at the end of the substep.
     pub(in crate::physics) fn moving<'a>(&'a self, velocity: &'a [R::Vec3]) -> &'a [R::Vec3] {
         self.path.as_deref().unwrap_or(velocity)

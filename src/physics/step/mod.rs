@@ -70,16 +70,10 @@ impl<R: Real> StepWorkspace<R> {
     /// Room for a model under a plan.
     pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
         let room = || vec![R::Vec3::ZERO; model.particle_count()];
-        Self::around([room(), room()], model, plan)
-    }
-
-    /// The same about the force and the velocity of every particle.
-    fn around([force, velocity]: [Vec<R::Vec3>; 2], model: &Model<R>, plan: &Plan) -> Self {
-        let has_thesis_force = plan.contact && plan.contact_rule == ContactRule::Thesis;
         Self {
-            thesis_force: has_thesis_force.then(|| vec![R::Vec3::ZERO; force.len()]),
-            force,
-            velocity,
+            force: room(),
+            thesis_force: thesis_room(model, plan),
+            velocity: room(),
             contact: contact::ContactWorkspace::new(model, plan),
             scheme: schemes::SchemeWorkspace::new(model, plan),
             forces: forces::ForceWorkspace::new(model, plan),
@@ -88,15 +82,20 @@ impl<R: Real> StepWorkspace<R> {
         }
     }
 
-    /// Makes room for a model of the same bodies with other constants or obstacles.
-    pub(super) fn fit(&mut self, model: &Model<R>, plan: &Plan) {
-        let kept = [&mut self.force, &mut self.velocity].map(std::mem::take);
-        *self = Self::around(kept, model, plan);
+    /// Goes on with a model of the same bodies with other constants or obstacles. What neither changes keeps its room.
+    pub(super) fn fit(&mut self, before: (&Model<R>, &Plan), model: &Model<R>, plan: &Plan) {
+        if self.thesis_force.is_some() != has_thesis_force(plan) {
+            self.thesis_force = thesis_room(model, plan);
+        }
+        self.contact = contact::ContactWorkspace::new(model, plan);
+        self.scheme.fit(before.1.scheme, model, plan);
+        self.forces.fit(before.0, model, plan);
+        self.modal = ModalWorkspace::new(model, plan);
     }
 
     /// Goes on with as many threads as a plan wants.
     pub(super) fn fit_threads(&mut self, model: &Model<R>, plan: &Plan) {
-        self.forces = forces::ForceWorkspace::new(model, plan);
+        self.forces.fit(model, model, plan);
     }
 
     /// The scheme at work on a substep whose forces are known, contact's workspace, and where the velocities are
@@ -109,6 +108,16 @@ impl<R: Real> StepWorkspace<R> {
         let stepper = Stepper { substep, force, held_force: thesis_force.as_deref(), workspace: scheme, forces };
         (stepper, contact, velocity)
     }
+}
+
+/// Whether contact is a force by the thesis's rule.
+fn has_thesis_force(plan: &Plan) -> bool {
+    plan.contact && plan.contact_rule == ContactRule::Thesis
+}
+
+/// Room for this force on every particle, where there is any.
+fn thesis_room<R: Real>(model: &Model<R>, plan: &Plan) -> Option<Vec<R::Vec3>> {
+    has_thesis_force(plan).then(|| vec![R::Vec3::ZERO; model.particle_count()])
 }
 
 /// Room for what is remembered of the bodies before a substep, which may be given up.
