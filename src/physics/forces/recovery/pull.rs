@@ -96,6 +96,10 @@ pub(super) fn judge<R: Real>(
         }
         return;
     }
+    // A body that was not watched until now, and whose cells are only near inversion, is not from now on either.
+    if memory.knotted_nanos == 0 && !is_inverted(smallest) {
+        return;
+    }
     if smallest >= THRESHOLD || !is_slow(body, position, velocity) {
         memory.knotted_nanos = 0;
         return;

@@ -29,7 +29,7 @@ use super::edges::THRESHOLD;
 use crate::math::{Real, Vector};
 use crate::physics::forces::links::link_force;
 use crate::physics::forces::recovery::edges::MeanEdges;
-use crate::physics::model::{BodyModel, Model};
+use crate::physics::model::{BodyModel, Link, Model};
 use crate::physics::state::BodyMemory;
 
 /// The share of their elastic force that links between particles of inverted cells lose in a body whose families are
@@ -54,13 +54,16 @@ const CALM: f64 = 1e-3;
 pub(in crate::physics) struct RecoveryWorkspace<R: Real> {
     /// For each particle of the body at hand the share of elastic force that its links lose.
     softness: Vec<R>,
+    /// The particles for which that is not nothing, ascending.
+    soft: Vec<u32>,
 }
 
 impl<R: Real> RecoveryWorkspace<R> {
     /// Room for the largest body of a model whose links may be softened.
     pub(in crate::physics) fn new(model: &Model<R>) -> Self {
         let soft = model.bodies.iter().filter(|body| softest(body) > R::ZERO);
-        Self { softness: vec![R::ZERO; soft.map(|body| body.particles.len()).max().unwrap_or(0)] }
+        let particles = soft.map(|body| body.particles.len()).max().unwrap_or(0);
+        Self { softness: vec![R::ZERO; particles], soft: Vec::with_capacity(particles) }
     }
 }
 
@@ -123,17 +126,20 @@ pub(super) fn for_each_soft_link<R: Real>(
     if !is_calm(body, velocity) {
         return;
     }
-    let softness = &mut workspace.softness[..position.len()];
+    let RecoveryWorkspace { softness, soft } = workspace;
+    let softness = &mut softness[..position.len()];
     softness.fill(R::ZERO);
     for (corners, share) in crushed {
         for &corner in corners {
             softness[corner as usize] = softness[corner as usize].max(share);
         }
     }
+    soft.clear();
+    soft.extend((0..).zip(&*softness).filter(|(_, softness)| **softness > R::ZERO).map(|(particle, _)| particle));
     let may_give = memory.account.taken_j > 0.0;
     for family in &body.links {
         let flow = family.stiffness * body.recovery.flow_secs * R::from_f64(FLOW);
-        for link in family.links.iter() {
+        for link in links_from(&family.links, soft) {
             let [i, j] = link.ends.map(|end| end as usize);
             let softness = softness[i].min(softness[j]);
             if softness > R::ZERO {
@@ -150,6 +156,16 @@ pub(super) fn for_each_soft_link<R: Real>(
             }
         }
     }
+}
+
+/// The links whose first end is one of these particles. Both ascend, so that few crushed cells are not looked for among all
+/// links of a large body.
+fn links_from<'a, R: Real>(links: &'a [Link<R>], particles: &'a [u32]) -> impl Iterator<Item = &'a Link<R>> {
+    let mut rest = links;
+    particles.iter().flat_map(move |&particle| {
+        rest = &rest[rest.partition_point(|link| link.ends[0] < particle)..];
+        rest.iter().take_while(move |link| link.ends[0] == particle)
+    })
 }
 
 /// Whether a body moves so little that soft links can do no harm.
@@ -173,5 +189,21 @@ fn softest<R: Real>(body: &BodyModel<R>) -> R {
         R::from_f64(SOFTEST) * ((structural - shear).max(shear - structural) / most)
     } else {
         R::ZERO
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_of_some_particles_are_found_among_all() {
+        let link = |ends| Link::<f32> { ends, rest_length: 1.0, inverse_rest_length: 1.0 };
+        let links: Vec<_> = [[0, 1], [0, 4], [2, 3], [2, 4], [2, 9], [3, 4], [7, 8]].map(link).into();
+        for some in [&[][..], &[0], &[1], &[2], &[0, 2], &[1, 2, 3, 7], &[3, 5, 8], &[9]] {
+            let found: Vec<_> = links_from(&links, some).copied().collect();
+            let among_all: Vec<_> = links.iter().filter(|link| some.contains(&link.ends[0])).copied().collect();
+            assert_eq!(found, among_all, "{some:?}");
+        }
     }
 }
