@@ -27,12 +27,21 @@ fn vertex(
     @location(4) size: f32,
     @location(5) tint: vec4f,
 ) -> Varying {
+    return carried(position, scalar, normal, color, size, tint);
+}
+
+fn carried(position: vec3f, scalar: f32, normal: vec3f, color: vec3f, size: f32, tint: vec4f) -> Varying {
     let paint = vec4f(linear_from_srgb(tint.rgb) * tint.a, tint.a);
     return Varying(frame.clip_from_world * vec4f(position, 1.0), position, normal, scalar, color, size, paint);
 }
 
 @fragment
 fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    return lit(in, front, in.paint);
+}
+
+// What is seen of a point that is painted so.
+fn lit(in: Varying, front: bool, paint: vec4f) -> vec4f {
     let to_eye = normalize(frame.eye - in.world);
     var normal = normalize(in.normal);
     normal = select(-normal, normal, front);
@@ -40,7 +49,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     var albedo = in.color;
     var gloss = 1.0;
     if frame.coloring == 2u {
-        albedo = in.paint.rgb + (1.0 - in.paint.a) * in.color;
+        albedo = paint.rgb + (1.0 - paint.a) * in.color;
     }
     if frame.coloring == 1u {
         let level = clamp((in.scalar - frame.color_low) * frame.color_scale, 0.0, 1.0);

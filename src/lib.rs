@@ -55,11 +55,11 @@
 //!
 //! | module | names | its job |
 //! |---|---|---|
-//! | [`math`] | – | scalars, boxes, rotations, colours as light, seeded random numbers, how long a frame is |
+//! | [`math`] | – | scalars, boxes, rotations, colours as light, pictures as texels, seeded random numbers, how long a frame is |
 //! | [`text`] | – | texts of strangers, fit for a message |
 //! | [`disk`] | text | files read and written whole |
 //! | [`machine`] | – | what memory there is, threads that are awake when there is work |
-//! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells; which cells are of which part that the file names |
+//! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells; which cells are of which part that the file names; the colours and pictures on its surface |
 //! | [`scene`] | math, disk, text, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
 //! | [`physics`] | math, machine, geometry, scene (in `compile` alone) | the core: forces, contact, stability limits, the step; no input, output or clock |
 //! | [`modal`] | math, machine, geometry, physics | how a body swings: the lowest modes about rest, by which the physics can move it at a cost that no cell adds to |

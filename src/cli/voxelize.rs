@@ -14,7 +14,7 @@ use super::named_parts;
 use super::out::{self, Progress};
 use super::scene_args::up_axis;
 use crate::geometry::UpAxis;
-use crate::geometry::import::{self, FORMATS, Imported};
+use crate::geometry::import::{self, Detail, FORMATS, Imported};
 use crate::geometry::part_cells::{PartCells, PartCount};
 use crate::geometry::voxel::{Cells, Keep, MAX_DIVISIONS, OccupancyChoice, VoxelReport, VoxelizeOptions, voxelize};
 use crate::scene::MaterialValue;
@@ -127,7 +127,7 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     };
     let started = Instant::now();
     let progress = Progress::new("filling");
-    let mut imported = resolve::load_model(model, Path::new(""), &progress)?;
+    let mut imported = resolve::load_model(model, Path::new(""), Detail::Form, &progress)?;
     let up = args.up.found(&imported.mesh);
     up.turn(&mut imported.mesh);
     let mut filled = voxelize(&imported.mesh, &options, &progress).with_context(|| shown.clone())?;

@@ -5,8 +5,10 @@ use glam::DVec3;
 use crate::geometry::embed::{Embedder, Embedding};
 use crate::geometry::paint::{NO_TINT, Tint};
 use crate::geometry::shading::SmoothGroup;
+use crate::geometry::texturing::TexturePlace;
 use crate::geometry::{Lattice, Paint, Shading, TriMesh};
-use crate::view::{Skin, SkinVertex};
+use crate::math::picture::Texture;
+use crate::view::{Skin, SkinTextures, SkinVertex, TexturedRun};
 
 /// Faces of a mesh that meet at a smaller angle than this share a smooth normal; at a larger one there is a crease.
 const CREASE_DEG: f64 = 40.0;
@@ -131,8 +133,8 @@ impl Direction {
 }
 
 /// A model's mesh, given in the lattice's own coordinates, carried by the cells around it; every vertex moves with the
-/// eight particles of one cell. Vertices are split where faces have other colours of `paint`, and where they are not smooth by
-/// `shading` or, where that says nothing, meet at a crease.
+/// eight particles of one cell. Vertices are split where faces have other colours of `paint` or lie elsewhere in its pictures,
+/// and where they are not smooth by `shading` or, where that says nothing, meet at a crease.
 ///
 /// Parts of the mesh whose cells were dropped are left out: nothing carries them. Particle `p` of the lattice is
 /// particle `first_particle + p` of the draw list. Empty where the lattice has no cells.
@@ -145,17 +147,23 @@ pub fn model_skin(
 ) -> Skin {
     let embedder = Embedder::new(lattice);
     let Some(embeddings) = embedder.embed_all(&mesh.positions) else { return Skin::default() };
-    let CreasedMesh { corners, triangles } = creased(mesh, &near_cells(mesh, &embeddings), paint, shading);
-    let vertices = corners
+    let mut split = creased(mesh, &near_cells(mesh, &embeddings), paint, shading);
+    let textures = paint.and_then(|paint| split.by_texture(paint.textures()));
+    let vertices = split
+        .corners
         .iter()
-        .map(|&Corner { vertex, normal, tint }| {
+        .map(|&Corner { vertex, normal, tint, .. }| {
             let embedding = &embeddings[vertex as usize];
             let place = mesh.positions[vertex as usize];
             let vertex = embedded_vertex(&embedder, embedding, place, normal, first_particle);
             SkinVertex { tint, ..vertex }
         })
         .collect();
-    Skin::new(vertices, triangles)
+    let skin = Skin::new(vertices, split.triangles);
+    match textures {
+        Some(textures) => skin.with_textures(textures),
+        None => skin,
+    }
 }
 
 /// The triangles of a mesh but those that reach too far from any cell.
@@ -185,13 +193,38 @@ fn embedded_vertex(
 struct CreasedMesh {
     corners: Vec<Corner>,
     triangles: Vec<[u32; 3]>,
+    /// Of every triangle, as far as one has any.
+    textures: Vec<Option<u16>>,
 }
 
-/// A vertex of the source with one of its normals and colours.
+/// A vertex of the source with one of its normals and colours, and of its places in a picture.
 struct Corner {
     vertex: u32,
     normal: DVec3,
     tint: Tint,
+    place: TexturePlace,
+}
+
+impl CreasedMesh {
+    /// Puts the triangles in the order of their pictures, those without any first.
+    fn by_texture(&mut self, textures: &[Texture]) -> Option<SkinTextures> {
+        let number = |triangle: usize| self.textures.get(triangle).copied().flatten();
+        let mut order: Vec<usize> = (0..self.triangles.len()).collect();
+        order.sort_by_key(|&triangle| number(triangle));
+        let mut runs = Vec::new();
+        let mut end = 0;
+        for same in order.chunk_by(|&a, &b| number(a) == number(b)) {
+            let triangles = end..end + same.len();
+            end = triangles.end;
+            let texture = number(same[0]).and_then(|number| textures.get(usize::from(number)));
+            runs.extend(texture.map(|texture| TexturedRun { texture: texture.clone(), triangles }));
+        }
+        if runs.is_empty() {
+            return None;
+        }
+        self.triangles = order.into_iter().map(|triangle| self.triangles[triangle]).collect();
+        Some(SkinTextures { places: self.corners.iter().map(|corner| corner.place).collect(), runs })
+    }
 }
 
 fn creased(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>, shading: Option<&Shading>) -> CreasedMesh {
@@ -209,12 +242,19 @@ fn creased(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>, shading: Opti
     let mut corners: Vec<Corner> = Vec::new();
     let mut made: Vec<Vec<u32>> = vec![Vec::new(); mesh.positions.len()];
     let mut triangles = Vec::with_capacity(faces.len());
+    let mut textures = Vec::new();
     for (&face, face_normal) in faces.iter().zip(&face_normals) {
         if *face_normal == DVec3::ZERO {
             continue;
         }
         let own = face_normal.normalize();
         let groups = groups_of(face);
+        let texture = paint.and_then(|paint| paint.texture(face));
+        let places = texture.map_or([[0.0; 2]; 3], |(_, places)| places);
+        if let Some((texture, _)) = texture {
+            textures.resize(triangles.len(), None);
+            textures.push(Some(texture));
+        }
         triangles.push([0, 1, 2].map(|corner| {
             let (vertex, group) = (corners_of(&face)[corner], groups[corner]);
             let smooth = around[points[vertex as usize] as usize]
@@ -226,17 +266,20 @@ fn creased(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>, shading: Opti
             let normal = smooth.sum::<DVec3>().normalize_or(own);
             let known = &mut made[vertex as usize];
             let tint = paint.map_or(NO_TINT, |paint| paint.tint(face, vertex as usize));
-            let is_same = |corner: &Corner| corner.tint == tint && corner.normal.distance(normal) < 1e-6;
+            let place = places[corner];
+            let is_same = |corner: &Corner| {
+                (corner.tint, corner.place) == (tint, place) && corner.normal.distance(normal) < 1e-6
+            };
             let found = known.iter().find(|&&corner| is_same(&corners[corner as usize])).copied();
             found.unwrap_or_else(|| {
-                corners.push(Corner { vertex, normal, tint });
+                corners.push(Corner { vertex, normal, tint, place });
                 let corner = last_index(corners.len());
                 known.push(corner);
                 corner
             })
         }));
     }
-    CreasedMesh { corners, triangles }
+    CreasedMesh { corners, triangles, textures }
 }
 
 /// For every vertex the first of those at the very same position: files repeat vertices along seams.

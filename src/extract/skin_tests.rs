@@ -2,11 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
+use std::sync::Arc;
 
 use glam::{DMat3, Vec3};
 
 use super::*;
+use crate::geometry::texturing::Texturing;
 use crate::geometry::voxel::Cells;
+use crate::math::picture::{Picture, Sampling};
 use crate::math::rotation::from_euler_deg;
 
 const SIZE: f64 = 0.5;
@@ -217,7 +220,7 @@ fn vertices_are_split_where_colours_meet_and_nowhere_else() {
     assert!(!bare.is_painted());
     let (red, blue) = ([255, 0, 0, 255], [0, 0, 255, 255]);
     let painted = |of: &dyn Fn(usize) -> Tint| {
-        let paint = Paint::new(Vec::new(), (0..mesh.triangles.len()).map(of).collect()).expect("colours");
+        let paint = Paint::new(Vec::new(), (0..mesh.triangles.len()).map(of).collect(), None).expect("colours");
         model_skin(&lattice, &mesh, Some(&paint), None, 0)
     };
     let one = painted(&|_| red);
@@ -231,4 +234,40 @@ fn vertices_are_split_where_colours_meet_and_nowhere_else() {
         assert_eq!(tints, [if number == 0 { blue } else { red }; 3], "triangle {number}");
     }
     assert_eq!(two.folds().len(), bare.folds().len(), "the surface is the same");
+}
+
+#[test]
+fn vertices_are_split_where_places_in_a_picture_differ_and_triangles_are_sorted_by_it() {
+    let lattice = lattice(&[[0, 0, 0]]);
+    let mesh = boxed(0.2, false);
+    let count = mesh.triangles.len();
+    let picture = Arc::new(Picture::new([1, 1], vec![255; 4], 1).expect("one texel"));
+    let textures = [Sampling::default(), Sampling { levels: None, ..Sampling::default() }]
+        .map(|sampling| Texture { picture: Arc::clone(&picture), sampling });
+    let dressed = |of: &dyn Fn(usize) -> Option<u16>, places: &dyn Fn(usize) -> [[f32; 2]; 3]| {
+        let (of_triangles, corners) = ((0..count).map(of).collect(), (0..count).map(places).collect());
+        let texturing = Texturing::new(textures.to_vec(), of_triangles, corners).expect("pictures");
+        let paint = Paint::new(Vec::new(), Vec::new(), Some(texturing)).expect("pictures");
+        model_skin(&lattice, &mesh, Some(&paint), None, 0)
+    };
+    let bare = model_skin(&lattice, &mesh, None, None, 0);
+    let same = dressed(&|_| Some(0), &|_| [[0.5; 2]; 3]);
+    assert_eq!(same.triangles(), bare.triangles(), "nothing is split where all lies in one place");
+    assert!(same.is_painted() && same.vertices().iter().all(|vertex| vertex.tint == [255; 4]), "as the picture is");
+    let each = |triangle: usize| [0.0, 1.0, 2.0].map(|corner| [triangle as f32, corner]);
+    let split = dressed(&|triangle| [None, Some(1), Some(0)][triangle % 3], &each);
+    let dressed = split.textures().expect("pictures");
+    let runs: Vec<_> = dressed.runs.iter().map(|run| (run.triangles.clone(), run.texture.sampling.levels)).collect();
+    let smooth = Sampling::default().levels;
+    assert_eq!((dressed.plain_triangles(), runs), (4, vec![(4..8, smooth), (8..12, None)]), "plain ones, then by picture");
+    for (number, corners) in split.triangles().iter().enumerate().skip(4) {
+        let places = corners.map(|vertex| dressed.places[vertex as usize]);
+        let triangle = if number < 8 { 3 * (number - 4) + 2 } else { 3 * (number - 8) + 1 };
+        assert_eq!(places, each(triangle), "triangle {triangle} of the model is {number} of the skin");
+        let positions = corners.map(|vertex| split.vertices()[vertex as usize].place(&moved(&lattice, DMat3::IDENTITY)));
+        for (position, &vertex) in positions.into_iter().zip(&mesh.triangles[triangle]) {
+            assert!(position.distance(mesh.positions[vertex as usize].as_vec3()) < 1e-5, "and lies where it did");
+        }
+    }
+    assert_eq!(split.folds().len(), bare.folds().len(), "the surface is the same");
 }

@@ -1,7 +1,7 @@
 //! Shapes to shapes, no physics: a model file becomes a triangle mesh, a mesh becomes cells of a grid, cells become
 //! the particles and links of a lattice, and points of the mesh find their place in it; a few of
 //! them stand for all of its surface. Cells are of the parts that the file names, and the mesh has the colours
-//! that the file gives it.
+//! and pictures that the file gives it.
 
 pub mod embed;
 pub mod import;
@@ -9,9 +9,11 @@ pub mod lattice;
 pub mod named_parts;
 pub mod paint;
 pub mod part_cells;
+pub mod picture_file;
 pub mod sampling;
 pub mod shading;
 pub mod surface;
+pub mod texturing;
 pub mod trimesh;
 pub mod up_axis;
 pub mod voxel;

@@ -1,5 +1,8 @@
-//! What a model looks like by its own file: the colours of its vertices, and of its triangles by their materials.
+//! What a model looks like by its own file: the colours of its vertices, and the colours and pictures of its triangles by
+//! their materials.
 
+use super::texturing::{TexturePlace, Texturing};
+use crate::math::picture::Texture;
 use crate::math::color::{linear_from_srgb, srgb_from_linear};
 
 /// An sRGB colour and 255; all 0 where there is none.
@@ -8,35 +11,58 @@ pub type Tint = [u8; 4];
 /// No colour.
 pub const NO_TINT: Tint = [0; 4];
 
+/// What leaves a picture as it is.
+const WHITE: Tint = [255; 4];
+
 /// The colours of a mesh.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Paint {
     /// Of every vertex; empty where no vertex has one.
     vertices: Vec<Tint>,
     /// Of every triangle; empty where no triangle has one.
     triangles: Vec<Tint>,
+    /// None where no triangle has a picture.
+    texturing: Option<Texturing>,
 }
 
 impl Paint {
-    /// The colours of all vertices and all triangles; none where nothing has a colour.
-    pub fn new(vertices: Vec<Tint>, triangles: Vec<Tint>) -> Option<Self> {
+    /// The colours of all vertices and all triangles, and the pictures of these; none where nothing has any.
+    pub fn new(vertices: Vec<Tint>, triangles: Vec<Tint>, texturing: Option<Texturing>) -> Option<Self> {
         let if_any = |tints: Vec<Tint>| if tints.iter().all(|&tint| tint == NO_TINT) { Vec::new() } else { tints };
         let (vertices, triangles) = (if_any(vertices), if_any(triangles));
-        let is_painted = !(vertices.is_empty() && triangles.is_empty());
-        is_painted.then_some(Self { vertices, triangles })
+        let is_painted = !(vertices.is_empty() && triangles.is_empty() && texturing.is_none());
+        is_painted.then_some(Self { vertices, triangles, texturing })
     }
 
     /// The colour of a vertex as a corner of a triangle. Where both have one, each takes its share of the light, as
-    /// glTF has it.
+    /// glTF has it. A picture is to be multiplied by it, so that it is white where only that gives colour.
     pub fn tint(&self, triangle: usize, vertex: usize) -> Tint {
         let own = self.vertices.get(vertex).copied().unwrap_or(NO_TINT);
         let material = self.triangles.get(triangle).copied().unwrap_or(NO_TINT);
         match (own, material) {
+            (NO_TINT, NO_TINT) if self.texture(triangle).is_some() => WHITE,
             (NO_TINT, tint) | (tint, NO_TINT | [255, 255, 255, 255]) => tint,
             (own, material) => {
                 let [own, material] = [own, material].map(|[red, green, blue, _]| linear_from_srgb([red, green, blue]));
                 tint_of_linear(std::array::from_fn(|channel| own[channel] * material[channel]))
             }
+        }
+    }
+
+    /// The pictures of its triangles.
+    pub fn textures(&self) -> &[Texture] {
+        self.texturing.as_ref().map_or(&[], Texturing::textures)
+    }
+
+    /// The picture of a triangle, a place among the textures, and where its corners lie in it; none where it has none.
+    pub fn texture(&self, triangle: usize) -> Option<(u16, [TexturePlace; 3])> {
+        self.texturing.as_ref()?.of(triangle)
+    }
+
+    /// Takes pictures from others where they have the very same, so that each is in memory once.
+    pub fn share_pictures<'a>(&mut self, others: impl Iterator<Item = &'a Self>) {
+        if let Some(texturing) = &mut self.texturing {
+            texturing.share(others.filter_map(|other| other.texturing.as_ref()));
         }
     }
 }
@@ -69,13 +95,13 @@ mod tests {
 
     #[test]
     fn a_corner_has_the_colour_of_its_vertex_its_material_or_both() {
-        let paint = Paint::new(vec![RED, GREY, NO_TINT], vec![NO_TINT, GREY]).expect("colours");
+        let paint = Paint::new(vec![RED, GREY, NO_TINT], vec![NO_TINT, GREY], None).expect("colours");
         assert_eq!([0, 1, 2].map(|vertex| paint.tint(0, vertex)), [RED, GREY, NO_TINT], "vertices alone");
         // Half the light of each channel, twice: a quarter of it.
         assert_eq!(paint.tint(1, 1), [138, 138, 138, 255], "both, by the light that they leave");
         assert_eq!(paint.tint(1, 2), GREY, "the material alone");
-        assert_eq!(Paint::new(vec![NO_TINT; 3], vec![NO_TINT]), None, "nothing has a colour");
-        let bare = Paint::new(vec![NO_TINT; 3], vec![RED]).expect("colours");
+        assert_eq!(Paint::new(vec![NO_TINT; 3], vec![NO_TINT], None), None, "nothing has a colour");
+        let bare = Paint::new(vec![NO_TINT; 3], vec![RED], None).expect("colours");
         assert_eq!(bare.tint(0, 2), RED, "no vertex has one");
     }
 

@@ -128,6 +128,9 @@ pub struct BodyInstance {
     pub size: f32,
 }
 
+/// The vertex input of `textured.wgsl` beside those of `mesh.wgsl`: where a vertex lies in a picture.
+pub const PLACE_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![6 => Float32x2];
+
 impl BodyInstance {
     /// The vertex inputs of `mesh.wgsl`.
     pub const ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![3 => Float32x3, 4 => Float32];

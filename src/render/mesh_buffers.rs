@@ -7,7 +7,7 @@ use super::buffer::filled;
 use super::error::RenderError;
 use super::layout::{DeformedVertex, SKIN_WORKGROUP, SkinVertex};
 use super::picture::FrameCounters;
-use crate::view::{DrawList, Skin};
+use crate::view::{DrawList, Skin, SkinTextures};
 
 /// The most vertices of a skin: 65 535 workgroups are what every device takes.
 const MOST_VERTICES: u32 = 65_535 * SKIN_WORKGROUP;
@@ -54,6 +54,10 @@ pub(super) struct SkinBuffers {
     pub(super) indices: wgpu::Buffer,
     /// How many indices there are.
     pub(super) index_count: u32,
+    /// How many of them, at the beginning, are of triangles without a picture.
+    pub(super) plain_index_count: u32,
+    /// Where each vertex lies in a picture; none where the skin has no pictures.
+    pub(super) places: Option<wgpu::Buffer>,
     /// How many vertices there are.
     pub(super) vertex_count: u32,
 }
@@ -179,7 +183,9 @@ impl SkinBuffers {
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        counters.static_bytes += bytes + index_bytes;
+        let places = skin.textures().map(|textures| bytemuck::cast_slice(&textures.places));
+        counters.static_bytes += bytes + index_bytes + places.map_or(0, |places: &[u8]| places.len() as u64);
+        let plain = skin.textures().map_or(skin.triangles().len(), SkinTextures::plain_triangles);
         Ok(Self {
             source: Arc::clone(skin),
             particles_needed: skin.particles_needed(),
@@ -189,6 +195,8 @@ impl SkinBuffers {
             edges: None,
             indices: uploaded("triangles", bytemuck::cast_slice(skin.triangles()), wgpu::BufferUsages::INDEX),
             index_count: count(skin.triangles().len() * 3),
+            plain_index_count: count(plain * 3),
+            places: places.map(|places| uploaded("places in pictures", places, wgpu::BufferUsages::VERTEX)),
             vertex_count: count(skin.vertices().len()),
         })
     }

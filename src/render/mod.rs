@@ -2,7 +2,7 @@
 //! points, solids, a camera and a light; it has never heard of a spring, a scene or a window.
 //!
 //! ```text
-//! particles, scalars ─► skin (compute) ─► shadow, contact shadow ─► mesh ─► solid ─► background ─► ground
+//! particles, scalars ─► skin (compute) ─► shadow, contact shadow ─► mesh, textured ─► solid ─► background ─► ground
 //!                                         ─► lines, cells, points ─► fills ─► resolve ─► target
 //! target, panels ─► compose ─► the window's surface
 //! ```
@@ -36,6 +36,7 @@ mod plane_parts;
 mod shadow_fit;
 mod shapes;
 mod shared;
+mod texture_cache;
 mod upload_cache;
 
 pub use compose::Compositor;

@@ -17,6 +17,7 @@ use super::passes::outline::{Masked, OutlinePass};
 use super::passes::shadow::ShadowPass;
 use super::passes::skin::SkinPass;
 use super::passes::solid::SolidPass;
+use super::passes::textured::TexturedPass;
 use super::picture::{FrameCounters, FrameTarget, Viewport};
 use super::quality::Quality;
 use super::readback::read_buffer;
@@ -40,6 +41,7 @@ pub struct Renderer {
     shaded: Option<(Lay, Vec<Solid>)>,
     solid: SolidPass,
     mesh: MeshPass,
+    textured: TexturedPass,
     background: BackgroundPass,
     ground: GroundPass,
     overlay: OverlayPasses,
@@ -62,6 +64,7 @@ impl Renderer {
             shapes: Shapes::new(device, queue),
             solid: SolidPass::new(device, output, &lit),
             mesh: MeshPass::new(device, output, &lit),
+            textured: TexturedPass::new(output, [&frame_layout, &lighting_layout]),
             background: BackgroundPass::new(device, output, &lit[..1]),
             ground: GroundPass::new(device, output, &lit),
             overlay: OverlayPasses::new(device, output, &frame_layout),
@@ -104,6 +107,7 @@ impl Renderer {
         let colors = &draw_list.style.overlay;
         self.overlay.prepare(device, queue, overlays, colors, &mut self.meshes, &mut counters)?;
         let gpu = Device { device, queue };
+        self.textured.prepare(gpu, draw_list, &self.meshes.skins, &mut counters.static_bytes);
         self.outline.prepare(gpu, draw_list, frame.size, &self.meshes, &mut counters.overlay_bytes)?;
 
         self.shapes.update(device, queue, &draw_list.solids);
@@ -200,8 +204,11 @@ impl Renderer {
         pass.set_bind_group(1, self.shared.lighting(), &[]);
         let see_through = draw_list.overlay.see_through.clamp(0.0, 1.0);
         if see_through <= 0.0 {
-            self.mesh.draw(&mut pass, &self.meshes.skins, self.shared.bodies());
+            let (skins, instances) = (&self.meshes.skins, self.shared.bodies());
+            self.mesh.draw(&mut pass, skins, self.textured.others(), instances);
+            self.textured.draw(&mut pass, skins, instances);
             counters.passes.push("mesh");
+            counters.passes.extend(self.textured.shows_any().then_some("textured"));
         }
         self.solid.draw(&mut pass, &self.shapes, &draw_list.solids, self.shared.solids());
         // After what may cover them, so that hidden pixels cost nothing.
@@ -214,8 +221,11 @@ impl Renderer {
         self.overlay.draw_carried(&mut pass, counters);
         if see_through > 0.0 {
             pass.set_bind_group(1, self.shared.lighting(), &[]);
-            self.mesh.draw_sheer(&mut pass, &self.meshes.skins, self.shared.bodies(), 1.0 - see_through);
+            let (skins, instances) = (&self.meshes.skins, self.shared.bodies());
+            self.mesh.draw_sheer(&mut pass, skins, self.textured.others(), instances, 1.0 - see_through);
+            self.textured.draw_sheer(&mut pass, skins, instances);
             counters.passes.push("mesh");
+            counters.passes.extend(self.textured.shows_any().then_some("textured"));
         }
         self.outline.draw(&mut pass);
         self.overlay.draw_placed(&mut pass, counters);

@@ -11,7 +11,7 @@ use super::body::{MassFrom, ModelShape, Shape};
 use super::obstacle::Mesh;
 use super::param::Problem;
 use super::{Body, Embedded, ObstacleShape, Scene, builtin, embedded};
-use crate::geometry::import::{self, ImportError, Imported};
+use crate::geometry::import::{self, Detail, ImportError, Imported};
 use crate::geometry::part_cells::Parts;
 use crate::geometry::surface::SurfaceError;
 use crate::geometry::voxel::{
@@ -34,7 +34,7 @@ pub struct Jelly {
     pub lattice: Arc<Lattice>,
     /// The model's own surface; none for cubes and lists of cells.
     pub mesh: Option<Arc<TriMesh>>,
-    /// The colours of the model's own surface; none where its file gives none.
+    /// The colours and pictures of the model's own surface; none where its file gives none.
     pub paint: Option<Arc<Paint>>,
     /// Where it is smooth by its own file.
     pub shading: Option<Arc<Shading>>,
@@ -266,6 +266,7 @@ pub fn part_problem(place: usize, body: &Body, lattice: &Lattice) -> Option<Prob
 pub fn load_model<'a>(
     path: &str,
     places: impl Into<ModelPlaces<'a>>,
+    detail: Detail,
     watch: &dyn Watch,
 ) -> Result<Imported, ResolveError> {
     let ModelPlaces { base_dir, embedded } = places.into();
@@ -275,14 +276,14 @@ pub fn load_model<'a>(
         if held.find(name).is_none() {
             return Err(ResolveError::NoSuchEmbedded { name: echo(name), held: listed(held) });
         }
-        return Ok(import::load_held(held, name, &CancelOnly(watch))?);
+        return Ok(import::load_held(held, name, detail, &CancelOnly(watch))?);
     }
     match path.strip_prefix(builtin::PREFIX) {
         Some(name) => {
             let bytes = builtin::model(name).ok_or_else(|| ResolveError::NoSuchBuiltin { name: name.to_owned() })?;
             Ok(import::parse_obj(bytes, path)?)
         }
-        None => Ok(import::load_watched(&base_dir.join(path), &CancelOnly(watch))?),
+        None => Ok(import::load_watched(&base_dir.join(path), detail, &CancelOnly(watch))?),
     }
 }
 
@@ -324,7 +325,7 @@ pub fn load_meshes(scene: &mut Scene, base_dir: &Path, watch: &dyn Watch) -> Res
 
 /// Reads the model of an obstacle.
 fn load_surface(mesh: &Mesh, places: ModelPlaces<'_>, watch: &dyn Watch) -> Result<Arc<Surface>, ResolveError> {
-    let mut model = load_model(&mesh.path, places, watch)?.mesh;
+    let mut model = load_model(&mesh.path, places, Detail::Form, watch)?.mesh;
     mesh.up.found(&model).turn(&mut model);
     let surface = Surface::new(&model).map_err(|source| ResolveError::Surface { model: mesh.path.clone(), source })?;
     let length_m = mesh.scale(&surface);
@@ -335,7 +336,8 @@ fn load_surface(mesh: &Mesh, places: ModelPlaces<'_>, watch: &dyn Watch) -> Resu
 }
 
 fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) -> Result<Filled, ResolveError> {
-    let Imported { mut mesh, parts, paint, shading, mut warnings } = load_model(&model.path, places, watch)?;
+    let imported = load_model(&model.path, places, Detail::Pictures, watch)?;
+    let Imported { mut mesh, parts, paint, shading, mut warnings } = imported;
     let up = model.up.found(&mesh);
     up.turn(&mut mesh);
     if up != model.up && up != UpAxis::Y {

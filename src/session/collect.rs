@@ -3,7 +3,7 @@
 //! ```text
 //! FOLDER/scene.ron              paths of models as seen from here
 //! FOLDER/models/cow.obj         a model that is one file
-//! FOLDER/models/lamp/lamp.gltf  one that has its buffers beside it, and they as it names them
+//! FOLDER/models/lamp/lamp.gltf  one that has its buffers or pictures beside it, and they as it names them
 //! ```
 //!
 //! Or one file with all of it inside.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cow.obj                          a model that is one file
-//! lamp/lamp.gltf, lamp/bin/a.bin   one that has its buffers beside it, and they as it names them
+//! lamp/lamp.gltf, lamp/bin/a.bin   one that has its buffers, materials or pictures beside it, and they as it names them
 //! ```
 //!
 //! In a folder or within a scene file they are found there by another person.
@@ -14,7 +14,7 @@ use thiserror::Error;
 
 use super::model_paths;
 use crate::disk::{self, ReadError, folder_of};
-use crate::geometry::import::{self, ImportError, MAX_FILE_BYTES};
+use crate::geometry::import::{self, Detail, ImportError, MAX_FILE_BYTES};
 use crate::scene::embedded::{EmbeddedFile, PREFIX};
 use crate::scene::file::SceneFileError;
 use crate::scene::{Embedded, Scene};
@@ -155,7 +155,8 @@ pub(super) fn with_models_inside(scene: &Scene, base_dir: &Path) -> Result<Scene
 /// The files of a model on the disk, itself first: their names as seen from its folder.
 fn files_on_disk(path: &Path, whose: &str) -> Result<Vec<(String, Source)>, CollectError> {
     // What another person could not open is found here and now.
-    import::load(path).map_err(|source| CollectError::Model { whose: whose.to_owned(), source: Box::new(source) })?;
+    import::load(path, Detail::Form)
+        .map_err(|source| CollectError::Model { whose: whose.to_owned(), source: Box::new(source) })?;
     let beside = folder_of(path);
     let named = |file: PathBuf| {
         // What lies beside a model is never above it.

@@ -2,6 +2,7 @@
 //! comes back by undo, though its file may be gone by then.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::geometry::Watch;
 use crate::scene::resolve::{Filled, Jelly, ModelPlaces, Outline, ResolveError, fill, resolve};
@@ -66,20 +67,25 @@ impl Library {
 
     /// The shape made ready, now or earlier.
     pub(super) fn get(&mut self, shape: &Shape, watch: &dyn Watch) -> Result<Jelly, ResolveError> {
-        let jelly = match self.entries.iter().position(|(known, _)| known == shape) {
-            Some(place) => self.entries.remove(place).1,
-            None => match self.filled.iter().position(|(known, _)| known == shape) {
+        if let Some(place) = self.entries.iter().position(|(known, _)| known == shape) {
+            let known = self.entries.remove(place);
+            self.entries.push(known);
+        } else {
+            let jelly = match self.filled.iter().position(|(known, _)| known == shape) {
                 Some(place) => self.filled.remove(place).1.build(),
                 None => resolve(shape, self.places(), watch)?,
-            },
-        };
-        self.put(shape.clone(), jelly.clone());
-        Ok(jelly)
+            };
+            self.put(shape.clone(), jelly);
+        }
+        Ok(self.entries[self.entries.len() - 1].1.clone())
     }
 
-    /// Takes a shape that was made ready elsewhere.
-    pub(super) fn put(&mut self, shape: Shape, jelly: Jelly) {
+    /// Takes a shape that was made ready elsewhere. One model in several shapes has its pictures once.
+    pub(super) fn put(&mut self, shape: Shape, mut jelly: Jelly) {
         self.entries.retain(|(known, _)| *known != shape);
+        if let Some(paint) = jelly.paint.as_mut().filter(|paint| !paint.textures().is_empty()) {
+            Arc::make_mut(paint).share_pictures(self.entries.iter().filter_map(|(_, jelly)| jelly.paint.as_deref()));
+        }
         self.entries.push((shape, jelly));
         if self.entries.len() > CAPACITY {
             self.entries.remove(0);

@@ -413,3 +413,5 @@ mod reshape_tests;
 mod state_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod texture_tests;

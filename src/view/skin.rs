@@ -15,7 +15,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::clusters::Clusters;
-use super::{Ray, SkinVertex};
+use super::{Ray, SkinTextures, SkinVertex};
 
 /// Stands for a corner that is not there.
 pub const NO_CORNER: u32 = u32::MAX;
@@ -30,6 +30,7 @@ pub struct Skin {
     folds: Vec<[u32; 4]>,
     clusters: Clusters,
     is_painted: bool,
+    textures: Option<SkinTextures>,
 }
 
 impl Skin {
@@ -42,7 +43,21 @@ impl Skin {
         let (edges, folds) = (edges(&triangles), folds(&vertices, &triangles));
         let clusters = Clusters::new(&vertices, &triangles);
         let is_painted = vertices.iter().any(|vertex| vertex.tint != [0; 4]);
-        Self { vertices, triangles, edges, folds, clusters, is_painted }
+        Self { vertices, triangles, edges, folds, clusters, is_painted, textures: None }
+    }
+
+    /// The same with pictures, by which the colours of its vertices are multiplied.
+    ///
+    /// # Panics
+    /// When the pictures are not those of as many vertices and triangles.
+    pub fn with_textures(self, textures: SkinTextures) -> Self {
+        assert!(textures.fits(self.vertices.len(), self.triangles.len()), "textures of another skin");
+        Self { textures: Some(textures), ..self }
+    }
+
+    /// The pictures on it.
+    pub fn textures(&self) -> Option<&SkinTextures> {
+        self.textures.as_ref()
     }
 
     /// Whether any of it has a colour of its own.

@@ -85,6 +85,10 @@ const GLTF_WORDS: [&str; 18] = [
     "\"normalized\":true,",
 ];
 
+/// A PNG file of two by two texels.
+const PNG: &str = "iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAYAAABytg0kAAAAFklEQV\
+                   R4nGP4z8DwHwgbGEA0JyfnfwA3MQWXdI2DSQAAAABJRU5ErkJggg==";
+
 /// Bytes that are lengths, counts, indices and coordinates at which programs break.
 const NUMBERS: [u32; 10] = [
     0,
@@ -157,9 +161,12 @@ pub(crate) fn gltf(rng: &mut Rng) -> Vec<u8> {
     let json = format!(
         "{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":0,\"scenes\":[{{\"nodes\":[0,2]}}],\"nodes\":[{{\"children\":[1],\
          \"scale\":[1,2,-1]}},{{\"mesh\":0,\"rotation\":[0,0,0.6,0.8]}},{{\"mesh\":0,\"translation\":[5,0,0]}}],\"meshes\":\
-         [{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}},\"indices\":1,\"mode\":4}},{{\"attributes\":{{\"POSITION\":0\
-         }},\"mode\":5}}]}}],\"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":8,\"type\":\"VEC3\"}},\
-         {{\"bufferView\":1,\"byteOffset\":0,\"componentType\":5123,\"count\":36,\"type\":\"SCALAR\"}}],\"bufferViews\":\
+         [{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0,\"TEXCOORD_0\":2}},\"indices\":1,\"mode\":4,\"material\":0}},\
+         {{\"attributes\":{{\"POSITION\":0}},\"mode\":5,\"material\":0}}]}}],\"materials\":[{{\"pbrMetallicRoughness\":{{\
+         \"baseColorTexture\":{{\"index\":0}}}}}}],\"textures\":[{{\"source\":0}}],\"images\":[{{\"uri\":\
+         \"data:image/png;base64,{PNG}\"}}],\"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":8,\"type\":\"VEC3\"}},\
+         {{\"bufferView\":1,\"byteOffset\":0,\"componentType\":5123,\"count\":36,\"type\":\"SCALAR\"}},\
+         {{\"bufferView\":0,\"componentType\":5126,\"count\":8,\"type\":\"VEC2\"}}],\"bufferViews\":\
          [{{\"buffer\":0,\"byteLength\":96,\"byteStride\":12}},{{\"buffer\":0,\"byteOffset\":96,\"byteLength\":72}}],\
          \"buffers\":[{{{uri}\"byteLength\":168}}]}}"
     );

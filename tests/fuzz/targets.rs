@@ -193,6 +193,10 @@ fn try_model(input: &[u8], name: &str) {
             mesh.triangles.iter().enumerate().flat_map(|(at, corners)| corners.map(|vertex| (at, vertex as usize)));
         let mut tints = corners.map(|(triangle, vertex)| paint.tint(triangle, vertex));
         assert!(tints.all(|[.., there]| matches!(there, 0 | 255)), "a colour or none");
+        for (texture, places) in (0..mesh.triangles.len()).filter_map(|triangle| paint.texture(triangle)) {
+            assert!(usize::from(texture) < paint.textures().len(), "a picture that is there");
+            assert!(places.as_flattened().iter().all(|along| along.is_finite()), "and a place in it");
+        }
     }
     let options = VoxelizeOptions { divisions: 6, occupancy: OccupancyChoice::Auto, keep: Keep::All };
     match voxelize(&mesh, &options, &()) {

@@ -11,6 +11,7 @@ mod outline;
 mod overlay;
 mod properties;
 mod shaders;
+mod textured;
 mod uploads;
 
 #[path = "../support/gpu.rs"]

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use gelatin::math::picture::{Picture, Sampling, Texture};
 use gelatin::render::{FrameCounters, FrameTarget, offscreen};
 use gelatin::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Segment};
 use gelatin::view::style::Tint;
-use gelatin::view::{DrawList, Overlay, Selected};
+use gelatin::view::{DrawList, Overlay, Selected, Skin, SkinInstance, SkinTextures, TexturedRun};
 use glam::Vec3;
 
 use crate::gpu::Studio;
@@ -136,4 +137,37 @@ fn cube_overlay(scene: &mut DrawList, ends: Arc<Vec<[u32; 2]>>) {
     scene.overlay.lines = vec![Lines { ends, tint: Tint::Own, opacity: 1.0, width: 2.0, hidden: 0.2 }];
     let places = PointPlaces::Particles { first: 0, count: 125 };
     scene.overlay.points = vec![Points { places, tint: Tint::Particle, size: 3.0, hidden: 0.0 }];
+}
+
+#[test]
+fn a_picture_is_uploaded_once_for_all_that_show_it_and_not_before_it_is_shown() {
+    let (mut film, mut scene) = (Film::new(), cube());
+    let picture = Arc::new(Picture::new([8, 4], vec![255; 8 * 4 * 4], 8).unwrap());
+    let bytes = picture.bytes();
+    assert_eq!(bytes, 4 * (32 + 8 + 2 + 1), "every coarseness");
+    let with = |sampling: Sampling| {
+        let skin = &cube().skins[0].skin;
+        let places = vec![[0.5; 2]; skin.vertices().len()];
+        let texture = Texture { picture: Arc::clone(&picture), sampling };
+        let runs = vec![TexturedRun { texture, triangles: 0..skin.triangles().len() }];
+        let skin = Skin::new(skin.vertices().to_vec(), skin.triangles().to_vec());
+        Arc::new(skin.with_textures(SkinTextures { places, runs }))
+    };
+    let sharp = Sampling { levels: None, ..Sampling::default() };
+    scene.skins = [with(Sampling::default()), with(sharp), with(sharp)].map(|skin| SkinInstance { skin, ..scene.skins[0].clone() }).to_vec();
+    let hidden = film.frame(&scene);
+    assert!(!hidden.passes.contains(&"textured"), "nobody asked for it: {:?}", hidden.passes);
+    scene.painted = true;
+    let shown = film.frame(&scene);
+    assert_eq!(shown.static_bytes, bytes, "one picture, though it is looked up in two ways");
+    assert!(shown.passes.contains(&"textured"));
+    assert_eq!(film.frame(&scene).static_bytes, 0, "it is there");
+    scene.scalars = Some(Arc::new(vec![0.5; 125]));
+    assert!(!film.frame(&scene).passes.contains(&"textured"), "a map of scalars is shown alone");
+    scene.scalars = None;
+    assert_eq!(film.frame(&scene).static_bytes, 0, "it is still there");
+    let skins = std::mem::replace(&mut scene.skins, cube().skins);
+    assert!(!film.frame(&scene).passes.contains(&"textured"), "nothing has a picture");
+    scene.skins = skins;
+    assert!(film.frame(&scene).static_bytes > bytes, "what nobody showed was forgotten");
 }

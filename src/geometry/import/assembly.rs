@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::album::Textures;
 use super::error::{ImportError, Place, Problem, is_within_reach};
 use super::formats::MAX_PARTS;
 use super::model_file::{Imported, ModelFile};
@@ -10,13 +11,11 @@ use super::smooth_groups::SmoothGroups;
 use crate::geometry::named_parts::{NameOf, Namer};
 use crate::geometry::paint::{NO_TINT, Tint};
 use crate::geometry::shading::SmoothGroup;
+use crate::geometry::texturing::{TexturePlace, Texturing};
 use crate::geometry::{Paint, Shading, TriMesh};
 
 /// A face of more corners takes so long to cut that a watcher is asked first.
 pub(super) const MANY_CORNERS: usize = 100;
-
-/// What is said of a model whose materials have pictures.
-pub(super) const TEXTURES_WARNING: &str = "textures are not read: where a material has one, its plain colour is shown";
 
 /// A mesh that grows, and what was left out of it.
 pub(super) struct Assembly<'a> {
@@ -33,6 +32,12 @@ pub(super) struct Assembly<'a> {
     vertex_tints: Vec<Tint>,
     /// The colours of triangles by their materials.
     triangle_tints: Vec<Tint>,
+    /// The picture of the next faces, by its number.
+    texture: Option<u16>,
+    /// The pictures of triangles, of all of them or of the first.
+    triangle_textures: Vec<Option<u16>>,
+    /// Where vertices lie in the picture of their faces, all of them or the first.
+    vertex_places: Vec<TexturePlace>,
     smooth_groups: SmoothGroups,
     /// What vertices are smooth with by their normals, of all of them or of the first.
     vertex_groups: Vec<SmoothGroup>,
@@ -51,6 +56,9 @@ impl<'a> Assembly<'a> {
             material: NO_TINT,
             vertex_tints: Vec::new(),
             triangle_tints: Vec::new(),
+            texture: None,
+            triangle_textures: Vec::new(),
+            vertex_places: Vec::new(),
             smooth_groups: SmoothGroups::default(),
             vertex_groups: Vec::new(),
             small_faces: 0,
@@ -71,6 +79,16 @@ impl<'a> Assembly<'a> {
     /// The faces that follow have a material of this colour.
     pub(super) fn paint_faces(&mut self, tint: Tint) {
         self.material = tint;
+    }
+
+    /// The faces that follow have a picture of this number.
+    pub(super) fn texture_faces(&mut self, texture: Option<u16>) {
+        self.texture = texture;
+    }
+
+    /// Says where the vertex that was added last lies in the picture of its faces.
+    pub(super) fn place_vertex(&mut self, place: TexturePlace) {
+        set(&mut self.vertex_places, self.mesh.positions.len().saturating_sub(1), place);
     }
 
     /// Gives the vertex that was added last a colour.
@@ -97,6 +115,7 @@ impl<'a> Assembly<'a> {
         while corners.len() > 1 && corners.first() == corners.last() {
             corners.pop();
         }
+        let before = self.mesh.triangles.len();
         match corners[..] {
             [_, _, _, _, ..] => {
                 if corners.len() > MANY_CORNERS && self.file.watch.cancelled() {
@@ -110,6 +129,10 @@ impl<'a> Assembly<'a> {
             _ => self.small_faces += 1,
         }
         self.triangle_tints.resize(self.mesh.triangles.len(), self.material);
+        if self.texture.is_some() || !self.triangle_textures.is_empty() {
+            self.triangle_textures.resize(before, None);
+            self.triangle_textures.resize(self.mesh.triangles.len(), self.texture);
+        }
         if let Some(namer) = &mut self.namer {
             self.labels.resize(self.mesh.triangles.len(), namer.label());
         }
@@ -122,7 +145,12 @@ impl<'a> Assembly<'a> {
     }
 
     /// The mesh, if there is any surface.
-    pub(super) fn finish(mut self) -> Result<Imported, ImportError> {
+    pub(super) fn finish(self) -> Result<Imported, ImportError> {
+        self.finish_with(Textures::default())
+    }
+
+    /// The mesh, if there is any surface, with the pictures that its faces have by their numbers.
+    pub(super) fn finish_with(mut self, textures: Textures) -> Result<Imported, ImportError> {
         if self.small_faces > 0 {
             self.warn(small_faces_warning(self.small_faces));
         }
@@ -132,7 +160,12 @@ impl<'a> Assembly<'a> {
         }
         self.warnings.extend(self.namer.as_ref().and_then(Namer::warning));
         let parts = self.namer.and_then(|namer| namer.finish(self.labels));
-        let paint = Paint::new(self.vertex_tints, self.triangle_tints);
+        let of_triangles: Vec<_> =
+            self.triangle_textures.iter().map(|number| textures.place((*number)?)).collect();
+        let place = |vertex: u32| self.vertex_places.get(vertex as usize).copied().unwrap_or_default();
+        let places = self.mesh.triangles.iter().take(of_triangles.len()).map(|triangle| triangle.map(place)).collect();
+        let texturing = Texturing::new(textures.all, of_triangles, places);
+        let paint = Paint::new(self.vertex_tints, self.triangle_tints, texturing);
         let group = |vertex: u32| self.vertex_groups.get(vertex as usize).copied().flatten();
         let corners = || self.mesh.triangles.iter().map(|triangle| triangle.map(group)).collect();
         let shading = if self.vertex_groups.is_empty() { None } else { Shading::new(corners()) };

@@ -37,6 +37,14 @@ impl Beside<'_> {
         }
     }
 
+    /// Whether there is such a file.
+    pub(super) fn has(&self, name: &str) -> bool {
+        match *self {
+            Self::Folder(folder) => folder.join(name).is_file(),
+            Self::Held(..) => self.read(name, u64::MAX).is_ok(),
+        }
+    }
+
     /// What it is called in messages.
     pub(super) fn shown(&self, name: &str) -> String {
         match *self {
@@ -57,6 +65,22 @@ pub(super) fn below(name: &str) -> Option<String> {
     Some(parts.join("/"))
 }
 
+/// The same of a name as seen from a folder below that of the model; `..` may lead up to the model's own.
+pub(super) fn below_from(folder: &str, name: &str) -> Option<String> {
+    if name.starts_with('/') {
+        return None;
+    }
+    let mut parts: Vec<&str> = Vec::new();
+    for part in folder.split('/').chain(name.split('/')) {
+        match part {
+            "" | "." => {}
+            ".." => drop(parts.pop()?),
+            _ => parts.push(part),
+        }
+    }
+    below(&parts.join("/"))
+}
+
 /// The folder of a place and its name.
 pub(super) fn folder_and_name(place: &str) -> (&str, &str) {
     place.rsplit_once('/').unwrap_or(("", place))
@@ -75,6 +99,12 @@ mod tests {
     fn only_what_is_in_the_folder_or_below_it_has_a_name() {
         for (name, found) in [("a.bin", "a.bin"), ("./bin/./a.bin", "bin/a.bin"), ("bin//a", "bin/a")] {
             assert_eq!(below(name).as_deref(), Some(found), "{name}");
+        }
+        let seen = |folder: &str, name: &str| below_from(folder, name);
+        assert_eq!(seen("mats/a", "../../tex/b.png").as_deref(), Some("tex/b.png"), "up to the model's own folder");
+        assert_eq!(seen("", "./tex//b.png").as_deref(), Some("tex/b.png"));
+        for (folder, name) in [("mats", "../../b.png"), ("", "../b.png"), ("mats", "/b.png"), ("mats", "C:/b.png"), ("", "")] {
+            assert_eq!(seen(folder, name), None, "{name} from {folder}");
         }
         for name in ["", ".", "..", "../a", "a/../../b", "/etc/passwd", "C:a", "a\\b", "a\0b"] {
             assert_eq!(below(name), None, "{name:?}");

@@ -2,9 +2,10 @@
 //! glTF is in metres and has y up, as everything here.
 //!
 //! gltf-json says what the JSON text means and nothing more: no index is followed and no byte read but here, so that
-//! each is held against what is there. Of materials their names and base colours are looked at, of cameras and animations
-//! nothing.
+//! each is held against what is there. Of materials their names, base colours and pictures of these are looked at, of
+//! cameras and animations nothing.
 
+mod base_colors;
 mod buffers;
 mod primitive;
 
@@ -65,7 +66,12 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
 pub(super) fn names_beside(file: ModelFile<'_>) -> Vec<String> {
     let parts = if is_glb(file.bytes) { chunks(file) } else { Ok(Parts { json: file.bytes, blob: None }) };
     let root = parts.and_then(|parts| parse(file, parts.json));
-    root.map(|root| buffers::names_beside(&root)).unwrap_or_default()
+    let Ok(root) = root else { return Vec::new() };
+    let buffers = root.buffers.iter().filter_map(|buffer| buffers::name_beside(buffer.uri.as_deref()?));
+    // A model is read without a picture that is not there, but not without a buffer.
+    let is_there = |name: &String| file.beside.is_some_and(|beside| beside.has(name));
+    let pictures = base_colors::uris(&root).filter_map(buffers::name_beside).filter(is_there);
+    buffers.chain(pictures).collect()
 }
 
 /// What was left out on the way.
@@ -199,3 +205,5 @@ fn indices<T>(list: &[Index<T>]) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod texture_tests;

@@ -4,6 +4,7 @@
 //! What a file holds says which format it is in; only where that says nothing does its name. Whatever a header claims
 //! is held against the bytes that are there before anything is made of it.
 
+mod album;
 mod assembly;
 mod beside;
 mod error;
@@ -11,8 +12,12 @@ mod formats;
 mod gltf;
 mod model_file;
 mod mtl;
+mod mtl_map;
 mod obj;
+mod obj_coordinates;
+mod obj_libraries;
 mod obj_lines;
+mod obj_textures;
 mod ply;
 mod polygon;
 mod smooth_groups;
@@ -28,8 +33,8 @@ pub use beside::HeldFiles;
 use beside::{Beside, folder_and_name, joined};
 pub use error::{ImportError, Place, Problem};
 pub use formats::{ENDINGS, FORMATS, MAX_FILE_BYTES, MAX_PARTS};
-pub use model_file::Imported;
 use model_file::ModelFile;
+pub use model_file::{Detail, Imported};
 
 /// What the first line of an OBJ file may begin with.
 const OBJ_WORDS: [&[u8]; 12] = [b"v", b"vt", b"vn", b"vp", b"f", b"l", b"p", b"o", b"g", b"s", b"mtllib", b"usemtl"];
@@ -45,24 +50,30 @@ enum Format {
 }
 
 /// Reads a model file.
-pub fn load(path: &Path) -> Result<Imported, ImportError> {
-    load_watched(path, &())
+pub fn load(path: &Path, detail: Detail) -> Result<Imported, ImportError> {
+    load_watched(path, detail, &())
 }
 
 /// Reads a model file while someone waits.
-pub fn load_watched(path: &Path, watch: &dyn Watch) -> Result<Imported, ImportError> {
+pub fn load_watched(path: &Path, detail: Detail, watch: &dyn Watch) -> Result<Imported, ImportError> {
     let name = &echo_path(path);
     let bytes = disk::read(path, MAX_FILE_BYTES).map_err(|error| unread(name, error))?;
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    read(ModelFile { bytes: &bytes, name, beside: Some(Beside::Folder(&disk::folder_of(path))), watch }, &ending)
+    let beside = Some(Beside::Folder(&disk::folder_of(path)));
+    read(ModelFile { bytes: &bytes, name, beside, detail, watch }, &ending)
 }
 
 /// Reads a model file that is kept elsewhere than on the disk, while someone waits.
-pub fn load_held(files: &dyn HeldFiles, place: &str, watch: &dyn Watch) -> Result<Imported, ImportError> {
+pub fn load_held(
+    files: &dyn HeldFiles,
+    place: &str,
+    detail: Detail,
+    watch: &dyn Watch,
+) -> Result<Imported, ImportError> {
     let name = &files.shown(place);
     let bytes = files.read(place, MAX_FILE_BYTES).map_err(|error| unread(name, error))?;
     let beside = Some(Beside::Held(files, folder_and_name(place).0));
-    read(ModelFile { bytes: &bytes, name, beside, watch }, &ending_of(place))
+    read(ModelFile { bytes: &bytes, name, beside, detail, watch }, &ending_of(place))
 }
 
 /// Why a model's own file was not read.
@@ -76,7 +87,7 @@ fn unread(name: &str, error: ReadError) -> ImportError {
     }
 }
 
-/// The files that a model is read from: itself, and those beside it that hold its bytes.
+/// The files that a model is read from: itself, and those beside it that hold its bytes, its materials and its pictures.
 pub fn files_of(path: &Path) -> Vec<PathBuf> {
     let folder = disk::folder_of(path);
     let bytes = disk::read(path, MAX_FILE_BYTES).unwrap_or_default();
@@ -94,7 +105,7 @@ pub fn held_files_of(files: &dyn HeldFiles, place: &str) -> Vec<String> {
 
 /// The names of the files beside a model that it is read from, each once.
 fn names_beside(bytes: &[u8], beside: Beside<'_>) -> Vec<String> {
-    let file = ModelFile { bytes, name: "", beside: Some(beside), watch: &() };
+    let file = ModelFile { beside: Some(beside), ..ModelFile::new(bytes, "") };
     let mut names = match format_of(bytes) {
         Some(Format::Gltf) => gltf::names_beside(file),
         Some(Format::Obj) => obj::names_beside(file),
@@ -192,3 +203,5 @@ fn is_binary(bytes: &[u8]) -> bool {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod texture_tests;

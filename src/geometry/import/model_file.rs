@@ -15,12 +15,21 @@ pub struct Imported {
     pub mesh: TriMesh,
     /// What its triangles are called; none where nothing has a name.
     pub parts: Option<NamedParts>,
-    /// What colours it has; none where the file gives none.
+    /// What colours and pictures it has; none where the file gives none.
     pub paint: Option<Paint>,
     /// Where it is smooth; none where the file says nothing of that.
     pub shading: Option<Shading>,
     /// What was left out, a sentence each.
     pub warnings: Vec<String>,
+}
+
+/// How much of a model is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    /// All but pictures: its form, names and plain colours.
+    Form,
+    /// The pictures on its surface too.
+    Pictures,
 }
 
 /// A model file in memory, and who waits for its mesh.
@@ -31,13 +40,14 @@ pub(super) struct ModelFile<'a> {
     pub(super) name: &'a str,
     /// Where the files beside it are, if it is a file.
     pub(super) beside: Option<Beside<'a>>,
+    pub(super) detail: Detail,
     pub(super) watch: &'a dyn Watch,
 }
 
 impl<'a> ModelFile<'a> {
-    /// A file that nobody waits for.
+    /// A file that nobody waits for, of which everything is read.
     pub(super) fn new(bytes: &'a [u8], name: &'a str) -> Self {
-        Self { bytes, name, beside: None, watch: &() }
+        Self { bytes, name, beside: None, detail: Detail::Pictures, watch: &() }
     }
 
     /// What is wrong at a place of this file.

@@ -1,12 +1,12 @@
-//! The material files of OBJ: text that stands beside the model. Of a material its colour is read (`Kd`), and whether it has a
-//! texture; one line that
-//! is not understood spoils no other.
+//! The material files of OBJ: text that stands beside the model. Of a material its colour is read (`Kd`) and the picture of
+//! its colours (`map_Kd`); one line that is not understood spoils no other.
 
 use std::collections::BTreeMap;
 
-use super::beside::{Beside, below};
+use super::beside::{Beside, below, folder_and_name};
 use super::error::coordinate;
 use super::model_file::ModelFile;
+use super::mtl_map::Map;
 use crate::disk::ReadError;
 use crate::geometry::named_parts::clean;
 use crate::geometry::paint::{NO_TINT, Tint, tint_of_srgb};
@@ -22,12 +22,12 @@ pub(super) const MOST_LIBRARIES: usize = 64;
 pub(super) type Materials = BTreeMap<String, Material>;
 
 /// What a material looks like.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Material {
     /// Its colour.
     pub(super) tint: Tint,
-    /// Whether it has a picture for its colours.
-    pub(super) has_texture: bool,
+    /// The picture that its colour is multiplied by.
+    pub(super) map: Option<Map>,
 }
 
 /// Reads the material files that a model names; what cannot be read is told in `warnings`. A model that is no file has
@@ -39,9 +39,9 @@ pub(super) fn read(file: ModelFile<'_>, named: &[String], warnings: &mut Vec<Str
     for named in named {
         match find(beside, named, budget) {
             Ok(files) => {
-                for (_, bytes) in files {
+                for (name, bytes) in files {
                     budget = budget.saturating_sub(bytes.len() as u64);
-                    add(&mut materials, &bytes);
+                    add(&mut materials, &bytes, folder_and_name(&name).0);
                 }
             }
             Err(why) => warnings.push(format!("no colours from the materials in {}: {why}", echo_up_to(named, 60))),
@@ -50,10 +50,15 @@ pub(super) fn read(file: ModelFile<'_>, named: &[String], warnings: &mut Vec<Str
     materials
 }
 
-/// The names of the material files beside a model that are there.
+/// The names of the material files beside a model that are there, and of the pictures in them that are.
 pub(super) fn names_beside(beside: Beside<'_>, named: &[String]) -> Vec<String> {
-    let there = named.iter().filter_map(|named| find(beside, named, MAX_BYTES).ok());
-    there.flatten().map(|(name, _)| name).collect()
+    let (mut names, mut materials) = (Vec::new(), Materials::new());
+    for (name, bytes) in named.iter().filter_map(|named| find(beside, named, MAX_BYTES).ok()).flatten() {
+        add(&mut materials, &bytes, folder_and_name(&name).0);
+        names.push(name);
+    }
+    names.extend(materials.values().filter_map(|material| material.map.as_ref()?.find(beside)));
+    names
 }
 
 /// The file that a line `mtllib` names, blanks in its name included, or else the several that it names.
@@ -77,8 +82,8 @@ fn find(beside: Beside<'_>, named: &str, limit: u64) -> Result<Vec<(String, Vec<
     whole
 }
 
-/// Adds the materials of a file.
-fn add(materials: &mut Materials, bytes: &[u8]) {
+/// Adds the materials of a file in a folder.
+fn add(materials: &mut Materials, bytes: &[u8], folder: &str) {
     let mut now = None;
     for line in bytes.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii) {
         let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
@@ -97,9 +102,9 @@ fn add(materials: &mut Materials, bytes: &[u8]) {
                     materials.entry(name.clone()).or_default().tint = tint;
                 }
             }
-            b"map_Kd" if !rest.is_empty() => {
-                if let Some(name) = &now {
-                    materials.entry(name.clone()).or_default().has_texture = true;
+            b"map_Kd" => {
+                if let Some((name, map)) = now.as_ref().zip(Map::parse(rest, folder)) {
+                    materials.entry(name.clone()).or_default().map = Some(map);
                 }
             }
             _ => {}
@@ -116,10 +121,10 @@ mod tests {
         let text = "# a\nKd 1 1 1\nnewmtl Red Rubber #25\nd -halo 0.5\n\tKd 1 0 0.5\nmap_Kd\nnewmtl grey\r\nKd 0.2\n\
                     newmtl measured\nKd spectral a.rfl 1\nnewmtl two\nKd 1 2\nnewmtl bright\nKd 9 0 0\nKs x\n";
         let mut found = Materials::new();
-        add(&mut found, text.as_bytes());
+        add(&mut found, text.as_bytes(), "");
         let names = ["Red Rubber #25", "grey", "measured", "two", "bright"].map(|name| found[name].tint);
         assert_eq!(names, [[255, 0, 128, 255], [51, 51, 51, 255], NO_TINT, NO_TINT, [255, 0, 0, 255]]);
-        assert!(found.values().all(|material| !material.has_texture), "`map_Kd` names no file");
+        assert!(found.values().all(|material| material.map.is_none()), "`map_Kd` names no file");
         assert_eq!(found.len(), 5, "a colour without a material is nobody's");
     }
 }

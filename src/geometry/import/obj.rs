@@ -4,19 +4,25 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::assembly::{MANY_CORNERS, TEXTURES_WARNING, small_faces_warning};
+use super::assembly::{MANY_CORNERS, small_faces_warning};
 use super::error::{ImportError, Place, Problem};
-use super::model_file::{Imported, ModelFile};
-use super::mtl;
-use super::obj_lines::{LeftOut, ObjLines, Stop, libraries};
+use super::model_file::{Detail, Imported, ModelFile};
+use super::mtl::{self, Material};
+use super::obj_coordinates::{Coordinates, CornerPlace};
+use super::obj_libraries::libraries;
+use super::obj_lines::{LeftOut, ObjLines, Stop};
+use super::obj_textures::{Placed, texturing};
 use super::polygon::Cutter;
 use crate::geometry::named_parts::{NameOf, NamedParts};
 use crate::geometry::paint::{NO_TINT, Tint, tint_of_srgb};
+use crate::geometry::texturing::Texturing;
 use crate::geometry::{Paint, Shading, TriMesh, Watch};
+
+const BLACK: Tint = [0, 0, 0, 255];
 
 /// Reads an OBJ file.
 pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
-    let mut lines = ObjLines::new(file.bytes, file.watch);
+    let mut lines = ObjLines::new(file.bytes, file.detail == Detail::Pictures, file.watch);
     let options = tobj::LoadOptions { single_index: true, triangulate: false, ..tobj::LoadOptions::default() };
     let no_materials = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
     let parsed = tobj::load_obj_buf(&mut lines, &options, no_materials);
@@ -37,6 +43,9 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     let (mut of_faces, mut of_triangles) = (of_faces.into_iter(), Vec::new());
     let groups = lines.take_smooth_groups();
     let (mut of_corners, mut smooth) = (groups.into_iter(), Vec::new());
+    let coordinates = lines.take_coordinates().filter(|coordinates| !coordinates.of_corners.is_empty());
+    let mut places = coordinates.iter().flat_map(|coordinates| coordinates.of_corners.iter().copied());
+    let mut placed = Vec::new();
     let mut channels = Vec::new();
     for model in &models {
         let mut of_face = Vec::new();
@@ -48,6 +57,11 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
             of_face.extend(of_corners.by_ref().take(corners));
             let group = |place: u32| of_face.get(place as usize).copied().flatten();
             smooth.extend(cut.iter().map(|triangle| triangle.map(group)));
+            if coordinates.is_some() {
+                let of_face: Vec<CornerPlace> = places.by_ref().take(corners).collect();
+                let place = |place: u32| of_face.get(place as usize).copied().flatten();
+                placed.extend(cut.iter().map(|triangle| triangle.map(place)));
+            }
         };
         append(&mut mesh, &model.mesh, &mut cutter, file.watch, added).ok_or_else(|| file.cancelled())?;
         channels.extend_from_slice(model.mesh.vertex_color.as_chunks().0);
@@ -56,12 +70,17 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     warnings.extend(cutter.warning());
     warnings.extend(namer.warning());
     let parts = namer.finish(of_triangles);
-    let materials = parts.as_ref().map(|parts| material_tints(file, parts, lines.libraries(), &mut warnings));
-    let paint = Paint::new(vertex_tints(&channels), materials.unwrap_or_default());
+    let none = Coordinates::default();
+    let placed = Placed { coordinates: coordinates.as_ref().unwrap_or(&none), corners: &placed };
+    let (tints, texturing) = match &parts {
+        Some(parts) => of_materials(file, parts, lines.libraries(), placed, &mut warnings)?,
+        None => (Vec::new(), None),
+    };
+    let paint = Paint::new(vertex_tints(&channels), tints, texturing);
     Ok(Imported { mesh, parts, paint, shading: Shading::new(smooth), warnings })
 }
 
-/// The names of the files beside a model that its colours are read from; those that are not there are left out.
+/// The names of the files beside a model that its colours and pictures are read from; those that are not there are left out.
 pub(super) fn names_beside(file: ModelFile<'_>) -> Vec<String> {
     file.beside.map(|beside| mtl::names_beside(beside, &libraries(file.bytes))).unwrap_or_default()
 }
@@ -76,25 +95,33 @@ fn vertex_tints(channels: &[[f64; 3]]) -> Vec<Tint> {
     channels.iter().map(tint).collect()
 }
 
-/// The colours of triangles by their materials.
-fn material_tints(
+/// The colours and pictures of triangles by their materials.
+fn of_materials(
     file: ModelFile<'_>,
     parts: &NamedParts,
     libraries: &[String],
+    placed: Placed<'_>,
     warnings: &mut Vec<String>,
-) -> Vec<Tint> {
+) -> Result<(Vec<Tint>, Option<Texturing>), ImportError> {
     if parts.places(NameOf::Material).all(|place| place.is_none()) {
-        return Vec::new();
+        return Ok((Vec::new(), None));
     }
     let materials = mtl::read(file, libraries, warnings);
-    let of_name = |place: u32| materials.get(&parts.names()[place as usize]).copied();
-    let of_labels: Vec<_> = parts.places(NameOf::Material).map(|place| place.and_then(of_name)).collect();
-    if of_labels.iter().flatten().any(|material| material.has_texture) {
-        warnings.push(TEXTURES_WARNING.into());
-    }
-    let of_label: Vec<Tint> =
-        of_labels.into_iter().map(|material| material.map_or(NO_TINT, |found| found.tint)).collect();
-    (0..parts.count()).map(|triangle| of_label[usize::from(parts.label(triangle))]).collect()
+    let of_name = |place: u32| materials.get(&parts.names()[place as usize]);
+    let of_labels: Vec<Option<&Material>> =
+        parts.places(NameOf::Material).map(|place| place.and_then(of_name)).collect();
+    let texturing = match file.detail {
+        Detail::Form => None,
+        Detail::Pictures => texturing(file, parts, &of_labels, placed, warnings)?,
+    };
+    let tint = |triangle: usize| {
+        let tint = of_labels[usize::from(parts.label(triangle))].map_or(NO_TINT, |material| material.tint);
+        let has_picture = || texturing.as_ref().is_some_and(|texturing| texturing.of(triangle).is_some());
+        // Black would leave nothing of a picture. Who writes it means that the picture is all there is.
+        if tint == BLACK && has_picture() { NO_TINT } else { tint }
+    };
+    let tints = (0..parts.count()).map(tint).collect();
+    Ok((tints, texturing))
 }
 
 /// Adds the polygons of one model of the file, as triangles, and calls `added` with the number of corners of each and the

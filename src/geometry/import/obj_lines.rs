@@ -4,14 +4,16 @@
 //! materials. So it is handed only vertices (three coordinates) and faces (position indices, counted from 1), each
 //! checked where it stands; everything else a surface does not need stays behind. Vertices have colours (three more
 //! numbers) where one of the file has, those without one -1. What corners are smooth with, by their normals (`vn`) or the
-//! smoothing group (`s`) of the face, is kept beside them. What faces are called (`usemtl`, `g`,
+//! smoothing group (`s`) of the face, is kept beside them, and where there may be pictures their texture coordinates
+//! (`vt`). What faces are called (`usemtl`, `g`,
 //! `o`) is kept beside them: all of the line behind the first word is the name, blanks and `#` within it too.
 
 use std::io::{self, BufRead, Read};
 
 use super::assembly::set;
 use super::error::{Problem, coordinate, quote};
-use super::mtl::MOST_LIBRARIES;
+use super::obj_coordinates::{Coordinates, CornerPlace};
+use super::obj_libraries::add_library;
 use super::smooth_groups::SmoothGroups;
 use crate::geometry::Watch;
 use crate::geometry::named_parts::{NameOf, Namer};
@@ -53,6 +55,8 @@ pub(super) struct ObjLines<'a> {
     /// Corners of the faces that were given on, and the groups of them, once one has any.
     corners: usize,
     corner_groups: Vec<SmoothGroup>,
+    /// None where nothing can have a picture.
+    coordinates: Option<Coordinates>,
     /// The material files that are named.
     libraries: Vec<String>,
     stop: Option<Stop>,
@@ -70,6 +74,16 @@ enum Smoothing {
     Group(u64),
 }
 
+/// A corner of a face.
+struct Corner {
+    /// The index of its vertex, counted from 1.
+    position: u64,
+    /// What it is smooth with by its normal, where that stands above it.
+    by_normal: SmoothGroup,
+    /// Its texture coordinate.
+    place: CornerPlace,
+}
+
 /// Why reading ended early.
 #[derive(Debug)]
 pub(super) enum Stop {
@@ -78,7 +92,8 @@ pub(super) enum Stop {
 }
 
 impl<'a> ObjLines<'a> {
-    pub(super) fn new(bytes: &'a [u8], watch: &'a dyn Watch) -> Self {
+    /// Of the bytes of a file; texture coordinates are kept where they are wanted and a material file is named.
+    pub(super) fn new(bytes: &'a [u8], wants_coordinates: bool, watch: &'a dyn Watch) -> Self {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut lines = Self {
             rest: bytes,
@@ -99,15 +114,20 @@ impl<'a> ObjLines<'a> {
             smoothing: Smoothing::Unsaid,
             corners: 0,
             corner_groups: Vec::new(),
+            coordinates: None,
             libraries: Vec::new(),
             stop: None,
             watch,
         };
         while let Some(line) = lines.take_line() {
             let mut words = words(&line);
-            if words.next() == Some(b"v") {
-                lines.total_vertices += 1;
-                lines.has_colors = lines.has_colors || color(words.skip(3)).is_some();
+            match words.next() {
+                Some(b"v") => {
+                    lines.total_vertices += 1;
+                    lines.has_colors = lines.has_colors || color(words.skip(3)).is_some();
+                }
+                Some(b"mtllib") if wants_coordinates => lines.coordinates = Some(Coordinates::default()),
+                _ => {}
             }
         }
         lines.rest = bytes;
@@ -140,6 +160,11 @@ impl<'a> ObjLines<'a> {
     /// What the corners of faces are smooth with, in the order of the file; those that are missing with nothing said.
     pub(super) fn take_smooth_groups(&mut self) -> Vec<SmoothGroup> {
         std::mem::take(&mut self.corner_groups)
+    }
+
+    /// The texture coordinates, and where the corners of faces have theirs; none where they were not kept.
+    pub(super) fn take_coordinates(&mut self) -> Option<Coordinates> {
+        self.coordinates.take()
     }
 
     pub(super) fn take_stop(&mut self) -> Option<Stop> {
@@ -204,6 +229,10 @@ impl<'a> ObjLines<'a> {
                     self.normal(words);
                     Ok(())
                 }
+                Some(b"vt") => {
+                    self.coordinates.iter_mut().for_each(|coordinates| coordinates.add(words.by_ref()));
+                    Ok(())
+                }
                 Some(b"s") => {
                     self.smooth(words);
                     Ok(())
@@ -253,8 +282,8 @@ impl<'a> ObjLines<'a> {
 
     fn face<'w>(&mut self, words: impl Iterator<Item = &'w [u8]>) -> Result<(), Problem> {
         let mut corners = words.map(|word| self.corner(word)).collect::<Result<Vec<_>, _>>()?;
-        corners.dedup_by_key(|corner| corner.0);
-        while corners.len() > 1 && corners[0].0 == corners[corners.len() - 1].0 {
+        corners.dedup_by_key(|corner| corner.position);
+        while corners.len() > 1 && corners[0].position == corners[corners.len() - 1].position {
             corners.pop();
         }
         if corners.len() < 3 {
@@ -269,8 +298,11 @@ impl<'a> ObjLines<'a> {
             Smoothing::Off => self.smooth_groups.alone(),
             Smoothing::Group(number) => self.smooth_groups.of_number(number),
         };
-        for (position, by_normal) in corners {
+        for Corner { position, by_normal, place } in corners {
             set(&mut self.corner_groups, self.corners, by_normal.or(by_face));
+            if let Some(coordinates) = &mut self.coordinates {
+                set(&mut coordinates.of_corners, self.corners, place);
+            }
             self.corners += 1;
             self.clean.extend_from_slice(format!(" {position}").as_bytes());
         }
@@ -301,13 +333,14 @@ impl<'a> ObjLines<'a> {
         }
     }
 
-    /// The position index of a face corner (`1`, `1/2`, `1//3`, `-4/…`), counted from 1, and what it is smooth with by its
-    /// normal, where that stands above it.
-    fn corner(&self, word: &[u8]) -> Result<(u64, SmoothGroup), Problem> {
+    /// A face corner: `1`, `1/2`, `1//3`, `-4/…`.
+    fn corner(&self, word: &[u8]) -> Result<Corner, Problem> {
         let parse = |part: &[u8]| std::str::from_utf8(part).ok().and_then(|text| text.parse::<i64>().ok());
         let bad = || Problem::BadIndex(quote(word));
         let mut parts = word.split(|&byte| byte == b'/');
         let index = parts.next().and_then(parse).ok_or_else(bad)?;
+        let place = parts.clone().next().and_then(parse);
+        let place = self.coordinates.as_ref().zip(place).and_then(|(coordinates, index)| coordinates.place(index));
         let normal = parts
             .clone()
             .nth(1)
@@ -324,7 +357,7 @@ impl<'a> ObjLines<'a> {
         };
         let vertices = if index < 0 { self.vertices } else { self.total_vertices };
         let position = found.ok_or(Problem::OutOfRange { index, vertices, so_far: index < 0 })?;
-        Ok((position, normal.copied().flatten()))
+        Ok(Corner { position, by_normal: normal.copied().flatten(), place })
     }
 }
 
@@ -372,23 +405,6 @@ fn color<'w>(mut words: impl Iterator<Item = &'w [u8]>) -> Option<[&'w [u8]; 3]>
     (channels.iter().all(is_channel) && words.nth(1).is_none()).then_some(channels)
 }
 
-/// The material files that an OBJ file names, each once.
-pub(super) fn libraries(bytes: &[u8]) -> Vec<String> {
-    let mut found = Vec::new();
-    let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
-    lines.filter(|line| words(line).next() == Some(b"mtllib")).for_each(|line| add_library(&mut found, line));
-    found
-}
-
-/// Adds what a line `mtllib` names.
-fn add_library(libraries: &mut Vec<String>, line: &[u8]) {
-    let rest = line.trim_ascii().strip_prefix(b"mtllib").unwrap_or_default();
-    let name = String::from_utf8_lossy(rest.trim_ascii()).into_owned();
-    if libraries.len() < MOST_LIBRARIES && !name.is_empty() && !libraries.contains(&name) {
-        libraries.push(name);
-    }
-}
-
 /// What a line that begins with this word names.
 fn name_of(word: &[u8]) -> Option<NameOf> {
     match word {
@@ -404,14 +420,14 @@ mod tests {
     use super::*;
 
     fn clean(text: &str) -> (String, LeftOut) {
-        let mut lines = ObjLines::new(text.as_bytes(), &());
+        let mut lines = ObjLines::new(text.as_bytes(), true, &());
         let mut all = String::new();
         lines.read_to_string(&mut all).expect("good lines");
         (all, lines.left_out())
     }
 
     fn problem(text: &str) -> (usize, Problem) {
-        let mut lines = ObjLines::new(text.as_bytes(), &());
+        let mut lines = ObjLines::new(text.as_bytes(), true, &());
         lines.read_to_end(&mut Vec::new()).expect_err("a bad line");
         match lines.take_stop() {
             Some(Stop::Problem(problem)) => (lines.line(), problem),

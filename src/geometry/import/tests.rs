@@ -33,7 +33,7 @@ impl Watch for Never {
 fn what_is_no_model_file_is_refused_by_name() {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).expect("written");
-    let message = |name: &str| load(&folder.path().join(name)).expect_err("no model").to_string();
+    let message = |name: &str| load(&folder.path().join(name), Detail::Pictures).expect_err("no model").to_string();
     let missing = format!("gone.obj does not exist; give the path of a model file ({FORMATS})");
     assert!(message("gone.obj").ends_with(&missing), "missing");
     assert!(message("").contains("is not a file but a folder; give the path of a model file"), "folder");
@@ -44,7 +44,7 @@ fn what_is_no_model_file_is_refused_by_name() {
         assert!(message(name).ends_with(&unknown), "{}", message(name));
     }
     write("m.obj", QUAD.as_bytes());
-    assert_eq!(load(&folder.path().join("m.obj")).expect("good").mesh.triangles.len(), 2, "a good one is read");
+    assert_eq!(load(&folder.path().join("m.obj"), Detail::Pictures).expect("good").mesh.triangles.len(), 2, "a good one is read");
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn materials_beside_an_obj_file_colour_its_faces() {
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
     let model = |lines: &str| {
         write("t.obj", &TETRAHEDRON.replacen("f 1", &format!("{lines}\nusemtl Red Rubber #25\nf 1"), 1));
-        load(&folder.path().join("t.obj")).expect("a good file")
+        load(&folder.path().join("t.obj"), Detail::Pictures).expect("a good file")
     };
     write("a b.mtl", "newmtl Red Rubber #25\nKd 1 0 0\n");
     write("c.mtl", "newmtl other\nKd 0 1 0\n");
@@ -109,10 +109,6 @@ fn materials_beside_an_obj_file_colour_its_faces() {
     let names: Vec<_> =
         files_of(&folder.path().join("t.obj")).iter().map(|file| file.file_name().map(ToOwned::to_owned)).collect();
     assert_eq!(names, ["t.obj", "a b.mtl", "c.mtl"].map(|name| Some(name.into())), "they belong to the model");
-    write("e.mtl", "newmtl Red Rubber #25\nKd 0 0 1\nmap_Kd -s 1 1 1 rubber.png\nnewmtl unused\nmap_Kd b.png\n");
-    let textured = model("mtllib e.mtl");
-    let plain = "textures are not read: where a material has one, its plain colour is shown";
-    assert_eq!((tints(&textured), textured.warnings), ([[0, 0, 255, 255]; 4], vec![plain.to_owned()]), "said");
     write("d.mtl", "newmtl Red Rubber #25\nKd 0 0 1\n");
     assert_eq!(tints(&model("mtllib c.mtl d.mtl")), [[0, 0, 255, 255]; 4], "several in a line");
     for (lines, why) in [
@@ -126,7 +122,7 @@ fn materials_beside_an_obj_file_colour_its_faces() {
         assert_eq!((found.paint, found.warnings), (None, vec![why.to_owned()]), "the model is read without");
     }
     assert_eq!(files_of(&folder.path().join("t.obj")).len(), 1, "what is not read does not belong to it");
-    let unused = load(&folder.path().join("t.obj")).expect("a good file");
+    let unused = load(&folder.path().join("t.obj"), Detail::Pictures).expect("a good file");
     assert_eq!(unused.mesh.triangles.len(), 4);
 }
 

@@ -15,6 +15,15 @@ pub(in crate::render) struct MeshPass {
     sheer: wgpu::RenderPipeline,
 }
 
+/// Which triangles of a skin are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::render) enum Triangles {
+    /// All of them.
+    All,
+    /// Those without a picture.
+    Plain,
+}
+
 impl MeshPass {
     pub(in crate::render) fn new(
         device: &wgpu::Device,
@@ -49,10 +58,11 @@ impl MeshPass {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         skins: &[SkinBuffers],
+        triangles: Triangles,
         instances: &wgpu::Buffer,
     ) {
         for pipeline in &self.pipelines {
-            draw_with(pipeline, pass, skins, instances);
+            draw_with(pipeline, pass, skins, triangles, instances);
         }
     }
 
@@ -61,12 +71,13 @@ impl MeshPass {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         skins: &[SkinBuffers],
+        triangles: Triangles,
         instances: &wgpu::Buffer,
         opacity: f32,
     ) {
         let opacity = f64::from(opacity);
         pass.set_blend_constant(wgpu::Color { r: opacity, g: opacity, b: opacity, a: opacity });
-        draw_with(&self.sheer, pass, skins, instances);
+        draw_with(&self.sheer, pass, skins, triangles, instances);
     }
 }
 
@@ -74,6 +85,7 @@ fn draw_with(
     pipeline: &wgpu::RenderPipeline,
     pass: &mut wgpu::RenderPass<'_>,
     skins: &[SkinBuffers],
+    triangles: Triangles,
     instances: &wgpu::Buffer,
 ) {
     pass.set_pipeline(pipeline);
@@ -81,12 +93,16 @@ fn draw_with(
     for (instance, skin) in (0..).zip(skins) {
         pass.set_vertex_buffer(0, skin.deformed.slice(..));
         pass.set_index_buffer(skin.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..skin.index_count, 0, instance..instance + 1);
+        let count = match triangles {
+            Triangles::All => skin.index_count,
+            Triangles::Plain => skin.plain_index_count,
+        };
+        pass.draw_indexed(0..count, 0, instance..instance + 1);
     }
 }
 
 /// Mixes with what is there by a constant of the pass.
-fn by_constant() -> wgpu::BlendState {
+pub(super) fn by_constant() -> wgpu::BlendState {
     let component = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::Constant,
         dst_factor: wgpu::BlendFactor::OneMinusConstant,

@@ -14,6 +14,7 @@ pub(super) mod shadow;
 mod silhouette;
 pub(super) mod skin;
 pub(super) mod solid;
+pub(super) mod textured;
 
 use super::shader::Shader;
 use super::target::{DEPTH_FORMAT, Output};

@@ -68,10 +68,7 @@ impl<'a> Buffers<'a> {
 
     fn fetch(&self, number: usize) -> Result<Cow<'a, [u8]>, Fault> {
         let bytes = match (self.root.buffers[number].uri.as_deref(), self.blob) {
-            (Some(uri), _) => match uri.strip_prefix("data:") {
-                Some(rest) => Cow::Owned(self.embedded(rest)?),
-                None => Cow::Owned(self.beside(uri)?),
-            },
+            (Some(uri), _) => Cow::Owned(self.named(uri, "buffer")?),
             (None, Some(blob)) if number == 0 => Cow::Borrowed(blob),
             (None, _) => return Err(Problem::Missing("what it holds, a `uri` or a chunk `BIN`,").into()),
         };
@@ -80,6 +77,20 @@ impl<'a> Buffers<'a> {
             return Err(Problem::TooShort { what: "its contents".into(), needed, there }.into());
         }
         Ok(bytes)
+    }
+
+    /// The bytes that a URI names, or why there are none; `what` they are of.
+    pub(super) fn of_uri(&mut self, uri: &str, what: &str) -> Result<Vec<u8>, String> {
+        let bytes = self.named(uri, what).map_err(|fault| match fault {
+            Fault::TooLarge => format!("it would make the model larger than {} MiB", MAX_FILE_BYTES >> 20),
+            Fault::Problem(problem) => problem.to_string(),
+        })?;
+        self.budget = self.budget.saturating_sub(bytes.len() as u64);
+        Ok(bytes)
+    }
+
+    fn named(&self, uri: &str, what: &str) -> Result<Vec<u8>, Fault> {
+        uri.strip_prefix("data:").map_or_else(|| self.beside(uri, what), |rest| self.embedded(rest))
     }
 
     /// The bytes of a `data:` URI.
@@ -98,9 +109,9 @@ impl<'a> Buffers<'a> {
     }
 
     /// The bytes of a file beside the model or in a folder below it.
-    fn beside(&self, uri: &str) -> Result<Vec<u8>, Fault> {
+    fn beside(&self, uri: &str, what: &str) -> Result<Vec<u8>, Fault> {
         let Some((beside, name)) = self.file.beside.zip(below(&decoded(uri))) else {
-            let what = format!("the buffer `{}`", echo_up_to(&decoded(uri), 60));
+            let what = format!("the {what} `{}`", echo_up_to(&decoded(uri), 60));
             let remedy = "only files beside the model and in folders below it are";
             return Err(Problem::Unsupported { what, remedy }.into());
         };
@@ -120,10 +131,9 @@ fn decoded(uri: &str) -> Cow<'_, str> {
     percent_decode_str(uri).decode_utf8_lossy()
 }
 
-/// The names of the files that a model has its buffers in.
-pub(super) fn names_beside(root: &Root) -> Vec<String> {
-    let uris = root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
-    uris.filter(|uri| !uri.starts_with("data:")).filter_map(|uri| below(&decoded(uri))).collect()
+/// The name of the file beside a model that a URI means; none where it means no such.
+pub(super) fn name_beside(uri: &str) -> Option<String> {
+    if uri.starts_with("data:") { None } else { below(&decoded(uri)) }
 }
 
 /// Why a buffer gives no bytes.

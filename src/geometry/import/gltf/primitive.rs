@@ -6,13 +6,15 @@ use gltf_json::accessor::{ComponentType, Type};
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
 
+use super::base_colors::{BaseColor, BaseColors};
 use super::buffers::Buffers;
-use crate::geometry::import::assembly::{Assembly, TEXTURES_WARNING, vertex_index, within_reach};
+use crate::geometry::import::assembly::{Assembly, vertex_index, within_reach};
 use crate::geometry::import::error::{ImportError, Place, Problem};
 use crate::geometry::import::formats::MAX_PARTS;
-use crate::geometry::import::model_file::{Imported, ModelFile};
+use crate::geometry::import::model_file::{Detail, Imported, ModelFile};
 use crate::geometry::named_parts::NameOf;
 use crate::geometry::paint::{NO_TINT, Tint, tint_of_linear};
+use crate::geometry::texturing::TexturePlace;
 
 /// Follows the indices of a file into its buffers, and gathers the triangles that it finds.
 pub(super) struct Reader<'a> {
@@ -20,7 +22,17 @@ pub(super) struct Reader<'a> {
     root: &'a Root,
     buffers: Buffers<'a>,
     assembly: Assembly<'a>,
-    has_textures: bool,
+    base_colors: BaseColors,
+    /// Primitives whose picture lies nowhere on them.
+    unplaced: usize,
+}
+
+/// What the vertices of a primitive have beside their positions, as far as they have it.
+#[derive(Default)]
+struct Attributes {
+    tints: Vec<Tint>,
+    normals: Vec<DVec3>,
+    places: Vec<TexturePlace>,
 }
 
 /// The numbers of an accessor, element by element.
@@ -35,7 +47,8 @@ struct Elements<'a> {
 impl<'a> Reader<'a> {
     /// Nothing yet; `blob` is the buffer within a binary file.
     pub(super) fn new(file: ModelFile<'a>, root: &'a Root, blob: Option<&'a [u8]>) -> Self {
-        Self { file, root, buffers: Buffers::new(file, root, blob), assembly: Assembly::new(file), has_textures: false }
+        let (buffers, assembly) = (Buffers::new(file, root, blob), Assembly::new(file));
+        Self { file, root, buffers, assembly, base_colors: BaseColors::new(), unplaced: 0 }
     }
 
     /// Takes note of something that a person should know.
@@ -50,10 +63,17 @@ impl<'a> Reader<'a> {
 
     /// The mesh of all that was added.
     pub(super) fn finish(mut self) -> Result<Imported, ImportError> {
-        if self.has_textures {
-            self.warn(TEXTURES_WARNING.into());
+        if self.unplaced > 0 {
+            let said = "meshes without texture coordinates have no picture but their plain colour";
+            self.warn(format!("{said}: {}", self.unplaced));
         }
-        self.assembly.finish()
+        if self.base_colors.is_empty() {
+            return self.assembly.finish();
+        }
+        let mut warnings = Vec::new();
+        let textures = self.base_colors.develop(self.file, self.root, &mut self.buffers, &mut warnings)?;
+        warnings.into_iter().for_each(|warning| self.assembly.warn(warning));
+        self.assembly.finish_with(textures)
     }
 
     /// Adds the triangles of a primitive, moved by a transform; says whether it has a surface at all.
@@ -66,7 +86,6 @@ impl<'a> Reader<'a> {
         let material = primitive.material.and_then(|material| self.root.materials.get(material.value()));
         self.call(NameOf::Material, material.and_then(|material| material.name.as_ref()));
         let base = material.map(|material| &material.pbr_metallic_roughness);
-        self.has_textures |= base.is_some_and(|base| base.base_color_texture.is_some());
         let base = base.map(|base| base.base_color_factor.0);
         self.assembly.paint_faces(base.map_or(NO_TINT, |[red, green, blue, _]| tint_of_linear([red, green, blue])));
         let base = self.assembly.vertices();
@@ -74,7 +93,14 @@ impl<'a> Reader<'a> {
         let tints = colors.map(|accessor| self.tints(accessor.value(), place)).unwrap_or_default();
         let normals = primitive.attributes.get(&Checked::Valid(Semantic::Normals));
         let normals = normals.map(|accessor| self.normals(accessor.value(), transform, place)).unwrap_or_default();
-        let count = self.add_positions(positions, transform, (&tints, &normals), place)?;
+        let color = match self.file.detail {
+            Detail::Form => None,
+            Detail::Pictures => primitive.material.and_then(|found| self.base_colors.of(self.root, found.value())),
+        };
+        let places = color.map(|color| self.places(primitive, &color, place)).unwrap_or_default();
+        self.unplaced += usize::from(color.is_some() && places.is_empty());
+        self.assembly.texture_faces(color.filter(|_| !places.is_empty()).map(|color| color.number));
+        let count = self.add_positions(positions, transform, &Attributes { tints, normals, places }, place)?;
         let corners = match primitive.indices {
             Some(indices) => self.indices(indices.value(), place)?,
             None => (0..).take(count).collect(),
@@ -98,12 +124,12 @@ impl<'a> Reader<'a> {
         Ok(true)
     }
 
-    /// Adds the vertices of an accessor, and their colours and normals as far as there are any. How many they are.
+    /// Adds the vertices of an accessor, and what they have beside their positions. How many they are.
     fn add_positions(
         &mut self,
         accessor: usize,
         transform: &DMat4,
-        (tints, normals): (&[Tint], &[DVec3]),
+        Attributes { tints, normals, places }: &Attributes,
         place: &Place,
     ) -> Result<usize, ImportError> {
         let file = self.file;
@@ -121,6 +147,9 @@ impl<'a> Reader<'a> {
             self.assembly.vertex(within_reach(file, position, || place.clone())?)?;
             self.assembly.paint_vertex(tints.get(number).copied().unwrap_or(NO_TINT));
             self.assembly.vertex_normal(normals.get(number).copied().unwrap_or(DVec3::ZERO));
+            if !places.is_empty() {
+                self.assembly.place_vertex(places.get(number).copied().unwrap_or([f32::NAN; 2]));
+            }
         }
         Ok(count)
     }
@@ -158,6 +187,21 @@ impl<'a> Reader<'a> {
         })
     }
 
+    /// Where the vertices of a primitive lie in a picture; told and left out where there is something wrong with that.
+    fn places(&mut self, primitive: &Primitive, color: &BaseColor, place: &Place) -> Vec<TexturePlace> {
+        let accessor = primitive.attributes.get(&Checked::Valid(Semantic::TexCoords(color.set)));
+        let Some(accessor) = accessor else { return Vec::new() };
+        let found = elements(self, accessor.value(), &[Type::Vec2], place).map(|elements| {
+            let (stride, size) = (elements.stride, elements.component.size());
+            let at = |number: usize| [0, 1].map(|axis| elements.number(number * stride + axis * size));
+            (0..elements.count).map(|number| color.place(at(number))).collect()
+        });
+        found.unwrap_or_else(|error| {
+            self.warn(format!("texture coordinates were left out: {error}"));
+            Vec::new()
+        })
+    }
+
     fn indices(&mut self, accessor: usize, place: &Place) -> Result<Vec<i64>, ImportError> {
         let file = self.file;
         let elements = elements(self, accessor, &[Type::Scalar], place)?;
@@ -190,6 +234,7 @@ fn elements<'r>(
         let remedy = match wanted {
             [Type::Vec3] => "positions and normals are of the type Vec3",
             [Type::Scalar] => "indices are of the type Scalar",
+            [Type::Vec2] => "texture coordinates are of the type Vec2",
             _ => "colours are of the type Vec3 or Vec4",
         };
         return Err(fail(Problem::Unsupported { what, remedy }));

@@ -6,7 +6,7 @@ use percent_encoding::{NON_ALPHANUMERIC, percent_encode};
 use super::*;
 use crate::geometry::TriMesh;
 use crate::geometry::import::tests::{Never, refusal, tetrahedron};
-use crate::geometry::import::{load, parse};
+use crate::geometry::import::{Detail, load, parse};
 
 /// The tetrahedron in one buffer: positions, then indices.
 fn bytes() -> Vec<u8> {
@@ -92,9 +92,9 @@ fn binary_embedded_and_split_files_give_the_mesh_that_obj_gives() {
     std::fs::create_dir(at("parts")).expect("a folder");
     std::fs::write(at("parts/a b.bin"), bytes()).expect("written");
     std::fs::write(at("m.gltf"), text(r#"{"mesh": 0}"#, r#""uri": "./parts/a%20b.bin","#)).expect("written");
-    assert_eq!(load(&at("m.gltf")).expect("a good file").mesh, wanted, "a file in a folder below");
+    assert_eq!(load(&at("m.gltf"), Detail::Pictures).expect("a good file").mesh, wanted, "a file in a folder below");
     std::fs::remove_file(at("parts/a b.bin")).expect("it was there");
-    let said = load(&at("m.gltf")).expect_err("it is gone").to_string();
+    let said = load(&at("m.gltf"), Detail::Pictures).expect_err("it is gone").to_string();
     let missing = "parts/a b.bin, which belongs to the model, does not exist";
     assert!(said.contains("m.gltf, buffer 0: the file ") && said.ends_with(missing), "{said}");
 }
@@ -105,7 +105,7 @@ fn only_files_below_the_model_are_opened() {
         let text = text(r#"{"mesh": 0}"#, &format!(r#""uri": "{}","#, uri.replace('\\', "\\\\")));
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join("m.gltf"), text).expect("written");
-        let said = load(&folder.path().join("m.gltf")).expect_err("refused").to_string();
+        let said = load(&folder.path().join("m.gltf"), Detail::Pictures).expect_err("refused").to_string();
         assert!(
             said.ends_with("is not read; only files beside the model and in folders below it are"),
             "{uri}: {said}"
@@ -317,21 +317,6 @@ fn base_colours_and_colours_of_vertices_are_read() {
     let left_out = "colours of vertices were left out: m.glb, mesh 0, primitive 0: accessor 2 of the type Vec2 is not read; \
                     colours are of the type Vec3 or Vec4";
     assert_eq!((paint, warnings), (Some([[255, 188, 0, 255]; 4]), vec![left_out.to_owned()]), "the model is read");
-}
-
-#[test]
-fn a_texture_that_is_not_read_is_told() {
-    let red =
-        r#""name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1], "baseColorTexture": {"index": 0}}"#;
-    let unused = text(r#"{"mesh": 0}"#, "").replace(r#""name": "red""#, red);
-    let used = unused.replace(r#""mode": 4"#, r#""mode": 4, "material": 0"#);
-    let said = |text: &str| {
-        let imported = parse(&glb(text, &bytes()), "m.glb").expect("a good file");
-        (imported.paint.map(|paint| paint.tint(3, 3)), imported.warnings)
-    };
-    let plain = "textures are not read: where a material has one, its plain colour is shown";
-    assert_eq!(said(&used), (Some([255, 0, 0, 255]), vec![plain.to_owned()]));
-    assert_eq!(said(&unused), (None, Vec::new()), "nobody misses it");
 }
 
 #[test]

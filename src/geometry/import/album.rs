@@ -1,0 +1,223 @@
+//! The pictures that the materials of a model ask for: each read and unpacked once, all of them side by side. One that
+//! cannot be had is told and left out, and the model is read without it.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::error::ImportError;
+use super::model_file::ModelFile;
+use crate::geometry::picture_file::{self, Opacity, PictureError};
+use crate::math::picture::{Picture, Sampling, Texture};
+use crate::text::echo_up_to;
+
+/// The most texels that the pictures of a model have together, as their files have them.
+const MAX_TEXELS_TOGETHER: u64 = 1 << 27;
+
+/// The most textures of a model.
+const MOST_TEXTURES: usize = 1024;
+
+/// The file of a picture: what it is called in messages, and its bytes or why there are none.
+pub(super) struct PictureBytes {
+    pub(super) name: String,
+    pub(super) bytes: Result<Vec<u8>, String>,
+}
+
+/// Textures that are asked for; `K` tells pictures from each other.
+pub(super) struct Album<K> {
+    pictures: Vec<(K, Opacity)>,
+    /// The place of the picture, and how it is looked up.
+    textures: Vec<(usize, Sampling)>,
+    is_full: bool,
+    /// The most texels of all pictures together.
+    most_texels: u64,
+}
+
+/// Textures that are there.
+#[derive(Default)]
+pub(super) struct Textures {
+    /// All of them.
+    pub(super) all: Vec<Texture>,
+    /// Of every one that was asked for, its place among them.
+    places: Vec<Option<u16>>,
+}
+
+impl<K: PartialEq> Album<K> {
+    pub(super) fn new() -> Self {
+        Self { pictures: Vec::new(), textures: Vec::new(), is_full: false, most_texels: MAX_TEXELS_TOGETHER }
+    }
+
+    /// Asks for a texture, and gives its number; none where there are too many.
+    pub(super) fn ask(&mut self, picture: K, opacity: Opacity, sampling: Sampling) -> Option<u16> {
+        let wanted = (picture, opacity);
+        let picture = self.pictures.iter().position(|known| *known == wanted).unwrap_or_else(|| {
+            self.pictures.push(wanted);
+            self.pictures.len() - 1
+        });
+        let texture = (picture, sampling);
+        let place = self.textures.iter().position(|known| *known == texture).unwrap_or_else(|| {
+            self.textures.push(texture);
+            self.textures.len() - 1
+        });
+        if place >= MOST_TEXTURES {
+            self.is_full = true;
+            self.textures.truncate(MOST_TEXTURES);
+            return None;
+        }
+        u16::try_from(place).ok()
+    }
+
+    /// Whether nothing was asked for.
+    pub(super) fn is_empty(&self) -> bool {
+        self.textures.is_empty()
+    }
+
+    /// Reads and unpacks the pictures; what cannot be had is told in `warnings`.
+    ///
+    /// # Errors
+    /// If nobody waits for the model any more.
+    pub(super) fn develop(
+        self,
+        file: ModelFile<'_>,
+        read: impl FnMut(K) -> PictureBytes,
+        warnings: &mut Vec<String>,
+    ) -> Result<Textures, ImportError> {
+        if self.is_full {
+            warnings.push(format!("only the first {MOST_TEXTURES} textures of the model are shown"));
+        }
+        let (keys, opacities): (Vec<K>, Vec<Opacity>) = self.pictures.into_iter().unzip();
+        let read = keys.into_iter().map(read);
+        let pictures = unpack(file, read.zip(opacities), self.most_texels, warnings)?;
+        let mut textures = Textures { all: Vec::new(), places: Vec::new() };
+        for (picture, sampling) in self.textures {
+            let picture = pictures[picture].clone();
+            textures.places.push(picture.as_ref().and_then(|_| u16::try_from(textures.all.len()).ok()));
+            textures.all.extend(picture.map(|picture| Texture { picture, sampling }));
+        }
+        Ok(textures)
+    }
+}
+
+impl Textures {
+    /// The place of a texture by the number that it was asked for with.
+    pub(super) fn place(&self, number: u16) -> Option<u16> {
+        self.places.get(usize::from(number)).copied().flatten()
+    }
+}
+
+/// What is said of a picture that is not shown.
+fn left_out(name: &str, why: &str) -> String {
+    format!("no picture from {}, plain colours instead: {why}", echo_up_to(name, 60))
+}
+
+fn unpack(
+    file: ModelFile<'_>,
+    read: impl Iterator<Item = (PictureBytes, Opacity)>,
+    most_texels: u64,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Option<Arc<Picture>>>, ImportError> {
+    let (mut texels, mut packed) = (0, Vec::new());
+    for (PictureBytes { name, bytes }, opacity) in read {
+        if file.watch.cancelled() {
+            return Err(file.cancelled());
+        }
+        let bytes = bytes.and_then(|bytes| {
+            let [width, height] = picture_file::size(&bytes).map_err(|error| said(&error))?;
+            texels += u64::from(width) * u64::from(height);
+            if texels > most_texels {
+                let most = most_texels >> 20;
+                return Err(format!("the pictures of the model have more than {most} million texels together"));
+            }
+            Ok(bytes)
+        });
+        packed.push((name, bytes, opacity));
+    }
+    let unpacked: Vec<Result<Picture, String>> = packed
+        .par_iter()
+        .map(|(_, bytes, opacity)| match bytes {
+            _ if file.watch.cancelled() => Err(String::new()),
+            Ok(bytes) => picture_file::decode(bytes, *opacity).map_err(|error| said(&error)),
+            Err(why) => Err(why.clone()),
+        })
+        .collect();
+    if file.watch.cancelled() {
+        return Err(file.cancelled());
+    }
+    let kept = packed.iter().zip(unpacked).map(|((name, ..), picture)| {
+        let told = picture.map_err(|why| warnings.push(left_out(name, &why)));
+        told.ok().map(Arc::new)
+    });
+    Ok(kept.collect())
+}
+
+/// An error as a sentence of its own.
+fn said(error: &PictureError) -> String {
+    format!("it {error}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::import::model_file::Detail;
+    use crate::geometry::import::tests::Never;
+    use crate::geometry::picture_file::tests::png;
+
+    fn sound(name: &str, size: [u32; 2]) -> PictureBytes {
+        let texels = vec![[7, 8, 9, 255]; size[0] as usize * size[1] as usize];
+        PictureBytes { name: name.to_owned(), bytes: Ok(png(size, &texels)) }
+    }
+
+    const FILE: ModelFile<'static> =
+        ModelFile { bytes: b"", name: "m.obj", beside: None, detail: Detail::Pictures, watch: &() };
+
+    #[test]
+    fn a_picture_is_unpacked_once_and_a_bad_one_is_told() {
+        let mut album = Album::new();
+        let (plain, sharp) = (Sampling::default(), Sampling { levels: None, ..Sampling::default() });
+        let asked = [("a", plain), ("bad", plain), ("a", sharp), ("a", plain), ("gone", sharp)];
+        let numbers = asked.map(|(name, sampling)| album.ask(name, Opacity::Counts, sampling));
+        assert_eq!(numbers, [Some(0), Some(1), Some(2), Some(0), Some(3)]);
+        let (mut warnings, mut read) = (Vec::new(), Vec::new());
+        let bytes = |name: &str| {
+            read.push(name.to_owned());
+            match name {
+                "a" => sound(name, [1, 1]),
+                "bad" => PictureBytes { name: name.to_owned(), bytes: Ok(b"GIF89a".to_vec()) },
+                _ => PictureBytes { name: name.to_owned(), bytes: Err("it does not exist".to_owned()) },
+            }
+        };
+        let textures = album.develop(FILE, bytes, &mut warnings).expect("nobody cancels");
+        assert_eq!(read, ["a", "bad", "gone"], "each once");
+        assert_eq!([0, 1, 2, 3, 4].map(|number| textures.place(number)), [Some(0), None, Some(1), None, None]);
+        assert!(Arc::ptr_eq(&textures.all[0].picture, &textures.all[1].picture), "one picture, looked up in two ways");
+        assert_eq!(
+            warnings,
+            [
+                "no picture from bad, plain colours instead: it is no PNG or JPEG picture; save it as one of them",
+                "no picture from gone, plain colours instead: it does not exist",
+            ]
+        );
+    }
+
+    #[test]
+    fn all_pictures_together_have_a_limit_and_may_be_given_up() {
+        let asked = || {
+            let mut album = Album { most_texels: 3 << 20, ..Album::new() };
+            (0..3).for_each(|number| drop(album.ask(number, Opacity::Ignored, Sampling::default())));
+            album
+        };
+        let large = |number: i32| sound(&number.to_string(), [1 << 10, 1 << (10 + number.min(1))]);
+        let mut warnings = Vec::new();
+        let textures = asked().develop(FILE, large, &mut warnings).expect("nobody cancels");
+        let places = [0, 1, 2].map(|number| textures.place(number));
+        assert_eq!(places, [Some(0), Some(1), None], "the last is one too many: {warnings:?}");
+        let why = "no picture from 2, plain colours instead: the pictures of the model have more than 3 million texels \
+                   together";
+        assert_eq!(warnings, [why]);
+        let given_up = asked().develop(ModelFile { watch: &Never, ..FILE }, |_| sound("a", [1, 1]), &mut warnings);
+        assert!(matches!(given_up, Err(ImportError::Cancelled { .. })));
+        let mut full = Album::new();
+        let numbers: Vec<_> = (0..=MOST_TEXTURES).map(|n| full.ask(n, Opacity::Counts, Sampling::default())).collect();
+        assert!(numbers[MOST_TEXTURES - 1].is_some() && numbers[MOST_TEXTURES].is_none(), "so many and no more");
+    }
+}

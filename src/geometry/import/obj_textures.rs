@@ -1,0 +1,95 @@
+//! The pictures of an OBJ file's materials, laid on its triangles.
+
+use super::album::{Album, PictureBytes, Textures};
+use super::beside::Beside;
+use super::error::ImportError;
+use super::formats::MAX_FILE_BYTES;
+use super::model_file::ModelFile;
+use super::mtl::Material;
+use super::mtl_map::Map;
+use super::obj_coordinates::{CornerPlace, Coordinates};
+use crate::geometry::named_parts::NamedParts;
+use crate::geometry::picture_file::Opacity;
+use crate::geometry::texturing::{TexturePlace, Texturing};
+
+/// The texture coordinates of a file's triangles.
+pub(super) struct Placed<'a> {
+    /// All of the file.
+    pub(super) coordinates: &'a Coordinates,
+    /// Of the corners of every triangle.
+    pub(super) corners: &'a [[CornerPlace; 3]],
+}
+
+/// Lays the pictures of materials on the triangles of parts; `materials` are those of the parts' labels. What cannot be shown
+/// is told in `warnings`.
+///
+/// # Errors
+/// If nobody waits for the model any more.
+pub(super) fn texturing(
+    file: ModelFile<'_>,
+    parts: &NamedParts,
+    materials: &[Option<&Material>],
+    placed: Placed<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Texturing>, ImportError> {
+    let Some(beside) = file.beside else { return Ok(None) };
+    let mut album = Album::new();
+    let ask = |material: &Option<&Material>| -> Option<(u16, Map)> {
+        let map = material.as_ref()?.map.clone()?;
+        let wanted = map.find(beside).ok_or_else(|| (map.file.clone(), map.missing()));
+        Some((album.ask(wanted, Opacity::Counts, map.sampling)?, map))
+    };
+    let asked: Vec<Option<(u16, Map)>> = materials.iter().map(ask).collect();
+    if album.is_empty() {
+        return Ok(None);
+    }
+    for (_, map) in asked.iter().flatten().filter(|(_, map)| !map.left_out.is_empty()) {
+        let said = format!("{}: what {} say of the picture is not read", map.file, map.left_out.join(", "));
+        if !warnings.contains(&said) {
+            warnings.push(said);
+        }
+    }
+    let mut budget = MAX_FILE_BYTES;
+    let textures = album.develop(file, |wanted| bytes_of(beside, wanted, &mut budget), warnings)?;
+    let (texturing, unplaced) = laid(parts, &asked, textures, &placed);
+    if unplaced > 0 {
+        let said = "triangles without texture coordinates have no picture but their plain colour";
+        warnings.push(format!("{said}: {unplaced}"));
+    }
+    Ok(texturing)
+}
+
+/// Which texture every triangle has; of how many it has no place in it.
+fn laid(
+    parts: &NamedParts,
+    asked: &[Option<(u16, Map)>],
+    textures: Textures,
+    placed: &Placed<'_>,
+) -> (Option<Texturing>, usize) {
+    let (mut of_triangles, mut corners, mut unplaced) = (Vec::new(), Vec::new(), 0);
+    for triangle in 0..parts.count() {
+        let asked = asked[usize::from(parts.label(triangle))].as_ref();
+        let found = asked.and_then(|(number, map)| Some((textures.place(*number)?, map)));
+        let places: [TexturePlace; 3] = found.map_or([[f32::NAN; 2]; 3], |(_, map)| {
+            let of_corners = placed.corners.get(triangle).copied().unwrap_or_default();
+            of_corners.map(|place| placed.coordinates.at(place).map_or([f32::NAN; 2], |at| map.place(at)))
+        });
+        unplaced += usize::from(found.is_some() && places.as_flattened().iter().any(|along| !along.is_finite()));
+        of_triangles.push(found.map(|(texture, _)| texture));
+        corners.push(places);
+    }
+    (Texturing::new(textures.all, of_triangles, corners), unplaced)
+}
+
+/// The bytes of a picture by the name of its file, or by what was named and why there is no such file; taken from those that
+/// all of them may have.
+fn bytes_of(beside: Beside<'_>, wanted: Result<String, (String, &'static str)>, budget: &mut u64) -> PictureBytes {
+    match wanted {
+        Ok(name) => {
+            let bytes = beside.read(&name, *budget).map_err(|error| format!("it {error}"));
+            *budget -= bytes.as_ref().map_or(0, |bytes| bytes.len() as u64);
+            PictureBytes { name, bytes }
+        }
+        Err((name, why)) => PictureBytes { name, bytes: Err(why.to_owned()) },
+    }
+}

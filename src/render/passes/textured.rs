@@ -1,0 +1,155 @@
+//! Those parts of bodies that have pictures. A scene without any pays nothing: pipelines are compiled when the first is shown.
+
+use super::mesh::{Triangles, by_constant};
+use super::{Drawing, Entries, drawing_pipeline_with, vertex_layout};
+use crate::render::device::Device;
+use crate::render::layout::{BodyInstance, DeformedVertex, PLACE_ATTRIBUTES};
+use crate::render::mesh_buffers::SkinBuffers;
+use crate::render::shader;
+use crate::render::target::Output;
+use crate::render::texture_cache::TextureCache;
+use crate::view::DrawList;
+
+/// Draws what has pictures.
+#[derive(Debug)]
+pub(in crate::render) struct TexturedPass {
+    output: Output,
+    /// Of groups 0 and 1.
+    layouts: [wgpu::BindGroupLayout; 2],
+    made: Option<Made>,
+    /// The pictures of every skin, one a run; empty where none are shown.
+    ready: Vec<Vec<wgpu::BindGroup>>,
+}
+
+/// What is made when the first picture is shown.
+#[derive(Debug)]
+struct Made {
+    textures: TextureCache,
+    /// As those of [`super::mesh::MeshPass`].
+    pipelines: [wgpu::RenderPipeline; 2],
+    sheer: wgpu::RenderPipeline,
+}
+
+impl TexturedPass {
+    pub(in crate::render) fn new(output: Output, layouts: [&wgpu::BindGroupLayout; 2]) -> Self {
+        Self { output, layouts: layouts.map(Clone::clone), made: None, ready: Vec::new() }
+    }
+
+    /// Brings the device up to date with the pictures of a draw list; counts what is uploaded. None are shown, nor uploaded,
+    /// where scalars are or every body has one colour.
+    pub(in crate::render) fn prepare(
+        &mut self,
+        gpu: Device<'_>,
+        draw_list: &DrawList,
+        skins: &[SkinBuffers],
+        bytes_counted: &mut u64,
+    ) {
+        self.ready.clear();
+        let runs = skins.iter().filter_map(|skin| skin.source().textures()).flat_map(|textures| &textures.runs);
+        if runs.clone().next().is_some() && draw_list.painted && draw_list.scalars.is_none() {
+            let made = self.made.get_or_insert_with(|| Made::new(gpu.device, self.output, &self.layouts));
+            let bound = |skin: &SkinBuffers| {
+                let runs = skin.source().textures().map_or(&[][..], |textures| &textures.runs);
+                runs.iter().map(|run| made.textures.get(gpu, &run.texture, bytes_counted)).collect()
+            };
+            self.ready.extend(skins.iter().map(bound));
+        }
+        if let Some(made) = &mut self.made {
+            made.textures.keep(runs.map(|run| &run.texture));
+        }
+    }
+
+    /// Whether any pictures are shown.
+    pub(in crate::render) fn shows_any(&self) -> bool {
+        !self.ready.is_empty()
+    }
+
+    /// What is left to draw without pictures.
+    pub(in crate::render) fn others(&self) -> Triangles {
+        if self.shows_any() { Triangles::Plain } else { Triangles::All }
+    }
+
+    /// Draws each skin with the instance of the same place.
+    pub(in crate::render) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        skins: &[SkinBuffers],
+        instances: &wgpu::Buffer,
+    ) {
+        for pipeline in self.made.iter().flat_map(|made| &made.pipelines) {
+            self.draw_with(pipeline, pass, skins, instances);
+        }
+    }
+
+    /// As [`TexturedPass::draw`], over what is there already with the blend constant of the pass.
+    pub(in crate::render) fn draw_sheer(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        skins: &[SkinBuffers],
+        instances: &wgpu::Buffer,
+    ) {
+        if let Some(made) = &self.made {
+            self.draw_with(&made.sheer, pass, skins, instances);
+        }
+    }
+
+    fn draw_with(
+        &self,
+        pipeline: &wgpu::RenderPipeline,
+        pass: &mut wgpu::RenderPass<'_>,
+        skins: &[SkinBuffers],
+        instances: &wgpu::Buffer,
+    ) {
+        if !self.shows_any() {
+            return;
+        }
+        pass.set_pipeline(pipeline);
+        pass.set_vertex_buffer(1, instances.slice(..));
+        for ((instance, skin), bound) in (0..).zip(skins).zip(&self.ready) {
+            let Some((places, textures)) = skin.places.as_ref().zip(skin.source().textures()) else { continue };
+            pass.set_vertex_buffer(0, skin.deformed.slice(..));
+            pass.set_vertex_buffer(2, places.slice(..));
+            pass.set_index_buffer(skin.indices.slice(..), wgpu::IndexFormat::Uint32);
+            for (run, texture) in textures.runs.iter().zip(bound) {
+                pass.set_bind_group(2, texture, &[]);
+                pass.draw_indexed(indices(&run.triangles), 0, instance..instance + 1);
+            }
+        }
+    }
+}
+
+impl Made {
+    fn new(device: &wgpu::Device, output: Output, [frame, lighting]: &[wgpu::BindGroupLayout; 2]) -> Self {
+        let textures = TextureCache::new(device);
+        let layouts = [Some(frame), Some(lighting), Some(textures.layout())];
+        let per_vertex = wgpu::VertexStepMode::Vertex;
+        let buffers = [
+            Some(vertex_layout::<DeformedVertex>(per_vertex, &DeformedVertex::ATTRIBUTES)),
+            Some(vertex_layout::<BodyInstance>(wgpu::VertexStepMode::Instance, &BodyInstance::ATTRIBUTES)),
+            Some(vertex_layout::<[f32; 2]>(per_vertex, &PLACE_ATTRIBUTES)),
+        ];
+        let constants = output.quality.lighting_constants();
+        let drawing = |cull| Drawing {
+            shader: shader::TEXTURED,
+            constants: &constants,
+            layouts: &layouts,
+            buffers: &buffers,
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            writes_depth: true,
+            blend: None,
+            cull: Some(cull),
+        };
+        let entries = Entries { vertex: "textured_vertex", fragment: "textured_fragment", ..Entries::default() };
+        let pipeline = |drawing: &Drawing<'_>| drawing_pipeline_with(device, output, drawing, entries);
+        let sheer = Drawing { writes_depth: false, blend: Some(by_constant()), ..drawing(wgpu::Face::Back) };
+        let pipelines = [wgpu::Face::Back, wgpu::Face::Front].map(|cull| pipeline(&drawing(cull)));
+        let sheer = pipeline(&sheer);
+        Self { textures, pipelines, sheer }
+    }
+}
+
+/// The indices of triangles.
+#[expect(clippy::cast_possible_truncation, reason = "a skin's indices are fewer than 2^32, as was checked")]
+fn indices(triangles: &std::ops::Range<usize>) -> std::ops::Range<u32> {
+    3 * triangles.start as u32..3 * triangles.end as u32
+}
