@@ -267,9 +267,8 @@ fn creased(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>, shading: Opti
             let known = &mut made[vertex as usize];
             let tint = paint.map_or(NO_TINT, |paint| paint.tint(face, vertex as usize));
             let place = places[corner];
-            let is_same = |corner: &Corner| {
-                (corner.tint, corner.place) == (tint, place) && corner.normal.distance(normal) < 1e-6
-            };
+            let is_same =
+                |corner: &Corner| (corner.tint, corner.place) == (tint, place) && corner.normal.distance(normal) < 1e-6;
             let found = known.iter().find(|&&corner| is_same(&corners[corner as usize])).copied();
             found.unwrap_or_else(|| {
                 corners.push(Corner { vertex, normal, tint, place });

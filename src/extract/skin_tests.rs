@@ -259,12 +259,17 @@ fn vertices_are_split_where_places_in_a_picture_differ_and_triangles_are_sorted_
     let dressed = split.textures().expect("pictures");
     let runs: Vec<_> = dressed.runs.iter().map(|run| (run.triangles.clone(), run.texture.sampling.levels)).collect();
     let smooth = Sampling::default().levels;
-    assert_eq!((dressed.plain_triangles(), runs), (4, vec![(4..8, smooth), (8..12, None)]), "plain ones, then by picture");
+    assert_eq!(
+        (dressed.plain_triangles(), runs),
+        (4, vec![(4..8, smooth), (8..12, None)]),
+        "plain ones, then by picture"
+    );
     for (number, corners) in split.triangles().iter().enumerate().skip(4) {
         let places = corners.map(|vertex| dressed.places[vertex as usize]);
         let triangle = if number < 8 { 3 * (number - 4) + 2 } else { 3 * (number - 8) + 1 };
         assert_eq!(places, each(triangle), "triangle {triangle} of the model is {number} of the skin");
-        let positions = corners.map(|vertex| split.vertices()[vertex as usize].place(&moved(&lattice, DMat3::IDENTITY)));
+        let positions =
+            corners.map(|vertex| split.vertices()[vertex as usize].place(&moved(&lattice, DMat3::IDENTITY)));
         for (position, &vertex) in positions.into_iter().zip(&mesh.triangles[triangle]) {
             assert!(position.distance(mesh.positions[vertex as usize].as_vec3()) < 1e-5, "and lies where it did");
         }

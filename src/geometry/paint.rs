@@ -2,8 +2,8 @@
 //! their materials.
 
 use super::texturing::{TexturePlace, Texturing};
-use crate::math::picture::Texture;
 use crate::math::color::{linear_from_srgb, srgb_from_linear};
+use crate::math::picture::Texture;
 
 /// An sRGB colour and 255; all 0 where there is none.
 pub type Tint = [u8; 4];

@@ -75,7 +75,10 @@ mod tests {
         let of_triangles = vec![Some(0), None, Some(1), Some(0), Some(0)];
         let corners = vec![places, places, places, odd];
         let found = Texturing::new(vec![texture(1)], of_triangles, corners).expect("one has a texture");
-        assert_eq!([0, 1, 2, 3, 4, 5].map(|triangle| found.of(triangle)), [Some((0, places)), None, None, None, None, None]);
+        assert_eq!(
+            [0, 1, 2, 3, 4, 5].map(|triangle| found.of(triangle)),
+            [Some((0, places)), None, None, None, None, None]
+        );
         assert_eq!(Texturing::new(vec![texture(1)], vec![None; 2], vec![places; 2]), None, "none has");
     }
 

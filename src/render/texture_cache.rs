@@ -83,7 +83,8 @@ fn is_same(a: &Texture, b: &Texture) -> bool {
 /// Puts a picture on the device, at most as fine as that takes.
 fn upload(Device { device, queue }: Device<'_>, picture: &Picture, bytes_counted: &mut u64) -> wgpu::TextureView {
     let levels = fitting(picture, device.limits().max_texture_dimension_2d);
-    let extent = |level: &Level| wgpu::Extent3d { width: level.size[0], height: level.size[1], depth_or_array_layers: 1 };
+    let extent =
+        |level: &Level| wgpu::Extent3d { width: level.size[0], height: level.size[1], depth_or_array_layers: 1 };
     let texture = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("picture of a skin"),
         size: levels.first().map(extent).unwrap_or_default(),

@@ -94,11 +94,11 @@ fn a_body_in_any_form_has_the_picture_and_moves_as_without_it() {
     let plain = tempfile::tempdir().expect("a folder");
     std::fs::write(plain.path().join("tent.obj"), TENT).expect("a file");
     let all = |change: &dyn Fn(&mut crate::scene::Body)| {
-        let mut scene = scene(&[4]);
+        let mut scene = scene(&[3]);
         change(&mut scene.bodies[0]);
         let mut both = [folder.path(), plain.path()].map(|folder| session(scene.clone(), folder));
         for session in &mut both {
-            (0..20).for_each(|_| assert!(session.step(), "it moves"));
+            (0..8).for_each(|_| assert!(session.step(), "it moves"));
         }
         let [mut textured, plain] = both;
         assert_eq!(textured.simulation().hash(), plain.simulation().hash(), "to the last bit");
@@ -108,7 +108,7 @@ fn a_body_in_any_form_has_the_picture_and_moves_as_without_it() {
     assert_eq!(all(&|body| body.material = Material::Solid(Solid::default())), 1, "a solid");
     assert_eq!(all(&|body| body.contact_on = ContactOn::Mesh), 1, "met on its mesh");
     assert_eq!(all(&|body| body.skin = Skin::Cells), 0, "drawn as its cells it has no picture");
-    let mut modal = scene(&[4]);
+    let mut modal = scene(&[3]);
     modal.bodies[0].moves_by = MovesBy::Modes;
     assert_eq!(pictures(&mut session(modal, folder.path())).len(), 1, "moved by its modes");
 }

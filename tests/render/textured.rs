@@ -47,10 +47,8 @@ fn sheet(picture: Arc<Picture>, sampling: Sampling, places: Places, tint: [u8; 4
     };
     let skin = Skin::new([0, 1, 2, 3].map(vertex).to_vec(), vec![[0, 2, 3], [0, 3, 1]]);
     let texture = Texture { picture, sampling };
-    let skin = skin.with_textures(SkinTextures {
-        places: places.to_vec(),
-        runs: vec![TexturedRun { texture, triangles: 0..2 }],
-    });
+    let skin = skin
+        .with_textures(SkinTextures { places: places.to_vec(), runs: vec![TexturedRun { texture, triangles: 0..2 }] });
     let corners = [[-0.5, 0.5, -0.5], [0.5, 0.5, -0.5], [-0.5, 0.5, 0.5], [0.5, 0.5, 0.5]];
     lit_evenly(DrawList {
         camera: camera_above(),

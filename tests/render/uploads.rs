@@ -154,7 +154,9 @@ fn a_picture_is_uploaded_once_for_all_that_show_it_and_not_before_it_is_shown() 
         Arc::new(skin.with_textures(SkinTextures { places, runs }))
     };
     let sharp = Sampling { levels: None, ..Sampling::default() };
-    scene.skins = [with(Sampling::default()), with(sharp), with(sharp)].map(|skin| SkinInstance { skin, ..scene.skins[0].clone() }).to_vec();
+    scene.skins = [with(Sampling::default()), with(sharp), with(sharp)]
+        .map(|skin| SkinInstance { skin, ..scene.skins[0].clone() })
+        .to_vec();
     let hidden = film.frame(&scene);
     assert!(!hidden.passes.contains(&"textured"), "nobody asked for it: {:?}", hidden.passes);
     scene.painted = true;

@@ -160,8 +160,7 @@ impl<'a> Assembly<'a> {
         }
         self.warnings.extend(self.namer.as_ref().and_then(Namer::warning));
         let parts = self.namer.and_then(|namer| namer.finish(self.labels));
-        let of_triangles: Vec<_> =
-            self.triangle_textures.iter().map(|number| textures.place((*number)?)).collect();
+        let of_triangles: Vec<_> = self.triangle_textures.iter().map(|number| textures.place((*number)?)).collect();
         let place = |vertex: u32| self.vertex_places.get(vertex as usize).copied().unwrap_or_default();
         let places = self.mesh.triangles.iter().take(of_triangles.len()).map(|triangle| triangle.map(place)).collect();
         let texturing = Texturing::new(textures.all, of_triangles, places);

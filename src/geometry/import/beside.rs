@@ -103,7 +103,9 @@ mod tests {
         let seen = |folder: &str, name: &str| below_from(folder, name);
         assert_eq!(seen("mats/a", "../../tex/b.png").as_deref(), Some("tex/b.png"), "up to the model's own folder");
         assert_eq!(seen("", "./tex//b.png").as_deref(), Some("tex/b.png"));
-        for (folder, name) in [("mats", "../../b.png"), ("", "../b.png"), ("mats", "/b.png"), ("mats", "C:/b.png"), ("", "")] {
+        for (folder, name) in
+            [("mats", "../../b.png"), ("", "../b.png"), ("mats", "/b.png"), ("mats", "C:/b.png"), ("", "")]
+        {
             assert_eq!(seen(folder, name), None, "{name} from {folder}");
         }
         for name in ["", ".", "..", "../a", "a/../../b", "/etc/passwd", "C:a", "a\\b", "a\0b"] {

@@ -27,7 +27,9 @@ impl Coordinates {
     pub(super) fn place(&self, index: i64) -> CornerPlace {
         let place = match index {
             0.. => u32::try_from(index).ok()?,
-            _ => u32::try_from(self.all.len() as u64 + 1).ok()?.checked_sub(u32::try_from(index.unsigned_abs()).ok()?)?,
+            _ => {
+                u32::try_from(self.all.len() as u64 + 1).ok()?.checked_sub(u32::try_from(index.unsigned_abs()).ok()?)?
+            }
         };
         NonZeroU32::new(place)
     }
@@ -49,7 +51,10 @@ mod tests {
             coordinates.add(line.split(' ').map(str::as_bytes));
         }
         let at = |index| coordinates.at(coordinates.place(index));
-        assert_eq!([1, 2, 4, -1, -4].map(at), [[0.5, 0.25], [1.0, 0.0], [2.0, -3.0], [2.0, -3.0], [0.5, 0.25]].map(Some));
+        assert_eq!(
+            [1, 2, 4, -1, -4].map(at),
+            [[0.5, 0.25], [1.0, 0.0], [2.0, -3.0], [2.0, -3.0], [0.5, 0.25]].map(Some)
+        );
         assert!(at(3).is_some_and(|[u, v]| u.is_nan() && v == 1.0), "it lies nowhere");
         assert_eq!([0, 5, -5, i64::MIN, i64::MAX].map(at), [None; 5], "there are four");
     }

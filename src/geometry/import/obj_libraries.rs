@@ -6,7 +6,8 @@ use super::mtl::MOST_LIBRARIES;
 pub(super) fn libraries(bytes: &[u8]) -> Vec<String> {
     let mut found = Vec::new();
     let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
-    let is_library = |line: &&[u8]| line.split(u8::is_ascii_whitespace).find(|word| !word.is_empty()) == Some(b"mtllib");
+    let is_library =
+        |line: &&[u8]| line.split(u8::is_ascii_whitespace).find(|word| !word.is_empty()) == Some(b"mtllib");
     lines.filter(is_library).for_each(|line| add_library(&mut found, line));
     found
 }

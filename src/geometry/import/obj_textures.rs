@@ -7,7 +7,7 @@ use super::formats::MAX_FILE_BYTES;
 use super::model_file::ModelFile;
 use super::mtl::Material;
 use super::mtl_map::Map;
-use super::obj_coordinates::{CornerPlace, Coordinates};
+use super::obj_coordinates::{Coordinates, CornerPlace};
 use crate::geometry::named_parts::NamedParts;
 use crate::geometry::picture_file::Opacity;
 use crate::geometry::texturing::{TexturePlace, Texturing};

@@ -44,7 +44,11 @@ fn what_is_no_model_file_is_refused_by_name() {
         assert!(message(name).ends_with(&unknown), "{}", message(name));
     }
     write("m.obj", QUAD.as_bytes());
-    assert_eq!(load(&folder.path().join("m.obj"), Detail::Pictures).expect("good").mesh.triangles.len(), 2, "a good one is read");
+    assert_eq!(
+        load(&folder.path().join("m.obj"), Detail::Pictures).expect("good").mesh.triangles.len(),
+        2,
+        "a good one is read"
+    );
 }
 
 #[test]

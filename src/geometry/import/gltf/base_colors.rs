@@ -114,7 +114,8 @@ impl BaseColor {
 
 /// The names of the files beside a model that its base colours are in, as the file has them.
 pub(super) fn uris(root: &Root) -> impl Iterator<Item = &str> {
-    let infos = root.materials.iter().filter_map(|material| material.pbr_metallic_roughness.base_color_texture.as_ref());
+    let infos =
+        root.materials.iter().filter_map(|material| material.pbr_metallic_roughness.base_color_texture.as_ref());
     let textures = infos.filter_map(|info| root.textures.get(info.index.value()));
     let images = textures.filter_map(|texture| root.images.get(texture.source.value()));
     images.filter_map(|image| image.uri.as_deref())
