@@ -12,6 +12,7 @@ mod overlay;
 mod properties;
 mod shaders;
 mod textured;
+mod textured_files;
 mod uploads;
 
 #[path = "../support/gpu.rs"]
