@@ -127,13 +127,13 @@ impl Picture {
 impl std::fmt::Debug for Picture {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let sizes: Vec<[u32; 2]> = self.levels.iter().map(|level| level.size).collect();
-        f.debug_struct("Picture").field("sizes", &sizes).finish()
+        f.debug_struct("Picture").field("sizes", &sizes).finish_non_exhaustive()
     }
 }
 
 impl std::fmt::Debug for Level {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Level").field("size", &self.size).finish()
+        f.debug_struct("Level").field("size", &self.size).finish_non_exhaustive()
     }
 }
 

@@ -48,11 +48,13 @@ impl TextureCache {
             return bind_group.clone();
         }
         let known = self.pictures.iter().find(|(known, _)| Arc::ptr_eq(known, &texture.picture));
-        let view = known.map(|(_, view)| view.clone()).unwrap_or_else(|| {
+        let view = if let Some((_, view)) = known {
+            view.clone()
+        } else {
             let view = upload(gpu, &texture.picture, bytes_counted);
             self.pictures.push((Arc::clone(&texture.picture), view.clone()));
             view
-        });
+        };
         let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("texture"),
             layout: &self.layout,
@@ -69,9 +71,9 @@ impl TextureCache {
     }
 
     /// Forgets all but these.
-    pub(super) fn keep<'a>(&mut self, used: impl Iterator<Item = &'a Texture> + Clone) {
-        self.textures.retain(|(known, _)| used.clone().any(|texture| is_same(known, texture)));
-        self.pictures.retain(|(known, _)| used.clone().any(|texture| Arc::ptr_eq(known, &texture.picture)));
+    pub(super) fn keep(&mut self, used: &[&Texture]) {
+        self.textures.retain(|(known, _)| used.iter().any(|texture| is_same(known, texture)));
+        self.pictures.retain(|(known, _)| used.iter().any(|texture| Arc::ptr_eq(known, &texture.picture)));
     }
 }
 

@@ -9,7 +9,7 @@ use super::{Command, Session};
 use crate::geometry::picture_file::tests::png;
 use crate::math::picture::Picture;
 use crate::scene::edit::{BodyId, Edit};
-use crate::scene::{ColorBy, ContactOn, Material, MovesBy, Scene, Shape, Skin, Solid, presets};
+use crate::scene::{ColorBy, ContactOn, MovesBy, Scene, Shape, Skin, presets};
 
 /// A tetrahedron, every face of which has all of the picture.
 const TENT: &str = "mtllib mats/tent.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl cloth\n\
@@ -105,7 +105,6 @@ fn a_body_in_any_form_has_the_picture_and_moves_as_without_it() {
         pictures(&mut textured).len()
     };
     assert_eq!(all(&|_| ()), 1, "cells");
-    assert_eq!(all(&|body| body.material = Material::Solid(Solid::default())), 1, "a solid");
     assert_eq!(all(&|body| body.contact_on = ContactOn::Mesh), 1, "met on its mesh");
     assert_eq!(all(&|body| body.skin = Skin::Cells), 0, "drawn as its cells it has no picture");
     let mut modal = scene(&[3]);

@@ -176,6 +176,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "sums of a few halves are exact")]
     fn options_move_the_picture_or_are_named() {
         assert_eq!(map("a.png").place([0.25, 0.25]), [0.25, 0.75], "v points up in OBJ and down in a picture");
         let moved = map("-s 2 4 1 -o 0.5 0.25 0 a.png");

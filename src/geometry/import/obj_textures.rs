@@ -13,6 +13,7 @@ use crate::geometry::picture_file::Opacity;
 use crate::geometry::texturing::{TexturePlace, Texturing};
 
 /// The texture coordinates of a file's triangles.
+#[derive(Clone, Copy)]
 pub(super) struct Placed<'a> {
     /// All of the file.
     pub(super) coordinates: &'a Coordinates,
@@ -34,12 +35,12 @@ pub(super) fn texturing(
 ) -> Result<Option<Texturing>, ImportError> {
     let Some(beside) = file.beside else { return Ok(None) };
     let mut album = Album::new();
-    let ask = |material: &Option<&Material>| -> Option<(u16, Map)> {
-        let map = material.as_ref()?.map.clone()?;
+    let ask = |material: Option<&Material>| -> Option<(u16, Map)> {
+        let map = material?.map.clone()?;
         let wanted = map.find(beside).ok_or_else(|| (map.file.clone(), map.missing()));
         Some((album.ask(wanted, Opacity::Counts, map.sampling)?, map))
     };
-    let asked: Vec<Option<(u16, Map)>> = materials.iter().map(ask).collect();
+    let asked: Vec<Option<(u16, Map)>> = materials.iter().copied().map(ask).collect();
     if album.is_empty() {
         return Ok(None);
     }
@@ -51,7 +52,7 @@ pub(super) fn texturing(
     }
     let mut budget = MAX_FILE_BYTES;
     let textures = album.develop(file, |wanted| bytes_of(beside, wanted, &mut budget), warnings)?;
-    let (texturing, unplaced) = laid(parts, &asked, textures, &placed);
+    let (texturing, unplaced) = laid(parts, &asked, textures, placed);
     if unplaced > 0 {
         let said = "triangles without texture coordinates have no picture but their plain colour";
         warnings.push(format!("{said}: {unplaced}"));
@@ -64,7 +65,7 @@ fn laid(
     parts: &NamedParts,
     asked: &[Option<(u16, Map)>],
     textures: Textures,
-    placed: &Placed<'_>,
+    placed: Placed<'_>,
 ) -> (Option<Texturing>, usize) {
     let (mut of_triangles, mut corners, mut unplaced) = (Vec::new(), Vec::new(), 0);
     for triangle in 0..parts.count() {

@@ -45,9 +45,8 @@ fn a_picture_lies_upright_on_the_faces_of_its_material() {
     assert_eq!(picture(&found).levels()[0].size, [1, 2]);
     for triangle in [0, 1] {
         for ([x, y], place) in places(&found, triangle).expect("it has the picture") {
-            #[expect(clippy::cast_possible_truncation, reason = "0 or 1")]
-            let upright = [x as f32, 1.0 - y as f32];
-            assert_eq!(place, upright, "the upper edge of the picture is the upper one of the sheet");
+            let upright = Some([x, 1.0 - y]);
+            assert_eq!(Some(place.map(f64::from)), upright, "the upper edge of the picture is that of the sheet");
         }
     }
     let paint = found.paint.as_ref().expect("colours");

@@ -55,7 +55,7 @@ impl TexturedPass {
             self.ready.extend(skins.iter().map(bound));
         }
         if let Some(made) = &mut self.made {
-            made.textures.keep(runs.map(|run| &run.texture));
+            made.textures.keep(&runs.map(|run| &run.texture).collect::<Vec<_>>());
         }
     }
 

@@ -72,7 +72,9 @@ impl<'a> Reader<'a> {
         }
         let mut warnings = Vec::new();
         let textures = self.base_colors.develop(self.file, self.root, &mut self.buffers, &mut warnings)?;
-        warnings.into_iter().for_each(|warning| self.assembly.warn(warning));
+        for warning in warnings {
+            self.assembly.warn(warning);
+        }
         self.assembly.finish_with(textures)
     }
 
