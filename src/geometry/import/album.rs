@@ -50,19 +50,18 @@ impl<K: PartialEq> Album<K> {
     /// Asks for a texture, and gives its number; none where there are too many.
     pub(super) fn ask(&mut self, picture: K, opacity: Opacity, sampling: Sampling) -> Option<u16> {
         let wanted = (picture, opacity);
-        let picture = self.pictures.iter().position(|known| *known == wanted).unwrap_or_else(|| {
-            self.pictures.push(wanted);
-            self.pictures.len() - 1
-        });
-        let texture = (picture, sampling);
-        let place = self.textures.iter().position(|known| *known == texture).unwrap_or_else(|| {
-            self.textures.push(texture);
-            self.textures.len() - 1
-        });
+        let known = self.pictures.iter().position(|known| *known == wanted);
+        let texture = (known.unwrap_or(self.pictures.len()), sampling);
+        let place = self.textures.iter().position(|known| *known == texture).unwrap_or(self.textures.len());
         if place >= MOST_TEXTURES {
             self.is_full = true;
-            self.textures.truncate(MOST_TEXTURES);
             return None;
+        }
+        if known.is_none() {
+            self.pictures.push(wanted);
+        }
+        if place == self.textures.len() {
+            self.textures.push(texture);
         }
         u16::try_from(place).ok()
     }
@@ -220,5 +219,6 @@ mod tests {
         let mut full = Album::new();
         let numbers: Vec<_> = (0..=MOST_TEXTURES).map(|n| full.ask(n, Opacity::Counts, Sampling::default())).collect();
         assert!(numbers[MOST_TEXTURES - 1].is_some() && numbers[MOST_TEXTURES].is_none(), "so many and no more");
+        assert_eq!(full.pictures.len(), MOST_TEXTURES, "what is not shown is not read");
     }
 }
