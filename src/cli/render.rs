@@ -79,6 +79,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if args.color == Some(ColorBy::Model) && !session.draw_list().skins.iter().any(|body| body.skin.is_painted()) {
         out::note("warning: no model of this scene has colours in its file; bodies are drawn in their own");
     }
+    for warning in session.model_warnings() {
+        out::note(&format!("warning: {warning}"));
+    }
     scene_args::find_modes(&mut session);
     let gpu = Gpu::headless()?;
     let mut renderer = offscreen::renderer(&gpu, Quality::Fine);

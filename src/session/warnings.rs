@@ -11,12 +11,17 @@ use crate::scene::{self, Body, ContactOn, Scene, named};
 use crate::view::legend::three_digits;
 
 impl Session {
+    /// What a person should know about the models of its bodies, a sentence each.
+    pub fn model_warnings(&self) -> Vec<String> {
+        self.bodies.warnings(self.scene())
+    }
+
     /// What a person should know about the scene, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let (model, state) = (self.simulation().model(), self.simulation().state());
         let mut warnings = scene::warnings(self.scene());
         warnings.extend(self.modes_warnings());
-        warnings.extend(self.bodies.warnings(self.scene()));
+        warnings.extend(self.model_warnings());
         warnings.extend(never_stable(&self.scene().settings));
         warnings.extend(taken_over(&self.scene().settings, self.simulation().plan()));
         warnings.extend(small_obstacles(self.scene(), model));

@@ -232,3 +232,32 @@ fn a_model_is_drawn_in_the_colours_of_its_file() {
     let said = folder.run("render m.obj -o p.png --color model --at 0 --size 64x64");
     assert!(said.notes.contains("no model of this scene has colours in its file"), "{said:?}");
 }
+
+#[test]
+fn a_model_is_drawn_with_its_pictures_wherever_it_is_taken() {
+    let folder = folder();
+    let vertices = PLACES.map(|place| format!("v {}\n", line(&place))).concat();
+    let face = |[a, b, c]: [u8; 3]| format!("f {}/1 {}/1 {}/1\n", a + 1, b + 1, c + 1);
+    let faces = FACES.map(face).concat();
+    folder
+        .write("leaf.obj", format!("mtllib leaf.mtl\nusemtl leaf\nvt 0.5 0.5\n{vertices}{faces}"))
+        .write("leaf.mtl", "newmtl leaf\nKd 0.9 0.9 0.1\nmap_Kd green leaf.png\n");
+    let green = image::RgbImage::from_pixel(2, 2, image::Rgb([0, 200, 0]));
+    green.save(folder.path("green leaf.png")).expect("written");
+    let is_green = |[red, green, blue]: [f64; 3]| green > 1.5 * red && green > 1.5 * blue;
+    let found = body_color(&folder, "render leaf.obj");
+    assert!(is_green(found), "a model that is opened looks like itself: {found:?}");
+    assert!(!is_green(body_color(&folder, "render leaf.obj --color plain")), "or as jelly");
+    folder.json("collect leaf.obj -o whole.ron --json");
+    let collected = folder.json("collect leaf.obj -o all --json");
+    assert_eq!(collected["models"].as_array().map(Vec::len), Some(3), "model, material and picture: {collected}");
+    std::fs::remove_file(folder.path("green leaf.png")).expect("it is there");
+    for scene in ["whole.ron", "all/leaf.ron"] {
+        let found = body_color(&folder, &format!("render {scene}"));
+        assert!(is_green(found), "{scene} has its picture: {found:?}");
+    }
+    let without = folder.run("render leaf.obj -o p.png --size 8x8 --at 0");
+    let said = "warning: no picture from green leaf.png, plain colours instead: it does not exist";
+    assert!(without.code == Some(0) && without.notes.contains(said), "{without:?}");
+    assert!(!is_green(body_color(&folder, "render leaf.obj")), "in the plain colour");
+}
