@@ -1,6 +1,10 @@
-//! Rotations from the three Euler angles a person types.
+//! Rotations: from the three Euler angles a person types, as vectors, and the one nearest to a matrix. All of them come from
+//! `libm`, sums and roots, whose results do not depend on the machine.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
+
+/// Below this half angle the first terms of a series are exact to rounding.
+const SMALL: f64 = 1e-4;
 
 /// The rotation about x, then y, then z (fixed axes, Blender's "XYZ Euler"), angles in degrees.
 ///
@@ -26,6 +30,48 @@ pub fn to_euler_deg(rotation: &DMat3) -> [f64; 3] {
         [libm::atan2(-z_axis.y, y_axis.y), libm::asin(sin_y), 0.0]
     };
     angles.map(f64::to_degrees)
+}
+
+/// The rotation about a vector by its length in radians.
+pub fn from_vector(vector: DVec3) -> DQuat {
+    let half = 0.5 * vector.length();
+    let share = if half < SMALL { 0.5 - half * half / 12.0 } else { 0.5 * libm::sin(half) / half };
+    let axis = vector * share;
+    DQuat::from_xyzw(axis.x, axis.y, axis.z, libm::cos(half))
+}
+
+/// The vector of [`from_vector`] that gives a rotation, radians; no longer than π.
+pub fn to_vector(rotation: DQuat) -> DVec3 {
+    let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
+    let (axis, cosine) = (DVec3::new(rotation.x, rotation.y, rotation.z) * sign, rotation.w * sign);
+    let sine = axis.length();
+    axis * if sine < SMALL * SMALL { 2.0 } else { 2.0 * libm::atan2(sine, cosine) / sine }
+}
+
+/// The rotation nearest to a matrix in the sum of squares: its polar decomposition, by Newton's iteration scaled by norms
+/// (N. Higham, "Computing the polar decomposition – with applications", SIAM J. Sci. Stat. Comput. 7(4), 1986). None of one
+/// that mirrors or is flat.
+pub fn nearest(matrix: DMat3) -> Option<DMat3> {
+    const ROUNDS: usize = 64;
+    const CLOSE: f64 = 1e-28;
+    let square = |of: DMat3| of.x_axis.length_squared() + of.y_axis.length_squared() + of.z_axis.length_squared();
+    // So that a determinant is neither too large nor too small for a number.
+    let size = square(matrix).sqrt();
+    let mut near = matrix * (1.0 / size);
+    if !near.is_finite() || near.determinant() <= f64::EPSILON {
+        return None;
+    }
+    for _ in 0..ROUNDS {
+        let other = near.transpose().inverse();
+        let scale = (square(other) / square(near)).sqrt().sqrt();
+        let next = (near * scale + other * (1.0 / scale)) * 0.5;
+        let step = square(next - near);
+        near = next;
+        if step <= CLOSE {
+            break;
+        }
+    }
+    near.is_finite().then_some(near)
 }
 
 fn sin_cos_deg(angle_deg: f64) -> (f64, f64) {
@@ -68,5 +114,34 @@ mod tests {
             let back = from_euler_deg(to_euler_deg(&rotation));
             assert!(rotation.abs_diff_eq(back, 1e-9), "{angles:?} became {:?}", to_euler_deg(&rotation));
         }
+    }
+
+    #[test]
+    fn a_vector_turns_about_itself_and_comes_back() {
+        let quarter = from_vector(DVec3::Z * std::f64::consts::FRAC_PI_2);
+        assert!((quarter * DVec3::X).distance(DVec3::Y) < 1e-15, "a quarter turn about z");
+        for vector in
+            [DVec3::ZERO, DVec3::new(1e-9, -2e-9, 0.0), DVec3::new(1e-4, 0.0, 1e-4), DVec3::new(0.3, -2.0, 1.0)]
+        {
+            let rotation = from_vector(vector);
+            assert!((rotation.length() - 1.0).abs() < 1e-15, "{vector} is a rotation");
+            for same in [rotation, -rotation] {
+                assert!(to_vector(same).distance(vector) <= 1e-15 * (1.0 + vector.length()), "{vector}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_nearest_rotation_is_what_is_left_without_stretch() {
+        let turn = from_euler_deg([12.0, 34.0, 156.0]);
+        let stretch = DMat3::from_cols(DVec3::new(2.0, 0.3, 0.0), DVec3::new(0.3, 1e-3, 0.0), DVec3::Z * 40.0);
+        let stretch = stretch * stretch.transpose();
+        for scale in [1e-150, 1.0, 1e150] {
+            let found = nearest(turn * stretch * scale).expect("neither flat nor mirrored");
+            assert!(found.abs_diff_eq(turn, 1e-9), "{found} for {turn}");
+        }
+        assert_eq!(nearest(DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0))), None, "mirrored");
+        assert_eq!(nearest(DMat3::from_diagonal(DVec3::new(1.0, 1.0, 0.0))), None, "flat");
+        assert_eq!(nearest(DMat3::ZERO), None, "nothing");
     }
 }
