@@ -92,8 +92,8 @@ pub use model::plan::{
     StageRates,
 };
 pub use model::{
-    BodyModel, ContactModel, ContactRule, Link, LinkFamily, MeshModel, ModalModel, Model, ObstacleModel, ObstacleShape,
-    OrientedForm, OrientedModel, PlaneModel, RecoveryModel, Scheme, Values,
+    BodyModel, ContactModel, ContactRule, Inertia, Link, LinkFamily, MeshModel, ModalModel, Model, ObstacleModel,
+    ObstacleShape, OrientedForm, OrientedModel, PlaneModel, RecoveryModel, Scheme, Values,
 };
 pub use observe::diagnostics::{Diagnostics, Energy};
 pub use observe::scalars::Quantity;
@@ -102,5 +102,5 @@ pub use simulation::{Arrival, BodyMotion, Simulation};
 pub use state::moving::{Approach, Sweep};
 pub use state::press::Press;
 pub use state::touch::SampleTouch;
-pub use state::{BodyMemory, ModalState, RecoveryAccount, State};
+pub use state::{BodyMemory, ModalState, RecoveryAccount, RigidState, State};
 pub use team::{choose_step_threads, step_threads};

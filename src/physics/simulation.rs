@@ -254,7 +254,8 @@ impl<R: Real> Simulation<R> {
     pub fn is_body_asleep(&self, body: usize) -> bool {
         let memory = &self.state.bodies[body];
         let long_enough = looks::substeps_in(&self.plan, sleep::STILL_SECS, libm::ceil);
-        memory.asleep && (!memory.is_modal || self.plan.sleeping && modes::resting(memory, long_enough))
+        let rests = || self.plan.sleeping && modes::resting(memory, long_enough);
+        memory.asleep && (!memory.is_modal || memory.gone || rests())
     }
 
     /// Whether the last step would have made a number infinite or NaN.

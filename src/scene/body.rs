@@ -244,7 +244,8 @@ pub enum MovesBy {
     /// All its cells.
     #[default]
     Cells,
-    /// Its lowest modes, at a cost that no cell adds to: right for small motion of a body that is held.
+    /// Its lowest modes, at a cost that no cell adds to, about where it is held or, where nothing holds it, about a place that
+    /// moves and turns with it: right for a small swing.
     Modes,
 }
 

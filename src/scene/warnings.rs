@@ -1,6 +1,6 @@
 //! What a scene allows but a person has probably not meant.
 
-use super::{Material, MovesBy, Scene, named};
+use super::{Material, Scene, named};
 
 /// A sentence each, in plain words.
 pub fn warnings(scene: &Scene) -> Vec<String> {
@@ -9,15 +9,6 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
         if matches!(body.material, Material::Springs(_)) && !(body.inlays.is_empty() && body.parts.is_empty()) {
             let name = named(&body.name, "body", place);
             found.push(format!("the other solids within {name} do nothing: only a solid can hold them"));
-        }
-    }
-    for (place, body) in scene.bodies.iter().enumerate() {
-        if body.moves_by == MovesBy::Modes && body.pins.is_empty() {
-            let name = named(&body.name, "body", place);
-            found.push(format!(
-                "{name} moves by its cells: nothing holds it, so it can turn, which modes cannot follow; hold a part of it \
-                 by a pin box"
-            ));
         }
     }
     for (place, obstacle) in scene.obstacles.iter().enumerate() {
@@ -36,7 +27,7 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::body::{Inlay, Part, PinBox};
+    use crate::scene::body::{Inlay, Part};
     use crate::scene::{Body, Obstacle, Solid, param};
 
     #[test]
@@ -48,15 +39,6 @@ mod tests {
         assert!(warnings(&scene)[0].contains("within body 1 do nothing"), "named parts too: {:?}", warnings(&scene));
         scene.bodies[0].material = Material::Solid(Solid::default());
         assert_eq!(warnings(&scene), Vec::<String>::new(), "a solid has use for them");
-    }
-
-    #[test]
-    fn a_body_that_nothing_holds_is_told_that_it_moves_by_its_cells() {
-        let mut scene =
-            Scene { bodies: vec![Body { moves_by: MovesBy::Modes, ..Body::default() }], ..Scene::default() };
-        assert!(warnings(&scene)[0].contains("body 1 moves by its cells: nothing holds it"), "{:?}", warnings(&scene));
-        scene.bodies[0].pins.push(PinBox::default());
-        assert_eq!(warnings(&scene), Vec::<String>::new(), "one that is held is not");
     }
 
     #[test]

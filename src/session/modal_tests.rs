@@ -7,11 +7,12 @@ use std::time::Duration;
 use super::progress::Progress;
 use super::wanted_modes::find_modes;
 use super::*;
+use crate::disk::fnv1a;
 use crate::geometry::watch::CancelOnly;
-use crate::physics::ModalState;
-use crate::scene::body::{CubeShape, PinBox};
+use crate::physics::{ModalState, RigidState};
+use crate::scene::body::{CellsShape, CubeShape, PinBox};
 use crate::scene::edit::{BodyId, Edit};
-use crate::scene::{Body, Material, MovesBy, Shape, Solid};
+use crate::scene::{Body, Material, MovesBy, Obstacle, Pose, Shape, Solid};
 
 /// A cube that is held below and moves by its modes.
 fn held() -> Body {
@@ -101,10 +102,12 @@ fn a_body_whose_search_is_stopped_moves_by_its_cells_until_it_is_asked_anew() {
 }
 
 #[test]
-fn a_body_that_can_turn_moves_by_its_cells_and_says_why() {
-    let free = session_of(Body { pins: Vec::new(), ..held() });
-    assert!(free.awaited_modes().is_none(), "nothing is looked for");
-    assert!(free.warnings().iter().any(|said| said.contains("nothing holds it")), "{:?}", free.warnings());
+fn a_body_of_which_a_part_can_move_freely_moves_by_its_cells_and_says_why() {
+    let apart = Shape::Cells(CellsShape { list: vec![[0, 0, 0], [3, 0, 0]], size: 0.3 });
+    let mut loose = session_of(Body { pins: Vec::new(), shape: apart, ..held() });
+    loose.find_modes(None, &());
+    assert!(loose.awaited_modes().is_none() && modes_of(&loose).is_none(), "by its cells");
+    assert!(loose.warnings().iter().any(|said| said.contains("it is of loose pieces")), "{:?}", loose.warnings());
     let corner = vec![PinBox { min: [-9.0; 3], max: [-0.49; 3] }];
     let mut hung = session_of(Body { pins: corner, ..held() });
     hung.find_modes(None, &());
@@ -169,6 +172,64 @@ fn a_saved_state_goes_on_bit_for_bit() {
     let cells = by_cells.state_bytes();
     again.set_state_bytes(&cells).expect("and back");
     assert!(again.step() && again.simulation().state().bodies[0].is_modal, "by modes");
+}
+
+/// The same cube, which nothing holds: it falls on the ground.
+fn free() -> Session {
+    let mut body = Body { pins: Vec::new(), velocity: [0.3, -2.0, 0.1], ..held() };
+    body.pose = Pose { position: [0.0, 0.8, 0.0], rotation_deg: [20.0, 0.0, 10.0] };
+    let scene = Scene { bodies: vec![body], obstacles: vec![Obstacle::default()], ..Scene::default() };
+    let mut session = Session::new(scene, PathBuf::new(), "pudding".to_owned()).expect("it resolves");
+    session.find_modes(None, &());
+    session
+}
+
+#[test]
+fn a_body_that_nothing_holds_falls_and_lands_by_its_modes() {
+    let mut session = free();
+    assert_eq!((modes_of(&session), session.warnings()), (Some(10), Vec::new()), "it moves by them");
+    pass(&mut session, 1500);
+    let lowest = session.simulation().state().position.iter().map(|at| at.y).fold(f32::INFINITY, f32::min);
+    assert!((-0.02..0.05).contains(&lowest), "it has landed: {lowest} m");
+    assert!(session.simulation().model().bodies[0].inertia().is_some_and(|inertia| inertia.mass > 0.0));
+}
+
+#[test]
+fn a_saved_state_of_a_free_body_goes_on_bit_for_bit_and_is_checked() {
+    let mut session = free();
+    let lands = |session: &mut Session| session.step() && !session.simulation().state().touches.is_empty();
+    assert!((0..2000).any(|_| lands(&mut session)), "it touches the ground");
+    let (bytes, mut again) = (session.state_bytes(), free());
+    again.set_state_bytes(&bytes).expect("a state of this scene");
+    assert_eq!(again.simulation().state(), session.simulation().state(), "where it was");
+    (0..300).for_each(|_| assert!(session.step() && again.step(), "a sound motion"));
+    assert_eq!(again.simulation().hash(), session.simulation().hash(), "and on from there");
+    let said = |change: &dyn Fn(&mut RigidState)| {
+        let mut odd = free();
+        let mut state = session.simulation().state().clone();
+        state.modal[0].rigid.iter_mut().for_each(change);
+        odd.replace_state(state);
+        let bytes = odd.state_bytes();
+        free().set_state_bytes(&bytes).err().map_or("nothing".to_owned(), |error| error.to_string())
+    };
+    assert_eq!(said(&|_| ()), "nothing", "this may be");
+    assert!(said(&|rigid| rigid.momentum.y = f64::NAN).contains("a modal body as a whole is NaN"));
+    assert!(said(&|rigid| rigid.turn.x += 1.0).contains("a quaternion of length 1"));
+    assert!(said(&|rigid| rigid.center.x = 1e100).contains("from -1e12 to 1e12"));
+}
+
+#[test]
+fn states_of_the_version_before_are_read() {
+    let mut session = found();
+    (0..100).for_each(|_| assert!(session.step(), "a sound motion"));
+    let written = session.state_bytes();
+    // It did not know of free bodies: a word at the end of what it has of the only modal body.
+    let contents = written[..written.len() - 16].strip_prefix(b"gelatin-state 14\n").expect("this version");
+    let mut before = [b"gelatin-state 13\n", contents].concat();
+    before.extend(fnv1a(&before).to_le_bytes());
+    let mut other = found();
+    other.set_state_bytes(&before).expect("a state of the version before");
+    assert_eq!(other.simulation().hash(), session.simulation().hash(), "the same");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! A simulation's state as bytes, exactly: what the window and `gelatin run --save-state` write and go on from.
 //!
 //! ```text
-//! "gelatin-state 13\n"                                      magic and version; of versions 11 and 12 what they have is read
+//! "gelatin-state 14\n"                                      magic and version; of versions 11 to 13 what they have is read
 //! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
@@ -26,13 +26,17 @@
 //! springs between bodies: a count u64, and of each
 //!         the particle, its body, the body it is in        three u64
 //!         how far it is pressed                            one f64
-//! points of meshes that touch obstacles: a count u64, and of each
+//! points of meshes and of free modal bodies that touch obstacles: a count u64, and of each
 //!         its body, its number, the obstacle, its side + 1        four u64
 //!         how far its spring is pressed                    one f64
 //! modal bodies: a count u64, and of each
 //!         its body, how many modes                         two u64
 //!         how far they are from rest, how fast they go,
 //!         how fast they went in the last substep           3 × modes f64
+//!         1 if nothing holds it                            one u64
+//!         if so, its centre of mass, its turn as a
+//!         quaternion, velocity, angular momentum, mean
+//!         velocity and spin of the last substep            19 f64
 //! FNV-1a of everything before, u64                          all numbers little-endian
 //! ```
 
@@ -41,7 +45,7 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::json;
 
-use super::state_error::{MAGIC, StateError, StateFileError, WITHOUT_MODES, WITHOUT_TOUCHES};
+use super::state_error::{MAGIC, StateError, StateFileError, WITHOUT_FREE_MODES, WITHOUT_MODES, WITHOUT_TOUCHES};
 use super::state_origin::Origin;
 use super::state_reader::{Reader, Tells};
 use super::{Session, SessionError};
@@ -50,6 +54,7 @@ use crate::physics::Approach;
 use crate::physics::BodyMemory;
 use crate::physics::Press;
 use crate::physics::RecoveryAccount;
+use crate::physics::RigidState;
 use crate::physics::SampleTouch;
 use crate::physics::Sweep;
 use crate::text::echo;
@@ -75,8 +80,10 @@ pub fn summary(path: &Path) -> Result<StateSummary, StateError> {
 
 /// The scene that bytes belong to, and what follows it but for the checksum, which is right.
 fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
-    let known = [MAGIC, WITHOUT_MODES, WITHOUT_TOUCHES].map(|magic| bytes.strip_prefix(magic.as_bytes()));
-    let tells = Tells { modes: known[0].is_some(), touches: known[2].is_none() };
+    let versions = [MAGIC, WITHOUT_FREE_MODES, WITHOUT_MODES, WITHOUT_TOUCHES];
+    let known = versions.map(|magic| bytes.strip_prefix(magic.as_bytes()));
+    let tells =
+        Tells { free_modes: known[0].is_some(), modes: known[0].or(known[1]).is_some(), touches: known[3].is_none() };
     let Some(contents) = known.into_iter().flatten().next() else {
         let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
         return Err(match line.strip_prefix(b"gelatin-state ") {
@@ -194,6 +201,8 @@ impl Session {
                     .chain(&modal.mean_rate)
                     .flat_map(|number| number.to_le_bytes()),
             );
+            bytes.extend(u64::from(modal.rigid.is_some()).to_le_bytes());
+            bytes.extend(modal.rigid.iter().flat_map(RigidState::numbers).flat_map(f64::to_le_bytes));
         }
         let checksum = fnv1a(&bytes);
         bytes.extend(checksum.to_le_bytes());

@@ -12,6 +12,7 @@ use crate::physics::MOST_HALVINGS;
 use crate::physics::ModalState;
 use crate::physics::Press;
 use crate::physics::RecoveryAccount;
+use crate::physics::RigidState;
 use crate::physics::SampleTouch;
 use crate::physics::Sweep;
 use crate::physics::{BodyModel, Model};
@@ -20,7 +21,8 @@ use crate::physics::{Simulation, State};
 /// More steps than this are not counted one by one.
 const MOST_STEPS: u64 = 1 << 53;
 
-/// No mode's amplitude or rate is larger, m √kg and m √kg / s: a body that swings so far has exploded.
+/// No mode's amplitude or rate is larger, m √kg and m √kg / s, and no free body farther out or faster, m and m/s: such a body
+/// has exploded.
 const MOST_OF_A_MODE: f64 = 1e12;
 
 /// Takes numbers off the front of bytes.
@@ -36,6 +38,8 @@ pub(super) struct Tells {
     pub(super) touches: bool,
     /// Modal bodies.
     pub(super) modes: bool,
+    /// Modal bodies that nothing holds.
+    pub(super) free_modes: bool,
 }
 
 /// The numbers that a state begins with.
@@ -224,10 +228,32 @@ impl<'a> Reader<'a> {
             }
             let mut rate = numbers.split_off(numbers.len() / 3);
             let mean_rate = rate.split_off(rate.len() / 2);
-            modal[body] = ModalState { amplitude: numbers, rate, mean_rate };
+            let rigid = if self.tells.free_modes { self.rigid()? } else { None };
+            modal[body] = ModalState { amplitude: numbers, rate, mean_rate, rigid };
             last = Some(body);
         }
         Ok(modal)
+    }
+
+    /// How a modal body moves as a whole, where nothing holds it.
+    fn rigid(&mut self) -> Result<Option<RigidState>, StateFileError> {
+        let field = "a modal body as a whole";
+        let is_free = self.u64(field)?;
+        need(is_free < 2, "whether a modal body is free", is_free, "0 or 1")?;
+        if is_free == 0 {
+            return Ok(None);
+        }
+        let mut numbers = [0.0; RigidState::NUMBERS];
+        for number in &mut numbers {
+            *number = self.f64(field)?;
+            need(number.is_finite(), field, *number, "a finite number")?;
+        }
+        let rigid = RigidState::from_numbers(numbers);
+        let RigidState { center, turn, velocity, .. } = rigid;
+        need(turn.is_normalized(), "the turn of a modal body", turn, "a quaternion of length 1")?;
+        let is_near = [center, velocity].iter().all(|of| of.abs().max_element() <= MOST_OF_A_MODE);
+        need(is_near, "the centre of a modal body", center, "a place and a velocity with numbers from -1e12 to 1e12")?;
+        Ok(Some(rigid))
     }
 
     /// The obstacles on their way to bodies.

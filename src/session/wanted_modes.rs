@@ -11,7 +11,7 @@ use super::progress::Progress;
 use crate::geometry::Watch;
 use crate::geometry::watch::CancelOnly;
 use crate::modal::ModalError;
-use crate::physics::{ModalModel, Simulation};
+use crate::physics::{BodyModel, ModalModel, Simulation};
 use crate::scene::edit::BodyId;
 use crate::scene::{Body, MovesBy, Scene, named};
 
@@ -45,7 +45,7 @@ pub(super) enum Outcome {
 }
 
 impl WantedModes {
-    /// Of a body of a scene, if it is to move by modes and is held.
+    /// Of a body of a scene, if it is to move by modes.
     pub(super) fn of(scene: &Scene, body: usize) -> Option<Self> {
         let described = &scene.bodies[body];
         is_wanted(described).then(|| Self {
@@ -85,11 +85,7 @@ impl WantedModes {
         let outcome = match kept {
             Some(kept) => Outcome::Found(Arc::new(kept)),
             None => match find(simulation, body, count, watch) {
-                Ok(found) if found.rigid > 0 => Outcome::Refused(
-                    "a part of it can still turn or move freely, which modes cannot follow; hold it at three places or \
-                     more that are not in a line"
-                        .to_owned(),
-                ),
+                Ok(found) if found.rigid != rigid_motions(model) => Outcome::Refused(refusal(model).to_owned()),
                 Ok(found) => {
                     let modes = found.reduced(model);
                     if let Some(folder) = folder {
@@ -132,9 +128,24 @@ pub fn find_modes(
     wanted.find_in(&simulation, 0, folder, &Paced { progress, pause }).map_err(|_cancelled| BackgroundError::Cancelled)
 }
 
-/// Whether a body is to move by modes and can.
+/// Whether a body is to move by modes.
 pub(super) fn is_wanted(body: &Body) -> bool {
-    body.moves_by == MovesBy::Modes && !body.pins.is_empty()
+    body.moves_by == MovesBy::Modes
+}
+
+/// How many motions without frequency a body may have: what nothing holds moves and turns as one.
+fn rigid_motions(body: &BodyModel<f32>) -> usize {
+    if body.is_held() { 0 } else { 6 }
+}
+
+/// Why one that has another number of them cannot move by modes, as half a sentence.
+fn refusal(body: &BodyModel<f32>) -> &'static str {
+    if body.is_held() {
+        "a part of it can still turn or move freely, which modes cannot follow; hold it at three places or more that are not \
+         in a line"
+    } else {
+        "it is of loose pieces, which would move apart and modes cannot follow; join them or hold each"
+    }
 }
 
 /// Whether one body has the modes of another, and as many of them are wanted.

@@ -141,7 +141,8 @@ fn not_on_mesh<R: Real>(scene: &Scene, plan: &Plan, model: &Model<R>) -> Vec<Str
                 "{name} meets obstacles with its cells: it is no model, so there is no mesh to meet them with"
             ));
         }
-        let is_met = !scene.obstacles.is_empty() && plan.on_mesh.is_none();
+        let moves_by_cells = model.bodies[index].modes().is_none();
+        let is_met = !scene.obstacles.is_empty() && plan.on_mesh.is_none() && moves_by_cells;
         is_met.then(|| {
             let why = match &scene.settings {
                 Settings { contact: ContactRule::Thesis, .. } => "the thesis's rule knows particles alone".to_owned(),

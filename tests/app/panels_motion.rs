@@ -2,7 +2,7 @@
 
 use egui_kittest::kittest::Queryable as _;
 use gelatin::app::theme::Theme;
-use gelatin::scene::body::{CubeShape, PinBox};
+use gelatin::scene::body::{CellsShape, CubeShape, PinBox};
 use gelatin::scene::{MovesBy, Scene, Shape, presets};
 
 use crate::live::{SIZES, Window};
@@ -45,7 +45,7 @@ fn a_held_body_moves_by_modes_when_they_are_found_and_by_its_cells_after_undo() 
     window.harness.state_mut().session.find_modes(None, &());
     window.wait();
     assert!(!says(&window, "Finding the modes of Jelly"), "they are there");
-    assert!(says(&window, "times a second") && says(&window, "where a part turns far it looks wrong"), "as they are");
+    assert!(says(&window, "times a second") && says(&window, "where a part turns far against the rest"), "as they are");
     window.click("Undo");
     assert_eq!(window.scene().bodies[0].moves_by, MovesBy::Cells, "one change");
     assert!(!says(&window, "times a second"), "nothing is said of modes any more");
@@ -62,13 +62,21 @@ fn who_does_not_want_to_wait_has_the_body_move_by_its_cells() {
 }
 
 #[test]
-fn a_body_that_nothing_holds_says_what_it_needs() {
+fn a_body_that_nothing_holds_moves_by_modes_too_and_one_of_loose_pieces_says_what_it_needs() {
     let mut scene = held();
     scene.bodies[0].pins.clear();
-    let mut window = window(scene, [1280.0, 1000.0]);
-    choose_modes(&mut window);
-    assert!(!says(&window, "Finding the modes"), "nothing is looked for");
-    assert!(says(&window, "hold a part of it by a pin box"), "what would be right");
+    let mut free = window(scene.clone(), [1280.0, 1000.0]);
+    choose_modes(&mut free);
+    assert!(says(&free, "Finding the modes of Jelly"), "they are looked for");
+    free.harness.state_mut().session.find_modes(None, &());
+    free.wait();
+    assert!(says(&free, "times a second"), "it moves by them");
+    scene.bodies[0].shape = Shape::Cells(CellsShape { list: vec![[0, 0, 0], [2, 0, 0]], size: 0.3 });
+    let mut loose = window(scene, [1280.0, 1000.0]);
+    choose_modes(&mut loose);
+    loose.harness.state_mut().session.find_modes(None, &());
+    loose.wait();
+    assert!(says(&loose, "join them or hold each"), "what would be right");
 }
 
 #[test]

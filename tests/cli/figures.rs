@@ -11,7 +11,7 @@ fn presets_and_parameters_are_listed_in_both_forms() {
     let folder = Folder::new();
     let presets = folder.json("presets --json");
     let names: Vec<_> = presets["presets"].as_array().expect("a list").iter().map(|preset| &preset["name"]).collect();
-    assert_eq!((names.len(), names[0].as_str()), (26, Some("cube-on-plane")), "all of them, the default first");
+    assert_eq!((names.len(), names[0].as_str()), (27, Some("cube-on-plane")), "all of them, the default first");
     let params = folder.json("presets --params --json");
     let dt = params["params"].as_array().expect("a list").iter().find(|param| param["path"] == "settings.dt");
     assert_eq!(dt.map(|dt| (dt["unit"].as_str(), dt["default"].as_f64())), Some((Some("s"), Some(0.001))));

@@ -100,11 +100,15 @@ fn a_motion_by_modes_is_saved_in_the_middle_and_goes_on_bit_for_bit() {
 fn a_body_that_modes_cannot_move_is_told_so_and_moves_by_its_cells() {
     let folder = Folder::new();
     let free = cube(20.0, "").replace("shape: cube", "moves_by: modes, shape: cube");
+    let apart = "shape: cells(list: [(0, 0, 0), (3, 0, 0)], size: 0.4)";
     folder
         .write("free.ron", &free)
+        .write("loose.ron", free.replace("shape: cube(cells: 4, size: 0.4)", apart))
         .write("none.ron", free.replace("moves_by: modes", "moves_by: modes, mode_count: 99"));
     let ran = folder.json("check free.ron --json");
+    assert!(!ran["modes"].as_array().expect("a list").is_empty(), "one that nothing holds moves by them: {ran}");
+    let ran = folder.json("check loose.ron --json");
     let warnings = ran["warnings"].to_string();
-    assert!(ran["modes"].as_array().expect("a list").is_empty() && warnings.contains("nothing holds it"), "{ran}");
+    assert!(ran["modes"].as_array().expect("a list").is_empty() && warnings.contains("it is of loose pieces"), "{ran}");
     refused(&folder, "check none.ron", FAILED, &["bodies.0.mode_count", "1", "60"]);
 }

@@ -11,6 +11,7 @@ mod economy;
 mod extremes;
 mod fallen;
 mod folds;
+mod free_modal;
 mod friction;
 mod golden;
 mod hertz;

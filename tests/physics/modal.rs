@@ -16,7 +16,7 @@ use super::modes::{SOLID, cantilever};
 use super::support::{alone, ball, lattices, plane, simulate};
 
 /// The modes of the bodies that are to move by them.
-fn modes<R: Real>(scene: &Scene) -> Vec<Option<Arc<ModalModel>>> {
+pub(crate) fn modes<R: Real>(scene: &Scene) -> Vec<Option<Arc<ModalModel>>> {
     let at_rest = simulate::<R>(scene);
     let of = |(number, body): (usize, &Body)| {
         let model = &at_rest.model().bodies[number];
@@ -26,7 +26,7 @@ fn modes<R: Real>(scene: &Scene) -> Vec<Option<Arc<ModalModel>>> {
     scene.bodies.iter().enumerate().map(of).collect()
 }
 
-fn modal<R: Real>(scene: &Scene) -> Simulation<R> {
+pub(crate) fn modal<R: Real>(scene: &Scene) -> Simulation<R> {
     Simulation::with_modes(scene, &lattices(scene), &modes::<R>(scene))
 }
 
@@ -42,7 +42,7 @@ fn damped() -> Body {
 }
 
 /// A body in a scene with gravity, in steps that are divided as they need to be.
-fn hanging(body: Body, gravity: f64, obstacles: Vec<Obstacle>) -> Scene {
+pub(crate) fn hanging(body: Body, gravity: f64, obstacles: Vec<Obstacle>) -> Scene {
     let mut scene = Scene { obstacles, ..alone(body, 1e-3) };
     scene.settings.gravity = [0.0, -gravity, 0.0];
     scene.settings.stepping = Stepping::Auto;

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::math::{Real, rotation};
 use crate::physics::model::{
-    AmongBodies, BodyModel, LinkConstants, LinkFamily, ModalBody, ModalModel, ModalPoints, Model,
+    AmongBodies, BodyModel, Inertia, LinkConstants, LinkFamily, ModalBody, ModalModel, ModalPoints, Model,
 };
 use crate::scene::Pose;
 
@@ -16,16 +16,21 @@ pub(super) fn move_by<R: Real>(body: &mut BodyModel<R>, modes: &Arc<ModalModel>,
     if modes.particle_count() != body.particles.len() {
         return;
     }
-    let known = before
-        .iter()
-        .filter_map(|body| body.modal.as_ref())
-        .find(|modal| Arc::ptr_eq(&modal.modes, modes) && modal.points.is_on_mesh() == body.samples.is_some());
+    let is_free = !body.is_held();
+    let alike = |modal: &&ModalBody| {
+        let is_on_mesh = modal.points.is_on_mesh() == body.samples.is_some();
+        Arc::ptr_eq(&modal.modes, modes) && is_on_mesh && modal.rigid.is_some() == is_free
+    };
+    let known = before.iter().filter_map(|body| body.modal.as_ref()).find(alike);
     let points = known.map_or_else(
-        || Arc::new(ModalPoints::new(&body.lattice, modes, body.samples.as_ref())),
+        || Arc::new(ModalPoints::new(&body.lattice, modes, body.samples.as_ref(), is_free)),
         |modal| Arc::clone(&modal.points),
     );
+    let rigid = is_free.then(|| {
+        Inertia::new((0..body.particles.len()).map(|p| (body.mass(p).to_f64(), body.lattice.rest_position(p))))
+    });
     let (turn, place) = (rotation::from_euler_deg(pose.rotation_deg), DVec3::from(pose.position));
-    body.modal = Some(ModalBody { modes: Arc::clone(modes), points, turn, place });
+    body.modal = Some(ModalBody { modes: Arc::clone(modes), points, rigid, turn, place });
     // Its particles are elsewhere within a substep than where they were put last.
     (body.among_bodies.meets_others, body.among_bodies.meets_itself) = (false, false);
 }

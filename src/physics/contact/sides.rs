@@ -8,6 +8,17 @@ use crate::physics::model::{MeshModel, Model, ObstacleShape};
 use crate::physics::report::Recorder;
 use crate::physics::state::State;
 
+/// The side of a plane or an open mesh on which a point that is there is met with this normal, +1 or −1 along the normal of
+/// the obstacle; 0 of one that has an inside.
+pub(in crate::physics) fn met_side<R: Real>(shape: &ObstacleShape<R>, at: R::Vec3, normal: R::Vec3) -> i8 {
+    let is_upper = match shape {
+        ObstacleShape::Plane(plane) => normal.dot(plane.normal) > R::ZERO,
+        ObstacleShape::Mesh(mesh) if mesh.side_row.is_some() => narrow::mesh::is_upper(mesh, at, normal),
+        _ => return 0,
+    };
+    if is_upper { 1 } else { -1 }
+}
+
 /// Writes down on which side of which plane every touching particle is once it has moved, and how deep the deepest is.
 pub(in crate::physics) fn remember_sides<R: Real>(
     model: &Model<R>,

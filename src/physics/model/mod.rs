@@ -2,6 +2,7 @@
 //! one compilation to the next; live parameter changes replace it and keep the [`super::State`].
 
 mod hull;
+mod inertia;
 pub(in crate::physics) mod levels;
 pub(in crate::physics) mod link;
 mod modal;
@@ -16,6 +17,7 @@ pub(in crate::physics) use samples::{SampledCell, Samples};
 pub use scheme::Scheme;
 
 pub(in crate::physics) use hull::{Hull, Surroundings};
+pub use inertia::Inertia;
 pub(in crate::physics) use link::LinkConstants;
 pub use link::{Link, LinkFamily};
 pub use modal::ModalModel;
@@ -64,10 +66,11 @@ impl<R: Real> Model<R> {
         self.bodies.iter().map(BodyModel::sample_count).sum()
     }
 
-    /// The most points of meshes that there is room for in contact: every one with so many obstacles as meet in a corner.
-    pub(in crate::physics) fn samples_in_contact(&self) -> usize {
+    /// The most points that there is room for to be remembered in contact: every one with so many obstacles as meet in a corner.
+    pub(in crate::physics) fn points_in_contact(&self) -> usize {
         const CORNER: usize = 3;
-        self.sample_count() * self.obstacles.len().min(CORNER)
+        let points: usize = self.bodies.iter().map(BodyModel::remembered_points).sum();
+        points * self.obstacles.len().min(CORNER)
     }
 
     /// Whether any obstacle moves by itself.
@@ -181,6 +184,26 @@ impl<R: Real> BodyModel<R> {
     /// The modes that it moves by; none where it moves by its cells.
     pub fn modes(&self) -> Option<&Arc<ModalModel>> {
         self.modal.as_ref().map(|modal| &modal.modes)
+    }
+
+    /// How it moves and turns as a whole where it moves by its modes and nothing holds it.
+    pub fn inertia(&self) -> Option<&Inertia> {
+        self.modal.as_ref()?.rigid.as_ref()
+    }
+
+    /// How many points of it are remembered where they touch: those of its mesh in place of its particles, and those of a free
+    /// modal body.
+    pub(in crate::physics) fn remembered_points(&self) -> usize {
+        let free = self.modal.as_ref().filter(|modal| modal.rigid.is_some());
+        free.map_or_else(|| self.sample_count(), |modal| modal.points.count())
+    }
+
+    /// Whether any particle is held.
+    pub fn is_held(&self) -> bool {
+        match &self.pinned {
+            Values::Uniform(held) => *held,
+            Values::Each(held) => held.contains(&true),
+        }
     }
 
     /// Links of all families.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
+use super::inertia::Inertia;
 use super::modal::ModalModel;
 use super::modal_points::ModalPoints;
 
@@ -14,8 +15,10 @@ pub(in crate::physics) struct ModalBody {
     pub(in crate::physics) modes: Arc<ModalModel>,
     /// What of it meets obstacles.
     pub(in crate::physics) points: Arc<ModalPoints>,
-    /// From the body's coordinates to the scene's.
+    /// How it moves and turns as a whole where nothing holds it; none of a body that is held.
+    pub(in crate::physics) rigid: Option<Inertia>,
+    /// From the body's coordinates to the scene's, as it starts.
     pub(in crate::physics) turn: DMat3,
-    /// The origin of the body's coordinates in the scene, m.
+    /// The origin of the body's coordinates in the scene, as it starts, m.
     pub(in crate::physics) place: DVec3,
 }

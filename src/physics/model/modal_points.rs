@@ -68,8 +68,14 @@ struct PointBox {
 }
 
 impl ModalPoints {
-    /// The points of a lattice with these modes: of its mesh where there are `samples`, else of its hull.
-    pub(in crate::physics) fn new(lattice: &Lattice, modes: &ModalModel, samples: Option<&Arc<Samples>>) -> Self {
+    /// The points of a lattice with these modes: of its mesh where there are `samples`, else of its hull; all of them where the
+    /// body is free, else those that any mode moves.
+    pub(in crate::physics) fn new(
+        lattice: &Lattice,
+        modes: &ModalModel,
+        samples: Option<&Arc<Samples>>,
+        is_free: bool,
+    ) -> Self {
         let carriers = samples.map_or_else(
             || Carriers::Particles(Hull::new(lattice).points),
             |samples| Carriers::Samples(Arc::clone(samples)),
@@ -95,7 +101,7 @@ impl ModalPoints {
         let mut row = vec![DVec3::ZERO; modes.count()];
         let moves = |point: &u32| {
             points.row(modes, *point as usize, &mut row);
-            row.iter().any(|way| *way != DVec3::ZERO)
+            is_free || row.iter().any(|way| *way != DVec3::ZERO)
         };
         let mut order: Vec<u32> = (0..u32::try_from(all).unwrap_or(u32::MAX)).filter(moves).collect();
         points.divide(0, &mut order);
@@ -151,7 +157,7 @@ impl ModalPoints {
         }
     }
 
-    /// How many there are that modes move.
+    /// How many there are that move.
     pub(in crate::physics) fn count(&self) -> usize {
         self.order.len()
     }

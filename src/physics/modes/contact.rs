@@ -2,58 +2,27 @@
 
 use glam::{DMat3, DVec3};
 
+use super::motion::{MARGIN, Motion, Way, sum};
 use super::oscillator::Oscillator;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::contact::{GENTLE_SHARE, Known, Placed, Swept};
+use crate::physics::contact::{GENTLE_SHARE, Known, Placed, Surface, Swept, met_side};
 use crate::physics::model::plan::{Plan, Stage};
-use crate::physics::model::{BodyModel, ModalBody, Model, ObstacleModel, ObstacleShape};
+use crate::physics::model::{Model, ObstacleModel, ObstacleShape};
 use crate::physics::report::Recorder;
+use crate::physics::state::touch::SampleTouch;
 
-/// The most contacts that are solved for at once: where there are more, the deepest ones.
+/// The most contacts of a held body that are solved for at once: where there are more, the deepest ones.
 const MOST: usize = 256;
 
-/// Boxes are grown by this share of the body's size, for what rounding takes off them.
-const MARGIN: f64 = 1e-5;
+/// The same of a free body, which may lie on all of a side: where more of its points meet something, as many groups of
+/// neighbours, each by its deepest point.
+const MOST_GROUPS: usize = 64;
+
+/// Contacts of a free body are damped by no less of the critical damping, so that it comes to rest.
+const LEAST_DAMPING: f64 = 0.05;
 
 /// A mode moves a point by less than rounding where its mobility is below this, 1/kg.
 const HELD: f64 = 1e-12;
-
-/// Where modes are at the end of a substep.
-#[derive(Clone, Copy)]
-pub(super) struct Ends<'a> {
-    /// m √kg.
-    pub(super) amplitude: &'a [f64],
-    /// m √kg / s.
-    pub(super) rate: &'a [f64],
-}
-
-/// A body over a substep, as its modes would move it without what pushes at points.
-pub(super) struct Motion<'a, R: Real> {
-    pub(super) body: &'a BodyModel<R>,
-    /// Its place among the bodies.
-    pub(super) number: usize,
-    pub(super) modal: &'a ModalBody,
-    /// Its modes over the substep.
-    pub(super) oscillators: &'a [Oscillator],
-    /// The amplitudes when it begins.
-    pub(super) now: &'a [f64],
-    /// Where modes are at its end.
-    pub(super) free: Ends<'a>,
-    /// How long it is, s.
-    pub(super) secs: f64,
-}
-
-impl<R: Real> Motion<'_, R> {
-    /// How fast a point is at the end that moves like this by the modes, m/s, in the body's coordinates.
-    pub(super) fn speed(&self, row: &[DVec3]) -> DVec3 {
-        sum(row, self.free.rate)
-    }
-}
-
-/// How far a point is moved by these amplitudes, m.
-pub(super) fn sum(row: &[DVec3], amplitude: &[f64]) -> DVec3 {
-    row.iter().zip(amplitude).fold(DVec3::ZERO, |sum, (way, q)| sum + *way * *q)
-}
 
 /// A point at an obstacle. All in the body's coordinates.
 #[derive(Clone, Debug)]
@@ -64,7 +33,7 @@ pub(super) struct ModalContact {
     surface: DVec3,
     /// How deep the point is at the end of the substep without what pushes, m.
     depth: f64,
-    /// How fast it is past the surface then, m/s.
+    /// How fast it is past the surface then, m/s; of a free body, on the whole.
     pub(super) past: DVec3,
     /// N/m and N·s/m.
     stiffness: f64,
@@ -118,11 +87,14 @@ pub(super) struct ModalContacts {
     row: Vec<DVec3>,
     known: Vec<Known>,
     most: usize,
+    /// All that points of a free body meet.
+    candidates: Vec<Candidate>,
+    touches: Vec<SampleTouch>,
 }
 
 impl ModalContacts {
-    /// Room for so many, of a body of so many modes, among so many meshes.
-    pub(super) fn new(points: usize, modes: usize, meshes: usize) -> Self {
+    /// Room for so many, of a body of so many modes, among so many meshes, of which free bodies remember so many.
+    pub(super) fn new(points: usize, modes: usize, meshes: usize, touches: usize) -> Self {
         let most = points.min(MOST);
         Self {
             all: Vec::with_capacity(most),
@@ -131,6 +103,8 @@ impl ModalContacts {
             row: vec![DVec3::ZERO; modes],
             known: vec![Known::default(); meshes],
             most,
+            candidates: Vec::with_capacity(touches),
+            touches: Vec::with_capacity(touches),
         }
     }
 
@@ -166,59 +140,134 @@ impl ModalContacts {
         }
     }
 
-    /// Finds all that points of a body meet.
+    /// Finds all that points of a body meet. `touches` are those of a free body that touched planes and open meshes before.
     pub(super) fn find<R: Real>(
         &mut self,
         motion: &Motion<'_, R>,
         model: &Model<R>,
         obstacles: &Placed<R>,
+        touches: &[SampleTouch],
         plan: &Plan,
         recorder: &mut Recorder<'_>,
     ) {
-        self.modes = motion.now.len();
+        self.modes = motion.count();
         self.all.clear();
         self.rows.clear();
+        self.candidates.clear();
         let points = &motion.modal.points;
         for number in 0..model.obstacles.len() {
             let obstacle = obstacles.met(motion.number, number);
-            let bounds = [obstacle.bounds.min, obstacle.bounds.max].map(Vector::to_dvec3);
-            let is_near = |around: Aabb<f64>| !plan.broad_phase || reaches(motion, around, bounds);
             recorder.enter(Stage::BroadPhase);
             let before = recorder.counters.narrow_tests;
-            let looks = points.near([motion.now, motion.free.amplitude], is_near, |point| {
+            let looks = each_near(motion, number, obstacle, touches, plan, |point, side| {
                 recorder.counters.narrow_tests += 1;
-                self.meet(motion, model, number, obstacle, point);
+                let Some(met) = self.meet(motion, obstacle, point, side) else { return };
+                if motion.flight.is_none() {
+                    self.constrain(motion, model, number, &met, 1.0);
+                } else {
+                    self.candidates.push(Candidate { point, side, obstacle: number, depth: met.depth(motion) });
+                }
             });
             let tests = recorder.counters.narrow_tests - before;
             recorder.counters.narrow_tests_saved += (points.count() as u64).saturating_sub(tests);
             recorder.counters.modal_work += looks + tests;
         }
+        let groups = self.candidates.len().min(MOST_GROUPS);
+        for group in 0..groups {
+            let [first, end] = [group, group + 1].map(|group| group * self.candidates.len() / groups);
+            let deepest = self.candidates[first..end].iter().max_by(|one, other| one.depth.total_cmp(&other.depth));
+            let Some(&Candidate { point, side, obstacle, .. }) = deepest else { continue };
+            if let Some(met) = self.meet(motion, obstacles.met(motion.number, obstacle), point, side) {
+                self.constrain(motion, model, obstacle, &met, (end - first) as f64);
+            }
+        }
     }
 
-    /// Writes down whether a point meets an obstacle.
+    /// Finds where points of a free body touch planes and open meshes in a motion, each on the side that it came from.
+    pub(super) fn find_touches<R: Real>(
+        &mut self,
+        motion: &Motion<'_, R>,
+        model: &Model<R>,
+        obstacles: &Placed<R>,
+        touches: &[SampleTouch],
+        plan: &Plan,
+        recorder: &mut Recorder<'_>,
+    ) {
+        for number in 0..model.obstacles.len() {
+            let obstacle = obstacles.met(motion.number, number);
+            if obstacle.shape.side_row().is_none() {
+                continue;
+            }
+            let mut tests = 0;
+            let looks = each_near(motion, number, obstacle, touches, plan, |point, side| {
+                tests += 1;
+                let Some(met) = self.meet(motion, obstacle, point, side) else { return };
+                let at = R::Vec3::from_dvec3(motion.in_scene(met.way.from));
+                let side = met_side(&obstacle.shape, at, met.surface.normal);
+                self.touches.push(SampleTouch {
+                    body: motion.number,
+                    sample: point,
+                    obstacle: number,
+                    side,
+                    depth_m: 0.0,
+                });
+            });
+            recorder.counters.narrow_tests += tests;
+            recorder.counters.modal_work += looks + tests;
+        }
+        self.touches.sort_unstable_by_key(SampleTouch::place);
+    }
+
+    /// Nothing touches until it is found to.
+    pub(super) fn forget_touches(&mut self) {
+        self.touches.clear();
+    }
+
+    /// What was found last to touch.
+    pub(super) fn touches(&self) -> &[SampleTouch] {
+        &self.touches
+    }
+
+    /// How a point meets an obstacle, if it does; the row is that of the point then.
     fn meet<R: Real>(
+        &mut self,
+        motion: &Motion<'_, R>,
+        obstacle: &ObstacleModel<R>,
+        point: usize,
+        side: Side,
+    ) -> Option<Met<R>> {
+        let Motion { modal, secs, .. } = *motion;
+        let row = &mut self.row[..self.modes];
+        modal.points.row(&modal.modes, point, row);
+        let rest = modal.points.rest(point);
+        let way = motion.way(rest, row);
+        let from = R::Vec3::from_dvec3(motion.in_scene(way.from));
+        let side = match (side, motion.flight) {
+            (Side::Known(side), _) => side,
+            (Side::Resting, None) => {
+                side_of(&obstacle.shape, R::Vec3::from_dvec3(motion.in_scene(rest)), R::Vec3::from_dvec3(modal.place))
+            }
+            (Side::Resting, Some(flight)) => side_of(&obstacle.shape, from, R::Vec3::from_dvec3(flight.start())),
+        };
+        let swept = Swept { from, path: R::Vec3::from_dvec3(motion.turn * way.path), side, widest: None };
+        self.known.fill(Known::default());
+        let (surface, velocity) = swept.meet(obstacle, R::from_f64(secs), &mut self.known)?;
+        Some(Met { way, surface, velocity })
+    }
+
+    /// Has what was met last be a contact, which stands for so many points.
+    fn constrain<R: Real>(
         &mut self,
         motion: &Motion<'_, R>,
         model: &Model<R>,
         number: usize,
-        obstacle: &ObstacleModel<R>,
-        point: usize,
+        met: &Met<R>,
+        points: f64,
     ) {
-        let Motion { body, modal, secs, .. } = *motion;
-        let row = &mut self.row[..self.modes];
-        modal.points.row(&modal.modes, point, row);
-        let rest = modal.points.rest(point);
-        let scene = |at: DVec3| modal.place + modal.turn * at;
-        let [from, way] = [rest + sum(row, motion.now), sum(row, motion.free.amplitude) - sum(row, motion.now)];
-        let swept = Swept {
-            from: R::Vec3::from_dvec3(scene(from)),
-            path: R::Vec3::from_dvec3(modal.turn * way),
-            side: side(&obstacle.shape, R::Vec3::from_dvec3(scene(rest)), R::Vec3::from_dvec3(modal.place)),
-            widest: None,
-        };
-        self.known.fill(Known::default());
-        let Some((surface, velocity)) = swept.meet(obstacle, R::from_f64(secs), &mut self.known) else { return };
-        let back: DMat3 = modal.turn.transpose();
+        let Motion { body, secs, .. } = *motion;
+        let row = &self.row[..self.modes];
+        let Met { way: Way { path, speed, .. }, surface, velocity } = *met;
+        let back: DMat3 = motion.turn.transpose();
         let (normal, velocity) = (back * surface.normal.to_dvec3(), back * velocity.to_dvec3());
         let (mut along, mut across) = (0.0, 0.0);
         for (way, Oscillator { yields, .. }) in row.iter().zip(motion.oscillators) {
@@ -229,16 +278,18 @@ impl ModalContacts {
         if along <= HELD {
             return;
         }
-        let depth = -(surface.gap.to_f64() + (way - velocity * secs).dot(normal));
+        let depth = -(surface.gap.to_f64() + (path - velocity * secs).dot(normal));
         let (contact, rubs) = (&body.contacts[number], &model.obstacles[number]);
-        let stiffness = contact.stiffness.to_f64();
+        let stiffness = points * contact.stiffness.to_f64();
+        // Together the springs of a free body are damped as one is.
+        let share = points / self.candidates.len().max(1) as f64;
         let contact = ModalContact {
             normal,
             surface: velocity,
             depth,
-            past: sum(row, motion.free.rate) - velocity,
+            past: speed - velocity,
             stiffness,
-            damping: 2.0 * (stiffness / along).sqrt(),
+            damping: 2.0 * damping_ratio(motion) * (share * stiffness / along).sqrt(),
             mobility: [along, across],
             friction: [rubs.friction_static.to_f64(), rubs.friction_dynamic.to_f64()],
             gentle: GENTLE_SHARE * body.size.to_f64(),
@@ -259,22 +310,77 @@ impl ModalContacts {
     }
 }
 
-/// Whether points in a box in the body's coordinates may come to an obstacle in these bounds, m, in the scene.
-fn reaches<R: Real>(motion: &Motion<'_, R>, around: Aabb<f64>, [min, max]: [DVec3; 2]) -> bool {
-    let ModalBody { turn, place, .. } = motion.modal;
-    let half = 0.5 * (around.max - around.min);
-    let middle = *place + *turn * (around.min + half);
-    let half = turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
-    let half = half + DVec3::splat(MARGIN * (motion.body.size.to_f64() + middle.length()));
-    ((middle - half).cmple(max) & (middle + half).cmpge(min)).all()
+/// Damping of a contact's spring over the critical one. That of a free body's point stands for the give of the body about it,
+/// which its few modes lack: it is damped as the highest of them is, so that a body bounces as high as its solid lets it.
+fn damping_ratio<R: Real>(motion: &Motion<'_, R>) -> f64 {
+    let highest = motion.modal.modes.rates().last().filter(|_| motion.flight.is_some());
+    highest.map_or(1.0, |[omega, damping]| (0.5 * damping / omega).clamp(LEAST_DAMPING, 1.0))
 }
 
-/// The side of a plane on which a point rests; where it rests in the plane, that of the middle of its body. Nothing of other
+/// On which side of a plane or an open mesh a point is.
+#[derive(Clone, Copy, Debug)]
+enum Side {
+    /// Of a held body, where it rests; of a free one, where it is.
+    Resting,
+    /// Where it came from that touches.
+    Known(i8),
+}
+
+/// A point of a free body that meets an obstacle.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    point: usize,
+    side: Side,
+    obstacle: usize,
+    /// How deep it is at the end of the substep without what pushes, m.
+    depth: f64,
+}
+
+/// How a point meets an obstacle.
+struct Met<R: Real> {
+    way: Way,
+    surface: Surface<R>,
+    /// That of the surface, m/s.
+    velocity: R::Vec3,
+}
+
+impl<R: Real> Met<R> {
+    /// How deep the point is at the end of the substep without what pushes, m.
+    fn depth(&self, motion: &Motion<'_, R>) -> f64 {
+        let past = motion.turn * self.way.path - self.velocity.to_dvec3() * motion.secs;
+        -(self.surface.gap.to_f64() + past.dot(self.surface.normal.to_dvec3()))
+    }
+}
+
+/// Calls with every point that may come to the obstacle of a number: first those that touch it, then others whose
+/// box comes near. Tells how many boxes were looked at.
+fn each_near<R: Real>(
+    motion: &Motion<'_, R>,
+    number: usize,
+    obstacle: &ObstacleModel<R>,
+    touches: &[SampleTouch],
+    plan: &Plan,
+    mut with: impl FnMut(usize, Side),
+) -> u64 {
+    for touch in touches.iter().filter(|touch| touch.obstacle == number) {
+        with(touch.sample, Side::Known(touch.side));
+    }
+    let bounds = [obstacle.bounds.min, obstacle.bounds.max].map(Vector::to_dvec3);
+    let is_near = |around: Aabb<f64>| !plan.broad_phase || motion.reaches(around, bounds);
+    motion.modal.points.near([motion.now, motion.free.amplitude], is_near, |point| {
+        let place = (motion.number, point, number);
+        if touches.binary_search_by_key(&place, SampleTouch::place).is_err() {
+            with(point, Side::Resting);
+        }
+    })
+}
+
+/// The side of a plane on which a point is; where it is in the plane, that of the middle of its body. Nothing of other
 /// obstacles.
-fn side<R: Real>(shape: &ObstacleShape<R>, rest: R::Vec3, middle: R::Vec3) -> i8 {
+fn side_of<R: Real>(shape: &ObstacleShape<R>, at: R::Vec3, middle: R::Vec3) -> i8 {
     let ObstacleShape::Plane(plane) = shape else { return 0 };
     let height = |at: R::Vec3| (at - plane.center).dot(plane.normal).to_f64();
-    let in_plane = MARGIN * (rest - plane.center).length().to_f64();
-    let height = if height(rest).abs() > in_plane { height(rest) } else { height(middle) };
+    let in_plane = MARGIN * (at - plane.center).length().to_f64();
+    let height = if height(at).abs() > in_plane { height(at) } else { height(middle) };
     if height >= 0.0 { 1 } else { -1 }
 }

@@ -3,7 +3,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::contact::{ModalContacts, Motion, sum};
+use super::contact::ModalContacts;
+use super::motion::{Motion, sum};
 use crate::math::{Real, Vector};
 use crate::physics::interaction::{Grab, resistance};
 
@@ -16,14 +17,14 @@ const SETTLED: f64 = 1e-6;
 /// A hand that pulls at a point. In the body's coordinates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hand {
-    /// How the point moves by each mode.
+    /// How the point moves in each way that the body has.
     row: Vec<DVec3>,
     modes: usize,
     /// What an impulse changes of the point's speed, 1/kg.
     mobility: DMat3,
     /// From the point at the end of the substep without what pushes to where it is pulled to, m.
     left: DVec3,
-    /// How fast it is then, m/s.
+    /// How fast it is then, m/s; of a free body, on the whole.
     speed: DVec3,
     stiffness: f64,
     damping: f64,
@@ -32,7 +33,7 @@ pub(super) struct Hand {
 }
 
 impl Hand {
-    /// Room for so many modes.
+    /// Room for so many ways to move.
     pub(super) fn new(modes: usize) -> Self {
         Self { row: vec![DVec3::ZERO; modes], ..Self::default() }
     }
@@ -40,23 +41,30 @@ impl Hand {
     /// Takes a point of a body. Says whether that moves.
     pub(super) fn take<R: Real>(&mut self, grab: &Grab<R>, motion: &Motion<'_, R>) -> bool {
         let (modal, body) = (motion.modal, motion.body);
-        self.modes = modal.modes.count();
+        self.modes = motion.count();
         let row = &mut self.row[..self.modes];
         row.fill(DVec3::ZERO);
-        let mut rest = DVec3::ZERO;
+        let (mut start, mut rest) = (DVec3::ZERO, DVec3::ZERO);
         for &(particle, weight) in &grab.weights {
             let (local, weight) = (particle - body.particles.start, weight.to_f64());
-            rest += body.start[local].to_dvec3() * weight;
+            start += body.start[local].to_dvec3() * weight;
+            rest += body.lattice.rest_position(local) * weight;
             for (to, way) in row.iter_mut().zip(modal.modes.row(local)) {
                 *to += DVec3::from(way.map(f64::from)) * weight;
             }
         }
+        let way = motion.way(rest, row);
         self.mobility = DMat3::ZERO;
         for (way, oscillator) in row.iter().zip(motion.oscillators) {
             self.mobility += DMat3::from_cols(*way * way.x, *way * way.y, *way * way.z) * oscillator.yields;
         }
-        self.left = modal.turn.transpose() * (grab.target.to_dvec3() - rest) - sum(row, motion.free.amplitude);
-        self.speed = motion.speed(row);
+        let target = grab.target.to_dvec3();
+        self.left = if motion.flight.is_some() {
+            motion.turn.transpose() * (target - motion.place) - (way.from + way.path)
+        } else {
+            modal.turn.transpose() * (target - start) - sum(row, motion.free.amplitude)
+        };
+        self.speed = way.speed;
         (self.stiffness, self.damping) = (grab.stiffness.to_f64(), grab.damping(body).to_f64());
         self.impulse = DVec3::ZERO;
         self.mobility != DMat3::ZERO

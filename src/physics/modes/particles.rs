@@ -1,32 +1,90 @@
 //! A modal body, and its particles: where modes have them, and what modes take up of their motion.
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DQuat, DVec3, Vec3};
 
-use crate::math::{Real, Vector};
-use crate::physics::model::{BodyModel, ModalBody, Model};
-use crate::physics::state::{BodyMemory, ModalState, State};
+use crate::math::{Real, Vector, rotation};
+use crate::physics::model::{BodyModel, Inertia, ModalBody, Model};
+use crate::physics::state::{BodyMemory, ModalState, RigidState, State};
 
 impl ModalBody {
-    /// What the modes take up of the motion of particles that start where the body does.
+    /// What the modes take up of the motion of particles that start where the body does, and how a free body moves as a whole
+    /// by it: with their momentum and angular momentum, turned by the polar decomposition of how they are moved.
     pub(in crate::physics) fn project<R: Real>(
         &self,
         body: &BodyModel<R>,
         [position, velocity]: [&[R::Vec3]; 2],
     ) -> ModalState {
+        if let Some(inertia) = &self.rigid {
+            return self.project_free(inertia, body, [position, velocity]);
+        }
         let mut state = ModalState::at_rest(self.modes.count());
         let back = self.turn.transpose();
         for (particle, start) in body.start.iter().enumerate() {
-            let mass = body.mass(particle).to_f64();
-            let moved = back * (position[particle].to_dvec3() - start.to_dvec3()) * mass;
-            let impulse = back * velocity[particle].to_dvec3() * mass;
-            for (mode, way) in self.modes.row(particle).iter().enumerate() {
-                let way = DVec3::from(way.map(f64::from));
-                state.amplitude[mode] += way.dot(moved);
-                state.rate[mode] += way.dot(impulse);
-            }
+            let moved = back * (position[particle].to_dvec3() - start.to_dvec3());
+            self.take_up(body, particle, [moved, back * velocity[particle].to_dvec3()], &mut state);
         }
         state.mean_rate.clone_from(&state.rate);
         state
+    }
+
+    fn project_free<R: Real>(
+        &self,
+        inertia: &Inertia,
+        body: &BodyModel<R>,
+        [position, velocity]: [&[R::Vec3]; 2],
+    ) -> ModalState {
+        let count = body.start.len();
+        let masses = || (0..count).map(|particle| body.mass(particle).to_f64() / inertia.mass);
+        let rest = |particle: usize| body.lattice.rest_position(particle) - inertia.center;
+        let begin = self.place + self.turn * inertia.center;
+        // What starts is exactly there.
+        let moved = |particle: usize| position[particle].to_dvec3() - body.start[particle].to_dvec3();
+        let speed = |particle: usize| velocity[particle].to_dvec3();
+        let shift: DVec3 = masses().enumerate().map(|(particle, share)| moved(particle) * share).sum();
+        let mean: DVec3 = masses().enumerate().map(|(particle, share)| speed(particle) * share).sum();
+        let from_center = |particle: usize| self.turn * rest(particle) + (moved(particle) - shift);
+        let (mut all, mut momentum) = (DMat3::ZERO, DVec3::ZERO);
+        for (particle, share) in masses().enumerate() {
+            let (at, rest) = (from_center(particle), rest(particle));
+            all += DMat3::from_cols(at * rest.x, at * rest.y, at * rest.z) * share;
+            momentum += at.cross(speed(particle) - mean) * (share * inertia.mass);
+        }
+        let turn = rotation::nearest(all).unwrap_or(self.turn);
+        let back = turn.transpose();
+        let spin = turn * inertia.spin(back * momentum);
+        let mut state = ModalState::at_rest(self.modes.count());
+        for particle in 0..count {
+            let at = from_center(particle);
+            let swings = speed(particle) - mean - spin.cross(at);
+            self.take_up(body, particle, [back * at - rest(particle), back * swings], &mut state);
+        }
+        state.mean_rate.clone_from(&state.rate);
+        state.rigid = Some(RigidState {
+            center: begin + shift,
+            turn: DQuat::from_mat3(&turn),
+            velocity: mean,
+            momentum,
+            mean_velocity: mean,
+            mean_spin: spin,
+        });
+        state
+    }
+
+    /// Adds what modes take up of the way and the velocity of a particle, in the body's coordinates.
+    fn take_up<R: Real>(
+        &self,
+        body: &BodyModel<R>,
+        particle: usize,
+        [moved, velocity]: [DVec3; 2],
+        state: &mut ModalState,
+    ) {
+        let mass = body.mass(particle).to_f64();
+        let (moved, impulse) = (moved * mass, velocity * mass);
+        for (mode, way) in self.modes.row(particle).iter().enumerate() {
+            let way = DVec3::from(way.map(f64::from));
+            state.amplitude[mode] += way.dot(moved);
+            state.rate[mode] += way.dot(impulse);
+        }
     }
 
     /// Puts particles where a state has them: positions and velocities.
@@ -34,14 +92,22 @@ impl ModalBody {
         #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
         let single = |of: &[f64]| -> Vec<f32> { of.iter().map(|x| *x as f32).collect() };
         let [amplitude, rate] = [&state.amplitude, &state.mean_rate].map(|of| single(of));
+        let whole = self.rigid.as_ref().zip(state.rigid.as_ref());
+        let whole = whole.map(|(inertia, rigid)| (inertia, rigid, DMat3::from_quat(rigid.turn)));
         for (particle, start) in body.start.iter().enumerate() {
             let row = self.modes.row(particle);
             let [moved, fast] = [&amplitude, &rate].map(|of| {
                 let terms = row.iter().zip(of);
                 terms.fold(Vec3::ZERO, |sum, (way, share)| sum + Vec3::from(*way) * *share).as_dvec3()
             });
-            position[particle] = R::Vec3::from_dvec3(start.to_dvec3() + self.turn * moved);
-            velocity[particle] = R::Vec3::from_dvec3(self.turn * fast);
+            let (at, speed) = match &whole {
+                Some((inertia, rigid, turn)) => {
+                    let at = *turn * (body.lattice.rest_position(particle) - inertia.center + moved);
+                    (rigid.center + at, rigid.mean_velocity + rigid.mean_spin.cross(at) + *turn * fast)
+                }
+                None => (start.to_dvec3() + self.turn * moved, self.turn * fast),
+            };
+            (position[particle], velocity[particle]) = (R::Vec3::from_dvec3(at), R::Vec3::from_dvec3(speed));
         }
     }
 }
@@ -75,10 +141,11 @@ impl<R: Real> State<R> {
                 *motion = ModalState::default();
                 continue;
             };
-            if !memory.is_modal || motion.amplitude.len() != modal.modes.count() {
+            let fits = motion.amplitude.len() == modal.modes.count() && motion.rigid.is_some() == modal.rigid.is_some();
+            if !memory.is_modal || !fits {
                 let own = body.particles.clone();
                 *motion = modal.project(body, [&self.position[own.clone()], &self.velocity[own]]);
-                *memory = BodyMemory { is_modal: true, asleep: true, ..BodyMemory::default() };
+                *memory = BodyMemory { is_modal: true, asleep: true, gone: memory.gone, ..BodyMemory::default() };
             }
         }
     }

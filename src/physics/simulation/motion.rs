@@ -1,6 +1,6 @@
 //! The motion of one body: taken out of a simulation, put back, begun anew.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use super::Simulation;
 use crate::geometry::embed::{Embedder, Embedding};
@@ -10,7 +10,7 @@ use crate::physics::model::BodyModel;
 use crate::physics::state::moving::Approach;
 use crate::physics::state::press::Press;
 use crate::physics::state::touch::SampleTouch;
-use crate::physics::state::{BodyMemory, ModalState};
+use crate::physics::state::{BodyMemory, ModalState, RigidState};
 
 /// How a body moves: a copy of its part of the state.
 #[derive(Clone, Debug, PartialEq)]
@@ -144,8 +144,11 @@ impl<R: Real> Simulation<R> {
         if let Some(modal) = &self.model.bodies[body].modal {
             let (own, motion) = (self.model.bodies[body].particles.clone(), &mut self.state.modal[body]);
             let particles = [&self.state.position[own.clone()], &self.state.velocity[own]];
-            motion.rate = modal.project(&self.model.bodies[body], particles).rate;
-            motion.mean_rate.clone_from(&motion.rate);
+            let thrown = modal.project(&self.model.bodies[body], particles);
+            (motion.rate, motion.mean_rate) = (thrown.rate, thrown.mean_rate);
+            if let (Some(rigid), Some(thrown)) = (&mut motion.rigid, thrown.rigid) {
+                *rigid = RigidState { center: rigid.center, turn: rigid.turn, ..thrown };
+            }
         }
         self.is_placed = false;
         self.place_modal();
@@ -160,18 +163,22 @@ impl<R: Real> Simulation<R> {
             self.restart_body(body);
             return;
         }
-        if self.model.bodies[body].modal.is_some() {
-            // Its modes are about where it is put.
-            let modal = &mut self.state.modal[body];
-            modal.rate.fill(0.0);
-            modal.mean_rate.fill(0.0);
+        let turn = rotation::from_euler_deg(new_rotation_deg) * rotation::from_euler_deg(old_rotation_deg).transpose();
+        if let Some(modal) = &self.model.bodies[body].modal {
+            // The modes of a held body are about where it is put.
+            let motion = &mut self.state.modal[body];
+            motion.stop();
+            if let (Some(rigid), Some(inertia)) = (&mut motion.rigid, &modal.rigid) {
+                rigid.center = modal.place + modal.turn * inertia.center;
+                rigid.turn = DQuat::from_mat3(&turn) * rigid.turn;
+            }
+            self.state.touches.retain(|touch| touch.body != body);
             self.is_placed = false;
             self.place_modal();
             self.wake(body);
             self.diverged = false;
             return;
         }
-        let turn = rotation::from_euler_deg(new_rotation_deg) * rotation::from_euler_deg(old_rotation_deg).transpose();
         let BodyModel { particles, start, .. } = &self.model.bodies[body];
         let (from, to) = (center::<R>(&self.state.position[particles.clone()]), center::<R>(start));
         let unturned = turn == DMat3::IDENTITY;

@@ -3,6 +3,8 @@
 //!
 //! Below is where gravity points. The limit follows from the scene alone, and whether a body is past it from the state.
 
+use glam::DVec3;
+
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::{BodyModel, FallLimit, Model};
 use crate::physics::state::State;
@@ -23,7 +25,8 @@ pub(in crate::physics) fn limit<R: Real>(model: &Model<R>) -> Option<FallLimit<R
     depth.is_finite().then(|| FallLimit { down: R::Vec3::from_dvec3(down), depth: R::from_f64(depth) })
 }
 
-/// Puts every body to sleep that has fallen past the limit with all its particles.
+/// Puts every body to sleep that has fallen past the limit with all its particles. Modal bodies, which look asleep here, are
+/// told when they move.
 pub(in crate::physics) fn watch<R: Real>(model: &Model<R>, state: &mut State<R>) {
     let Some(limit) = model.fall_limit else { return };
     for (number, body) in model.bodies.iter().enumerate() {
@@ -33,6 +36,11 @@ pub(in crate::physics) fn watch<R: Real>(model: &Model<R>, state: &mut State<R>)
             state.velocity[body.particles.clone()].fill(R::Vec3::ZERO);
         }
     }
+}
+
+/// Whether all of a ball is past the limit.
+pub(in crate::physics) fn is_ball_past<R: Real>(limit: FallLimit<R>, center: DVec3, radius: f64) -> bool {
+    center.dot(limit.down.to_dvec3()) - radius > limit.depth.to_f64()
 }
 
 fn is_past<R: Real>(limit: FallLimit<R>, body: &BodyModel<R>, position: &[R::Vec3]) -> bool {

@@ -1,10 +1,11 @@
 //! A fingerprint of a state: equal bits, equal hash.
 
 use crate::math::{Real, Vector};
-use crate::physics::state::State;
+use crate::physics::state::{RigidState, State};
 
 /// FNV-1a over the bits of all positions, then all velocities, then of what is left of the obstacles' ways and sweeps and of
-/// the springs between bodies of points of meshes, and of modes that lead bodies (Fowler, Noll and Vo; 64 bits, eight bytes at a time).
+/// the springs between bodies of points of meshes, of modes that lead bodies and of free bodies as wholes (Fowler, Noll and
+/// Vo; 64 bits, eight bytes at a time).
 pub(crate) fn state_hash<R: Real>(state: &State<R>) -> u64 {
     const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
     const PRIME: u64 = 0x0000_0100_0000_01b3;
@@ -23,6 +24,11 @@ pub(crate) fn state_hash<R: Real>(state: &State<R>) -> u64 {
                 .modal
                 .iter()
                 .flat_map(|modal| modal.amplitude.iter().chain(&modal.rate).chain(&modal.mean_rate))
+                .flat_map(|x| x.to_bits().to_le_bytes()),
+        )
+        .chain(
+            (state.modal.iter().filter_map(|modal| modal.rigid.as_ref()))
+                .flat_map(RigidState::numbers)
                 .flat_map(|x| x.to_bits().to_le_bytes()),
         )
         .fold(OFFSET, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))

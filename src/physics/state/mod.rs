@@ -5,16 +5,18 @@ pub(in crate::physics) mod hash;
 mod modal;
 pub(in crate::physics) mod moving;
 pub(in crate::physics) mod press;
+mod rigid;
 pub(in crate::physics) mod sleep;
 pub(in crate::physics) mod touch;
 
 pub use modal::ModalState;
+pub use rigid::RigidState;
 
 use moving::{Approach, Sweep};
 use press::Press;
 use touch::SampleTouch;
 
-use super::model::{BodyModel, Model};
+use super::model::Model;
 use crate::math::{Real, Vector};
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
@@ -52,7 +54,7 @@ pub struct State<R: Real> {
     pub sweeps: Vec<Sweep>,
     /// The springs of contact between bodies that touch each other, by particle and body.
     pub presses: Vec<Press>,
-    /// Where points of bodies' meshes touch obstacles, by body, point and obstacle.
+    /// Where points of bodies' meshes and of free modal bodies touch obstacles, by body, point and obstacle.
     pub touches: Vec<SampleTouch>,
     /// How modal bodies move, by body: particles of these are where they were put last. Of no length where
     /// a body moves by its cells.
@@ -207,7 +209,7 @@ impl<R: Real> State<R> {
         let meeting = model.bodies.iter().filter(|body| body.meets_others() && model.bodies.len() > 1);
         let most: usize = meeting.map(|body| body.lattice.surface).sum();
         self.presses.reserve_exact(most.saturating_sub(self.presses.len()));
-        let touching = model.samples_in_contact();
+        let touching = model.points_in_contact();
         self.touches.reserve_exact(touching.saturating_sub(self.touches.len()));
     }
 
@@ -255,13 +257,14 @@ impl<R: Real> State<R> {
         self.touches.sort_unstable_by_key(SampleTouch::place);
     }
 
-    /// Forgets where points of meshes touch that meet nothing.
+    /// Forgets where points touch that meet nothing.
     pub(super) fn fit_touches(&mut self, model: &Model<R>, plan: &Plan) {
         let is_there = |touch: &SampleTouch| {
-            let points = model.bodies.get(touch.body).map_or(0, BodyModel::sample_count);
-            touch.sample < points && touch.obstacle < model.obstacles.len()
+            let Some(body) = model.bodies.get(touch.body) else { return false };
+            let is_remembered = plan.on_mesh.is_some() || body.inertia().is_some();
+            is_remembered && touch.sample < body.remembered_points() && touch.obstacle < model.obstacles.len()
         };
-        self.touches.retain(|touch| plan.on_mesh.is_some() && is_there(touch));
+        self.touches.retain(is_there);
     }
 
     /// Makes room for the sides of every plane; those of planes that stay are kept.

@@ -16,8 +16,8 @@ use crate::scene::{Body, ContactOn, MovesBy, Shape, Skin};
 use crate::session::{BodyStatus, Command};
 use crate::view::legend::three_digits;
 
-const LINEAR: &str = "Linear: right for small motion; where a part turns far it looks wrong, it grows. Its cells cost nothing, \
-                      and other bodies pass through it.";
+const LINEAR: &str = "Linear: right for a small swing; where a part turns far against the rest it looks wrong, it grows. Its \
+                      cells cost nothing, and other bodies pass through it.";
 const NOT_LED: &str = "It moves by its cells as yet: the message over the view says why.";
 
 /// The panel of a body.

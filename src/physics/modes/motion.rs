@@ -1,0 +1,96 @@
+//! A body over a substep, as its modes and, where nothing holds it, its weight and spin would move it without what pushes at
+//! points.
+
+use glam::{DMat3, DVec3};
+
+use super::flight::{Flight, RIGID};
+use super::oscillator::Oscillator;
+use crate::math::{Aabb, Real};
+use crate::physics::model::{BodyModel, ModalBody};
+
+/// Where modes are at the end of a substep.
+#[derive(Clone, Copy)]
+pub(super) struct Ends<'a> {
+    /// m √kg.
+    pub(super) amplitude: &'a [f64],
+    /// m √kg / s.
+    pub(super) rate: &'a [f64],
+}
+
+/// A body over a substep. In the body's coordinates as it begins where nothing else is said.
+#[derive(Clone, Copy)]
+pub(super) struct Motion<'a, R: Real> {
+    pub(super) body: &'a BodyModel<R>,
+    /// Its place among the bodies.
+    pub(super) number: usize,
+    pub(super) modal: &'a ModalBody,
+    /// Its modes over the substep, and the six motions of a free body after them.
+    pub(super) oscillators: &'a [Oscillator],
+    /// The amplitudes when it begins.
+    pub(super) now: &'a [f64],
+    /// Where modes are at its end.
+    pub(super) free: Ends<'a>,
+    /// A free body as a whole.
+    pub(super) flight: Option<&'a Flight<'a>>,
+    /// From the body's coordinates to the scene's.
+    pub(super) turn: DMat3,
+    /// The origin of the body's coordinates in the scene, m.
+    pub(super) place: DVec3,
+    /// How long it is, s.
+    pub(super) secs: f64,
+}
+
+/// A point over a substep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    /// Where it begins, m.
+    pub(super) from: DVec3,
+    /// How far it goes, m.
+    pub(super) path: DVec3,
+    /// How fast it is at the end, m/s; of a free body, on the whole: weight would have it creep that is at rest.
+    pub(super) speed: DVec3,
+}
+
+impl<R: Real> Motion<'_, R> {
+    /// In how many ways the body moves.
+    pub(super) fn count(&self) -> usize {
+        self.oscillators.len()
+    }
+
+    /// How a point moves that is there at rest (m), whose row has how modes move it; what is after them in the row is filled.
+    pub(super) fn way(&self, rest: DVec3, row: &mut [DVec3]) -> Way {
+        let from = rest + sum(row, self.now);
+        let Some(flight) = self.flight else {
+            let path = sum(row, self.free.amplitude) - sum(row, self.now);
+            return Way { from, path, speed: sum(row, self.free.rate) };
+        };
+        let path = flight.carries(rest + sum(row, self.free.amplitude)) - from;
+        let modes = row.len() - RIGID;
+        flight.inertia.row(from - flight.inertia.center, &mut row[modes..]);
+        Way { from, path, speed: path / self.secs }
+    }
+
+    /// A place in the scene, m.
+    pub(super) fn in_scene(&self, at: DVec3) -> DVec3 {
+        self.place + self.turn * at
+    }
+
+    /// Whether points in a box, whose modes are at the beginning or at the end, may come within these bounds in the scene, m.
+    pub(super) fn reaches(&self, around: Aabb<f64>, [min, max]: [DVec3; 2]) -> bool {
+        let Self { turn, place, .. } = self;
+        let half = 0.5 * (around.max - around.min);
+        let middle = *place + *turn * (around.min + half);
+        let half = turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
+        let carried = self.flight.map_or(0.0, |flight| flight.reach(around));
+        let half = half + DVec3::splat(carried + MARGIN * (self.body.size.to_f64() + middle.length()));
+        ((middle - half).cmple(max) & (middle + half).cmpge(min)).all()
+    }
+}
+
+/// Boxes are grown by this share of the body's size, for what rounding takes off them.
+pub(super) const MARGIN: f64 = 1e-5;
+
+/// How far a point is moved by these amplitudes, m.
+pub(super) fn sum(row: &[DVec3], amplitude: &[f64]) -> DVec3 {
+    row.iter().zip(amplitude).fold(DVec3::ZERO, |sum, (way, q)| sum + *way * *q)
+}
