@@ -60,7 +60,7 @@ pub fn ground_only() -> Scene {
 /// its steps are.
 const DAMPED_DT_SECS: f64 = 4e-3;
 
-const PRESETS: [Preset; 26] = [
+const PRESETS: [Preset; 27] = [
     Preset { name: DEFAULT, summary: "A jelly cube falls on the ground beside a sphere.", build: cube_on_plane },
     Preset {
         name: "cube-on-sphere",
@@ -99,6 +99,11 @@ const PRESETS: [Preset; 26] = [
         name: "bridge-modes",
         summary: "The bridge moved by 40 modes, which cost next to nothing; a ball knocks at it.",
         build: models::bridge_modes,
+    },
+    Preset {
+        name: "spot-modes",
+        summary: "A firm cow tumbles over a sphere by 30 modes, many times as fast as by its cells.",
+        build: models::spot_modes,
     },
     Preset { name: "shell", summary: "The open body shell of a car falls on its nose.", build: models::shell },
     Preset { name: "many", summary: "A dozen jellified models fall together.", build: models::many },

@@ -241,6 +241,16 @@ fn the_ball_knocks_the_bridge_that_moves_by_modes() {
 }
 
 #[test]
+fn the_cow_by_modes_falls_off_the_sphere_and_comes_to_rest_on_the_ground() {
+    let looks = middles("spot-modes", 160);
+    let heights = looks.iter().map(|at| at[0].y);
+    let [low, high] = range(heights);
+    assert!(low > 0.1 && high > 1.2, "it falls from {high} m and stays above {low} m");
+    let late = range(looks[150..].iter().map(|at| at[0].length()));
+    assert!(late[1] - late[0] < 1e-3, "it rests: {late:?}");
+}
+
+#[test]
 fn the_shell_lands_on_its_sills() {
     let figures = after_eight_seconds("shell");
     is_sound(&figures);
@@ -260,7 +270,7 @@ fn the_dozen_lies_in_a_heap_and_none_has_gone_through_the_ground() {
 fn every_preset_is_there() {
     let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
     let wanted = "cube-on-plane cube-on-sphere incline incline-slide u-on-sphere tree coupler-7 coupler-8 coupler-20 \
-                  coupler-40 spot chair bridge chair-modes bridge-modes shell many exploding broken newton hook stack fold pile \
+                  coupler-40 spot chair bridge chair-modes bridge-modes spot-modes shell many exploding broken newton hook stack fold pile \
                   comb conveyor";
     assert_eq!(names, wanted.split_whitespace().collect::<Vec<_>>(), "in the order of the list");
 }

@@ -3,7 +3,7 @@
 
 use super::parts::{ball, carried, looking_at, scene, turned};
 use crate::scene::Scene;
-use crate::scene::body::{Body, CubeShape, ModelShape, MovesBy, OccupancyChoice, PinBox, Pose, Shape};
+use crate::scene::body::{Body, ContactOn, CubeShape, ModelShape, MovesBy, OccupancyChoice, PinBox, Pose, Shape};
 use crate::scene::material::{Material, Solid};
 use crate::scene::obstacle::{Motion, Obstacle, Oscillate};
 
@@ -84,6 +84,19 @@ pub(super) fn bridge_modes() -> Scene {
     let ball = Obstacle { name: "Ball".to_owned(), motion: Some(knocks), ..ball([0.0, 1.35, -1.2], 0.25) };
     scene.obstacles.push(ball);
     scene
+}
+
+/// A cow so firm that its cells would need many small steps. It moves, turns and swings by its modes, falls on a sphere and
+/// tumbles off.
+pub(super) fn spot_modes() -> Scene {
+    let spot = Body {
+        pose: Pose { position: [0.0, 1.35, 0.0], rotation_deg: [0.0, 60.0, 20.0] },
+        moves_by: MovesBy::Modes,
+        mode_count: 30,
+        contact_on: ContactOn::Mesh,
+        ..solid("Spot", Shape::Model(ModelShape { divisions: 20, ..carried("spot.obj") }), [2e6, 300.0, 0.05])
+    };
+    turned(30.0, 14.0, looking_at([0.0, 0.85, 0.0], 4.6, scene(spot, vec![ball([0.3, 0.3, 0.05], 0.3)])))
 }
 
 /// A sheet without thickness that has no inside. It falls on its nose.
