@@ -215,7 +215,7 @@ fn a_saved_state_of_a_free_body_goes_on_bit_for_bit_and_is_checked() {
     assert_eq!(said(&|_| ()), "nothing", "this may be");
     assert!(said(&|rigid| rigid.momentum.y = f64::NAN).contains("a modal body as a whole is NaN"));
     assert!(said(&|rigid| rigid.turn.x += 1.0).contains("a quaternion of length 1"));
-    assert!(said(&|rigid| rigid.center.x = 1e100).contains("from -1e12 to 1e12"));
+    assert!(said(&|rigid| rigid.velocity.x = 1e100).contains("from -1e12 to 1e12"));
 }
 
 #[test]
