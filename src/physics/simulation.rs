@@ -14,7 +14,7 @@ use super::modes;
 use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
 use super::state::{BodyMemory, State};
 use super::step::{self, Inputs, StepWorkspace};
-use super::stepping::{self, looks};
+use super::stepping;
 use crate::math::{Real, whole_steps};
 use crate::physics::forces::recovery;
 use crate::physics::model::plan::Plan;
@@ -197,6 +197,9 @@ impl<R: Real> Simulation<R> {
         if let Some(grab) = &self.grab {
             let memory = &mut self.state.bodies[grab.body];
             memory.asleep = memory.gone || memory.is_modal;
+            if memory.is_modal {
+                memory.still_substeps = 0;
+            }
         }
         if !self.state.sweeps.is_empty() {
             self.wake_all();
@@ -213,8 +216,8 @@ impl<R: Real> Simulation<R> {
             return StepReport { last: self.last, ..report };
         }
         self.diverged = report.diverged;
+        self.is_placed = false;
         if !self.diverged && self.state.end_part() {
-            self.advance_modal(&mut report, timer);
             self.state.held_steps = 0;
             self.state.substep += 1;
             if self.state.substep >= self.plan.substeps {
@@ -227,24 +230,6 @@ impl<R: Real> Simulation<R> {
         report
     }
 
-    /// Moves modal bodies over the substep that was taken.
-    fn advance_modal(&mut self, report: &mut StepReport, timer: &mut impl StageTimer) {
-        if self.model.bodies.iter().all(|body| body.modal.is_none()) {
-            return;
-        }
-        // Obstacles are where the last part of the substep had them: time has passed since.
-        let Self { model, plan, state, workspace, obstacles, grab, .. } = self;
-        let mut recorder = Recorder::new(timer);
-        let modal = modes::advance(model, plan, obstacles, grab.as_ref(), state, &mut workspace.modal, &mut recorder);
-        recorder.note_depth(modal.deepest_m.max(report.last.max_penetration_m));
-        let of_modal = recorder.leave(!modal.is_finite);
-        report.counters.add(&of_modal.counters);
-        report.last.contacts += modal.contacts;
-        report.last.max_penetration_m = of_modal.last.max_penetration_m;
-        report.diverged |= of_modal.diverged;
-        (self.diverged, self.is_placed) = (report.diverged, false);
-    }
-
     /// Bodies that sleep, and the modal ones at rest.
     fn bodies_asleep(&self) -> usize {
         (0..self.state.bodies.len()).filter(|body| self.is_body_asleep(*body)).count()
@@ -252,10 +237,7 @@ impl<R: Real> Simulation<R> {
 
     /// Whether a body has come to rest and is left alone until something touches it.
     pub fn is_body_asleep(&self, body: usize) -> bool {
-        let memory = &self.state.bodies[body];
-        let long_enough = looks::substeps_in(&self.plan, sleep::STILL_SECS, libm::ceil);
-        let rests = || self.plan.sleeping && modes::resting(memory, long_enough);
-        memory.asleep && (!memory.is_modal || memory.gone || rests())
+        !sleep::moves(&self.model, &self.plan, &self.state.bodies[body])
     }
 
     /// Whether the last step would have made a number infinite or NaN.
@@ -323,13 +305,13 @@ impl<R: Real> Simulation<R> {
         awake.bodies.iter_mut().for_each(BodyMemory::wake);
         let mut found = StepWorkspace::new(&self.model, &self.plan);
         let obstacles = Placed::now(&self.model, &self.state);
-        let inputs = Inputs { obstacles: &obstacles, grab: None };
+        let inputs = Inputs { obstacles: &obstacles, grab: None, modal_grab: None };
         let (whole, timer) = (stepping::whole(&self.plan), &mut ());
         let mut recorder = Recorder::new(timer);
         step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut recorder);
         self.workspace.contact.contacts = found.contact.contacts;
         self.workspace.contact.bodies.contacts = found.contact.bodies.contacts;
-        self.workspace.contact.bodies.keep_of_sleepers(&self.state);
+        self.workspace.contact.bodies.keep_of_sleepers(&self.model, &self.plan, &self.state);
         self.workspace.contact.samples.contacts = found.contact.samples.contacts;
         self.workspace.contact.samples.keep_of_sleepers(&self.state);
         self.workspace.contact.keep_of_sleepers(&self.model, &self.state);

@@ -121,23 +121,16 @@ impl Session {
 
     /// What a person should know of bodies that are to move by modes, a sentence each.
     pub(super) fn modes_warnings(&self) -> Vec<String> {
-        let bodies = &self.scene.bodies;
-        let meets_none = |number: usize, body: &Body| {
-            let others = bodies.iter().enumerate().any(|(other, body)| other != number && body.collides);
-            others && body.collides && self.scene.settings.body_contact
-        };
         let of = |(number, body): (usize, &Body)| {
             let name = named(&body.name, "body", number);
             match &self.outcome(body)?.outcome {
-                Outcome::Found(_) => meets_none(number, body).then(|| {
-                    format!("{name} moves by its modes and does not meet other bodies, which pass through it")
-                }),
+                Outcome::Found(_) => None,
                 Outcome::Refused(why) => Some(format!("{name} moves by its cells: {why}")),
                 Outcome::Stopped => {
                     Some(format!("{name} moves by its cells: the search for its modes was stopped; choose modes anew"))
                 }
             }
         };
-        bodies.iter().enumerate().filter_map(of).collect()
+        self.scene.bodies.iter().enumerate().filter_map(of).collect()
     }
 }

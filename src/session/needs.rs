@@ -48,11 +48,16 @@ pub(super) fn needed(scene: &Scene, outlines: &[Outline], scheme: Option<Scheme>
     PROGRAM + lasting + while_made.max(of_bodies)
 }
 
-/// What the modes of bodies take that are to move by them; whether there is room to find them is known when they are found.
+/// What the modes of bodies take that are to move by them, with how each point of their outside moves by them that others
+/// meet; whether there is room to find them is known when they are found.
 fn of_modes(scene: &Scene, outlines: &[Outline]) -> u64 {
     let modal = scene.bodies.iter().zip(outlines).filter(|(body, _)| body.moves_by == MovesBy::Modes);
-    let numbers = modal.map(|(body, outline)| outline.counts.particles as u64 * u64::from(body.mode_count));
-    numbers.sum::<u64>() * size_of::<[f32; 3]>() as u64
+    let own = modal.map(|(body, Outline { counts, .. })| {
+        let [shapes, rows] = [(counts.particles, size_of::<[f32; 3]>()), (counts.surface, size_of::<[f64; 3]>())]
+            .map(|(points, bytes)| (points * bytes) as u64);
+        (shapes + rows) * u64::from(body.mode_count)
+    });
+    own.sum()
 }
 
 /// The surfaces of mesh obstacles that are read: each once, whoever shares it.

@@ -3,7 +3,7 @@
 use gelatin::physics::{Grab, Inertia, ModalState, Simulation};
 use gelatin::scene::body::{CubeShape, Pose};
 use gelatin::scene::obstacle::{ContactStiffness, Cuboid, Plane};
-use gelatin::scene::{Body, Material, MovesBy, Obstacle, ObstacleShape, Scene, Shape, Solid};
+use gelatin::scene::{Body, Material, MovesBy, Obstacle, ObstacleShape, Shape, Solid};
 use glam::{DMat3, DVec3};
 
 use super::modal::{hanging, modal, modes};
@@ -367,22 +367,6 @@ fn a_body_keeps_to_the_side_of_a_plane_that_it_came_from() {
         report.last.max_penetration_m
     );
     assert!(now.center.y > 0.1 && now.max_speed < 1e-2, "it is carried: {} at {} m/s", now.center, now.max_speed);
-}
-
-#[test]
-fn nothing_thrown_from_a_scene_of_other_bodies_changes_them() {
-    let mut scene: Scene = hanging(cube(1.0, [0.0; 3]), WEIGHT, vec![ground([0.5, 0.4])]);
-    let other = Body { moves_by: MovesBy::Cells, ..cube(0.5, [0.0, 0.0, 20.0]) };
-    scene.bodies.push(other);
-    let mut without = scene.clone();
-    without.bodies.remove(0);
-    let (mut both, mut alone) = (modal::<f32>(&scene), simulate::<f32>(&without));
-    for _ in 0..600 {
-        both.step();
-        alone.step();
-    }
-    let own = both.model().bodies[1].particles.clone();
-    assert_eq!(both.state().position[own], alone.state().position[..], "to the bit");
 }
 
 #[test]

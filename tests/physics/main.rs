@@ -19,6 +19,7 @@ mod integrators;
 mod mesh_contact;
 mod mesh_obstacles;
 mod modal;
+mod modal_bodies;
 mod modes;
 mod moving_obstacles;
 mod parts;

@@ -4,10 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::math::{Real, rotation};
-use crate::physics::model::{
-    AmongBodies, BodyModel, Inertia, LinkConstants, LinkFamily, ModalBody, ModalModel, ModalPoints, Model,
-};
+use crate::math::{Aabb, Real, rotation};
+use crate::physics::model::{BodyModel, Inertia, LinkConstants, LinkFamily, ModalBody, ModalModel, ModalPoints, Model};
 use crate::scene::Pose;
 
 /// Has a compiled body move by modes that are of as many particles as it has; other modes are left alone. What of it
@@ -30,9 +28,23 @@ pub(super) fn move_by<R: Real>(body: &mut BodyModel<R>, modes: &Arc<ModalModel>,
         Inertia::new((0..body.particles.len()).map(|p| (body.mass(p).to_f64(), body.lattice.rest_position(p))))
     });
     let (turn, place) = (rotation::from_euler_deg(pose.rotation_deg), DVec3::from(pose.position));
-    body.modal = Some(ModalBody { modes: Arc::clone(modes), points, rigid, turn, place });
-    // Its particles are elsewhere within a substep than where they were put last.
-    (body.among_bodies.meets_others, body.among_bodies.meets_itself) = (false, false);
+    let bounds = Aabb::<f64>::around((0..body.particles.len()).map(|p| body.lattice.rest_position(p)));
+    let alike = known.map(|modal| Arc::clone(&modal.farthest));
+    let farthest = alike.unwrap_or_else(|| farthest(modes, body.particles.len()));
+    body.modal = Some(ModalBody { modes: Arc::clone(modes), bounds, farthest, points, rigid, turn, place });
+    // Modes that would have parts of it pass through each other are no small motion any more.
+    body.among_bodies.meets_itself = false;
+}
+
+/// The farthest that any particle is moved by an amplitude of 1 of each mode, 1/√kg.
+fn farthest(modes: &ModalModel, particles: usize) -> Arc<[f64]> {
+    let mut farthest = vec![0.0_f64; modes.count()];
+    for particle in 0..particles {
+        for (farthest, way) in farthest.iter_mut().zip(modes.row(particle)) {
+            *farthest = farthest.max(DVec3::from(way.map(f64::from)).length());
+        }
+    }
+    farthest.into()
 }
 
 /// A model in which modal bodies have nothing that would limit a step; none where no body is.
@@ -58,7 +70,7 @@ fn idle<R: Real>(body: &BodyModel<R>) -> BodyModel<R> {
         boxed_links: None,
         crowds: Arc::default(),
         samples: None,
-        among_bodies: AmongBodies { meets_others: false, meets_itself: false, ..body.among_bodies.clone() },
+        among_bodies: body.among_bodies.clone(),
         ..body.clone()
     };
     idle.recovery.stiffness = R::ZERO;

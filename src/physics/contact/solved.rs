@@ -186,6 +186,7 @@ mod tests {
             is_strained: false,
             bodies_are_near: false,
             grab: None,
+            modal_grab: None,
         };
         let mut workspace = ContactWorkspace::new(model, plan);
         let timer = &mut ();

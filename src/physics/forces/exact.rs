@@ -239,6 +239,7 @@ mod tests {
             is_strained: false,
             bodies_are_near: false,
             grab: None,
+            modal_grab: None,
         };
         let mut exact = ExactLinks::new(model, 1);
         assert!(exact.bodies[0].is_some(), "it has a box");

@@ -66,11 +66,15 @@ impl<R: Real> Model<R> {
         self.bodies.iter().map(BodyModel::sample_count).sum()
     }
 
-    /// The most points that there is room for to be remembered in contact: every one with so many obstacles as meet in a corner.
+    /// The most points that there is room for to be remembered in contact.
     pub(in crate::physics) fn points_in_contact(&self) -> usize {
+        self.bodies.iter().map(|body| self.points_in_contact_of(body)).sum()
+    }
+
+    /// The same of one body: every point with so many obstacles as meet in a corner.
+    pub(in crate::physics) fn points_in_contact_of(&self, body: &BodyModel<R>) -> usize {
         const CORNER: usize = 3;
-        let points: usize = self.bodies.iter().map(BodyModel::remembered_points).sum();
-        points * self.obstacles.len().min(CORNER)
+        body.remembered_points() * self.obstacles.len().min(CORNER)
     }
 
     /// Whether any obstacle moves by itself.

@@ -108,6 +108,11 @@ impl ModalContacts {
         }
     }
 
+    /// Forgets what they did.
+    pub(super) fn reset(&mut self) {
+        self.all.iter_mut().for_each(|contact| (contact.pushed, contact.rubbed) = (0.0, DVec3::ZERO));
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.all.is_empty()
     }
@@ -312,7 +317,7 @@ impl ModalContacts {
 
 /// Damping of a contact's spring over the critical one. That of a free body's point stands for the give of the body about it,
 /// which its few modes lack: it is damped as the highest of them is, so that a body bounces as high as its solid lets it.
-fn damping_ratio<R: Real>(motion: &Motion<'_, R>) -> f64 {
+pub(super) fn damping_ratio<R: Real>(motion: &Motion<'_, R>) -> f64 {
     let highest = motion.modal.modes.rates().last().filter(|_| motion.flight.is_some());
     highest.map_or(1.0, |[omega, damping]| (0.5 * damping / omega).clamp(LEAST_DAMPING, 1.0))
 }

@@ -99,6 +99,11 @@ impl<'a> Flight<'a> {
         self.now.center
     }
 
+    /// The way of the centre of mass, in the body's coordinates as the substep begins, m.
+    pub(super) fn shift(&self) -> DVec3 {
+        self.shift
+    }
+
     /// Where a point ends which is there in the body when the substep does, in the body's coordinates as it begins, m.
     pub(super) fn carries(&self, at: DVec3) -> DVec3 {
         let center = self.inertia.center;

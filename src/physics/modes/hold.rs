@@ -5,6 +5,7 @@ use glam::{DMat3, DVec3};
 
 use super::contact::ModalContacts;
 use super::motion::{Motion, sum};
+use super::oscillator::Oscillator;
 use crate::math::{Real, Vector};
 use crate::physics::interaction::{Grab, resistance};
 
@@ -70,6 +71,11 @@ impl Hand {
         self.mobility != DMat3::ZERO
     }
 
+    /// Forgets what it did.
+    pub(super) fn reset(&mut self) {
+        self.impulse = DVec3::ZERO;
+    }
+
     /// Does what all others leave it to do, which change the point's speed by `change` (m/s). Tells the change of its impulse,
     /// N·s.
     fn solve(&mut self, change: DVec3, dt: f64) -> DVec3 {
@@ -85,40 +91,53 @@ impl Hand {
 }
 
 /// Finds what a hand and all contacts do, and what that changes of the modes' rates.
-pub(super) fn solve<R: Real>(
+pub(super) fn solve(
     mut hand: Option<&mut Hand>,
     contacts: &mut ModalContacts,
-    motion: &Motion<'_, R>,
+    oscillators: &[Oscillator],
+    dt: f64,
     change: &mut [f64],
 ) {
-    let dt = motion.secs;
-    let push = |row: &[DVec3], impulse: DVec3, change: &mut [f64]| {
-        for ((change, way), oscillator) in change.iter_mut().zip(row).zip(motion.oscillators) {
-            *change += oscillator.yields * way.dot(impulse);
-        }
-    };
     let mut largest = 0.0_f64;
     // A hand alone has its way at once.
     let rounds = if contacts.is_empty() { 1 } else { ROUNDS };
     for _ in 0..rounds {
-        let mut most = 0.0_f64;
-        if let Some(hand) = &mut hand {
-            let so_far = sum(&hand.row[..hand.modes], change);
-            let impulse = hand.solve(so_far, dt);
-            push(&hand.row[..hand.modes], impulse, change);
-            most = impulse.length();
-        }
-        for (contact, row) in contacts.each() {
-            let so_far = sum(row, change);
-            let impulse = contact.solve(so_far, dt);
-            if impulse != DVec3::ZERO {
-                push(row, impulse, change);
-                most = most.max(impulse.length());
-            }
-        }
+        let most = round(hand.as_deref_mut(), contacts, oscillators, dt, change);
         largest = largest.max(most);
         if most <= SETTLED * largest {
             break;
         }
     }
+}
+
+/// Has a hand and all contacts, one after another, do what the others leave them to. Tells by how much an impulse changed at
+/// most, N·s.
+pub(super) fn round(
+    hand: Option<&mut Hand>,
+    contacts: &mut ModalContacts,
+    oscillators: &[Oscillator],
+    dt: f64,
+    change: &mut [f64],
+) -> f64 {
+    let push = |row: &[DVec3], impulse: DVec3, change: &mut [f64]| {
+        for ((change, way), oscillator) in change.iter_mut().zip(row).zip(oscillators) {
+            *change += oscillator.yields * way.dot(impulse);
+        }
+    };
+    let mut most = 0.0_f64;
+    if let Some(hand) = hand {
+        let so_far = sum(&hand.row[..hand.modes], change);
+        let impulse = hand.solve(so_far, dt);
+        push(&hand.row[..hand.modes], impulse, change);
+        most = impulse.length();
+    }
+    for (contact, row) in contacts.each() {
+        let so_far = sum(row, change);
+        let impulse = contact.solve(so_far, dt);
+        if impulse != DVec3::ZERO {
+            push(row, impulse, change);
+            most = most.max(impulse.length());
+        }
+    }
+    most
 }

@@ -70,6 +70,53 @@ impl<R: Real> Motion<'_, R> {
         Way { from, path, speed: path / self.secs }
     }
 
+    /// Where all particles are over the substep, m: none is outside this box in the scene.
+    pub(super) fn around(&self) -> Aabb<f64> {
+        let around = self.modal.bounds.grown(self.swing());
+        let half = 0.5 * (around.max - around.min);
+        let middle = self.in_scene(around.min + half);
+        let turned =
+            self.turn.x_axis.abs() * half.x + self.turn.y_axis.abs() * half.y + self.turn.z_axis.abs() * half.z;
+        let carried = self.flight.map_or(0.0, |flight| flight.reach(around));
+        Aabb { min: middle - turned, max: middle + turned }.grown(carried)
+    }
+
+    /// How fast it moves on the whole, m/s.
+    pub(super) fn drift(&self) -> DVec3 {
+        self.flight.map_or(DVec3::ZERO, |flight| self.turn * flight.shift() / self.secs)
+    }
+
+    /// No particle swings farther from where it is at rest, m.
+    fn swing(&self) -> f64 {
+        self.modal.swing(self.now.iter().zip(self.free.amplitude).map(|(now, then)| now.abs().max(then.abs())))
+    }
+
+    /// Writes where particles are in the scene when the substep begins and when it ends, m: of all that belong to cells in which a
+    /// point of this region may be, and of others about.
+    pub(super) fn look_ahead(&self, region: &Aabb<f64>, [now, ahead]: [&mut [DVec3]; 2]) {
+        let modes = self.modal.modes.count();
+        let (lattice, swing) = (&self.body.lattice, self.swing());
+        // A corner is no farther than this from what is in its cell, nor is it carried farther.
+        let carried = self.flight.map_or(0.0, |flight| flight.reach(self.modal.bounds.grown(swing)));
+        let region = region.grown(3.0_f64.sqrt() * lattice.grid.cell_size + 4.0 * swing + carried);
+        for (particle, (now, ahead)) in now.iter_mut().zip(ahead).enumerate() {
+            let rest = lattice.rest_position(particle);
+            let at = self.in_scene(rest);
+            (*now, *ahead) = (at, at);
+            if !region.holds(at) {
+                continue;
+            }
+            let ends = self.now[..modes].iter().zip(self.free.amplitude);
+            let row = self.modal.modes.row(particle).iter().zip(ends);
+            let [begin, end] = row.fold([DVec3::ZERO; 2], |[begin, end], (way, (now, then))| {
+                let way = DVec3::from(way.map(f64::from));
+                [begin + way * *now, end + way * *then]
+            });
+            let end = self.flight.map_or(rest + end, |flight| flight.carries(rest + end));
+            (*now, *ahead) = (self.in_scene(rest + begin), self.in_scene(end));
+        }
+    }
+
     /// A place in the scene, m.
     pub(super) fn in_scene(&self, at: DVec3) -> DVec3 {
         self.place + self.turn * at

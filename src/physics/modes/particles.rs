@@ -87,6 +87,17 @@ impl ModalBody {
         }
     }
 
+    /// Puts the particles of a body, among all of a scene, where a state has them: positions and velocities.
+    pub(super) fn put<R: Real>(
+        &self,
+        body: &BodyModel<R>,
+        state: &ModalState,
+        [position, velocity]: [&mut [R::Vec3]; 2],
+    ) {
+        let own = body.particles.clone();
+        self.place(body, state, [&mut position[own.clone()], &mut velocity[own]]);
+    }
+
     /// Puts particles where a state has them: positions and velocities.
     fn place<R: Real>(&self, body: &BodyModel<R>, state: &ModalState, [position, velocity]: [&mut [R::Vec3]; 2]) {
         #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
@@ -116,14 +127,13 @@ impl ModalBody {
 pub(in crate::physics) fn place<R: Real>(model: &Model<R>, state: &mut State<R>) {
     for (number, body) in model.bodies.iter().enumerate() {
         let Some(modal) = &body.modal else { continue };
-        let own = body.particles.clone();
-        modal.place(body, &state.modal[number], [&mut state.position[own.clone()], &mut state.velocity[own.clone()]]);
-        state.position_residual[own].fill(R::Vec3::ZERO);
+        modal.put(body, &state.modal[number], [&mut state.position, &mut state.velocity]);
+        state.position_residual[body.particles.clone()].fill(R::Vec3::ZERO);
     }
 }
 
 /// Whether a modal body has been still for long enough to be left alone.
-pub(in crate::physics) fn resting(memory: &BodyMemory, long_enough: u64) -> bool {
+pub(super) fn resting(memory: &BodyMemory, long_enough: u64) -> bool {
     memory.is_modal && memory.still_substeps > long_enough
 }
 

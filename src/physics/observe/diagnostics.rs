@@ -137,7 +137,7 @@ impl<'a, R: Real> Ahead<'a, R> {
             (Cow::Borrowed(plan), part)
         };
         let obstacles = Placed::now(model, state);
-        let inputs = Inputs { obstacles: &obstacles, grab: None };
+        let inputs = Inputs { obstacles: &obstacles, grab: None, modal_grab: None };
         let timer = &mut ();
         let ending = substep(model, &way, part, inputs, &mut next, &mut workspace, &mut Recorder::new(timer));
         let share = schemes::share_to_center(state, &next);

@@ -48,9 +48,24 @@ pub(in crate::physics) fn asleep<R: Real>(state: &State<R>) -> usize {
     state.bodies.iter().filter(|memory| memory.asleep).count()
 }
 
-/// Whether there is nothing to do: there are bodies, and all of them sleep.
+/// Whether there is nothing to do for particles: there are bodies, and all of them sleep.
 pub(in crate::physics) fn is_quiet<R: Real>(state: &State<R>) -> bool {
     !state.bodies.is_empty() && state.bodies.iter().all(|memory| memory.asleep)
+}
+
+/// Substeps for which a body is still before it sleeps.
+pub(in crate::physics) fn long_enough(plan: &Plan) -> u64 {
+    looks::substeps_in(plan, STILL_SECS, libm::ceil)
+}
+
+/// Whether a body moves: its particles are awake, or it is a modal body that is not at rest. An obstacle that moves by itself
+/// lets no modal body rest.
+pub(in crate::physics) fn moves<R: Real>(model: &Model<R>, plan: &Plan, memory: &BodyMemory) -> bool {
+    if !memory.is_modal {
+        return !memory.asleep;
+    }
+    let rests = || plan.sleeping && !model.moves_by_itself() && memory.still_substeps > long_enough(plan);
+    !memory.gone && !rests()
 }
 
 /// Lets every body fall asleep that has been at rest for long enough, after a substep; never one that is `held`, nor one
@@ -62,8 +77,7 @@ pub(in crate::physics) fn watch<R: Real>(
     touching: &(impl Iterator<Item = [usize; 2]> + Clone),
     state: &mut State<R>,
 ) {
-    let substeps_in = |secs: f64| looks::substeps_in(plan, secs, libm::ceil);
-    let (long_enough, between_looks) = (substeps_in(STILL_SECS), substeps_in(LOOK_SECS));
+    let (long_enough, between_looks) = (long_enough(plan), looks::substeps_in(plan, LOOK_SECS, libm::ceil));
     for (number, body) in model.bodies.iter().enumerate() {
         if state.bodies[number].asleep {
             continue;
@@ -119,6 +133,25 @@ pub(in crate::physics) fn wake_near_moving<R: Real>(
     }
 }
 
+/// Whether another waits for a body with its rest. A modal body that could rest waits for the other itself, and may as well be
+/// slept upon.
+fn is_up(memory: &BodyMemory, long_enough: u64) -> bool {
+    let still_for = memory.still_substeps;
+    if memory.is_modal { !memory.gone && still_for < long_enough } else { !memory.asleep && still_for <= long_enough }
+}
+
+/// Whether a modal body has to wait with its rest for what is `touching` it.
+pub(in crate::physics) fn waits(
+    body: usize,
+    mut touching: impl Iterator<Item = [usize; 2]>,
+    bodies: &[BodyMemory],
+    long_enough: u64,
+) -> bool {
+    touching.any(|pair| {
+        pair.contains(&body) && pair.iter().any(|other| *other != body && is_up(&bodies[*other], long_enough))
+    })
+}
+
 /// Holds bodies back that are ready to sleep where they are pressed by one that is not, and so on.
 fn wait_for_others<R: Real>(
     long_enough: u64,
@@ -129,7 +162,7 @@ fn wait_for_others<R: Real>(
         let mut has_changed = false;
         for [one, other] in touching.clone() {
             for [body, other] in [[one, other], [other, one]] {
-                let is_up = !state.bodies[other].asleep && state.bodies[other].still_substeps <= long_enough;
+                let is_up = is_up(&state.bodies[other], long_enough);
                 let memory = &mut state.bodies[body];
                 if is_up && !memory.asleep && memory.still_substeps > long_enough {
                     (memory.still_substeps, has_changed) = (long_enough, true);

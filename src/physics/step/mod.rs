@@ -36,7 +36,7 @@ use crate::physics::forces::recovery;
 use crate::physics::kernels;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{ContactRule, Scheme};
-use crate::physics::modes::ModalWorkspace;
+use crate::physics::modes::{self, ModalWorkspace};
 use crate::physics::observe::runaway::runs_away;
 use crate::physics::schemes::implicit::balance::{End, body_gains_energy, gains_energy};
 use crate::physics::schemes::{self, SchemeWorkspace, Stepper};
@@ -134,8 +134,10 @@ const SLOWINGS: u32 = 12;
 pub(super) struct Inputs<'a, R: Real> {
     /// Where obstacles are in it.
     pub(super) obstacles: &'a Placed<R>,
-    /// A hand that pulls.
+    /// A hand that pulls at particles.
     pub(super) grab: Option<&'a Grab<R>>,
+    /// One that pulls at a modal body.
+    pub(super) modal_grab: Option<&'a Grab<R>>,
 }
 
 /// How a part of a substep ended.
@@ -157,12 +159,16 @@ pub(super) fn substep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     part: Part,
-    Inputs { obstacles, grab }: Inputs<'_, R>,
+    Inputs { obstacles, grab, modal_grab }: Inputs<'_, R>,
     state: &mut State<R>,
     workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) -> Ending {
-    if sleep::is_quiet(state) {
+    if sleep::is_quiet(state) && !part.bodies_are_near {
+        workspace.contact.bodies.keep_of_sleepers(model, plan, state);
+        if plan.between_bodies.is_some() {
+            std::mem::swap(&mut state.presses, &mut workspace.contact.bodies.presses);
+        }
         workspace.contact.report_kept(recorder);
         state.time_secs += part.secs;
         recorder.took(part.secs, state.bodies.len());
@@ -176,7 +182,7 @@ pub(super) fn substep<R: Real>(
     }
     let dt = R::from_f64(part.secs);
     let Part { scheme, is_strained, bodies_are_near, .. } = part;
-    let begun = Substep { model, plan, state, obstacles, dt, scheme, is_strained, bodies_are_near, grab };
+    let begun = Substep { model, plan, state, obstacles, dt, scheme, is_strained, bodies_are_near, grab, modal_grab };
     let prediction = find_forces(begun, workspace, recorder);
     let is_found = find_velocities(begun, part.gain, prediction, workspace, recorder);
     let is_sound = is_found && is_sound(begun, prediction, workspace);
@@ -379,13 +385,16 @@ fn predict<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &m
 
 /// What bodies that meet each other or themselves leave of these.
 fn meet_bodies<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let StepWorkspace { velocity, contact, .. } = workspace;
+    let StepWorkspace { velocity, contact, modal, .. } = workspace;
     if !begun.bodies_are_near {
         contact::bodies::keep_apart(begun, &mut contact.bodies, recorder);
         return;
     }
     recorder.begin_bodies();
-    contact::bodies::meet(begun, velocity, &mut contact.bodies, recorder);
+    let Substep { model, plan, state, obstacles, modal_grab: grab, .. } = begun;
+    let inputs = modes::Inputs { model, plan, obstacles, grab, secs: begun.dt.to_f64() };
+    let mut modal = modes::Among::begin(inputs, state, modal, recorder);
+    contact::bodies::meet(begun, velocity, &mut modal, &mut contact.bodies, recorder);
     recorder.end_bodies();
     recorder.enter(Stage::Integrate);
 }

@@ -25,8 +25,10 @@ pub(in crate::physics) struct Substep<'a, R: Real> {
     pub(in crate::physics) is_strained: bool,
     /// Whether bodies come near each other in it.
     pub(in crate::physics) bodies_are_near: bool,
-    /// A hand that pulls.
+    /// A hand that pulls at particles.
     pub(in crate::physics) grab: Option<&'a Grab<R>>,
+    /// One that pulls at a modal body.
+    pub(in crate::physics) modal_grab: Option<&'a Grab<R>>,
 }
 
 impl<R: Real> Substep<'_, R> {

@@ -13,6 +13,8 @@
 //!            bodies that would gain energy are slowed
 //! ```
 //!
+//! Modal bodies move after the particles of each part.
+//!
 //! What is under way is in the state, so that a state saved in the middle of a divided step goes on bit for bit.
 
 pub(in crate::physics) mod looks;
@@ -24,8 +26,9 @@ use super::forces::strain::StraightMotion;
 use super::interaction::Grab;
 use super::model::plan::{MOST_HALVINGS, Plan};
 use super::model::{Model, Scheme};
+use super::modes;
 use super::report::{Counters, Recorder, StageTimer, StepReport};
-use super::state::{SPENT, State};
+use super::state::{SPENT, State, sleep};
 use super::step::substep::{Gain, Part};
 use super::step::{Ending, Inputs, StepWorkspace, substep};
 use crate::math::Real;
@@ -52,7 +55,12 @@ pub(super) fn advance<R: Real>(
     while let Some(part) = division.next(plan, state, &mut recorder.counters) {
         obstacles.place(model, state, part.secs);
         let work_before = recorder.counters.implicit_work();
-        let inputs = Inputs { obstacles, grab: grab.filter(|grab| !state.bodies[grab.body].asleep) };
+        workspace.modal.forget();
+        let inputs = Inputs {
+            obstacles,
+            grab: grab.filter(|grab| !state.bodies[grab.body].asleep),
+            modal_grab: grab.filter(|grab| state.bodies[grab.body].is_modal),
+        };
         ending = substep(model, plan, part, inputs, state, workspace, &mut recorder);
         if ending == Ending::Stopped {
             workspace.contact.bodies.forget_looks(state);
@@ -70,12 +78,39 @@ pub(super) fn advance<R: Real>(
         if ending == Ending::Diverged {
             break;
         }
+        if !advance_modal(model, plan, part, inputs, state, workspace, &mut recorder) {
+            ending = Ending::Diverged;
+            break;
+        }
         arrive::pass(model, &workspace.contact, part.secs, state);
         sweep::pass(model, part.secs, state);
         division.take();
         division.divide_further(model, plan, state, &mut workspace.forces);
     }
     recorder.leave(ending == Ending::Diverged)
+}
+
+/// Moves modal bodies over a part. Says whether all numbers are finite.
+fn advance_modal<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    part: Part,
+    Inputs { obstacles, modal_grab, .. }: Inputs<'_, R>,
+    state: &mut State<R>,
+    workspace: &mut StepWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) -> bool {
+    if model.bodies.iter().all(|body| body.modal.is_none()) {
+        return true;
+    }
+    let StepWorkspace { modal, contact, .. } = workspace;
+    let long_enough = sleep::long_enough(plan);
+    let waits = |state: &State<R>, body| sleep::waits(body, contact.bodies.touching(), &state.bodies, long_enough);
+    let inputs = modes::Inputs { model, plan, obstacles, grab: modal_grab, secs: part.secs };
+    let report = modes::advance(inputs, part.is_last, waits, state, modal, recorder);
+    recorder.last.contacts += report.contacts;
+    recorder.note_depth(report.deepest_m.max(recorder.last.max_penetration_m));
+    report.is_finite
 }
 
 /// A whole substep in one part, come what may, by a scheme that has a place for all that may meet in it.

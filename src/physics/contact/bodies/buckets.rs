@@ -29,6 +29,11 @@ impl Seen {
     pub(super) const fn of(point: u32, ahead: DVec3) -> Self {
         Self { point, ahead, cell: NONE, at: DVec3::ZERO, outside: f64::INFINITY }
     }
+
+    /// Whether it is in one.
+    pub(super) fn is_inside(&self) -> bool {
+        self.cell != NONE
+    }
 }
 
 /// Most buckets: an array that stays near the processor.

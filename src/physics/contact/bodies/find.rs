@@ -17,7 +17,7 @@
 
 use glam::DVec3;
 
-use super::buckets::{NONE, Seen};
+use super::buckets::Seen;
 use super::cell::{Cell, TOLERANCE, outside};
 use super::neighbours::{around, looked_at};
 use super::workspace::BodiesWorkspace;
@@ -105,13 +105,13 @@ pub(super) fn ways_out<R: Real>(
     boxes: &[Aabb<f64>],
 ) -> impl Iterator<Item = Found> {
     let [points, cells] = [of_points, of_cells].map(|number| &model.bodies[number]);
-    let inside = seen.iter().filter(|seen| seen.cell != NONE).count();
+    let inside = seen.iter().filter(|seen| seen.is_inside()).count();
     let is_itself = of_points == of_cells;
     let is_in = !is_itself && inside as f64 > MOST * points.hull().points.len() as f64;
     // Of two in the same place the later one in the list leaves upwards.
     let upwards = if of_points > of_cells { DVec3::Y } else { DVec3::NEG_Y };
     let away = is_in.then(|| (boxes[of_points].center() - boxes[of_cells].center()).try_normalize().unwrap_or(upwards));
-    seen.iter().filter(|seen| seen.cell != NONE).filter_map(move |seen| {
+    seen.iter().filter(|seen| seen.is_inside()).filter_map(move |seen| {
         let carriers = cells.lattice.cells[seen.cell as usize];
         let cell = Cell(carriers.map(|corner| ahead[cells.particles.start + corner as usize]));
         let (hull, ways) = (points.hull(), &cells.hull().ways[seen.cell as usize]);

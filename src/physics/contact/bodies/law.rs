@@ -18,5 +18,5 @@ pub(in crate::physics) fn pair_law<R: Real>(model: &Model<R>, bodies: [usize; 2]
     let load = a.load + b.load;
     let stiffness = (STIFFNESS_OVER_MASS * a.heaviest.max(b.heaviest)).max(load / depth_limit);
     let friction = [0, 1].map(|which| (a.friction[which] * b.friction[which]).sqrt());
-    PointLaw { stiffness, depth_limit, load, gentle: GENTLE_SHARE * size, friction }
+    PointLaw { stiffness, damping_ratio: 1.0, depth_limit, load, gentle: GENTLE_SHARE * size, friction }
 }

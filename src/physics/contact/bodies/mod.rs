@@ -13,6 +13,9 @@
 //! record      what met, to be drawn and counted
 //! ```
 //!
+//! A modal body moves as a whole: what a contact weighs of it is not a particle but how the point, or the cell where it is,
+//! moves by all of its modes ([`ModalBodies`]).
+//!
 //! It changes the velocities that forces predict, before obstacles do: they have the last word, and nobody is pushed through
 //! the ground. All is worked out in double precision and by one thread, so any number of them comes to the same.
 //!
@@ -38,9 +41,11 @@ pub(in crate::physics) use workspace::BodiesWorkspace;
 
 use glam::DVec3;
 
+use self::buckets::Seen;
 use self::cell::Cell;
 use self::find::Found;
-use super::weighted::{self, Mover, PointConstraint, PointLaw, SpringBefore, Where};
+use self::workspace::WEIGHED;
+use super::weighted::{self, ModalBodies, Mover, PointConstraint, PointLaw, Shares, SpringBefore, Where};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
@@ -51,34 +56,35 @@ use crate::physics::step::substep::Substep;
 pub(in crate::physics) fn meet<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
+    modal: &mut impl ModalBodies,
     workspace: &mut BodiesWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, state, plan, .. } = substep;
     workspace.make_room(model);
-    workspace.keep_of_sleepers(state);
+    workspace.keep_of_sleepers(model, plan, state);
     recorder.enter(Stage::BroadPhase);
-    look_ahead(substep, velocity, workspace);
+    look_ahead(substep, velocity, modal, workspace);
     let kept = workspace.contacts.len();
     workspace.constraints.clear();
     workspace.movers.clear();
     for second in 0..model.bodies.len() {
         for first in 0..second {
             let pair = [first, second];
-            let both_asleep = pair.iter().all(|body| state.bodies[*body].asleep);
-            if !both_asleep && near::may_meet(model, state, pair) && overlap(workspace, plan.broad_phase, pair) {
-                meet_in(substep, [first, second], velocity, workspace, recorder);
-                meet_in(substep, [second, first], velocity, workspace, recorder);
+            let moves = pair.iter().any(|body| !state.bodies[*body].asleep || modal.moves(*body));
+            if moves && near::may_meet(model, state, pair) && overlap(workspace, plan.broad_phase, pair) {
+                meet_in(substep, [first, second], velocity, modal, workspace, recorder);
+                meet_in(substep, [second, first], velocity, modal, workspace, recorder);
             }
         }
     }
     for body in near::near_themselves(model, state) {
-        meet_in(substep, [body, body], velocity, workspace, recorder);
+        meet_in(substep, [body, body], velocity, modal, workspace, recorder);
     }
     let BodiesWorkspace { constraints, movers, contacts, presses, moved, .. } = &mut *workspace;
     let (dt, mut deepest) = (substep.dt.to_f64(), 0.0_f64);
     recorder.counters.body_contacts += constraints.len() as u64;
-    weighted::solve(constraints, movers, dt);
+    weighted::solve(constraints, movers, modal, dt);
     for (contact, constraint) in contacts[kept..].iter_mut().zip(constraints) {
         contact.force = constraint.impulse() / dt;
         let along = -(contact.gap + dt * constraint.past(movers).dot(contact.normal));
@@ -94,6 +100,9 @@ pub(in crate::physics) fn meet<R: Real>(
             velocity[particle] = after;
             moved.push((particle, after));
         }
+    }
+    for mover in movers.modal.all() {
+        modal.take(mover.body, &mover.change);
     }
     // Contacts of a pair follow each other.
     for of_pair in workspace.contacts[kept..].chunk_by(|one, next| one.bodies == next.bodies) {
@@ -127,19 +136,23 @@ fn meet_in<R: Real>(
     substep: Substep<'_, R>,
     ordered: [usize; 2],
     velocity: &[R::Vec3],
+    modal: &mut impl ModalBodies,
     workspace: &mut BodiesWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    let Substep { model, plan, dt, .. } = substep;
+    let Substep { model, plan, .. } = substep;
     recorder.enter(Stage::BroadPhase);
     find::find(model, ordered, plan.broad_phase, workspace, &mut recorder.counters);
     recorder.enter(Stage::Contact);
-    let law = pair_law(model, ordered);
+    let damping_ratio = damping_ratio(ordered, modal, &workspace.seen);
+    let law = PointLaw { damping_ratio, ..pair_law(model, ordered) };
     // Taken out, so that what is found may be written down beside it.
     let (seen, ahead) = (std::mem::take(&mut workspace.seen), std::mem::take(&mut workspace.ahead));
     let boxes = std::mem::take(&mut workspace.boxes);
+    let [of_point, of_cell] = ordered;
+    let meeting = Meeting { substep, of_point, of_cell, law, velocity };
     for found in find::ways_out(model, ordered, &seen, &ahead, &boxes) {
-        add(substep, ordered, &law, &found, velocity, dt.to_f64(), workspace);
+        meeting.add(&found, modal, workspace);
     }
     (workspace.seen, workspace.ahead, workspace.boxes) = (seen, ahead, boxes);
 }
@@ -150,18 +163,38 @@ pub(in crate::physics) fn keep_apart<R: Real>(
     workspace: &mut BodiesWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    workspace.keep_of_sleepers(substep.state);
+    workspace.keep_of_sleepers(substep.model, substep.plan, substep.state);
     recorder.last.body_contacts = workspace.pushing();
     recorder.note_depth_between_bodies(0.0);
 }
 
+/// Damping of the springs of one body's points in another over the critical one. Bodies that both move as wholes have no particle
+/// that a spring could stop for itself: together all of one's points in the other are damped as one is.
+fn damping_ratio(pair: [usize; 2], modal: &mut impl ModalBodies, seen: &[Seen]) -> f64 {
+    if !pair.iter().all(|body| modal.moves(*body)) {
+        return 1.0;
+    }
+    let met = seen.iter().filter(|seen| seen.is_inside()).count().max(1);
+    pair.map(|body| modal.damping_ratio(body)).into_iter().fold(1.0, f64::min) / (met as f64).sqrt()
+}
+
 /// Finds where everything would be at the end of the substep.
-fn look_ahead<R: Real>(substep: Substep<'_, R>, velocity: &[R::Vec3], workspace: &mut BodiesWorkspace<R>) {
+fn look_ahead<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &[R::Vec3],
+    modal: &mut impl ModalBodies,
+    workspace: &mut BodiesWorkspace<R>,
+) {
     let Substep { model, state, dt, .. } = substep;
     let dt = dt.to_f64();
     workspace.boxes.clear();
     workspace.drifts.clear();
     for (number, body) in model.bodies.iter().enumerate() {
+        if modal.moves(number) {
+            workspace.boxes.push(modal.around(number));
+            workspace.drifts.push(modal.drift(number));
+            continue;
+        }
         let (mut bounds, mut sum) = (Aabb::<f64>::empty(), DVec3::ZERO);
         for particle in body.particles.clone() {
             let at = state.position[particle].to_dvec3();
@@ -173,7 +206,26 @@ fn look_ahead<R: Real>(substep: Substep<'_, R>, velocity: &[R::Vec3], workspace:
         workspace.boxes.push(bounds);
         workspace.drifts.push(sum * (1.0 / body.particles.len() as f64));
     }
+    for (number, body) in model.bodies.iter().enumerate() {
+        if modal.moves(number) {
+            let region = region_of_others(substep, workspace, number);
+            let BodiesWorkspace { modal_now, ahead, .. } = &mut *workspace;
+            let own = body.particles.clone();
+            modal.look_ahead(number, &region, [&mut modal_now[own.clone()], &mut ahead[own]]);
+        }
+    }
     workspace.neighbours.follow(model, &workspace.ahead);
+}
+
+/// A box around all others that a body may meet; without a broad phase it may meet them anywhere.
+fn region_of_others<R: Real>(substep: Substep<'_, R>, workspace: &BodiesWorkspace<R>, body: usize) -> Aabb<f64> {
+    let Substep { model, state, plan, .. } = substep;
+    if !plan.broad_phase {
+        return Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
+    }
+    let others = (0..model.bodies.len()).filter(|other| *other != body && near::may_meet(model, state, [body, *other]));
+    let near = others.filter(|other| overlap(workspace, true, [body, *other]));
+    near.fold(Aabb::empty(), |region, other| region.joined(workspace.boxes[other]))
 }
 
 fn overlap<R: Real>(workspace: &BodiesWorkspace<R>, is_broad: bool, pair: [usize; 2]) -> bool {
@@ -183,45 +235,87 @@ fn overlap<R: Real>(workspace: &BodiesWorkspace<R>, is_broad: bool, pair: [usize
     is_finite(one) && is_finite(other) && (!is_broad || one.overlaps(other))
 }
 
-/// Writes a contact down, with the particles that it may move.
-fn add<R: Real>(
-    substep: Substep<'_, R>,
-    [of_point, of_cell]: [usize; 2],
-    law: &PointLaw,
-    found: &Found,
-    velocity: &[R::Vec3],
-    dt: f64,
-    workspace: &mut BodiesWorkspace<R>,
-) {
-    let Substep { model, state, .. } = substep;
-    let [points, cells] = [of_point, of_cell].map(|number| &model.bodies[number]);
-    let particle = points.particles.start + found.point as usize;
-    let carriers = found.carriers.map(|corner| cells.particles.start + corner as usize);
-    // The weights that make the point of the cell's particles where they are now: with them no moment is left over.
-    let now = Cell(carriers.map(|carrier| state.position[carrier].to_dvec3()));
-    let place = now.locate(state.position[particle].to_dvec3(), found.at, cells.lattice.grid.cell_size);
-    if place.is_none() && of_point == of_cell {
-        // A body that turned itself by what it does to itself would not come to rest.
-        return;
+/// The points of one body that meet cells of another, or of the same.
+struct Meeting<'a, R: Real> {
+    substep: Substep<'a, R>,
+    of_point: usize,
+    of_cell: usize,
+    law: PointLaw,
+    /// The predicted velocities of particles, m/s.
+    velocity: &'a [R::Vec3],
+}
+
+impl<R: Real> Meeting<'_, R> {
+    /// Writes a contact down, with what it may move.
+    fn add(&self, found: &Found, modal: &mut impl ModalBodies, workspace: &mut BodiesWorkspace<R>) {
+        let &Self { substep: Substep { model, state, dt, .. }, of_point, of_cell, .. } = self;
+        let [points, cells] = [of_point, of_cell].map(|number| &model.bodies[number]);
+        let particle = points.particles.start + found.point as usize;
+        let carriers = found.carriers.map(|corner| cells.particles.start + corner as usize);
+        // The weights that make the point of the cell's particles where they are now: with them no moment is left over.
+        let is_modal = [of_point, of_cell].map(|body| modal.moves(body));
+        let now = |particle: usize, is_modal: bool| {
+            if is_modal { workspace.modal_now[particle] } else { state.position[particle].to_dvec3() }
+        };
+        let cell = Cell(carriers.map(|carrier| now(carrier, is_modal[1])));
+        let place = cell.locate(now(particle, is_modal[0]), found.at, cells.lattice.grid.cell_size);
+        if place.is_none() && of_point == of_cell {
+            // A body that turned itself by what it does to itself would not come to rest.
+            return;
+        }
+        let weights = Cell::weights(place.unwrap_or(found.at));
+        let corners = std::array::from_fn::<_, 8, _>(|corner| (found.carriers[corner] as usize, weights[corner]));
+        let (shares, leaving) = self.weigh(found, &corners, modal, workspace);
+        let movers = &workspace.movers;
+        let dt = dt.to_f64();
+        let depth = found.depth + dt * movers.before(shares).dot(found.normal);
+        let known = state.presses.binary_search_by_key(&(particle, of_cell), Press::place);
+        let pressed = depth.min(known.map_or(0.0, |place| state.presses[place].depth_m));
+        let (spring, gap) = (SpringBefore { depth, pressed, leaving }, -depth);
+        let at = Where { normal: found.normal, carried: DVec3::ZERO };
+        let Some(constraint) = PointConstraint::new(&self.law, movers, shares, at, spring, dt) else { return };
+        workspace.constraints.push(constraint);
+        let (normal, nearer, force) = (found.normal, found.nearer, DVec3::ZERO);
+        let bodies = [of_point, of_cell];
+        workspace.contacts.push(BodyContact { bodies, particle, carriers, weights, normal, gap, nearer, force });
     }
-    let weights = Cell::weights(place.unwrap_or(found.at));
-    let point = [(workspace.movers.place(substep, of_point, particle, velocity), 1.0)];
-    let corners = carriers.map(|carrier| workspace.movers.place(substep, of_cell, carrier, velocity));
-    let corners = corners.into_iter().zip(weights.map(|weight| -weight));
-    let shares = workspace.movers.weigh(point.into_iter().chain(corners));
-    let past = workspace.movers.of(shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + mover.before * weight);
-    let depth = found.depth + dt * past.dot(found.normal);
-    let known = state.presses.binary_search_by_key(&(particle, of_cell), Press::place);
-    let pressed = depth.min(known.map_or(0.0, |place| state.presses[place].depth_m));
-    let leaving = workspace.movers.of(shares).enumerate().map(|(place, (mover, weight))| {
-        let drift = workspace.drifts[if place == 0 { of_point } else { of_cell }];
-        (mover.before - drift).dot(found.normal) * weight.signum()
-    });
-    let (spring, gap) = (SpringBefore { depth, pressed, leaving: leaving.fold(0.0, f64::max) }, -depth);
-    let at = Where { normal: found.normal, carried: DVec3::ZERO };
-    let Some(constraint) = PointConstraint::new(law, &workspace.movers, shares, at, spring, dt) else { return };
-    workspace.constraints.push(constraint);
-    let (normal, nearer, force) = (found.normal, found.nearer, DVec3::ZERO);
-    let bodies = [of_point, of_cell];
-    workspace.contacts.push(BodyContact { bodies, particle, carriers, weights, normal, gap, nearer, force });
+
+    /// Has a contact weigh its point and take off the corners of the cell that it is in, and tells how fast the first of them leaves
+    /// its body by the way out, m/s.
+    fn weigh(
+        &self,
+        found: &Found,
+        corners: &[(usize, f64); 8],
+        modal: &mut impl ModalBodies,
+        workspace: &mut BodiesWorkspace<R>,
+    ) -> (Shares, f64) {
+        let BodiesWorkspace { movers, drifts, .. } = workspace;
+        let (known, mut leaving) = (movers.modal.shares(), 0.0_f64);
+        let mut particles = [(0, 0.0); WEIGHED];
+        let (mut count, mut of_point) = (0, 0);
+        for (body, own, sign) in
+            [(self.of_point, &[(found.point as usize, 1.0)][..], 1.0), (self.of_cell, &corners[..], -1.0)]
+        {
+            if modal.moves(body) {
+                let speed = movers.modal.weigh(body, own, sign, modal);
+                leaving = leaving.max((speed - drifts[body]).dot(found.normal) * sign);
+                continue;
+            }
+            let start = self.substep.model.bodies[body].particles.start;
+            for &(local, weight) in own {
+                particles[count] = (movers.place(self.substep, body, start + local, self.velocity), sign * weight);
+                count += 1;
+            }
+            if sign > 0.0 {
+                of_point = count;
+            }
+        }
+        let of_modal = movers.modal.since(known);
+        let shares = movers.weigh(particles[..count].iter().copied(), of_modal);
+        let leave = movers.of(shares).enumerate().map(|(place, (mover, weight))| {
+            let drift = drifts[if place < of_point { self.of_point } else { self.of_cell }];
+            (mover.before - drift).dot(found.normal) * weight.signum()
+        });
+        (shares, leave.fold(leaving, f64::max))
+    }
 }

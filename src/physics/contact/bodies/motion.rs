@@ -1,10 +1,12 @@
 //! Where a body is in a substep, and how fast, as a whole.
 
+use glam::{DMat3, DVec3};
+
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::kernels::bounds;
-use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
-use crate::physics::state::State;
+use crate::physics::model::{ModalBody, Model};
+use crate::physics::state::{ModalState, State};
 
 /// Where a body is in the coming substep, and how fast.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +20,9 @@ pub(in crate::physics) struct Motion<R: Real> {
 impl<R: Real> Motion<R> {
     /// That of a body for so many seconds.
     pub(super) fn of(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize, secs: R) -> Self {
+        if let Some(modal) = &model.bodies[body].modal {
+            return Self::of_modal(modal, &state.modal[body], secs);
+        }
         let own = model.bodies[body].particles.clone();
         let at = bounds::<R>(plan.simd, &state.position[own.clone()]);
         if state.bodies[body].asleep {
@@ -26,5 +31,30 @@ impl<R: Real> Motion<R> {
         let velocity = bounds::<R>(plan.simd, &state.velocity[own]);
         let ahead = Aabb { min: at.min + velocity.min * secs, max: at.max + velocity.max * secs };
         Self { bounds: at.joined(ahead), velocity }
+    }
+
+    /// That of a modal body, whose particles are elsewhere: around all that it may reach as far as it swings now and as fast.
+    fn of_modal(modal: &ModalBody, state: &ModalState, secs: R) -> Self {
+        let rest = modal.bounds;
+        let [swing, speed] = [&state.amplitude, &state.mean_rate].map(|of| modal.swing(of.iter().copied()));
+        let half = 0.5 * (rest.max - rest.min) + DVec3::splat(swing);
+        let middle = rest.min + 0.5 * (rest.max - rest.min);
+        let (turn, at, velocity, speed) = match (&modal.rigid, &state.rigid) {
+            (Some(inertia), Some(rigid)) => {
+                let turn = DMat3::from_quat(rigid.turn);
+                let at = rigid.center + turn * (middle - inertia.center);
+                let spin = rigid.mean_spin.length() * ((middle - inertia.center).length() + half.length());
+                (turn, at, rigid.mean_velocity, speed + spin)
+            }
+            _ => (modal.turn, modal.place + modal.turn * middle, DVec3::ZERO, speed),
+        };
+        let half = turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
+        let around = |middle: DVec3, half: DVec3| Aabb {
+            min: R::Vec3::from_dvec3(middle - half),
+            max: R::Vec3::from_dvec3(middle + half),
+        };
+        let (now, velocity) = (around(at, half), around(velocity, DVec3::splat(speed)));
+        let ahead = Aabb { min: now.min + velocity.min * secs, max: now.max + velocity.max * secs };
+        Self { bounds: now.joined(ahead), velocity }
     }
 }

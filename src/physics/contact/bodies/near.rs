@@ -33,7 +33,7 @@ pub(in crate::physics) fn parts<R: Real>(
     workspace: &mut BodiesWorkspace<R>,
 ) -> Option<u32> {
     let BodyContactPlan { parts, .. } = plan.between_bodies?;
-    if sleep::is_quiet(state) {
+    if !state.bodies.iter().any(|memory| sleep::moves(model, plan, memory)) {
         return None;
     }
     look_at_each(model, secs, state, workspace);
@@ -53,8 +53,8 @@ pub(in crate::physics) fn parts<R: Real>(
     for second in 1..model.bodies.len() {
         for first in 0..second {
             let pair = [first, second];
-            let both_asleep = pair.iter().all(|body| state.bodies[*body].asleep);
-            if both_asleep || !may_meet(model, state, pair) {
+            let moves = pair.iter().any(|body| sleep::moves(model, plan, &state.bodies[*body]));
+            if !moves || !may_meet(model, state, pair) {
                 continue;
             }
             let [one, other] = pair.map(|body| &motions[body]);
@@ -64,7 +64,7 @@ pub(in crate::physics) fn parts<R: Real>(
                 continue;
             }
             are_near = true;
-            wake(state, pair);
+            wake(model, plan, state, pair);
             let apart = |a: &Aabb<R>, b: &Aabb<R>| (a.max - b.min).max(R::Vec3::ZERO);
             let way = apart(&one.velocity, &other.velocity).max(apart(&other.velocity, &one.velocity)).length() * secs;
             longest = longest.max(way.to_f64() / (LONGEST_WAY * cell));
@@ -114,10 +114,10 @@ fn look_at_each<R: Real>(model: &Model<R>, secs: f64, state: &mut State<R>, work
 }
 
 /// Wakes the one of two bodies that sleeps where the other moves.
-fn wake<R: Real>(state: &mut State<R>, [first, second]: [usize; 2]) {
+fn wake<R: Real>(model: &Model<R>, plan: &Plan, state: &mut State<R>, [first, second]: [usize; 2]) {
     for [sleeper, other] in [[first, second], [second, first]] {
-        let comes = !state.bodies[other].asleep && state.bodies[other].still_substeps == 0;
-        if state.bodies[sleeper].asleep && comes {
+        let comes = sleep::moves(model, plan, &state.bodies[other]) && state.bodies[other].still_substeps == 0;
+        if comes && !sleep::moves(model, plan, &state.bodies[sleeper]) {
             state.bodies[sleeper].wake();
         }
     }

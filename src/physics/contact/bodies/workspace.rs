@@ -12,9 +12,10 @@ use crate::physics::model::plan::Plan;
 use crate::physics::model::{Model, Surroundings};
 use crate::physics::state::State;
 use crate::physics::state::press::Press;
+use crate::physics::state::sleep;
 
 /// Particles that a contact weighs.
-const WEIGHED: usize = 9;
+pub(super) const WEIGHED: usize = 9;
 
 /// What contact between bodies works in; of no length where there is none, nor for one body before it comes near itself.
 #[derive(Clone, Debug, Default)]
@@ -26,9 +27,11 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(super) motions: Vec<Motion<R>>,
     /// Where every particle would be at the end of the substep, m.
     pub(super) ahead: Vec<DVec3>,
-    /// The boxes around each body there, m.
+    /// Where those of modal bodies are when it begins, m, which the state does not say; of no length where there are none.
+    pub(super) modal_now: Vec<DVec3>,
+    /// The boxes around each body there, m; around a modal one over the whole substep.
     pub(super) boxes: Vec<Aabb<f64>>,
-    /// The mean velocity of each body's particles, m/s.
+    /// The mean velocity of each body's particles, of a modal one that of its middle, m/s.
     pub(super) drifts: Vec<DVec3>,
     pub(super) neighbours: Neighbours,
     pub(super) seen: Vec<Seen>,
@@ -72,6 +75,7 @@ impl<R: Real> BodiesWorkspace<R> {
             folds: std::mem::take(&mut self.folds),
             motions: Vec::with_capacity(bodies),
             ahead: vec![DVec3::ZERO; count],
+            modal_now: vec![DVec3::ZERO; if model.bodies.iter().any(|body| body.modal.is_some()) { count } else { 0 }],
             boxes: Vec::with_capacity(bodies),
             drifts: Vec::with_capacity(bodies),
             neighbours: Neighbours::new(all, largest, count, bodies),
@@ -111,11 +115,12 @@ impl<R: Real> BodiesWorkspace<R> {
     }
 
     /// Forgets all contacts but those between bodies that sleep, and what these moved.
-    pub(in crate::physics) fn keep_of_sleepers(&mut self, state: &State<R>) {
-        let sleep = |bodies: &[usize; 2]| bodies.iter().all(|body| state.bodies[*body].asleep);
+    pub(in crate::physics) fn keep_of_sleepers(&mut self, model: &Model<R>, plan: &Plan, state: &State<R>) {
+        let both_sleep =
+            |bodies: &[usize; 2]| bodies.iter().all(|body| !sleep::moves(model, plan, &state.bodies[*body]));
         self.moved.clear();
-        self.contacts.retain(|contact| sleep(&contact.bodies));
+        self.contacts.retain(|contact| both_sleep(&contact.bodies));
         self.presses.clear();
-        self.presses.extend(state.presses.iter().filter(|press| sleep(&press.bodies)));
+        self.presses.extend(state.presses.iter().filter(|press| both_sleep(&press.bodies)));
     }
 }

@@ -30,7 +30,7 @@ use glam::DVec3;
 use self::workspace::Found;
 use super::narrow;
 use super::response;
-use super::weighted::{self, GENTLE_SHARE, Mover, PointConstraint, PointLaw, SpringBefore, Where};
+use super::weighted::{self, GENTLE_SHARE, ModalShares, Mover, PointConstraint, PointLaw, SpringBefore, Where};
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::model::{ObstacleShape, Samples};
@@ -94,7 +94,7 @@ fn constrain<R: Real>(
         let start = body.particles.start;
         let places =
             carriers.map(|carrier| workspace.movers.place(substep, number, start + carrier as usize, velocity));
-        let shares = workspace.movers.weigh(places.into_iter().zip(*weights));
+        let shares = workspace.movers.weigh(places.into_iter().zip(*weights), ModalShares::default());
         let known = memory.binary_search_by_key(&(number, sample, obstacle), SampleTouch::place);
         let depth = -gap;
         let pressed = depth.min(known.map_or(0.0, |place| memory[place].depth_m));
@@ -122,6 +122,7 @@ fn law<R: Real>(substep: Substep<'_, R>, number: usize, obstacle: usize) -> Poin
     let contact = body.contacts[obstacle].to_f64();
     PointLaw {
         stiffness: contact.stiffness,
+        damping_ratio: 1.0,
         depth_limit: contact.depth_limit,
         load: body.among_bodies.load,
         gentle: GENTLE_SHARE * body.size.to_f64(),
@@ -134,7 +135,7 @@ fn solve<R: Real>(substep: Substep<'_, R>, velocity: &mut [R::Vec3], workspace: 
     let SamplesWorkspace { constraints, movers, .. } = workspace;
     constraints.iter_mut().for_each(PointConstraint::reset);
     movers.forget_changes();
-    weighted::solve(constraints, movers, substep.dt.to_f64());
+    weighted::solve(constraints, movers, &mut (), substep.dt.to_f64());
     for mover in movers.all.iter().filter(|mover| mover.mobility > 0.0) {
         velocity[mover.particle as usize] = R::Vec3::from_dvec3(mover.velocity);
     }

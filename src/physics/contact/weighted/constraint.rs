@@ -4,7 +4,8 @@
 //! taken off, and where it meets an obstacle, the velocity of its surface: so its speed past what it meets is `u = Σ w v − s`,
 //! and what resists it the effective mass `1 / Σ (w²/m)`. An impulse J changes each particle by `w J / m`. The weights of a
 //! point sum to one and those of a cell to −1, and either mean is where they meet: so the sum of what the particles get is
-//! what the point gets, and so is the sum of the moments.
+//! what the point gets, and so is the sum of the moments. Of a modal body the mean moves by all of its motions
+//! ([`super::modal`]), and the effective mass is another along each direction.
 //!
 //! Along the normal it is the response of obstacles ([`crate::physics::contact::response`]), a spring with critical damping
 //! taken implicitly: pressed by p and with the speed `u` at the end, `J = dt (k (p − dt u) − d u)`.
@@ -23,8 +24,8 @@ pub(in crate::physics::contact) struct PointConstraint {
     shares: Shares,
     /// The velocity of the surface that the point meets, m/s; nothing where particles are what it meets.
     carried: DVec3,
-    /// The inverse of the effective mass, 1/kg.
-    mobility: f64,
+    /// The inverse of the effective mass along the normal and, at least, across it, 1/kg.
+    mobility: [f64; 2],
     normal: DVec3,
     /// What the spring does to a speed that is nothing, N·s.
     push: f64,
@@ -72,6 +73,9 @@ pub(in crate::physics::contact) struct Given {
     pub(in crate::physics::contact) parting: f64,
 }
 
+/// What is pushed moves by less than rounding where its mobility is below this, 1/kg.
+const HELD: f64 = 1e-12;
+
 /// Points are parted by this share of what they are too deep in a second at most.
 const PARTING_RATE: f64 = 10.0;
 
@@ -109,22 +113,22 @@ impl PointConstraint {
         spring: SpringBefore,
         dt: f64,
     ) -> Option<Self> {
-        let mobility = movers.of(shares).map(|(mover, w)| w * w * mover.mobility).sum::<f64>();
-        if mobility <= 0.0 {
+        let [along, across] = movers.mobility(shares, normal);
+        if along <= HELD {
             return None;
         }
-        let damping = 2.0 * (law.stiffness / mobility).sqrt();
+        let damping = 2.0 * law.damping_ratio * (law.stiffness / along).sqrt();
         let resistance = dt * (dt * law.stiffness + damping);
         let SpringBefore { depth, pressed, leaving } = spring;
         // Where one is soft and light, each cell would be parted from the next, faster and faster, and the body blown up.
         let parting = if leaving < law.gentle { law.gentle.min(PARTING_RATE * spring.beyond()) } else { 0.0 };
-        let most_parting = dt * (law.load + PARTING_PUSH * parting / mobility);
+        let most_parting = dt * (law.load + PARTING_PUSH * parting / along);
         let push = dt * law.stiffness * pressed.min(law.depth_limit);
         let slowest = -(law.depth_limit.max(depth) - depth) / dt;
         Some(Self {
             shares,
             carried,
-            mobility,
+            mobility: [along, across],
             normal,
             push,
             resistance,
@@ -152,17 +156,18 @@ impl PointConstraint {
     pub(in crate::physics::contact) fn solve(&mut self, rubbing: Rubbing, movers: &mut Movers) -> f64 {
         let past = self.past(movers);
         let along = past.dot(self.normal);
+        let [mobility, across] = self.mobility;
         let [sprung, parted] = [self.push, self.resistance * self.parting].map(|push| {
-            self.pushed + (push - self.resistance * along - self.pushed) / (1.0 + self.resistance * self.mobility)
+            self.pushed + (push - self.resistance * along - self.pushed) / (1.0 + self.resistance * mobility)
         });
-        let stopped = self.pushed + (self.slowest - along) / self.mobility;
+        let stopped = self.pushed + (self.slowest - along) / mobility;
         let pushed = sprung.max(parted.min(self.most_parting)).max(stopped).max(0.0);
         let mut change = self.normal * (pushed - self.pushed);
         self.pushed = pushed;
         // What is far deeper than its spring is pressed does not rub: points that leave by all sides would hold each other.
-        if rubbing == Rubbing::Coulomb && self.spring.beyond() <= self.law.depth_limit {
+        if rubbing == Rubbing::Coulomb && across > HELD && self.spring.beyond() <= self.law.depth_limit {
             let sliding = past - self.normal * along;
-            let wanted = self.rubbed - sliding * (1.0 / self.mobility);
+            let wanted = self.rubbed - sliding * (1.0 / across);
             let strength = wanted.length();
             let held = strength <= self.law.friction[0] * pushed;
             let most = if held { strength } else { (self.law.friction[1] * pushed).min(strength) };
@@ -176,7 +181,7 @@ impl PointConstraint {
 
     /// The speed of the point past what it meets, m/s.
     pub(in crate::physics::contact) fn past(&self, movers: &Movers) -> DVec3 {
-        self.sum(movers, |mover| mover.velocity)
+        movers.now(self.shares, |mover| mover.velocity) - self.carried
     }
 
     /// How far its spring is pressed at the end of a substep of `dt` (s), m: no further than it was, or by far than takes what
@@ -191,11 +196,11 @@ impl PointConstraint {
     /// What it gives the bodies in a substep of `dt` (s), J: the energy of their motion and what its spring has more. An impulse
     /// changes the energy of motion by itself times the mean of the speeds before and after.
     pub(in crate::physics::contact) fn given(&self, movers: &Movers, dt: f64) -> Given {
-        let mean = 0.5 * (self.sum(movers, |mover| mover.before) + self.past(movers));
+        let mean = 0.5 * (movers.before(self.shares) - self.carried + self.past(movers));
         Given {
             normal: self.pushed * mean.dot(self.normal) + self.stored(movers, dt),
             friction: self.rubbed.dot(mean),
-            parting: 0.5 * self.parting * self.parting / self.mobility,
+            parting: 0.5 * self.parting * self.parting / self.mobility[0],
         }
     }
 
@@ -210,17 +215,12 @@ impl PointConstraint {
         if self.spring.beyond() <= 0.0 {
             return 0.0;
         }
-        let mean = self.sum(movers, mean);
+        let mean = movers.now(self.shares, mean) - self.carried;
         (self.pushed * mean.dot(self.normal) + self.stored(movers, dt)).max(0.0)
     }
 
     /// What its spring has more at the end of a substep of `dt` (s), J.
     fn stored(&self, movers: &Movers, dt: f64) -> f64 {
         self.law.energy(self.pressed_at_end(movers, dt)) - self.law.energy(self.spring.pressed)
-    }
-
-    /// The weighted sum of what each mover has, past what is carried along, m/s.
-    fn sum(&self, movers: &Movers, of: impl Fn(&Mover) -> DVec3) -> DVec3 {
-        movers.of(self.shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + of(mover) * weight) - self.carried
     }
 }

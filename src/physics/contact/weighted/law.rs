@@ -14,6 +14,8 @@ pub(in crate::physics) const GENTLE_SHARE: f64 = 0.5;
 pub(in crate::physics) struct PointLaw {
     /// Stiffness of a point's spring, N/m.
     pub(in crate::physics::contact) stiffness: f64,
+    /// Its damping over the critical one.
+    pub(in crate::physics::contact) damping_ratio: f64,
     /// Deeper than this it pushes no harder, m; and nothing comes deeper that was not.
     pub(in crate::physics::contact) depth_limit: f64,
     /// The most that one point may have to carry, N.

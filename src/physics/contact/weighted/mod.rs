@@ -1,8 +1,9 @@
-//! Contacts of points that are weighted means of particles, and what they do together: a particle of one body in a cell of
+//! Contacts of points that are weighted means of particles, or move as a modal body does, and what they do together: a particle of one body in a cell of
 //! another ([`super::bodies`]), a point of a body's mesh at an obstacle ([`super::samples`]).
 //!
 //! ```text
 //! movers      the particles that contacts may change, and which contact weighs which how much
+//! modal       the same of modal bodies, which move as a whole
 //! law         how hard a contact pushes and rubs
 //! constraint  one contact, with one effective mass
 //! solve       all of them together, in a fixed order
@@ -10,11 +11,14 @@
 
 mod constraint;
 mod law;
+mod modal;
 mod movers;
 mod solve;
 
 pub(super) use constraint::{PointConstraint, SpringBefore, Where};
 pub use law::DEPTH_SHARE;
 pub(in crate::physics) use law::{GENTLE_SHARE, PointLaw, STIFFNESS_OVER_MASS};
-pub(super) use movers::{Mover, Movers};
+pub(in crate::physics) use modal::ModalBodies;
+pub(super) use modal::ModalShares;
+pub(super) use movers::{Mover, Movers, Shares};
 pub(super) use solve::solve;

@@ -1,7 +1,8 @@
-//! The particles that contacts of points may change, and how much of each point they are.
+//! The particles and modal bodies that contacts of points may change, and how much of each point they are.
 
 use glam::DVec3;
 
+use super::modal::{ModalMovers, ModalShares};
 use crate::math::{Real, Vector};
 use crate::physics::step::substep::Substep;
 
@@ -29,6 +30,8 @@ pub(in crate::physics::contact) struct Movers {
     shares: Vec<(u32, f64)>,
     /// The place of every particle of the scene among all.
     place_of: Vec<u32>,
+    /// What moves by modes.
+    pub(in crate::physics::contact) modal: ModalMovers,
 }
 
 /// Which particles a contact weighs, and how much: a range of what [`Movers`] hold.
@@ -36,6 +39,7 @@ pub(in crate::physics::contact) struct Movers {
 pub(in crate::physics::contact) struct Shares {
     first: u32,
     count: u32,
+    modal: ModalShares,
 }
 
 impl Movers {
@@ -45,6 +49,7 @@ impl Movers {
             all: Vec::with_capacity(particles),
             shares: Vec::with_capacity(weighed),
             place_of: vec![NONE; particles],
+            modal: ModalMovers::default(),
         }
     }
 
@@ -55,6 +60,7 @@ impl Movers {
         }
         self.all.clear();
         self.shares.clear();
+        self.modal.clear();
     }
 
     /// Gives all of them the velocities that they would have without contacts.
@@ -62,6 +68,7 @@ impl Movers {
         for mover in &mut self.all {
             mover.velocity = mover.before;
         }
+        self.modal.forget_changes();
     }
 
     /// The place of a particle of a body, which is put there if it is not there yet.
@@ -87,27 +94,56 @@ impl Movers {
         *place
     }
 
-    /// Has a contact weigh these places.
-    pub(in crate::physics::contact) fn weigh(&mut self, shares: impl Iterator<Item = (u32, f64)>) -> Shares {
+    /// Has a contact weigh these places, and what it weighs of modal bodies.
+    pub(in crate::physics::contact) fn weigh(
+        &mut self,
+        shares: impl Iterator<Item = (u32, f64)>,
+        modal: ModalShares,
+    ) -> Shares {
         let first = self.shares.len();
         self.shares.extend(shares);
         #[expect(clippy::cast_possible_truncation, reason = "contacts weigh fewer")]
         let [first, count] = [first, self.shares.len() - first].map(|count| count as u32);
-        Shares { first, count }
+        Shares { first, count, modal }
     }
 
-    /// What a contact weighs: movers with their weights.
+    /// The particles that a contact weighs, with their weights.
     pub(in crate::physics::contact) fn of(&self, shares: Shares) -> impl Iterator<Item = (&Mover, f64)> {
         let own = &self.shares[shares.first as usize..][..shares.count as usize];
         own.iter().map(|(place, weight)| (&self.all[*place as usize], *weight))
     }
 
+    /// What an impulse of 1 along a normal changes of a contact's speed along it, 1/kg; and no less than what one across
+    /// it changes of the speed across.
+    pub(super) fn mobility(&self, shares: Shares, normal: DVec3) -> [f64; 2] {
+        let of_particles = self.of(shares).map(|(mover, w)| w * w * mover.mobility).sum::<f64>();
+        if shares.modal.are_none() {
+            return [of_particles; 2];
+        }
+        self.modal.mobility(shares.modal, normal).map(|of_modal| of_particles + of_modal)
+    }
+
+    /// The speed of a contact without any, m/s.
+    pub(in crate::physics::contact) fn before(&self, shares: Shares) -> DVec3 {
+        let of_particles = self.of(shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + mover.before * weight);
+        if shares.modal.are_none() { of_particles } else { of_particles + self.modal.before(shares.modal) }
+    }
+
+    /// The speed of a contact, where particles have these, m/s.
+    pub(super) fn now(&self, shares: Shares, of: impl Fn(&Mover) -> DVec3) -> DVec3 {
+        let of_particles = self.of(shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + of(mover) * weight);
+        if shares.modal.are_none() { of_particles } else { of_particles + self.modal.now(shares.modal) }
+    }
+
     /// Changes the velocities of what a contact weighs by an impulse on its point, N·s.
     pub(super) fn push(&mut self, shares: Shares, impulse: DVec3) {
-        let Self { all, shares: of_all, .. } = self;
+        let Self { all, shares: of_all, modal, .. } = self;
         for (place, weight) in &of_all[shares.first as usize..][..shares.count as usize] {
             let mover = &mut all[*place as usize];
             mover.velocity += impulse * (weight * mover.mobility);
+        }
+        if !shares.modal.are_none() {
+            modal.push(shares.modal, impulse);
         }
     }
 }

@@ -2,9 +2,11 @@
 //!
 //! Without friction the rounds go down a convex function of the impulses, which is nothing where they are nothing: wherever
 //! they end, the particles have gained no more than the springs lost and parting gives. Friction has no such function. Where
-//! it gives energy, or has the others give more, it is left out, and the rounds are gone again.
+//! it gives energy, or has the others give more, it is left out, and the rounds are gone again. Where modal bodies are met,
+//! their obstacles and a hand that pulls them go through the rounds as well; what these give is theirs.
 
 use super::constraint::{Given, PointConstraint, Rubbing};
+use super::modal::ModalBodies;
 use super::movers::Movers;
 
 /// Rounds at most.
@@ -13,18 +15,30 @@ const ROUNDS: usize = 12;
 /// The contacts have settled where none changes by more than this share of the largest impulse of the first round.
 const SETTLED_SHARE: f64 = 1e-3;
 
+/// The same where modal bodies are among what is pushed: what lies on one that is as large as all of its contacts together
+/// would creep by what is left.
+const MODAL_ROUNDS: usize = 32;
+const MODAL_SETTLED_SHARE: f64 = 1e-6;
+
 /// Energies are known to this share of what moves.
 const ROUNDING: f64 = 1e-12;
 
-/// Finds the impulses of all contacts in a substep of `dt` (s) and the velocities that they leave.
-pub(in crate::physics::contact) fn solve(constraints: &mut [PointConstraint], movers: &mut Movers, dt: f64) {
-    settle(Rubbing::Coulomb, constraints, movers);
-    let rounding = ROUNDING * energy(movers);
+/// Finds the impulses of all contacts in a substep of `dt` (s) and the velocities that they leave. Obstacles and a hand at modal
+/// bodies do their part in each round.
+pub(in crate::physics::contact) fn solve(
+    constraints: &mut [PointConstraint],
+    movers: &mut Movers,
+    modal: &mut impl ModalBodies,
+    dt: f64,
+) {
+    settle(Rubbing::Coulomb, constraints, movers, modal);
+    let rounding = ROUNDING * (energy(movers) + movers.modal.energy());
     let given = given(constraints, movers, dt);
     if given.friction > rounding || given.normal + given.friction > given.parting + rounding {
         constraints.iter_mut().for_each(PointConstraint::reset);
         movers.forget_changes();
-        settle(Rubbing::Nothing, constraints, movers);
+        modal.reset();
+        settle(Rubbing::Nothing, constraints, movers, modal);
     }
 }
 
@@ -36,23 +50,28 @@ fn given(constraints: &[PointConstraint], movers: &Movers, dt: f64) -> Given {
     })
 }
 
-fn settle(rubbing: Rubbing, constraints: &mut [PointConstraint], movers: &mut Movers) {
+fn settle(rubbing: Rubbing, constraints: &mut [PointConstraint], movers: &mut Movers, modal: &mut impl ModalBodies) {
+    let is_modal = !movers.modal.is_empty();
+    let (rounds, settled) = if is_modal { (MODAL_ROUNDS, MODAL_SETTLED_SHARE) } else { (ROUNDS, SETTLED_SHARE) };
     let mut first = 0.0_f64;
-    for round in 0..ROUNDS {
+    for round in 0..rounds {
         let mut largest = 0.0_f64;
         for constraint in &mut *constraints {
             largest = largest.max(constraint.solve(rubbing, movers));
         }
+        for mover in movers.modal.all() {
+            largest = largest.max(modal.round(mover.body, &mut mover.change));
+        }
         if round == 0 {
             first = largest;
         }
-        if largest <= SETTLED_SHARE * first {
+        if largest <= settled * first {
             break;
         }
     }
 }
 
-/// The energy that the movers had, J.
+/// The energy that the particles had, J.
 fn energy(movers: &Movers) -> f64 {
     let moving = movers.all.iter().filter(|mover| mover.mobility > 0.0);
     moving.map(|mover| 0.5 / mover.mobility * mover.before.length_squared()).sum()

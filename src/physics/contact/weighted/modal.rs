@@ -1,0 +1,253 @@
+//! Modal bodies among what contacts may change: what a contact weighs of one moves by all of its motions at once.
+//!
+//! ```text
+//!   u = u* + Pᵀ a      a ← a + w P J        P  how the mean of particles moves by each motion, w  what that yields
+//! ```
+
+use glam::DVec3;
+
+use crate::math::Aabb;
+
+/// Modal bodies in a substep. All in the scene's coordinates.
+pub(in crate::physics) trait ModalBodies {
+    /// Whether a body is one that moves in it.
+    fn moves(&self, body: usize) -> bool;
+
+    /// A box around all of its particles over the substep, m.
+    fn around(&mut self, body: usize) -> Aabb<f64>;
+
+    /// How fast it moves on the whole, m/s.
+    fn drift(&mut self, body: usize) -> DVec3;
+
+    /// Writes where its particles are when the substep begins and would be at its end, m: of those that belong to cells in which
+    /// a point of this region may be.
+    fn look_ahead(&mut self, body: usize, region: &Aabb<f64>, places: [&mut [DVec3]; 2]);
+
+    /// What an impulse of 1 changes of the rate of each of its motions.
+    fn yields(&self, body: usize) -> impl Iterator<Item = f64>;
+
+    /// How fast the mean of some of its particles (local numbers, and weights that sum to one) is on the whole if nothing
+    /// pushes, m/s; and by each motion, which is added to `rows`.
+    fn weigh(&mut self, body: usize, particles: &[(usize, f64)], rows: &mut Vec<DVec3>) -> DVec3;
+
+    /// Damping of a contact's spring over the critical one, if it has to stand for the give of such a body alone.
+    fn damping_ratio(&mut self, body: usize) -> f64;
+
+    /// Has obstacles and a hand do what all others leave them to, which changed the rates of a body's motions by so much. Tells
+    /// by how much one of their impulses changed at most, N·s.
+    fn round(&mut self, body: usize, change: &mut [f64]) -> f64;
+
+    /// Forgets what the rounds did.
+    fn reset(&mut self);
+
+    /// The rates of a body's motions were changed by so much, rounds included.
+    fn take(&mut self, body: usize, change: &[f64]);
+}
+
+/// Where no body moves by modes.
+impl ModalBodies for () {
+    fn moves(&self, _: usize) -> bool {
+        false
+    }
+
+    fn around(&mut self, _: usize) -> Aabb<f64> {
+        Aabb::empty()
+    }
+
+    fn drift(&mut self, _: usize) -> DVec3 {
+        DVec3::ZERO
+    }
+
+    fn look_ahead(&mut self, _: usize, _: &Aabb<f64>, _: [&mut [DVec3]; 2]) {}
+
+    fn yields(&self, _: usize) -> impl Iterator<Item = f64> {
+        std::iter::empty()
+    }
+
+    fn weigh(&mut self, _: usize, _: &[(usize, f64)], _: &mut Vec<DVec3>) -> DVec3 {
+        DVec3::ZERO
+    }
+
+    fn damping_ratio(&mut self, _: usize) -> f64 {
+        1.0
+    }
+
+    fn round(&mut self, _: usize, _: &mut [f64]) -> f64 {
+        0.0
+    }
+
+    fn reset(&mut self) {}
+
+    fn take(&mut self, _: usize, _: &[f64]) {}
+}
+
+/// A modal body that contacts may change.
+#[derive(Clone, Debug, Default)]
+pub(in crate::physics::contact) struct ModalMover {
+    pub(in crate::physics::contact) body: usize,
+    /// What an impulse of 1 changes of the rate of each motion.
+    yields: Vec<f64>,
+    /// What contacts changed of the rates.
+    pub(in crate::physics::contact) change: Vec<f64>,
+}
+
+/// What a contact weighs of a modal body.
+#[derive(Clone, Copy, Debug)]
+struct ModalShare {
+    /// The place of the body among those that contacts may change.
+    mover: u32,
+    /// Where its row begins.
+    row: usize,
+    /// 1, or −1 where the point meets a cell of it.
+    weight: f64,
+    /// The speed without contacts, m/s.
+    before: DVec3,
+    /// What an impulse of 1 changes of the speed along all three axes together, 1/kg.
+    yields: f64,
+}
+
+/// All modal bodies that contacts may change, and how each contact weighs them.
+#[derive(Clone, Debug, Default)]
+pub(in crate::physics::contact) struct ModalMovers {
+    /// The first `count` are in use.
+    all: Vec<ModalMover>,
+    count: usize,
+    shares: Vec<ModalShare>,
+    rows: Vec<DVec3>,
+}
+
+/// Which shares of modal bodies a contact has: none, one or two.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::physics::contact) struct ModalShares {
+    first: u32,
+    count: u32,
+}
+
+impl ModalShares {
+    /// Whether there are none.
+    pub(super) fn are_none(self) -> bool {
+        self.count == 0
+    }
+}
+
+impl ModalMovers {
+    /// Forgets all.
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+        self.shares.clear();
+        self.rows.clear();
+    }
+
+    /// Whether contacts may change none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// All of them.
+    pub(in crate::physics::contact) fn all(&mut self) -> &mut [ModalMover] {
+        &mut self.all[..self.count]
+    }
+
+    /// The place of a body, which is put there if it is not there yet.
+    fn place(&mut self, body: usize, modal: &impl ModalBodies) -> usize {
+        if let Some(known) = self.all[..self.count].iter().position(|mover| mover.body == body) {
+            return known;
+        }
+        if self.count == self.all.len() {
+            self.all.push(ModalMover::default());
+        }
+        let mover = &mut self.all[self.count];
+        mover.body = body;
+        mover.yields.clear();
+        mover.yields.extend(modal.yields(body));
+        mover.change.clear();
+        mover.change.resize(mover.yields.len(), 0.0);
+        self.count += 1;
+        self.count - 1
+    }
+
+    /// Has the next contact weigh the mean of particles of a body so much. Tells how fast that is without contacts, m/s.
+    #[expect(clippy::cast_possible_truncation, reason = "bodies and contacts are fewer")]
+    pub(in crate::physics::contact) fn weigh(
+        &mut self,
+        body: usize,
+        particles: &[(usize, f64)],
+        weight: f64,
+        modal: &mut impl ModalBodies,
+    ) -> DVec3 {
+        let mover = self.place(body, modal);
+        let row = self.rows.len();
+        let before = modal.weigh(body, particles, &mut self.rows);
+        let yields = &self.all[mover].yields;
+        let of_row = self.rows[row..].iter().zip(yields);
+        let yields = of_row.fold(0.0, |sum, (way, yields)| sum + yields * way.length_squared());
+        self.shares.push(ModalShare { mover: mover as u32, row, weight, before, yields });
+        before
+    }
+
+    /// How many shares there are.
+    #[expect(clippy::cast_possible_truncation, reason = "contacts are fewer")]
+    pub(in crate::physics::contact) fn shares(&self) -> u32 {
+        self.shares.len() as u32
+    }
+
+    /// The shares that were weighed since there were so many.
+    pub(in crate::physics::contact) fn since(&self, first: u32) -> ModalShares {
+        ModalShares { first, count: self.shares() - first }
+    }
+
+    fn of(&self, shares: ModalShares) -> impl Iterator<Item = (&ModalShare, &[DVec3], &ModalMover)> {
+        self.shares[shares.first as usize..][..shares.count as usize].iter().map(|share| {
+            let mover = &self.all[share.mover as usize];
+            (share, &self.rows[share.row..][..mover.change.len()], mover)
+        })
+    }
+
+    /// What an impulse of 1 along a normal changes of a contact's speed along it, and of that across it along both axes
+    /// together, 1/kg.
+    pub(super) fn mobility(&self, shares: ModalShares, normal: DVec3) -> [f64; 2] {
+        self.of(shares).fold([0.0; 2], |[mut along, mut across], (_, row, mover)| {
+            for (way, yields) in row.iter().zip(&mover.yields) {
+                let part = way.dot(normal);
+                along += yields * part * part;
+                across += yields * (*way - normal * part).length_squared();
+            }
+            [along, across]
+        })
+    }
+
+    /// The speed that a contact has of them without contacts, m/s.
+    pub(in crate::physics::contact) fn before(&self, shares: ModalShares) -> DVec3 {
+        self.of(shares).fold(DVec3::ZERO, |sum, (share, ..)| sum + share.before * share.weight)
+    }
+
+    /// The same with what contacts have done.
+    pub(super) fn now(&self, shares: ModalShares) -> DVec3 {
+        self.of(shares).fold(DVec3::ZERO, |sum, (share, row, mover)| {
+            let changed = row.iter().zip(&mover.change).fold(DVec3::ZERO, |sum, (way, change)| sum + *way * *change);
+            sum + (share.before + changed) * share.weight
+        })
+    }
+
+    /// Changes the rates of what a contact weighs by an impulse on its point, N·s.
+    pub(super) fn push(&mut self, shares: ModalShares, impulse: DVec3) {
+        for share in &self.shares[shares.first as usize..][..shares.count as usize] {
+            let ModalMover { yields, change, .. } = &mut self.all[share.mover as usize];
+            let own = impulse * share.weight;
+            for ((change, way), yields) in change.iter_mut().zip(&self.rows[share.row..]).zip(yields) {
+                *change += *yields * way.dot(own);
+            }
+        }
+    }
+
+    /// What contacts changed is gone.
+    pub(super) fn forget_changes(&mut self) {
+        self.all().iter_mut().for_each(|mover| mover.change.fill(0.0));
+    }
+
+    /// About the energy of what contacts weigh, J.
+    pub(super) fn energy(&self) -> f64 {
+        let moving = self.shares.iter().filter(|share| share.yields > 0.0);
+        moving.map(|share| 0.5 / share.yields * share.before.length_squared()).sum()
+    }
+}

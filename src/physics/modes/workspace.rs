@@ -1,0 +1,109 @@
+//! What modal bodies work in.
+
+use glam::DVec3;
+
+use super::contact::ModalContacts;
+use super::flight::RIGID;
+use super::hold::Hand;
+use super::oscillator::Oscillator;
+use crate::math::Real;
+use crate::physics::model::plan::Plan;
+use crate::physics::model::{BodyModel, Model};
+
+/// What modal bodies work in: allocated once, meaningless between substeps.
+#[derive(Clone, Debug, Default)]
+pub(in crate::physics) struct ModalWorkspace {
+    /// The length of a substep, s.
+    pub(super) secs: f64,
+    /// Of every body, its modes over a substep and the motions of a free one as a whole; none of a body that moves by its
+    /// cells.
+    pub(super) oscillators: Vec<Vec<Oscillator>>,
+    /// What every body does in a substep.
+    pub(super) works: Vec<Work>,
+    /// Amplitudes and rates of the body under work at the end.
+    pub(super) end: [Vec<f64>; 2],
+    /// The row under work.
+    pub(super) row: Vec<DVec3>,
+}
+
+/// What a body does in a substep: nothing of one that moves by its cells.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Work {
+    /// Whether what follows is of the substep under way.
+    pub(super) is_begun: bool,
+    /// Amplitudes and rates at the end without what pushes at points.
+    pub(super) free: [Vec<f64>; 2],
+    /// What that changes of the rates, m √kg / s.
+    pub(super) change: Vec<f64>,
+    pub(super) contacts: ModalContacts,
+    pub(super) hand: Hand,
+    /// Whether the hand pulls.
+    pub(super) pulls: bool,
+    /// Whether contact with other bodies has changed the rates.
+    pub(super) is_met: bool,
+}
+
+impl ModalWorkspace {
+    /// Room for a model under a plan.
+    pub(in crate::physics) fn new<R: Real>(model: &Model<R>, plan: &Plan) -> Self {
+        let modal = || model.bodies.iter().filter_map(|body| body.modal.as_ref());
+        if modal().next().is_none() {
+            return Self::default();
+        }
+        let most = modal().map(|modal| modal.modes.count() + RIGID).max().unwrap_or(0);
+        let work = |body: &BodyModel<R>| {
+            let Some(modal) = &body.modal else { return Work::default() };
+            let count = modal.modes.count() + RIGID;
+            Work {
+                free: [vec![0.0; count], vec![0.0; count]],
+                change: vec![0.0; count],
+                contacts: ModalContacts::new(
+                    modal.points.count() * model.obstacles.len(),
+                    count,
+                    model.mesh_count(),
+                    model.points_in_contact_of(body),
+                ),
+                hand: Hand::new(count),
+                ..Work::default()
+            }
+        };
+        Self {
+            secs: plan.substep_secs(),
+            oscillators: oscillators(model, plan.substep_secs()),
+            works: model.bodies.iter().map(work).collect(),
+            end: [vec![0.0; most], vec![0.0; most]],
+            row: vec![DVec3::ZERO; most],
+        }
+    }
+
+    /// Forgets what was found for a substep that was not taken.
+    pub(in crate::physics) fn forget(&mut self) {
+        self.works.iter_mut().for_each(|work| work.is_begun = false);
+    }
+
+    /// Has the modes swing in substeps of another length, s.
+    pub(super) fn follow<R: Real>(&mut self, model: &Model<R>, secs: f64) {
+        #[expect(clippy::float_cmp, reason = "the same length or another")]
+        if self.secs != secs {
+            self.secs = secs;
+            for (own, body) in self.oscillators.iter_mut().zip(&model.bodies) {
+                own.clear();
+                own.extend(motions(body, secs));
+            }
+        }
+    }
+}
+
+/// Of every body its modes over a substep and the motions of a free one as a whole, none of one that moves by its cells.
+fn oscillators<R: Real>(model: &Model<R>, secs: f64) -> Vec<Vec<Oscillator>> {
+    model.bodies.iter().map(|body| motions(body, secs).collect()).collect()
+}
+
+/// Those of one body.
+fn motions<R: Real>(body: &BodyModel<R>, secs: f64) -> impl Iterator<Item = Oscillator> {
+    body.modal.iter().flat_map(move |modal| {
+        let rigid = modal.rigid.iter().flat_map(|_| [[0.0; 2]; RIGID]);
+        let rates = modal.modes.rates().iter().copied().chain(rigid);
+        rates.map(move |[omega, damping]| Oscillator::new(omega, damping, secs))
+    })
+}
