@@ -9,6 +9,7 @@
 //! zoom    wheel, to the pointer  pinch         ctrl + middle drag, ctrl + scroll
 //! choose  left click
 //! hold    left drag on something that can be held
+//! brush   left press or drag on what it is for, with control the other way round
 //! ```
 
 mod action;
@@ -80,6 +81,7 @@ pub struct Input {
 enum Drag {
     Camera(CameraDrag),
     Hold,
+    Brush { inverted: bool },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,8 +126,11 @@ impl Input {
             }
             Event::Button { button, pressed: true } => {
                 if situation.over_view && self.press.is_none() {
-                    let drag = self.drag_of(button, situation.holdable);
+                    let drag = self.drag_of(button, situation);
                     self.press = Some(Press { button, drag, from: self.pointer, moved: false });
+                    if let Drag::Brush { inverted } = drag {
+                        return Some(Action::Brush { pixel: self.pointer, inverted });
+                    }
                 }
                 None
             }
@@ -133,6 +138,7 @@ impl Input {
                 let press = self.press.take_if(|press| press.button == button)?;
                 match (press.drag, press.moved) {
                     (Drag::Hold, true) => Some(Action::Release),
+                    (Drag::Brush { .. }, _) => Some(Action::LiftBrush),
                     (Drag::Hold | Drag::Camera(CameraDrag::Orbit), false) if button == Button::Primary => {
                         Some(Action::Choose(press.from))
                     }
@@ -180,7 +186,11 @@ impl Input {
 
     fn let_go(&mut self) -> Option<Action> {
         let press = self.press.take()?;
-        (press.drag == Drag::Hold && press.moved).then_some(Action::Release)
+        match press.drag {
+            Drag::Hold if press.moved => Some(Action::Release),
+            Drag::Brush { .. } => Some(Action::LiftBrush),
+            _ => None,
+        }
     }
 
     fn dragged_by(&mut self, moved: Vec2, scale: f32) -> Option<Action> {
@@ -192,16 +202,18 @@ impl Input {
             Drag::Hold if began => Some(Action::Take(press.from)),
             Drag::Hold if press.moved => Some(Action::Drag(pointer)),
             Drag::Hold => None,
+            Drag::Brush { inverted } => Some(Action::Brush { pixel: pointer, inverted }),
             Drag::Camera(drag) => Some(Action::Camera(dragged(drag, moved, scale))),
         }
     }
 
-    fn drag_of(&self, button: Button, holdable: bool) -> Drag {
+    fn drag_of(&self, button: Button, situation: Situation) -> Drag {
         match button {
             Button::Secondary => Drag::Camera(CameraDrag::Pan),
             Button::Primary | Button::Middle if self.held.shift => Drag::Camera(CameraDrag::Pan),
             Button::Middle if self.held.control => Drag::Camera(CameraDrag::Zoom { at: self.pointer }),
-            Button::Primary if holdable => Drag::Hold,
+            Button::Primary if situation.brushable => Drag::Brush { inverted: self.held.control },
+            Button::Primary if situation.holdable => Drag::Hold,
             Button::Primary | Button::Middle => Drag::Camera(CameraDrag::Orbit),
         }
     }

@@ -3,6 +3,7 @@
 
 pub mod body;
 pub mod builtin;
+pub mod cell_brush;
 pub mod edit;
 pub mod embedded;
 mod embedded_check;

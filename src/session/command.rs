@@ -6,6 +6,7 @@ use super::document::ModelPlace;
 use super::modes::Swing;
 use super::stability_map::StabilityOf;
 use super::wanted_modes::FoundModes;
+use crate::scene::cell_brush::CellChange;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::resolve::Jelly;
 use crate::scene::view_settings::CameraSettings;
@@ -106,6 +107,9 @@ pub enum Command {
     Redo,
     /// Pull a body by a point of it, pull on towards another place, or let go (`None`).
     Grab(Option<Pull>),
+    /// Put a cell on the face of a body that is touched, or take the one away. What is put down and drawn over a body, until
+    /// [`Command::EndEdit`], is taken back together.
+    Brush(CellTouch),
     /// Measure what steps cost, or no longer.
     WatchCost(bool),
     /// Look at the stability of a body over its stiffness and damping, or no longer.
@@ -127,6 +131,17 @@ pub struct Pull {
     pub target: [f32; 3],
 }
 
+/// A point of a body's surface that a brush touches.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellTouch {
+    /// The body.
+    pub body: BodyId,
+    /// The particles that carry the point and their weights, which sum to 1; numbers as in the draw list.
+    pub weights: Vec<(u32, f32)>,
+    /// What the brush does.
+    pub change: CellChange,
+}
+
 impl Command {
     /// Whether a person waits for it, so that a long substep is given up; not what follows itself while a hand moves,
     /// which would keep time from running.
@@ -140,6 +155,7 @@ impl Command {
                 | Self::EndEdit
                 | Self::CancelEdit
                 | Self::Grab(_)
+                | Self::Brush(_)
                 | Self::WatchCost(_)
                 | Self::WatchStability(_)
                 | Self::ShowModes(_)
@@ -170,6 +186,7 @@ impl Command {
             | Self::Undo
             | Self::Redo
             | Self::Grab(_)
+            | Self::Brush(_)
             | Self::WatchCost(_)
             | Self::WatchStability(_)
             | Self::ShowModes(_)

@@ -3,11 +3,14 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::history::{Change, Undone};
 use super::words::{value_at, words};
 use super::{Bodies, Session, SessionError};
 use crate::physics::Simulation;
 use crate::physics::{Arrival, BodyMotion};
+use crate::scene::cell_brush::{middle_from, own_cells};
 use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, body_impact};
 use crate::scene::param::Problem;
 use crate::scene::resolve::{Jelly, load_meshes};
@@ -91,7 +94,14 @@ impl Session {
         }
     }
 
-    fn make(&mut self, edit: Edit, words: String, teleport: bool, arrival: Arrival) -> Result<Change, SessionError> {
+    /// Carries an edit out, and tells how to take it back.
+    pub(super) fn make(
+        &mut self,
+        edit: Edit,
+        words: String,
+        teleport: bool,
+        arrival: Arrival,
+    ) -> Result<Change, SessionError> {
         let motion = if teleport || self.moves(&edit) { self.motion_before(&edit) } else { None };
         let Applied { inverse, impact } = self.carry_out(edit, arrival)?;
         if let Some((body, _)) = motion.as_ref().filter(|_| teleport && impact < Impact::Motion) {
@@ -176,16 +186,19 @@ impl Session {
         };
         let goes_on = !self.simulation.is_at_start();
         let refilled = |(new, old): (usize, &Option<usize>)| {
-            let old = old.filter(|&old| goes_on && is_refilled(&self.scene.bodies[old], &scene.bodies[new]))?;
-            Some((new, old))
+            let old = old.filter(|_| goes_on)?;
+            Some((new, old, refill(&self.scene.bodies[old], &scene.bodies[new])?))
         };
         let reshaped: Vec<_> = kept.iter().enumerate().filter_map(refilled).collect();
         let kept: Vec<_> = kept.iter().enumerate().map(same_shape).collect();
         let mut simulation = Simulation::with_modes(scene, &bodies.lattices(), &self.known_modes(scene));
         simulation.carry_over(&self.simulation, &kept);
-        for (body, old) in reshaped {
-            let scale = bodies.model_length(body) / self.bodies.model_length(old);
-            simulation.reshape_body(body, &self.simulation, old, scale);
+        for (body, old, refill) in reshaped {
+            let (scale, shift) = match refill {
+                Refill::Model => (bodies.model_length(body) / self.bodies.model_length(old), DVec3::ZERO),
+                Refill::Cells { shift } => (1.0, shift),
+            };
+            simulation.reshape_body(body, &self.simulation, old, scale, shift);
         }
         self.bodies = bodies.with_skins_of(&self.bodies);
         self.simulation = simulation;
@@ -210,14 +223,32 @@ impl Session {
     }
 }
 
-/// Whether a body is of the same model at the same start, filled or scaled in another way.
-fn is_refilled(old: &Body, new: &Body) -> bool {
+/// How the cells of a body are others than before, so that those that stay go on as they move.
+enum Refill {
+    /// The same model is filled or scaled in another way.
+    Model,
+    /// It has cells more or less, in the same grid: its middle is elsewhere by so much, m.
+    Cells { shift: DVec3 },
+}
+
+fn refill(old: &Body, new: &Body) -> Option<Refill> {
     let same_start = (old.pose, old.velocity) == (new.pose, new.velocity);
     match (&old.shape, &new.shape) {
-        (Shape::Model(old), Shape::Model(new)) => {
-            same_start && old != new && (&old.path, old.up) == (&new.path, new.up)
+        (Shape::Model(of_old), Shape::Model(of_new)) => {
+            let same_model = (&of_old.path, of_old.up) == (&of_new.path, of_new.up);
+            (same_start && of_old != of_new && same_model).then_some(Refill::Model)
         }
-        _ => false,
+        (old_shape, new_shape) if old_shape != new_shape => {
+            // Its start is where its cells were.
+            let same_cells = |from: &Body, to: &Body| {
+                let (list, _) = own_cells(&to.shape)?;
+                let moved = from.with_cells(list)?;
+                Some((moved.pose, moved.velocity) == (to.pose, to.velocity))
+            };
+            let is_same_grid = same_cells(old, new)? || same_cells(new, old)?;
+            is_same_grid.then_some(Refill::Cells { shift: middle_from(old_shape, new_shape)? })
+        }
+        _ => None,
     }
 }
 

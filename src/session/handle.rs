@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::brush::Stroke;
 use super::collect::collect;
 use super::costs::Costs;
 use super::document::Opened;
@@ -53,12 +54,16 @@ impl Session {
             Command::Edit(edit) => self.edit(edit, Arrival::Placed)?,
             Command::Drag(edit) => self.edit(edit, if self.playing { Arrival::Swept } else { Arrival::Placed })?,
             Command::Teleport(body, place) => self.teleport(body, place)?,
-            Command::EndEdit => self.history.close(),
+            Command::EndEdit => {
+                self.history.close();
+                self.stroke = Stroke::default();
+            }
             Command::CancelEdit => self.cancel_edit()?,
             Command::AddBody { body, jelly } => self.add_body(body, *jelly)?,
             Command::Undo => self.undo()?,
             Command::Redo => self.redo()?,
             Command::Grab(pull) => self.grab(pull)?,
+            Command::Brush(touch) => self.brush(&touch)?,
             Command::WatchCost(watch) => self.costs = watch.then(|| Costs::new(&self.simulation)),
             Command::WatchStability(of) => self.watch_stability(of),
             Command::ShowModes(swing) => self.show_modes(swing)?,

@@ -4,6 +4,7 @@
 
 pub mod background;
 mod bodies;
+mod brush;
 mod clock;
 pub mod collect;
 mod color_range;
@@ -63,7 +64,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 
 pub use bodies::BodyParts;
-pub use command::{Command, Pull};
+pub use command::{CellTouch, Command, Pull};
 pub use costs::{StageCost, StepCost};
 pub use cures::Cure;
 pub use error::SessionError;
@@ -77,6 +78,7 @@ use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
 use crate::scene::resolve::load_meshes;
 use bodies::Bodies;
+use brush::Stroke;
 use clock::{Clock, Stretch};
 use costs::Costs;
 use document::{Document, Opened};
@@ -105,6 +107,8 @@ pub struct Session {
     bodies: Bodies,
     simulation: Simulation<f32>,
     history: History,
+    /// What a brush that is down has done.
+    stroke: Stroke,
     clock: Clock,
     playing: bool,
     speed: f64,
@@ -184,6 +188,7 @@ impl Session {
             bodies,
             simulation,
             history: History::default(),
+            stroke: Stroke::default(),
             clock: Clock::default(),
             playing: true,
             speed: 1.0,
@@ -393,6 +398,8 @@ impl Session {
     }
 }
 
+#[cfg(test)]
+mod brush_tests;
 #[cfg(test)]
 mod cure_tests;
 #[cfg(test)]

@@ -13,6 +13,7 @@ const OVER_VIEW: Situation = Situation {
     dialog_open: false,
     keyboard: Keyboard::View,
     holdable: false,
+    brushable: false,
     playing: false,
     scale: 1.0,
 };
@@ -178,6 +179,10 @@ fn asked(events: &[Event], situation: Situation) -> Vec<String> {
             Action::Take(at) => format!("take at {}", at.x),
             Action::Drag(at) => format!("drag to {}", at.x),
             Action::Release => "release".to_owned(),
+            Action::Brush { pixel, inverted } => {
+                format!("{} at {}", if inverted { "brush back" } else { "brush" }, pixel.x)
+            }
+            Action::LiftBrush => "lift".to_owned(),
             Action::Camera(_) => "camera".to_owned(),
             other => format!("{other:?}"),
         })
@@ -211,6 +216,21 @@ fn a_drag_holds_what_can_be_held_and_turns_the_eye_elsewhere() {
     assert_eq!(asked(&drag, OVER_VIEW), ["camera", "camera"]);
     let shifted = [&[SHIFT][..], &drag].concat();
     assert_eq!(asked(&shifted, OVER_JELLY), ["camera", "camera"], "shift pans, whatever lies there");
+}
+
+#[test]
+fn a_brush_draws_from_the_press_on_and_control_turns_it_round() {
+    let over = Situation { brushable: true, ..OVER_JELLY };
+    assert_eq!(asked(&[at(50.0), DOWN, UP], over), ["brush at 50", "lift"], "a click is a stroke, and chooses nothing");
+    assert_eq!(
+        asked(&[at(50.0), DOWN, at(52.0), at(70.0), UP], over),
+        ["brush at 50", "brush at 52", "brush at 70", "lift"]
+    );
+    let control = Event::Modifiers { shift: false, control: true, other: false };
+    assert_eq!(asked(&[at(50.0), control, DOWN, at(60.0), UP], over), ["brush back at 50", "brush back at 60", "lift"]);
+    let shifted = [SHIFT, at(50.0), DOWN, at(60.0), UP];
+    assert_eq!(asked(&shifted, over), ["camera"], "shift pans, whatever is in the hand");
+    assert_eq!(asked(&[at(50.0), DOWN, Event::FocusLost, UP], over), ["brush at 50", "lift"]);
 }
 
 #[test]

@@ -33,6 +33,15 @@ pub enum Action {
     Drag(Vec2),
     /// Let go of what is held.
     Release,
+    /// Draw the brush over what lies under this pixel.
+    Brush {
+        /// The pixel.
+        pixel: Vec2,
+        /// The other way round: what adds takes away.
+        inverted: bool,
+    },
+    /// Lift the brush.
+    LiftBrush,
     /// Do something with what is chosen.
     Chosen(ChosenAction),
     /// Something with files.

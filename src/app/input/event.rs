@@ -63,6 +63,8 @@ pub struct Situation {
     pub keyboard: Keyboard,
     /// What lies under the pointer can be held. Asked when a button goes down.
     pub holdable: bool,
+    /// A brush is in the hand, and what it is for lies under the pointer. Asked when a button goes down.
+    pub brushable: bool,
     /// Time runs.
     pub playing: bool,
     /// Pixels a point of the interface.

@@ -5,22 +5,25 @@ use winit::window::Fullscreen;
 
 use super::Shell;
 use super::panels::running;
-use crate::app::hand;
+use crate::app::hand::{self, Target};
 use crate::app::handles::{self, Sight};
 use crate::app::input::{Action, ChosenAction, Event, Keyboard, Panel, Situation};
 use crate::app::ui::{self, Below};
-use crate::view::Ray;
+use crate::session::{CellTouch, Command};
 use crate::view::legend::three_digits;
+use crate::view::{Ray, Thing};
 
 impl Shell {
     pub(super) fn situation(&self, event: Event) -> Situation {
         let pointer = self.input.pointer();
         let over_view = self.is_over_view(pointer);
+        let is_press = matches!(event, Event::Button { pressed: true, .. });
         Situation {
             over_view,
             dialog_open: self.ui.files.is_open() || egui::Popup::is_any_open(&self.context),
             keyboard: self.keyboard(),
-            holdable: over_view && matches!(event, Event::Button { pressed: true, .. }) && self.is_holdable(pointer),
+            holdable: over_view && is_press && self.is_holdable(pointer),
+            brushable: over_view && is_press && self.brush_touch(pointer, false).is_some(),
             playing: self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.playing),
             scale: self.pixels_per_point(),
         }
@@ -43,6 +46,25 @@ impl Shell {
         }
         hand::target(&snapshot.scene, &snapshot.draw_list, &self.ray(pixel))
             .is_some_and(|(target, _)| hand::can_be_held(&snapshot.scene, target))
+    }
+
+    /// What the brush in the hand does to what lies under a pixel; nothing where it is for another body.
+    fn brush_touch(&self, pixel: Vec2, inverted: bool) -> Option<CellTouch> {
+        let (brush, snapshot) = (self.ui.brush?, self.snapshot.as_ref()?);
+        if self.ui.selection != Some(Target::Body(brush.body)) {
+            return None;
+        }
+        let (target, hit) = hand::target(&snapshot.scene, &snapshot.draw_list, &self.ray(pixel))?;
+        let Thing::Skin { weights, .. } = hit.what else { return None };
+        let change = if inverted { brush.change.inverse() } else { brush.change };
+        (target == Target::Body(brush.body)).then_some(CellTouch { body: brush.body, weights, change })
+    }
+
+    fn brush(&mut self, pixel: Vec2, inverted: bool) {
+        if let Some(touch) = self.brush_touch(pixel, inverted) {
+            self.worker.send(Command::Brush(touch));
+            self.changed = true;
+        }
     }
 
     /// The line of sight through a pixel of the window.
@@ -113,6 +135,8 @@ impl Shell {
             Action::Take(pixel) => self.take(pixel),
             Action::Drag(pixel) => self.drag(pixel),
             Action::Release => self.release(),
+            Action::Brush { pixel, inverted } => self.brush(pixel, inverted),
+            Action::LiftBrush => self.worker.send(Command::EndEdit),
             Action::Chosen(action) => self.act_on_chosen(action),
         }
     }
@@ -125,6 +149,10 @@ impl Shell {
         }
         if self.hand.holds() {
             return self.release();
+        }
+        if self.ui.brush.take().is_some() {
+            self.drawing.ask_panels();
+            return;
         }
         let message = self.snapshot.as_ref().map_or("", |snapshot| &snapshot.status.message);
         let message = if self.failure.is_empty() { message } else { &self.failure };
@@ -144,6 +172,8 @@ impl Shell {
         let Some(snapshot) = &self.snapshot else { return };
         let found = hand::target(&snapshot.scene, &snapshot.draw_list, &self.ray(pixel));
         self.ui.selection = found.map(|(target, _)| target);
+        let chosen = self.ui.selection;
+        self.ui.brush = self.ui.brush.filter(|brush| chosen == Some(Target::Body(brush.body)));
         self.follow();
         self.changed = true;
     }

@@ -48,7 +48,7 @@ pub use finding::Finding;
 pub use modes_panel::ModesPanel;
 pub use panels::{Below, Panels};
 pub use shown::{Running, Shown};
-pub use state::{Framing, TooHeavy, UiState};
+pub use state::{Brush, Framing, TooHeavy, UiState};
 pub use widths::Widths;
 
 /// Height of a panel above the time line, points.

@@ -12,6 +12,7 @@ use super::work::Asked;
 use crate::app::hand::Target;
 use crate::app::preferences::Preferences;
 use crate::app::theme::Theme;
+use crate::scene::cell_brush::CellChange;
 use crate::scene::edit::BodyId;
 use crate::scene::material::MaterialPreset;
 use crate::scene::placement::Look;
@@ -54,6 +55,8 @@ pub struct UiState {
     pub awaited: Option<Target>,
     /// What will be chosen in a new scene that was asked for.
     pub comes_along: Option<Target>,
+    /// The brush in the hand.
+    pub brush: Option<Brush>,
     /// What is being renamed, and the name so far.
     pub renaming: Option<(Target, String)>,
     /// Where the next teleport goes, m.
@@ -83,6 +86,15 @@ pub struct TooHeavy {
     pub(super) preset: &'static MaterialPreset,
     /// The size that was chosen, until the sandbox has made it.
     pub(super) resized: Option<Shape>,
+}
+
+/// A brush over the cells of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Brush {
+    /// The body that it is for.
+    pub body: BodyId,
+    /// What it does.
+    pub change: CellChange,
 }
 
 /// What the camera is to show whole.
@@ -115,6 +127,7 @@ impl UiState {
             selection: None,
             awaited: None,
             comes_along: None,
+            brush: None,
             renaming: None,
             origin: [0.0, 1.0, 0.0],
             too_heavy: None,

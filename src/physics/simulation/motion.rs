@@ -96,9 +96,9 @@ impl<R: Real> Simulation<R> {
     }
 
     /// Lets a body of other cells be where `old`, a body of `before`, is and move as it does: every particle as the point
-    /// of the old body that it was at rest, all of it `scale` times as large about its middle. What is held is at its
-    /// start; a body that is gone stays at its start.
-    pub fn reshape_body(&mut self, body: usize, before: &Self, old: usize, scale: f64) {
+    /// of the old body that it was at rest, all of it `scale` times as large about its middle, which at rest is `shift` (m) from
+    /// that of the old one. What is held is at its start; a body that is gone stays at its start.
+    pub fn reshape_body(&mut self, body: usize, before: &Self, old: usize, scale: f64, shift: DVec3) {
         let (new, lattice) = (&self.model.bodies[body], &before.model.bodies[old].lattice);
         if before.state.bodies[old].gone {
             return;
@@ -122,7 +122,7 @@ impl<R: Real> Simulation<R> {
             touches: Vec::new(),
         };
         for local in (0..new.particles.len()).filter(|&local| !new.is_pinned(local)) {
-            if let Some(at) = embedder.embed(new.lattice.rest_position(local) / scale) {
+            if let Some(at) = embedder.embed(new.lattice.rest_position(local) / scale + shift) {
                 let moved = middle + (mean(position, &at) - middle) * scale;
                 motion.position[local] = R::Vec3::from_dvec3(moved);
                 motion.velocity[local] = R::Vec3::from_dvec3(mean(velocity, &at));
@@ -173,6 +173,7 @@ impl<R: Real> Simulation<R> {
                 rigid.turn = DQuat::from_mat3(&turn) * rigid.turn;
             }
             self.state.touches.retain(|touch| touch.body != body);
+            self.state.presses.retain(|press| !press.bodies.contains(&body));
             self.is_placed = false;
             self.place_modal();
             self.wake(body);

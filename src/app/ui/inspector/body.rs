@@ -9,7 +9,8 @@ use super::settings::flag_ui;
 use crate::app::ui::figure::{figure, fixed_figure};
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, LABEL_WIDTH, field_ui, help, slider_ui, vector_ui};
-use crate::app::ui::{Running, UiState, edits, theme};
+use crate::app::ui::{Brush, Running, UiState, edits, theme};
+use crate::scene::cell_brush::CellChange;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::param;
 use crate::scene::{Body, ContactOn, MovesBy, Shape, Skin};
@@ -17,7 +18,19 @@ use crate::session::{BodyStatus, Command};
 use crate::view::legend::three_digits;
 
 const LINEAR: &str = "Linear: right for a small swing; where a part turns far against the rest it looks wrong, it grows. Its \
-                      cells cost nothing, and other bodies pass through it.";
+                      cells cost nothing until another body comes near.";
+const BRUSHES: [(CellChange, &str, &str); 2] = [
+    (
+        CellChange::Attach,
+        "add cells",
+        "Press or drag over the body in the view: a cell on every face. Ctrl takes away. Escape puts the brush down.",
+    ),
+    (
+        CellChange::Erase,
+        "take cells away",
+        "Press or drag over the body in the view: its cells go. Ctrl adds. Escape puts the brush down.",
+    ),
+];
 const NOT_LED: &str = "It moves by its cells as yet: the message over the view says why.";
 
 /// The panel of a body.
@@ -27,7 +40,7 @@ pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut
     section_ui(ui, "Place", true, |ui| place_ui(ui, id, body, running.status.bodies.get(id.0), state, commands));
     section_ui(ui, "Motion", false, |ui| moves_by_ui(ui, id, running, body, commands));
     section_ui(ui, "Contact", false, |ui| contact_ui(ui, id, body, commands));
-    section_ui(ui, "Shape", true, |ui| shape_ui(ui, id, body, running.status.bodies.get(id.0), commands));
+    section_ui(ui, "Shape", true, |ui| shape_ui(ui, id, body, running.status.bodies.get(id.0), state, commands));
 }
 
 /// How it meets other bodies and itself.
@@ -124,7 +137,14 @@ fn place_ui(
     }
 }
 
-fn shape_ui(ui: &mut Ui, id: BodyId, body: &Body, status: Option<&BodyStatus>, commands: &mut Vec<Command>) {
+fn shape_ui(
+    ui: &mut Ui,
+    id: BodyId,
+    body: &Body,
+    status: Option<&BodyStatus>,
+    state: &mut UiState,
+    commands: &mut Vec<Command>,
+) {
     let (what, editable) = match &body.shape {
         Shape::Cube(_) => ("Cube".to_owned(), true),
         Shape::Cells(cells) => (format!("{} cells of {} m", cells.list.len(), figure(cells.size)), false),
@@ -137,6 +157,9 @@ fn shape_ui(ui: &mut Ui, id: BodyId, body: &Body, status: Option<&BodyStatus>, c
         model_ui(ui, id, body, commands);
         skin_ui(ui, id, body, commands);
     }
+    if !matches!(body.shape, Shape::Model(_)) {
+        brush_ui(ui, id, state);
+    }
     if let Some(status) = status {
         row_ui(ui, "Mass", &format!("{} kg", figure((status.mass_kg * 1e4).round() / 1e4)));
         row_ui(ui, "Cells", &status.cells.to_string());
@@ -147,6 +170,21 @@ fn shape_ui(ui: &mut Ui, id: BodyId, body: &Body, status: Option<&BodyStatus>, c
     if !body.pins.is_empty() {
         row_ui(ui, "Held by", &format!("{} pin boxes", body.pins.len()));
     }
+}
+
+/// The brush over its cells: put down, or one that adds or takes away.
+fn brush_ui(ui: &mut Ui, id: BodyId, state: &mut UiState) {
+    ui.horizontal(|ui| {
+        let label = name_ui(ui, "Brush");
+        let now = state.brush.filter(|brush| brush.body == id).map(|brush| brush.change);
+        for (change, words, tip) in BRUSHES {
+            let response = ui.selectable_label(now == Some(change), words);
+            tip_ui(ui, &response, || tip.to_owned());
+            if response.labelled_by(label.id).clicked() {
+                state.brush = (now != Some(change)).then_some(Brush { body: id, change });
+            }
+        }
+    });
 }
 
 fn cube_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {

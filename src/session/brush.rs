@@ -1,0 +1,73 @@
+//! A brush over the cells of a body: which cell a hand touches, and the edit that puts one there or takes it away.
+
+use glam::DVec3;
+
+use super::{CellTouch, Session, SessionError};
+use crate::math::Vector;
+use crate::physics::Arrival;
+use crate::scene::cell_brush::{CellChange, face_at, middle, own_cells};
+use crate::scene::edit::{BodyId, Edit, EditError};
+use crate::scene::named;
+
+/// What a brush has done since it was put down: it goes on over what was there then, so that holding it still does not
+/// pile cells up, or dig on.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Stroke {
+    body: Option<BodyId>,
+    changed: Vec<[i32; 3]>,
+}
+
+impl Session {
+    /// Changes the cell that is touched.
+    pub(super) fn brush(&mut self, touch: &CellTouch) -> Result<(), SessionError> {
+        let id = touch.body;
+        let count = self.scene.bodies.len();
+        let body = self.scene.bodies.get(id.0).ok_or(EditError::NoSuchBody { id, count })?;
+        let name = || named(&body.name, "body", id.0);
+        let Some((mut list, size)) = own_cells(&body.shape) else {
+            return Err(SessionError::CellsOfModel { name: name() });
+        };
+        let point = self.rest_place(touch)?;
+        let Some((touched, beyond)) = face_at(&list, middle(&list) + point / size) else { return Ok(()) };
+        if self.stroke.body != Some(id) {
+            self.stroke = Stroke { body: Some(id), changed: Vec::new() };
+        }
+        let changed = match touch.change {
+            CellChange::Attach => beyond,
+            CellChange::Erase => touched,
+        };
+        // What was put there or laid bare by this stroke is no place to go on from.
+        let other = if touch.change == CellChange::Attach { touched } else { beyond };
+        if self.stroke.changed.contains(&other) {
+            return Ok(());
+        }
+        match touch.change {
+            CellChange::Attach => list.push(changed),
+            CellChange::Erase => list.retain(|cell| *cell != changed),
+        }
+        if list.is_empty() {
+            return Err(SessionError::LastCell { name: name() });
+        }
+        let Some(new) = body.with_cells(list) else { return Ok(()) };
+        // The first cell makes a list of a cube: what else a stroke does is the same change.
+        let words = format!("cells of {}", name());
+        let change = self.make(Edit::Body(id, Box::new(new)), words, false, Arrival::Placed)?;
+        self.history.record(change);
+        self.stroke.changed.push(changed);
+        Ok(())
+    }
+
+    /// Where the point that is touched is at rest, in the body's coordinates, m.
+    fn rest_place(&self, touch: &CellTouch) -> Result<DVec3, SessionError> {
+        let body = self.simulation.model().bodies.get(touch.body.0).ok_or(SessionError::Pull)?;
+        let mut at = DVec3::ZERO;
+        for &(particle, weight) in &touch.weights {
+            let particle = particle as usize;
+            if !body.particles.contains(&particle) {
+                return Err(SessionError::Pull);
+            }
+            at += body.lattice.rest_position(particle - body.particles.start) * f64::from(weight);
+        }
+        if Vector::is_finite(at) { Ok(at) } else { Err(SessionError::Pull) }
+    }
+}

@@ -1,0 +1,142 @@
+//! A brush over the cells of a body: what is touched, what stays, what is taken back.
+
+use std::path::PathBuf;
+
+use super::*;
+use crate::math::Vector;
+use crate::scene::body::{CellsShape, CubeShape, ModelShape};
+use crate::scene::cell_brush::{CellChange, own_cells};
+use crate::scene::edit::BodyId;
+use crate::scene::{Body, Pose, Scene, Shape};
+use glam::{DVec3, Vec3};
+
+fn session_of(shape: Shape) -> Session {
+    let pose = Pose { position: [0.0, 2.0, 0.0], rotation_deg: [0.0, 40.0, 0.0] };
+    let body = Body { name: "Jelly".to_owned(), shape, pose, ..Body::default() };
+    let scene = Scene { bodies: vec![body], ..Scene::default() };
+    Session::new(scene, PathBuf::new(), "jelly".to_owned()).expect("it resolves")
+}
+
+/// A cube of three cells an edge.
+fn cube() -> Session {
+    session_of(Shape::Cube(CubeShape { cells: 3, size: 0.6 }))
+}
+
+/// The touch of a point at rest, in cells from the middle of the body.
+fn touch(session: &Session, at: [f64; 3], change: CellChange) -> CellTouch {
+    let body = &session.simulation().model().bodies[0];
+    let size = body.lattice.grid.cell_size;
+    let embedder = crate::geometry::embed::Embedder::new(&body.lattice);
+    let at = embedder.embed(DVec3::from(at) * size).expect("it has cells");
+    #[expect(clippy::cast_possible_truncation, reason = "as the view has it")]
+    let weights = at.particles.into_iter().zip(at.weights.map(|weight| weight as f32)).collect();
+    CellTouch { body: BodyId(0), weights, change }
+}
+
+fn brush(session: &mut Session, at: [f64; 3], change: CellChange) {
+    let touch = touch(session, at, change);
+    session.handle(Command::Brush(touch)).expect("a touch");
+}
+
+fn cells(session: &Session) -> Vec<[i32; 3]> {
+    let mut list = own_cells(&session.scene().bodies[0].shape).expect("it has cells").0;
+    list.sort_unstable();
+    list
+}
+
+/// Where particles are and how fast, by their place at rest in the scene's grid (thousandths of a metre).
+fn particles(session: &Session) -> Vec<([i64; 3], Vec3, Vec3)> {
+    let (body, state) = (&session.simulation().model().bodies[0], session.simulation().state());
+    let mut all: Vec<_> = (0..body.particles.len())
+        .map(|local| {
+            #[expect(clippy::cast_possible_truncation, reason = "thousandths of a metre")]
+            let start = (body.start[local].to_dvec3() * 1e3).round().to_array().map(|x| x as i64);
+            (start, state.position[local], state.velocity[local])
+        })
+        .collect();
+    all.sort_unstable_by_key(|particle| particle.0);
+    all
+}
+
+#[test]
+fn a_cell_is_put_on_the_face_that_is_touched_and_the_rest_goes_on_as_it_moves() {
+    let mut session = cube();
+    for _ in 0..100 {
+        session.step();
+    }
+    let before = particles(&session);
+    let count = cells(&session).len();
+    brush(&mut session, [0.2, 1.5, -0.3], CellChange::Attach);
+    assert_eq!(cells(&session).len(), count + 1);
+    assert!(cells(&session).contains(&[1, 3, 1]), "above the middle one: {:?}", cells(&session));
+    let after = particles(&session);
+    assert_eq!(after.len(), before.len() + 4, "four corners more");
+    for (start, position, velocity) in &before {
+        let now = after.iter().find(|particle| particle.0 == *start).expect("it stays");
+        assert!(now.1.distance(*position) < 1e-5 && now.2.distance(*velocity) < 1e-5, "{start:?}: where it was");
+    }
+    assert!(session.step() && !session.simulation().has_diverged(), "and goes on");
+}
+
+#[test]
+fn a_cell_is_taken_away_and_a_stroke_is_taken_back_as_one() {
+    let mut session = cube();
+    let before = (session.scene().clone(), particles(&session));
+    brush(&mut session, [-1.5, 1.2, 0.1], CellChange::Erase);
+    brush(&mut session, [-1.2, 1.5, 1.1], CellChange::Erase);
+    session.handle(Command::EndEdit).expect("it is lifted");
+    assert_eq!(cells(&session).len(), 25);
+    assert!(!cells(&session).contains(&[0, 2, 1]) && !cells(&session).contains(&[0, 2, 2]), "{:?}", cells(&session));
+    session.handle(Command::Undo).expect("there is one");
+    assert_eq!((session.scene().clone(), particles(&session)), before, "to the bit");
+    session.handle(Command::Redo).expect("and again");
+    assert_eq!(cells(&session).len(), 25);
+}
+
+#[test]
+fn a_brush_that_is_held_still_neither_piles_up_nor_digs_on() {
+    let mut session = cube();
+    brush(&mut session, [0.2, 1.5, -0.3], CellChange::Attach);
+    // The middle has moved up by half a cell.
+    brush(&mut session, [0.2, 2.0, -0.3], CellChange::Attach);
+    assert_eq!(cells(&session).len(), 28, "one upon the one just put there is none");
+    session.handle(Command::EndEdit).expect("it is lifted");
+    brush(&mut session, [0.2, 2.0, -0.3], CellChange::Attach);
+    assert_eq!(cells(&session).len(), 29, "a stroke of its own");
+    session.handle(Command::EndEdit).expect("it is lifted");
+    let mut session = cube();
+    brush(&mut session, [0.2, 1.5, -0.3], CellChange::Erase);
+    brush(&mut session, [0.2, 0.5, -0.3], CellChange::Erase);
+    assert_eq!(cells(&session).len(), 26, "what was laid bare stays");
+}
+
+#[test]
+fn the_last_cell_stays_and_a_model_has_none_of_its_own() {
+    let mut session = session_of(Shape::Cells(CellsShape { list: vec![[5, 5, 5]], size: 0.2 }));
+    let before = session.scene().clone();
+    let last = touch(&session, [0.5, 0.1, 0.0], CellChange::Erase);
+    let said = session.handle(Command::Brush(last)).expect_err("it is refused").to_string();
+    assert!(said.contains("the last cell of Jelly stays"), "{said}");
+    assert_eq!(session.scene(), &before);
+    let model = ModelShape { path: "builtin:spot.obj".to_owned(), divisions: 6, ..ModelShape::default() };
+    let mut session = session_of(Shape::Model(model));
+    let of_model = touch(&session, [0.0; 3], CellChange::Attach);
+    let said = session.handle(Command::Brush(of_model)).expect_err("it is refused").to_string();
+    assert!(said.contains("the cells of Jelly come from its model"), "{said}");
+}
+
+#[test]
+fn a_touch_of_another_body_or_of_none_is_refused() {
+    let mut session = cube();
+    let touch = touch(&session, [0.2, 1.5, -0.3], CellChange::Attach);
+    let far = touch.weights.iter().map(|(particle, weight)| (particle + 1000, *weight)).collect();
+    let bad = [
+        CellTouch { body: BodyId(7), ..touch.clone() },
+        CellTouch { weights: far, ..touch.clone() },
+        CellTouch { weights: vec![(0, f32::NAN)], ..touch },
+    ];
+    for touch in bad {
+        session.handle(Command::Brush(touch)).expect_err("it is refused");
+        assert_eq!(cells(&session).len(), 27);
+    }
+}
