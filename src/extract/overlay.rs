@@ -137,6 +137,12 @@ pub fn add_grab(overlay: &mut Overlay, grabbed: Vec3, target: Vec3) {
     }
 }
 
+/// The edges of a face under a brush, and what is hidden of them.
+pub fn add_face(overlay: &mut Overlay, corners: [Vec3; 4]) {
+    let edges = (0..4).map(|place| Segment::plain(corners[place], corners[(place + 1) % 4], 3.0)).collect();
+    overlay.lines.push(placed(edges, Tint::Accent, 0.5));
+}
+
 /// Where particles touch obstacles or other bodies, or points of meshes touch obstacles, and the force on each as an arrow; its length is proportional to the
 /// force, see [`newtons_per_metre`], up to the body's size.
 fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>) {

@@ -22,6 +22,8 @@ pub enum Thing {
     Skin {
         /// Its place in the draw list.
         skin: usize,
+        /// The triangle.
+        triangle: usize,
         /// The particles that carry the point and their weights, which sum to 1.
         weights: Vec<(u32, f32)>,
     },
@@ -34,12 +36,25 @@ pub fn nearest(draw_list: &DrawList, ray: &Ray) -> Option<Hit> {
     let skins = draw_list.skins.iter().enumerate().filter_map(|(place, instance)| {
         let (triangle, distance) = instance.skin.hit(&draw_list.particles, ray)?;
         let weights = weights_at(&instance.skin, &draw_list.particles, triangle, ray.at(distance));
-        Some((Thing::Skin { skin: place, weights }, distance))
+        Some((Thing::Skin { skin: place, triangle, weights }, distance))
     });
     let solids = draw_list.solids.iter().enumerate();
     let solids = solids.filter_map(|(place, solid)| Some((Thing::Solid(place), solid.hit(ray)?)));
     let first = skins.chain(solids).min_by(|a, b| a.1.total_cmp(&b.1));
     first.map(|(what, distance)| Hit { what, point: ray.at(distance), distance })
+}
+
+/// The corners of the face of a cell that a line of sight meets, round it, m: two triangles that follow each other.
+pub fn face(draw_list: &DrawList, hit: &Hit) -> Option<[Vec3; 4]> {
+    let Thing::Skin { skin, triangle, .. } = hit.what else { return None };
+    let skin = &draw_list.skins.get(skin)?.skin;
+    let [first, second] = [triangle & !1, triangle | 1].map(|triangle| skin.triangles().get(triangle));
+    let (first, second) = (first?, second?);
+    let far = |of: &[u32; 3], from: &[u32; 3]| of.iter().position(|vertex| !from.contains(vertex));
+    let (one, other) = (far(first, second)?, far(second, first)?);
+    let corners = [first[one], first[(one + 1) % 3], second[other], first[(one + 2) % 3]];
+    let shared = [corners[1], corners[3]].iter().all(|vertex| second.contains(vertex));
+    shared.then(|| corners.map(|vertex| skin.vertices()[vertex as usize].place(&draw_list.particles)))
 }
 
 /// The weights of the particles at a point of a triangle.
@@ -69,6 +84,27 @@ mod tests {
     use crate::view::{SkinInstance, SkinVertex, Solid};
 
     const DOWN: Ray = Ray { origin: Vec3::new(0.25, 3.0, 0.25), direction: Vec3::NEG_Y };
+
+    #[test]
+    fn a_face_is_the_two_triangles_over_a_diagonal() {
+        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0]];
+        let picture = |triangles: Vec<[u32; 3]>| DrawList {
+            skins: vec![SkinInstance {
+                skin: Arc::new(Skin::new((0..4).map(on).collect(), triangles)),
+                color: [1.0; 3],
+            }],
+            particles: Arc::new(square.to_vec()),
+            ..DrawList::default()
+        };
+        let met = |picture: &DrawList| nearest(picture, &DOWN).and_then(|hit| face(picture, &hit));
+        let found = met(&picture(vec![[0, 1, 2], [1, 3, 2]])).expect("a face");
+        let round = |place: usize| found[place].distance(found[(place + 1) % 4]);
+        assert!(
+            (0..4).all(|place| (round(place) - 1.0).abs() < 1e-6),
+            "its corners follow each other round it: {found:?}"
+        );
+        assert_eq!(met(&picture(vec![[0, 1, 2]])), None, "a triangle is none");
+    }
 
     #[test]
     fn the_nearest_triangle_wins_whatever_its_winding() {
@@ -104,7 +140,7 @@ mod tests {
     fn the_nearest_thing_is_picked_with_the_weights_of_its_particles() {
         let hit = nearest(&picture(), &DOWN).expect("the triangle lies below");
         assert_eq!((hit.point, hit.distance), (Vec3::new(0.25, 1.0, 0.25), 2.0));
-        let Thing::Skin { skin: 0, mut weights } = hit.what else { panic!("the skin lies above the plane") };
+        let Thing::Skin { skin: 0, mut weights, .. } = hit.what else { panic!("the skin lies above the plane") };
         weights.sort_by_key(|(particle, _)| *particle);
         let wanted = [(0, 0.5), (1, 0.25), (2, 0.25)];
         let close = weights.iter().zip(wanted).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() < 1e-6);

@@ -211,6 +211,7 @@ impl Shell {
     fn prepare_picture(&mut self, view: ViewRect, now: Instant) -> Picture {
         let sight = self.sight(self.input.pointer());
         let points = self.pixels_per_point();
+        let face = self.face_under_brush();
         let Some(snapshot) = &mut self.snapshot else { return Picture::Keep(None) };
         let picture = &mut snapshot.draw_list;
         picture.camera = self.orbit.camera();
@@ -223,6 +224,9 @@ impl Shell {
         picture.tools = Overlay { lines: vec![cross], scale: last, ..Overlay::default() };
         if let Some([grabbed, target]) = self.hand.pulled(picture) {
             extract::overlay::add_grab(&mut picture.tools, grabbed, target);
+        }
+        if let Some(face) = face {
+            extract::overlay::add_face(&mut picture.tools, face);
         }
         let colors = picture.style.overlay;
         self.handles.add_to(&mut picture.tools, &snapshot.scene, self.ui.selection, &sight, &colors);

@@ -1,6 +1,6 @@
 //! What pointer and keys do in the open window: which thing lies under a pixel, what is held, what an action changes.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use winit::window::Fullscreen;
 
 use super::Shell;
@@ -8,10 +8,10 @@ use super::panels::running;
 use crate::app::hand::{self, Target};
 use crate::app::handles::{self, Sight};
 use crate::app::input::{Action, ChosenAction, Event, Keyboard, Panel, Situation};
-use crate::app::ui::{self, Below};
+use crate::app::ui::{self, Below, Brush};
 use crate::session::{CellTouch, Command};
 use crate::view::legend::three_digits;
-use crate::view::{Ray, Thing};
+use crate::view::{Hit, Ray, Thing};
 
 impl Shell {
     pub(super) fn situation(&self, event: Event) -> Situation {
@@ -48,16 +48,29 @@ impl Shell {
             .is_some_and(|(target, _)| hand::can_be_held(&snapshot.scene, target))
     }
 
-    /// What the brush in the hand does to what lies under a pixel; nothing where it is for another body.
-    fn brush_touch(&self, pixel: Vec2, inverted: bool) -> Option<CellTouch> {
+    /// What lies under a pixel, if it is the body that the brush in the hand is for.
+    fn under_brush(&self, pixel: Vec2) -> Option<(Brush, Hit)> {
         let (brush, snapshot) = (self.ui.brush?, self.snapshot.as_ref()?);
-        if self.ui.selection != Some(Target::Body(brush.body)) {
+        let own = Target::Body(brush.body);
+        if self.ui.selection != Some(own) || !self.is_over_view(pixel) {
             return None;
         }
         let (target, hit) = hand::target(&snapshot.scene, &snapshot.draw_list, &self.ray(pixel))?;
+        (target == own).then_some((brush, hit))
+    }
+
+    /// The corners of the face under the brush, m.
+    pub(super) fn face_under_brush(&self) -> Option<[Vec3; 4]> {
+        let (_, hit) = self.under_brush(self.input.pointer())?;
+        crate::view::pick::face(&self.snapshot.as_ref()?.draw_list, &hit)
+    }
+
+    /// What the brush in the hand does to what lies under a pixel; nothing where it is for another body.
+    fn brush_touch(&self, pixel: Vec2, inverted: bool) -> Option<CellTouch> {
+        let (brush, hit) = self.under_brush(pixel)?;
         let Thing::Skin { weights, .. } = hit.what else { return None };
         let change = if inverted { brush.change.inverse() } else { brush.change };
-        (target == Target::Body(brush.body)).then_some(CellTouch { body: brush.body, weights, change })
+        Some(CellTouch { body: brush.body, weights, change })
     }
 
     fn brush(&mut self, pixel: Vec2, inverted: bool) {
@@ -98,8 +111,9 @@ impl Shell {
         self.view().contains(pixel) && !covered && !self.context.egui_is_using_pointer()
     }
 
-    /// Lets the handle under the pointer stand out.
+    /// Lets the handle under the pointer stand out, or the face under the brush.
     pub(super) fn hover(&mut self) {
+        self.changed |= self.ui.brush.is_some();
         let sight = self.sight(self.input.pointer());
         if let Some(snapshot) = &self.snapshot
             && self.handles.hover(&snapshot.scene, self.ui.selection, &sight)
