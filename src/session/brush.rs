@@ -2,20 +2,13 @@
 
 use glam::DVec3;
 
+use super::stroke::Stroke;
 use super::{CellTouch, Session, SessionError};
 use crate::math::Vector;
 use crate::physics::Arrival;
 use crate::scene::cell_brush::{CellChange, face_at, middle, own_cells};
-use crate::scene::edit::{BodyId, Edit, EditError};
+use crate::scene::edit::{Edit, EditError};
 use crate::scene::named;
-
-/// What a brush has done since it was put down: it goes on over what was there then, so that holding it still does not
-/// pile cells up, or dig on.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Stroke {
-    body: Option<BodyId>,
-    changed: Vec<[i32; 3]>,
-}
 
 impl Session {
     /// Changes the cell that is touched.

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::brush::Stroke;
 use super::collect::collect;
 use super::costs::Costs;
 use super::document::Opened;
 use super::error::SPEEDS;
+use super::stroke::Stroke;
 use super::{Command, Session, SessionError};
 use crate::physics::Arrival;
 use crate::scene::Scene;

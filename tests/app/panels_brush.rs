@@ -23,12 +23,14 @@ fn a_brush_is_taken_turned_round_and_put_down() {
     let mut window = window((presets::preset("cube-on-plane").expect("a preset").build)());
     let brush = |window: &Window| window.harness.state().ui.brush;
     assert_eq!(brush(&window), None);
-    window.click("add cells");
+    window.control("Brush").scroll_to_me();
+    window.wait();
+    window.choose("Brush", "adds cells");
     assert_eq!(brush(&window), Some(Brush { body: BodyId(0), change: CellChange::Attach }));
-    window.click("take cells away");
+    window.choose("Brush", "takes cells away");
     assert_eq!(brush(&window), Some(Brush { body: BodyId(0), change: CellChange::Erase }));
-    window.click("take cells away");
-    assert_eq!(brush(&window), None, "a second click puts it down");
+    window.choose("Brush", "none");
+    assert_eq!(brush(&window), None);
 }
 
 #[test]
@@ -36,5 +38,5 @@ fn a_model_has_no_cells_of_its_own_to_draw_over() {
     let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
     let model = ModelShape { path: "builtin:spot.obj".to_owned(), divisions: 6, ..ModelShape::default() };
     scene.bodies[0].shape = Shape::Model(model);
-    assert!(!window(scene).has("add cells"));
+    assert!(!window(scene).has("Brush"));
 }

@@ -19,18 +19,8 @@ use crate::view::legend::three_digits;
 
 const LINEAR: &str = "Linear: right for a small swing; where a part turns far against the rest it looks wrong, it grows. Its \
                       cells cost nothing until another body comes near.";
-const BRUSHES: [(CellChange, &str, &str); 2] = [
-    (
-        CellChange::Attach,
-        "add cells",
-        "Press or drag over the body in the view: a cell on every face. Ctrl takes away. Escape puts the brush down.",
-    ),
-    (
-        CellChange::Erase,
-        "take cells away",
-        "Press or drag over the body in the view: its cells go. Ctrl adds. Escape puts the brush down.",
-    ),
-];
+const BRUSH: &str = "Press or drag over the body in the view: a cell is put on every face that is drawn over, or taken away. \
+                     Ctrl does the other; Escape puts the brush down.";
 const NOT_LED: &str = "It moves by its cells as yet: the message over the view says why.";
 
 /// The panel of a body.
@@ -172,18 +162,26 @@ fn shape_ui(
     }
 }
 
-/// The brush over its cells: put down, or one that adds or takes away.
+/// The brush over its cells: none, or one that adds or takes away.
 fn brush_ui(ui: &mut Ui, id: BodyId, state: &mut UiState) {
+    let words = |change| match change {
+        None => "none",
+        Some(CellChange::Attach) => "adds cells",
+        Some(CellChange::Erase) => "takes cells away",
+    };
+    let now = state.brush.filter(|brush| brush.body == id).map(|brush| brush.change);
     ui.horizontal(|ui| {
         let label = name_ui(ui, "Brush");
-        let now = state.brush.filter(|brush| brush.body == id).map(|brush| brush.change);
-        for (change, words, tip) in BRUSHES {
-            let response = ui.selectable_label(now == Some(change), words);
-            tip_ui(ui, &response, || tip.to_owned());
-            if response.labelled_by(label.id).clicked() {
-                state.brush = (now != Some(change)).then_some(Brush { body: id, change });
+        let combo = ComboBox::from_id_salt("brush").truncate().selected_text(words(now));
+        let response = combo.show_ui(ui, |ui| {
+            for change in [None, Some(CellChange::Attach), Some(CellChange::Erase)] {
+                if ui.selectable_label(change == now, words(change)).clicked() {
+                    state.brush = change.map(|change| Brush { body: id, change });
+                }
             }
-        }
+        });
+        tip_ui(ui, &response.response, || BRUSH.to_owned());
+        response.response.labelled_by(label.id);
     });
 }
 
