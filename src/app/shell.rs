@@ -83,6 +83,8 @@ pub(super) struct Shell {
     /// What the eye moves with, and where the middle of it was, m.
     followed: Option<(Target, Vec3)>,
     input: Input,
+    /// How many commands were answered in the picture that the brush touched last.
+    brushed_at: Option<u64>,
     hand: Hand,
     handles: Handles,
     ui: UiState,
@@ -134,6 +136,7 @@ impl Shell {
             orbit: Orbit::default(),
             followed: None,
             input: Input::default(),
+            brushed_at: None,
             hand: Hand::default(),
             handles: Handles::default(),
             ui,

@@ -73,9 +73,16 @@ impl Shell {
         Some(CellTouch { body: brush.body, weights, change })
     }
 
+    /// Draws the brush over what lies under a pixel. A picture from before the last touch was answered shows other cells, whose
+    /// particles may have other numbers by now: it is waited for.
     fn brush(&mut self, pixel: Vec2, inverted: bool) {
+        let answers = self.snapshot.as_ref().map(|snapshot| snapshot.answers);
+        if self.brushed_at.is_some() && self.brushed_at == answers {
+            return;
+        }
         if let Some(touch) = self.brush_touch(pixel, inverted) {
             self.worker.send(Command::Brush(touch));
+            self.brushed_at = answers;
             self.changed = true;
         }
     }
