@@ -133,6 +133,35 @@ fn a_dropped_cube_comes_to_rest_on_a_face_without_gaining_energy() {
 }
 
 #[test]
+fn what_lands_flat_bounces_about_as_high_as_its_cells_do() {
+    // How high the middle comes after it has touched, over how far it fell.
+    let rebound = |mut of: Simulation<f64>| {
+        let (start, mut lowest, mut highest) = (of.diagnostics().center.y, f64::INFINITY, 0.0_f64);
+        for _ in 0..80 {
+            of.run_for(0.01);
+            let now = of.diagnostics().center.y;
+            if now < lowest && highest == 0.0 {
+                lowest = now;
+            } else {
+                highest = highest.max(now);
+            }
+        }
+        (highest - 0.2) / (start - 0.2)
+    };
+    let ball = Obstacle { stiffness: ContactStiffness::Given(2e4), ..ball([0.0, -2.0, 0.0], 2.0) };
+    // Within so much of the fall: a ball presses one spot, which gives more than its few modes do.
+    for (obstacle, within) in [(ground([0.5, 0.4]), 0.03), (ball, 0.15)] {
+        for damping_ratio in [0.02, 0.05, 0.2] {
+            let mut body = cube(0.7, [0.0; 3]);
+            body.material = Material::Solid(Solid { young_modulus: 5e5, density: 500.0, damping_ratio });
+            let scene = hanging(body, WEIGHT, vec![obstacle.clone()]);
+            let [cells, by_modes] = [simulate::<f64>(&scene), modal::<f64>(&scene)].map(rebound);
+            assert!((cells - by_modes).abs() < within, "damped by {damping_ratio}: {cells} and by modes {by_modes}");
+        }
+    }
+}
+
+#[test]
 fn friction_holds_on_a_slope_and_lets_go_on_a_steeper_one() {
     let on_slope = |slope_deg: f64, friction: [f64; 2]| {
         let slope =
@@ -374,11 +403,11 @@ fn a_side_of_more_points_than_are_solved_for_lies_level_and_at_rest() {
     let shape = Shape::Cube(CubeShape { cells: 12, size: 0.4 });
     let scene = hanging(Body { shape, ..cube(0.3, [0.0, 10.0, 4.0]) }, WEIGHT, vec![ground([0.5, 0.4])]);
     let mut lies = modal::<f64>(&scene);
-    let report = lies.run_for(3.0);
+    let report = lies.run_for(5.0);
     assert!((10..=64).contains(&report.last.contacts), "{} contacts for 169 points", report.last.contacts);
     let up = DMat3::from_quat(lies.state().modal[0].rigid.expect("it is free").turn).y_axis;
     let tilt = up.cross(DVec3::Y).length();
     assert!(tilt < 2e-3, "level to {tilt}");
     let speed = lies.diagnostics().max_speed;
-    assert!(speed < 1e-3, "it rests: {speed} m/s");
+    assert!(speed < 1e-4, "it rests: {speed} m/s");
 }

@@ -51,5 +51,5 @@ pub(super) use solved::{find as find_constraints, finish as finish_constraints};
 pub(super) use surface::Surface;
 pub(super) use swept::Swept;
 pub use weighted::DEPTH_SHARE;
-pub(super) use weighted::{GENTLE_SHARE, STIFFNESS_OVER_MASS};
+pub(super) use weighted::{GENTLE_SHARE, STIFFNESS_OVER_MASS, pressed_at_end};
 pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace};

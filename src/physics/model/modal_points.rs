@@ -40,6 +40,8 @@ pub(in crate::physics) struct ModalPoints {
     rest: Vec<DVec3>,
     /// The points box after box.
     order: Vec<u32>,
+    /// Where each is in that order.
+    places: Vec<u32>,
     /// The whole first, every box before those within it.
     boxes: Vec<PointBox>,
     /// By box and mode.
@@ -88,6 +90,7 @@ impl ModalPoints {
             carriers,
             rest: Vec::with_capacity(all),
             order: Vec::new(),
+            places: Vec::new(),
             boxes: Vec::new(),
             ways: Vec::new(),
             farthest: vec![0.0; modes.count()],
@@ -105,6 +108,10 @@ impl ModalPoints {
         };
         let mut order: Vec<u32> = (0..u32::try_from(all).unwrap_or(u32::MAX)).filter(moves).collect();
         points.divide(0, &mut order);
+        points.places = vec![0; all];
+        for (place, point) in (0..).zip(&order) {
+            points.places[*point as usize] = place;
+        }
         points.order = order;
         points.find_ways(modes);
         points
@@ -170,6 +177,11 @@ impl ModalPoints {
     /// The farthest that any point is moved by an amplitude of 1 of a mode, 1/√kg.
     pub(in crate::physics) fn farthest(&self, mode: usize) -> f64 {
         self.farthest[mode]
+    }
+
+    /// Where a point is in the order in which those that are near each other mostly follow each other.
+    pub(in crate::physics) fn place(&self, point: usize) -> usize {
+        self.places[point] as usize
     }
 
     /// Where a point is at rest, m.

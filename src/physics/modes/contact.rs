@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use super::motion::{MARGIN, Motion, Way, sum};
 use super::oscillator::Oscillator;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::contact::{GENTLE_SHARE, Known, Placed, Surface, Swept, met_side};
+use crate::physics::contact::{GENTLE_SHARE, Known, Placed, Surface, Swept, met_side, pressed_at_end};
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{Model, ObstacleModel, ObstacleShape};
 use crate::physics::report::Recorder;
@@ -14,9 +14,12 @@ use crate::physics::state::touch::SampleTouch;
 /// The most contacts of a held body that are solved for at once: where there are more, the deepest ones.
 const MOST: usize = 256;
 
-/// The same of a free body, which may lie on all of a side: where more of its points meet something, as many groups of
-/// neighbours, each by its deepest point.
+/// The same of a free body, which may lie on all of a side: where more of its points meet something, about as many groups of
+/// neighbours, each by the mean of its points. The deepest would be now this one and now that, and the body never at rest.
 const MOST_GROUPS: usize = 64;
+
+/// Points are of one group whose normals are no farther apart: the cosine between them.
+const ONE_WAY: f64 = 0.9;
 
 /// Contacts of a free body are damped by no less of the critical damping, so that it comes to rest.
 const LEAST_DAMPING: f64 = 0.05;
@@ -33,6 +36,12 @@ pub(super) struct ModalContact {
     surface: DVec3,
     /// How deep the point is at the end of the substep without what pushes, m.
     depth: f64,
+    /// How much deeper the deepest is of those that it stands for, m.
+    below: f64,
+    /// How far its spring is pressed when the substep begins, m; less than nothing outside.
+    pressed: f64,
+    /// How much deeper the point is than that, m.
+    beyond: f64,
     /// How fast it is past the surface then, m/s; of a free body, on the whole.
     pub(super) past: DVec3,
     /// N/m and N·s/m.
@@ -42,14 +51,22 @@ pub(super) struct ModalContact {
     mobility: [f64; 2],
     /// Coulomb's coefficients, at rest and sliding.
     friction: [f64; 2],
-    /// What it is pushed out with at most, m/s.
+    /// How fast what is deeper than its spring is pressed leaves at most, m/s.
     gentle: f64,
+    /// Those of the candidates that it stands for.
+    candidates: [usize; 2],
     /// The impulse so far along the normal, N·s, and across it.
     pushed: f64,
     rubbed: DVec3,
 }
 
 impl ModalContact {
+    /// How far its spring is pressed at the end of a substep of `dt` (s), m, which changed the point's speed by `change` (m/s).
+    fn pressed_at_end(&self, change: DVec3, dt: f64) -> f64 {
+        let way = dt * (self.past + change).dot(self.normal);
+        pressed_at_end(self.pressed, way, self.pushed / (dt * self.stiffness))
+    }
+
     /// Does what all others leave it to do, which change the point's speed by `change` (m/s). Tells the change of its impulse,
     /// N·s.
     pub(super) fn solve(&mut self, change: DVec3, dt: f64) -> DVec3 {
@@ -60,8 +77,12 @@ impl ModalContact {
         let alone = speed - along * self.pushed;
         let depth = self.depth - dt * (change.dot(self.normal) - along * self.pushed);
         let resistance = dt * (dt * self.stiffness + self.damping);
-        let sprung = dt * (self.stiffness * depth - self.damping * alone) / (1.0 + resistance * along);
-        let pushed = if depth > 0.0 { sprung.min((self.gentle - alone) / along).max(0.0) } else { 0.0 };
+        let [sprung, parted] = [depth - self.beyond, depth].map(|pressed| {
+            let push = dt * (self.stiffness * pressed - self.damping * alone);
+            push / (1.0 + resistance * along)
+        });
+        let parted = parted.min((self.gentle - alone) / along);
+        let pushed = if depth > 0.0 { sprung.max(parted).max(0.0) } else { 0.0 };
         let mut impulse = self.normal * (pushed - self.pushed);
         self.pushed = pushed;
         if self.friction[0] > 0.0 && across > HELD {
@@ -85,10 +106,13 @@ pub(super) struct ModalContacts {
     rows: Vec<DVec3>,
     modes: usize,
     row: Vec<DVec3>,
+    mean: Vec<DVec3>,
     known: Vec<Known>,
     most: usize,
     /// All that points of a free body meet.
     candidates: Vec<Candidate>,
+    /// How far the springs of the candidates are pressed at the end, as touches are known, in their order.
+    pressed: Vec<SampleTouch>,
     touches: Vec<SampleTouch>,
 }
 
@@ -101,9 +125,11 @@ impl ModalContacts {
             rows: Vec::with_capacity(most * modes),
             modes,
             row: vec![DVec3::ZERO; modes],
+            mean: vec![DVec3::ZERO; modes],
             known: vec![Known::default(); meshes],
             most,
             candidates: Vec::with_capacity(touches),
+            pressed: Vec::with_capacity(touches),
             touches: Vec::with_capacity(touches),
         }
     }
@@ -130,7 +156,10 @@ impl ModalContacts {
     /// How deep the deepest is at the end of the substep, m.
     pub(super) fn deepest(&self, secs: f64, change: &[f64]) -> f64 {
         let rows = self.rows.chunks_exact(self.modes.max(1));
-        let depths = self.all.iter().zip(rows).map(|(met, row)| met.depth - secs * sum(row, change).dot(met.normal));
+        let depths = self.all.iter().zip(rows).map(|(met, row)| {
+            let depth = met.depth - secs * sum(row, change).dot(met.normal);
+            depth + met.below
+        });
         depths.fold(0.0, f64::max)
     }
 
@@ -145,7 +174,7 @@ impl ModalContacts {
         }
     }
 
-    /// Finds all that points of a body meet. `touches` are those of a free body that touched planes and open meshes before.
+    /// Finds all that points of a body meet. `touches` are those of a free body that touched before.
     pub(super) fn find<R: Real>(
         &mut self,
         motion: &Motion<'_, R>,
@@ -164,63 +193,106 @@ impl ModalContacts {
             let obstacle = obstacles.met(motion.number, number);
             recorder.enter(Stage::BroadPhase);
             let before = recorder.counters.narrow_tests;
-            let looks = each_near(motion, number, obstacle, touches, plan, |point, side| {
+            let looks = each_near(motion, number, obstacle, touches, plan, |point, known| {
                 recorder.counters.narrow_tests += 1;
-                let Some(met) = self.meet(motion, obstacle, point, side) else { return };
+                let Some(met) = self.meet(motion, obstacle, point, known) else { return };
+                let candidate = Candidate::new(motion, (point, number), known, &met);
                 if motion.flight.is_none() {
-                    self.constrain(motion, model, number, &met, 1.0);
+                    self.constrain(motion, model, &[candidate], [0, 1]);
                 } else {
-                    self.candidates.push(Candidate { point, side, obstacle: number, depth: met.depth(motion) });
+                    self.candidates.push(candidate);
                 }
             });
             let tests = recorder.counters.narrow_tests - before;
             recorder.counters.narrow_tests_saved += (points.count() as u64).saturating_sub(tests);
             recorder.counters.modal_work += looks + tests;
         }
-        let groups = self.candidates.len().min(MOST_GROUPS);
-        for group in 0..groups {
-            let [first, end] = [group, group + 1].map(|group| group * self.candidates.len() / groups);
-            let deepest = self.candidates[first..end].iter().max_by(|one, other| one.depth.total_cmp(&other.depth));
-            let Some(&Candidate { point, side, obstacle, .. }) = deepest else { continue };
-            if let Some(met) = self.meet(motion, obstacles.met(motion.number, obstacle), point, side) {
-                self.constrain(motion, model, obstacle, &met, (end - first) as f64);
-            }
-        }
+        self.gather(motion, model);
     }
 
-    /// Finds where points of a free body touch planes and open meshes in a motion, each on the side that it came from.
+    /// Has all candidates of a free body be contacts, alone or in groups of neighbours.
+    fn gather<R: Real>(&mut self, motion: &Motion<'_, R>, model: &Model<R>) {
+        let mut candidates = std::mem::take(&mut self.candidates);
+        candidates.sort_unstable_by_key(|candidate| (candidate.obstacle, candidate.place));
+        // What is the same for neighbours in the tree's order: more of them are, the farther it is shifted.
+        let group = |of: &Candidate, shift: u32| (of.obstacle, of.place >> shift);
+        let are_few = |shift: &u32| {
+            let groups = candidates.chunk_by(|one, next| group(one, *shift) == group(next, *shift));
+            groups.take(MOST_GROUPS + 1).count() <= MOST_GROUPS
+        };
+        let shift = (0..usize::BITS).find(are_few).unwrap_or(0);
+        let (mut first, all) = (0, candidates.len());
+        for neighbours in candidates.chunk_by(|one, next| group(one, shift) == group(next, shift)) {
+            for alike in neighbours.chunk_by(|one, next| one.normal.dot(next.normal) > ONE_WAY) {
+                self.take_mean_row(motion, alike);
+                self.constrain(motion, model, alike, [first, all]);
+                first += alike.len();
+            }
+        }
+        self.candidates = candidates;
+    }
+
+    /// Has the row be the mean of those of these points.
+    fn take_mean_row<R: Real>(&mut self, motion: &Motion<'_, R>, candidates: &[Candidate]) {
+        let share = 1.0 / candidates.len() as f64;
+        self.mean.fill(DVec3::ZERO);
+        for candidate in candidates {
+            self.go(motion, candidate.point);
+            self.mean.iter_mut().zip(&self.row).for_each(|(mean, way)| *mean += *way * share);
+        }
+        self.row.copy_from_slice(&self.mean);
+    }
+
+    /// Finds which points of a free body touch obstacles after a motion: of planes and open meshes, each on the side that it
+    /// came from; of others, those whose springs are pressed. `change` is what changed of the rates.
     pub(super) fn find_touches<R: Real>(
         &mut self,
         motion: &Motion<'_, R>,
+        change: &[f64],
         model: &Model<R>,
         obstacles: &Placed<R>,
         touches: &[SampleTouch],
         plan: &Plan,
         recorder: &mut Recorder<'_>,
     ) {
+        self.press(motion, change);
         for number in 0..model.obstacles.len() {
             let obstacle = obstacles.met(motion.number, number);
             if obstacle.shape.side_row().is_none() {
+                let pressed = self.pressed.iter().filter(|touch| touch.obstacle == number && touch.depth_m > 0.0);
+                self.touches.extend(pressed);
                 continue;
             }
             let mut tests = 0;
-            let looks = each_near(motion, number, obstacle, touches, plan, |point, side| {
+            let looks = each_near(motion, number, obstacle, touches, plan, |point, known| {
                 tests += 1;
-                let Some(met) = self.meet(motion, obstacle, point, side) else { return };
+                let Some(met) = self.meet(motion, obstacle, point, known) else { return };
                 let at = R::Vec3::from_dvec3(motion.in_scene(met.way.from));
                 let side = met_side(&obstacle.shape, at, met.surface.normal);
-                self.touches.push(SampleTouch {
-                    body: motion.number,
-                    sample: point,
-                    obstacle: number,
-                    side,
-                    depth_m: 0.0,
-                });
+                let touch = SampleTouch { body: motion.number, sample: point, obstacle: number, side, depth_m: 0.0 };
+                let pressed = self.pressed.binary_search_by_key(&touch.place(), SampleTouch::place);
+                let depth_m = pressed.map_or(0.0, |place| self.pressed[place].depth_m);
+                self.touches.push(SampleTouch { depth_m, ..touch });
             });
             recorder.counters.narrow_tests += tests;
             recorder.counters.modal_work += looks + tests;
         }
         self.touches.sort_unstable_by_key(SampleTouch::place);
+    }
+
+    /// Finds how far the springs of all candidates are pressed at the end: each as that of its group.
+    fn press<R: Real>(&mut self, motion: &Motion<'_, R>, change: &[f64]) {
+        self.pressed.clear();
+        let rows = self.rows.chunks_exact(self.modes.max(1));
+        for (contact, row) in self.all.iter().zip(rows) {
+            let depth_m = contact.pressed_at_end(sum(row, change), motion.secs);
+            let [first, end] = contact.candidates;
+            self.pressed.extend(self.candidates[first..end].iter().map(|candidate| {
+                let Candidate { point: sample, obstacle, .. } = *candidate;
+                SampleTouch { body: motion.number, sample, obstacle, side: 0, depth_m }
+            }));
+        }
+        self.pressed.sort_unstable_by_key(SampleTouch::place);
     }
 
     /// Nothing touches until it is found to.
@@ -233,26 +305,32 @@ impl ModalContacts {
         &self.touches
     }
 
+    /// How a point moves; the row is that of the point then.
+    fn go<R: Real>(&mut self, motion: &Motion<'_, R>, point: usize) -> Way {
+        let Motion { modal, .. } = *motion;
+        let row = &mut self.row[..self.modes];
+        modal.points.row(&modal.modes, point, row);
+        motion.way(modal.points.rest(point), row)
+    }
+
     /// How a point meets an obstacle, if it does; the row is that of the point then.
     fn meet<R: Real>(
         &mut self,
         motion: &Motion<'_, R>,
         obstacle: &ObstacleModel<R>,
         point: usize,
-        side: Side,
+        known: Option<Touch>,
     ) -> Option<Met<R>> {
         let Motion { modal, secs, .. } = *motion;
-        let row = &mut self.row[..self.modes];
-        modal.points.row(&modal.modes, point, row);
-        let rest = modal.points.rest(point);
-        let way = motion.way(rest, row);
+        let (way, rest) = (self.go(motion, point), modal.points.rest(point));
         let from = R::Vec3::from_dvec3(motion.in_scene(way.from));
-        let side = match (side, motion.flight) {
-            (Side::Known(side), _) => side,
-            (Side::Resting, None) => {
+        // That of a held body, where it rests; of a free one, where it is.
+        let side = match (known, motion.flight) {
+            (Some(known), _) => known.side,
+            (None, None) => {
                 side_of(&obstacle.shape, R::Vec3::from_dvec3(motion.in_scene(rest)), R::Vec3::from_dvec3(modal.place))
             }
-            (Side::Resting, Some(flight)) => side_of(&obstacle.shape, from, R::Vec3::from_dvec3(flight.start())),
+            (None, Some(flight)) => side_of(&obstacle.shape, from, R::Vec3::from_dvec3(flight.start())),
         };
         let swept = Swept { from, path: R::Vec3::from_dvec3(motion.turn * way.path), side, widest: None };
         self.known.fill(Known::default());
@@ -260,20 +338,18 @@ impl ModalContacts {
         Some(Met { way, surface, velocity })
     }
 
-    /// Has what was met last be a contact, which stands for so many points.
+    /// Has these candidates, the first of which has this place among so many, be one contact. The row is the mean of theirs.
     fn constrain<R: Real>(
         &mut self,
         motion: &Motion<'_, R>,
         model: &Model<R>,
-        number: usize,
-        met: &Met<R>,
-        points: f64,
+        candidates: &[Candidate],
+        [first, all]: [usize; 2],
     ) {
         let Motion { body, secs, .. } = *motion;
+        let Some(mean) = Candidate::mean(candidates) else { return };
+        let Candidate { obstacle, normal, .. } = mean;
         let row = &self.row[..self.modes];
-        let Met { way: Way { path, speed, .. }, surface, velocity } = *met;
-        let back: DMat3 = motion.turn.transpose();
-        let (normal, velocity) = (back * surface.normal.to_dvec3(), back * velocity.to_dvec3());
         let (mut along, mut across) = (0.0, 0.0);
         for (way, Oscillator { yields, .. }) in row.iter().zip(motion.oscillators) {
             let part = way.dot(normal);
@@ -283,21 +359,27 @@ impl ModalContacts {
         if along <= HELD {
             return;
         }
-        let depth = -(surface.gap.to_f64() + (path - velocity * secs).dot(normal));
-        let (contact, rubs) = (&body.contacts[number], &model.obstacles[number]);
+        let depth = mean.depth(secs);
+        let deepest = candidates.iter().fold(depth, |deepest, one| deepest.max(one.depth(secs)));
+        let (contact, rubs) = (&body.contacts[obstacle], &model.obstacles[obstacle]);
+        let points = candidates.len() as f64;
         let stiffness = points * contact.stiffness.to_f64();
         // Together the springs of a free body are damped as one is.
-        let share = points / self.candidates.len().max(1) as f64;
+        let share = points / all as f64;
         let contact = ModalContact {
             normal,
-            surface: velocity,
+            surface: mean.velocity,
             depth,
-            past: speed - velocity,
+            below: deepest - depth,
+            pressed: mean.pressed,
+            beyond: -mean.gap - mean.pressed,
+            past: mean.way.speed - mean.velocity,
             stiffness,
             damping: 2.0 * damping_ratio(motion) * (share * stiffness / along).sqrt(),
             mobility: [along, across],
             friction: [rubs.friction_static.to_f64(), rubs.friction_dynamic.to_f64()],
             gentle: GENTLE_SHARE * body.size.to_f64(),
+            candidates: [first, first + candidates.len()],
             pushed: 0.0,
             rubbed: DVec3::ZERO,
         };
@@ -322,23 +404,84 @@ pub(super) fn damping_ratio<R: Real>(motion: &Motion<'_, R>) -> f64 {
     highest.map_or(1.0, |[omega, damping]| (0.5 * damping / omega).clamp(LEAST_DAMPING, 1.0))
 }
 
-/// On which side of a plane or an open mesh a point is.
+/// How a point touched an obstacle before.
 #[derive(Clone, Copy, Debug)]
-enum Side {
-    /// Of a held body, where it rests; of a free one, where it is.
-    Resting,
-    /// Where it came from that touches.
-    Known(i8),
+struct Touch {
+    /// The side of a plane or an open mesh that it came from.
+    side: i8,
+    /// How far its spring is pressed, m.
+    pressed: f64,
 }
 
-/// A point of a free body that meets an obstacle.
+/// A point that meets an obstacle. All in the body's coordinates.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     point: usize,
-    side: Side,
+    /// Its place in the order of the tree.
+    place: usize,
     obstacle: usize,
-    /// How deep it is at the end of the substep without what pushes, m.
-    depth: f64,
+    way: Way,
+    /// Unit normal, away from the obstacle.
+    normal: DVec3,
+    /// How far the point is from the surface when the substep begins, m; less than nothing inside.
+    gap: f64,
+    /// The velocity of the surface, m/s.
+    velocity: DVec3,
+    /// How far its spring is pressed then, m; less than nothing outside.
+    pressed: f64,
+}
+
+impl Candidate {
+    /// A point that met an obstacle so, both by number.
+    fn new<R: Real>(
+        motion: &Motion<'_, R>,
+        (point, obstacle): (usize, usize),
+        known: Option<Touch>,
+        met: &Met<R>,
+    ) -> Self {
+        let back: DMat3 = motion.turn.transpose();
+        let gap = met.surface.gap.to_f64();
+        Self {
+            point,
+            place: motion.modal.points.place(point),
+            obstacle,
+            way: met.way,
+            normal: back * met.surface.normal.to_dvec3(),
+            gap,
+            velocity: back * met.velocity.to_dvec3(),
+            pressed: known.map_or(0.0, |known| known.pressed).min(-gap),
+        }
+    }
+
+    /// The mean of neighbours that meet the same obstacle: as a spring for each would, it is pressed by what presses all.
+    fn mean(of: &[Self]) -> Option<Self> {
+        let [first, others @ ..] = of else { return None };
+        let mut mean = *first;
+        if others.is_empty() {
+            return Some(mean);
+        }
+        for other in others {
+            mean.way.path += other.way.path;
+            mean.way.speed += other.way.speed;
+            mean.normal += other.normal;
+            mean.gap += other.gap;
+            mean.velocity += other.velocity;
+            mean.pressed += other.pressed;
+        }
+        let share = 1.0 / of.len() as f64;
+        mean.way.path *= share;
+        mean.way.speed *= share;
+        mean.normal = mean.normal.normalize();
+        mean.gap *= share;
+        mean.velocity *= share;
+        mean.pressed = (mean.pressed * share).min(-mean.gap);
+        Some(mean)
+    }
+
+    /// How deep it is at the end of a substep of `dt` (s) without what pushes, m.
+    fn depth(&self, dt: f64) -> f64 {
+        -(self.gap + (self.way.path - self.velocity * dt).dot(self.normal))
+    }
 }
 
 /// How a point meets an obstacle.
@@ -349,14 +492,6 @@ struct Met<R: Real> {
     velocity: R::Vec3,
 }
 
-impl<R: Real> Met<R> {
-    /// How deep the point is at the end of the substep without what pushes, m.
-    fn depth(&self, motion: &Motion<'_, R>) -> f64 {
-        let past = motion.turn * self.way.path - self.velocity.to_dvec3() * motion.secs;
-        -(self.surface.gap.to_f64() + past.dot(self.surface.normal.to_dvec3()))
-    }
-}
-
 /// Calls with every point that may come to the obstacle of a number: first those that touch it, then others whose
 /// box comes near. Tells how many boxes were looked at.
 fn each_near<R: Real>(
@@ -365,17 +500,17 @@ fn each_near<R: Real>(
     obstacle: &ObstacleModel<R>,
     touches: &[SampleTouch],
     plan: &Plan,
-    mut with: impl FnMut(usize, Side),
+    mut with: impl FnMut(usize, Option<Touch>),
 ) -> u64 {
     for touch in touches.iter().filter(|touch| touch.obstacle == number) {
-        with(touch.sample, Side::Known(touch.side));
+        with(touch.sample, Some(Touch { side: touch.side, pressed: touch.depth_m }));
     }
     let bounds = [obstacle.bounds.min, obstacle.bounds.max].map(Vector::to_dvec3);
     let is_near = |around: Aabb<f64>| !plan.broad_phase || motion.reaches(around, bounds);
     motion.modal.points.near([motion.now, motion.free.amplitude], is_near, |point| {
         let place = (motion.number, point, number);
         if touches.binary_search_by_key(&place, SampleTouch::place).is_err() {
-            with(point, Side::Resting);
+            with(point, None);
         }
     })
 }

@@ -1,8 +1,7 @@
 //! Where points of bodies' meshes and of free modal bodies touch obstacles, as the state has it.
 
-/// A point of a body's mesh that touches an obstacle: on which side, and how far the spring between them is pressed. As with
-/// [`super::press::Press`] it is the motion that presses it, not the place. Of a free modal body, whose springs follow from the
-/// place, a point that touches a plane or an open mesh: on which side alone.
+/// A point of a body's mesh, or any of a free modal body, that touches an obstacle: on which side, and how far the spring between
+/// them is pressed. As with [`super::press::Press`] it is the motion that presses it, not the place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleTouch {
     /// The body.

@@ -184,13 +184,10 @@ impl PointConstraint {
         movers.now(self.shares, |mover| mover.velocity) - self.carried
     }
 
-    /// How far its spring is pressed at the end of a substep of `dt` (s), m: no further than it was, or by far than takes what
-    /// it pushes with. Where rounds end before all contacts have settled, others lead the point deeper than that, and its
-    /// spring would have energy that nobody gave.
+    /// How far its spring is pressed at the end of a substep of `dt` (s), m.
     pub(in crate::physics::contact) fn pressed_at_end(&self, movers: &Movers, dt: f64) -> f64 {
         let way = dt * self.past(movers).dot(self.normal);
-        let taken = UNSETTLED * self.pushed / (dt * self.law.stiffness);
-        (self.spring.pressed - way).clamp(0.0, self.spring.pressed.max(taken).min(self.law.depth_limit))
+        pressed_at_end(self.spring.pressed, way, self.pushed / (dt * self.law.stiffness)).min(self.law.depth_limit)
     }
 
     /// What it gives the bodies in a substep of `dt` (s), J: the energy of their motion and what its spring has more. An impulse
@@ -223,4 +220,12 @@ impl PointConstraint {
     fn stored(&self, movers: &Movers, dt: f64) -> f64 {
         self.law.energy(self.pressed_at_end(movers, dt)) - self.law.energy(self.spring.pressed)
     }
+}
+
+/// How far a spring is pressed at the end of a substep, m, that was pressed so far `before` and whose point went so far out of
+/// it, all in m: no further than it was, or by far than takes what it pushes with, whose push is that of a spring pressed by
+/// `carrying`. Where rounds end before all contacts have settled, others lead the point deeper than that, and its spring would
+/// have energy that nobody gave.
+pub(in crate::physics) fn pressed_at_end(before: f64, way: f64, carrying: f64) -> f64 {
+    (before - way).clamp(0.0, before.max(UNSETTLED * carrying))
 }

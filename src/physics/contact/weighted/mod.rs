@@ -15,6 +15,7 @@ mod modal;
 mod movers;
 mod solve;
 
+pub(in crate::physics) use constraint::pressed_at_end;
 pub(super) use constraint::{PointConstraint, SpringBefore, Where};
 pub use law::DEPTH_SHARE;
 pub(in crate::physics) use law::{GENTLE_SHARE, PointLaw, STIFFNESS_OVER_MASS};
