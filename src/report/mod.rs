@@ -9,7 +9,7 @@ pub mod error;
 pub mod extremes;
 pub mod judge;
 pub mod matrix;
-#[cfg(feature = "peers")]
+#[cfg(any(test, feature = "peers"))]
 pub mod peers;
 pub mod single;
 pub mod speed;

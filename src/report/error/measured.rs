@@ -54,7 +54,7 @@ impl Measured {
     }
 
     /// The same of the time that processors spent on it.
-    #[cfg(feature = "peers")]
+    #[cfg(any(test, feature = "peers"))]
     pub(in crate::report) fn processor_secs(&self) -> [f64; 3] {
         spread(&self.processor_secs)
     }
