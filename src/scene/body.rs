@@ -141,6 +141,10 @@ pub struct ModelShape {
     pub up: UpAxis,
     /// What a solid's cells weigh and resist with.
     pub mass_from: MassFrom,
+    /// Cells put beside the model's own by hand, in their grid: the lowest corner of the box around the model is [0, 0, 0].
+    pub attached: Vec<[i32; 3]>,
+    /// Those of the model's own that were taken away by hand.
+    pub erased: Vec<[i32; 3]>,
 }
 
 impl Default for ModelShape {
@@ -153,6 +157,8 @@ impl Default for ModelShape {
             length: 1.0,
             up: UpAxis::Y,
             mass_from: MassFrom::Cells,
+            attached: Vec::new(),
+            erased: Vec::new(),
         }
     }
 }

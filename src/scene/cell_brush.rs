@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::body::{Body, CellsShape, CubeShape, Inlay, PinBox, Shape};
+use super::body::{Body, CellsShape, CubeShape, Inlay, ModelShape, PinBox, Shape};
 use crate::math::rotation;
 
 /// What a brush does to a cell.
@@ -72,6 +72,28 @@ pub fn face_at(list: &[[i32; 3]], point: DVec3) -> Option<([i32; 3], [i32; 3])> 
     // The outermost, of equal ones the first.
     let face = faces.into_iter().reduce(|best, face| if face.0 > best.0 { face } else { best })?;
     Some((touched, face.1))
+}
+
+impl ModelShape {
+    /// The same model with a cell more or less, in the grid of its own. What is done to a cell takes back what was.
+    pub fn with_cell(&self, cell: [i32; 3], change: CellChange) -> Self {
+        let mut model = self.clone();
+        let (list, other) = match change {
+            CellChange::Attach => (&mut model.attached, &mut model.erased),
+            CellChange::Erase => (&mut model.erased, &mut model.attached),
+        };
+        let before = other.len();
+        other.retain(|known| *known != cell);
+        if other.len() == before && !list.contains(&cell) {
+            list.push(cell);
+        }
+        model
+    }
+
+    /// The same model with its own cells.
+    pub fn without_changes(&self) -> Self {
+        Self { attached: Vec::new(), erased: Vec::new(), ..self.clone() }
+    }
 }
 
 impl Body {

@@ -241,6 +241,13 @@ mod tests {
     }
 
     #[test]
+    fn what_becomes_a_model_has_no_cells_of_anyone_s_hand() {
+        let scene = changed("bodies.0.shape.model.path", "builtin:tree.obj").expect("a model");
+        let Shape::Model(model) = &scene.bodies[0].shape else { panic!("it is a model") };
+        assert_eq!((model.attached.len(), model.erased.len()), (0, 0));
+    }
+
+    #[test]
     fn vectors_have_three_spellings_and_gravity_a_fourth() {
         for text in ["(0, -3, 0)", "[0,-3,0]", "0, -3, 0", "3"] {
             let gravity = changed("settings.gravity", text).map(|scene| scene.settings.gravity);

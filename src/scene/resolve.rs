@@ -169,6 +169,27 @@ impl Filled {
         Outline { counts: LatticeCounts::of(&self.cells), grid: self.cells.grid, mesh_vertices }
     }
 
+    /// The same with the cells that a model has more and less by hand. A cell more is full.
+    pub fn by_hand(mut self, model: &ModelShape) -> Result<Self, ResolveError> {
+        if model.erased.is_empty() && model.attached.is_empty() {
+            return Ok(self);
+        }
+        let (cells, places) = self.cells.changed(&model.erased, &model.attached)?;
+        let counts = LatticeCounts::of(&cells);
+        if counts.particles > MAX_PARTICLES {
+            return Err(ResolveError::TooManyParticles { particles: counts.particles });
+        }
+        if let Some(contents) = &mut self.contents {
+            contents.shares = places.iter().map(|place| place.map_or(1.0, |place| contents.shares[place])).collect();
+        }
+        if let Some(report) = &mut self.report {
+            (report.cells, report.particles, report.links) =
+                (counts.cells, counts.particles, counts.links.iter().sum());
+            report.dims = cells.grid.dims;
+        }
+        Ok(Self { cells, ..self })
+    }
+
     /// Builds the lattice.
     pub fn build(self) -> Jelly {
         let Self { cells, contents, mesh, paint, shading, parts, report, up, warnings } = self;
@@ -224,7 +245,7 @@ pub fn fill<'a>(shape: &Shape, places: impl Into<ModelPlaces<'a>>, watch: &dyn W
     let cells = match shape {
         Shape::Cube(cube) => Cells::cube(cube.cells, cube.size / f64::from(cube.cells.max(1)))?,
         Shape::Cells(cells) => Cells::from_list(&cells.list, cells.size)?,
-        Shape::Model(model) => return fill_model(model, places.into(), watch),
+        Shape::Model(model) => return fill_model(model, places.into(), watch)?.by_hand(model),
     };
     Ok(Filled {
         cells,

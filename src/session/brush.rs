@@ -4,11 +4,12 @@ use glam::DVec3;
 
 use super::stroke::Stroke;
 use super::{CellTouch, Session, SessionError};
+use crate::geometry::voxel::lowest;
 use crate::math::Vector;
 use crate::physics::Arrival;
 use crate::scene::cell_brush::{CellChange, face_at, middle, own_cells};
-use crate::scene::edit::{Edit, EditError};
-use crate::scene::named;
+use crate::scene::edit::{BodyId, Edit, EditError};
+use crate::scene::{Body, Shape, named};
 
 impl Session {
     /// Changes the cell that is touched.
@@ -17,11 +18,9 @@ impl Session {
         let count = self.scene.bodies.len();
         let body = self.scene.bodies.get(id.0).ok_or(EditError::NoSuchBody { id, count })?;
         let name = || named(&body.name, "body", id.0);
-        let Some((mut list, size)) = own_cells(&body.shape) else {
-            return Err(SessionError::CellsOfModel { name: name() });
-        };
         let point = self.rest_place(touch)?;
-        let Some((touched, beyond)) = face_at(&list, middle(&list) + point / size) else { return Ok(()) };
+        let (mut list, at) = self.cells_about(id, &body.shape, point);
+        let Some((touched, beyond)) = face_at(&list, at) else { return Ok(()) };
         if self.stroke.body != Some(id) {
             self.stroke = Stroke { body: Some(id), changed: Vec::new() };
         }
@@ -41,13 +40,38 @@ impl Session {
         if list.is_empty() {
             return Err(SessionError::LastCell { name: name() });
         }
-        let Some(new) = body.with_cells(list) else { return Ok(()) };
+        let new = match &body.shape {
+            Shape::Model(model) => {
+                let shape = Shape::Model(model.with_cell(changed, touch.change));
+                Body { shape, ..body.clone() }
+            }
+            _ => match body.with_cells(list) {
+                Some(new) => new,
+                None => return Ok(()),
+            },
+        };
         // The first cell makes a list of a cube: what else a stroke does is the same change.
         let words = format!("cells of {}", name());
         let change = self.make(Edit::Body(id, Box::new(new)), words, false, Arrival::Placed)?;
         self.history.record(change);
         self.stroke.changed.push(changed);
         Ok(())
+    }
+
+    /// The cells of a body in the grid in which a brush changes them, and where a point of it (m, in its own coordinates) is there.
+    fn cells_about(&self, id: BodyId, shape: &Shape, point: DVec3) -> (Vec<[i32; 3]>, DVec3) {
+        if let Some((list, size)) = own_cells(shape) {
+            let at = middle(&list) + point / size;
+            return (list, at);
+        }
+        let lattice = &self.simulation.model().bodies[id.0].lattice;
+        let attached = if let Shape::Model(model) = shape { &model.attached[..] } else { &[] };
+        let low: [i32; 3] = std::array::from_fn(|axis| lowest(attached, axis));
+        let cells = (0..).zip(&lattice.cells).map(|(cell, _)| lattice.low(cell));
+        let list =
+            cells.map(|cell| std::array::from_fn(|axis| low[axis].saturating_add_unsigned(cell[axis]))).collect();
+        let from_low = (point - lattice.grid.origin) / lattice.grid.cell_size;
+        (list, from_low + DVec3::from_array(low.map(f64::from)))
     }
 
     /// Where the point that is touched is at rest, in the body's coordinates, m.

@@ -111,18 +111,83 @@ fn a_brush_that_is_held_still_neither_piles_up_nor_digs_on() {
 }
 
 #[test]
-fn the_last_cell_stays_and_a_model_has_none_of_its_own() {
+fn the_last_cell_stays() {
     let mut session = session_of(Shape::Cells(CellsShape { list: vec![[5, 5, 5]], size: 0.2 }));
     let before = session.scene().clone();
     let last = touch(&session, [0.5, 0.1, 0.0], CellChange::Erase);
     let said = session.handle(Command::Brush(last)).expect_err("it is refused").to_string();
     assert!(said.contains("the last cell of Jelly stays"), "{said}");
     assert_eq!(session.scene(), &before);
-    let model = ModelShape { path: "builtin:spot.obj".to_owned(), divisions: 6, ..ModelShape::default() };
-    let mut session = session_of(Shape::Model(model));
-    let of_model = touch(&session, [0.0; 3], CellChange::Attach);
-    let said = session.handle(Command::Brush(of_model)).expect_err("it is refused").to_string();
-    assert!(said.contains("the cells of Jelly come from its model"), "{said}");
+}
+
+/// Spot in few divisions.
+fn spot() -> Session {
+    let model = ModelShape { path: "builtin:spot.obj".to_owned(), divisions: 8, ..ModelShape::for_new() };
+    session_of(Shape::Model(model))
+}
+
+/// What is changed by hand of the cells of a model: those more and those less.
+fn by_hand(session: &Session) -> [Vec<[i32; 3]>; 2] {
+    let Shape::Model(model) = &session.scene().bodies[0].shape else { return [Vec::new(), Vec::new()] };
+    [model.attached.clone(), model.erased.clone()]
+}
+
+#[test]
+fn cells_of_a_model_are_changed_by_hand_and_it_goes_on_as_it_moves() {
+    let mut session = spot();
+    for _ in 0..50 {
+        session.step();
+    }
+    let (start, before) = (session.scene().clone(), particles(&session));
+    let lattice = std::sync::Arc::clone(&session.simulation().model().bodies[0].lattice);
+    let (last, grid) = (lattice.cells.len() - 1, lattice.grid);
+    // The cell that comes last is at the far end along z: what is put on that face makes the box grow.
+    let low = lattice.low(u32::try_from(last).expect("few cells"));
+    let face = (grid.corner(low) + DVec3::new(0.5, 0.5, 1.0) * grid.cell_size) / grid.cell_size;
+    brush(&mut session, face.to_array(), CellChange::Attach);
+    session.handle(Command::EndEdit).expect("it is lifted");
+    let beyond = low.map(u32::cast_signed);
+    let beyond = [beyond[0], beyond[1], beyond[2] + 1];
+    assert_eq!(by_hand(&session), [vec![beyond], Vec::new()], "one more beside the last");
+    let now = &session.simulation().model().bodies[0];
+    assert_eq!(now.lattice.cells.len(), lattice.cells.len() + 1);
+    let shares = now.lattice.shares.as_ref().expect("it weighs what is in its cells");
+    assert_eq!(shares.len(), now.lattice.cells.len(), "a share for each");
+    let after = particles(&session);
+    for (start, position, velocity) in &before {
+        let now = after.iter().find(|particle| particle.0 == *start).expect("it stays");
+        assert!(now.1.distance(*position) < 1e-5 && now.2.distance(*velocity) < 1e-4, "{start:?}: where it was");
+    }
+    // Taken away again it is none of the model's own that is erased; the one below it is.
+    let above = (grid.corner(low) + DVec3::new(0.5, 0.5, 2.0) * grid.cell_size) / grid.cell_size;
+    brush(&mut session, above.to_array(), CellChange::Erase);
+    session.handle(Command::EndEdit).expect("it is lifted");
+    assert_eq!(by_hand(&session), [const { Vec::<[i32; 3]>::new() }; 2]);
+    brush(&mut session, face.to_array(), CellChange::Erase);
+    session.handle(Command::EndEdit).expect("it is lifted");
+    assert_eq!(by_hand(&session), [Vec::new(), vec![low.map(u32::cast_signed)]]);
+    assert!(session.step() && !session.simulation().has_diverged(), "and goes on");
+    for _ in 0..3 {
+        session.handle(Command::Undo).expect("there is one");
+    }
+    assert_eq!(session.scene(), &start, "all taken back");
+}
+
+#[test]
+fn a_scene_file_has_the_cells_that_were_changed_by_hand() {
+    let mut session = spot();
+    let body = &session.simulation().model().bodies[0];
+    let (low, grid) = (body.lattice.low(0), body.lattice.grid);
+    let face = (grid.corner(low) + DVec3::new(0.5, 0.5, 0.0) * grid.cell_size) / grid.cell_size;
+    brush(&mut session, face.to_array(), CellChange::Attach);
+    let [attached, _] = by_hand(&session);
+    assert!(attached[0][2] < 0, "below the box: {attached:?}");
+    let text = session.scene().to_ron().expect("a scene");
+    let read = Scene::from_ron(&text, "spot.ron").expect("it is read");
+    assert_eq!(&read, session.scene());
+    let again = Session::new(read, PathBuf::new(), "spot".to_owned()).expect("it resolves");
+    let [one, other] = [&session, &again].map(|of| &of.simulation().model().bodies[0].lattice);
+    assert_eq!((&one.cells, &one.grid, &one.shares), (&other.cells, &other.grid, &other.shares), "the same body");
 }
 
 #[test]

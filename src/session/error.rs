@@ -102,12 +102,6 @@ pub enum SessionError {
     /// A pull at something that is not there.
     #[error("the pull names a body or particles that the scene does not have")]
     Pull,
-    /// The cells of a model are not its own.
-    #[error("the cells of {name} come from its model: its divisions and occupancy say which there are")]
-    CellsOfModel {
-        /// The body.
-        name: String,
-    },
     /// A body has a cell.
     #[error("the last cell of {name} stays; delete the whole body instead")]
     LastCell {

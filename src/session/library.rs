@@ -5,11 +5,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::geometry::Watch;
-use crate::scene::resolve::{Filled, Jelly, ModelPlaces, Outline, ResolveError, fill, resolve};
+use crate::scene::body::ModelShape;
+use crate::scene::resolve::{Filled, Jelly, ModelPlaces, Outline, ResolveError, fill};
 use crate::scene::{Embedded, Shape, embedded};
 
 /// Shapes kept; the one that was not asked for longest goes first.
 const CAPACITY: usize = 64;
+
+/// Models kept as they were filled, so that cells can be changed by hand one after another; the oldest goes first.
+const MODELS: usize = 4;
 
 /// Shapes that have been made ready, the one asked for last at the end.
 #[derive(Clone, Debug, Default)]
@@ -20,12 +24,14 @@ pub(super) struct Library {
     entries: Vec<(Shape, Jelly)>,
     /// Models that have been filled and wait to be made ready: that takes long.
     filled: Vec<(Shape, Filled)>,
+    /// Models as they were filled, without what was changed by hand.
+    models: Vec<(ModelShape, Filled)>,
 }
 
 impl Library {
     /// An empty one; relative model paths start at `base_dir`.
     pub(super) fn new(base_dir: PathBuf) -> Self {
-        Self { base_dir, embedded: Embedded::default(), entries: Vec::new(), filled: Vec::new() }
+        Self { base_dir, embedded: Embedded::default(), entries: Vec::new(), filled: Vec::new(), models: Vec::new() }
     }
 
     /// The models that the scene holds itself; another scene holds others.
@@ -33,6 +39,7 @@ impl Library {
         if self.embedded != *embedded {
             self.entries.retain(|(shape, _)| !is_embedded(shape));
             self.filled.retain(|(shape, _)| !is_embedded(shape));
+            self.models.retain(|(model, _)| !model.path.starts_with(embedded::PREFIX));
             self.embedded = embedded.clone();
         }
     }
@@ -52,7 +59,7 @@ impl Library {
         if let Some((_, jelly)) = self.entries.iter().find(|(known, _)| known == shape) {
             return Ok(jelly.outline());
         }
-        let filled = fill(shape, self.places(), watch)?;
+        let filled = self.fill(shape, watch)?;
         let outline = filled.outline();
         if matches!(shape, Shape::Model(_)) {
             self.filled.push((shape.clone(), filled));
@@ -73,11 +80,26 @@ impl Library {
         } else {
             let jelly = match self.filled.iter().position(|(known, _)| known == shape) {
                 Some(place) => self.filled.remove(place).1.build(),
-                None => resolve(shape, self.places(), watch)?,
+                None => self.fill(shape, watch)?.build(),
             };
             self.put(shape.clone(), jelly);
         }
         Ok(self.entries[self.entries.len() - 1].1.clone())
+    }
+
+    /// Fills a shape; a model is filled once, whatever is changed of its cells by hand.
+    fn fill(&mut self, shape: &Shape, watch: &dyn Watch) -> Result<Filled, ResolveError> {
+        let Shape::Model(model) = shape else { return fill(shape, self.places(), watch) };
+        let own = model.without_changes();
+        if let Some((_, filled)) = self.models.iter().find(|(known, _)| *known == own) {
+            return filled.clone().by_hand(model);
+        }
+        let filled = fill(&Shape::Model(own.clone()), self.places(), watch)?;
+        if self.models.len() == MODELS {
+            self.models.remove(0);
+        }
+        self.models.push((own, filled.clone()));
+        filled.by_hand(model)
     }
 
     /// Takes a shape that was made ready elsewhere. One model in several shapes has its pictures once.

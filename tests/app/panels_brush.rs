@@ -5,7 +5,7 @@ use gelatin::app::ui::Brush;
 use gelatin::scene::body::ModelShape;
 use gelatin::scene::cell_brush::CellChange;
 use gelatin::scene::edit::BodyId;
-use gelatin::scene::{Scene, Shape, presets};
+use gelatin::scene::{Scene, Shape, Skin, presets};
 
 use crate::live::Window;
 
@@ -34,9 +34,23 @@ fn a_brush_is_taken_turned_round_and_put_down() {
 }
 
 #[test]
-fn a_model_has_no_cells_of_its_own_to_draw_over() {
+fn a_model_shows_its_cells_for_the_brush_and_has_its_own_again() {
     let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
-    let model = ModelShape { path: "builtin:spot.obj".to_owned(), divisions: 6, ..ModelShape::default() };
+    let erased = vec![[1, 2, 3], [1, 2, 4]];
+    let model = ModelShape { path: "builtin:spot.obj".to_owned(), divisions: 6, erased, ..ModelShape::default() };
     scene.bodies[0].shape = Shape::Model(model);
-    assert!(!window(scene).has("Brush"));
+    let mut window = window(scene);
+    let body = |window: &Window| window.scene().bodies[0].clone();
+    assert_eq!(body(&window).skin, Skin::Auto);
+    window.control("Brush").scroll_to_me();
+    window.wait();
+    window.choose("Brush", "adds cells");
+    window.wait();
+    assert_eq!(body(&window).skin, Skin::Cells, "what is drawn over is seen");
+    window.control("Clear").scroll_to_me();
+    window.wait();
+    window.click("Clear");
+    window.wait();
+    let Shape::Model(model) = body(&window).shape else { panic!("it is a model") };
+    assert!(model.erased.is_empty(), "it has its own cells again");
 }

@@ -124,10 +124,58 @@ impl Cells {
         Ok(Self { grid, filled })
     }
 
+    /// These cells without some of them and with others beside them, by their coordinates in this grid. The box grows to hold
+    /// them; every cell that stays is where it was. And of each that is filled then, in their order, its place among those that were
+    /// before.
+    pub fn changed(
+        &self,
+        erased: &[[i32; 3]],
+        attached: &[[i32; 3]],
+    ) -> Result<(Self, Vec<Option<usize>>), CellsError> {
+        let own = |cell: &[i32; 3]| {
+            let cell = [u32::try_from(cell[0]).ok()?, u32::try_from(cell[1]).ok()?, u32::try_from(cell[2]).ok()?];
+            (0..3).all(|axis| cell[axis] < self.grid.dims[axis]).then(|| self.grid.index(cell))
+        };
+        let mut places: Vec<Option<usize>> = vec![None; self.filled.len()];
+        let filled = self.filled.iter().enumerate().filter(|(_, filled)| **filled);
+        filled.enumerate().for_each(|(place, (index, _))| places[index] = Some(place));
+        erased.iter().filter_map(own).for_each(|index| places[index] = None);
+
+        let low: [i64; 3] = std::array::from_fn(|axis| lowest(attached, axis).into());
+        let extent = |axis: usize| {
+            let high = attached.iter().map(|cell| i64::from(cell[axis]) + 1);
+            high.fold(i64::from(self.grid.dims[axis]), i64::max).abs_diff(low[axis])
+        };
+        let grid = checked_grid([extent(0), extent(1), extent(2)], self.grid.cell_size)?;
+        let shift = DVec3::from_array(low.map(|low| low as f64));
+        let grid = Grid { origin: self.grid.origin + shift * self.grid.cell_size, ..grid };
+        let within = |cell: [i64; 3]| {
+            let from_low = |axis: usize| u32::try_from(cell[axis] - low[axis]).unwrap_or(u32::MAX);
+            grid.index([from_low(0), from_low(1), from_low(2)])
+        };
+        let mut filled = vec![false; grid.len()];
+        let mut place_of = vec![None; grid.len()];
+        for (cell, place) in self.grid.iter().zip(places) {
+            let index = within(cell.map(i64::from));
+            (filled[index], place_of[index]) = (place.is_some(), place);
+        }
+        attached.iter().for_each(|cell| filled[within(cell.map(i64::from))] = true);
+        if !filled.contains(&true) {
+            return Err(CellsError::Empty);
+        }
+        let places = place_of.into_iter().zip(&filled).filter(|(_, filled)| **filled).map(|(place, _)| place).collect();
+        Ok((Self { grid, filled }, places))
+    }
+
     /// The number of filled cells.
     pub fn count(&self) -> usize {
         self.filled.iter().filter(|&&filled| filled).count()
     }
+}
+
+/// The lowest coordinate along an axis of a grid that holds its own cells, from zero up, and these.
+pub fn lowest(attached: &[[i32; 3]], axis: usize) -> i32 {
+    attached.iter().map(|cell| cell[axis]).fold(0, i32::min)
 }
 
 fn checked_grid(dims: [u64; 3], cell_size: f64) -> Result<Grid, CellsError> {
@@ -151,6 +199,26 @@ mod tests {
         assert_eq!(cells.grid.dims, [2, 1, 1], "the box is as large as the cells need");
         assert_eq!(cells.grid.origin, DVec3::new(-0.5, -0.25, -0.25), "the middle of the box is the origin");
         assert_eq!(cells.count(), 2, "one of the three is a duplicate");
+    }
+
+    #[test]
+    fn cells_are_put_beside_others_and_taken_away_where_they_are() {
+        let cube = Cells::cube(2, 0.5).expect("a small cube");
+        let (changed, places) =
+            cube.changed(&[[0, 0, 0], [9, 9, 9]], &[[-2, 1, 0], [1, 1, 1], [0, 3, 0]]).expect("a few");
+        assert_eq!((changed.grid.dims, changed.grid.origin), ([4, 4, 2], DVec3::new(-1.5, -0.5, -0.5)), "it grows");
+        assert_eq!(changed.count(), 9, "one of eight is gone, two are new");
+        assert_eq!(places.iter().filter(|place| place.is_none()).count(), 2, "the new ones are none of the old");
+        let filled: Vec<_> = changed.grid.iter().zip(&changed.filled).filter(|(_, filled)| **filled).collect();
+        for ((cell, _), place) in filled.iter().zip(&places) {
+            let Some(place) = place else { continue };
+            let before = cube.grid.corner(cube.grid.iter().nth(*place).expect("it is full"));
+            assert_eq!(changed.grid.corner(*cell), before, "where it was");
+        }
+        let all: Vec<_> = cube.grid.iter().map(|cell| cell.map(|at| at.cast_signed())).collect();
+        assert_eq!(cube.changed(&all, &[]), Err(CellsError::Empty), "one has to be left");
+        let far = cube.changed(&[], &[[1000; 3], [-1000; 3]]).expect_err("it spans too much").to_string();
+        assert!(far.contains("2001 x 2001 x 2001"), "{far}");
     }
 
     #[test]

@@ -23,7 +23,7 @@ use choice::Filled;
 use components::Components;
 use contents::contents;
 pub use contents::{Contents, LEAST_SHARE, SHEET_SHARE};
-pub use grid::{Cells, CellsError, Grid};
+pub use grid::{Cells, CellsError, Grid, lowest};
 pub use options::{Keep, MAX_DIVISIONS, OccupancyChoice, VoxelizeError, VoxelizeOptions};
 use quantized_mesh::QuantizedMesh;
 pub use report::VoxelReport;

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use serde_json::Value;
 
 use super::definition::Param;
+use super::matches;
 use crate::scene::body::{CellsShape, CubeShape, Inlay, ModelShape, Part, PinBox};
 use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Mesh, Motion, Oscillate, Plane, Sphere, Turn};
 use crate::scene::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid};
@@ -20,6 +21,10 @@ impl Param {
 pub(in crate::scene) fn default_at(path: &str) -> Option<Value> {
     if path == "view.color_range" {
         return Some(Value::Null);
+    }
+    // No model has one by default, and what becomes a model is to have none.
+    if ["attached.*", "erased.*"].iter().any(|cell| matches(&format!("bodies.*.shape.model.{cell}"), path)) {
+        return Some(Value::from(vec![0; 3]));
     }
     let is_place = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
     let names: Vec<&str> = path.split('.').map(|name| if is_place(name) { "*" } else { name }).collect();
@@ -37,7 +42,8 @@ fn tree() -> &'static Value {
 #[cfg(test)]
 pub(in crate::scene) fn specimen() -> Scene {
     let mut scene = defaults();
-    let model = ModelShape { path: "builtin:tree.obj".to_owned(), ..ModelShape::default() };
+    let (path, attached, erased) = ("builtin:tree.obj".to_owned(), vec![[-1, 0, 0]], vec![[1, 1, 1]]);
+    let model = ModelShape { path, attached, erased, ..ModelShape::default() };
     scene.bodies[2].shape = Shape::Model(model);
     scene.obstacles[5].shape = ObstacleShape::Mesh(Mesh { path: "builtin:tree.obj".to_owned(), ..Mesh::default() });
     scene

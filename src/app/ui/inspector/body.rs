@@ -147,9 +147,7 @@ fn shape_ui(
         model_ui(ui, id, body, commands);
         skin_ui(ui, id, body, commands);
     }
-    if !matches!(body.shape, Shape::Model(_)) {
-        brush_ui(ui, id, state);
-    }
+    brush_ui(ui, id, body, state, commands);
     if let Some(status) = status {
         row_ui(ui, "Mass", &format!("{} kg", figure((status.mass_kg * 1e4).round() / 1e4)));
         row_ui(ui, "Cells", &status.cells.to_string());
@@ -162,8 +160,8 @@ fn shape_ui(
     }
 }
 
-/// The brush over its cells: none, or one that adds or takes away.
-fn brush_ui(ui: &mut Ui, id: BodyId, state: &mut UiState) {
+/// The brush over its cells: none, or one that adds or takes away. A model is drawn as its cells for it.
+fn brush_ui(ui: &mut Ui, id: BodyId, body: &Body, state: &mut UiState, commands: &mut Vec<Command>) {
     let words = |change| match change {
         None => "none",
         Some(CellChange::Attach) => "adds cells",
@@ -177,6 +175,10 @@ fn brush_ui(ui: &mut Ui, id: BodyId, state: &mut UiState) {
             for change in [None, Some(CellChange::Attach), Some(CellChange::Erase)] {
                 if ui.selectable_label(change == now, words(change)).clicked() {
                     state.brush = change.map(|change| Brush { body: id, change });
+                    if change.is_some() && matches!(body.shape, Shape::Model(_)) && body.skin == Skin::Auto {
+                        let drawn = Body { skin: Skin::Cells, ..body.clone() };
+                        commands.extend(edits::alone(Edit::Body(id, Box::new(drawn))));
+                    }
                 }
             }
         });
@@ -243,7 +245,7 @@ fn row_ui(ui: &mut Ui, name: &str, value: &str) {
 }
 
 /// The name of a row that is no parameter.
-fn name_ui(ui: &mut Ui, name: &str) -> Response {
+pub(super) fn name_ui(ui: &mut Ui, name: &str) -> Response {
     let name = |ui: &mut Ui| {
         ui.set_min_width(LABEL_WIDTH);
         ui.label(RichText::new(name).color(theme::of(ui).weak))

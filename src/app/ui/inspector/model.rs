@@ -1,7 +1,8 @@
 //! How a body's model is filled with cells. Every change fills it anew; what moves goes on.
 
-use egui::Ui;
+use egui::{Label, Ui};
 
+use super::body::name_ui;
 use super::settings::{choice_ui, words_of};
 use crate::app::ui::edits;
 use crate::app::ui::value::field_ui;
@@ -14,6 +15,9 @@ use crate::session::jellify::occupancy_word;
 const KEEP: [(Keep, &str); 2] = [(Keep::Largest, "the largest piece"), (Keep::All, "all pieces")];
 const MASS_FROM: [(MassFrom, &str); 2] = [(MassFrom::Samples, "what is in cells"), (MassFrom::Cells, "full cells")];
 
+const BY_HAND: &str =
+    "Cells that the brush put there or took away. Other divisions have other cells, and none of these.";
+
 /// Divisions, length, and which cells there are.
 pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
     let Shape::Model(old) = &body.shape else { return };
@@ -25,7 +29,10 @@ pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<
     interaction.and(field_ui(ui, &path("length"), "Length", &mut model.length));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the parameter's range")]
     let whole = divisions.round() as u32;
-    model.divisions = whole;
+    if whole != old.divisions {
+        // Cells of another size are others.
+        model = ModelShape { divisions: whole, ..model.without_changes() };
+    }
     interaction.send(|| edit(model), commands);
 
     let occupancy = [OccupancyChoice::Auto, OccupancyChoice::Centre, OccupancyChoice::Surface, OccupancyChoice::Solid];
@@ -38,6 +45,7 @@ pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<
     if let Some(keep) = choice_ui(ui, &path("keep"), "Keep", old.keep, shown, &KEEP) {
         commands.extend(edits::alone(edit(ModelShape { keep, ..old.clone() })));
     }
+    by_hand_ui(ui, old, || edit(old.without_changes()), commands);
     // Particles of springs weigh what they are said to.
     if let Material::Solid(_) = body.material {
         let shown = words_of(old.mass_from, &MASS_FROM);
@@ -45,4 +53,20 @@ pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<
             commands.extend(edits::alone(edit(ModelShape { mass_from, ..old.clone() })));
         }
     }
+}
+
+/// How many cells were changed by hand, and a button that has the model's own again.
+fn by_hand_ui(ui: &mut Ui, model: &ModelShape, edit: impl FnOnce() -> Edit, commands: &mut Vec<Command>) {
+    let [more, less] = [model.attached.len(), model.erased.len()];
+    if more + less == 0 {
+        return;
+    }
+    ui.horizontal(|ui| {
+        name_ui(ui, "By hand");
+        let button = ui.button("Clear").on_hover_text(BY_HAND);
+        ui.add(Label::new(format!("{more} more, {less} less")).truncate());
+        if button.clicked() {
+            commands.extend(edits::alone(edit()));
+        }
+    });
 }
