@@ -10,9 +10,7 @@
 //! ```
 //!
 //! Below the limit of that the motion stays bounded as long as the stiffness does not change; it changes from substep to
-//! substep in such a body, which pumps energy into it near the limit. So only a share of it is taken. Damping alone takes energy
-//! in every substep that is below its limit, however it changes: with a scheme that adds its load to that of stiffness, as
-//! semi-implicit Euler does, more of it is taken.
+//! substep in such a body, which pumps energy into it near the limit. So only a share of it is taken.
 
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -22,25 +20,18 @@ use crate::math::Real;
 use crate::physics::model::Scheme;
 use crate::physics::model::{BodyModel, Link, LinkConstants, LinkFamily, Model, Values};
 
-/// Parts stay below this share of the step that is bounded in any state, ...
+/// Parts stay below this share of the step that is bounded in any state.
 pub(crate) const SHARE: f64 = 0.4;
-
-/// ... and where damping bounds it, below this one.
-const DAMPING_SHARE: f64 = 0.9;
 
 /// Into how many parts a substep of `dt_secs` is divided while a body is strained.
 pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, scheme: Scheme, dt_secs: f64) -> u32 {
     let loads: Vec<[f64; 2]> = model.bodies.iter().flat_map(|body| loads(body)).collect();
-    let adds_up = matches!(scheme, Scheme::SemiImplicit | Scheme::Verlet);
-    let margin = Margin { stiffness: SHARE, damping: [if adds_up { DAMPING_SHARE } else { SHARE }; 3] };
     let is_bearable = |parts: u32| {
-        let dt = dt_secs / f64::from(parts);
-        let shares = load_shares(scheme, dt, margin);
+        let dt = dt_secs / (SHARE * f64::from(parts));
+        let shares = load_shares(scheme, dt, Margin::NONE);
         // Across a link that is stretched nothing damps: there the stabilised scheme is no better than RK2.
-        let across = (scheme == Scheme::Stabilised).then(|| {
-            let dt = dt / SHARE;
-            LoadShare { stiffness: dt * dt, damping: [0.0; 3], pushes: 0.0 }
-        });
+        let across =
+            (scheme == Scheme::Stabilised).then_some(LoadShare { stiffness: dt * dt, damping: [0.0; 3], pushes: 0.0 });
         shares.iter().flatten().chain(&across).all(|share| {
             let bearable = |[k, d]: &[f64; 2]| k * share.stiffness + d * share.damping_of_cells() <= LATTICE_LIMIT;
             loads.iter().all(bearable)
