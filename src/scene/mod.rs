@@ -14,6 +14,7 @@ mod names;
 pub mod obstacle;
 pub mod own_weight;
 pub mod param;
+pub mod part_problem;
 pub mod path;
 pub mod placement;
 pub mod presets;

@@ -11,7 +11,8 @@ use crate::extract::skin::{cells_skin, model_skin};
 use crate::geometry::part_cells::PartCount;
 use crate::geometry::{Lattice, Watch};
 use crate::scene::param::Problem;
-use crate::scene::resolve::{Jelly, Outline, part_problem};
+use crate::scene::part_problem::part_problem;
+use crate::scene::resolve::{Jelly, Outline};
 use crate::scene::{Body, Material, Scene, Shape, Skin as SkinChoice};
 use crate::view::{Skin, SkinInstance, Style};
 

@@ -1,11 +1,12 @@
 //! Which points of a modal body meet which obstacles within a substep, and what their springs have to do.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
+use super::candidate::{Candidate, Met, Touch};
 use super::motion::{MARGIN, Motion, Way, sum};
 use super::oscillator::Oscillator;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::contact::{GENTLE_SHARE, Known, Placed, Surface, Swept, met_side, pressed_at_end};
+use crate::physics::contact::{GENTLE_SHARE, Known, Placed, Swept, met_side, pressed_at_end};
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{Model, ObstacleModel, ObstacleShape};
 use crate::physics::report::Recorder;
@@ -244,18 +245,16 @@ impl ModalContacts {
     }
 
     /// Finds which points of a free body touch obstacles after a motion: of planes and open meshes, each on the side that it
-    /// came from; of others, those whose springs are pressed. `change` is what changed of the rates.
+    /// came from; of others, those whose springs are pressed ([`Self::press`]).
     pub(super) fn find_touches<R: Real>(
         &mut self,
         motion: &Motion<'_, R>,
-        change: &[f64],
         model: &Model<R>,
         obstacles: &Placed<R>,
         touches: &[SampleTouch],
         plan: &Plan,
         recorder: &mut Recorder<'_>,
     ) {
-        self.press(motion, change);
         for number in 0..model.obstacles.len() {
             let obstacle = obstacles.met(motion.number, number);
             if obstacle.shape.side_row().is_none() {
@@ -280,8 +279,9 @@ impl ModalContacts {
         self.touches.sort_unstable_by_key(SampleTouch::place);
     }
 
-    /// Finds how far the springs of all candidates are pressed at the end: each as that of its group.
-    fn press<R: Real>(&mut self, motion: &Motion<'_, R>, change: &[f64]) {
+    /// Finds how far the springs of all candidates are pressed at the end, each as that of its group; `change` is what changed of
+    /// the rates.
+    pub(super) fn press<R: Real>(&mut self, motion: &Motion<'_, R>, change: &[f64]) {
         self.pressed.clear();
         let rows = self.rows.chunks_exact(self.modes.max(1));
         for (contact, row) in self.all.iter().zip(rows) {
@@ -402,94 +402,6 @@ impl ModalContacts {
 pub(super) fn damping_ratio<R: Real>(motion: &Motion<'_, R>) -> f64 {
     let highest = motion.modal.modes.rates().last().filter(|_| motion.flight.is_some());
     highest.map_or(1.0, |[omega, damping]| (0.5 * damping / omega).clamp(LEAST_DAMPING, 1.0))
-}
-
-/// How a point touched an obstacle before.
-#[derive(Clone, Copy, Debug)]
-struct Touch {
-    /// The side of a plane or an open mesh that it came from.
-    side: i8,
-    /// How far its spring is pressed, m.
-    pressed: f64,
-}
-
-/// A point that meets an obstacle. All in the body's coordinates.
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    point: usize,
-    /// Its place in the order of the tree.
-    place: usize,
-    obstacle: usize,
-    way: Way,
-    /// Unit normal, away from the obstacle.
-    normal: DVec3,
-    /// How far the point is from the surface when the substep begins, m; less than nothing inside.
-    gap: f64,
-    /// The velocity of the surface, m/s.
-    velocity: DVec3,
-    /// How far its spring is pressed then, m; less than nothing outside.
-    pressed: f64,
-}
-
-impl Candidate {
-    /// A point that met an obstacle so, both by number.
-    fn new<R: Real>(
-        motion: &Motion<'_, R>,
-        (point, obstacle): (usize, usize),
-        known: Option<Touch>,
-        met: &Met<R>,
-    ) -> Self {
-        let back: DMat3 = motion.turn.transpose();
-        let gap = met.surface.gap.to_f64();
-        Self {
-            point,
-            place: motion.modal.points.place(point),
-            obstacle,
-            way: met.way,
-            normal: back * met.surface.normal.to_dvec3(),
-            gap,
-            velocity: back * met.velocity.to_dvec3(),
-            pressed: known.map_or(0.0, |known| known.pressed).min(-gap),
-        }
-    }
-
-    /// The mean of neighbours that meet the same obstacle: as a spring for each would, it is pressed by what presses all.
-    fn mean(of: &[Self]) -> Option<Self> {
-        let [first, others @ ..] = of else { return None };
-        let mut mean = *first;
-        if others.is_empty() {
-            return Some(mean);
-        }
-        for other in others {
-            mean.way.path += other.way.path;
-            mean.way.speed += other.way.speed;
-            mean.normal += other.normal;
-            mean.gap += other.gap;
-            mean.velocity += other.velocity;
-            mean.pressed += other.pressed;
-        }
-        let share = 1.0 / of.len() as f64;
-        mean.way.path *= share;
-        mean.way.speed *= share;
-        mean.normal = mean.normal.normalize();
-        mean.gap *= share;
-        mean.velocity *= share;
-        mean.pressed = (mean.pressed * share).min(-mean.gap);
-        Some(mean)
-    }
-
-    /// How deep it is at the end of a substep of `dt` (s) without what pushes, m.
-    fn depth(&self, dt: f64) -> f64 {
-        -(self.gap + (self.way.path - self.velocity * dt).dot(self.normal))
-    }
-}
-
-/// How a point meets an obstacle.
-struct Met<R: Real> {
-    way: Way,
-    surface: Surface<R>,
-    /// That of the surface, m/s.
-    velocity: R::Vec3,
 }
 
 /// Calls with every point that may come to the obstacle of a number: first those that touch it, then others whose

@@ -13,6 +13,7 @@
 //! oscillator   one mode over a step in which the force stays the same, exactly
 //! flight       a free body as a whole over a substep: what weight and its spin do
 //! motion       both together: where points are, how fast, and how what pushes at them moves the body
+//! candidate    points that meet obstacles, alone or as the mean of neighbours
 //! contact      which points meet which obstacles, and their springs
 //! hold         the hand and all contacts together, taken implicitly
 //! among        what contact with other bodies asks of modal ones
@@ -75,6 +76,7 @@
 //! follows from the state alone and is worked out by one thread: the same bits everywhere.
 
 mod among;
+mod candidate;
 mod contact;
 mod flight;
 mod hold;

@@ -130,7 +130,8 @@ pub(in crate::physics) fn advance<R: Real>(
             if is_pushed {
                 let motion = Motion { free: end, flight: Some(flight), ..motion };
                 let touches = touches_of(&state.touches, number);
-                contacts.find_touches(&motion, change, model, inputs.obstacles, touches, plan, recorder);
+                contacts.press(&motion, change);
+                contacts.find_touches(&motion, model, inputs.obstacles, touches, plan, recorder);
                 recorder.enter(Stage::Integrate);
             }
             remember(contacts.touches(), number, &mut state.touches);

@@ -1,0 +1,27 @@
+//! Names of parts that a model does not have.
+
+use super::param::Problem;
+use super::resolve::NAMES_LISTED;
+use super::{Body, Shape};
+use crate::geometry::Lattice;
+use crate::text::echo;
+
+/// The first part of a scene's body that is of another solid and that its model does not have.
+pub fn part_problem(place: usize, body: &Body, lattice: &Lattice) -> Option<Problem> {
+    let names = lattice.parts.as_ref().map(|parts| &parts.names);
+    let at = body.parts.iter().position(|part| !names.is_some_and(|names| names.has(&part.name)))?;
+    let why = match (&body.shape, names) {
+        (Shape::Model(_), Some(names)) => {
+            let names = names.names();
+            let more = names.len().saturating_sub(NAMES_LISTED);
+            let listed =
+                names.iter().take(NAMES_LISTED).map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            format!("is no part of the model, which has {listed}{more}")
+        }
+        (Shape::Model(_), None) => "is no part of the model, whose file names none".to_owned(),
+        _ => "is no part: only a model has parts with names".to_owned(),
+    };
+    let message = format!("\"{}\" {why}", echo(&body.parts[at].name));
+    Some(Problem { path: format!("bodies.{place}.parts.{at}.name"), message })
+}
