@@ -15,6 +15,7 @@ pub fn scalars<R: Real>(simulation: &Simulation<R>, color: ColorBy) -> Option<Ve
         ColorBy::Strain => Quantity::Strain,
         ColorBy::Speed => Quantity::Speed,
         ColorBy::Contact => Quantity::ContactForce,
+        ColorBy::Stiffness => Quantity::Modulus,
     };
     Some(simulation.scalars(quantity))
 }

@@ -190,7 +190,12 @@ impl Draw {
         body.material = Material::Solid(outside);
         // About half of the body.
         let end = self.between(-0.2, 0.2) * size;
-        body.inlays = vec![Inlay { min: [-10.0 * size; 3], max: [end, 10.0 * size, 10.0 * size], solid: inside }];
+        body.inlays = vec![Inlay {
+            min: [-10.0 * size; 3],
+            max: [end, 10.0 * size, 10.0 * size],
+            solid: inside,
+            ..Inlay::default()
+        }];
     }
 
     fn obstacles(&mut self, size: f64) -> Vec<Obstacle> {

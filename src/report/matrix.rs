@@ -63,7 +63,7 @@ pub fn matrix() -> Vec<(String, Scene)> {
     let soft = Solid { young_modulus: 1e4, density: 200.0, damping_ratio: 0.05 };
     let mut two = falling_solid(soft);
     let stiff = Solid { young_modulus: 1e7, ..soft };
-    two.bodies[0].inlays = vec![Inlay { min: [-1.0; 3], max: [0.0, 1.0, 1.0], solid: stiff }];
+    two.bodies[0].inlays = vec![Inlay { min: [-1.0; 3], max: [0.0, 1.0, 1.0], solid: stiff, ..Inlay::default() }];
     add("a soft solid, half of it a thousand times stiffer".to_owned(), two);
     for (gravity, name) in [(EARTH_GRAVITY, "put into a ball"), (0.0, "put into a ball without gravity")] {
         let mut scene = falling(springs(60.0, 0.0, 0.005));

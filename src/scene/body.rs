@@ -196,14 +196,16 @@ pub struct Pose {
 pub const MAX_INLAYS: usize = 16;
 
 /// A part of a solid body that is of another solid: the cells whose middle is in a box in body coordinates (m, origin at
-/// the middle of the body's box, before the pose).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// the middle of the body's box, before the pose), none where its highest corner is below its lowest; and cells one by one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Inlay {
     /// The lowest corner, m.
     pub min: [f64; 3],
     /// The highest corner, m.
     pub max: [f64; 3],
+    /// Cells of it besides: of a list by its coordinates, of others in their grid, whose lowest corner is [0, 0, 0].
+    pub cells: Vec<[i32; 3]>,
     /// What its cells are made of.
     pub solid: Solid,
 }

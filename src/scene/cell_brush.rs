@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::body::{Body, CellsShape, CubeShape, Inlay, ModelShape, PinBox, Shape};
+use crate::geometry::voxel::lowest;
 use crate::math::rotation;
 
 /// What a brush does to a cell.
@@ -12,6 +13,10 @@ pub enum CellChange {
     Attach,
     /// Takes the one away that is touched.
     Erase,
+    /// Makes the one that is touched of what the inlay of this number is made of.
+    Paint(usize),
+    /// Makes it of the body's own solid again, as far as a brush made it one of the inlay.
+    Scrape(usize),
 }
 
 impl CellChange {
@@ -20,6 +25,8 @@ impl CellChange {
         match self {
             Self::Attach => Self::Erase,
             Self::Erase => Self::Attach,
+            Self::Paint(inlay) => Self::Scrape(inlay),
+            Self::Scrape(inlay) => Self::Paint(inlay),
         }
     }
 }
@@ -76,12 +83,10 @@ pub fn face_at(list: &[[i32; 3]], point: DVec3) -> Option<([i32; 3], [i32; 3])> 
 
 impl ModelShape {
     /// The same model with a cell more or less, in the grid of its own. What is done to a cell takes back what was.
-    pub fn with_cell(&self, cell: [i32; 3], change: CellChange) -> Self {
+    pub fn with_cell(&self, cell: [i32; 3], more: bool) -> Self {
         let mut model = self.clone();
-        let (list, other) = match change {
-            CellChange::Attach => (&mut model.attached, &mut model.erased),
-            CellChange::Erase => (&mut model.erased, &mut model.attached),
-        };
+        let (list, other) =
+            if more { (&mut model.attached, &mut model.erased) } else { (&mut model.erased, &mut model.attached) };
         let before = other.len();
         other.retain(|known| *known != cell);
         if other.len() == before && !list.contains(&cell) {
@@ -96,7 +101,40 @@ impl ModelShape {
     }
 }
 
+/// The grid coordinates of the lowest corner of the box around a shape's cells.
+pub fn lowest_cell(shape: &Shape) -> [i32; 3] {
+    std::array::from_fn(|axis| match shape {
+        Shape::Cube(_) => 0,
+        Shape::Cells(cells) => cells.list.iter().map(|cell| cell[axis]).min().unwrap_or(0),
+        Shape::Model(model) => lowest(&model.attached, axis),
+    })
+}
+
+/// The grid coordinates of a cell that is so many cells from the lowest corner of that box.
+pub fn cell_in_grid(lowest: [i32; 3], from_lowest: [u32; 3]) -> [i32; 3] {
+    std::array::from_fn(|axis| lowest[axis].saturating_add_unsigned(from_lowest[axis]))
+}
+
 impl Body {
+    /// The same body with a cell made of what an inlay is made of, or of none; none of a body that has no such inlay.
+    pub fn with_painted(&self, cell: [i32; 3], inlay: usize, more: bool) -> Option<Self> {
+        let mut body = self.clone();
+        body.inlays.get(inlay)?;
+        let touched = body.inlays.iter_mut().enumerate().filter(|(place, _)| more || *place == inlay);
+        touched.for_each(|(_, of)| of.cells.retain(|known| *known != cell));
+        if more {
+            body.inlays[inlay].cells.push(cell);
+        }
+        Some(body)
+    }
+
+    /// The same body of a shape whose cells are others than its own: none of them is painted.
+    pub fn with_other_cells(&self, shape: Shape) -> Self {
+        let mut body = Self { shape, ..self.clone() };
+        body.inlays.iter_mut().for_each(|inlay| inlay.cells.clear());
+        body
+    }
+
     /// The same body with these cells, in the grid that its own are in: each that stays is where it was, and so are its pins and
     /// inlays. None of a model.
     pub fn with_cells(&self, list: Vec<[i32; 3]>) -> Option<Self> {

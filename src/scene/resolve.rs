@@ -9,8 +9,7 @@ use thiserror::Error;
 
 use super::body::{MassFrom, ModelShape, Shape};
 use super::obstacle::Mesh;
-use super::param::Problem;
-use super::{Body, Embedded, ObstacleShape, Scene, builtin, embedded};
+use super::{Embedded, ObstacleShape, Scene, builtin, embedded};
 use crate::geometry::import::{self, Detail, ImportError, Imported};
 use crate::geometry::part_cells::Parts;
 use crate::geometry::surface::SurfaceError;
@@ -260,28 +259,8 @@ pub fn fill<'a>(shape: &Shape, places: impl Into<ModelPlaces<'a>>, watch: &dyn W
     })
 }
 
-/// So many names of parts are listed where one is wrong.
-const NAMES_LISTED: usize = 12;
-
-/// The first part of a scene's body that is of another solid and that its model does not have.
-pub fn part_problem(place: usize, body: &Body, lattice: &Lattice) -> Option<Problem> {
-    let names = lattice.parts.as_ref().map(|parts| &parts.names);
-    let at = body.parts.iter().position(|part| !names.is_some_and(|names| names.has(&part.name)))?;
-    let why = match (&body.shape, names) {
-        (Shape::Model(_), Some(names)) => {
-            let names = names.names();
-            let more = names.len().saturating_sub(NAMES_LISTED);
-            let listed =
-                names.iter().take(NAMES_LISTED).map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
-            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            format!("is no part of the model, which has {listed}{more}")
-        }
-        (Shape::Model(_), None) => "is no part of the model, whose file names none".to_owned(),
-        _ => "is no part: only a model has parts with names".to_owned(),
-    };
-    let message = format!("\"{}\" {why}", echo(&body.parts[at].name));
-    Some(Problem { path: format!("bodies.{place}.parts.{at}.name"), message })
-}
+/// So many names are listed where one is wrong.
+pub(super) const NAMES_LISTED: usize = 12;
 
 /// Reads a model: a file, one that the scene holds or one that the program carries.
 pub fn load_model<'a>(

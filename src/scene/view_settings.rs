@@ -103,12 +103,23 @@ pub enum ColorBy {
     Contact,
     /// No map: the colours of the model's own file, where it has any.
     Model,
+    /// Young's modulus of what a body is made of, kPa.
+    Stiffness,
 }
 
 impl ColorBy {
     /// All of them, in the order of lists.
-    pub const ALL: [Self; 8] =
-        [Self::Plain, Self::Load, Self::Force, Self::Net, Self::Strain, Self::Speed, Self::Contact, Self::Model];
+    pub const ALL: [Self; 9] = [
+        Self::Plain,
+        Self::Load,
+        Self::Force,
+        Self::Net,
+        Self::Strain,
+        Self::Speed,
+        Self::Contact,
+        Self::Model,
+        Self::Stiffness,
+    ];
 
     /// The word in files, on the command line and on screen.
     pub fn name(self) -> &'static str {
@@ -121,6 +132,7 @@ impl ColorBy {
             Self::Speed => "speed",
             Self::Contact => "contact",
             Self::Model => "model",
+            Self::Stiffness => "stiffness",
         }
     }
 
@@ -136,6 +148,7 @@ impl ColorBy {
             Self::Load | Self::Force | Self::Net | Self::Contact => "N",
             Self::Strain => "%",
             Self::Speed => "m/s",
+            Self::Stiffness => "kPa",
         }
     }
 }

@@ -4,10 +4,9 @@ use glam::DVec3;
 
 use super::stroke::Stroke;
 use super::{CellTouch, Session, SessionError};
-use crate::geometry::voxel::lowest;
 use crate::math::Vector;
 use crate::physics::Arrival;
-use crate::scene::cell_brush::{CellChange, face_at, middle, own_cells};
+use crate::scene::cell_brush::{CellChange, cell_in_grid, face_at, lowest_cell, middle, own_cells};
 use crate::scene::edit::{BodyId, Edit, EditError};
 use crate::scene::{Body, Shape, named};
 
@@ -24,32 +23,39 @@ impl Session {
         if self.stroke.body != Some(id) {
             self.stroke = Stroke { body: Some(id), changed: Vec::new() };
         }
-        let changed = match touch.change {
-            CellChange::Attach => beyond,
-            CellChange::Erase => touched,
+        let (changed, more) = match touch.change {
+            CellChange::Attach => (beyond, true),
+            CellChange::Erase => (touched, false),
+            CellChange::Paint(inlay) | CellChange::Scrape(inlay) => {
+                let more = touch.change == CellChange::Paint(inlay);
+                let Some(new) = body.with_painted(touched, inlay, more).filter(|new| new != body) else {
+                    return Ok(());
+                };
+                let words = format!("inlays of {}", name());
+                let change = self.make(Edit::Body(id, Box::new(new)), words, false, Arrival::Placed)?;
+                self.history.record(change);
+                return Ok(());
+            }
         };
         // What was put there or laid bare by this stroke is no place to go on from.
-        let other = if touch.change == CellChange::Attach { touched } else { beyond };
+        let other = if more { touched } else { beyond };
         if self.stroke.changed.contains(&other) {
             return Ok(());
         }
-        match touch.change {
-            CellChange::Attach => list.push(changed),
-            CellChange::Erase => list.retain(|cell| *cell != changed),
+        if more {
+            list.push(changed);
+        } else {
+            list.retain(|cell| *cell != changed);
         }
         if list.is_empty() {
             return Err(SessionError::LastCell { name: name() });
         }
-        let new = match &body.shape {
-            Shape::Model(model) => {
-                let shape = Shape::Model(model.with_cell(changed, touch.change));
-                Body { shape, ..body.clone() }
-            }
-            _ => match body.with_cells(list) {
-                Some(new) => new,
-                None => return Ok(()),
-            },
+        let new = if let Shape::Model(model) = &body.shape {
+            Some(Body { shape: Shape::Model(model.with_cell(changed, more)), ..body.clone() })
+        } else {
+            body.with_cells(list)
         };
+        let Some(new) = new else { return Ok(()) };
         // The first cell makes a list of a cube: what else a stroke does is the same change.
         let words = format!("cells of {}", name());
         let change = self.make(Edit::Body(id, Box::new(new)), words, false, Arrival::Placed)?;
@@ -65,11 +71,9 @@ impl Session {
             return (list, at);
         }
         let lattice = &self.simulation.model().bodies[id.0].lattice;
-        let attached = if let Shape::Model(model) = shape { &model.attached[..] } else { &[] };
-        let low: [i32; 3] = std::array::from_fn(|axis| lowest(attached, axis));
-        let cells = (0..).zip(&lattice.cells).map(|(cell, _)| lattice.low(cell));
-        let list =
-            cells.map(|cell| std::array::from_fn(|axis| low[axis].saturating_add_unsigned(cell[axis]))).collect();
+        let low = lowest_cell(shape);
+        let cells = (0..).zip(&lattice.cells).map(|(cell, _)| cell_in_grid(low, lattice.low(cell)));
+        let list = cells.collect();
         let from_low = (point - lattice.grid.origin) / lattice.grid.cell_size;
         (list, from_low + DVec3::from_array(low.map(f64::from)))
     }

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use super::*;
 use crate::math::Vector;
-use crate::scene::body::{CellsShape, CubeShape, ModelShape};
+use crate::physics::Quantity;
+use crate::scene::body::{CellsShape, CubeShape, Inlay, ModelShape};
 use crate::scene::cell_brush::{CellChange, own_cells};
-use crate::scene::edit::BodyId;
-use crate::scene::{Body, Pose, Scene, Shape};
+use crate::scene::edit::{BodyId, Edit};
+use crate::scene::{Body, Material, Pose, Scene, Shape, Solid};
 use glam::{DVec3, Vec3};
 
 fn session_of(shape: Shape) -> Session {
@@ -188,6 +189,64 @@ fn a_scene_file_has_the_cells_that_were_changed_by_hand() {
     let again = Session::new(read, PathBuf::new(), "spot".to_owned()).expect("it resolves");
     let [one, other] = [&session, &again].map(|of| &of.simulation().model().bodies[0].lattice);
     assert_eq!((&one.cells, &one.grid, &one.shares), (&other.cells, &other.grid, &other.shares), "the same body");
+}
+
+/// A cube of three cells an edge, of a solid with an inlay of a stiffer one that has no cell yet.
+fn of_solids() -> Session {
+    let mut session = cube();
+    let body = session.scene().bodies[0].clone();
+    let stiff = Solid { young_modulus: 1e6, ..Solid::default() };
+    let inlay = Inlay { min: [0.0; 3], max: [-1.0; 3], solid: stiff, ..Inlay::default() };
+    let inlays = vec![inlay.clone(), inlay];
+    let body = Body { material: Material::Solid(Solid::default()), inlays, ..body };
+    session.handle(Command::Edit(Edit::Body(BodyId(0), Box::new(body)))).expect("two solids");
+    session
+}
+
+#[test]
+fn a_painted_cell_is_of_the_inlay_and_shown_as_stiff_as_that() {
+    let mut session = of_solids();
+    let stiff = |session: &Session| {
+        let shown = session.simulation().scalars(Quantity::Modulus);
+        shown.iter().filter(|kilopascals| (**kilopascals - 1e3).abs() < 0.1).count()
+    };
+    assert_eq!(stiff(&session), 0, "no cell is of it");
+    brush(&mut session, [1.2, 1.5, 1.1], CellChange::Paint(0));
+    brush(&mut session, [1.2, 1.5, 1.1], CellChange::Paint(0));
+    session.handle(Command::EndEdit).expect("it is lifted");
+    let inlays = |session: &Session| session.scene().bodies[0].inlays.clone();
+    assert_eq!((inlays(&session)[0].cells.clone(), inlays(&session)[1].cells.len()), (vec![[2, 2, 2]], 0));
+    assert_eq!(stiff(&session), 1, "the corner is in no other cell");
+    brush(&mut session, [1.2, 1.5, 1.1], CellChange::Paint(1));
+    assert_eq!((inlays(&session)[0].cells.len(), inlays(&session)[1].cells.len()), (0, 1), "of one of them");
+    session.handle(Command::EndEdit).expect("it is lifted");
+    brush(&mut session, [1.2, 1.5, 1.1], CellChange::Scrape(1));
+    session.handle(Command::EndEdit).expect("it is lifted");
+    assert_eq!(inlays(&session)[1].cells.len(), 0);
+    brush(&mut session, [1.2, 1.5, 1.1], CellChange::Paint(7));
+    for _ in 0..2 {
+        session.handle(Command::Undo).expect("there is one");
+    }
+    assert_eq!(inlays(&session)[0].cells, vec![[2, 2, 2]], "taken back");
+    assert!(session.step() && !session.simulation().has_diverged());
+}
+
+#[test]
+fn painted_cells_stay_the_same_where_the_box_grows() {
+    let mut session = of_solids();
+    brush(&mut session, [-1.2, -1.5, -1.1], CellChange::Paint(0));
+    session.handle(Command::EndEdit).expect("it is lifted");
+    let stiff = |session: &Session| -> Vec<[i64; 3]> {
+        let shown = session.simulation().scalars(Quantity::Modulus);
+        let body = &session.simulation().model().bodies[0];
+        let starts = shown.iter().zip(&body.start).filter(|(kilopascals, _)| **kilopascals > 900.0);
+        #[expect(clippy::cast_possible_truncation, reason = "thousandths of a metre")]
+        starts.map(|(_, start)| (start.to_dvec3() * 1e3).round().to_array().map(|x| x as i64)).collect()
+    };
+    let before = stiff(&session);
+    assert_eq!(before.len(), 1, "a corner");
+    brush(&mut session, [-1.5, 0.2, 0.1], CellChange::Attach);
+    assert_eq!(stiff(&session), before, "the same corner");
 }
 
 #[test]

@@ -26,8 +26,10 @@ pub(super) fn automatic(simulation: &Simulation<f32>, color: ColorBy, scalars: &
     if sorted.is_empty() {
         return [0.0, least];
     }
+    // What a body is made of is torn nowhere.
+    let share = if color == ColorBy::Stiffness { 1.0 } else { SHARE };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length is an index")]
-    let place = ((sorted.len() - 1) as f64 * SHARE) as usize;
+    let place = ((sorted.len() - 1) as f64 * share) as usize;
     let (_, high, _) = sorted.select_nth_unstable_by(place, f32::total_cmp);
     [0.0, high.max(least)]
 }
@@ -42,7 +44,7 @@ fn least(simulation: &Simulation<f32>, color: ColorBy) -> f64 {
         f64::from(body.particle_mass) * acceleration
     };
     match color {
-        ColorBy::Plain | ColorBy::Model => 1.0,
+        ColorBy::Plain | ColorBy::Model | ColorBy::Stiffness => 1.0,
         ColorBy::Load => LOAD_SHARE * largest(&weight),
         ColorBy::Force | ColorBy::Net | ColorBy::Contact => largest(&weight),
         ColorBy::Strain => STRAIN_PERCENT,

@@ -164,7 +164,8 @@ impl Hand {
         let cells = u32::try_from(self.below(4)).expect("small");
         let solid = Solid { young_modulus: self.number(1e3, 1e5), ..Solid::default() };
         let material = if self.below(3) == 0 { Material::Solid(solid) } else { Material::Springs(springs) };
-        let inlays = vec![Inlay { min: self.vector(1.0), max: self.vector(1.0), solid }; self.below(2)];
+        let inlays =
+            vec![Inlay { min: self.vector(1.0), max: self.vector(1.0), solid, ..Inlay::default() }; self.below(2)];
         let pins = vec![PinBox { min: self.vector(1.0), max: self.vector(1.0) }; self.below(2)];
         Body {
             name: format!("body {}", self.below(9)),

@@ -5,7 +5,7 @@ use gelatin::app::ui::Brush;
 use gelatin::scene::body::ModelShape;
 use gelatin::scene::cell_brush::CellChange;
 use gelatin::scene::edit::BodyId;
-use gelatin::scene::{Scene, Shape, Skin, presets};
+use gelatin::scene::{ColorBy, Material, Scene, Shape, Skin, Solid, presets};
 
 use crate::live::Window;
 
@@ -53,4 +53,33 @@ fn a_model_shows_its_cells_for_the_brush_and_has_its_own_again() {
     window.wait();
     let Shape::Model(model) = body(&window).shape else { panic!("it is a model") };
     assert!(model.erased.is_empty(), "it has its own cells again");
+}
+
+#[test]
+fn a_solid_gets_an_inlay_which_is_painted() {
+    let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
+    scene.bodies[0].material = Material::Solid(Solid::default());
+    let mut window = Window::on(scene, "cube", [1280.0, 1000.0], Theme::Dark);
+    window.choose_thing("Jelly");
+    let press = |window: &mut Window, label: &str| {
+        window.control(label).scroll_to_me();
+        window.wait();
+        window.click(label);
+        window.wait();
+    };
+    press(&mut window, "Add an inlay");
+    let inlays = |window: &Window| window.scene().bodies[0].inlays.clone();
+    assert_eq!((inlays(&window).len(), inlays(&window)[0].cells.len()), (1, 0));
+    assert_ne!(inlays(&window)[0].solid, Solid::default(), "of another solid");
+    press(&mut window, "Paint");
+    let own = Some(Brush { body: BodyId(0), change: CellChange::Paint(0) });
+    assert_eq!(window.harness.state().ui.brush, own);
+    assert_eq!(window.scene().view.color, ColorBy::Stiffness, "what is painted is seen");
+    press(&mut window, "Paint");
+    assert_eq!(window.harness.state().ui.brush, None);
+    window.control("Inlay 1").scroll_to_me();
+    window.wait();
+    window.choose("Inlay 1", "as the body (removes it)");
+    window.wait();
+    assert!(inlays(&window).is_empty());
 }

@@ -208,7 +208,8 @@ fn the_limit_of_two_solids_in_one_body_is_that_of_the_stiffest_cell() {
             let mut case = case(&mut rng, solid, number % 4 == 3);
             let Material::Solid(inside) = solid(&mut rng) else { panic!("a solid") };
             let end = rng.between(-0.1, 0.1);
-            case.scene.bodies[0].inlays = vec![Inlay { min: [-20.0; 3], max: [end, 20.0, 20.0], solid: inside }];
+            case.scene.bodies[0].inlays =
+                vec![Inlay { min: [-20.0; 3], max: [end, 20.0, 20.0], solid: inside, ..Inlay::default() }];
             case
         })
         .collect();

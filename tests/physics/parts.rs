@@ -103,7 +103,7 @@ fn a_part_is_what_a_box_around_it_would_be_and_boxes_go_over_parts() {
         (masses, constants)
     };
     let far = 9.0;
-    let right = |solid| Inlay { min: [0.0, -far, -far], max: [far; 3], solid };
+    let right = |solid| Inlay { min: [0.0, -far, -far], max: [far; 3], solid, ..Inlay::default() };
     let by_box = of(&|body| body.inlays = vec![right(STIFF)]);
     let by_name = of(&|body| body.parts = vec![part("stiff", STIFF)]);
     assert_eq!(by_name, by_box, "the same cells");

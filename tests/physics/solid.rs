@@ -151,7 +151,7 @@ fn a_body_weighs_its_cells() {
 fn half_stiff() -> Scene {
     let stiff = Solid { young_modulus: 10.0 * SOLID.young_modulus, ..SOLID };
     let mut body = solid_cube(6);
-    body.inlays.push(Inlay { min: [0.0, -1.0, -1.0], max: [1.0; 3], solid: stiff });
+    body.inlays.push(Inlay { min: [0.0, -1.0, -1.0], max: [1.0; 3], solid: stiff, ..Inlay::default() });
     body.pins.push(PinBox { min: [-1.0, 0.49, -1.0], max: [1.0; 3] });
     falling(body)
 }

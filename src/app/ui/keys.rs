@@ -40,7 +40,7 @@ const RIGHT: [Group; 2] = [
             ("F", "show what is chosen, or everything"),
             ("Shift + F", "follow what is chosen, or no longer"),
             ("Home", "show everything"),
-            ("1 … 8", "colour by plain, load, force, net, strain, speed, contact, the model's own colours"),
+            ("1 … 9", "colour by plain, load, force, net, strain, speed, contact, the model's own colours, stiffness"),
         ],
     ),
     (

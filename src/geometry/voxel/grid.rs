@@ -159,7 +159,9 @@ impl Cells {
             let index = within(cell.map(i64::from));
             (filled[index], place_of[index]) = (place.is_some(), place);
         }
-        attached.iter().for_each(|cell| filled[within(cell.map(i64::from))] = true);
+        for cell in attached {
+            filled[within(cell.map(i64::from))] = true;
+        }
         if !filled.contains(&true) {
             return Err(CellsError::Empty);
         }
@@ -215,7 +217,7 @@ mod tests {
             let before = cube.grid.corner(cube.grid.iter().nth(*place).expect("it is full"));
             assert_eq!(changed.grid.corner(*cell), before, "where it was");
         }
-        let all: Vec<_> = cube.grid.iter().map(|cell| cell.map(|at| at.cast_signed())).collect();
+        let all: Vec<_> = cube.grid.iter().map(|cell| cell.map(u32::cast_signed)).collect();
         assert_eq!(cube.changed(&all, &[]), Err(CellsError::Empty), "one has to be left");
         let far = cube.changed(&[], &[[1000; 3], [-1000; 3]]).expect_err("it spans too much").to_string();
         assert!(far.contains("2001 x 2001 x 2001"), "{far}");

@@ -25,6 +25,7 @@ use crate::math::Real;
 use crate::physics::model::levels::Levels;
 use crate::physics::model::{CellKind, Link, LinkConstants, LinkFamily, Values};
 use crate::scene::body::{MAX_INLAYS, MAX_NAMED_PARTS, Part};
+use crate::scene::cell_brush::{cell_in_grid, lowest_cell};
 use crate::scene::material::Solid;
 use crate::scene::{Body, Springs};
 
@@ -74,6 +75,13 @@ pub(in crate::physics) fn solid_cell(solid: &Solid, lattice: &Lattice, size: f64
     }
 }
 
+/// Young's modulus of the solid whose diagonal links are so stiff (N), Pa.
+#[expect(clippy::cast_possible_truncation, reason = "it is shown")]
+pub(in crate::physics) fn modulus(diagonal: f64, lattice: &Lattice) -> f32 {
+    let h = lattice.grid.cell_size;
+    (MODULUS_OVER_SHEAR * diagonal / (h * h)) as f32
+}
+
 /// The kinds of the cells of a solid with parts and boxes of other solids, and the place among them of each cell's.
 pub(in crate::physics) fn solid_cells(
     solid: &Solid,
@@ -84,12 +92,17 @@ pub(in crate::physics) fn solid_cells(
 ) -> (Vec<CellKind>, Values<u8>) {
     let mut kinds = vec![solid_cell(solid, lattice, size)];
     let mut kind_of_cell = kinds_of_parts(&body.parts, lattice, size, &mut kinds);
+    let low = lowest_cell(&body.shape);
     for inlay in body.inlays.iter().take(MAX_INLAYS) {
         let number = u8::try_from(kinds.len()).unwrap_or(0);
         let mut is_used = false;
-        for (cell, corners) in lattice.cells.iter().enumerate() {
+        let mut painted = inlay.cells.clone();
+        painted.sort_unstable();
+        for ((cell, corners), place) in lattice.cells.iter().enumerate().zip(0..) {
             let middle = 0.5 * (rest[corners[0] as usize] + rest[corners[7] as usize]);
-            if (middle.cmpge(DVec3::from(inlay.min)) & middle.cmple(DVec3::from(inlay.max))).all() {
+            let in_box = (middle.cmpge(DVec3::from(inlay.min)) & middle.cmple(DVec3::from(inlay.max))).all();
+            if in_box || (!painted.is_empty() && painted.binary_search(&cell_in_grid(low, lattice.low(place))).is_ok())
+            {
                 if let Values::Uniform(first) = kind_of_cell {
                     kind_of_cell = Values::Each(vec![first; lattice.cells.len()]);
                 }

@@ -29,7 +29,8 @@ use crate::physics::model::plan::Plan;
 use crate::physics::simulation::{Arrival, Simulation};
 use crate::physics::state::fallen;
 use crate::scene::param::{self, Problem};
-use crate::scene::resolve::{MeshError, ResolveError, load_meshes, part_problem, resolve};
+use crate::scene::part_problem::part_problem;
+use crate::scene::resolve::{MeshError, ResolveError, load_meshes, resolve};
 use crate::scene::{Body, ContactOn, Material, Scene};
 use assembly::Assembled;
 
@@ -171,11 +172,19 @@ fn compile_body<R: Real>(
     let measured = known
         .map_or_else(|| assembly::measured(lattice, &rest), |body| body.links.each_ref().map(LinkFamily::measured));
     let crowds = known.map_or_else(|| any_state::crowds(rest.len(), &measured), |body| Arc::clone(&body.crowds));
-    let Assembled { particle_mass, masses, links, cell_kinds } = match &body.material {
-        Material::Springs(springs) => assembly::uniform(springs, measured),
+    let modulus = |stiffness| assembly::modulus(stiffness, lattice);
+    let (Assembled { particle_mass, masses, links, cell_kinds }, moduli) = match &body.material {
+        Material::Springs(springs) => {
+            (assembly::uniform(springs, measured), Values::Uniform(modulus(springs.shear.stiffness)))
+        }
         Material::Solid(solid) => {
             let (kinds, kind_of_cell) = assembly::solid_cells(solid, body, lattice, size, &rest);
-            assembly::by_cell(&kinds, &kind_of_cell, lattice, measured)
+            let of_kind = |kind: &u8| modulus(kinds[usize::from(*kind)].stiffness[1]);
+            let moduli = match &kind_of_cell {
+                Values::Uniform(kind) => Values::Uniform(of_kind(kind)),
+                Values::Each(kinds) => Values::Each(kinds.iter().map(of_kind).collect()),
+            };
+            (assembly::by_cell(&kinds, &kind_of_cell, lattice, measured), moduli)
         }
     };
     let load_share = match cell_kinds.as_deref() {
@@ -216,6 +225,7 @@ fn compile_body<R: Real>(
         particle_mass: R::from_f64(particle_mass),
         masses,
         cell_kinds,
+        moduli,
         load_share,
         pinned,
         links,

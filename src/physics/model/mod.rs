@@ -114,6 +114,8 @@ pub struct BodyModel<R: Real> {
     /// What the cells share out to links and particles; none where every link of a family is alike and every particle
     /// weighs alike.
     pub(in crate::physics) cell_kinds: Option<Vec<CellKind>>,
+    /// Young's modulus of its cells, Pa; of springs, that of the solid whose diagonal links are as stiff.
+    pub(in crate::physics) moduli: Values<f32>,
     /// The largest load of its cells together over that of one of them alone, at most 1: below it only where all cells
     /// are of one kind and not too many.
     pub(in crate::physics) load_share: f64,

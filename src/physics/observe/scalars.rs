@@ -1,6 +1,7 @@
 //! One number per particle: what a body can be coloured by (V3; GC §9).
 
 use crate::math::{Real, Vector};
+use crate::physics::model::{BodyModel, Values};
 use crate::physics::observe::diagnostics::link_loads;
 use crate::physics::simulation::Simulation;
 
@@ -19,6 +20,8 @@ pub enum Quantity {
     Speed,
     /// The magnitude of the force of obstacles and of other bodies, N.
     ContactForce,
+    /// The mean Young's modulus of the cells around it, kPa; of springs, that of the solid whose diagonal links are as stiff.
+    Modulus,
 }
 
 impl<R: Real> Simulation<R> {
@@ -36,6 +39,7 @@ impl<R: Real> Simulation<R> {
                 self.add_contact_forces(&mut force);
                 force.into_iter().map(Vector::length).collect()
             }
+            Quantity::Modulus => model.bodies.iter().flat_map(moduli).map(R::from_f64).collect(),
         };
         #[expect(clippy::cast_possible_truncation, reason = "what is shown needs no more than f32")]
         shown.into_iter().map(|x| x.to_f64() as f32).collect()
@@ -88,4 +92,19 @@ impl<R: Real> Simulation<R> {
         }
         strains
     }
+}
+/// The mean modulus of the cells around each particle of a body, kPa.
+fn moduli<R: Real>(body: &BodyModel<R>) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); body.particles.len()];
+    for (cell, corners) in body.lattice.cells.iter().enumerate() {
+        let modulus = match &body.moduli {
+            Values::Uniform(modulus) => *modulus,
+            Values::Each(moduli) => moduli[cell],
+        };
+        for corner in corners {
+            let (sum, count) = &mut sums[*corner as usize];
+            (*sum, *count) = (*sum + 1e-3 * f64::from(modulus), *count + 1.0);
+        }
+    }
+    sums.into_iter().map(|(sum, count)| sum / f64::max(count, 1.0)).collect()
 }

@@ -22,8 +22,9 @@ pub(in crate::scene) fn default_at(path: &str) -> Option<Value> {
     if path == "view.color_range" {
         return Some(Value::Null);
     }
-    // No model has one by default, and what becomes a model is to have none.
-    if ["attached.*", "erased.*"].iter().any(|cell| matches(&format!("bodies.*.shape.model.{cell}"), path)) {
+    // No body has one by default, and what becomes a model is to have none.
+    let cells = ["shape.model.attached", "shape.model.erased", "inlays.*.cells"];
+    if cells.iter().any(|cells| matches(&format!("bodies.*.{cells}.*"), path)) {
         return Some(Value::from(vec![0; 3]));
     }
     let is_place = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
@@ -45,6 +46,7 @@ pub(in crate::scene) fn specimen() -> Scene {
     let (path, attached, erased) = ("builtin:tree.obj".to_owned(), vec![[-1, 0, 0]], vec![[1, 1, 1]]);
     let model = ModelShape { path, attached, erased, ..ModelShape::default() };
     scene.bodies[2].shape = Shape::Model(model);
+    scene.bodies[2].inlays[0].cells = vec![[0; 3]];
     scene.obstacles[5].shape = ObstacleShape::Mesh(Mesh { path: "builtin:tree.obj".to_owned(), ..Mesh::default() });
     scene
 }

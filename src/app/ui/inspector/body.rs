@@ -1,14 +1,14 @@
 //! A body: its material live, where it is and where it starts, its shape in figures.
 
-use egui::{Button, ComboBox, Response, RichText, Ui, vec2};
+use egui::{Button, ComboBox, RichText, Ui, vec2};
 
 use super::material::material_ui;
 use super::model::model_ui;
 use super::section::section_ui;
-use super::settings::flag_ui;
+use super::settings::{flag_ui, name_ui};
 use crate::app::ui::figure::{figure, fixed_figure};
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{AXES, LABEL_WIDTH, field_ui, help, slider_ui, vector_ui};
+use crate::app::ui::value::{AXES, field_ui, help, slider_ui, vector_ui};
 use crate::app::ui::{Brush, Running, UiState, edits, theme};
 use crate::scene::cell_brush::CellChange;
 use crate::scene::edit::{BodyId, Edit};
@@ -166,6 +166,7 @@ fn brush_ui(ui: &mut Ui, id: BodyId, body: &Body, state: &mut UiState, commands:
         None => "none",
         Some(CellChange::Attach) => "adds cells",
         Some(CellChange::Erase) => "takes cells away",
+        Some(CellChange::Paint(_) | CellChange::Scrape(_)) => "paints an inlay",
     };
     let now = state.brush.filter(|brush| brush.body == id).map(|brush| brush.change);
     ui.horizontal(|ui| {
@@ -195,8 +196,11 @@ fn cube_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
     let mut cube = cube.clone();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the parameter's range")]
     let whole = cells.round() as u32;
+    let are_others = whole != cube.cells;
     (cube.cells, cube.size) = (whole, size);
-    interaction.send(|| Edit::Body(id, Box::new(Body { shape: Shape::Cube(cube), ..body.clone() })), commands);
+    let shape = Shape::Cube(cube);
+    let changed = || if are_others { body.with_other_cells(shape) } else { Body { shape, ..body.clone() } };
+    interaction.send(|| Edit::Body(id, Box::new(changed())), commands);
 }
 
 fn skin_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
@@ -242,15 +246,6 @@ fn row_ui(ui: &mut Ui, name: &str, value: &str) {
         name_ui(ui, name);
         ui.add(egui::Label::new(value).truncate());
     });
-}
-
-/// The name of a row that is no parameter.
-pub(super) fn name_ui(ui: &mut Ui, name: &str) -> Response {
-    let name = |ui: &mut Ui| {
-        ui.set_min_width(LABEL_WIDTH);
-        ui.label(RichText::new(name).color(theme::of(ui).weak))
-    };
-    ui.allocate_ui(vec2(LABEL_WIDTH, 18.0), name).inner
 }
 
 fn file_name(path: &str) -> &str {

@@ -2,6 +2,7 @@
 
 use egui::{ComboBox, RichText, Ui};
 
+use super::inlays::inlays_ui;
 use super::own_weight::{self, length};
 use super::parts::parts_ui;
 use crate::app::ui::figure::figure;
@@ -46,6 +47,7 @@ pub(super) fn material_ui(
         Material::Solid(solid) => {
             solid_ui(ui, id, body, solid, safe, commands);
             parts_ui(ui, id, body, &known.part_names, commands);
+            inlays_ui(ui, id, running.scene, state, commands);
         }
     }
 }

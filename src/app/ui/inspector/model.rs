@@ -2,8 +2,7 @@
 
 use egui::{Label, Ui};
 
-use super::body::name_ui;
-use super::settings::{choice_ui, words_of};
+use super::settings::{choice_ui, name_ui, words_of};
 use crate::app::ui::edits;
 use crate::app::ui::value::field_ui;
 use crate::scene::body::{Keep, MassFrom, ModelShape, OccupancyChoice};
@@ -29,11 +28,13 @@ pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<
     interaction.and(field_ui(ui, &path("length"), "Length", &mut model.length));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the parameter's range")]
     let whole = divisions.round() as u32;
-    if whole != old.divisions {
+    if whole == old.divisions {
+        interaction.send(|| edit(model), commands);
+    } else {
         // Cells of another size are others.
         model = ModelShape { divisions: whole, ..model.without_changes() };
+        interaction.send(|| Edit::Body(id, Box::new(body.with_other_cells(Shape::Model(model)))), commands);
     }
-    interaction.send(|| edit(model), commands);
 
     let occupancy = [OccupancyChoice::Auto, OccupancyChoice::Centre, OccupancyChoice::Surface, OccupancyChoice::Solid];
     let occupancy = occupancy.map(|choice| (choice, occupancy_word(choice)));

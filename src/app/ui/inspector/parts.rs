@@ -25,7 +25,7 @@ pub(super) fn parts_ui(ui: &mut Ui, id: BodyId, body: &Body, names: &[String], c
     ui.label(RichText::new("Parts of the model").color(theme::of(ui).strong));
     for name in names.iter().take(MAX_NAMED_PARTS) {
         let now = body.parts.iter().rfind(|part| part.name.trim() == name).map(|part| part.solid);
-        if let Some(chosen) = part_ui(ui, name, now) {
+        if let Some(chosen) = solid_choice_ui(ui, name, now, AS_THE_BODY) {
             let mut changed = body.clone();
             changed.parts.retain(|part| part.name.trim() != name);
             changed.parts.extend(chosen.map(|solid| Part { name: name.clone(), solid }));
@@ -38,13 +38,18 @@ pub(super) fn parts_ui(ui: &mut Ui, id: BodyId, body: &Body, names: &[String], c
     }
 }
 
-/// The list of solids of a part; what was chosen, if anything was.
+/// The list of solids of a part, with words for none; what was chosen, if anything was.
 #[expect(clippy::option_option, reason = "whether something was chosen, and whether it was a solid")]
-fn part_ui(ui: &mut Ui, name: &str, now: Option<Solid>) -> Option<Option<Solid>> {
+pub(super) fn solid_choice_ui(
+    ui: &mut Ui,
+    name: &str,
+    now: Option<Solid>,
+    none: &'static str,
+) -> Option<Option<Solid>> {
     let mut chosen = None;
     let preset = now.and_then(|solid| presets().iter().find(|preset| preset.material == solid));
     let text = match (now, preset) {
-        (None, _) => AS_THE_BODY,
+        (None, _) => none,
         (Some(_), Some(preset)) => preset.name,
         (Some(_), None) => OWN,
     };
@@ -56,7 +61,7 @@ fn part_ui(ui: &mut Ui, name: &str, now: Option<Solid>) -> Option<Option<Solid>>
         });
         let combo = ComboBox::from_id_salt(("part", name)).width(190.0).height(420.0).truncate().selected_text(text);
         let response = combo.show_ui(ui, |ui| {
-            if ui.selectable_label(now.is_none(), AS_THE_BODY).clicked() && now.is_some() {
+            if ui.selectable_label(now.is_none(), none).clicked() && now.is_some() {
                 chosen = Some(None);
             }
             ui.separator();

@@ -1,11 +1,11 @@
 //! The scene as a whole: gravity, the step, who answers for it, how obstacles push back.
 
-use egui::{ComboBox, Label, RichText, Ui};
+use egui::{ComboBox, Label, Response, RichText, Ui, vec2};
 
 use super::section::section_ui;
 use crate::app::ui::meter::error_words;
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{Interaction, help, slider_ui, vector_ui};
+use crate::app::ui::value::{Interaction, LABEL_WIDTH, help, slider_ui, vector_ui};
 use crate::app::ui::{Running, edits, theme};
 use crate::scene::edit::Edit;
 use crate::scene::param;
@@ -117,4 +117,13 @@ pub(super) fn choice_ui<T: Copy + PartialEq>(
         }
     });
     chosen
+}
+
+/// The name of a row that is no parameter.
+pub(super) fn name_ui(ui: &mut Ui, name: &str) -> Response {
+    let name = |ui: &mut Ui| {
+        ui.set_min_width(LABEL_WIDTH);
+        ui.label(RichText::new(name).color(theme::of(ui).weak))
+    };
+    ui.allocate_ui(vec2(LABEL_WIDTH, 18.0), name).inner
 }

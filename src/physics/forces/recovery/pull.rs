@@ -284,7 +284,12 @@ mod tests {
     /// that of its right half, over that of its left one.
     fn stretches_slowly(rate: f64, density: f64) -> bool {
         let solid = Solid { density: 100.0, ..Solid::default() };
-        let heavy = Inlay { min: [0.0, -9.0, -9.0], max: [9.0; 3], solid: Solid { density: 100.0 * density, ..solid } };
+        let heavy = Inlay {
+            min: [0.0, -9.0, -9.0],
+            max: [9.0; 3],
+            solid: Solid { density: 100.0 * density, ..solid },
+            ..Inlay::default()
+        };
         let mut body = Body { material: Material::Solid(solid), inlays: vec![heavy], ..Body::default() };
         body.pose.position = [0.0; 3];
         let lattice = resolve(&body.shape, Path::new("."), &()).expect("a cube").lattice;

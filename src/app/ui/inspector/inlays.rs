@@ -1,0 +1,95 @@
+//! Parts of a solid that are of other solids, in boxes and by the brush.
+
+use egui::{RichText, Ui};
+
+use super::parts::solid_choice_ui;
+use crate::app::ui::tip::tip_ui;
+use crate::app::ui::value::{AXES, vector_ui};
+use crate::app::ui::{Brush, UiState, edits, theme};
+use crate::scene::body::{Inlay, MAX_INLAYS};
+use crate::scene::cell_brush::CellChange;
+use crate::scene::edit::{BodyId, Edit};
+use crate::scene::material::presets;
+use crate::scene::{Body, ColorBy, Scene, ViewSettings};
+use crate::session::Command;
+
+const NEW: &str = "Makes a part of the body be of another solid: the cells in a box, and those that are painted";
+const PAINT: &str = "Press or drag over the body in the view: the cells under the pointer become part of the inlay. Ctrl takes them \
+                     out again; Escape puts the brush down. The colours show how stiff every part is.";
+/// What a person reads of an inlay to be taken away.
+const NONE: &str = "as the body (removes it)";
+
+/// The inlays of a body, and a button for one more.
+pub(super) fn inlays_ui(ui: &mut Ui, id: BodyId, scene: &Scene, state: &mut UiState, commands: &mut Vec<Command>) {
+    let Some(body) = scene.bodies.get(id.0) else { return };
+    ui.add_space(2.0);
+    ui.label(RichText::new("Inlays").color(theme::of(ui).strong));
+    let changed = |change: &dyn Fn(&mut Vec<Inlay>)| {
+        let mut changed = body.clone();
+        change(&mut changed.inlays);
+        Edit::Body(id, Box::new(changed))
+    };
+    for (place, inlay) in body.inlays.iter().enumerate() {
+        ui.push_id(place, |ui| {
+            let name = format!("Inlay {}", place + 1);
+            match solid_choice_ui(ui, &name, Some(inlay.solid), NONE) {
+                Some(Some(solid)) => commands.extend(edits::alone(changed(&|all| all[place].solid = solid))),
+                Some(None) => {
+                    state.brush = None;
+                    commands.extend(edits::alone(changed(&|all| _ = all.remove(place))));
+                }
+                None => (),
+            }
+            let path = |what: &str| format!("bodies.{}.inlays.{place}.{what}", id.0);
+            let (mut min, mut max) = (inlay.min, inlay.max);
+            let mut interaction = vector_ui(ui, &path("min"), "From", &AXES, &mut min);
+            interaction.and(vector_ui(ui, &path("max"), "To", &AXES, &mut max));
+            interaction.send(|| changed(&|all| (all[place].min, all[place].max) = (min, max)), commands);
+            paint_ui(ui, id, place, inlay, scene, state, commands);
+        });
+    }
+    if body.inlays.len() < MAX_INLAYS {
+        let button = ui.button("Add an inlay");
+        tip_ui(ui, &button, || NEW.to_owned());
+        if button.clicked() {
+            commands.extend(edits::alone(changed(&|all| all.push(new(body)))));
+        }
+    }
+}
+
+/// The brush of an inlay.
+fn paint_ui(
+    ui: &mut Ui,
+    id: BodyId,
+    place: usize,
+    inlay: &Inlay,
+    scene: &Scene,
+    state: &mut UiState,
+    commands: &mut Vec<Command>,
+) {
+    let own = Some(Brush { body: id, change: CellChange::Paint(place) });
+    ui.horizontal(|ui| {
+        let button = ui.selectable_label(state.brush == own, "Paint");
+        tip_ui(ui, &button, || PAINT.to_owned());
+        ui.label(RichText::new(format!("{} cells painted", inlay.cells.len())).color(theme::of(ui).weak));
+        if !button.clicked() {
+            return;
+        }
+        state.brush = if state.brush == own { None } else { own };
+        if state.brush.is_some() && scene.view.color != ColorBy::Stiffness {
+            let view = ViewSettings { color: ColorBy::Stiffness, color_range: None, ..scene.view.clone() };
+            commands.extend(edits::alone(Edit::View(view)));
+        }
+    });
+}
+
+/// An inlay to begin with: a solid that is not that of the body, without a cell until it has a box or is painted.
+fn new(body: &Body) -> Inlay {
+    let stiffest = |one: &&_, other: &&_| {
+        let modulus = |of: &crate::scene::material::MaterialPreset| of.material.young_modulus;
+        modulus(one).total_cmp(&modulus(other))
+    };
+    let others = presets().iter().filter(|preset| crate::scene::Material::Solid(preset.material) != body.material);
+    let solid = others.max_by(stiffest).map(|preset| preset.material).unwrap_or_default();
+    Inlay { min: [0.0; 3], max: [-1.0; 3], cells: Vec::new(), solid }
+}
