@@ -134,6 +134,7 @@ fn every_key_does_what_the_list_of_keys_says() {
     assert!(matches!(key(Key::Char('1'), OVER_VIEW), Some(Action::ColorBy(ColorBy::Plain))));
     assert!(matches!(key(Key::Char('7'), OVER_VIEW), Some(Action::ColorBy(ColorBy::Contact))));
     assert!(matches!(key(Key::Char('8'), OVER_VIEW), Some(Action::ColorBy(ColorBy::Model))));
+    assert!(matches!(key(Key::Char('9'), OVER_VIEW), Some(Action::ColorBy(ColorBy::Stiffness))));
     assert!(matches!(key(Key::F1, OVER_VIEW), Some(Action::ToggleKeys)));
     for (letter, action) in [('x', ChosenAction::Delete), ('h', ChosenAction::Hide)] {
         let asked = key(Key::Char(letter), OVER_VIEW);
@@ -147,7 +148,7 @@ fn every_key_does_what_the_list_of_keys_says() {
     assert!(matches!(key(Key::Char('e'), OVER_VIEW), Some(Action::TogglePanel(Panel::Error))));
     assert!(matches!(key(Key::Char('m'), OVER_VIEW), Some(Action::TogglePanel(Panel::Stability))));
     assert!(matches!(key(Key::Char('v'), OVER_VIEW), Some(Action::TogglePanel(Panel::Modes))));
-    for unused in ['0', '9', 'q'] {
+    for unused in ['0', 'q'] {
         assert!(key(Key::Char(unused), OVER_VIEW).is_none(), "{unused}");
     }
 }
