@@ -196,7 +196,7 @@ pub struct Pose {
 pub const MAX_INLAYS: usize = 16;
 
 /// A part of a solid body that is of another solid: the cells whose middle is in a box in body coordinates (m, origin at
-/// the middle of the body's box, before the pose), none where its highest corner is below its lowest; and cells one by one.
+/// the middle of the body's box, before the pose), none where its highest corner is below its lowest; and cells one by one, which no box of another takes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Inlay {

@@ -116,10 +116,12 @@ pub fn cell_in_grid(lowest: [i32; 3], from_lowest: [u32; 3]) -> [i32; 3] {
 }
 
 impl Body {
-    /// The same body with a cell made of what an inlay is made of, or of none; none of a body that has no such inlay.
+    /// The same body with a cell painted as one of an inlay, or not any more; none where it is so, or there is no such inlay.
     pub fn with_painted(&self, cell: [i32; 3], inlay: usize, more: bool) -> Option<Self> {
+        if self.inlays.get(inlay)?.cells.contains(&cell) == more {
+            return None;
+        }
         let mut body = self.clone();
-        body.inlays.get(inlay)?;
         let touched = body.inlays.iter_mut().enumerate().filter(|(place, _)| more || *place == inlay);
         touched.for_each(|(_, of)| of.cells.retain(|known| *known != cell));
         if more {

@@ -28,9 +28,7 @@ impl Session {
             CellChange::Erase => (touched, false),
             CellChange::Paint(inlay) | CellChange::Scrape(inlay) => {
                 let more = touch.change == CellChange::Paint(inlay);
-                let Some(new) = body.with_painted(touched, inlay, more).filter(|new| new != body) else {
-                    return Ok(());
-                };
+                let Some(new) = body.with_painted(touched, inlay, more) else { return Ok(()) };
                 let words = format!("inlays of {}", name());
                 let change = self.make(Edit::Body(id, Box::new(new)), words, false, Arrival::Placed)?;
                 self.history.record(change);

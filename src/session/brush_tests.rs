@@ -224,11 +224,25 @@ fn a_painted_cell_is_of_the_inlay_and_shown_as_stiff_as_that() {
     session.handle(Command::EndEdit).expect("it is lifted");
     assert_eq!(inlays(&session)[1].cells.len(), 0);
     brush(&mut session, [1.2, 1.5, 1.1], CellChange::Paint(7));
+    brush(&mut session, [1.2, 1.5, 1.1], CellChange::Scrape(1));
     for _ in 0..2 {
         session.handle(Command::Undo).expect("there is one");
     }
     assert_eq!(inlays(&session)[0].cells, vec![[2, 2, 2]], "taken back");
     assert!(session.step() && !session.simulation().has_diverged());
+}
+
+#[test]
+fn what_is_painted_no_box_takes() {
+    let mut session = of_solids();
+    let mut body = session.scene().bodies[0].clone();
+    (body.inlays[1].min, body.inlays[1].max) = ([-1.0; 3], [1.0; 3]);
+    body.inlays[1].solid.young_modulus = 5e5;
+    session.handle(Command::Edit(Edit::Body(BodyId(0), Box::new(body)))).expect("a box around all");
+    brush(&mut session, [1.2, 1.5, 1.1], CellChange::Paint(0));
+    let shown = session.simulation().scalars(Quantity::Modulus);
+    let near = |kilopascals: f32| shown.iter().filter(|shown| (**shown - kilopascals).abs() < 0.1).count();
+    assert_eq!((near(1e3), near(500.0)), (1, 64 - 8), "the corner, and all that are not in the painted cell");
 }
 
 #[test]

@@ -71,6 +71,10 @@ fn a_solid_gets_an_inlay_which_is_painted() {
     let inlays = |window: &Window| window.scene().bodies[0].inlays.clone();
     assert_eq!((inlays(&window).len(), inlays(&window)[0].cells.len()), (1, 0));
     assert_ne!(inlays(&window)[0].solid, Solid::default(), "of another solid");
+    press(&mut window, "Cells in a box");
+    assert_eq!((inlays(&window)[0].min[1], inlays(&window)[0].max[1] > 0.0), (0.0, true), "the upper half");
+    press(&mut window, "Cells in a box");
+    assert!(inlays(&window)[0].max[1] < inlays(&window)[0].min[1], "no box");
     press(&mut window, "Paint");
     let own = Some(Brush { body: BodyId(0), change: CellChange::Paint(0) });
     assert_eq!(window.harness.state().ui.brush, own);

@@ -15,7 +15,7 @@
 //! `C12 h² = k_shear (√2/2 + 4√3/9)` and Poisson's ratio 1/4, as central forces always give (Cauchy). Bending links
 //! would break the balance at free surfaces and are left without force.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -24,7 +24,7 @@ use crate::geometry::{Family, Lattice};
 use crate::math::Real;
 use crate::physics::model::levels::Levels;
 use crate::physics::model::{CellKind, Link, LinkConstants, LinkFamily, Values};
-use crate::scene::body::{MAX_INLAYS, MAX_NAMED_PARTS, Part};
+use crate::scene::body::{Inlay, MAX_INLAYS, MAX_NAMED_PARTS, Part};
 use crate::scene::cell_brush::{cell_in_grid, lowest_cell};
 use crate::scene::material::Solid;
 use crate::scene::{Body, Springs};
@@ -92,29 +92,28 @@ pub(in crate::physics) fn solid_cells(
 ) -> (Vec<CellKind>, Values<u8>) {
     let mut kinds = vec![solid_cell(solid, lattice, size)];
     let mut kind_of_cell = kinds_of_parts(&body.parts, lattice, size, &mut kinds);
+    let inlays = body.inlays.get(..MAX_INLAYS).unwrap_or(&body.inlays);
+    let painted: Vec<BTreeSet<[i32; 3]>> = inlays.iter().map(|inlay| inlay.cells.iter().copied().collect()).collect();
     let low = lowest_cell(&body.shape);
-    for inlay in body.inlays.iter().take(MAX_INLAYS) {
-        let number = u8::try_from(kinds.len()).unwrap_or(0);
-        let mut is_used = false;
-        let mut painted = inlay.cells.clone();
-        painted.sort_unstable();
-        for ((cell, corners), place) in lattice.cells.iter().enumerate().zip(0..) {
-            let middle = 0.5 * (rest[corners[0] as usize] + rest[corners[7] as usize]);
-            let in_box = (middle.cmpge(DVec3::from(inlay.min)) & middle.cmple(DVec3::from(inlay.max))).all();
-            if in_box || (!painted.is_empty() && painted.binary_search(&cell_in_grid(low, lattice.low(place))).is_ok())
-            {
-                if let Values::Uniform(first) = kind_of_cell {
-                    kind_of_cell = Values::Each(vec![first; lattice.cells.len()]);
-                }
-                if let Values::Each(kinds) = &mut kind_of_cell {
-                    kinds[cell] = number;
-                }
-                is_used = true;
-            }
+    // The last one that has it; what is painted is within every box.
+    let inlay_of = |corners: &[u32; 8], place: u32| {
+        let middle = 0.5 * (rest[corners[0] as usize] + rest[corners[7] as usize]);
+        let in_box = |of: &Inlay| (middle.cmpge(DVec3::from(of.min)) & middle.cmple(DVec3::from(of.max))).all();
+        let cell = cell_in_grid(low, lattice.low(place));
+        painted.iter().rposition(|cells| cells.contains(&cell)).or_else(|| inlays.iter().rposition(in_box))
+    };
+    let of_cells: Vec<Option<usize>> =
+        lattice.cells.iter().zip(0..).map(|(corners, place)| inlay_of(corners, place)).collect();
+    for (number, inlay) in inlays.iter().enumerate().filter(|(number, _)| of_cells.contains(&Some(*number))) {
+        if let Values::Uniform(first) = kind_of_cell {
+            kind_of_cell = Values::Each(vec![first; lattice.cells.len()]);
         }
-        if is_used {
-            kinds.push(solid_cell(&inlay.solid, lattice, size));
+        if let Values::Each(kind_of_cell) = &mut kind_of_cell {
+            let kind = u8::try_from(kinds.len()).unwrap_or(0);
+            let own = kind_of_cell.iter_mut().zip(&of_cells).filter(|(_, of)| **of == Some(number));
+            own.for_each(|(of, _)| *of = kind);
         }
+        kinds.push(solid_cell(&inlay.solid, lattice, size));
     }
     (kinds, kind_of_cell)
 }

@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 use super::parts::solid_choice_ui;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, vector_ui};
-use crate::app::ui::{Brush, UiState, edits, theme};
+use crate::app::ui::{Brush, Running, UiState, edits, theme};
 use crate::scene::body::{Inlay, MAX_INLAYS};
 use crate::scene::cell_brush::CellChange;
 use crate::scene::edit::{BodyId, Edit};
@@ -16,12 +16,23 @@ use crate::session::Command;
 const NEW: &str = "Makes a part of the body be of another solid: the cells in a box, and those that are painted";
 const PAINT: &str = "Press or drag over the body in the view: the cells under the pointer become part of the inlay. Ctrl takes them \
                      out again; Escape puts the brush down. The colours show how stiff every part is.";
+const BOX: &str = "Along the axes of the body, from its middle; it begins as the upper half";
+/// A box without a cell.
+const NO_BOX: ([f64; 3], [f64; 3]) = ([0.0; 3], [-1.0; 3]);
 /// What a person reads of an inlay to be taken away.
 const NONE: &str = "as the body (removes it)";
 
 /// The inlays of a body, and a button for one more.
-pub(super) fn inlays_ui(ui: &mut Ui, id: BodyId, scene: &Scene, state: &mut UiState, commands: &mut Vec<Command>) {
-    let Some(body) = scene.bodies.get(id.0) else { return };
+pub(super) fn inlays_ui(
+    ui: &mut Ui,
+    id: BodyId,
+    running: Running<'_>,
+    state: &mut UiState,
+    commands: &mut Vec<Command>,
+) {
+    let scene = running.scene;
+    let (Some(body), Some(known)) = (scene.bodies.get(id.0), running.status.bodies.get(id.0)) else { return };
+    let size_m = known.stature.size_m;
     ui.add_space(2.0);
     ui.label(RichText::new("Inlays").color(theme::of(ui).strong));
     let changed = |change: &dyn Fn(&mut Vec<Inlay>)| {
@@ -40,11 +51,18 @@ pub(super) fn inlays_ui(ui: &mut Ui, id: BodyId, scene: &Scene, state: &mut UiSt
                 }
                 None => (),
             }
-            let path = |what: &str| format!("bodies.{}.inlays.{place}.{what}", id.0);
-            let (mut min, mut max) = (inlay.min, inlay.max);
-            let mut interaction = vector_ui(ui, &path("min"), "From", &AXES, &mut min);
-            interaction.and(vector_ui(ui, &path("max"), "To", &AXES, &mut max));
-            interaction.send(|| changed(&|all| (all[place].min, all[place].max) = (min, max)), commands);
+            let mut in_box = has_box(inlay);
+            if ui.checkbox(&mut in_box, "Cells in a box").on_hover_text(BOX).changed() {
+                let (min, max) = if in_box { upper_half(size_m) } else { NO_BOX };
+                commands.extend(edits::alone(changed(&|all| (all[place].min, all[place].max) = (min, max))));
+            }
+            if has_box(inlay) {
+                let path = |what: &str| format!("bodies.{}.inlays.{place}.{what}", id.0);
+                let (mut min, mut max) = (inlay.min, inlay.max);
+                let mut interaction = vector_ui(ui, &path("min"), "From", &AXES, &mut min);
+                interaction.and(vector_ui(ui, &path("max"), "To", &AXES, &mut max));
+                interaction.send(|| changed(&|all| (all[place].min, all[place].max) = (min, max)), commands);
+            }
             paint_ui(ui, id, place, inlay, scene, state, commands);
         });
     }
@@ -91,5 +109,17 @@ fn new(body: &Body) -> Inlay {
     };
     let others = presets().iter().filter(|preset| crate::scene::Material::Solid(preset.material) != body.material);
     let solid = others.max_by(stiffest).map(|preset| preset.material).unwrap_or_default();
-    Inlay { min: [0.0; 3], max: [-1.0; 3], cells: Vec::new(), solid }
+    let (min, max) = NO_BOX;
+    Inlay { min, max, cells: Vec::new(), solid }
+}
+
+/// Whether there may be cells in its box.
+fn has_box(inlay: &Inlay) -> bool {
+    inlay.min.iter().zip(&inlay.max).all(|(min, max)| min <= max)
+}
+
+/// The upper half of a body of these extents, m.
+fn upper_half(size_m: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+    let high = size_m.map(|extent| 0.5 * extent);
+    ([-high[0], 0.0, -high[2]], high)
 }

@@ -47,7 +47,7 @@ pub(super) fn material_ui(
         Material::Solid(solid) => {
             solid_ui(ui, id, body, solid, safe, commands);
             parts_ui(ui, id, body, &known.part_names, commands);
-            inlays_ui(ui, id, running.scene, state, commands);
+            inlays_ui(ui, id, running, state, commands);
         }
     }
 }
