@@ -93,9 +93,12 @@ pub(in crate::physics) fn solid_cells(
     let mut kinds = vec![solid_cell(solid, lattice, size)];
     let mut kind_of_cell = kinds_of_parts(&body.parts, lattice, size, &mut kinds);
     let inlays = body.inlays.get(..MAX_INLAYS).unwrap_or(&body.inlays);
+    if inlays.is_empty() {
+        return (kinds, kind_of_cell);
+    }
     let painted: Vec<BTreeSet<[i32; 3]>> = inlays.iter().map(|inlay| inlay.cells.iter().copied().collect()).collect();
     let low = lowest_cell(&body.shape);
-    // The last one that has it; what is painted is within every box.
+    // The last one that has it: painted before any in whose box it is.
     let inlay_of = |corners: &[u32; 8], place: u32| {
         let middle = 0.5 * (rest[corners[0] as usize] + rest[corners[7] as usize]);
         let in_box = |of: &Inlay| (middle.cmpge(DVec3::from(of.min)) & middle.cmple(DVec3::from(of.max))).all();
