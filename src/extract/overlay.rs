@@ -1,4 +1,4 @@
-//! From a simulation to what explains it: links, particles, cells, contact forces, the boxes of the broad phase. What
+//! From a simulation to what explains it: links, particles, pins, cells, contact forces, the boxes of the broad phase. What
 //! is switched off is neither computed nor kept.
 
 use std::sync::Arc;
@@ -24,6 +24,8 @@ const HIDDEN_BOXES: f32 = 0.3;
 const HIDDEN_ARROWS: f32 = 0.75;
 /// The arrow of the force that carries a particle of a body at rest, in sizes of the body.
 const ARROW: f32 = 0.2;
+/// What is left of pins behind other things.
+const HIDDEN_PINS: f32 = 0.3;
 /// The longest arrow, in sizes of the body.
 const LONGEST_ARROW: f32 = 1.0;
 /// The length of an arrow's head, in arrows, and at most in sizes of the body.
@@ -59,6 +61,9 @@ impl OverlaySource {
         for (skin, (body, _)) in models.iter().zip(bodies).filter(|(_, body)| !body.hidden).enumerate() {
             if inside {
                 self.add_inside(&mut overlay, body, wanted);
+            }
+            if wanted.pins {
+                overlay.points.extend(pins(simulation, body));
             }
             if wanted.wireframe {
                 let ends = LineEnds::Skin(skin);
@@ -102,6 +107,15 @@ impl OverlaySource {
         });
         &mut self.lattices[place]
     }
+}
+
+/// The particles of a body that are held; none where all move.
+fn pins(simulation: &Simulation<f32>, body: &BodyModel<f32>) -> Option<Points> {
+    let own = &simulation.state().position[body.particles.clone()];
+    let held = own.iter().enumerate().filter(|(local, _)| body.is_pinned(*local));
+    let places: Vec<[f32; 3]> = held.map(|(_, place)| place.to_array()).collect();
+    let places = (!places.is_empty()).then(|| PointPlaces::Placed(Arc::new(places)))?;
+    Some(Points { places, tint: Tint::Pin, size: 8.0, hidden: HIDDEN_PINS })
 }
 
 /// Force for each metre of an arrow, N/m: the weight that one particle carries when the body rests on one face of the

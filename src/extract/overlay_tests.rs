@@ -82,6 +82,22 @@ fn hidden_bodies_show_nothing_of_their_inside() {
 }
 
 #[test]
+fn pins_are_marked_where_there_are_any() {
+    let wanted = Overlays { pins: true, ..Overlays::default() };
+    assert!(filled(1.0, 0, wanted).is_empty(), "all of it moves");
+    let (mut scene, _) = cube(1.0);
+    scene.bodies[0].pinned_cells = vec![[0, 0, 0], [9, 9, 9]];
+    let lattice = Arc::new(Lattice::new(&Cells::cube(2, 0.5).expect("a small cube")));
+    let simulation = Simulation::new(&scene, &[lattice]);
+    let overlay = OverlaySource::default().fill(&simulation, &scene.bodies, wanted);
+    let [Points { places: PointPlaces::Placed(places), tint: Tint::Pin, .. }] = &overlay.points[..] else {
+        panic!("the points of one body, not {:?}", overlay.points)
+    };
+    assert_eq!(places.len(), 8, "of the cell that there is");
+    assert!(places.iter().all(|[x, y, z]| *x <= 0.0 && *y <= 1.0 && *z <= 0.0), "{places:?}");
+}
+
+#[test]
 fn arrows_of_a_cube_at_rest_carry_its_weight() {
     let wanted = Overlays { contacts: true, ..Overlays::default() };
     assert!(segments(&filled(3.0, 1, wanted).lines[0]).is_empty(), "in the air nothing touches");

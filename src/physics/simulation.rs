@@ -101,6 +101,7 @@ impl<R: Real> Simulation<R> {
         self.model = model;
         self.plan = plan;
         self.diverged = false;
+        (0..self.model.bodies.len()).for_each(|body| self.stop_pinned(body));
         self.obstacles = Placed::now(&self.model, &self.state);
         self.place_modal();
     }

@@ -29,6 +29,9 @@ pub struct Body {
     pub parts: Vec<Part>,
     /// Boxes in body coordinates (m, origin at the middle of the body's box, before the pose) whose particles are held.
     pub pins: Vec<PinBox>,
+    /// Cells whose particles are held besides: of a list by its coordinates, of others in their grid, whose lowest corner is
+    /// [0, 0, 0].
+    pub pinned_cells: Vec<[i32; 3]>,
     /// Whether it meets other bodies.
     pub collides: bool,
     /// Whether it meets itself where it folds.
@@ -49,6 +52,18 @@ pub struct Body {
     pub hidden: bool,
 }
 
+impl Body {
+    /// Whether there are pins.
+    pub fn has_pins(&self) -> bool {
+        !(self.pins.is_empty() && self.pinned_cells.is_empty())
+    }
+
+    /// Whether it has the pins of another.
+    pub fn holds_as(&self, other: &Self) -> bool {
+        (&self.pins, &self.pinned_cells) == (&other.pins, &other.pinned_cells)
+    }
+}
+
 impl Default for Body {
     fn default() -> Self {
         Self {
@@ -60,6 +75,7 @@ impl Default for Body {
             inlays: Vec::new(),
             parts: Vec::new(),
             pins: Vec::new(),
+            pinned_cells: Vec::new(),
             collides: true,
             self_collides: true,
             friction_static: 0.6,

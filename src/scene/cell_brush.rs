@@ -17,6 +17,10 @@ pub enum CellChange {
     Paint(usize),
     /// Makes it of the body's own solid again, as far as a brush made it one of the inlay.
     Scrape(usize),
+    /// Holds the particles of the one that is touched.
+    Pin,
+    /// Lets them go, as far as a brush held them.
+    Release,
 }
 
 impl CellChange {
@@ -27,6 +31,8 @@ impl CellChange {
             Self::Erase => Self::Attach,
             Self::Paint(inlay) => Self::Scrape(inlay),
             Self::Scrape(inlay) => Self::Paint(inlay),
+            Self::Pin => Self::Release,
+            Self::Release => Self::Pin,
         }
     }
 }
@@ -130,10 +136,24 @@ impl Body {
         Some(body)
     }
 
-    /// The same body of a shape whose cells are others than its own: none of them is painted.
+    /// The same body with the particles of a cell held, or not any more; none where it is so.
+    pub fn with_pinned(&self, cell: [i32; 3], more: bool) -> Option<Self> {
+        if self.pinned_cells.contains(&cell) == more {
+            return None;
+        }
+        let mut body = self.clone();
+        body.pinned_cells.retain(|known| *known != cell);
+        if more {
+            body.pinned_cells.push(cell);
+        }
+        Some(body)
+    }
+
+    /// The same body of a shape whose cells are others than its own: none of them is painted or held.
     pub fn with_other_cells(&self, shape: Shape) -> Self {
         let mut body = Self { shape, ..self.clone() };
         body.inlays.iter_mut().for_each(|inlay| inlay.cells.clear());
+        body.pinned_cells.clear();
         body
     }
 

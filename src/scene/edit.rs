@@ -4,6 +4,7 @@
 
 use thiserror::Error;
 
+use super::body::MovesBy;
 use super::param::{self, Problem};
 use super::{Body, ContactOn, Obstacle, Scene, Settings, ViewSettings};
 
@@ -176,7 +177,11 @@ fn leaf_impact(changed: bool, impact: Impact) -> Impact {
 
 /// How deep the change of a body goes.
 pub fn body_impact(old: &Body, new: &Body) -> Impact {
-    leaf_impact(old.shape != new.shape || old.pins != new.pins, Impact::Topology)
+    // The modes of a body are about where it is held.
+    let moves_by_modes = [old, new].iter().any(|body| body.moves_by == MovesBy::Modes);
+    let pins = if moves_by_modes { Impact::Topology } else { Impact::Parameters };
+    leaf_impact(old.shape != new.shape, Impact::Topology)
+        .max(leaf_impact(!old.holds_as(new), pins))
         .max(leaf_impact((old.pose, old.velocity) != (new.pose, new.velocity), Impact::Motion))
         .max(leaf_impact(old.material != new.material, Impact::Parameters))
         .max(leaf_impact(old.inlays != new.inlays || old.parts != new.parts, Impact::Parameters))
@@ -198,7 +203,7 @@ fn obstacle_impact(old: &Obstacle, new: &Obstacle) -> Impact {
 mod tests {
     use super::*;
     use crate::math::rng::Rng;
-    use crate::scene::body::{CubeShape, Inlay, Part};
+    use crate::scene::body::{CubeShape, Inlay, Part, PinBox};
     use crate::scene::material::Springs;
     use crate::scene::{ColorBy, Material, MovesBy, Pose, Shape};
 
@@ -224,7 +229,10 @@ mod tests {
         assert_eq!(impact_of(|body| body.mode_count = 7), Impact::Parameters, "and how many modes");
         assert_eq!(impact_of(|body| body.friction_dynamic = 0.1), Impact::Parameters, "friction among bodies");
         assert_eq!(impact_of(|body| body.velocity[1] = 2.0), Impact::Motion, "a velocity");
-        assert_eq!(impact_of(|body| body.pins.clear()), Impact::Topology, "pins");
+        assert_eq!(impact_of(|body| body.pins.push(PinBox::default())), Impact::Parameters, "pins");
+        assert_eq!(impact_of(|body| body.pinned_cells.push([0; 3])), Impact::Parameters, "pins by cells");
+        let held = |body: &mut Body| (body.moves_by, body.pinned_cells) = (MovesBy::Modes, vec![[0; 3]]);
+        assert_eq!(impact_of(held), Impact::Topology, "pins that modes are about");
         let cube = Shape::Cube(CubeShape { cells: 3, size: 1.0 });
         let all = impact_of(|body| *body = Body { shape: cube, name: "other".into(), ..Body::default() });
         assert_eq!(all, Impact::Topology, "the deepest of several");

@@ -66,7 +66,7 @@ impl Stature {
     /// a body that is held is not asked to stand.
     pub fn size_to_stand(&self, body: &Body, solid: &Solid, gravity: [f64; 3]) -> Option<f64> {
         let strain = self.strain(solid, body.pose.rotation_deg, gravity);
-        let stands = strain <= STANDS || !body.pins.is_empty();
+        let stands = strain <= STANDS || body.has_pins();
         (!stands).then(|| round_below(self.longest_m() * OFFERED / strain))
     }
 

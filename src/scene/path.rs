@@ -233,6 +233,7 @@ mod tests {
             let Some(default) = param.default_value().filter(|default| default != "") else { continue };
             let model = param.path.replace("bodies.*.shape.model", "bodies.2.shape.model");
             let model = model.replace("bodies.*.inlays", "bodies.2.inlays").replace("bodies.*.parts", "bodies.2.parts");
+            let model = model.replace("bodies.*.pinned_cells", "bodies.2.pinned_cells");
             let path = model.replace("obstacles.*.sphere", "obstacles.1.sphere");
             let path = path.replace("obstacles.*.mesh", "obstacles.5.mesh").replace('*', "0");
             let done = changed(&path, &default.to_string());

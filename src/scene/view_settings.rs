@@ -22,7 +22,7 @@ pub struct ViewSettings {
 /// What is drawn over the picture to explain it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-#[expect(clippy::struct_excessive_bools, reason = "eight toggles that do not depend on each other")]
+#[expect(clippy::struct_excessive_bools, reason = "nine toggles that do not depend on each other")]
 pub struct Overlays {
     /// The edges of the skin's triangles.
     pub wireframe: bool,
@@ -34,6 +34,8 @@ pub struct Overlays {
     pub bending: bool,
     /// Particles.
     pub particles: bool,
+    /// Particles that are held.
+    pub pins: bool,
     /// Where particles touch obstacles, with the forces as arrows.
     pub contacts: bool,
     /// The boxes of the broad phase.

@@ -28,11 +28,12 @@ impl Session {
             CellChange::Erase => (touched, false),
             CellChange::Paint(inlay) | CellChange::Scrape(inlay) => {
                 let more = touch.change == CellChange::Paint(inlay);
-                let Some(new) = body.with_painted(touched, inlay, more) else { return Ok(()) };
-                let words = format!("inlays of {}", name());
-                let change = self.make(Edit::Body(id, Box::new(new)), words, false, Arrival::Placed)?;
-                self.history.record(change);
-                return Ok(());
+                let new = body.with_painted(touched, inlay, more);
+                return self.make_touched(id, new, format!("inlays of {}", name()));
+            }
+            CellChange::Pin | CellChange::Release => {
+                let new = body.with_pinned(touched, touch.change == CellChange::Pin);
+                return self.make_touched(id, new, format!("pins of {}", name()));
             }
         };
         // What was put there or laid bare by this stroke is no place to go on from.
@@ -53,12 +54,18 @@ impl Session {
         } else {
             body.with_cells(list)
         };
-        let Some(new) = new else { return Ok(()) };
         // The first cell makes a list of a cube: what else a stroke does is the same change.
         let words = format!("cells of {}", name());
+        self.make_touched(id, new, words)?;
+        self.stroke.changed.push(changed);
+        Ok(())
+    }
+
+    /// Makes a body what a touch made of it; nothing where that is nothing.
+    fn make_touched(&mut self, id: BodyId, new: Option<Body>, words: String) -> Result<(), SessionError> {
+        let Some(new) = new else { return Ok(()) };
         let change = self.make(Edit::Body(id, Box::new(new)), words, false, Arrival::Placed)?;
         self.history.record(change);
-        self.stroke.changed.push(changed);
         Ok(())
     }
 

@@ -8,6 +8,7 @@ use crate::physics::Quantity;
 use crate::scene::body::{CellsShape, CubeShape, Inlay, ModelShape};
 use crate::scene::cell_brush::{CellChange, own_cells};
 use crate::scene::edit::{BodyId, Edit};
+use crate::scene::settings::Integrator;
 use crate::scene::{Body, Material, Pose, Scene, Shape, Solid};
 use glam::{DVec3, Vec3};
 
@@ -261,6 +262,70 @@ fn painted_cells_stay_the_same_where_the_box_grows() {
     assert_eq!(before.len(), 1, "a corner");
     brush(&mut session, [-1.5, 0.2, 0.1], CellChange::Attach);
     assert_eq!(stiff(&session), before, "the same corner");
+}
+
+/// The particles of the only body that are held.
+fn held(session: &Session) -> Vec<usize> {
+    let body = &session.simulation().model().bodies[0];
+    (0..body.particles.len()).filter(|particle| body.is_pinned(*particle)).collect()
+}
+
+#[test]
+fn what_is_pinned_in_flight_hangs_where_it_was_whatever_the_scheme() {
+    for scheme in Integrator::ALL {
+        let mut session = cube();
+        let mut settings = session.scene().settings.clone();
+        settings.integrator = scheme;
+        session.handle(Command::Edit(Edit::Settings(settings))).expect("a scheme");
+        (0..200).for_each(|_| _ = session.step());
+        let before = session.simulation().state().position.clone();
+        brush(&mut session, [1.2, 1.5, 1.1], CellChange::Pin);
+        assert_eq!(session.simulation().state().position, before, "nothing jumps");
+        let pinned = held(&session);
+        assert_eq!(pinned.len(), 8, "the corners of a cell");
+        (0..300).for_each(|_| _ = session.step());
+        let now = &session.simulation().state().position;
+        assert!(pinned.iter().all(|&particle| now[particle] == before[particle]), "{scheme:?}: it is held");
+        let moved = now.iter().zip(&before).map(|(now, before)| now.distance(*before)).fold(0.0, f32::max);
+        assert!(moved > 0.02, "{scheme:?}: the rest of it swings: {moved} m");
+    }
+}
+
+#[test]
+fn a_pin_taken_back_lets_go_where_the_body_is() {
+    let mut session = cube();
+    brush(&mut session, [1.2, 1.5, 1.1], CellChange::Pin);
+    brush(&mut session, [1.2, 1.5, 1.1], CellChange::Pin);
+    brush(&mut session, [-1.2, 1.5, 1.1], CellChange::Pin);
+    session.handle(Command::EndEdit).expect("it is lifted");
+    assert_eq!(session.scene().bodies[0].pinned_cells, [[2, 2, 2], [0, 2, 2]]);
+    (0..100).for_each(|_| _ = session.step());
+    let before = session.simulation().state().position.clone();
+    brush(&mut session, [-1.2, 1.5, 1.1], CellChange::Release);
+    session.handle(Command::EndEdit).expect("it is lifted");
+    assert_eq!((session.scene().bodies[0].pinned_cells.len(), held(&session).len()), (1, 8));
+    session.handle(Command::Undo).expect("there is one");
+    assert_eq!((session.scene().bodies[0].pinned_cells.len(), held(&session).len()), (2, 16));
+    session.handle(Command::Undo).expect("the stroke of two cells");
+    assert!(held(&session).is_empty());
+    assert_eq!(session.simulation().state().position, before, "it is where it was");
+    (0..20).for_each(|_| _ = session.step());
+    assert!(session.simulation().state().position[63].y < before[63].y, "and falls");
+}
+
+#[test]
+fn pinned_cells_stay_the_same_where_the_box_grows_and_where_the_cube_becomes_a_list() {
+    let mut session = cube();
+    brush(&mut session, [-1.2, -1.5, -1.1], CellChange::Pin);
+    session.handle(Command::EndEdit).expect("it is lifted");
+    let places = |session: &Session| -> Vec<DVec3> {
+        let start = &session.simulation().model().bodies[0].start;
+        held(session).into_iter().map(|particle| start[particle].to_dvec3()).collect()
+    };
+    let before = places(&session);
+    brush(&mut session, [-1.5, 0.2, 0.1], CellChange::Attach);
+    let after = places(&session);
+    assert!(before.len() == 8 && after.iter().zip(&before).all(|(a, b)| a.distance(*b) < 1e-6), "{after:?}");
 }
 
 #[test]

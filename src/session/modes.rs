@@ -101,8 +101,9 @@ impl BodyModes {
 
 /// Whether two bodies have the same modes; where they stand does not matter.
 pub(super) fn is_alike(body: &Body, other: &Body) -> bool {
-    let Body { shape, material, inlays, parts, pins, .. } = body;
-    (shape, material, inlays, parts, pins) == (&other.shape, &other.material, &other.inlays, &other.parts, &other.pins)
+    let Body { shape, material, inlays, parts, .. } = body;
+    (shape, material, inlays, parts) == (&other.shape, &other.material, &other.inlays, &other.parts)
+        && body.holds_as(other)
 }
 
 impl Swing {

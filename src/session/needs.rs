@@ -91,6 +91,7 @@ fn schemes(scene: &Scene, outlines: &[Outline]) -> Vec<Scheme> {
         let cells = longest.min(SAMPLE_CELLS);
         body.shape = Shape::Cube(CubeShape { cells, size: f64::from(cells) * cell });
         body.pins.clear();
+        body.pinned_cells.clear();
         if let Material::Solid(solid) = &mut body.material {
             // Its damping follows from the body's size.
             solid.damping_ratio *= f64::from(longest) / f64::from(cells);

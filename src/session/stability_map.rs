@@ -255,8 +255,8 @@ fn without_values(body: &Body, family: Option<Family>) -> Body {
         (Material::Solid(solid), _) => Material::Solid(Solid { young_modulus: 1.0, damping_ratio: 0.0, ..*solid }),
         (material, None) => material.clone(),
     };
-    let Body { shape, inlays, parts, pins, .. } = body.clone();
-    Body { shape, material, inlays, parts, pins, ..Body::default() }
+    let Body { shape, inlays, parts, pins, pinned_cells, .. } = body.clone();
+    Body { shape, material, inlays, parts, pins, pinned_cells, ..Body::default() }
 }
 
 /// What a map is measured of.

@@ -41,6 +41,8 @@ pub struct OverlayColors {
     pub links: [[f32; 3]; 3],
     /// Particles.
     pub particle: [f32; 3],
+    /// Particles that are held.
+    pub pin: [f32; 3],
     /// Contacts and their forces.
     pub contact: [f32; 3],
     /// Boxes around bodies.
@@ -72,6 +74,8 @@ pub enum Tint {
     Link(usize),
     /// Particles.
     Particle,
+    /// Particles that are held.
+    Pin,
     /// Contacts and their forces.
     Contact,
     /// Boxes around bodies.
@@ -95,6 +99,7 @@ impl OverlayColors {
             Tint::Own => [1.0; 3],
             Tint::Link(family) => self.links[family % self.links.len()],
             Tint::Particle => self.particle,
+            Tint::Pin => self.pin,
             Tint::Contact => self.contact,
             Tint::BodyBox => self.body_box,
             Tint::ObstacleBox => self.obstacle_box,
@@ -110,6 +115,7 @@ impl OverlayColors {
         Self {
             links: [[86, 180, 233], [230, 159, 0], [240, 240, 244]].map(linear_from_srgb),
             particle: linear_from_srgb([245, 245, 245]),
+            pin: linear_from_srgb([70, 226, 180]),
             contact: linear_from_srgb([255, 214, 64]),
             body_box: linear_from_srgb([240, 240, 244]),
             obstacle_box: linear_from_srgb([86, 180, 233]),
@@ -127,6 +133,7 @@ impl OverlayColors {
         Self {
             links: [[0, 104, 178], [214, 116, 0], [40, 42, 50]].map(linear_from_srgb),
             particle: linear_from_srgb([30, 32, 38]),
+            pin: linear_from_srgb([0, 112, 82]),
             contact: linear_from_srgb([26, 28, 40]),
             body_box: linear_from_srgb([40, 42, 50]),
             obstacle_box: linear_from_srgb([0, 104, 178]),

@@ -87,3 +87,32 @@ fn a_solid_gets_an_inlay_which_is_painted() {
     window.wait();
     assert!(inlays(&window).is_empty());
 }
+
+#[test]
+fn a_body_is_pinned_by_boxes_and_by_the_brush() {
+    let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
+    scene.bodies[0].pinned_cells = vec![[0; 3], [1, 0, 0]];
+    let mut window = Window::on(scene, "cube", [1280.0, 1000.0], Theme::Dark);
+    window.choose_thing("Jelly");
+    let press = |window: &mut Window, label: &str| {
+        window.control(label).scroll_to_me();
+        window.wait();
+        window.click(label);
+        window.wait();
+    };
+    press(&mut window, "Pins");
+    press(&mut window, "Pin cells");
+    let own = Some(Brush { body: BodyId(0), change: CellChange::Pin });
+    assert_eq!(window.harness.state().ui.brush, own);
+    assert!(window.scene().view.overlays.pins, "what is pinned is seen");
+    press(&mut window, "Pin cells");
+    assert_eq!(window.harness.state().ui.brush, None);
+    press(&mut window, "Let go");
+    let body = |window: &Window| window.scene().bodies[0].clone();
+    assert!(body(&window).pinned_cells.is_empty());
+    press(&mut window, "Add a box");
+    let pins = body(&window).pins;
+    assert!(pins.len() == 1 && pins[0].min[1] > 0.0 && pins[0].max[1] > 0.5, "the top: {pins:?}");
+    press(&mut window, "Remove");
+    assert!(body(&window).pins.is_empty());
+}

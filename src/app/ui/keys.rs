@@ -32,7 +32,7 @@ const RIGHT: [Group; 2] = [
         "In the view",
         &[
             ("Left drag", "pull the jelly, move a ball or a box; elsewhere turn"),
-            ("Left drag, Ctrl", "with a brush (Shape): add cells or take them away; with ctrl the other"),
+            ("Left drag, Ctrl", "with a brush (Shape, Inlays, Pins): add, paint or pin cells; with ctrl the other way"),
             ("Middle drag", "turn; with shift pan, with ctrl zoom"),
             ("Right drag", "pan"),
             ("Wheel", "zoom, to the pointer"),

@@ -136,13 +136,14 @@ fn overlays_ui(ui: &mut Ui, view: &ViewSettings, commands: &mut Vec<Command>) {
     }
 }
 
-fn flags(overlays: &mut Overlays) -> [(&'static str, &'static str, &mut bool); 8] {
+fn flags(overlays: &mut Overlays) -> [(&'static str, &'static str, &mut bool); 9] {
     [
         ("wireframe", "Wire frame", &mut overlays.wireframe),
         ("structural", "Structural links", &mut overlays.structural),
         ("shear", "Shear links", &mut overlays.shear),
         ("bending", "Bending links", &mut overlays.bending),
         ("particles", "Particles", &mut overlays.particles),
+        ("pins", "Pins", &mut overlays.pins),
         ("cells", "Cells", &mut overlays.cells),
         ("contacts", "Contacts", &mut overlays.contacts),
         ("boxes", "Boxes of the broad phase", &mut overlays.boxes),

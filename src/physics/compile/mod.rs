@@ -5,6 +5,7 @@ mod assembly;
 mod modal;
 mod obstacles;
 pub(in crate::physics) mod other_form;
+mod pins;
 mod plan;
 mod recovery;
 pub(in crate::physics) mod safe_values;
@@ -160,14 +161,7 @@ fn compile_body<R: Real>(
     let position = DVec3::from(body.pose.position);
     let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
     let size = Aabb::<f64>::around(rest.iter().copied()).size().max_element();
-    let pinned = if body.pins.is_empty() {
-        Values::Uniform(false)
-    } else {
-        let held = |p: &DVec3| {
-            body.pins.iter().any(|pin| (p.cmpge(DVec3::from(pin.min)) & p.cmple(DVec3::from(pin.max))).all())
-        };
-        Values::Each(rest.iter().map(held).collect())
-    };
+    let pinned = pins::pinned(body, lattice, &rest);
     let known = before.iter().find(|body| Arc::ptr_eq(&body.lattice, lattice));
     let measured = known
         .map_or_else(|| assembly::measured(lattice, &rest), |body| body.links.each_ref().map(LinkFamily::measured));

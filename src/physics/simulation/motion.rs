@@ -6,6 +6,7 @@ use super::Simulation;
 use crate::geometry::embed::{Embedder, Embedding};
 use crate::math::{Real, Vector, rotation};
 use crate::physics::contact::arrive;
+use crate::physics::forces::particles::hold_pinned;
 use crate::physics::model::BodyModel;
 use crate::physics::state::moving::Approach;
 use crate::physics::state::press::Press;
@@ -51,6 +52,7 @@ impl<R: Real> Simulation<R> {
         self.state.position[particles.clone()].copy_from_slice(&motion.position);
         self.state.position_residual[particles.clone()].copy_from_slice(&motion.position_residual);
         self.state.velocity[particles.clone()].copy_from_slice(&motion.velocity);
+        self.stop_pinned(body);
         for (place, row) in self.state.side.iter_mut().enumerate() {
             match motion.side.get(place) {
                 Some(side) => row[particles.clone()].copy_from_slice(side),
@@ -76,6 +78,12 @@ impl<R: Real> Simulation<R> {
         self.state.reserve(&self.model);
         self.workspace.contact.touch_all();
         self.diverged = false;
+    }
+
+    /// Stops the particles of a body that are held: they moved before they were.
+    pub(super) fn stop_pinned(&mut self, body: usize) {
+        let body = &self.model.bodies[body];
+        hold_pinned(body, 0..body.particles.len(), &mut self.state.velocity[body.particles.clone()]);
     }
 
     /// Puts a body to its start; the others go on.

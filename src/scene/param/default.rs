@@ -23,7 +23,7 @@ pub(in crate::scene) fn default_at(path: &str) -> Option<Value> {
         return Some(Value::Null);
     }
     // No body has one by default, and what becomes a model is to have none.
-    let cells = ["shape.model.attached", "shape.model.erased", "inlays.*.cells"];
+    let cells = ["shape.model.attached", "shape.model.erased", "inlays.*.cells", "pinned_cells"];
     if cells.iter().any(|cells| matches(&format!("bodies.*.{cells}.*"), path)) {
         return Some(Value::from(vec![0; 3]));
     }
@@ -47,6 +47,7 @@ pub(in crate::scene) fn specimen() -> Scene {
     let model = ModelShape { path, attached, erased, ..ModelShape::default() };
     scene.bodies[2].shape = Shape::Model(model);
     scene.bodies[2].inlays[0].cells = vec![[0; 3]];
+    scene.bodies[2].pinned_cells = vec![[0; 3]];
     scene.obstacles[5].shape = ObstacleShape::Mesh(Mesh { path: "builtin:tree.obj".to_owned(), ..Mesh::default() });
     scene
 }

@@ -4,6 +4,7 @@ use egui::{Button, ComboBox, RichText, Ui, vec2};
 
 use super::material::material_ui;
 use super::model::model_ui;
+use super::pins::pins_ui;
 use super::section::section_ui;
 use super::settings::{flag_ui, name_ui};
 use crate::app::ui::figure::{figure, fixed_figure};
@@ -30,6 +31,7 @@ pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut
     section_ui(ui, "Place", true, |ui| place_ui(ui, id, body, running.status.bodies.get(id.0), state, commands));
     section_ui(ui, "Motion", false, |ui| moves_by_ui(ui, id, running, body, commands));
     section_ui(ui, "Contact", false, |ui| contact_ui(ui, id, body, commands));
+    section_ui(ui, "Pins", false, |ui| pins_ui(ui, id, running, state, commands));
     section_ui(ui, "Shape", true, |ui| shape_ui(ui, id, body, running.status.bodies.get(id.0), state, commands));
 }
 
@@ -155,9 +157,6 @@ fn shape_ui(
         let [structural, shear, bending] = status.links;
         row_ui(ui, "Links", &format!("{structural} + {shear} + {bending}"));
     }
-    if !body.pins.is_empty() {
-        row_ui(ui, "Held by", &format!("{} pin boxes", body.pins.len()));
-    }
 }
 
 /// The brush over its cells: none, or one that adds or takes away. A model is drawn as its cells for it.
@@ -167,6 +166,7 @@ fn brush_ui(ui: &mut Ui, id: BodyId, body: &Body, state: &mut UiState, commands:
         Some(CellChange::Attach) => "adds cells",
         Some(CellChange::Erase) => "takes cells away",
         Some(CellChange::Paint(_) | CellChange::Scrape(_)) => "paints an inlay",
+        Some(CellChange::Pin | CellChange::Release) => "pins cells",
     };
     let now = state.brush.filter(|brush| brush.body == id).map(|brush| brush.change);
     ui.horizontal(|ui| {

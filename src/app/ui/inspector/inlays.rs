@@ -1,6 +1,6 @@
 //! Parts of a solid that are of other solids, in boxes and by the brush.
 
-use egui::{RichText, Ui};
+use egui::{Button, RichText, Ui};
 
 use super::parts::solid_choice_ui;
 use crate::app::ui::tip::tip_ui;
@@ -87,7 +87,7 @@ fn paint_ui(
 ) {
     let own = Some(Brush { body: id, change: CellChange::Paint(place) });
     ui.horizontal(|ui| {
-        let button = ui.selectable_label(state.brush == own, "Paint");
+        let button = ui.add(Button::selectable(state.brush == own, "Paint").frame_when_inactive(true));
         tip_ui(ui, &button, || PAINT.to_owned());
         ui.label(RichText::new(format!("{} cells painted", inlay.cells.len())).color(theme::of(ui).weak));
         if !button.clicked() {

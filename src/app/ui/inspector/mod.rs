@@ -11,6 +11,7 @@ mod motion;
 mod obstacle;
 mod own_weight;
 mod parts;
+mod pins;
 mod section;
 mod settings;
 
