@@ -102,5 +102,5 @@ pub use simulation::{Arrival, BodyMotion, Simulation};
 pub use state::moving::{Approach, Sweep};
 pub use state::press::Press;
 pub use state::touch::SampleTouch;
-pub use state::{BodyMemory, ModalState, RecoveryAccount, RigidState, State};
+pub use state::{BodyMemory, ModalState, RecoveryAccount, RigidState, State, Strain};
 pub use team::{choose_step_threads, step_threads};

@@ -53,10 +53,10 @@ use crate::disk::{self, fnv1a};
 use crate::physics::Approach;
 use crate::physics::BodyMemory;
 use crate::physics::Press;
-use crate::physics::RecoveryAccount;
 use crate::physics::RigidState;
 use crate::physics::SampleTouch;
 use crate::physics::Sweep;
+use crate::physics::{RecoveryAccount, Strain};
 use crate::text::echo;
 
 /// A larger file is no state: more particles than a body may have.
@@ -152,8 +152,9 @@ impl Session {
         for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
-            let BodyMemory { asleep, strained, stuck, gone, near_itself, is_modal, .. } = *memory;
-            let flags = [asleep, strained, stuck, gone, near_itself, is_modal].map(u32::from);
+            let BodyMemory { asleep, strain, stuck, gone, near_itself, is_modal, .. } = *memory;
+            let [large, taut] = [Strain::Large, Strain::Taut].map(|of| strain == of);
+            let flags = [asleep, large, stuck, gone, near_itself, is_modal, taut].map(u32::from);
             let flags = flags.iter().rev().fold(0, |all, flag| 2 * all + flag);
             let words = [flags, memory.knotted_nanos, memory.calm_substeps];
             bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));

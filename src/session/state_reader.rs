@@ -11,11 +11,11 @@ use crate::physics::BodyMemory;
 use crate::physics::MOST_HALVINGS;
 use crate::physics::ModalState;
 use crate::physics::Press;
-use crate::physics::RecoveryAccount;
 use crate::physics::RigidState;
 use crate::physics::SampleTouch;
 use crate::physics::Sweep;
 use crate::physics::{BodyModel, Model};
+use crate::physics::{RecoveryAccount, Strain};
 use crate::physics::{Simulation, State};
 
 /// More steps than this are not counted one by one.
@@ -173,9 +173,16 @@ impl<'a> Reader<'a> {
         need(last == 0 || (last as usize) < cells, &field, format!("one with cell {last}"), "a cell of the body")?;
         let field = of_body("the memory");
         let [flags, knotted_nanos, calm_substeps] = [self.u32(&field)?, self.u32(&field)?, self.u32(&field)?];
-        need(flags < 64, &field, flags, "a sum of 1, 2, 4, 8, 16 and 32")?;
-        let [asleep, strained, stuck, gone, near_itself, is_modal] = [1, 2, 4, 8, 16, 32].map(|flag| flags & flag != 0);
-        need(strained || calm_substeps == 0, &field, "one that is calm after no strain", "0 substeps")?;
+        need(flags < 128, &field, flags, "a sum of 1, 2, 4, 8, 16, 32 and 64")?;
+        let [asleep, large, stuck, gone, near_itself, is_modal, taut] =
+            [1, 2, 4, 8, 16, 32, 64].map(|flag| flags & flag != 0);
+        need(!(large && taut), &field, "one of two strains", "one of them")?;
+        let strain = match (large, taut) {
+            (true, _) => Strain::Large,
+            (_, true) => Strain::Taut,
+            _ => Strain::Small,
+        };
+        need(strain > Strain::Small || calm_substeps == 0, &field, "one that is calm after no strain", "0 substeps")?;
         need(asleep || !gone, &field, "one of a body that has fallen out and is awake", "one that sleeps")?;
         need(asleep || !is_modal, &field, "one of a modal body that is awake", "one that sleeps")?;
         let field = of_body("the account of recovery");
@@ -195,7 +202,7 @@ impl<'a> Reader<'a> {
         }
         Ok(BodyMemory {
             near_inversion,
-            strained,
+            strain,
             calm_substeps,
             knotted_nanos,
             stuck,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::state_error::StateFileError;
 use super::*;
 use crate::math::FRAME;
-use crate::physics::{BodyMemory, RecoveryAccount};
+use crate::physics::{BodyMemory, RecoveryAccount, Strain};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::presets::preset;
 use crate::scene::{Body, Material};
@@ -115,12 +115,13 @@ fn a_state_goes_to_bytes_and_back_bit_for_bit() {
 fn what_is_remembered_of_a_body_goes_to_bytes_and_back() {
     let mut session_a = session("cube-on-plane");
     let mut state = session_a.simulation().state().clone();
-    for (strained, stuck, knotted_nanos) in [(true, false, 0), (false, true, 0), (true, true, 98_765_432)] {
+    for (strain, stuck, knotted_nanos) in
+        [(Strain::Large, false, 0), (Strain::Small, true, 0), (Strain::Taut, true, 98_765_432)]
+    {
         let (before, near_inversion) = (state.bodies[0].clone(), vec![1, 5]);
-        let calm_substeps = if strained { 77 } else { 0 };
+        let calm_substeps = if strain > Strain::Small { 77 } else { 0 };
         let account = RecoveryAccount { taken_j: 0.25, pull_share: if stuck { 0.75 } else { 0.0 } };
-        state.bodies[0] =
-            BodyMemory { near_inversion, strained, calm_substeps, knotted_nanos, stuck, account, ..before };
+        state.bodies[0] = BodyMemory { near_inversion, strain, calm_substeps, knotted_nanos, stuck, account, ..before };
         session_a.replace_state(state.clone());
         let mut session_b = session("cube-on-plane");
         session_b.set_state_bytes(&session_a.state_bytes()).expect("a state of the same scene");

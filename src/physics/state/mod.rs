@@ -79,13 +79,13 @@ pub struct State<R: Real> {
 
 /// What is remembered of a body as a whole: choices that hold for longer than a substep.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[expect(clippy::struct_excessive_bools, reason = "six choices that are remembered, each made or not")]
+#[expect(clippy::struct_excessive_bools, reason = "five choices that are remembered, each made or not")]
 pub struct BodyMemory {
     /// Cells that are watched as they may invert, ascending.
     pub near_inversion: Vec<u32>,
-    /// Whether links are far longer than at rest, so that substeps are taken in parts.
-    pub strained: bool,
-    /// For how many substeps a strained body's links have been near their length again.
+    /// How far links are from their length at rest.
+    pub strain: Strain,
+    /// For how many substeps a strained body's links have been nearer their length than that.
     pub calm_substeps: u32,
     /// For how long the body has been slow while cells of it were inverted, ns.
     pub knotted_nanos: u32,
@@ -105,6 +105,18 @@ pub struct BodyMemory {
     pub near_itself: bool,
     /// How far its particles may move past each other until it is looked for again, in cells.
     pub apart: f64,
+}
+
+/// How far links of a body are from their length at rest, and so in how many parts a substep is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Strain {
+    /// The bound at rest holds.
+    #[default]
+    Small,
+    /// Further than the scheme of the plan bears, by less than others do.
+    Taut,
+    /// So far that no scheme's bound at rest holds.
+    Large,
 }
 
 /// What the recovery of a body from inversion took of its energy and gave back.
@@ -129,11 +141,11 @@ impl BodyMemory {
         let mut near_inversion = std::mem::take(&mut self.near_inversion);
         near_inversion.clear();
         near_inversion.extend_from_slice(&of.near_inversion);
-        let Self { near_inversion: _, strained, calm_substeps, knotted_nanos, stuck, account, .. } = *of;
+        let Self { near_inversion: _, strain, calm_substeps, knotted_nanos, stuck, account, .. } = *of;
         let Self { still_substeps, asleep, gone, is_modal, near_itself, apart, .. } = *of;
         *self = Self {
             near_inversion,
-            strained,
+            strain,
             calm_substeps,
             knotted_nanos,
             stuck,

@@ -28,10 +28,11 @@ use super::model::plan::{MOST_HALVINGS, Plan};
 use super::model::{Model, Scheme};
 use super::modes;
 use super::report::{Counters, Recorder, StageTimer, StepReport};
-use super::state::{SPENT, State, sleep};
+use super::state::{SPENT, State, Strain, sleep};
 use super::step::substep::{Gain, Part};
 use super::step::{Ending, Inputs, StepWorkspace, substep};
 use crate::math::Real;
+use strain::WhileStrained;
 
 /// Advances by a part of a substep that the linear equations of the implicit scheme hold for; with other schemes by all
 /// of it, in parts while a body is strained.
@@ -148,7 +149,7 @@ struct Division {
     /// How long each of them is, s.
     secs: f64,
     /// How many there are while a body is strained; it is looked out for between them where those are more.
-    while_strained: u32,
+    while_strained: WhileStrained,
     /// How long ago it was, s.
     unseen_secs: f64,
     /// What takes them.
@@ -184,10 +185,11 @@ impl Division {
         let near = near.max(on_mesh.map(|on_mesh| on_mesh.parts));
         // What a mesh meets obstacles by has a place for bodies that meet, too.
         let met = on_mesh.or(plan.between_bodies.filter(|_| near.is_some()));
-        let while_strained = met.filter(|_| plan.is_divided()).map_or(plan.parts, |met| met.strained_parts);
+        let scheme = met.map_or(plan.scheme, |met| met.scheme);
+        let strained_parts = met.filter(|_| plan.is_divided()).map_or(plan.parts, |met| met.strained_parts);
+        let while_strained = WhileStrained::by(scheme, strained_parts, plan);
         let parts = strain::parts_now(model, plan, while_strained, &of_bodies.spreads, state, forces);
         let parts = parts.max(near.unwrap_or(1));
-        let scheme = met.map_or(plan.scheme, |met| met.scheme);
         Self {
             parts,
             left: parts,
@@ -248,15 +250,16 @@ impl Division {
         state: &mut State<R>,
         forces: &mut ForceWorkspace<R>,
     ) {
-        if !(self.bodies_are_near || self.on_mesh) || self.left == 0 || self.parts >= self.while_strained {
+        if !(self.bodies_are_near || self.on_mesh) || self.left == 0 || self.parts >= self.while_strained.parts {
             return;
         }
         self.unseen_secs += self.secs;
-        if strain::is_strained_by_now(model, plan, state, &mut self.unseen_secs, self.secs, forces) {
-            let left = (u64::from(self.left) * u64::from(self.while_strained)).div_ceil(u64::from(self.parts));
+        let WhileStrained { parts: strained_parts, from, .. } = self.while_strained;
+        if strain::is_strained_by_now(model, plan, state, from, &mut self.unseen_secs, self.secs, forces) {
+            let left = (u64::from(self.left) * u64::from(strained_parts)).div_ceil(u64::from(self.parts));
             let left = u32::try_from(left).unwrap_or(u32::MAX);
             self.secs *= f64::from(self.left) / f64::from(left);
-            (self.parts, self.left) = (self.while_strained.max(left + 1), left);
+            (self.parts, self.left) = (strained_parts.max(left + 1), left);
         }
     }
 
@@ -271,7 +274,7 @@ impl Division {
         let StepWorkspace { velocity, forces, .. } = workspace;
         let motion = StraightMotion { position: &state.position, velocity, secs: R::from_f64(self.secs) };
         let by_way = strain::look(model, plan, strain::Whose::All, motion, &mut state.bodies, forces);
-        let parts = self.while_strained.max(by_way);
+        let parts = self.while_strained.parts.max(by_way);
         (self.parts, self.left, self.secs) = (parts, parts, self.secs / f64::from(parts));
         self.tears = true;
     }
@@ -279,7 +282,7 @@ impl Division {
     /// Nothing of the substep is taken: that bodies would be torn apart is found again.
     fn forget_tears<R: Real>(&self, state: &mut State<R>) {
         if self.tears && self.left == self.parts {
-            state.bodies.iter_mut().filter(|memory| !memory.asleep).for_each(|memory| memory.strained = false);
+            state.bodies.iter_mut().filter(|memory| !memory.asleep).for_each(|memory| memory.strain = Strain::Small);
         }
     }
 

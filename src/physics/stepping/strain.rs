@@ -15,12 +15,12 @@ use crate::physics::forces::{ForceWorkspace, recovery};
 use crate::physics::limits::any_state::MOST_PARTS;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model, Scheme};
-use crate::physics::state::{BodyMemory, State};
+use crate::physics::state::{BodyMemory, State, Strain};
 use crate::physics::stepping::looks;
 
-/// A body is strained from the larger of these strains of any link on, stretched or compressed, until all are below the
-/// smaller, or of smaller ones where the scheme does not bear them ([`Plan::strains`]): bodies that fall on the ground of
-/// their own weight are not.
+/// The strain of a body is large from the larger of these of any link on, stretched or compressed, until all are below the
+/// smaller: that of bodies that fall on the ground of their own weight is not. Where the scheme does not bear that much
+/// the body is taut from smaller ones on ([`Plan::strains`]): what takes substeps in which it meets others may bear more.
 pub(crate) const STRAINS: [f64; 2] = [0.5, 0.7];
 
 /// For so long all links have to be below the smaller of them, s, ...
@@ -33,23 +33,41 @@ const CALM_SUBSTEPS: u64 = 100;
 /// about or is turned inside out within a step is stiffer on the way than at either end.
 const MOST_WAY: f64 = 0.5;
 
+/// Into how many parts substeps are divided while a body is strained.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct WhileStrained {
+    /// So many, which take...
+    pub(in crate::physics) parts: u32,
+    /// ... this scheme, ...
+    pub(in crate::physics) scheme: Scheme,
+    /// ... and from this strain on.
+    pub(in crate::physics) from: Strain,
+}
+
+impl WhileStrained {
+    /// That many parts taken by a scheme.
+    pub(in crate::physics) fn by(scheme: Scheme, parts: u32, plan: &Plan) -> Self {
+        Self { parts, scheme, from: if scheme == plan.scheme { Strain::Taut } else { Strain::Large } }
+    }
+}
+
 /// Looks at the links where it is due, as they are and as they would be after the substep, and tells into how many parts
 /// the coming substep is divided: one, or these at least while a body is strained. `spreads` tells how fast the particles of
 /// each body move past each other, m/s.
 pub(in crate::physics) fn parts_now<R: Real>(
     model: &Model<R>,
     plan: &Plan,
-    while_strained: u32,
+    while_strained: WhileStrained,
     spreads: &[f64],
     state: &mut State<R>,
     forces: &mut ForceWorkspace<R>,
 ) -> u32 {
-    if while_strained == 0 {
+    if while_strained.parts == 0 {
         return 1;
     }
     let mut by_way = 1;
     let is_time = looks::is_time_to_look_at(model, plan, state, spreads);
-    if is_time || state.bodies.iter().any(|memory| memory.strained) {
+    if is_time || state.bodies.iter().any(|memory| memory.strain > Strain::Small) {
         let whose = if is_time { Whose::All } else { Whose::Strained };
         let State { position, velocity, bodies, .. } = state;
         let motion = StraightMotion { position, velocity, secs: R::from_f64(plan.substep_secs()) };
@@ -57,20 +75,21 @@ pub(in crate::physics) fn parts_now<R: Real>(
     }
     // The longer substeps of the stabilised scheme would bear little of what pushes cells back that are near inversion.
     let is_crushed = |body: &BodyModel<R>, memory: &BodyMemory| {
-        plan.scheme == Scheme::Stabilised && recovery::pushes(body, memory, state)
+        while_strained.scheme == Scheme::Stabilised && recovery::pushes(body, memory, state)
     };
     let mut bodies = model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep);
-    let is_strained = bodies.any(|(body, memory)| memory.strained || is_crushed(body, memory));
-    if is_strained { while_strained.max(by_way) } else { 1 }
+    let is_strained = bodies.any(|(body, memory)| memory.strain >= while_strained.from || is_crushed(body, memory));
+    if is_strained { while_strained.parts.max(by_way) } else { by_way }
 }
 
 /// Looks at the links between two parts of a substep of no strained body, where it is due `unseen` (s) after the last look;
-/// the next part is so long, s. Says whether a body is strained now: one that is caught in a long substep that another scheme
+/// the next part is so long, s. Says whether a body is strained now, `from` that strain on: one that is caught in a long substep that another scheme
 /// takes in parts, for bodies that come near each other, would go through the rest of them as if it were at rest.
 pub(in crate::physics) fn is_strained_by_now<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     state: &mut State<R>,
+    from: Strain,
     unseen: &mut f64,
     secs: f64,
     forces: &mut ForceWorkspace<R>,
@@ -80,7 +99,7 @@ pub(in crate::physics) fn is_strained_by_now<R: Real>(
         let State { position, velocity, bodies, .. } = state;
         look(model, plan, Whose::All, StraightMotion { position, velocity, secs: R::from_f64(secs) }, bodies, forces);
     }
-    state.bodies.iter().any(|memory| memory.strained && !memory.asleep)
+    state.bodies.iter().any(|memory| memory.strain >= from && !memory.asleep)
 }
 
 /// Whether links of a body that is awake and not strained would be beyond the larger strain in this motion: where what it
@@ -94,7 +113,7 @@ pub(in crate::physics) fn tear<R: Real>(
 ) -> bool {
     forces.find_strained(model, memories, plan.simd, motion, |number| {
         let (body, memory) = (&model.bodies[number], &memories[number]);
-        let is_due = !memory.asleep && !memory.strained && {
+        let is_due = !memory.asleep && memory.strain == Strain::Small && {
             let spread = looks::spread_of::<R>(plan, motion.of(body).velocity);
             looks::unseen_secs(body, spread) < motion.secs.to_f64()
         };
@@ -123,28 +142,40 @@ pub(in crate::physics) fn look<R: Real>(
     forces: &mut ForceWorkspace<R>,
 ) -> u32 {
     let calm_substeps = looks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
-    let is_looked_at = |memory: &BodyMemory| !memory.asleep && (whose == Whose::All || memory.strained);
+    let is_looked_at = |memory: &BodyMemory| !memory.asleep && (whose == Whose::All || memory.strain > Strain::Small);
     forces.find_strained(model, memories, plan.simd, motion, |body| {
         let memory = &memories[body];
-        is_looked_at(memory).then_some(plan.strains[usize::from(!memory.strained)])
+        is_looked_at(memory).then_some(match memory.strain {
+            Strain::Small => plan.strains[1],
+            Strain::Taut => plan.strains[0],
+            Strain::Large => STRAINS[0],
+        })
     });
-    let mut longest_way = 0.0_f64;
-    for (number, (body, memory)) in model.bodies.iter().zip(memories).enumerate() {
-        if !is_looked_at(memory) {
-            continue;
-        }
+    let may_be_taut = plan.strains[1] < STRAINS[1];
+    let above_small = if may_be_taut { Strain::Taut } else { Strain::Large };
+    for (number, memory) in memories.iter_mut().enumerate().filter(|(_, memory)| is_looked_at(memory)) {
         if forces.is_strained(number) {
-            (memory.strained, memory.calm_substeps) = (true, 0);
-        } else if memory.strained {
+            (memory.strain, memory.calm_substeps) = (memory.strain.max(above_small), 0);
+        } else if memory.strain > Strain::Small {
             memory.calm_substeps += 1;
             if u64::from(memory.calm_substeps) >= calm_substeps {
-                (memory.strained, memory.calm_substeps) = (false, 0);
+                let is_less = memory.strain == Strain::Large && may_be_taut;
+                (memory.strain, memory.calm_substeps) = (if is_less { Strain::Taut } else { Strain::Small }, 0);
             }
         }
-        if memory.strained {
-            longest_way = longest_way.max(strain::longest_way(body, motion.of(body)));
+    }
+    if may_be_taut {
+        let is_taut = |memory: &BodyMemory| !memory.asleep && memory.strain == Strain::Taut;
+        forces.find_strained(model, memories, plan.simd, motion, |body| is_taut(&memories[body]).then_some(STRAINS[1]));
+        for (number, memory) in memories.iter_mut().enumerate().filter(|(_, memory)| is_taut(memory)) {
+            if forces.is_strained(number) {
+                (memory.strain, memory.calm_substeps) = (Strain::Large, 0);
+            }
         }
     }
+    let strained =
+        model.bodies.iter().zip(memories).filter(|(_, memory)| is_looked_at(memory) && memory.strain > Strain::Small);
+    let longest_way = strained.fold(0.0, |most: f64, (body, _)| most.max(strain::longest_way(body, motion.of(body))));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
     let parts = libm::ceil(longest_way / MOST_WAY) as u32;
     parts.clamp(1, MOST_PARTS)
@@ -161,6 +192,7 @@ mod tests {
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
     use crate::physics::limits::load::DAMPING_SAFETY;
+    use crate::physics::state::Strain;
     use crate::scene::body::CubeShape;
     use crate::scene::material::Spring;
     use crate::scene::resolve::resolve;
@@ -312,13 +344,13 @@ mod tests {
     #[test]
     fn what_swings_across_the_limit_gains_no_energy_and_would_if_it_changed_its_step_every_time() {
         let mut strained = 0;
-        let kept = swung(|simulation| strained += usize::from(simulation.state().bodies[0].strained));
+        let kept = swung(|simulation| strained += usize::from(simulation.state().bodies[0].strain > Strain::Small));
         assert!(strained > 1000, "it swings across: strained in {strained} substeps");
         assert!(kept < 1.01, "{kept} of the energy");
         let hasty = swung(|simulation| {
             let mut state = simulation.state().clone();
             // One calm look is enough.
-            state.bodies[0].calm_substeps = if state.bodies[0].strained { u32::MAX - 1 } else { 0 };
+            state.bodies[0].calm_substeps = if state.bodies[0].strain > Strain::Small { u32::MAX - 1 } else { 0 };
             simulation.set_state(state);
         });
         assert!(hasty > 1.05, "{hasty} of the energy: to wait is for nothing");
