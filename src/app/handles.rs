@@ -7,7 +7,7 @@ use super::hand::Target;
 use crate::math::rotation::{from_euler_deg, to_euler_deg};
 use crate::scene::edit::{Edit, ObstacleId};
 use crate::scene::{Obstacle, ObstacleShape, Scene};
-use crate::session::Command;
+use crate::session::{Command, Status};
 use crate::view::gizmo::{Drag, Gizmo, Handle};
 use crate::view::style::OverlayColors;
 use crate::view::{Camera, Overlay};
@@ -23,6 +23,24 @@ pub struct Sight {
     pub pointer: Vec2,
 }
 
+/// What is chosen of a scene, and when: an obstacle with a motion of its own is elsewhere later.
+#[derive(Clone, Copy, Debug)]
+pub struct Chosen<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// What of it.
+    pub target: Option<Target>,
+    /// After so much simulated time, s.
+    pub secs: f64,
+}
+
+impl<'a> Chosen<'a> {
+    /// What is chosen of a scene as it is now.
+    pub fn of(scene: &'a Scene, target: Option<Target>, status: &Status) -> Self {
+        Self { scene, target, secs: status.time_secs }
+    }
+}
+
 /// The handles of the obstacle that is chosen.
 #[derive(Clone, Debug, Default)]
 pub struct Handles {
@@ -35,6 +53,8 @@ pub struct Handles {
 struct Held {
     id: ObstacleId,
     start: Obstacle,
+    /// How far its motion had turned it.
+    turned: DMat3,
     gizmo: Gizmo,
     handle: Handle,
     from: Sight,
@@ -42,19 +62,20 @@ struct Held {
 
 impl Handles {
     /// The pointer has moved. Says whether another handle than before stands out.
-    pub fn hover(&mut self, scene: &Scene, chosen: Option<Target>, sight: &Sight) -> bool {
+    pub fn hover(&mut self, chosen: Chosen<'_>, sight: &Sight) -> bool {
         if self.held.is_some() {
             return false;
         }
-        let hot = handle_at(scene, chosen, sight).map(|(_, _, handle)| handle);
+        let hot = handle_at(chosen, sight).map(|(_, _, handle)| handle);
         std::mem::replace(&mut self.hot, hot) != hot
     }
 
     /// Takes hold of the handle under the pointer; says whether there is one.
-    pub fn take(&mut self, scene: &Scene, chosen: Option<Target>, sight: &Sight) -> bool {
-        self.held = handle_at(scene, chosen, sight).map(|(id, gizmo, handle)| {
-            let start = scene.obstacles[id.0].clone();
-            Held { id, start, gizmo, handle, from: *sight }
+    pub fn take(&mut self, chosen: Chosen<'_>, sight: &Sight) -> bool {
+        self.held = handle_at(chosen, sight).map(|(id, gizmo, handle)| {
+            let start = chosen.scene.obstacles[id.0].clone();
+            let (_, turned) = moved(&start, chosen.secs);
+            Held { id, start, turned, gizmo, handle, from: *sight }
         });
         self.hot = self.held.as_ref().map(|held| held.handle).or(self.hot);
         self.held.is_some()
@@ -67,9 +88,9 @@ impl Handles {
 
     /// The pointer has dragged the handle to another place, points from the view's upper left corner.
     pub fn drag(&self, to: Vec2) -> Option<Command> {
-        let Held { id, start, gizmo, handle, from } = self.held.as_ref()?;
+        let Held { id, start, turned, gizmo, handle, from } = self.held.as_ref()?;
         let drag = gizmo.drag(&from.camera, from.size, *handle, from.pointer, to)?;
-        let obstacle = Obstacle { shape: dragged(start.shape.clone(), drag), ..start.clone() };
+        let obstacle = Obstacle { shape: dragged(start.shape.clone(), turned, drag), ..start.clone() };
         Some(Command::Drag(Edit::Obstacle(*id, Box::new(obstacle))))
     }
 
@@ -84,39 +105,40 @@ impl Handles {
     }
 
     /// Draws the handles of what is chosen.
-    pub fn add_to(
-        &self,
-        tools: &mut Overlay,
-        scene: &Scene,
-        chosen: Option<Target>,
-        sight: &Sight,
-        colors: &OverlayColors,
-    ) {
-        if let Some((_, gizmo)) = gizmo_of(scene, chosen) {
+    pub fn add_to(&self, tools: &mut Overlay, chosen: Chosen<'_>, sight: &Sight, colors: &OverlayColors) {
+        if let Some((_, gizmo)) = gizmo_of(chosen) {
             gizmo.add_to(tools, &sight.camera, sight.size, self.hot, colors);
         }
     }
 }
 
 /// Whether a handle lies under the pointer.
-pub fn is_on_handle(scene: &Scene, chosen: Option<Target>, sight: &Sight) -> bool {
-    handle_at(scene, chosen, sight).is_some()
+pub fn is_on_handle(chosen: Chosen<'_>, sight: &Sight) -> bool {
+    handle_at(chosen, sight).is_some()
 }
 
-fn handle_at(scene: &Scene, chosen: Option<Target>, sight: &Sight) -> Option<(ObstacleId, Gizmo, Handle)> {
-    let (id, gizmo) = gizmo_of(scene, chosen)?;
+fn handle_at(chosen: Chosen<'_>, sight: &Sight) -> Option<(ObstacleId, Gizmo, Handle)> {
+    let (id, gizmo) = gizmo_of(chosen)?;
     let handle = gizmo.hit(&sight.camera, sight.size, sight.pointer)?;
     Some((id, gizmo, handle))
 }
 
-fn gizmo_of(scene: &Scene, chosen: Option<Target>) -> Option<(ObstacleId, Gizmo)> {
-    let Some(Target::Obstacle(id)) = chosen else { return None };
-    let obstacle = scene.obstacles.get(id.0).filter(|obstacle| !obstacle.hidden)?;
-    let center = DVec3::from(obstacle.shape.center()).as_vec3();
+fn gizmo_of(chosen: Chosen<'_>) -> Option<(ObstacleId, Gizmo)> {
+    let Some(Target::Obstacle(id)) = chosen.target else { return None };
+    let obstacle = chosen.scene.obstacles.get(id.0).filter(|obstacle| !obstacle.hidden)?;
+    let (way, _) = moved(obstacle, chosen.secs);
+    let center = (DVec3::from(obstacle.shape.center()) + way).as_vec3();
     Some((id, Gizmo::new(center, obstacle.shape.rotation_deg().is_some())))
 }
 
-fn dragged(mut shape: ObstacleShape, drag: Drag) -> ObstacleShape {
+/// How far the motion of an obstacle has taken it from its place by then, m, and turned it.
+fn moved(obstacle: &Obstacle, secs: f64) -> (DVec3, DMat3) {
+    let (way, turned) = obstacle.motion.map(|motion| motion.rigid().at(secs)).unwrap_or_default();
+    (way, DMat3::from_quat(turned))
+}
+
+/// The place of an obstacle whose drawn place, `turned` by its motion, was dragged.
+fn dragged(mut shape: ObstacleShape, turned: &DMat3, drag: Drag) -> ObstacleShape {
     match drag {
         Drag::Move(way) => {
             *shape.center_mut() = (DVec3::from(shape.center()) + way.as_dvec3()).to_array();
@@ -124,7 +146,8 @@ fn dragged(mut shape: ObstacleShape, drag: Drag) -> ObstacleShape {
         Drag::Turn { axis, angle_rad } => {
             if let Some(rotation_deg) = shape.rotation_deg_mut() {
                 let turn = DMat3::from_axis_angle(axis.as_dvec3(), f64::from(angle_rad));
-                *rotation_deg = to_euler_deg(&(turn * from_euler_deg(*rotation_deg)));
+                let own = turned.transpose() * turn * *turned;
+                *rotation_deg = to_euler_deg(&(own * from_euler_deg(*rotation_deg)));
             }
         }
     }
@@ -136,7 +159,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::scene::obstacle::{Cylinder, Sphere};
+    use crate::scene::obstacle::{Cuboid, Cylinder, Motion, Oscillate, Sphere};
     use crate::scene::presets::preset;
 
     const SIZE: Vec2 = Vec2::new(800.0, 600.0);
@@ -145,6 +168,11 @@ mod tests {
 
     fn scene() -> Scene {
         (preset("cube-on-plane").expect("a preset").build)()
+    }
+
+    /// What is chosen of a scene at its start.
+    fn of(scene: &Scene, target: Option<Target>) -> Chosen<'_> {
+        Chosen { scene, target, secs: 0.0 }
     }
 
     /// From the front, a little from above.
@@ -158,14 +186,14 @@ mod tests {
     fn find(chosen: Option<Target>, wanted: impl Fn(Handle) -> bool) -> Sight {
         let pixels = (0..600).flat_map(|y| (0..800).step_by(3).map(move |x| Vec2::new(x as f32, y as f32)));
         let mut sights = pixels.map(sight);
-        let found = sights.find(|sight| handle_at(&scene(), chosen, sight).is_some_and(|(_, _, h)| wanted(h)));
+        let found = sights.find(|sight| handle_at(of(&scene(), chosen), sight).is_some_and(|(_, _, h)| wanted(h)));
         found.expect("there is such a handle in the view")
     }
 
     fn drag(chosen: Option<Target>, wanted: impl Fn(Handle) -> bool, way: Vec2) -> ObstacleShape {
         let mut handles = Handles::default();
         let sight = find(chosen, wanted);
-        assert!(handles.take(&scene(), chosen, &sight), "there is a handle under the pointer");
+        assert!(handles.take(of(&scene(), chosen), &sight), "there is a handle under the pointer");
         let Some(Command::Drag(Edit::Obstacle(_, moved))) = handles.drag(sight.pointer + way) else {
             panic!("dragging it changes the obstacle")
         };
@@ -185,14 +213,14 @@ mod tests {
     #[test]
     fn a_cylinder_is_turned_by_a_ring_about_its_own_middle() {
         let cylinder = ObstacleShape::Cylinder(Cylinder::default());
-        let turned = dragged(cylinder, Drag::Turn { axis: Vec3::Z, angle_rad: 0.5 });
+        let turned = dragged(cylinder, &DMat3::IDENTITY, Drag::Turn { axis: Vec3::Z, angle_rad: 0.5 });
         let off = DVec3::from(turned.center()).distance(DVec3::from(Cylinder::default().center));
         assert!(off < 1e-12, "it stays where it is");
         let [x, y, z] = turned.rotation_deg().expect("it has been turned");
         assert!(x.abs() + y.abs() < 1e-5 && (z - 0.5_f64.to_degrees()).abs() < 1e-4, "about z alone: {x}, {y}, {z}");
         let ball = ObstacleShape::Sphere(Sphere::default());
         assert_eq!(
-            dragged(ball.clone(), Drag::Turn { axis: Vec3::Z, angle_rad: 0.5 }),
+            dragged(ball.clone(), &DMat3::IDENTITY, Drag::Turn { axis: Vec3::Z, angle_rad: 0.5 }),
             ball,
             "nobody sees a ball turn"
         );
@@ -202,7 +230,7 @@ mod tests {
     fn a_drag_that_is_cancelled_puts_the_obstacle_back() {
         let mut handles = Handles::default();
         assert!(handles.cancel().is_none(), "nothing is held");
-        assert!(handles.take(&scene(), BALL, &find(BALL, |handle| handle == Handle::Arrow(1))), "a handle is held");
+        assert!(handles.take(of(&scene(), BALL), &find(BALL, |handle| handle == Handle::Arrow(1))), "a handle is held");
         assert!(matches!(handles.cancel(), Some(Command::CancelEdit)) && !handles.holds(), "and let go");
     }
 
@@ -218,11 +246,31 @@ mod tests {
     fn only_a_visible_obstacle_has_handles_and_the_one_under_the_pointer_stands_out() {
         let on_arrow = find(GROUND, |handle| handle == Handle::Arrow(1));
         let mut handles = Handles::default();
-        assert!(handles.hover(&scene(), GROUND, &on_arrow), "the pointer comes over it");
-        assert!(!handles.hover(&scene(), GROUND, &on_arrow), "and stays there");
-        assert!(handles.hover(&scene(), None, &on_arrow), "nothing is chosen any more");
+        assert!(handles.hover(of(&scene(), GROUND), &on_arrow), "the pointer comes over it");
+        assert!(!handles.hover(of(&scene(), GROUND), &on_arrow), "and stays there");
+        assert!(handles.hover(of(&scene(), None), &on_arrow), "nothing is chosen any more");
         let mut hidden = scene();
         hidden.obstacles[0].hidden = true;
-        assert!(!is_on_handle(&hidden, GROUND, &on_arrow), "what is not seen has no handles");
+        assert!(!is_on_handle(of(&hidden, GROUND), &on_arrow), "what is not seen has no handles");
+    }
+
+    #[test]
+    fn an_obstacle_that_moves_has_its_handles_where_it_is_and_is_turned_as_it_is_seen() {
+        let mut scene = scene();
+        let swing = Oscillate { axis: [1.0, 0.0, 0.0], amplitude: 2.0, period_secs: 4.0 };
+        scene.obstacles[1].motion = Some(Motion::Oscillate(swing));
+        let center = |secs| {
+            let (_, gizmo) = gizmo_of(Chosen { scene: &scene, target: BALL, secs }).expect("it is there");
+            gizmo.center
+        };
+        assert!((center(1.0) - center(0.0)).distance(Vec3::X * 2.0) < 1e-6, "at the end of its swing");
+        // Half a turn about y has swapped x and z ends: a turn about the x that is seen is one about its own −x.
+        let half = DMat3::from_rotation_y(std::f64::consts::PI);
+        let cuboid = ObstacleShape::Box(Cuboid::default());
+        let turned = dragged(cuboid, &half, Drag::Turn { axis: Vec3::X, angle_rad: 0.5 });
+        let own = from_euler_deg(turned.rotation_deg().expect("it has been turned"));
+        let seen = half * own * half.transpose();
+        let off = seen.y_axis.distance(DMat3::from_rotation_x(0.5).y_axis);
+        assert!(off < 1e-6, "turned as the ring was: {off}");
     }
 }

@@ -12,6 +12,7 @@ use super::{Shell, ShellError};
 use crate::app::canvas::{Detail, Frame, Panels, Shown};
 use crate::app::damage::{self, damage};
 use crate::app::frame_meter::DrawingCost;
+use crate::app::handles::Chosen;
 use crate::app::pace::{Drawn, Reason};
 use crate::app::picture_rule::{self, Decision};
 use crate::app::{hand, input::ViewRect};
@@ -229,7 +230,8 @@ impl Shell {
             extract::overlay::add_face(&mut picture.tools, face);
         }
         let colors = picture.style.overlay;
-        self.handles.add_to(&mut picture.tools, &snapshot.scene, self.ui.selection, &sight, &colors);
+        let chosen = Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status);
+        self.handles.add_to(&mut picture.tools, chosen, &sight, &colors);
 
         let fits = !self.canvas.needs_picture(view);
         let old = self.drawing.picture.as_ref();

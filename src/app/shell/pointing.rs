@@ -6,7 +6,7 @@ use winit::window::Fullscreen;
 use super::Shell;
 use super::panels::running;
 use crate::app::hand::{self, Target};
-use crate::app::handles::{self, Sight};
+use crate::app::handles::{self, Chosen, Sight};
 use crate::app::input::{Action, ChosenAction, Event, Keyboard, Panel, Situation};
 use crate::app::ui::{self, Below, Brush};
 use crate::session::{CellTouch, Command};
@@ -41,7 +41,7 @@ impl Shell {
 
     fn is_holdable(&self, pixel: Vec2) -> bool {
         let Some(snapshot) = &self.snapshot else { return false };
-        if handles::is_on_handle(&snapshot.scene, self.ui.selection, &self.sight(pixel)) {
+        if handles::is_on_handle(Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status), &self.sight(pixel)) {
             return true;
         }
         hand::target(&snapshot.scene, &snapshot.draw_list, &self.ray(pixel))
@@ -123,7 +123,7 @@ impl Shell {
         self.changed |= self.ui.brush.is_some();
         let sight = self.sight(self.input.pointer());
         if let Some(snapshot) = &self.snapshot
-            && self.handles.hover(&snapshot.scene, self.ui.selection, &sight)
+            && self.handles.hover(Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status), &sight)
         {
             self.changed = true;
         }
@@ -202,7 +202,7 @@ impl Shell {
     fn take(&mut self, pixel: Vec2) {
         let sight = self.sight(pixel);
         let Some(snapshot) = &self.snapshot else { return };
-        if self.handles.take(&snapshot.scene, self.ui.selection, &sight) {
+        if self.handles.take(Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status), &sight) {
             self.drag(self.input.pointer());
             return;
         }
