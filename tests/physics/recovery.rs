@@ -1,6 +1,7 @@
 //! Ways to break a cube, and that it comes back (S7; the "broken cube" of GC §10).
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use gelatin::math::Real;
 use gelatin::math::Vector;
@@ -214,10 +215,10 @@ fn most_shear_links_crushed_to_a_point_come_back() {
         let cubes = starts.flat_map(|start| KNOTTED.map(|stiffness| left_knotted(5, stiffness, start, 0.5, change)));
         cubes.filter(|left| *left > 0).count()
     };
-    let left = broken_with(100..140, |_| ());
-    assert!(left <= 16, "{left} of 80 keep cells inverted");
-    let unhelped = broken_with(100..110, |scene| scene.settings.inversion_recovery = false);
-    assert!(unhelped >= 10, "only {unhelped} of 20 would keep cells inverted without help");
+    let left = broken_with(100..120, |_| ());
+    assert!(left <= 8, "{left} of 40 keep cells inverted");
+    let unhelped = broken_with(100..106, |scene| scene.settings.inversion_recovery = false);
+    assert!(unhelped >= 6, "only {unhelped} of 12 would keep cells inverted without help");
 }
 
 #[test]
@@ -237,7 +238,8 @@ fn knots_come_undone_with_other_schemes() {
 
 /// A cube in a knot, when its cells begin to be pulled: the first of many starts that is left in one.
 fn stuck() -> Simulation<f32> {
-    let knotted = |start| {
+    static FIRST: OnceLock<u64> = OnceLock::new();
+    let knotted = |start: u64| {
         let mut simulation = broken_from::<f32>(start, 8, families(8, KNOTTED[1]), Break::Collapsed, |_| ());
         let is_stuck = (0..5000).any(|_| {
             simulation.substep(&mut ());
@@ -245,7 +247,9 @@ fn stuck() -> Simulation<f32> {
         });
         is_stuck.then_some(simulation)
     };
-    (17..37).find_map(knotted).expect("there is a knot to undo")
+    let first =
+        FIRST.get_or_init(|| (17..37).find(|start| knotted(*start).is_some()).expect("there is a knot to undo"));
+    knotted(*first).expect("as before")
 }
 
 #[test]
