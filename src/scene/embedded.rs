@@ -124,9 +124,11 @@ impl Embedded {
         &self.0
     }
 
-    /// The one of a path.
+    /// The one of a path, or of one whose letters differ in case alone, as files on the disk are found.
     pub fn find(&self, path: &str) -> Option<&EmbeddedFile> {
-        self.0.iter().find(|file| file.path == path)
+        let small = path.to_lowercase();
+        let of_any_case = || self.0.iter().find(|file| file.path.to_lowercase() == small);
+        self.0.iter().find(|file| file.path == path).or_else(of_any_case)
     }
 }
 

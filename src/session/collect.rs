@@ -173,6 +173,27 @@ mod tests {
     }
 
     #[test]
+    fn what_a_model_spells_in_another_case_is_collected_and_found_again() {
+        let (outer, mut scene) = scattered();
+        let at = |path: &str| outer.path().join(path);
+        fs::rename(at("two/bin"), at("two/BIN")).expect("a folder");
+        fs::rename(at("two/BIN/a.bin"), at("two/BIN/A.Bin")).expect("a file");
+        (scene.bodies, scene.obstacles) = (vec![body("../two/flat.gltf")], Vec::new());
+        let file = at("held.ron");
+        let found = collect_into_file(&scene, &at("scenes"), &file).expect("a sound scene");
+        assert_eq!(
+            found.models,
+            ["flat/flat.gltf", "flat/BIN/A.Bin"].map(|name| PathBuf::from(format!("embedded:{name}")))
+        );
+        collect(&scene, &at("scenes"), "a", &at("mine")).expect("a sound scene");
+        for (scene, base_dir) in [(file, at("nowhere")), (at("mine/a.ron"), at("mine"))] {
+            let scene = Scene::load(&scene).expect("a scene");
+            let places = scene.model_places(&base_dir);
+            assert!(resolve(&scene.bodies[0].shape, places, &()).is_ok(), "it has its buffer");
+        }
+    }
+
+    #[test]
     fn what_cannot_be_collected_leaves_nothing() {
         let (outer, mut scene) = scattered();
         let base_dir = outer.path().join("scenes");

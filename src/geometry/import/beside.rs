@@ -32,7 +32,7 @@ impl Beside<'_> {
     /// Reads a file; its name is one that [`below`] gave.
     pub(super) fn read(&self, name: &str, limit: u64) -> Result<Vec<u8>, ReadError> {
         match *self {
-            Self::Folder(folder) => disk::read(&folder.join(name), limit),
+            Self::Folder(folder) => disk::read(&folder.join(self.spelt(name)), limit),
             Self::Held(files, folder) => files.read(&joined(folder, name), limit),
         }
     }
@@ -40,9 +40,26 @@ impl Beside<'_> {
     /// Whether there is such a file.
     pub(super) fn has(&self, name: &str) -> bool {
         match *self {
-            Self::Folder(folder) => folder.join(name).is_file(),
+            Self::Folder(folder) => folder.join(self.spelt(name)).is_file(),
             Self::Held(..) => self.read(name, u64::MAX).is_ok(),
         }
+    }
+
+    /// The name as the folder spells it: where it has no such file, that of one whose letters differ in case alone, as files
+    /// from systems where this is no difference are named.
+    pub(super) fn spelt(&self, name: &str) -> String {
+        let Self::Folder(folder) = *self else { return name.to_owned() };
+        if folder.join(name).exists() {
+            return name.to_owned();
+        }
+        let mut spelt = String::new();
+        for part in name.split('/') {
+            let place = folder.join(&spelt);
+            let own = if place.join(part).exists() { Some(part.to_owned()) } else { alike(&place, part) };
+            let Some(own) = own else { return name.to_owned() };
+            spelt = joined(&spelt, &own);
+        }
+        spelt
     }
 
     /// What it is called in messages.
@@ -52,6 +69,17 @@ impl Beside<'_> {
             Self::Held(files, folder) => files.shown(&joined(folder, name)),
         }
     }
+}
+
+/// How many files of a folder are looked through at most for one whose name differs in case.
+const MOST_FILES: usize = 10_000;
+
+/// What a folder has whose name differs from this one in case alone; of several the first by name.
+fn alike(folder: &Path, name: &str) -> Option<String> {
+    let small = name.to_lowercase();
+    let entries = std::fs::read_dir(folder).ok()?.take(MOST_FILES).flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    names.filter(|name| name.to_lowercase() == small).min()
 }
 
 /// A name without `.` where it means a file in the folder of the model or below it.
@@ -94,6 +122,22 @@ pub(super) fn joined(folder: &str, name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_is_found_whatever_its_case_and_one_that_is_right_first() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("Maps")).expect("a folder");
+        for name in ["Maps/Wood.PNG", "one.png", "ONE.png"] {
+            std::fs::write(at(name), name).expect("a file");
+        }
+        let beside = Beside::Folder(folder.path());
+        let read = |name: &str| beside.read(name, 99).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).ok();
+        assert_eq!(read("maps/wood.png").as_deref(), Some("Maps/Wood.PNG"));
+        assert!(beside.has("MAPS/Wood.png") && !beside.has("maps/stone.png") && !beside.has("wood.png"));
+        assert_eq!([read("one.png"), read("One.png")], ["one.png", "ONE.png"].map(|name| Some(name.to_owned())));
+        assert_eq!(beside.spelt("no/such.png"), "no/such.png", "left for the message");
+    }
 
     #[test]
     fn only_what_is_in_the_folder_or_below_it_has_a_name() {

@@ -111,6 +111,7 @@ fn names_beside(bytes: &[u8], beside: Beside<'_>) -> Vec<String> {
         Some(Format::Obj) => obj::names_beside(file),
         _ => Vec::new(),
     };
+    names.iter_mut().for_each(|name| *name = beside.spelt(name));
     names.sort_unstable();
     names.dedup();
     names
