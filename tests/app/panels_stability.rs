@@ -181,8 +181,9 @@ fn the_words_are_those_of_the_scheme() {
 
 #[test]
 fn the_map_can_be_reached_in_every_window() {
-    for (size, theme) in SIZES.into_iter().flat_map(|size| [(size, Theme::Dark), (size, Theme::Light)]) {
-        let window = measured(size, theme);
+    // The theme moves nothing.
+    for size in SIZES {
+        let window = measured(size, Theme::Dark);
         let (_, rect) = map(&window);
         assert!(rect.width() > 80.0 && rect.height() > 40.0, "{size:?}: {rect}");
         assert!(window.rect("Measure again").bottom() <= window.rect("Stability").top(), "{size:?}");

@@ -14,7 +14,18 @@ const STEPS: usize = 800;
 
 /// The presets by a contact rule, but for the finest models and the largest scenes, which differ only in cost.
 fn coarse_presets(rule: ContactRule) -> impl Iterator<Item = (&'static str, Scene)> {
-    let costly = ["coupler-40", "coupler-20", "spot", "bridge", "chair-modes", "bridge-modes", "spot-modes", "many"];
+    let costly = [
+        "coupler-40",
+        "coupler-20",
+        "spot",
+        "chair",
+        "shell",
+        "bridge",
+        "chair-modes",
+        "bridge-modes",
+        "spot-modes",
+        "many",
+    ];
     presets().iter().filter(move |preset| !costly.contains(&preset.name)).map(move |preset| {
         let mut scene = (preset.build)();
         scene.settings.contact = rule;
