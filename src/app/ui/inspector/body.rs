@@ -6,14 +6,13 @@ use super::material::material_ui;
 use super::model::model_ui;
 use super::pins::pins_ui;
 use super::section::section_ui;
-use super::settings::{flag_ui, name_ui};
+use super::settings::{choice_ui, flag_ui, name_ui, words_of};
 use crate::app::ui::figure::{figure, fixed_figure};
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{AXES, field_ui, help, slider_ui, vector_ui};
+use crate::app::ui::value::{AXES, field_ui, slider_ui, vector_ui};
 use crate::app::ui::{Brush, Running, UiState, edits, theme};
 use crate::scene::cell_brush::CellChange;
 use crate::scene::edit::{BodyId, Edit};
-use crate::scene::param;
 use crate::scene::{Body, ContactOn, MovesBy, Shape, Skin};
 use crate::session::{BodyStatus, Command};
 use crate::view::legend::three_digits;
@@ -23,6 +22,10 @@ const LINEAR: &str = "Linear: right for a small swing; where a part turns far ag
 const BRUSH: &str = "Press or drag over the body in the view: a cell is put on every face that is drawn over, or taken away. \
                      Ctrl does the other; Escape puts the brush down.";
 const NOT_LED: &str = "It moves by its cells as yet: the message over the view says why.";
+
+const MOVES_BY: [(MovesBy, &str); 2] = [(MovesBy::Cells, "all its cells"), (MovesBy::Modes, "its lowest modes")];
+const SKINS: [(Skin, &str); 2] = [(Skin::Auto, "the model's surface"), (Skin::Cells, "its cells")];
+const CONTACT_ON: [(ContactOn, &str); 2] = [(ContactOn::Cells, "its cells"), (ContactOn::Mesh, "the model's surface")];
 
 /// The panel of a body.
 pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
@@ -56,24 +59,11 @@ fn contact_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>)
 
 /// What its motion is worked out from.
 fn moves_by_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, body: &Body, commands: &mut Vec<Command>) {
-    let words = |moves_by| if moves_by == MovesBy::Modes { "its lowest modes" } else { "all its cells" };
-    ui.horizontal(|ui| {
-        let label = name_ui(ui, "Moves by");
-        let combo = ComboBox::from_id_salt("moves_by").truncate().selected_text(words(body.moves_by));
-        let response = combo.show_ui(ui, |ui| {
-            for moves_by in [MovesBy::Cells, MovesBy::Modes] {
-                let is_chosen = moves_by == body.moves_by;
-                if ui.selectable_label(is_chosen, words(moves_by)).clicked() && !is_chosen {
-                    let changed = Body { moves_by, ..body.clone() };
-                    commands.extend(edits::alone(Edit::Body(id, Box::new(changed))));
-                }
-            }
-        });
-        if let Some(param) = param::find(&format!("bodies.{}.moves_by", id.0)) {
-            tip_ui(ui, &response.response, || help(param));
-        }
-        response.response.labelled_by(label.id);
-    });
+    let path = format!("bodies.{}.moves_by", id.0);
+    let shown = words_of(body.moves_by, &MOVES_BY);
+    if let Some(moves_by) = choice_ui(ui, &path, "Moves by", body.moves_by, shown, &MOVES_BY) {
+        commands.extend(edits::alone(Edit::Body(id, Box::new(Body { moves_by, ..body.clone() }))));
+    }
     if body.moves_by == MovesBy::Cells {
         return;
     }
@@ -204,41 +194,17 @@ fn cube_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
 }
 
 fn skin_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
-    let words = |skin| if skin == Skin::Auto { "the model's surface" } else { "its cells" };
-    ui.horizontal(|ui| {
-        let label = name_ui(ui, "Drawn as");
-        let combo = ComboBox::from_id_salt("skin").truncate().selected_text(words(body.skin));
-        let response = combo.show_ui(ui, |ui| {
-            for skin in [Skin::Auto, Skin::Cells] {
-                if ui.selectable_label(skin == body.skin, words(skin)).clicked() && skin != body.skin {
-                    let changed = Body { skin, ..body.clone() };
-                    commands.extend(edits::alone(Edit::Body(id, Box::new(changed))));
-                }
-            }
-        });
-        response.response.labelled_by(label.id);
-    });
+    let (path, shown) = (format!("bodies.{}.skin", id.0), words_of(body.skin, &SKINS));
+    if let Some(skin) = choice_ui(ui, &path, "Drawn as", body.skin, shown, &SKINS) {
+        commands.extend(edits::alone(Edit::Body(id, Box::new(Body { skin, ..body.clone() }))));
+    }
 }
 
 fn meets_with_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
-    let words = |contact_on| if contact_on == ContactOn::Mesh { "the model's surface" } else { "its cells" };
-    ui.horizontal(|ui| {
-        let label = name_ui(ui, "Obstacles meet");
-        let combo = ComboBox::from_id_salt("contact_on").truncate().selected_text(words(body.contact_on));
-        let response = combo.show_ui(ui, |ui| {
-            for contact_on in [ContactOn::Cells, ContactOn::Mesh] {
-                let is_chosen = contact_on == body.contact_on;
-                if ui.selectable_label(is_chosen, words(contact_on)).clicked() && !is_chosen {
-                    let changed = Body { contact_on, ..body.clone() };
-                    commands.extend(edits::alone(Edit::Body(id, Box::new(changed))));
-                }
-            }
-        });
-        if let Some(param) = param::find(&format!("bodies.{}.contact_on", id.0)) {
-            tip_ui(ui, &response.response, || help(param));
-        }
-        response.response.labelled_by(label.id);
-    });
+    let (path, shown) = (format!("bodies.{}.contact_on", id.0), words_of(body.contact_on, &CONTACT_ON));
+    if let Some(contact_on) = choice_ui(ui, &path, "Obstacles meet", body.contact_on, shown, &CONTACT_ON) {
+        commands.extend(edits::alone(Edit::Body(id, Box::new(Body { contact_on, ..body.clone() }))));
+    }
 }
 
 fn row_ui(ui: &mut Ui, name: &str, value: &str) {
