@@ -83,8 +83,9 @@ pub(in crate::physics) fn parts_now<R: Real>(
 }
 
 /// Looks at the links between two parts of a substep of no strained body, where it is due `unseen` (s) after the last look;
-/// the next part is so long, s. Says whether a body is strained now, `from` that strain on: one that is caught in a long substep that another scheme
-/// takes in parts, for bodies that come near each other, would go through the rest of them as if it were at rest.
+/// the next part is so long, s. Says whether a body is strained now, `from` that strain on: one that is caught in a long
+/// substep that another scheme takes in parts, for bodies that come near each other, would go through the rest of them as if
+/// it were at rest.
 pub(in crate::physics) fn is_strained_by_now<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -97,7 +98,8 @@ pub(in crate::physics) fn is_strained_by_now<R: Real>(
     if *unseen + secs > looks::secs_between(model, plan, state) {
         *unseen = 0.0;
         let State { position, velocity, bodies, .. } = state;
-        look(model, plan, Whose::All, StraightMotion { position, velocity, secs: R::from_f64(secs) }, bodies, forces);
+        let motion = StraightMotion { position, velocity, secs: R::from_f64(secs) };
+        look(model, plan, Whose::AllWithinSubstep, motion, bodies, forces);
     }
     state.bodies.iter().any(|memory| memory.strain >= from && !memory.asleep)
 }
@@ -129,6 +131,8 @@ pub(in crate::physics) enum Whose {
     Strained,
     /// Those of all.
     All,
+    /// Those of all, between two parts of a substep: nobody has been calm for a substep more.
+    AllWithinSubstep,
 }
 
 /// Looks at the links in a motion, remembers which bodies are strained, and tells into how many parts the time of the motion
@@ -142,7 +146,8 @@ pub(in crate::physics) fn look<R: Real>(
     forces: &mut ForceWorkspace<R>,
 ) -> u32 {
     let calm_substeps = looks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
-    let is_looked_at = |memory: &BodyMemory| !memory.asleep && (whose == Whose::All || memory.strain > Strain::Small);
+    let is_looked_at =
+        |memory: &BodyMemory| !memory.asleep && (whose != Whose::Strained || memory.strain > Strain::Small);
     forces.find_strained(model, memories, plan.simd, motion, |body| {
         let memory = &memories[body];
         is_looked_at(memory).then_some(match memory.strain {
@@ -156,7 +161,7 @@ pub(in crate::physics) fn look<R: Real>(
     for (number, memory) in memories.iter_mut().enumerate().filter(|(_, memory)| is_looked_at(memory)) {
         if forces.is_strained(number) {
             (memory.strain, memory.calm_substeps) = (memory.strain.max(above_small), 0);
-        } else if memory.strain > Strain::Small {
+        } else if memory.strain > Strain::Small && whose != Whose::AllWithinSubstep {
             memory.calm_substeps += 1;
             if u64::from(memory.calm_substeps) >= calm_substeps {
                 let is_less = memory.strain == Strain::Large && may_be_taut;
