@@ -83,8 +83,8 @@ impl<R: Real> Near<R> {
         );
     }
 
-    /// Finds the particles that may meet one of these obstacles: those of the groups whose motion comes near one, or which
-    /// touch one, but for the few that are known to be far from meshes.
+    /// Finds the particles that may meet one of these obstacles: of the groups whose motion comes near one, or which touch one,
+    /// the few that do, and that are not known to be far from meshes.
     pub(super) fn find_particles(
         &mut self,
         substep: Substep<'_, R>,
@@ -96,14 +96,21 @@ impl<R: Real> Near<R> {
         self.particles.clear();
         for group in 0..own.len().div_ceil(GROUP) {
             let all = group * GROUP..own.len().min((group + 1) * GROUP);
-            self.find_near_meshes(substep, number, group);
-            if self.meets_more_than_meshes {
+            if !substep.plan.broad_phase {
                 self.particles.push(all);
                 continue;
             }
+            self.find_near_meshes(substep, number, group);
             for first in all.clone().step_by(FEW) {
                 let few = first..all.end.min(first + FEW);
                 let these = own.start + few.start..own.start + few.end;
+                if self.meets_more_than_meshes {
+                    // Next to each other in a group are particles of many layers, of which one touches the ground.
+                    if self.are_near(substep, number, these, velocity) {
+                        self.particles.push(few);
+                    }
+                    continue;
+                }
                 let Substep { state, dt: secs, .. } = substep;
                 let of_all = Few { body: number, own: own.clone(), these, position: &state.position, velocity, secs };
                 let Self { meshes, far, reach, .. } = self;
@@ -119,10 +126,22 @@ impl<R: Real> Near<R> {
         }
     }
 
+    /// Whether the motion of any of some particles comes near one of the obstacles, or any touches one.
+    fn are_near(&self, substep: Substep<'_, R>, number: usize, these: Range<usize>, velocity: &[R::Vec3]) -> bool {
+        let Substep { state, obstacles, dt, .. } = substep;
+        self.obstacles.iter().any(|near| {
+            let obstacle = obstacles.met(number, *near as usize);
+            let bounds = obstacle.bounds.grown(self.reach);
+            let motions = state.position[these.clone()].iter().zip(&velocity[these.clone()]);
+            touches(&obstacle.shape, state, these.clone())
+                || motions.into_iter().any(|(from, velocity)| sweep::<R>(*from, *velocity * dt).overlaps(&bounds))
+        })
+    }
+
     /// Finds which meshes that stand still a group may meet, and whether it may meet anything else.
     fn find_near_meshes(&mut self, substep: Substep<'_, R>, number: usize, group: usize) {
         self.meshes.clear();
-        self.meets_more_than_meshes = !substep.plan.broad_phase;
+        self.meets_more_than_meshes = false;
         for place in 0..self.obstacles.len() {
             let near = self.obstacles[place];
             if self.meets_more_than_meshes || !self.is_near(substep, number, group, near) {
