@@ -111,7 +111,9 @@ fn names_beside(bytes: &[u8], beside: Beside<'_>) -> Vec<String> {
         Some(Format::Obj) => obj::names_beside(file),
         _ => Vec::new(),
     };
-    names.iter_mut().for_each(|name| *name = beside.spelt(name));
+    for name in &mut names {
+        *name = beside.spelt(name);
+    }
     names.sort_unstable();
     names.dedup();
     names
