@@ -1,5 +1,6 @@
 //! Soft bodies: a shape, where it starts, what it is made of, what is held.
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::{Material, Solid};
@@ -248,6 +249,13 @@ pub struct PinBox {
     pub min: [f64; 3],
     /// The highest corner, m.
     pub max: [f64; 3],
+}
+
+impl PinBox {
+    /// Whether what is there at rest, m, is held.
+    pub fn holds(&self, at: DVec3) -> bool {
+        (at.cmpge(DVec3::from(self.min)) & at.cmple(DVec3::from(self.max))).all()
+    }
 }
 
 /// What of a body meets obstacles and other bodies.

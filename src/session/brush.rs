@@ -54,6 +54,8 @@ impl Session {
         } else {
             body.with_cells(list)
         };
+        // What is taken away holds nothing.
+        let new = new.map(|new| if more { new } else { new.with_pinned(changed, false).unwrap_or(new) });
         // The first cell makes a list of a cube: what else a stroke does is the same change.
         let words = format!("cells of {}", name());
         self.make_touched(id, new, words)?;

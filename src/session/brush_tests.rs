@@ -326,6 +326,12 @@ fn pinned_cells_stay_the_same_where_the_box_grows_and_where_the_cube_becomes_a_l
     brush(&mut session, [-1.5, 0.2, 0.1], CellChange::Attach);
     let after = places(&session);
     assert!(before.len() == 8 && after.iter().zip(&before).all(|(a, b)| a.distance(*b) < 1e-6), "{after:?}");
+    session.handle(Command::EndEdit).expect("it is lifted");
+    brush(&mut session, [-1.2, -1.5, -1.1], CellChange::Erase);
+    assert!(
+        session.scene().bodies[0].pinned_cells.is_empty() && held(&session).is_empty(),
+        "what is gone holds nothing"
+    );
 }
 
 #[test]

@@ -31,6 +31,7 @@ pub mod modes;
 mod modes_cache;
 mod needs;
 mod picture;
+mod pin_warnings;
 pub mod predict;
 pub mod progress;
 pub mod run;

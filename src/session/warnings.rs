@@ -1,6 +1,7 @@
 //! What a person should know before wondering at the motion: a sentence each.
 
 use super::Session;
+use super::pin_warnings::pin_warnings;
 use super::step_words::step_text;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::{BodyMemory, MOST_PARTS_BETWEEN_BODIES};
@@ -24,6 +25,7 @@ impl Session {
         warnings.extend(self.model_warnings());
         warnings.extend(never_stable(&self.scene().settings));
         warnings.extend(taken_over(&self.scene().settings, self.simulation().plan()));
+        warnings.extend(pin_warnings(self.scene(), model));
         warnings.extend(small_obstacles(self.scene(), model));
         warnings.extend(no_body_contact(&self.scene().settings, self.simulation().plan(), model));
         warnings.extend(not_on_mesh(self.scene(), self.simulation().plan(), model));

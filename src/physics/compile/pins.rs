@@ -14,8 +14,7 @@ pub(super) fn pinned(body: &Body, lattice: &Lattice, rest: &[DVec3]) -> Values<b
     if !body.has_pins() {
         return Values::Uniform(false);
     }
-    let in_box =
-        |p: &DVec3| body.pins.iter().any(|pin| (p.cmpge(DVec3::from(pin.min)) & p.cmple(DVec3::from(pin.max))).all());
+    let in_box = |at: &DVec3| body.pins.iter().any(|pin| pin.holds(*at));
     let mut pinned: Vec<bool> = rest.iter().map(in_box).collect();
     let named: BTreeSet<[i32; 3]> = body.pinned_cells.iter().copied().collect();
     let low = lowest_cell(&body.shape);
