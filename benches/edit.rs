@@ -1,13 +1,15 @@
-//! Time of one change of a value, as a slider that is dragged makes many of: a material's constant, and an obstacle's
-//! place.
+//! Time of one change, as a hand that drags makes many of: a material's constant and an obstacle's place by a slider, a
+//! cell by a brush.
 
 use std::path::PathBuf;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use gelatin::scene::body::Inlay;
+use gelatin::scene::cell_brush::CellChange;
 use gelatin::scene::edit::{BodyId, Edit, ObstacleId};
 use gelatin::scene::presets::preset;
-use gelatin::scene::{Material, ObstacleShape};
-use gelatin::session::{Command, Session};
+use gelatin::scene::{Material, ObstacleShape, Solid};
+use gelatin::session::{CellTouch, Command, Session};
 
 fn edit(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("edit");
@@ -37,6 +39,22 @@ fn edit(criterion: &mut Criterion) {
                 session.handle(Command::Drag(Edit::Obstacle(ObstacleId(0), Box::new(ground)))).expect("in range");
             });
         });
+        // As a brush touches it, for another cell every time; an inlay of a solid.
+        let mut body = session.scene().bodies[0].clone();
+        body.material = Material::Solid(Solid::default());
+        body.inlays = vec![Inlay { min: [0.0; 3], max: [-1.0; 3], ..Inlay::default() }];
+        session.handle(Command::Edit(Edit::Body(BodyId(0), Box::new(body)))).expect("a solid");
+        let mut cell = 0;
+        for (what, change) in [("a painted cell", CellChange::Paint(0)), ("a pinned cell", CellChange::Pin)] {
+            group.bench_function(format!("{name}/{what}"), |bencher| {
+                bencher.iter(|| {
+                    let body = &session.simulation().model().bodies[0];
+                    cell = (cell + 1) % body.lattice.cells.len();
+                    let weights = body.lattice.cells[cell].map(|particle| (particle, 0.125)).to_vec();
+                    session.handle(Command::Brush(CellTouch { body: BodyId(0), weights, change })).expect("a cell");
+                });
+            });
+        }
     }
     group.finish();
 }
