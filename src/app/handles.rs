@@ -74,7 +74,7 @@ impl Handles {
     pub fn take(&mut self, chosen: Chosen<'_>, sight: &Sight) -> bool {
         self.held = handle_at(chosen, sight).map(|(id, gizmo, handle)| {
             let start = chosen.scene.obstacles[id.0].clone();
-            let (_, turned) = moved(&start, chosen.secs);
+            let (_, turned) = start.moved(chosen.secs);
             Held { id, start, turned, gizmo, handle, from: *sight }
         });
         self.hot = self.held.as_ref().map(|held| held.handle).or(self.hot);
@@ -126,15 +126,9 @@ fn handle_at(chosen: Chosen<'_>, sight: &Sight) -> Option<(ObstacleId, Gizmo, Ha
 fn gizmo_of(chosen: Chosen<'_>) -> Option<(ObstacleId, Gizmo)> {
     let Some(Target::Obstacle(id)) = chosen.target else { return None };
     let obstacle = chosen.scene.obstacles.get(id.0).filter(|obstacle| !obstacle.hidden)?;
-    let (way, _) = moved(obstacle, chosen.secs);
+    let (way, _) = obstacle.moved(chosen.secs);
     let center = (DVec3::from(obstacle.shape.center()) + way).as_vec3();
     Some((id, Gizmo::new(center, obstacle.shape.rotation_deg().is_some())))
-}
-
-/// How far the motion of an obstacle has taken it from its place by then, m, and turned it.
-fn moved(obstacle: &Obstacle, secs: f64) -> (DVec3, DMat3) {
-    let (way, turned) = obstacle.motion.map(|motion| motion.rigid().at(secs)).unwrap_or_default();
-    (way, DMat3::from_quat(turned))
 }
 
 /// The place of an obstacle whose drawn place, `turned` by its motion, was dragged.

@@ -1,6 +1,6 @@
 //! Obstacles as things to draw.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::solid_mesh::SolidMeshes;
 use crate::math::rotation::from_euler_deg;
@@ -16,8 +16,8 @@ pub fn solids(obstacles: &[Obstacle], secs: f64, meshes: &mut SolidMeshes) -> Ve
 #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
 fn solid(obstacle: &Obstacle, secs: f64, meshes: &mut SolidMeshes) -> Option<Solid> {
     let shape = &obstacle.shape;
-    let (way, turned) = obstacle.motion.map(|motion| motion.rigid().at(secs)).unwrap_or_default();
-    let turn = DMat3::from_quat(turned) * from_euler_deg(shape.rotation_deg().unwrap_or_default());
+    let (way, turned) = obstacle.moved(secs);
+    let turn = turned * from_euler_deg(shape.rotation_deg().unwrap_or_default());
     let center = (DVec3::from(shape.center()) + way).as_vec3();
     let arm = |half_height: f64| (turn.y_axis * half_height).as_vec3();
     Some(match *shape {

@@ -126,8 +126,10 @@ impl Embedded {
 
     /// The one of a path, or of one whose letters differ in case alone, as files on the disk are found.
     pub fn find(&self, path: &str) -> Option<&EmbeddedFile> {
-        let small = path.to_lowercase();
-        let of_any_case = || self.0.iter().find(|file| file.path.to_lowercase() == small);
+        let of_any_case = || {
+            let small = path.to_lowercase();
+            self.0.iter().find(|file| file.path.to_lowercase() == small)
+        };
         self.0.iter().find(|file| file.path == path).or_else(of_any_case)
     }
 }

@@ -89,11 +89,11 @@ impl Window {
         self.wait();
     }
 
-    /// Chooses a thing in the list, which is scrolled to it.
-    pub(crate) fn choose_thing(&mut self, name: &str) {
-        self.control(name).scroll_to_me();
+    /// Clicks on what is called `label`, in a list or panel that is scrolled to it.
+    pub(crate) fn press(&mut self, label: &str) {
+        self.control(label).scroll_to_me();
         self.wait();
-        self.click(name);
+        self.click(label);
     }
 
     /// Clicks twice on what is called `label`.

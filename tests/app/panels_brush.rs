@@ -12,7 +12,7 @@ use crate::live::Window;
 /// A window in which the shape of the only body is shown.
 fn window(scene: Scene) -> Window {
     let mut window = Window::on(scene, "cube", [1280.0, 1000.0], Theme::Dark);
-    window.choose_thing("Jelly");
+    window.press("Jelly");
     window.control("Shape").scroll_to_me();
     window.wait();
     window
@@ -47,10 +47,7 @@ fn a_model_shows_its_cells_for_the_brush_and_has_its_own_again() {
     window.choose("Brush", "adds cells");
     window.wait();
     assert_eq!(body(&window).skin, Skin::Cells, "what is drawn over is seen");
-    window.control("Clear").scroll_to_me();
-    window.wait();
-    window.click("Clear");
-    window.wait();
+    window.press("Clear");
     let Shape::Model(model) = body(&window).shape else { panic!("it is a model") };
     assert!(model.erased.is_empty(), "it has its own cells again");
 }
@@ -60,26 +57,20 @@ fn a_solid_gets_an_inlay_which_is_painted() {
     let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
     scene.bodies[0].material = Material::Solid(Solid::default());
     let mut window = Window::on(scene, "cube", [1280.0, 1000.0], Theme::Dark);
-    window.choose_thing("Jelly");
-    let press = |window: &mut Window, label: &str| {
-        window.control(label).scroll_to_me();
-        window.wait();
-        window.click(label);
-        window.wait();
-    };
-    press(&mut window, "Add an inlay");
+    window.press("Jelly");
+    window.press("Add an inlay");
     let inlays = |window: &Window| window.scene().bodies[0].inlays.clone();
     assert_eq!((inlays(&window).len(), inlays(&window)[0].cells.len()), (1, 0));
     assert_ne!(inlays(&window)[0].solid, Solid::default(), "of another solid");
-    press(&mut window, "Cells in a box");
+    window.press("Cells in a box");
     assert_eq!((inlays(&window)[0].min[1], inlays(&window)[0].max[1] > 0.0), (0.0, true), "the upper half");
-    press(&mut window, "Cells in a box");
+    window.press("Cells in a box");
     assert!(inlays(&window)[0].max[1] < inlays(&window)[0].min[1], "no box");
-    press(&mut window, "Paint");
+    window.press("Paint");
     let own = Some(Brush { body: BodyId(0), change: CellChange::Paint(0) });
     assert_eq!(window.harness.state().ui.brush, own);
     assert_eq!(window.scene().view.color, ColorBy::Stiffness, "what is painted is seen");
-    press(&mut window, "Paint");
+    window.press("Paint");
     assert_eq!(window.harness.state().ui.brush, None);
     window.control("Inlay 1").scroll_to_me();
     window.wait();
@@ -93,26 +84,20 @@ fn a_body_is_pinned_by_boxes_and_by_the_brush() {
     let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
     scene.bodies[0].pinned_cells = vec![[0; 3], [1, 0, 0]];
     let mut window = Window::on(scene, "cube", [1280.0, 1000.0], Theme::Dark);
-    window.choose_thing("Jelly");
-    let press = |window: &mut Window, label: &str| {
-        window.control(label).scroll_to_me();
-        window.wait();
-        window.click(label);
-        window.wait();
-    };
-    press(&mut window, "Pins");
-    press(&mut window, "Pin cells");
+    window.press("Jelly");
+    window.press("Pins");
+    window.press("Pin cells");
     let own = Some(Brush { body: BodyId(0), change: CellChange::Pin });
     assert_eq!(window.harness.state().ui.brush, own);
     assert!(window.scene().view.overlays.pins, "what is pinned is seen");
-    press(&mut window, "Pin cells");
+    window.press("Pin cells");
     assert_eq!(window.harness.state().ui.brush, None);
-    press(&mut window, "Let go");
+    window.press("Let go");
     let body = |window: &Window| window.scene().bodies[0].clone();
     assert!(body(&window).pinned_cells.is_empty());
-    press(&mut window, "Add a box");
+    window.press("Add a box");
     let pins = body(&window).pins;
     assert!(pins.len() == 1 && pins[0].min[1] > 0.0 && pins[0].max[1] > 0.5, "the top: {pins:?}");
-    press(&mut window, "Remove");
+    window.press("Remove");
     assert!(body(&window).pins.is_empty());
 }

@@ -146,7 +146,7 @@ fn no_value_however_long_passes_the_edge_of_the_panel() {
                 window.click("Light and camera");
             }
             for thing in THINGS {
-                window.choose_thing(thing);
+                window.press(thing);
                 assert_inside(&window, size, &format!("{value} of {thing} in {size:?}"));
             }
         }

@@ -18,7 +18,7 @@ fn held() -> Scene {
 /// A window in which the motion of the only body is shown.
 fn window(scene: Scene, size: [f32; 2]) -> Window {
     let mut window = Window::on(scene, "held cube", size, Theme::Dark);
-    window.choose_thing("Jelly");
+    window.press("Jelly");
     window.control("Motion").scroll_to_me();
     window.wait();
     window.click("Motion");

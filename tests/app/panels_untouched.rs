@@ -130,7 +130,7 @@ fn panels_are_scrolled_without_an_edit() {
     let mut window = Window::on(scene(), "odd", SIZES[0], Theme::Dark);
     for thing in THINGS {
         if let Some(thing) = thing {
-            window.choose_thing(thing);
+            window.press(thing);
         }
         let right = window.harness.state().ui.view_rect.right();
         // On a track the wheel steps its value.

@@ -201,7 +201,7 @@ fn pick(window: &mut Window, label: &str, words: &str) {
 #[test]
 fn a_model_is_filled_anew_while_it_moves_and_every_change_is_one_undo() {
     let mut window = Window::open("spot");
-    window.choose_thing("Spot");
+    window.press("Spot");
     for _ in 0..50 {
         window.harness.state_mut().session.step();
     }
@@ -235,7 +235,7 @@ fn a_solid_model_weighs_its_cells_or_what_is_in_them() {
     scene.bodies[0].material = Material::Solid(gelatin::scene::Solid::default());
     let name = scene.bodies[0].name.clone();
     let mut window = Window::on(scene, "spot", [1280.0, 800.0], gelatin::app::theme::Theme::Dark);
-    window.choose_thing(&name);
+    window.press(&name);
     let mass = |window: &Window| window.harness.state().session.status().bodies[0].mass_kg;
     let sampled = mass(&window);
     pick(&mut window, "Mass from", "full cells");

@@ -5,6 +5,7 @@ mod motion;
 mod shape;
 mod stiffness;
 
+use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 pub use mesh::{Loaded, Mesh};
@@ -30,6 +31,14 @@ pub struct Obstacle {
     pub friction_dynamic: f64,
     /// Drawn or not; a hidden obstacle still stops bodies.
     pub hidden: bool,
+}
+
+impl Obstacle {
+    /// How far its motion has taken it from its place after so much simulated time, m, and turned it.
+    pub fn moved(&self, secs: f64) -> (DVec3, DMat3) {
+        let (way, turned) = self.motion.map(|motion| motion.rigid().at(secs)).unwrap_or_default();
+        (way, DMat3::from_quat(turned))
+    }
 }
 
 impl Default for Obstacle {

@@ -1,7 +1,8 @@
 //! A body: its material live, where it is and where it starts, its shape in figures.
 
-use egui::{Button, ComboBox, RichText, Ui, vec2};
+use egui::{Button, RichText, Ui, vec2};
 
+use super::brush::brush_ui;
 use super::material::material_ui;
 use super::model::model_ui;
 use super::pins::pins_ui;
@@ -10,8 +11,7 @@ use super::settings::{choice_ui, flag_ui, name_ui, words_of};
 use crate::app::ui::figure::{figure, fixed_figure};
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, field_ui, slider_ui, vector_ui};
-use crate::app::ui::{Brush, Running, UiState, edits, theme};
-use crate::scene::cell_brush::CellChange;
+use crate::app::ui::{Running, UiState, edits, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::{Body, ContactOn, MovesBy, Shape, Skin};
 use crate::session::{BodyStatus, Command};
@@ -19,8 +19,6 @@ use crate::view::legend::three_digits;
 
 const LINEAR: &str = "Linear: right for a small swing; where a part turns far against the rest it looks wrong, it grows. Its \
                       cells cost nothing until another body comes near.";
-const BRUSH: &str = "Press or drag over the body in the view: a cell is put on every face that is drawn over, or taken away. \
-                     Ctrl does the other; Escape puts the brush down.";
 const NOT_LED: &str = "It moves by its cells as yet: the message over the view says why.";
 
 const MOVES_BY: [(MovesBy, &str); 2] = [(MovesBy::Cells, "all its cells"), (MovesBy::Modes, "its lowest modes")];
@@ -147,35 +145,6 @@ fn shape_ui(
         let [structural, shear, bending] = status.links;
         row_ui(ui, "Links", &format!("{structural} + {shear} + {bending}"));
     }
-}
-
-/// The brush over its cells: none, or one that adds or takes away. A model is drawn as its cells for it.
-fn brush_ui(ui: &mut Ui, id: BodyId, body: &Body, state: &mut UiState, commands: &mut Vec<Command>) {
-    let words = |change| match change {
-        None => "none",
-        Some(CellChange::Attach) => "adds cells",
-        Some(CellChange::Erase) => "takes cells away",
-        Some(CellChange::Paint(_) | CellChange::Scrape(_)) => "paints an inlay",
-        Some(CellChange::Pin | CellChange::Release) => "pins cells",
-    };
-    let now = state.brush.filter(|brush| brush.body == id).map(|brush| brush.change);
-    ui.horizontal(|ui| {
-        let label = name_ui(ui, "Brush");
-        let combo = ComboBox::from_id_salt("brush").truncate().selected_text(words(now));
-        let response = combo.show_ui(ui, |ui| {
-            for change in [None, Some(CellChange::Attach), Some(CellChange::Erase)] {
-                if ui.selectable_label(change == now, words(change)).clicked() {
-                    state.brush = change.map(|change| Brush { body: id, change });
-                    if change.is_some() && matches!(body.shape, Shape::Model(_)) && body.skin == Skin::Auto {
-                        let drawn = Body { skin: Skin::Cells, ..body.clone() };
-                        commands.extend(edits::alone(Edit::Body(id, Box::new(drawn))));
-                    }
-                }
-            }
-        });
-        tip_ui(ui, &response.response, || BRUSH.to_owned());
-        response.response.labelled_by(label.id);
-    });
 }
 
 fn cube_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {

@@ -1,7 +1,8 @@
 //! Parts of a solid that are of other solids, in boxes and by the brush.
 
-use egui::{Button, RichText, Ui};
+use egui::{RichText, Ui};
 
+use super::brush::brush_button_ui;
 use super::parts::solid_choice_ui;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, vector_ui};
@@ -85,16 +86,11 @@ fn paint_ui(
     state: &mut UiState,
     commands: &mut Vec<Command>,
 ) {
-    let own = Some(Brush { body: id, change: CellChange::Paint(place) });
     ui.horizontal(|ui| {
-        let button = ui.add(Button::selectable(state.brush == own, "Paint").frame_when_inactive(true));
-        tip_ui(ui, &button, || PAINT.to_owned());
+        let brush = Brush { body: id, change: CellChange::Paint(place) };
+        let is_taken = brush_button_ui(ui, "Paint", PAINT, brush, state);
         ui.label(RichText::new(format!("{} cells painted", inlay.cells.len())).color(theme::of(ui).weak));
-        if !button.clicked() {
-            return;
-        }
-        state.brush = if state.brush == own { None } else { own };
-        if state.brush.is_some() && scene.view.color != ColorBy::Stiffness {
+        if is_taken && scene.view.color != ColorBy::Stiffness {
             let view = ViewSettings { color: ColorBy::Stiffness, color_range: None, ..scene.view.clone() };
             commands.extend(edits::alone(Edit::View(view)));
         }

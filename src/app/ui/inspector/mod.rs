@@ -2,6 +2,7 @@
 //! one node; the panel itself keeps nothing.
 
 mod body;
+mod brush;
 mod inlays;
 mod light;
 mod material;

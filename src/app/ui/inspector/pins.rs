@@ -1,7 +1,8 @@
 //! What of a body is held: boxes, and cells by the brush.
 
-use egui::{Button, RichText, Ui};
+use egui::{RichText, Ui};
 
+use super::brush::brush_button_ui;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, vector_ui};
 use crate::app::ui::{Brush, Running, UiState, edits, theme};
@@ -11,7 +12,7 @@ use crate::scene::edit::{BodyId, Edit};
 use crate::scene::{Body, ViewSettings};
 use crate::session::Command;
 
-const PAINT: &str = "Press or drag over the body in the view: the cells under the pointer are held where they are. Ctrl lets them \
+const PIN: &str = "Press or drag over the body in the view: the cells under the pointer are held where they are. Ctrl lets them \
                      go; Escape puts the brush down. Green points mark what is held.";
 const NEW: &str = "Holds what is in a box along the axes of the body, from its middle; it begins as the top";
 /// The lowest point of a new box, in halves of the body's height from its middle.
@@ -25,15 +26,9 @@ pub(super) fn pins_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut
         change(&mut changed);
         Edit::Body(id, Box::new(changed))
     };
-    let own = Some(Brush { body: id, change: CellChange::Pin });
     ui.horizontal(|ui| {
-        let button = ui.add(Button::selectable(state.brush == own, "Pin cells").frame_when_inactive(true));
-        tip_ui(ui, &button, || PAINT.to_owned());
-        if button.clicked() {
-            state.brush = if state.brush == own { None } else { own };
-            if state.brush.is_some() {
-                show_pins(&running.scene.view, commands);
-            }
+        if brush_button_ui(ui, "Pin cells", PIN, Brush { body: id, change: CellChange::Pin }, state) {
+            show_pins(&running.scene.view, commands);
         }
         ui.label(RichText::new(format!("{} pinned", body.pinned_cells.len())).color(theme::of(ui).weak));
         if !body.pinned_cells.is_empty() && ui.button("Let go").clicked() {

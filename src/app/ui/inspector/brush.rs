@@ -1,0 +1,54 @@
+//! Brushes over the cells of a body: the list of those that change them, and a button for one of another kind.
+
+use egui::{Button, ComboBox, Ui};
+
+use super::settings::name_ui;
+use crate::app::ui::tip::tip_ui;
+use crate::app::ui::{Brush, UiState, edits};
+use crate::scene::cell_brush::CellChange;
+use crate::scene::edit::{BodyId, Edit};
+use crate::scene::{Body, Shape, Skin};
+use crate::session::Command;
+
+const BRUSH: &str = "Press or drag over the body in the view: a cell is put on every face that is drawn over, or taken away. \
+                     Ctrl does the other; Escape puts the brush down.";
+
+/// The brush over its cells: none, or one that adds or takes away. A model is drawn as its cells for it.
+pub(super) fn brush_ui(ui: &mut Ui, id: BodyId, body: &Body, state: &mut UiState, commands: &mut Vec<Command>) {
+    let words = |change| match change {
+        None => "none",
+        Some(CellChange::Attach) => "adds cells",
+        Some(CellChange::Erase) => "takes cells away",
+        Some(CellChange::Paint(_) | CellChange::Scrape(_)) => "paints an inlay",
+        Some(CellChange::Pin | CellChange::Release) => "pins cells",
+    };
+    let now = state.brush.filter(|brush| brush.body == id).map(|brush| brush.change);
+    ui.horizontal(|ui| {
+        let label = name_ui(ui, "Brush");
+        let combo = ComboBox::from_id_salt("brush").truncate().selected_text(words(now));
+        let response = combo.show_ui(ui, |ui| {
+            for change in [None, Some(CellChange::Attach), Some(CellChange::Erase)] {
+                if ui.selectable_label(change == now, words(change)).clicked() {
+                    state.brush = change.map(|change| Brush { body: id, change });
+                    if change.is_some() && matches!(body.shape, Shape::Model(_)) && body.skin == Skin::Auto {
+                        let drawn = Body { skin: Skin::Cells, ..body.clone() };
+                        commands.extend(edits::alone(Edit::Body(id, Box::new(drawn))));
+                    }
+                }
+            }
+        });
+        tip_ui(ui, &response.response, || BRUSH.to_owned());
+        response.response.labelled_by(label.id);
+    });
+}
+
+/// A button that takes a brush, or puts it down where it is in the hand. Says whether it was taken.
+pub(super) fn brush_button_ui(ui: &mut Ui, label: &str, tip: &str, brush: Brush, state: &mut UiState) -> bool {
+    let is_held = state.brush == Some(brush);
+    let button = ui.add(Button::selectable(is_held, label).frame_when_inactive(true));
+    tip_ui(ui, &button, || tip.to_owned());
+    if button.clicked() {
+        state.brush = (!is_held).then_some(brush);
+    }
+    button.clicked() && !is_held
+}
