@@ -3,7 +3,7 @@
 
 use super::Session;
 use super::clock::Stretch;
-use crate::physics::Scheme;
+use crate::physics::{Scheme, Strain};
 
 /// Slower than this share of the speed asked for is slower than asked.
 pub const KEEPS_UP: f64 = 0.95;
@@ -27,6 +27,8 @@ struct Facts<'a> {
     links: usize,
     /// Iterations of the implicit integrator in the last substep.
     iterations: u64,
+    /// The substeps that a step takes while links are far from their length at rest.
+    strained: Option<u64>,
     /// What limits the step, and the substeps it is divided into.
     divided: Option<(&'a str, u32)>,
 }
@@ -57,14 +59,24 @@ impl Session {
             contact: self.sample.is_contact(),
             links,
             iterations: self.report.counters.iterations,
+            strained: self.strained_substeps(),
             divided: is_divided.then_some((limit.as_str(), plan.substeps)),
         };
         if self.playing { words(&facts) } else { String::new() }
     }
+
+    /// The substeps in a step, where those that are planned are divided because a body is strained.
+    fn strained_substeps(&self) -> Option<u64> {
+        let (plan, parts) = (self.simulation.plan(), self.report.counters.substeps);
+        let mut bodies = self.simulation.state().bodies.iter();
+        let is_strained = bodies.any(|body| !body.asleep && body.strain > Strain::Small);
+        (is_strained && parts > 1 && plan.scheme != Scheme::Implicit).then(|| parts * u64::from(plan.substeps))
+    }
 }
 
 fn words(facts: &Facts<'_>) -> String {
-    let Facts { speed, lately, drawing, processors, halved, slowed, contact, links, iterations, divided } = facts;
+    let Facts { speed, lately, drawing, processors, halved, slowed, contact, links, iterations, strained, divided } =
+        facts;
     let factor = lately.real_time_factor().unwrap_or(*speed);
     if factor >= KEEPS_UP * speed || factor <= 0.0 {
         return String::new();
@@ -86,6 +98,8 @@ fn words(facts: &Facts<'_>) -> String {
         "the motion is too violent for the implicit integrator's steps, which are halved again and again".to_owned()
     } else if *contact {
         "contact takes more time than the links".to_owned()
+    } else if let Some(substeps) = strained {
+        format!("parts are stretched or crushed so far that every step of {links} links takes {substeps} substeps")
     } else if let Some((limit, substeps)) = divided {
         format!("{limit} takes {substeps} substeps in every step of {links} links")
     } else if *iterations >= FEW_ITERATIONS {
@@ -108,7 +122,10 @@ fn two_digits(count: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+
     use super::*;
+    use crate::scene::presets;
 
     /// A second in which `simulated` s came of `processor` s of work.
     fn facts(simulated_secs: f64, processor_secs: f64) -> Facts<'static> {
@@ -123,6 +140,7 @@ mod tests {
             contact: false,
             links: 12_876,
             iterations: 0,
+            strained: None,
             divided: None,
         }
     }
@@ -144,6 +162,8 @@ mod tests {
         let divided = Facts { divided: Some(("shear damping", 3)), ..busy.clone() };
         let divided = words(&divided);
         assert!(divided.ends_with("shear damping takes 3 substeps in every step of 12876 links"), "{divided}");
+        let strained = words(&Facts { strained: Some(18), divided: Some(("shear damping", 3)), ..busy.clone() });
+        assert!(strained.ends_with("stretched or crushed so far that every step of 12876 links takes 18 substeps"));
         let stiff = words(&Facts { iterations: 1_249, ..busy.clone() });
         assert!(stiff.ends_with("about 1200 iterations in every substep of 12876 links"), "{stiff}");
         let soft = words(&Facts { iterations: FEW_ITERATIONS - 1, ..busy.clone() });
@@ -167,5 +187,19 @@ mod tests {
         assert_eq!(words(&Facts { lately: Stretch::default(), ..facts(0.0, 0.0) }), "", "nothing was measured yet");
         let slow_motion = Facts { speed: 0.1, ..facts(0.1, 0.9) };
         assert_eq!(words(&slow_motion), "", "as slow as asked");
+    }
+
+    #[test]
+    fn a_torn_body_takes_more_substeps_than_are_planned_and_one_at_rest_does_not() {
+        let scene = (presets::preset("cube-on-plane").expect("a preset").build)();
+        let mut session = Session::new(scene, PathBuf::new(), String::new()).expect("it resolves");
+        session.step();
+        assert_eq!(session.strained_substeps(), None, "it falls as it is");
+        let mut state = session.simulation().state().clone();
+        state.position.iter_mut().for_each(|at| at.y *= 2.0);
+        session.replace_state(state);
+        session.step();
+        let (planned, taken) = (session.simulation().plan().substeps, session.strained_substeps());
+        assert!(taken.is_some_and(|taken| taken > u64::from(planned)), "{taken:?} of {planned} planned");
     }
 }
