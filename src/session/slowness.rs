@@ -99,7 +99,7 @@ fn words(facts: &Facts<'_>) -> String {
     } else if *contact {
         "contact takes more time than the links".to_owned()
     } else if let Some(substeps) = strained {
-        format!("parts are stretched or crushed so far that every step of {links} links takes {substeps} substeps")
+        format!("strained links take {substeps} substeps in every step of {links} links")
     } else if let Some((limit, substeps)) = divided {
         format!("{limit} takes {substeps} substeps in every step of {links} links")
     } else if *iterations >= FEW_ITERATIONS {
@@ -163,7 +163,7 @@ mod tests {
         let divided = words(&divided);
         assert!(divided.ends_with("shear damping takes 3 substeps in every step of 12876 links"), "{divided}");
         let strained = words(&Facts { strained: Some(18), divided: Some(("shear damping", 3)), ..busy.clone() });
-        assert!(strained.ends_with("stretched or crushed so far that every step of 12876 links takes 18 substeps"));
+        assert!(strained.ends_with("strained links take 18 substeps in every step of 12876 links"));
         let stiff = words(&Facts { iterations: 1_249, ..busy.clone() });
         assert!(stiff.ends_with("about 1200 iterations in every substep of 12876 links"), "{stiff}");
         let soft = words(&Facts { iterations: FEW_ITERATIONS - 1, ..busy.clone() });
