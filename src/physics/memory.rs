@@ -7,6 +7,7 @@ use super::state::touch::SampleTouch;
 use crate::geometry::LatticeCounts;
 use crate::geometry::sampling::MOST_A_CELL;
 use crate::physics::kernels::{BYTES_A_CORNER, MOST_CORNERS_A_PARTICLE};
+use crate::physics::limits::present::BYTES_A_PARTICLE;
 use crate::physics::model::Scheme;
 use crate::physics::schemes::{Held, implicit_bytes};
 
@@ -44,8 +45,9 @@ pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
     let moving = bodies.iter().map(|body| of_motion(body, size)).sum::<usize>();
     let implicit = if size.scheme == Some(Scheme::Implicit) { implicit_bytes(bodies) } else { 0 };
     let made = bodies.iter().map(|body| body.particles * WHILE_MADE).max().unwrap_or(0);
+    let strained = bodies.iter().map(|body| body.particles * BYTES_A_PARTICLE).max().unwrap_or(0);
     let meeting = bodies.iter().map(of_meeting).sum::<usize>() + size.on_mesh * of_points(size);
-    (lasting + moving + implicit + made.max(moving) + meeting) as u64
+    (lasting + moving + implicit + made.max(moving) + strained + meeting) as u64
 }
 
 /// Where a particle would be, and was, and its place among those that meet, bytes.

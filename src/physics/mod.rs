@@ -86,7 +86,7 @@ pub use compile::stability_plane::{Place, StabilityPlane};
 pub use contact::{BodyContact, ContactRecord, DEPTH_SHARE, Placed, SampleContact};
 pub use interaction::Grab;
 pub use kernels::SimdLevel;
-pub use limits::{SAFETY, SceneLimits, Term};
+pub use limits::{LinkLoad, SAFETY, SceneLimits, Term};
 pub use model::plan::{
     BodyContactPlan, MOST_HALVINGS, MOST_PARTS_BETWEEN_BODIES, MOST_WORK_A_FRAME, Plan, SOLVE_WORK, SchemeCost, Stage,
     StageRates,

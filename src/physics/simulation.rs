@@ -17,6 +17,7 @@ use super::step::{self, Inputs, StepWorkspace};
 use super::stepping;
 use crate::math::{Real, whole_steps};
 use crate::physics::forces::recovery;
+use crate::physics::limits::LinkLoad;
 use crate::physics::model::plan::Plan;
 use crate::physics::observe::diagnostics::Diagnostics;
 use crate::physics::share;
@@ -96,6 +97,7 @@ impl<R: Real> Simulation<R> {
         }
         self.state.fit_modes(&model);
         self.is_placed = false;
+        self.state.bodies.iter_mut().for_each(|memory| memory.load = LinkLoad::default());
         self.wake_all();
         self.workspace.fit((&self.model, &self.plan), &model, &plan);
         self.model = model;

@@ -1,7 +1,7 @@
 //! A simulation's state as bytes, exactly: what the window and `gelatin run --save-state` write and go on from.
 //!
 //! ```text
-//! "gelatin-state 14\n"                                      magic and version; of versions 11 to 13 what they have is read
+//! "gelatin-state 15\n"                                      magic and version; of versions 11 to 14 what they have is read
 //! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
@@ -10,9 +10,12 @@
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
 //! bodies: each a count u64 and as many cells u32             watched as they may invert
-//!         1 if asleep + 2 if strained + 4 if stuck + 8 if gone + 16 if near itself
-//!         + 32 if it is a modal body, ns slow in a knot,
+//!         1 if asleep + 2 if largely strained + 4 if stuck + 8 if gone
+//!         + 16 if near itself + 32 if it is a modal body + 64 if taut
+//!         + 128 if what its links add is known, ns slow in a knot,
 //!         substeps it has been calm after strain                           three u32
+//!         where that is known: what they add to the square of a frequency,
+//!         to a rate of damping                                             two f64
 //!         J that recovery took of its energy, the share of the pull,
 //!         cells by which it may still fold until that is looked for       three f64
 //!         substeps it has been still                                       u64
@@ -45,13 +48,16 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::json;
 
-use super::state_error::{MAGIC, StateError, StateFileError, WITHOUT_FREE_MODES, WITHOUT_MODES, WITHOUT_TOUCHES};
+use super::state_error::{
+    MAGIC, StateError, StateFileError, WITHOUT_FREE_MODES, WITHOUT_LOADS, WITHOUT_MODES, WITHOUT_TOUCHES,
+};
 use super::state_origin::Origin;
 use super::state_reader::{Reader, Tells};
 use super::{Session, SessionError};
 use crate::disk::{self, fnv1a};
 use crate::physics::Approach;
 use crate::physics::BodyMemory;
+use crate::physics::LinkLoad;
 use crate::physics::Press;
 use crate::physics::RigidState;
 use crate::physics::SampleTouch;
@@ -80,10 +86,10 @@ pub fn summary(path: &Path) -> Result<StateSummary, StateError> {
 
 /// The scene that bytes belong to, and what follows it but for the checksum, which is right.
 fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
-    let versions = [MAGIC, WITHOUT_FREE_MODES, WITHOUT_MODES, WITHOUT_TOUCHES];
+    let versions = [MAGIC, WITHOUT_LOADS, WITHOUT_FREE_MODES, WITHOUT_MODES, WITHOUT_TOUCHES];
     let known = versions.map(|magic| bytes.strip_prefix(magic.as_bytes()));
-    let tells =
-        Tells { free_modes: known[0].is_some(), modes: known[0].or(known[1]).is_some(), touches: known[3].is_none() };
+    let is_from = |version: usize| known[..=version].iter().any(Option::is_some);
+    let tells = Tells { free_modes: is_from(1), modes: is_from(2), touches: is_from(3) };
     let Some(contents) = known.into_iter().flatten().next() else {
         let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
         return Err(match line.strip_prefix(b"gelatin-state ") {
@@ -152,12 +158,15 @@ impl Session {
         for (memory, body) in state.bodies.iter().zip(&self.simulation().model().bodies) {
             bytes.extend((memory.near_inversion.len() as u64).to_le_bytes());
             bytes.extend(memory.near_inversion.iter().flat_map(|cell| cell.to_le_bytes()));
-            let BodyMemory { asleep, strain, stuck, gone, near_itself, is_modal, .. } = *memory;
+            let BodyMemory { asleep, strain, load, stuck, gone, near_itself, is_modal, .. } = *memory;
+            let loads = [load.stiffness, load.damping];
+            let is_known = load != LinkLoad::default();
             let [large, taut] = [Strain::Large, Strain::Taut].map(|of| strain == of);
-            let flags = [asleep, large, stuck, gone, near_itself, is_modal, taut].map(u32::from);
+            let flags = [asleep, large, stuck, gone, near_itself, is_modal, taut, is_known].map(u32::from);
             let flags = flags.iter().rev().fold(0, |all, flag| 2 * all + flag);
             let words = [flags, memory.knotted_nanos, memory.calm_substeps];
             bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+            bytes.extend(loads.iter().filter(|_| is_known).flat_map(|number| number.to_le_bytes()));
             let RecoveryAccount { taken_j, pull_share } = memory.account;
             bytes.extend([taken_j, pull_share, memory.apart].iter().flat_map(|number| number.to_le_bytes()));
             bytes.extend(memory.still_substeps.to_le_bytes());

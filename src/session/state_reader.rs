@@ -8,6 +8,7 @@ use super::state_error::StateFileError;
 use crate::modal::COUNTS;
 use crate::physics::Approach;
 use crate::physics::BodyMemory;
+use crate::physics::LinkLoad;
 use crate::physics::MOST_HALVINGS;
 use crate::physics::ModalState;
 use crate::physics::Press;
@@ -173,9 +174,9 @@ impl<'a> Reader<'a> {
         need(last == 0 || (last as usize) < cells, &field, format!("one with cell {last}"), "a cell of the body")?;
         let field = of_body("the memory");
         let [flags, knotted_nanos, calm_substeps] = [self.u32(&field)?, self.u32(&field)?, self.u32(&field)?];
-        need(flags < 128, &field, flags, "a sum of 1, 2, 4, 8, 16, 32 and 64")?;
-        let [asleep, large, stuck, gone, near_itself, is_modal, taut] =
-            [1, 2, 4, 8, 16, 32, 64].map(|flag| flags & flag != 0);
+        need(flags < 256, &field, flags, "a sum of 1, 2, 4, 8, 16, 32, 64 and 128")?;
+        let [asleep, large, stuck, gone, near_itself, is_modal, taut, is_known] =
+            [1, 2, 4, 8, 16, 32, 64, 128].map(|flag| flags & flag != 0);
         need(!(large && taut), &field, "one of two strains", "one of them")?;
         let strain = match (large, taut) {
             (true, _) => Strain::Large,
@@ -185,6 +186,7 @@ impl<'a> Reader<'a> {
         need(strain > Strain::Small || calm_substeps == 0, &field, "one that is calm after no strain", "0 substeps")?;
         need(asleep || !gone, &field, "one of a body that has fallen out and is awake", "one that sleeps")?;
         need(asleep || !is_modal, &field, "one of a modal body that is awake", "one that sleeps")?;
+        let load = if is_known { self.link_load(&of_body("what links add"))? } else { LinkLoad::default() };
         let field = of_body("the account of recovery");
         let [taken_j, pull_share] = [self.f64(&field)?, self.f64(&field)?];
         need(taken_j.is_finite(), &field, format!("{taken_j} J"), "a finite number")?;
@@ -204,6 +206,7 @@ impl<'a> Reader<'a> {
             near_inversion,
             strain,
             calm_substeps,
+            load,
             knotted_nanos,
             stuck,
             account,
@@ -214,6 +217,15 @@ impl<'a> Reader<'a> {
             near_itself,
             apart,
         })
+    }
+
+    /// What the links of a strained body add.
+    fn link_load(&mut self, field: &str) -> Result<LinkLoad, StateFileError> {
+        let [stiffness, damping] = [self.f64(field)?, self.f64(field)?];
+        for rate in [stiffness, damping] {
+            need(rate.is_finite() && rate >= 0.0, field, rate, "a finite number that is not negative")?;
+        }
+        Ok(LinkLoad { stiffness, damping })
     }
 
     /// How modal bodies move, by body.

@@ -305,7 +305,7 @@ fn touching_points_are_checked_and_states_of_versions_before_are_read() {
     // What a version did not know of is up to two empty lists at the end.
     for (version, unknown) in [(13, 0), (12, 8), (11, 16)] {
         let contents =
-            written[..written.len() - unknown - 8].strip_prefix(b"gelatin-state 14\n").expect("this version");
+            written[..written.len() - unknown - 8].strip_prefix(b"gelatin-state 15\n").expect("this version");
         let mut before = [format!("gelatin-state {version}\n").as_bytes(), contents].concat();
         let checksum = fnv1a(&before);
         before.extend(checksum.to_le_bytes());

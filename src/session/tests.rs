@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::state_error::StateFileError;
 use super::*;
 use crate::math::FRAME;
-use crate::physics::{BodyMemory, RecoveryAccount, Strain};
+use crate::physics::{BodyMemory, LinkLoad, RecoveryAccount, Strain};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::presets::preset;
 use crate::scene::{Body, Material};
@@ -120,8 +120,11 @@ fn what_is_remembered_of_a_body_goes_to_bytes_and_back() {
     {
         let (before, near_inversion) = (state.bodies[0].clone(), vec![1, 5]);
         let calm_substeps = if strain > Strain::Small { 77 } else { 0 };
+        let known = LinkLoad { stiffness: 2e6, damping: 300.5 };
+        let load = if strain == Strain::Taut { known } else { LinkLoad::default() };
         let account = RecoveryAccount { taken_j: 0.25, pull_share: if stuck { 0.75 } else { 0.0 } };
-        state.bodies[0] = BodyMemory { near_inversion, strain, calm_substeps, knotted_nanos, stuck, account, ..before };
+        state.bodies[0] =
+            BodyMemory { near_inversion, strain, calm_substeps, load, knotted_nanos, stuck, account, ..before };
         session_a.replace_state(state.clone());
         let mut session_b = session("cube-on-plane");
         session_b.set_state_bytes(&session_a.state_bytes()).expect("a state of the same scene");
@@ -158,7 +161,7 @@ fn damaged_and_foreign_states_are_refused() {
     }
     assert_eq!(refused(&bytes[..bytes.len() / 2]), StateFileError::Damaged, "half a file");
     assert_eq!(refused(b"hello"), StateFileError::NotAState, "something else");
-    assert!(matches!(refused(b"gelatin-state 15\n"), StateFileError::OtherVersion { .. }), "a later version");
+    assert!(matches!(refused(b"gelatin-state 16\n"), StateFileError::OtherVersion { .. }), "a later version");
     let other = session("cube-on-sphere").state_bytes();
     let words = session("coupler-7").set_state_bytes(&other).expect_err("another scene's").to_string();
     assert!(

@@ -153,9 +153,7 @@ impl Load {
 /// The loads of a step.
 fn loads(step: StepSettings, contact: ContactLoad) -> Vec<Load> {
     match load_shares(step.scheme(), step.dt_secs, step.margin()) {
-        Some(shares) => {
-            shares.into_iter().map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect()
-        }
+        Some(shares) => shares.map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect(),
         None if contact.now().stiffness > 0.0 => {
             let links = LoadShare { stiffness: 0.0, damping: [0.0; 3], pushes: 0.0 };
             vec![Load { links, contact_secs2: step.margin().contact_secs2(step.dt_secs), contact }]

@@ -51,7 +51,7 @@ enum Values {
 impl StabilityPlane {
     /// The plane of a body that was compiled to `model`; of springs that of `family`, where it has links.
     pub fn of<R: Real>(body: &Body, model: &BodyModel<R>, step: StepSettings, family: Option<Family>) -> Self {
-        let shares = load_shares(step.scheme(), step.dt_secs, Margin::NONE);
+        let shares: Option<Vec<_>> = load_shares(step.scheme(), step.dt_secs, Margin::NONE).map(Iterator::collect);
         let values = match &body.material {
             Material::Springs(springs) => {
                 // The implicit scheme has no limit: what would limit the default one is shown.
@@ -135,7 +135,7 @@ impl StabilityPlane {
     /// The same with the margin that automatic stepping keeps.
     pub fn safe_stiffness(&self, damping: f64) -> f64 {
         let margin = self.step.margin();
-        let shares = load_shares(self.step.scheme(), self.step.dt_secs, margin);
+        let shares: Option<Vec<_>> = load_shares(self.step.scheme(), self.step.dt_secs, margin).map(Iterator::collect);
         self.largest_stiffness(damping, shares.as_deref(), margin)
     }
 

@@ -15,6 +15,7 @@ use particles::{kick_some, weigh};
 
 use crate::math::Real;
 use crate::physics::kernels::{self, Pass, Start};
+use crate::physics::limits::present::Sums;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{Model, Scheme, Values};
 use crate::physics::report::Recorder;
@@ -35,6 +36,8 @@ pub(super) struct ForceWorkspace<R: Real> {
     pub(super) threads: usize,
     /// What each of them has.
     shares: Vec<Share<R>>,
+    /// What the links of a strained body are summed up in.
+    pub(super) sums: Sums<R>,
 }
 
 impl<R: Real> ForceWorkspace<R> {
@@ -50,6 +53,7 @@ impl<R: Real> ForceWorkspace<R> {
             exact: exact_links(model, plan),
             threads: plan.threads,
             shares: shares(model, plan.threads),
+            sums: Sums::with_capacity(model.bodies.iter().map(|body| body.particles.len()).max().unwrap_or(0)),
         }
     }
 

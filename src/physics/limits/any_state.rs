@@ -15,7 +15,7 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use super::{LATTICE_LIMIT, LoadShare, Margin, load_shares};
+use super::{LinkLoad, Margin};
 use crate::math::Real;
 use crate::physics::model::Scheme;
 use crate::physics::model::{BodyModel, Link, LinkConstants, LinkFamily, Model, Values};
@@ -25,20 +25,16 @@ pub(crate) const SHARE: f64 = 0.4;
 
 /// Into how many parts a substep of `dt_secs` is divided while a body is strained.
 pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, scheme: Scheme, dt_secs: f64) -> u32 {
-    let loads: Vec<[f64; 2]> = model.bodies.iter().flat_map(|body| loads(body)).collect();
-    let is_bearable = |parts: u32| {
-        let dt = dt_secs / (SHARE * f64::from(parts));
-        let shares = load_shares(scheme, dt, Margin::NONE);
-        // Across a link that is stretched nothing damps: there the stabilised scheme is no better than RK2.
-        let across =
-            (scheme == Scheme::Stabilised).then_some(LoadShare { stiffness: dt * dt, damping: [0.0; 3], pushes: 0.0 });
-        shares.iter().flatten().chain(&across).all(|share| {
-            let bearable = |[k, d]: &[f64; 2]| k * share.stiffness + d * share.damping_of_cells() <= LATTICE_LIMIT;
-            loads.iter().all(bearable)
-        })
-    };
+    let loads = model.bodies.iter().flat_map(|body| loads(body));
+    let loads: Vec<_> = loads.map(|[stiffness, damping]| LinkLoad { stiffness, damping }).collect();
+    parts_for(&loads, scheme, dt_secs, Margin::alike(SHARE))
+}
+
+/// The same where links add that much, each of which is to be borne with a margin.
+pub(super) fn parts_for(loads: &[LinkLoad], scheme: Scheme, dt_secs: f64, margin: Margin) -> u32 {
+    let bear = |parts: u32| loads.iter().all(|load| load.is_borne(scheme, dt_secs / f64::from(parts), margin));
     // The share of the step at rest that is taken needs a few at most.
-    (1..MOST_PARTS).find(|&parts| is_bearable(parts)).unwrap_or(MOST_PARTS)
+    (1..MOST_PARTS).find(|&parts| bear(parts)).unwrap_or(MOST_PARTS)
 }
 
 /// The largest rate of damping in any state of any body, 1/s.

@@ -75,6 +75,37 @@ impl LoadShare {
     }
 }
 
+/// What the links of a body add at most to its load, whichever way it vibrates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LinkLoad {
+    /// To the square of a frequency, 1/s².
+    pub stiffness: f64,
+    /// To a rate of damping, 1/s.
+    pub damping: f64,
+}
+
+impl LinkLoad {
+    /// A share of it.
+    pub(in crate::physics) fn times(self, share: f64) -> Self {
+        Self { stiffness: share * self.stiffness, damping: share * self.damping }
+    }
+
+    /// The larger of two loads, each part by itself.
+    pub(in crate::physics) fn larger_of(self, other: Self) -> Self {
+        Self { stiffness: self.stiffness.max(other.stiffness), damping: self.damping.max(other.damping) }
+    }
+
+    /// Whether steps of `dt` (s) of a scheme bear it with a margin.
+    pub(super) fn is_borne(&self, scheme: Scheme, dt: f64, margin: Margin) -> bool {
+        let longer = dt / margin.stiffness;
+        // Across a link that is stretched nothing damps: there the stabilised scheme is no better than RK2.
+        let across = if scheme == Scheme::Stabilised { longer * longer * self.stiffness } else { 0.0 };
+        let of_links = |share: LoadShare| self.stiffness * share.stiffness + self.damping * share.damping_of_cells();
+        across <= LATTICE_LIMIT
+            && load_shares(scheme, dt, margin).into_iter().flatten().map(of_links).all(|load| load <= LATTICE_LIMIT)
+    }
+}
+
 /// The shares of the step bounded at rest that automatic stepping takes: where stiffness bounds it, and where the damping
 /// of each family does. Where several do, each adds to the load as if the step were longer by its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,13 +118,17 @@ impl Margin {
     /// All of the bound.
     pub(in crate::physics) const NONE: Self = Self { stiffness: 1.0, damping: [1.0; 3] };
 
+    /// The same share of everything.
+    pub(super) const fn alike(share: f64) -> Self {
+        Self { stiffness: share, damping: [share; 3] }
+    }
+
     /// What a scheme keeps.
     pub(in crate::physics) fn of(scheme: Scheme) -> Self {
-        let alike = |share: f64| Self { stiffness: share, damping: [share; 3] };
         match scheme {
             Scheme::SemiImplicit => Self { stiffness: SAFETY, damping: DAMPING_SAFETY },
             Scheme::Stabilised => Self { stiffness: DISC_SAFETY, damping: DAMPING_SAFETY },
-            _ => alike(SAFETY),
+            _ => Self::alike(SAFETY),
         }
     }
 
@@ -106,27 +141,29 @@ impl Margin {
 
 /// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme with a margin; none where links do
 /// not limit it.
-pub(in crate::physics) fn load_shares(scheme: Scheme, dt: f64, margin: Margin) -> Option<Vec<LoadShare>> {
+pub(in crate::physics) fn load_shares(
+    scheme: Scheme,
+    dt: f64,
+    margin: Margin,
+) -> Option<impl Iterator<Item = LoadShare>> {
+    const NOTHING: LoadShare = LoadShare { stiffness: 0.0, damping: [0.0; 3], pushes: 0.0 };
     let (of_stiffness, of_damping) = (dt / margin.stiffness, margin.damping.map(|share| dt / share));
-    match Region::of(scheme) {
+    let shares = match Region::of(scheme) {
         Region::Leapfrog(share) => {
             let damping = of_damping.map(|dt| 2.0 * share * dt);
-            Some(vec![LoadShare { stiffness: of_stiffness * of_stiffness, damping, pushes: 0.0 }])
+            [Some(LoadShare { stiffness: of_stiffness * of_stiffness, damping, ..NOTHING }), None]
         }
-        Region::HalfDisc(radius) => Some(vec![
-            LoadShare {
-                stiffness: LATTICE_LIMIT * (of_stiffness / radius) * (of_stiffness / radius),
-                damping: [0.0; 3],
-                pushes: 0.0,
-            },
-            LoadShare { stiffness: 0.0, damping: of_damping.map(|dt| LATTICE_LIMIT * dt / radius), pushes: 0.0 },
-        ]),
+        Region::HalfDisc(radius) => [
+            Some(LoadShare { stiffness: LATTICE_LIMIT * (of_stiffness / radius) * (of_stiffness / radius), ..NOTHING }),
+            Some(LoadShare { damping: of_damping.map(|dt| LATTICE_LIMIT * dt / radius), ..NOTHING }),
+        ],
         Region::DiscAndAxis => {
             let of_rate = |dt: f64| LATTICE_LIMIT * dt / most_reach();
-            Some(vec![LoadShare { stiffness: 0.0, damping: of_damping.map(of_rate), pushes: of_rate(dt) }])
+            [Some(LoadShare { damping: of_damping.map(of_rate), pushes: of_rate(dt), ..NOTHING }), None]
         }
-        Region::Everywhere => None,
-    }
+        Region::Everywhere => return None,
+    };
+    Some(shares.into_iter().flatten())
 }
 
 /// How far the most stages of the stabilised scheme reach along the negative axis.

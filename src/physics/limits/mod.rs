@@ -25,14 +25,15 @@ pub(in crate::physics) mod any_state;
 pub(in crate::physics) mod cells;
 pub(in crate::physics) mod lattice;
 pub(in crate::physics) mod load;
+pub(in crate::physics) mod present;
 pub(in crate::physics) mod tension;
 
 use glam::{DMat3, DVec3};
 
-pub use load::SAFETY;
 pub(in crate::physics) use load::{
     LATTICE_LIMIT, LoadShare, Margin, has_pushes, load_shares, most_stiffness_per_damping,
 };
+pub use load::{LinkLoad, SAFETY};
 
 use load::{Region, damped_limit, undamped_limit};
 

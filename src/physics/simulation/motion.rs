@@ -7,6 +7,7 @@ use crate::geometry::embed::{Embedder, Embedding};
 use crate::math::{Real, Vector, rotation};
 use crate::physics::contact::arrive;
 use crate::physics::forces::particles::hold_pinned;
+use crate::physics::limits::LinkLoad;
 use crate::physics::model::BodyModel;
 use crate::physics::state::moving::Approach;
 use crate::physics::state::press::Press;
@@ -60,6 +61,8 @@ impl<R: Real> Simulation<R> {
             }
         }
         self.state.bodies[body].clone_from(&motion.memory);
+        // Its links were of another model.
+        self.state.bodies[body].load = LinkLoad::default();
         self.state.modal[body].clone_from(&motion.modal);
         self.state.fit_modes(&self.model);
         self.is_placed = false;

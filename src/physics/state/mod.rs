@@ -18,6 +18,7 @@ use touch::SampleTouch;
 
 use super::model::Model;
 use crate::math::{Real, Vector};
+use crate::physics::limits::LinkLoad;
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
 
@@ -87,6 +88,8 @@ pub struct BodyMemory {
     pub strain: Strain,
     /// For how many substeps a strained body's links have been nearer their length than that.
     pub calm_substeps: u32,
+    /// What a strained body's links added at most when that was looked for last; nothing where it is not known.
+    pub load: LinkLoad,
     /// For how long the body has been slow while cells of it were inverted, ns.
     pub knotted_nanos: u32,
     /// Whether it has been so for long enough to be stuck: its cells are pulled to shape until none is crushed.
@@ -141,12 +144,13 @@ impl BodyMemory {
         let mut near_inversion = std::mem::take(&mut self.near_inversion);
         near_inversion.clear();
         near_inversion.extend_from_slice(&of.near_inversion);
-        let Self { near_inversion: _, strain, calm_substeps, knotted_nanos, stuck, account, .. } = *of;
+        let Self { near_inversion: _, strain, calm_substeps, load, knotted_nanos, stuck, account, .. } = *of;
         let Self { still_substeps, asleep, gone, is_modal, near_itself, apart, .. } = *of;
         *self = Self {
             near_inversion,
             strain,
             calm_substeps,
+            load,
             knotted_nanos,
             stuck,
             account,

@@ -186,7 +186,8 @@ impl Division {
         // What a mesh meets obstacles by has a place for bodies that meet, too.
         let met = on_mesh.or(plan.between_bodies.filter(|_| near.is_some()));
         let scheme = met.map_or(plan.scheme, |met| met.scheme);
-        let strained_parts = met.filter(|_| plan.is_divided()).map_or(plan.parts, |met| met.strained_parts);
+        let strained_parts =
+            met.filter(|_| plan.is_divided()).map_or([1, plan.parts], |met| [met.parts, met.strained_parts]);
         let while_strained = WhileStrained::by(scheme, strained_parts, plan);
         let parts = strain::parts_now(model, plan, while_strained, &of_bodies.spreads, state, forces);
         let parts = parts.max(near.unwrap_or(1));
@@ -254,8 +255,9 @@ impl Division {
             return;
         }
         self.unseen_secs += self.secs;
-        let WhileStrained { parts: strained_parts, from, .. } = self.while_strained;
-        if strain::is_strained_by_now(model, plan, state, from, &mut self.unseen_secs, self.secs, forces) {
+        let now =
+            strain::parts_by_now(model, plan, state, self.while_strained, &mut self.unseen_secs, self.secs, forces);
+        if let Some(strained_parts) = now.filter(|&now| now > self.parts) {
             let left = (u64::from(self.left) * u64::from(strained_parts)).div_ceil(u64::from(self.parts));
             let left = u32::try_from(left).unwrap_or(u32::MAX);
             self.secs *= f64::from(self.left) / f64::from(left);

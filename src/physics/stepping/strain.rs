@@ -2,8 +2,9 @@
 //! rest give it energy.
 //!
 //! The bound at rest does not hold there. While any link is longer or shorter by far than at rest a substep is taken in
-//! parts that stay below a share of the step that is bounded in any state ([`crate::physics::limits::any_state`]). At rest
-//! this would cost three times as much for nothing.
+//! parts: as many as the links ask for as they point at the last look ([`crate::physics::limits::present`]), and where they
+//! turn by much within a substep so many that it is bounded in any state ([`crate::physics::limits::any_state`]). At rest that
+//! would cost three times as much for nothing.
 //!
 //! Each length of step conserves an energy of its own, so a change of it gives or takes some; a body that swings across the
 //! limit would change it at the same place of every swing, and gain a little each time. So a body has to be calm for a
@@ -13,6 +14,7 @@ use crate::math::Real;
 use crate::physics::forces::strain::{self, StraightMotion};
 use crate::physics::forces::{ForceWorkspace, recovery};
 use crate::physics::limits::any_state::MOST_PARTS;
+use crate::physics::limits::{LinkLoad, present};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State, Strain};
@@ -29,6 +31,10 @@ const CALM_SECS: f64 = 0.25;
 /// ... and for so many substeps, where these are long.
 const CALM_SUBSTEPS: u64 = 100;
 
+/// From look to look what the links of a strained body add counts as no less than this share of what it was: for the same
+/// reason.
+const LOAD_KEPT: f64 = 0.98;
+
 /// The ends of a link in a strained body move past each other by no more than this share of its length in a part: what turns
 /// about or is turned inside out within a step is stiffer on the way than at either end.
 const MOST_WAY: f64 = 0.5;
@@ -36,6 +42,8 @@ const MOST_WAY: f64 = 0.5;
 /// Into how many parts substeps are divided while a body is strained.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct WhileStrained {
+    /// So many while none is, ...
+    pub(in crate::physics) whole: u32,
     /// So many, which take...
     pub(in crate::physics) parts: u32,
     /// ... this scheme, ...
@@ -46,14 +54,34 @@ pub(in crate::physics) struct WhileStrained {
 
 impl WhileStrained {
     /// That many parts taken by a scheme.
-    pub(in crate::physics) fn by(scheme: Scheme, parts: u32, plan: &Plan) -> Self {
-        Self { parts, scheme, from: if scheme == plan.scheme { Strain::Taut } else { Strain::Large } }
+    pub(in crate::physics) fn by(scheme: Scheme, [whole, parts]: [u32; 2], plan: &Plan) -> Self {
+        Self { whole, parts, scheme, from: if scheme == plan.scheme { Strain::Taut } else { Strain::Large } }
+    }
+
+    /// As many as bodies ask for that are strained as they are; none where none is.
+    fn needed<R: Real>(self, model: &Model<R>, plan: &Plan, state: &State<R>) -> Option<u32> {
+        let secs = plan.substep_secs() / f64::from(self.whole);
+        let of = |(body, memory): (&BodyModel<R>, &BodyMemory)| {
+            let is_strained = memory.strain >= self.from;
+            // What pushes cells back that are near inversion is no link. The longer substeps of the stabilised scheme would bear
+            // little of it also where links do not ask for shorter ones.
+            let is_crushed =
+                (is_strained || self.scheme == Scheme::Stabilised) && recovery::pushes(body, memory, state);
+            let is_known = self.scheme == Scheme::SemiImplicit && memory.load != LinkLoad::default();
+            match () {
+                () if is_crushed || is_strained && !is_known => Some(self.parts),
+                () if is_strained => Some(self.whole.saturating_mul(present::parts(memory.load, secs)).min(self.parts)),
+                () => None,
+            }
+        };
+        let bodies = model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep);
+        bodies.filter_map(of).max()
     }
 }
 
 /// Looks at the links where it is due, as they are and as they would be after the substep, and tells into how many parts
-/// the coming substep is divided: one, or these at least while a body is strained. `spreads` tells how fast the particles of
-/// each body move past each other, m/s.
+/// the coming substep is divided: one, or as many at least as strained bodies ask for. `spreads` tells how fast the particles
+/// of each body move past each other, m/s.
 pub(in crate::physics) fn parts_now<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -73,35 +101,31 @@ pub(in crate::physics) fn parts_now<R: Real>(
         let motion = StraightMotion { position, velocity, secs: R::from_f64(plan.substep_secs()) };
         by_way = look(model, plan, whose, motion, bodies, forces);
     }
-    // The longer substeps of the stabilised scheme would bear little of what pushes cells back that are near inversion.
-    let is_crushed = |body: &BodyModel<R>, memory: &BodyMemory| {
-        while_strained.scheme == Scheme::Stabilised && recovery::pushes(body, memory, state)
-    };
-    let mut bodies = model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep);
-    let is_strained = bodies.any(|(body, memory)| memory.strain >= while_strained.from || is_crushed(body, memory));
-    if is_strained { while_strained.parts.max(by_way) } else { by_way }
+    let needed = while_strained.needed(model, plan, state);
+    // Where links turn that far in the substep it does not matter how they point now.
+    needed.map_or(by_way, |needed| if by_way > 1 { by_way.max(while_strained.parts) } else { needed })
 }
 
 /// Looks at the links between two parts of a substep of no strained body, where it is due `unseen` (s) after the last look;
-/// the next part is so long, s. Says whether a body is strained now, `from` that strain on: one that is caught in a long
-/// substep that another scheme takes in parts, for bodies that come near each other, would go through the rest of them as if
-/// it were at rest.
-pub(in crate::physics) fn is_strained_by_now<R: Real>(
+/// the next part is so long, s. Says how many parts of the substep bodies that are strained by now ask for: one that is caught
+/// in a long substep that another scheme takes in parts, for bodies that come near each other, would go through the rest of
+/// them as if it were at rest.
+pub(in crate::physics) fn parts_by_now<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     state: &mut State<R>,
-    from: Strain,
+    while_strained: WhileStrained,
     unseen: &mut f64,
     secs: f64,
     forces: &mut ForceWorkspace<R>,
-) -> bool {
+) -> Option<u32> {
     if *unseen + secs > looks::secs_between(model, plan, state) {
         *unseen = 0.0;
         let State { position, velocity, bodies, .. } = state;
         let motion = StraightMotion { position, velocity, secs: R::from_f64(secs) };
         look(model, plan, Whose::AllWithinSubstep, motion, bodies, forces);
     }
-    state.bodies.iter().any(|memory| memory.strain >= from && !memory.asleep)
+    while_strained.needed(model, plan, state)
 }
 
 /// Whether links of a body that is awake and not strained would be beyond the larger strain in this motion: where what it
@@ -178,9 +202,22 @@ pub(in crate::physics) fn look<R: Real>(
             }
         }
     }
+    for (body, memory) in model.bodies.iter().zip(&mut *memories).filter(|(_, memory)| is_looked_at(memory)) {
+        if memory.strain == Strain::Small {
+            memory.load = LinkLoad::default();
+        } else if whose != Whose::Strained || memory.load == LinkLoad::default() {
+            let now = present::load(body, motion.of(body).position, &mut forces.sums);
+            memory.load = now.larger_of(memory.load.times(LOAD_KEPT));
+        }
+    }
     let strained =
         model.bodies.iter().zip(memories).filter(|(_, memory)| is_looked_at(memory) && memory.strain > Strain::Small);
-    let longest_way = strained.fold(0.0, |most: f64, (body, _)| most.max(strain::longest_way(body, motion.of(body))));
+    let longest_way = strained.fold(0.0, |most: f64, (body, _)| {
+        let own = motion.of(body);
+        let bound = looks::spread_of::<R>(plan, own.velocity) * body.inverse_cell_size.to_f64() * own.secs.to_f64();
+        // No link is shorter at rest than a cell, and particles that are slow past each other need not be looked at one by one.
+        most.max(if bound <= MOST_WAY { bound } else { strain::longest_way(body, own) })
+    });
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
     let parts = libm::ceil(longest_way / MOST_WAY) as u32;
     parts.clamp(1, MOST_PARTS)
@@ -233,7 +270,14 @@ mod tests {
         assert_eq!(calm.substep(&mut ()).counters.substeps, 1, "nothing is stretched");
         let mut shreds = crumpled(&scene, &lattices, 5.0);
         let parts = u64::from(shreds.plan().parts);
-        assert_eq!(shreds.substep(&mut ()).counters.substeps, parts, "links many times their length");
+        let taken = shreds.substep(&mut ()).counters.substeps;
+        assert!(taken > 1 && taken <= parts, "links many times their length: {taken} of {parts}");
+        let mut long = Simulation::<f64>::new(&scene, &lattices);
+        let mut state = long.state().clone();
+        state.position.iter_mut().for_each(|x| x.y *= 1.9);
+        long.set_state(state);
+        let of_long = long.substep(&mut ()).counters.substeps;
+        assert!(of_long < taken, "its links point where they did: {of_long}, {taken} in shreds");
         assert!((shreds.state().time_secs - calm.state().time_secs).abs() < 1e-15, "the same time has passed");
         let (small, _) = cube(1e-5);
         assert_eq!(Simulation::<f64>::new(&small, &lattices).plan().parts, 1, "a small step needs no parts");

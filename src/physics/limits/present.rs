@@ -1,0 +1,224 @@
+//! How large a step may be in the state that a body is in.
+//!
+//! What holds in any state ([`super::any_state`]) is far too careful for a body that hangs by a few cells: its links still
+//! point everywhere. A link along a unit vector d̂ that is stretched to the length l resists along itself and, with its
+//! tension over its length, across:
+//!
+//! ```text
+//! S = d̂ d̂ᵀ + t (1 − d̂ d̂ᵀ),   t = max(0, 1 − l0/l)
+//! ```
+//!
+//! With `(aᵢ − aⱼ)² ≤ (1/m + 1/M) (m aᵢ² + M aⱼ²)` for its ends' masses m and M, as in any state, but with its direction kept,
+//!
+//! ```text
+//! λ(K) ≤ max over particles λmax(Σ over its links k/l0 (1/m + 1/M) S)
+//! ```
+//!
+//! and the same of the damping with `d̂ d̂ᵀ` alone. At rest this is a third of the bound in any state. A compressed link pushes
+//! its ends aside, which only takes from the stiffness.
+//!
+//! Semi-implicit Euler takes it with the margin that it keeps at rest: it gave no energy in thousands of extreme scenes, where
+//! Verlet, whose damping follows from how links pointed before, gave some. Across stretched links the stabilised scheme has
+//! nothing that damps, and what meets a body may stretch them within one of its long substeps. These keep to any state.
+//!
+//! It holds as the links point now. They are looked at again before they can have turned by much ([`looks`]), and a part of a
+//! substep in which an end passes the other by half a link is divided further.
+//!
+//! [`looks`]: crate::physics::stepping
+
+use super::any_state::parts_for;
+use super::load::{LinkLoad, Margin, SAFETY};
+use crate::math::{Real, Vector};
+use crate::physics::model::{BodyModel, Scheme};
+
+/// The share of a step of semi-implicit Euler bounded by damping that is taken, whatever families damp: at rest those that do not
+/// hold a body in shape take less, as links may point elsewhere by the next step, and those that do take more.
+const DAMPING_SAFETY: f64 = 0.8;
+
+/// Into how many parts a substep of `dt_secs` of semi-implicit Euler is divided while a body's links add this much.
+pub(in crate::physics) fn parts(load: LinkLoad, dt_secs: f64) -> u32 {
+    let margin = Margin { stiffness: SAFETY, damping: [DAMPING_SAFETY; 3] };
+    parts_for(&[load], Scheme::SemiImplicit, dt_secs, margin)
+}
+
+/// A symmetric matrix: xx, yy, zz, yz, zx, xy.
+type Symmetric<R> = [R; 6];
+
+/// The one that changes nothing.
+const ONE: Symmetric<f64> = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+
+/// What is summed up at each particle of a body, kept to be filled anew: stiffness, damping.
+pub(in crate::physics) type Sums<R> = Vec<[Symmetric<R>; 2]>;
+
+/// What a particle of the largest strained body takes of these in single precision.
+pub(in crate::physics) const BYTES_A_PARTICLE: usize = size_of::<[Symmetric<f32>; 2]>();
+
+/// What the links of a body add at most with its particles at `position` (m).
+pub(in crate::physics) fn load<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], sums: &mut Sums<R>) -> LinkLoad {
+    sums.clear();
+    sums.resize(position.len(), [[R::ZERO; 6]; 2]);
+    let mobility = |particle: usize| if body.is_pinned(particle) { R::ZERO } else { body.inverse_mass(particle) };
+    for family in &body.links {
+        for (number, link) in family.links.iter().enumerate() {
+            let ends = link.ends.map(|end| end as usize);
+            let d = (position[ends[1]] - position[ends[0]]) * link.inverse_rest_length;
+            let length = d.length();
+            let (along, tension) = if length > R::ZERO {
+                let [x, y, z] = (d * (R::ONE / length)).components();
+                ([x * x, y * y, z * z, y * z, z * x, x * y], (R::ONE - R::ONE / length).max(R::ZERO))
+            } else {
+                // From one place the ends may go apart whichever way.
+                (ONE.map(R::from_f64), R::ZERO)
+            };
+            let per_constant = link.inverse_rest_length * (mobility(ends[0]) + mobility(ends[1]));
+            let [stiffness, damping] = family.constants(number).map(|constant| constant * per_constant);
+            for end in ends {
+                let [of_stiffness, of_damping] = &mut sums[end];
+                for (place, along) in along.into_iter().enumerate() {
+                    of_stiffness[place] += stiffness * (along + tension * (R::from_f64(ONE[place]) - along));
+                    of_damping[place] += damping * along;
+                }
+            }
+        }
+    }
+    let free = sums.iter().enumerate().filter(|(particle, _)| !body.is_pinned(*particle));
+    let most = free.fold([R::ZERO; 2], |most, (_, sums)| {
+        std::array::from_fn(|which| most[which].max(largest_eigenvalue(&sums[which])))
+    });
+    let [stiffness, damping] = most.map(Real::to_f64);
+    LinkLoad { stiffness, damping }
+}
+
+/// No less than the largest eigenvalue of a matrix, and that where the two others are alike: with the mean μ of the three and
+/// the squares s² of their distances from it, none is more than `μ + √(2/3 s²)` (Wolkowicz and Styan, "Bounds for Eigenvalues
+/// Using Traces", 1980, theorem 2.1).
+fn largest_eigenvalue<R: Real>(&[xx, yy, zz, yz, zx, xy]: &Symmetric<R>) -> R {
+    let mean = (xx + yy + zz) * R::from_f64(1.0 / 3.0);
+    let [a, b, c] = [xx - mean, yy - mean, zz - mean];
+    let squares = a * a + b * b + c * c + (yz * yz + zx * zx + xy * xy) * R::from_f64(2.0);
+    mean + (squares * R::from_f64(2.0 / 3.0)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use glam::{DMat3, DQuat, DVec3};
+
+    use super::{largest_eigenvalue, load};
+    use crate::math::rng::Rng;
+    use crate::physics::Simulation;
+    use crate::physics::limits::{LinkLoad, any_state};
+    use crate::physics::model::BodyModel;
+    use crate::scene::body::{CubeShape, PinBox};
+    use crate::scene::resolve::resolve;
+    use crate::scene::{Body, Scene, Shape};
+
+    fn cube(cells: u32, pins: Vec<PinBox>) -> Simulation<f64> {
+        let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
+        scene.bodies[0].shape = Shape::Cube(CubeShape { cells, size: 1.0 });
+        scene.bodies[0].pins = pins;
+        let lattice = resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice;
+        Simulation::new(&scene, &[lattice])
+    }
+
+    fn load_of(body: &BodyModel<f64>, position: &[DVec3]) -> LinkLoad {
+        load(body, position, &mut Vec::new())
+    }
+
+    /// The largest eigenvalues of `M⁻¹ K` and of the damping's, by power iteration over all links.
+    fn largest(body: &BodyModel<f64>, position: &[DVec3]) -> [f64; 2] {
+        [false, true].map(|of_damping| {
+            let mut rng = Rng::new(3);
+            let mut way: Vec<DVec3> =
+                position.iter().map(|_| DVec3::from([0; 3].map(|_| rng.between(-1.0, 1.0)))).collect();
+            let mut eigenvalue = 0.0;
+            for _ in 0..400 {
+                let mut pull = vec![DVec3::ZERO; way.len()];
+                for family in &body.links {
+                    for link in &*family.links {
+                        let [i, j] = link.ends.map(|end| end as usize);
+                        let d = position[j] - position[i];
+                        let (unit, tension) =
+                            (d / d.length(), (1.0 - 1.0 / (link.inverse_rest_length * d.length())).max(0.0));
+                        let apart = way[j] - way[i];
+                        let part = unit * unit.dot(apart);
+                        let (constant, across) =
+                            if of_damping { (family.damping, 0.0) } else { (family.stiffness, tension) };
+                        let f = (part + (apart - part) * across) * constant * link.inverse_rest_length;
+                        pull[i] -= f;
+                        pull[j] += f;
+                    }
+                }
+                for (particle, pull) in pull.iter_mut().enumerate() {
+                    *pull = if body.is_pinned(particle) { DVec3::ZERO } else { *pull * body.inverse_mass(particle) };
+                }
+                eigenvalue = pull.iter().map(|pull| pull.length_squared()).sum::<f64>().sqrt();
+                way = pull.into_iter().map(|pull| pull / eigenvalue).collect();
+            }
+            eigenvalue
+        })
+    }
+
+    #[test]
+    fn no_vibration_is_faster_than_the_bound_and_some_are_nearly_as_fast() {
+        let top = PinBox { min: [-1.0, 0.4, -1.0], max: [1.0; 3] };
+        for pins in [Vec::new(), vec![top]] {
+            let simulation = cube(4, pins);
+            let (body, rest) = (&simulation.model().bodies[0], &simulation.state().position);
+            let mut rng = Rng::new(8);
+            for noise in [0.0, 0.05, 0.2, 2.0] {
+                let shaken = |x: &DVec3| *x * 1.2 + noise * DVec3::from([0; 3].map(|_| rng.between(-1.0, 1.0)));
+                let position: Vec<DVec3> = rest.iter().map(shaken).collect();
+                let LinkLoad { stiffness, damping } = load_of(body, &position);
+                let found = largest(body, &position);
+                for (bound, found) in [stiffness, damping].into_iter().zip(found) {
+                    let share = found / bound;
+                    assert!((0.4..=1.0 + 1e-9).contains(&share), "{noise}: {found} of {bound}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_body_at_rest_bears_a_third_of_any_state_however_it_is_turned() {
+        let simulation = cube(6, Vec::new());
+        let (body, rest) = (&simulation.model().bodies[0], &simulation.state().position);
+        let at_rest = load_of(body, rest);
+        let [stiffness, damping] = any_state::own_rates(body).map(|rate| 6.0 * rate);
+        for (found, any) in [(at_rest.stiffness, stiffness), (at_rest.damping, damping)] {
+            // Links of particles on the outside do not point everywhere alike.
+            assert!((0.333..0.35).contains(&(found / any)), "{found} of {any}");
+        }
+        let turn = DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.0);
+        let stretched: Vec<DVec3> = rest.iter().map(|x| *x * DVec3::new(1.5, 0.8, 1.0)).collect();
+        let turned: Vec<DVec3> = stretched.iter().map(|x| turn * *x).collect();
+        let [one, other] = [&stretched, &turned].map(|position| load_of(body, position));
+        for (one, other) in [(one.stiffness, other.stiffness), (one.damping, other.damping)] {
+            assert!((one / other - 1.0).abs() < 1e-9, "{one} and {other}");
+        }
+    }
+
+    #[test]
+    fn links_that_line_up_or_have_ends_in_one_place_are_borne_as_in_any_state_at_most() {
+        let simulation = cube(3, Vec::new());
+        let (body, rest) = (&simulation.model().bodies[0], &simulation.state().position);
+        let [most, _] = any_state::own_rates(body).map(|rate| 6.0 * rate);
+        let flat: Vec<DVec3> = rest.iter().map(|x| *x * DVec3::new(1.0, 0.0, 0.0)).collect();
+        for (position, share) in [(flat, 0.5), (vec![DVec3::ZERO; rest.len()], 1.0)] {
+            let borne = load_of(body, &position).stiffness / most;
+            assert!(borne >= share - 1e-9 && borne <= 1.0 + 1e-9, "{borne}");
+        }
+    }
+
+    #[test]
+    fn the_largest_eigenvalue_of_a_known_matrix() {
+        let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 2.0) / 3.0, 0.9);
+        for ([a, b, c], is_exact) in [([5.0, 1.0, 1.0], true), ([2.0; 3], true), ([5.0, 4.0, 0.5], false)] {
+            let m = turn * DMat3::from_diagonal(DVec3::new(a, b, c)) * turn.transpose();
+            let bound = largest_eigenvalue(&[m.x_axis.x, m.y_axis.y, m.z_axis.z, m.y_axis.z, m.z_axis.x, m.x_axis.y]);
+            let most = if is_exact { a + 1e-12 } else { 1.2 * a };
+            assert!((a - 1e-12..=most).contains(&bound), "{bound}, not {a}");
+        }
+    }
+}
