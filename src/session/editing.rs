@@ -3,18 +3,19 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::history::{Change, Undone};
 use super::words::{value_at, words};
 use super::{Bodies, Session, SessionError};
+use crate::math::rotation;
 use crate::physics::Simulation;
 use crate::physics::{Arrival, BodyMotion};
 use crate::scene::cell_brush::{middle_from, own_cells};
 use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, body_impact};
 use crate::scene::param::Problem;
 use crate::scene::resolve::{Jelly, load_meshes};
-use crate::scene::{Body, Scene, Shape};
+use crate::scene::{Body, MovesBy, Pose, Scene, Shape};
 
 impl Session {
     /// Changes the scene and remembers how to take it back. Names that are given differ from those of others.
@@ -102,6 +103,7 @@ impl Session {
         teleport: bool,
         arrival: Arrival,
     ) -> Result<Change, SessionError> {
+        let edit = self.held_where_it_is(edit);
         let motion = if teleport || self.moves(&edit) { self.motion_before(&edit) } else { None };
         let Applied { inverse, impact } = self.carry_out(edit, arrival)?;
         if let Some((body, _)) = motion.as_ref().filter(|_| teleport && impact < Impact::Motion) {
@@ -110,6 +112,28 @@ impl Session {
             self.picture.touch();
         }
         Ok(Change { inverse, words, motion: motion.filter(|_| teleport || impact >= Impact::Motion), teleport })
+    }
+
+    /// An edit that first holds a body which moves by its modes holds it where it has come to: the modes of what is held are
+    /// about its start.
+    fn held_where_it_is(&self, edit: Edit) -> Edit {
+        let Edit::Body(id, mut new) = edit else { return edit };
+        if let Some(old) = self.scene.bodies.get(id.0).filter(|_| !self.simulation.is_at_start()) {
+            let goes_on_by_modes = [old, &new].iter().all(|body| body.moves_by == MovesBy::Modes);
+            if goes_on_by_modes && !old.has_pins() && new.has_pins() && old.pose == new.pose {
+                new.pose = self.pose_now(id.0).unwrap_or(new.pose);
+            }
+        }
+        Edit::Body(id, new)
+    }
+
+    /// The start from which a free body that moves by its modes would be where it is now but for its swing.
+    fn pose_now(&self, body: usize) -> Option<Pose> {
+        let inertia = self.simulation.model().bodies[body].inertia()?;
+        let rigid = self.simulation.state().modal[body].rigid?;
+        let position = rigid.center - rigid.turn * inertia.center;
+        let rotation_deg = rotation::to_euler_deg(&DMat3::from_quat(rigid.turn));
+        Some(Pose { position: position.to_array(), rotation_deg })
     }
 
     /// Whether an edit may move, reshape or remove a body: a constant that changes needs no copy of its motion.

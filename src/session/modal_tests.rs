@@ -195,6 +195,26 @@ fn a_body_that_nothing_holds_falls_and_lands_by_its_modes() {
 }
 
 #[test]
+fn a_free_body_that_is_pinned_is_held_where_it_has_come_to() {
+    let mut session = free();
+    pass(&mut session, 50);
+    let (start, before) = (session.scene().bodies[0].pose, session.state_bytes());
+    let there = session.simulation().state().position.clone();
+    edit(&mut session, |body| body.pinned_cells = vec![[0, 3, 0]]);
+    session.find_modes(None, &());
+    assert_ne!(session.scene().bodies[0].pose, start, "it has fallen since");
+    let farthest = || {
+        let pairs = session.simulation().state().position.iter().zip(&there);
+        pairs.map(|(now, before)| now.distance(*before)).fold(0.0, f32::max)
+    };
+    assert!(farthest() < 0.02, "a cube of 1 m has its swing to lose: {} m", farthest());
+    session.handle(Command::Undo).expect("there is a change");
+    session.find_modes(None, &());
+    assert_eq!(session.scene().bodies[0].pose, start, "it starts where it did");
+    assert!(session.state_bytes() == before, "and falls on");
+}
+
+#[test]
 fn a_saved_state_of_a_free_body_goes_on_bit_for_bit_and_is_checked() {
     let mut session = free();
     let lands = |session: &mut Session| session.step() && !session.simulation().state().touches.is_empty();
