@@ -99,14 +99,11 @@ fn words(facts: &Facts<'_>) -> String {
     } else if *contact {
         "contact takes more time than the links".to_owned()
     } else if let Some(substeps) = strained {
-        format!("strained links take {substeps} substeps in every step of {links} links")
+        format!("strained links take {substeps} substeps a step")
     } else if let Some((limit, substeps)) = divided {
-        format!("{limit} takes {substeps} substeps in every step of {links} links")
+        format!("{limit} takes {substeps} substeps a step")
     } else if *iterations >= FEW_ITERATIONS {
-        let about = two_digits(*iterations);
-        format!(
-            "the stiff links take the implicit integrator about {about} iterations in every substep of {links} links"
-        )
+        format!("the stiff links take about {} iterations a substep", two_digits(*iterations))
     } else {
         format!("limited by the number of links, {links}")
     };
@@ -161,11 +158,11 @@ mod tests {
         assert_eq!(words(&busy), "2.0 times slower than real time: limited by the number of links, 12876");
         let divided = Facts { divided: Some(("shear damping", 3)), ..busy.clone() };
         let divided = words(&divided);
-        assert!(divided.ends_with("shear damping takes 3 substeps in every step of 12876 links"), "{divided}");
+        assert!(divided.ends_with("shear damping takes 3 substeps a step"), "{divided}");
         let strained = words(&Facts { strained: Some(18), divided: Some(("shear damping", 3)), ..busy.clone() });
-        assert!(strained.ends_with("strained links take 18 substeps in every step of 12876 links"));
+        assert!(strained.ends_with("strained links take 18 substeps a step"));
         let stiff = words(&Facts { iterations: 1_249, ..busy.clone() });
-        assert!(stiff.ends_with("about 1200 iterations in every substep of 12876 links"), "{stiff}");
+        assert!(stiff.ends_with("about 1200 iterations a substep"), "{stiff}");
         let soft = words(&Facts { iterations: FEW_ITERATIONS - 1, ..busy.clone() });
         assert!(soft.ends_with("limited by the number of links, 12876"), "{soft}");
         let contact = words(&Facts { contact: true, ..busy.clone() });
