@@ -10,6 +10,8 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use crate::machine::threads::{in_pool, join};
+use crate::math::Real;
+use crate::physics::model::Model;
 
 /// How many threads new plans may use; one where nobody has chosen.
 static CHOSEN: OnceLock<usize> = OnceLock::new();
@@ -66,6 +68,17 @@ pub(in crate::physics) fn by_groups<T: Send>(
 ) {
     let work = |part, [to]: [&mut [T]; 1]| work(part, to);
     share(threads, Part { first: 0, to: [to], fewest: FEWEST_PARTICLES / group, work: &work });
+}
+
+/// The same of the bodies of a model, of which there is one each.
+pub(in crate::physics) fn by_bodies<R: Real, T: Send>(
+    threads: usize,
+    model: &Model<R>,
+    to: &mut [T],
+    work: impl Fn(Range<usize>, &mut [T]) + Sync,
+) {
+    let mean = model.particle_count() / model.bodies.len().max(1);
+    by_groups(threads, mean.clamp(1, FEWEST_PARTICLES), to, work);
 }
 
 /// A part of what is written.

@@ -54,6 +54,7 @@ use crate::physics::report::Recorder;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
 use crate::physics::stepping::looks;
+use crate::physics::team;
 
 /// The bodies whose cells are looked at before a substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,27 +86,49 @@ pub(in crate::physics) fn look<R: Real>(
     recorder: &mut Recorder<'_>,
 ) {
     let is_due = |memory: &BodyMemory| !memory.asleep && (due == Due::All || memory.is_watched());
-    for (body, memory) in model.bodies.iter().zip(&mut state.bodies).filter(|(_, memory)| is_due(memory)) {
-        memory.near_inversion.clear();
-        if body.recovery.stiffness <= R::ZERO {
-            pull::forget(memory);
-            continue;
+    let State { position, velocity, bodies, .. } = state;
+    let looked_at = model.bodies.iter().zip(&*bodies).filter(|(_, memory)| is_due(memory));
+    let cells = looked_at.filter(|(body, _)| recovers(body)).map(|(body, _)| body.lattice.cells.len() as u64);
+    recorder.counters.cells_looked_at += cells.sum::<u64>();
+    let (position, velocity) = (&*position, &*velocity);
+    team::by_bodies(plan.threads, model, bodies, |part, memories| {
+        for (body, memory) in model.bodies[part].iter().zip(memories).filter(|(_, memory)| is_due(memory)) {
+            let own = [position, velocity].map(|of| &of[body.particles.clone()]);
+            look_at(body, plan, own, secs, memory);
         }
-        let position = &state.position[body.particles.clone()];
-        recorder.counters.cells_looked_at += body.lattice.cells.len() as u64;
-        let (cells, scale) = (&body.lattice.cells, body.inverse_cell_size);
-        near::write_down(plan.simd, cells, position, scale, &mut memory.near_inversion);
-        let mut worst = pull::Worst::default();
-        for &number in &memory.near_inversion {
-            worst.see(&MeanEdges::of(position, &cells[number as usize], scale));
-        }
-        if memory.near_inversion.is_empty() {
-            // What is owed stays owed.
-            memory.account.taken_j = memory.account.taken_j.min(0.0);
-        }
-        pull::judge(body, memory, worst, position, &state.velocity[body.particles.clone()], secs);
-        pull::pay(body, memory, position);
+    });
+}
+
+/// Whether crushed cells of a body are pushed back.
+fn recovers<R: Real>(body: &BodyModel<R>) -> bool {
+    body.recovery.stiffness > R::ZERO
+}
+
+/// The same of one body, whose particles are at `position` (m) and move with `velocity` (m/s).
+fn look_at<R: Real>(
+    body: &BodyModel<R>,
+    plan: &Plan,
+    [position, velocity]: [&[R::Vec3]; 2],
+    secs: f64,
+    memory: &mut BodyMemory,
+) {
+    memory.near_inversion.clear();
+    if !recovers(body) {
+        pull::forget(memory);
+        return;
     }
+    let (cells, scale) = (&body.lattice.cells, body.inverse_cell_size);
+    near::write_down(plan.simd, cells, position, scale, &mut memory.near_inversion);
+    let mut worst = pull::Worst::default();
+    for &number in &memory.near_inversion {
+        worst.see(&MeanEdges::of(position, &cells[number as usize], scale));
+    }
+    if memory.near_inversion.is_empty() {
+        // What is owed stays owed.
+        memory.account.taken_j = memory.account.taken_j.min(0.0);
+    }
+    pull::judge(body, memory, worst, position, velocity, secs);
+    pull::pay(body, memory, position);
 }
 
 /// Whether any cell of a body is pushed where it is now.
