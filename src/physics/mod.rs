@@ -20,7 +20,7 @@
 //! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
 //! modes        modal bodies, at a cost that no cell adds to
 //! contact      obstacles: where they are, who meets them, what they do to velocities; bodies that meet each other
-//! limits       how large a step may be: waves, cells
+//! limits       how large a step may be: waves, cells, states
 //! interaction  a hand that pulls
 //! observe      energies, a number for every particle, whether a step ran away
 //! report       what a step tells

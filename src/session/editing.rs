@@ -119,8 +119,7 @@ impl Session {
     fn held_where_it_is(&self, edit: Edit) -> Edit {
         let Edit::Body(id, mut new) = edit else { return edit };
         if let Some(old) = self.scene.bodies.get(id.0).filter(|_| !self.simulation.is_at_start()) {
-            let goes_on_by_modes = [old, &new].iter().all(|body| body.moves_by == MovesBy::Modes);
-            if goes_on_by_modes && !old.has_pins() && new.has_pins() && old.pose == new.pose {
+            if is_first_held(old, &new) && old.pose == new.pose {
                 new.pose = self.pose_now(id.0).unwrap_or(new.pose);
             }
         }
@@ -239,12 +238,20 @@ impl Session {
         }
         if self.simulation.is_at_start() {
             self.simulation.restart_body(body);
+        } else if is_first_held(old, new) {
+            // Its start came to it.
         } else if old.pose == new.pose {
             self.simulation.throw_body(body);
         } else {
             self.simulation.teleport_body(body, old.pose.rotation_deg, new.pose.rotation_deg);
         }
     }
+}
+
+/// Whether a body that moves by its modes was free and is held from now on.
+fn is_first_held(old: &Body, new: &Body) -> bool {
+    let goes_on_by_modes = [old, new].iter().all(|body| body.moves_by == MovesBy::Modes);
+    goes_on_by_modes && !old.has_pins() && new.has_pins()
 }
 
 /// How the cells of a body are others than before, so that those that stay go on as they move.
