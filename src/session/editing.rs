@@ -118,10 +118,9 @@ impl Session {
     /// about its start.
     fn held_where_it_is(&self, edit: Edit) -> Edit {
         let Edit::Body(id, mut new) = edit else { return edit };
-        if let Some(old) = self.scene.bodies.get(id.0).filter(|_| !self.simulation.is_at_start()) {
-            if is_first_held(old, &new) && old.pose == new.pose {
-                new.pose = self.pose_now(id.0).unwrap_or(new.pose);
-            }
+        let old = self.scene.bodies.get(id.0).filter(|_| !self.simulation.is_at_start());
+        if old.is_some_and(|old| is_first_held(old, &new) && old.pose == new.pose) {
+            new.pose = self.pose_now(id.0).unwrap_or(new.pose);
         }
         Edit::Body(id, new)
     }
