@@ -23,6 +23,7 @@ mod panels_stability;
 mod panels_things;
 mod panels_untouched;
 mod panels_values;
+mod shot;
 mod window;
 mod window_dialogs;
 mod window_files;

@@ -8,16 +8,18 @@ use std::time::{Duration, Instant};
 use gelatin::app::input::ViewRect;
 use glam::Vec2;
 
+use crate::shot::Shot;
+
 /// Between two events of the mouse: sent in one burst they fall into one frame and a drag is missed.
 const HAND: Duration = Duration::from_millis(300);
-/// In which a jelly that hangs from the pointer comes to hang still.
-const SWING: Duration = Duration::from_secs(4);
 /// Longer than the program may take to do what is waited for, even on a busy machine.
 const PATIENCE: Duration = Duration::from_mins(1);
 /// A pixel of the view, away from the panels and from what lies over the view.
 pub(super) const IN_VIEW: [i32; 2] = [640, 200];
 /// A pixel of the jelly of the default scene, at the start and once it has landed, in a window of 1280 × 800.
 pub(super) const JELLY: [i32; 2] = [480, 370];
+/// The picture without its panels and bars.
+const BETWEEN_PANELS: ViewRect = ViewRect { origin: Vec2::new(200.0, 60.0), size: Vec2::new(720.0, 600.0) };
 /// Well above where the jelly lies.
 const HIGH: ViewRect = ViewRect { origin: Vec2::new(360.0, 60.0), size: Vec2::new(240.0, 220.0) };
 /// Where the stiffness of the structural springs is typed.
@@ -128,10 +130,12 @@ fn the_jelly_is_pulled_chosen_and_the_pull_ends_with_the_button() {
         window.point_at([x + 20, y - 60]);
         window.point_at([x, y - 260]);
         window.wait_until("the jelly hangs from the pointer", |shot| shot.jelly_share_of(HIGH) > 0.1);
-        // Let go in its swing it may be thrown to where the ground is as high in the picture.
-        std::thread::sleep(SWING);
+        let swings = window.view_lives();
         window.hand(&["mouseup", "1"]);
-        window.wait_until("it falls", |shot| shot.jelly_share_of(HIGH) < 0.03);
+        // From its swing it is thrown wherever it was about to go, and comes to lie there whatever the pointer does.
+        window.wait_for_view_at_rest();
+        window.point_at([x, y - 100]);
+        assert!(swings && !window.view_lives(), "it swings while it is held, and lies when it is not");
     });
 }
 
@@ -347,9 +351,7 @@ impl Window {
         let [width, height] = self.size;
         let crop = format!("{width}x{height}+0+0");
         self.tool("import", &["-window", "root", "-crop", &crop, "+repage", &path.to_string_lossy()]);
-        let image = image::open(&path).expect("a screenshot is a picture").into_rgb8();
-        let size = [image.width(), image.height()].map(|side| i32::try_from(side).expect("a small picture"));
-        Shot { size, pixels: image.pixels().map(|pixel| pixel.0).collect() }
+        Shot::open(&path)
     }
 
     pub(super) fn wait_until(&mut self, what: &str, holds: impl Fn(&Shot) -> bool) {
@@ -368,6 +370,20 @@ impl Window {
         while !holds(self) {
             assert!(Instant::now() < until, "not within {PATIENCE:?}: {what}; the program said: {}", self.log());
             std::thread::sleep(HAND);
+        }
+    }
+
+    /// Whether anything moves between the panels within a second.
+    fn view_lives(&mut self) -> bool {
+        let before = self.shot();
+        std::thread::sleep(Duration::from_secs(1));
+        self.shot().differs(&before, BETWEEN_PANELS)
+    }
+
+    fn wait_for_view_at_rest(&mut self) {
+        let until = Instant::now() + PATIENCE;
+        while self.view_lives() {
+            assert!(Instant::now() < until, "the view does not come to rest within {PATIENCE:?}");
         }
     }
 
@@ -422,74 +438,4 @@ fn start_server(folder: &Path) -> (Child, String) {
     drop(server.kill());
     drop(server.wait());
     panic!("Xvfb names no display within {PATIENCE:?}");
-}
-
-/// A screenshot.
-#[derive(Clone)]
-pub(super) struct Shot {
-    size: [i32; 2],
-    pixels: Vec<[u8; 3]>,
-}
-
-impl Shot {
-    pub(super) fn whole(&self) -> ViewRect {
-        ViewRect { origin: Vec2::ZERO, size: Vec2::new(self.size[0] as f32, self.size[1] as f32) }
-    }
-
-    /// The part between the bars.
-    pub(super) fn view(&self) -> ViewRect {
-        let whole = self.whole().size;
-        ViewRect { origin: Vec2::new(0.0, 50.0), size: whole - Vec2::new(0.0, 100.0) }
-    }
-
-    fn within(&self, part: ViewRect) -> impl Iterator<Item = usize> {
-        let width = usize::try_from(self.size[0]).expect("not negative");
-        let at = move |index: usize| Vec2::new((index % width) as f32, (index / width) as f32);
-        (0..self.pixels.len()).filter(move |&index| part.contains(at(index)))
-    }
-
-    /// The colour of a pixel.
-    pub(super) fn at(&self, [x, y]: [i32; 2]) -> [u8; 3] {
-        let index = usize::try_from(y * self.size[0] + x).expect("inside the picture");
-        self.pixels[index]
-    }
-
-    pub(super) fn places_of(&self, color: [u8; 3]) -> Vec<[i32; 2]> {
-        let index = |index: usize| i32::try_from(index).expect("a small picture");
-        let found = (0..self.pixels.len()).filter(|&at| self.pixels[at] == color).map(index);
-        found.map(|at| [at % self.size[0], at / self.size[0]]).collect()
-    }
-
-    pub(super) fn differs(&self, other: &Self, part: ViewRect) -> bool {
-        self.size != other.size || self.within(part).any(|index| self.pixels[index] != other.pixels[index])
-    }
-
-    /// The share of the view that is the raspberry of the first body.
-    fn jelly_share(&self) -> f32 {
-        self.jelly_share_of(self.view())
-    }
-
-    /// The same for a part of the picture.
-    fn jelly_share_of(&self, part: ViewRect) -> f32 {
-        self.share_of(part, |[red, green, blue]| red > 120 && red > green.saturating_mul(2) && red > blue)
-    }
-
-    /// The share of a part of the picture that is of some colour.
-    pub(super) fn share_of(&self, part: ViewRect, is_wanted: impl Fn([u8; 3]) -> bool) -> f32 {
-        let (mut wanted, mut all) = (0, 0);
-        for index in self.within(part) {
-            all += 1;
-            wanted += usize::from(is_wanted(self.pixels[index]));
-        }
-        wanted as f32 / all.max(1) as f32
-    }
-
-    /// The last rows are dark and of one colour at the left edge, the rows above the bar are not.
-    fn has_bottom_bar(&self) -> bool {
-        let width = usize::try_from(self.size[0]).expect("not negative");
-        // Left of the middle lies the view, whatever panels stand beside it.
-        let row = |from_bottom: usize| self.pixels[self.pixels.len() - from_bottom * width + 2 * width / 5];
-        let dark = |[red, green, blue]: [u8; 3]| red < 50 && green < 50 && blue < 50;
-        dark(row(2)) && dark(row(30)) && !dark(row(60))
-    }
 }
