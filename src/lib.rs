@@ -121,7 +121,7 @@
 //! The second follows `bodies.0.material.springs.shear.stiffness` from its slider to the picture, which is a draw list:
 //!
 //! ```text
-//! app/ui/inspector/material.rs    springs_ui      the sliders of a body's springs
+//! app/ui/inspector/springs.rs     springs_ui      the sliders of a body's springs
 //! app/ui/value/track.rs           slider_ui       a hand → a value
 //! app/ui/value/interaction.rs     send            a value → Command::Edit
 //! app/shell/panels.rs             lay_out_panels  what the panels ask for goes to

@@ -80,9 +80,10 @@ mod stepping;
 mod team;
 
 pub use compile::SceneError;
-pub use compile::other_form::other_form;
-pub use compile::safe_values::{ContactLoad, SafeValue, StepSettings, largest_safe};
+pub use compile::other_form::OtherForm;
+pub use compile::safe_values::{SafeValue, largest_safe};
 pub use compile::stability_plane::{Place, StabilityPlane};
+pub use compile::step_loads::{ContactLoad, StepSettings};
 pub use contact::{BodyContact, ContactRecord, DEPTH_SHARE, Placed, SampleContact};
 pub use interaction::Grab;
 pub use kernels::SimdLevel;

@@ -17,7 +17,7 @@ use crate::scene::resolve::{ResolveError, resolve};
 use crate::scene::settings::{EARTH_GRAVITY, Integrator};
 use crate::scene::{Obstacle, ObstacleShape, Scene, Shape, builtin};
 
-/// The share of scenes with one body whose body is of two solids.
+/// The share of scenes with one body whose body is of two solids, and of those with springs first that are of two.
 const INLAID: f64 = 0.15;
 
 /// The share of scenes whose body is pinned, from its top down or from one side.
@@ -46,6 +46,8 @@ pub enum Edition {
     First,
     /// The same bodies among boxes, capsules and cylinders too.
     Second,
+    /// The same among the same; some bodies of springs are of two.
+    Third,
 }
 
 /// A random scene, number `number` of those that follow from `seed`, in automatic stepping.
@@ -55,7 +57,7 @@ pub fn extreme_scene(seed: u64, number: u64) -> Scene {
 
 /// A random scene and what happens to it while time runs.
 pub fn extreme(seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
-    extreme_of(Edition::Second, seed, number)
+    extreme_of(Edition::Third, seed, number)
 }
 
 /// The same of an edition.
@@ -88,8 +90,11 @@ pub fn extreme_of(edition: Edition, seed: u64, number: u64) -> (Scene, Vec<Distu
     let mut last = Draw(Rng::new(seeds.next_u64()));
     last.hold(&mut scene, size);
     scene.settings.body_contact = Draw(Rng::new(seeds.next_u64())).chance(MEETING);
-    if edition == Edition::Second {
+    if edition != Edition::First {
         Draw(Rng::new(seeds.next_u64())).closed_forms(&mut scene, size);
+    }
+    if edition == Edition::Third {
+        Draw(Rng::new(seeds.next_u64())).other_springs(&mut scene, cell_size, size);
     }
     let disturbances = disturb::disturbances(&mut more, &scene, size);
     (scene, disturbances)
@@ -198,6 +203,20 @@ impl Draw {
         }];
     }
 
+    /// Makes about half of the first body of other springs in some scenes, up to a thousand times as heavy or light.
+    fn other_springs(&mut self, scene: &mut Scene, cell_size: f64, size: f64) {
+        let Some(Material::Springs(own)) = scene.bodies.first().map(|body| body.material.clone()) else { return };
+        if !self.chance(INLAID) {
+            return;
+        }
+        let mut springs = self.springs(cell_size);
+        let mass = own.particle_mass;
+        springs.particle_mass = springs.particle_mass.clamp(mass / MASS_RATIO, mass * MASS_RATIO).clamp(1e-6, 1e3);
+        let end = self.between(-0.2, 0.2) * size;
+        let far = 10.0 * size;
+        scene.bodies[0].inlays = vec![Inlay { min: [-far; 3], max: [end, far, far], springs, ..Inlay::default() }];
+    }
+
     fn obstacles(&mut self, size: f64) -> Vec<Obstacle> {
         let ground = Plane { half_extents: [self.decades(0.0, 1.0) * size; 2], ..Plane::default() };
         let mut obstacles = vec![self.obstacle(ObstacleShape::Plane(ground))];
@@ -303,6 +322,17 @@ mod tests {
     }
 
     #[test]
+    fn the_third_edition_differs_by_springs_within_bodies_alone() {
+        for number in 0..200 {
+            let [second, mut third] = [Edition::Second, Edition::Third].map(|edition| extreme_of(edition, 3, number).0);
+            if matches!(second.bodies[0].material, Material::Springs(_)) {
+                third.bodies[0].inlays.clear();
+            }
+            assert_eq!(second, third, "scene {number}");
+        }
+    }
+
+    #[test]
     fn there_is_some_of_everything() {
         let scenes: Vec<Scene> = (0..500).map(|number| extreme_scene(3, number)).collect();
         let some = |what: &str, is: &dyn Fn(&Scene) -> bool| {
@@ -326,7 +356,12 @@ mod tests {
         some("bodies that meet", &|scene| scene.bodies.len() > 1 && scene.settings.body_contact);
         some("pins", &|scene| !scene.bodies[0].pins.is_empty());
         some("no implicit integrator", &|scene| !scene.settings.allow_implicit);
-        some("two solids in a body", &|scene| !scene.bodies[0].inlays.is_empty());
+        let inlaid = |scene: &Scene, is_solid: bool| {
+            let body = &scene.bodies[0];
+            !body.inlays.is_empty() && matches!(body.material, Material::Solid(_)) == is_solid
+        };
+        some("two solids in a body", &|scene| inlaid(scene, true));
+        some("two springs in a body", &|scene| inlaid(scene, false));
         let disturbed = (0..500).filter(|&number| !extreme(3, number).1.is_empty()).count();
         assert!(disturbed > 50, "{disturbed} of 500 are disturbed");
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Material, Solid};
+use super::{Material, Solid, Springs};
 pub use crate::geometry::UpAxis;
 pub use crate::geometry::import::{ENDINGS as MODEL_ENDINGS, FORMATS as MODEL_FORMATS};
 pub use crate::geometry::voxel::{Keep, MAX_DIVISIONS, OccupancyChoice};
@@ -22,11 +22,10 @@ pub struct Body {
     pub velocity: [f64; 3],
     /// What it is made of.
     pub material: Material,
-    /// Boxes whose cells are of other solids; where they overlap the last one counts. A body of springs has no use for
-    /// them.
+    /// Boxes whose cells are of other materials of the body's form; where they overlap the last one counts.
     pub inlays: Vec<Inlay>,
-    /// Parts of a model, by the names in its file, that are of other solids; where they overlap the last one counts, and
-    /// boxes over all of them. A body of springs has no use for them.
+    /// Parts of a model, by the names in its file, that are of other materials of the body's form; where they overlap the last
+    /// one counts, and boxes over all of them.
     pub parts: Vec<Part>,
     /// Boxes in body coordinates (m, origin at the middle of the body's box, before the pose) whose particles are held.
     pub pins: Vec<PinBox>,
@@ -212,7 +211,7 @@ pub struct Pose {
 /// The most inlays of a body.
 pub const MAX_INLAYS: usize = 16;
 
-/// A part of a solid body that is of another solid: the cells whose middle is in a box in body coordinates (m, origin at
+/// A part of a body that is of another material of the same form: the cells whose middle is in a box in body coordinates (m, origin at
 /// the middle of the body's box, before the pose), none where its highest corner is below its lowest; and cells one by one, which no box of another takes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -223,22 +222,26 @@ pub struct Inlay {
     pub max: [f64; 3],
     /// Cells of it besides: of a list by its coordinates, of others in their grid, whose lowest corner is [0, 0, 0].
     pub cells: Vec<[i32; 3]>,
-    /// What its cells are made of.
+    /// What its cells are made of in a solid.
     pub solid: Solid,
+    /// What they are made of in a body of springs.
+    pub springs: Springs,
 }
 
-/// The most parts of a body that are of other solids.
+/// The most parts of a body that are of other materials.
 pub const MAX_NAMED_PARTS: usize = 64;
 
-/// A part of a model of a solid that is of another solid: the cells most of whose surface is of that part, and those within
+/// A part of a model that is of another material of the same form: the cells most of whose surface is of that part, and those within
 /// that are nearest to them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Part {
     /// The name of a material, a group or an object of the model's file: the first of these that has the name is meant.
     pub name: String,
-    /// What its cells are made of.
+    /// What its cells are made of in a solid.
     pub solid: Solid,
+    /// What they are made of in a body of springs.
+    pub springs: Springs,
 }
 
 /// A box in body coordinates.

@@ -15,7 +15,7 @@ pub enum CellChange {
     Erase,
     /// Makes the one that is touched of what the inlay of this number is made of.
     Paint(usize),
-    /// Makes it of the body's own solid again, as far as a brush made it one of the inlay.
+    /// Makes it of the body's own material again, as far as a brush made it one of the inlay.
     Scrape(usize),
     /// Holds the particles of the one that is touched.
     Pin,

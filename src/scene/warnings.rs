@@ -1,14 +1,13 @@
 //! What a scene allows but a person has probably not meant.
 
-use super::{Material, Scene, named};
+use super::{Body, Material, Scene, Solid, Springs, named};
 
 /// A sentence each, in plain words.
 pub fn warnings(scene: &Scene) -> Vec<String> {
     let mut found = Vec::new();
     for (place, body) in scene.bodies.iter().enumerate() {
-        if matches!(body.material, Material::Springs(_)) && !(body.inlays.is_empty() && body.parts.is_empty()) {
-            let name = named(&body.name, "body", place);
-            found.push(format!("the other solids within {name} do nothing: only a solid can hold them"));
+        if let Some(why) = idle_within(body) {
+            found.push(format!("within {}, {why}", named(&body.name, "body", place)));
         }
     }
     for (place, obstacle) in scene.obstacles.iter().enumerate() {
@@ -24,21 +23,48 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
     found
 }
 
+/// Materials within a body that were given in the form that the body is not of, and so do nothing.
+fn idle_within(body: &Body) -> Option<&'static str> {
+    let inlays = body.inlays.iter().map(|inlay| (inlay.solid, inlay.springs));
+    let mut within = inlays.chain(body.parts.iter().map(|part| (part.solid, part.springs)));
+    let [only_solid, only_springs] = [
+        |(solid, springs): (Solid, Springs)| solid != Solid::default() && springs == Springs::default(),
+        |(solid, springs): (Solid, Springs)| solid == Solid::default() && springs != Springs::default(),
+    ];
+    match body.material {
+        Material::Springs(_) => within
+            .any(only_solid)
+            .then_some("solids do nothing, as it is of springs: its inlays and parts take `springs`"),
+        Material::Solid(_) => within
+            .any(only_springs)
+            .then_some("springs do nothing, as it is a solid: its inlays and parts take `solid`"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::body::{Inlay, Part};
-    use crate::scene::{Body, Obstacle, Solid, param};
+    use crate::scene::{Obstacle, param};
 
     #[test]
-    fn other_solids_within_a_body_of_springs_are_named() {
+    fn materials_of_the_form_that_a_body_is_not_of_are_named() {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
-        scene.bodies[0].inlays = vec![Inlay::default()];
-        assert!(warnings(&scene)[0].contains("within body 1 do nothing"), "{:?}", warnings(&scene));
-        (scene.bodies[0].inlays, scene.bodies[0].parts) = (Vec::new(), vec![Part::default()]);
-        assert!(warnings(&scene)[0].contains("within body 1 do nothing"), "named parts too: {:?}", warnings(&scene));
+        let solid = Solid { density: 7.0, ..Solid::default() };
+        let springs = Springs { particle_mass: 7.0, ..Springs::default() };
+        scene.bodies[0].inlays = vec![Inlay { springs, ..Inlay::default() }];
+        assert_eq!(warnings(&scene), Vec::<String>::new(), "other springs in springs");
+        scene.bodies[0].inlays.push(Inlay { solid, ..Inlay::default() });
+        assert!(warnings(&scene)[0].contains("within body 1, solids do nothing"), "{:?}", warnings(&scene));
+        scene.bodies[0].inlays = Vec::new();
+        scene.bodies[0].parts = vec![Part { solid, ..Part::default() }];
+        assert!(warnings(&scene)[0].contains("within body 1, solids do nothing"), "parts too: {:?}", warnings(&scene));
         scene.bodies[0].material = Material::Solid(Solid::default());
         assert_eq!(warnings(&scene), Vec::<String>::new(), "a solid has use for them");
+        scene.bodies[0].parts[0] = Part { springs, ..Part::default() };
+        assert!(warnings(&scene)[0].contains("springs do nothing"), "{:?}", warnings(&scene));
+        scene.bodies[0].parts[0].solid = solid;
+        assert_eq!(warnings(&scene), Vec::<String>::new(), "those of another form are kept for when it changes");
     }
 
     #[test]

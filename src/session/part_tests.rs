@@ -28,7 +28,7 @@ fn edit(session: &mut Session, change: impl FnOnce(&mut Body)) -> Result<(), Ses
 }
 
 fn part(name: &str) -> Part {
-    Part { name: name.to_owned(), solid: Solid { density: 5000.0, ..Solid::default() } }
+    Part { name: name.to_owned(), solid: Solid { density: 5000.0, ..Solid::default() }, ..Part::default() }
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::geometry::Lattice;
-use crate::physics::{BodyModel, ContactLoad, SafeValue, StepSettings, largest_safe, other_form};
+use crate::physics::{BodyModel, ContactLoad, OtherForm, SafeValue, StepSettings, largest_safe};
 use crate::scene::body::{Inlay, Part};
 use crate::scene::own_weight::Stature;
 use crate::scene::{Body, Material, Scene};
@@ -22,8 +22,8 @@ pub(super) struct Found {
     pub(super) stature: Stature,
     /// How far its values may go.
     pub(super) safe: Arc<Vec<SafeValue>>,
-    /// Its material in the other form.
-    pub(super) other: Material,
+    /// Its materials in the other form.
+    pub(super) other: Arc<OtherForm>,
 }
 
 /// Finds what has become of every body, of which `models` were compiled; what was found before and has not changed is
@@ -43,7 +43,7 @@ pub(super) fn find(scene: &Scene, models: &[BodyModel<f32>], before: &[Found]) -
         let of_lattice = before.iter().find(|found| Arc::ptr_eq(&found.lattice, &lattice));
         before.iter().find(fits).cloned().unwrap_or_else(|| Found {
             safe: Arc::new(largest_safe(body, model, step, contact)),
-            other: other_form(&body.material, &lattice),
+            other: Arc::new(OtherForm::of(body, &lattice)),
             stature: of_lattice.map_or_else(|| Stature::of(&lattice), |found| found.stature),
             material: body.material.clone(),
             lattice,

@@ -89,7 +89,7 @@ impl Session {
             stature: found.stature,
             safe: Arc::clone(&found.safe),
             part_names: model.lattice.parts.as_ref().map(|parts| parts.names.shared_names()).unwrap_or_default(),
-            other_form: found.other.clone(),
+            other_form: Arc::clone(&found.other),
         }
     }
 

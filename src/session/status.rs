@@ -10,8 +10,7 @@ use super::step_error::StepError;
 use super::wanted_modes::WantedModes;
 use super::{StepCost, Trouble};
 use crate::math::Aabb;
-pub use crate::physics::SafeValue;
-use crate::scene::Material;
+pub use crate::physics::{OtherForm, SafeValue};
 use crate::scene::own_weight::Stature;
 use crate::scene::settings::Integrator;
 
@@ -123,6 +122,6 @@ pub struct BodyStatus {
     pub safe: Arc<Vec<SafeValue>>,
     /// The parts that its model's file names, in the order of the file.
     pub part_names: Arc<[String]>,
-    /// Its material in the other form: springs of a solid, a solid of springs.
-    pub other_form: Material,
+    /// Its materials in the other form: springs of a solid, a solid of springs.
+    pub other_form: Arc<OtherForm>,
 }

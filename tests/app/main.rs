@@ -23,6 +23,7 @@ mod panels_stability;
 mod panels_things;
 mod panels_untouched;
 mod panels_values;
+mod panels_within;
 mod shot;
 mod window;
 mod window_dialogs;

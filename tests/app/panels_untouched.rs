@@ -12,7 +12,7 @@ use gelatin::session::Command;
 use crate::live::{SIZES, Window};
 
 /// High enough for all rows.
-const HIGH: [f32; 2] = [1280.0, 1500.0];
+const HIGH: [f32; 2] = [1280.0, 1640.0];
 
 /// What can be chosen; nothing is the scene itself.
 const THINGS: [Option<&str>; 6] = [None, Some("Springs"), Some("Solid"), Some("Cow"), Some("Ground"), Some("Sphere")];

@@ -4,6 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use gelatin::physics::{Arrival, SimdLevel};
+use gelatin::scene::body::Inlay;
 use gelatin::scene::material::Solid;
 use gelatin::scene::settings::Integrator;
 use gelatin::scene::{Material, Scene};
@@ -37,7 +38,10 @@ fn every_level_of_vector_instructions_gives_the_same_bits() {
     let mut stiff = landing();
     stiff.bodies[0].material = Material::Springs(springs(1e6, 0.2, 0.01));
     stiff.settings.integrator = Integrator::Implicit;
-    for scene in [landing(), solid, stiff] {
+    let mut mixed = landing();
+    let other = springs(90.0, 0.3, 0.02);
+    mixed.bodies[0].inlays = vec![Inlay { min: [0.0, -1.0, -1.0], max: [1.0; 3], springs: other, ..Inlay::default() }];
+    for scene in [landing(), solid, stiff, mixed] {
         let hash = |level: SimdLevel| {
             let mut simulation = simulate::<f32>(&scene);
             simulation.plan_mut().simd = level;

@@ -3,6 +3,7 @@
 
 use gelatin::report::extremes::{Edition, extreme_of, lattices};
 use gelatin::report::judge::{Patience, judge_disturbed};
+use gelatin::scene::{Body, Material};
 
 /// Another seed than that of the command, whose scenes were looked at one by one.
 const SEED: u64 = 7;
@@ -23,6 +24,24 @@ fn no_extreme_scene_explodes() {
     }
     assert!(found.is_empty(), "{} of {SCENES}:\n{}", found.len(), found.join("\n"));
     assert!(whole > SCENES / 2, "only {whole} of {SCENES} were watched to their end");
+}
+
+#[test]
+fn no_extreme_scene_of_mixed_springs_explodes() {
+    let patience = Patience { seconds: 2.0, most_link_forces: 2_000_000 };
+    let mut scenes = 0;
+    for number in 0..SCENES {
+        let (scene, disturbances) = extreme_of(Edition::Third, SEED, number);
+        let is_mixed = |body: &Body| matches!(body.material, Material::Springs(_)) && !body.inlays.is_empty();
+        if !is_mixed(&scene.bodies[0]) {
+            continue;
+        }
+        let lattices = lattices(&scene).expect("sound shapes");
+        let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, patience);
+        assert_eq!(verdict.fault, None, "scene {number}: {}", verdict.words);
+        scenes += 1;
+    }
+    assert!(scenes > 20, "only {scenes} of {SCENES} are of two springs");
 }
 
 #[test]

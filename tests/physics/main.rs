@@ -18,6 +18,7 @@ mod hertz;
 mod integrators;
 mod mesh_contact;
 mod mesh_obstacles;
+mod mixed_springs;
 mod modal;
 mod modal_bodies;
 mod modes;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use gelatin::physics::{BodyModel, SceneError, Simulation};
 use gelatin::report::statics::Linear;
 use gelatin::scene::body::{Inlay, ModelShape, Part};
-use gelatin::scene::{Body, Material, Scene, Shape, Solid};
+use gelatin::scene::{Body, Family, Material, Scene, Shape, Solid, Springs};
 use glam::DVec3;
 
 use crate::support::alone;
@@ -42,7 +42,7 @@ fn body(change: impl FnOnce(&mut Body)) -> Body {
 }
 
 fn part(name: &str, solid: Solid) -> Part {
-    Part { name: name.to_owned(), solid }
+    Part { name: name.to_owned(), solid, ..Part::default() }
 }
 
 fn compiled(names: [&str; 2], body: Body) -> Result<BodyModel<f64>, SceneError> {
@@ -89,6 +89,32 @@ fn a_bar_bends_where_it_is_soft() {
     let (stiff_first, stiff_sag) = with_parts(["o stiff", "o soft"]);
     assert!((0.04..0.15).contains(&stiff_first), "stiff where it is held: {stiff_first} times");
     assert!(even_sag > soft_sag && soft_sag > 8.0 * stiff_sag, "it sinks by {even_sag}, {soft_sag}, {stiff_sag} m");
+}
+
+#[test]
+fn a_bar_of_springs_bends_where_its_part_is_soft() {
+    let springs = |times: f64| {
+        let mut springs = Springs { particle_mass: 1e-3, ..Springs::default() };
+        for family in Family::ALL {
+            springs.family_mut(family).stiffness *= times;
+        }
+        springs
+    };
+    let bent = |names: [&str; 2], part: bool| {
+        let body = body(|body| {
+            body.material = Material::Springs(springs(10.0));
+            let stiff = Part { name: "stiff".to_owned(), springs: springs(1000.0), ..Part::default() };
+            body.parts = part.then_some(stiff).into_iter().collect();
+        });
+        let ([held, free], _) = bends(&compiled(names, body).expect("a sound bar"));
+        held / free
+    };
+    let even = bent(["o soft", "o stiff"], false);
+    assert!((even / 7.0 - 1.0).abs() < 0.1, "all of it soft: {even}");
+    let soft_first = bent(["o soft", "o stiff"], true);
+    assert!((400.0..1000.0).contains(&soft_first), "soft where it is held: {soft_first} times");
+    let stiff_first = bent(["o stiff", "o soft"], true);
+    assert!((0.04..0.15).contains(&stiff_first), "stiff where it is held: {stiff_first} times");
 }
 
 #[test]
@@ -144,7 +170,11 @@ fn parts_survive_the_scene_file() {
     let scene = Scene::from_ron(short, "a.ron").expect("it can be read");
     let solid = Solid { young_modulus: 5e4, ..Solid::default() };
     assert_eq!(scene.bodies[0].parts, [part("soft", solid)]);
-    let springs = short.replace("solid: (young_modulus: 5e4)", "springs: ()");
-    let refused = Scene::from_ron(&springs, "a.ron").expect_err("no springs").to_string();
-    assert!(refused.contains("`springs`") && refused.contains("`solid`"), "{refused}");
+    let springs = short.replace("solid: (young_modulus: 5e4)", "springs: (particle_mass: 0.5)");
+    let scene = Scene::from_ron(&springs, "a.ron").expect("it can be read");
+    let springs = Springs { particle_mass: 0.5, ..Springs::default() };
+    assert_eq!(scene.bodies[0].parts, [Part { name: "soft".to_owned(), springs, ..Part::default() }]);
+    let liquid = short.replace("solid: (young_modulus: 5e4)", "liquid: ()");
+    let refused = Scene::from_ron(&liquid, "a.ron").expect_err("no liquids").to_string();
+    assert!(["`liquid`", "`solid`", "`springs`"].iter().all(|word| refused.contains(word)), "{refused}");
 }

@@ -1,4 +1,5 @@
-//! What particles weigh and links are made of: the same for all (springs), or shared out by the cells (solid).
+//! What particles weigh and links are made of: the same for all (springs), or shared out by the cells (solid); springs that
+//! differ by cell are in [`super::springs_by_cell`].
 //!
 //! Every cell of edge h gives each of its own links a share, and a link's constant is the sum over the cells that hold
 //! it, so that a surface is as soft as it is thin and a block has the modulus it was asked for, whatever its
@@ -15,19 +16,17 @@
 //! `C12 h² = k_shear (√2/2 + 4√3/9)` and Poisson's ratio 1/4, as central forces always give (Cauchy). Bending links
 //! would break the balance at free surfaces and are left without force.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::geometry::{Family, Lattice};
 use crate::math::Real;
+use crate::physics::compile::link_classes::{ClassKey, Classes, NO_CELL, cells_around, holders, present};
 use crate::physics::model::levels::Levels;
 use crate::physics::model::{CellKind, Link, LinkConstants, LinkFamily, Values};
-use crate::scene::body::{Inlay, MAX_INLAYS, MAX_NAMED_PARTS, Part};
-use crate::scene::cell_brush::{cell_in_grid, lowest_cell};
+use crate::scene::Springs;
 use crate::scene::material::Solid;
-use crate::scene::{Body, Springs};
 
 /// `E h²` over the constant of diagonal links: 2.5 (√2/2 + 4√3/9) isotropic constants.
 pub(in crate::physics) const MODULUS_OVER_SHEAR: f64 = 3.692_27;
@@ -44,8 +43,6 @@ pub(in crate::physics) struct Assembled<R: Real> {
     pub(in crate::physics) masses: Values<f64>,
     /// The links by family.
     pub(in crate::physics) links: [LinkFamily<R>; 3],
-    /// The distinct cells; none where nothing is shared by cell.
-    pub(in crate::physics) cell_kinds: Option<Vec<CellKind>>,
 }
 
 /// The thesis's seven values: every particle and every link of a family alike. `measured` are the lattice's links.
@@ -57,7 +54,7 @@ pub(in crate::physics) fn uniform<R: Real>(springs: &Springs, measured: [Arc<[Li
         alike(links, [constants.stiffness, constants.damping].map(R::from_f64))
     });
     let particle_mass = springs.particle_mass;
-    Assembled { particle_mass, masses: Values::Uniform(particle_mass), links, cell_kinds: None }
+    Assembled { particle_mass, masses: Values::Uniform(particle_mass), links }
 }
 
 /// What a cell of a solid shares out. `size` is the body's longest extent, m: its slowest vibration has the damping
@@ -65,7 +62,7 @@ pub(in crate::physics) fn uniform<R: Real>(springs: &Springs, measured: [Arc<[Li
 pub(in crate::physics) fn solid_cell(solid: &Solid, lattice: &Lattice, size: f64) -> CellKind {
     let h = lattice.grid.cell_size;
     let shear = solid.young_modulus * h * h / MODULUS_OVER_SHEAR;
-    let stiffness = [STRUCTURAL_OVER_SHEAR * shear, shear];
+    let stiffness = [STRUCTURAL_OVER_SHEAR * shear, shear, 0.0];
     let slowest = std::f64::consts::PI / size * (solid.young_modulus / solid.density).sqrt();
     let damping_over_stiffness = 2.0 * solid.damping_ratio / slowest;
     CellKind {
@@ -80,62 +77,6 @@ pub(in crate::physics) fn solid_cell(solid: &Solid, lattice: &Lattice, size: f64
 pub(in crate::physics) fn modulus(diagonal: f64, lattice: &Lattice) -> f32 {
     let h = lattice.grid.cell_size;
     (MODULUS_OVER_SHEAR * diagonal / (h * h)) as f32
-}
-
-/// The kinds of the cells of a solid with parts and boxes of other solids, and the place among them of each cell's.
-pub(in crate::physics) fn solid_cells(
-    solid: &Solid,
-    body: &Body,
-    lattice: &Lattice,
-    size: f64,
-    rest: &[DVec3],
-) -> (Vec<CellKind>, Values<u8>) {
-    let mut kinds = vec![solid_cell(solid, lattice, size)];
-    let mut kind_of_cell = kinds_of_parts(&body.parts, lattice, size, &mut kinds);
-    let inlays = body.inlays.get(..MAX_INLAYS).unwrap_or(&body.inlays);
-    if inlays.is_empty() {
-        return (kinds, kind_of_cell);
-    }
-    let painted: Vec<BTreeSet<[i32; 3]>> = inlays.iter().map(|inlay| inlay.cells.iter().copied().collect()).collect();
-    let low = lowest_cell(&body.shape);
-    // The last one that has it: painted before any in whose box it is.
-    let inlay_of = |corners: &[u32; 8], place: u32| {
-        let middle = 0.5 * (rest[corners[0] as usize] + rest[corners[7] as usize]);
-        let in_box = |of: &Inlay| (middle.cmpge(DVec3::from(of.min)) & middle.cmple(DVec3::from(of.max))).all();
-        let cell = cell_in_grid(low, lattice.low(place));
-        painted.iter().rposition(|cells| cells.contains(&cell)).or_else(|| inlays.iter().rposition(in_box))
-    };
-    let of_cells: Vec<Option<usize>> =
-        lattice.cells.iter().zip(0..).map(|(corners, place)| inlay_of(corners, place)).collect();
-    for (number, inlay) in inlays.iter().enumerate().filter(|(number, _)| of_cells.contains(&Some(*number))) {
-        if let Values::Uniform(first) = kind_of_cell {
-            kind_of_cell = Values::Each(vec![first; lattice.cells.len()]);
-        }
-        if let Values::Each(kind_of_cell) = &mut kind_of_cell {
-            let kind = u8::try_from(kinds.len()).unwrap_or(0);
-            let own = kind_of_cell.iter_mut().zip(&of_cells).filter(|(_, of)| **of == Some(number));
-            own.for_each(|(of, _)| *of = kind);
-        }
-        kinds.push(solid_cell(&inlay.solid, lattice, size));
-    }
-    (kinds, kind_of_cell)
-}
-
-/// The place among the kinds of each cell of a body with parts of other solids, whose kinds are added.
-fn kinds_of_parts(parts: &[Part], lattice: &Lattice, size: f64, kinds: &mut Vec<CellKind>) -> Values<u8> {
-    let parts = parts.get(..MAX_NAMED_PARTS).unwrap_or(parts);
-    let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
-    let found = if parts.is_empty() { None } else { lattice.cells_of_parts(&names) };
-    let Some(of_cells) = found else { return Values::Uniform(0) };
-    let mut numbers = vec![0; parts.len() + 1];
-    for (part, number) in parts.iter().zip(1..).filter(|(_, number)| of_cells.contains(number)) {
-        numbers[number as usize] = u8::try_from(kinds.len()).unwrap_or(0);
-        kinds.push(solid_cell(&part.solid, lattice, size));
-    }
-    if kinds.len() == 1 {
-        return Values::Uniform(0);
-    }
-    Values::Each(of_cells.into_iter().map(|number| numbers[number as usize]).collect())
 }
 
 /// Sums the shares of the cells. `measured` are the lattice's links; `kind_of_cell` holds a place in `kinds` for every
@@ -172,24 +113,35 @@ pub(in crate::physics) fn by_cell<R: Real>(
             classes.of(SHARED_BY[axes], holders, levels.is_some())
         };
         let of_link = lattice.links[family as usize].iter().map(class).collect();
-        let constants = classes.constants(kinds, step, usize::from(family == Family::Shear));
-        let largest = |which: usize| constants.iter().map(|c| c[which]).fold(0.0, f64::max);
-        LinkFamily {
-            stiffness: R::from_f64(largest(0)),
-            damping: R::from_f64(largest(1)),
-            links,
-            constants: LinkConstants::Classes {
-                of_link,
-                constants: constants.into_iter().map(|constants| constants.map(R::from_f64)).collect(),
-            },
-        }
+        let constants = classes.keys.iter().map(|key| shares(key, kinds, step, family));
+        in_classes(links, of_link, constants.collect())
     });
-    Assembled { particle_mass, masses: Values::Each(masses), links, cell_kinds: Some(kinds.to_vec()) }
+    Assembled { particle_mass, masses: Values::Each(masses), links }
 }
 
 /// A family whose links are all alike.
 fn alike<R: Real>(links: Arc<[Link<R>]>, [stiffness, damping]: [R; 2]) -> LinkFamily<R> {
     LinkFamily { stiffness, damping, links, constants: LinkConstants::Uniform([stiffness, damping]) }
+}
+
+/// A family whose links are of classes, which have these constants.
+pub(super) fn in_classes<R: Real>(links: Arc<[Link<R>]>, of_link: Vec<u16>, constants: Vec<[f64; 2]>) -> LinkFamily<R> {
+    let largest = |which: usize| R::from_f64(constants.iter().map(|c| c[which]).fold(0.0, f64::max));
+    let [stiffness, damping] = [largest(0), largest(1)];
+    let constants = constants.into_iter().map(|constants| constants.map(R::from_f64)).collect();
+    LinkFamily { stiffness, damping, links, constants: LinkConstants::Classes { of_link, constants } }
+}
+
+/// Between how many cells a link along so many axes lies inside a body.
+const SHARED_BY: [u8; 4] = [1, 4, 2, 1];
+
+/// The sum of what the cells of a class give to a link of a family, N and N·s; `step` is that of their levels.
+fn shares((shared_by, held): &ClassKey, kinds: &[CellKind], step: f64, family: Family) -> [f64; 2] {
+    let known = present(held).filter_map(|(kind, level)| Some((kinds.get(usize::from(kind))?, level)));
+    known.fold([0.0, 0.0], |[k, d], (kind, level)| {
+        let share = step * f64::from(level) / f64::from(*shared_by);
+        [k + share * kind.stiffness[family as usize], d + share * kind.damping[family as usize]]
+    })
 }
 
 /// The links of a lattice by family; `rest` is where its particles are at rest, m.
@@ -201,122 +153,14 @@ pub(in crate::physics) fn measured<R: Real>(lattice: &Lattice, rest: &[DVec3]) -
     Family::ALL.map(|family| lattice.links[family as usize].iter().map(measure).collect())
 }
 
-/// Stands where there is no cell.
-const NO_CELL: u32 = u32::MAX;
-
-/// The cells around every particle; bit 0 of the place says that the cell lies on the upper side in x, bit 1 in y,
-/// bit 2 in z.
-fn cells_around(lattice: &Lattice) -> Vec<[u32; 8]> {
-    let mut around = vec![[NO_CELL; 8]; lattice.corners.len()];
-    for (cell, corners) in (0..).zip(&lattice.cells) {
-        for (place, &corner) in corners.iter().enumerate() {
-            around[corner as usize][7 - place] = cell;
-        }
-    }
-    around
-}
-
-/// The cells around the lower end of a link that hold the other end too: at most four.
-fn holders(around: &[u32; 8], low: [u32; 3], high: [u32; 3]) -> impl Iterator<Item = u32> {
-    let fits = move |place: usize| {
-        (0..3).all(|axis| high[axis] == low[axis] || (high[axis] > low[axis]) == (place >> axis & 1 == 1))
-    };
-    around.iter().enumerate().filter(move |&(place, &cell)| cell != NO_CELL && fits(place)).map(|(_, &cell)| cell)
-}
-
-/// Between how many cells a link along so many axes lies inside a body.
-const SHARED_BY: [u8; 4] = [1, 4, 2, 1];
-
-/// Stands where a link has fewer than four cells.
-const NO_KIND: u8 = u8::MAX;
-
-/// How many cells share a link, and the kinds of those that do with the levels of their stiffness, ascending.
-type ClassKey = (u8, [(u8, u16); 4]);
-
-/// The classes of links found so far.
-#[derive(Default)]
-struct Classes {
-    numbers: BTreeMap<ClassKey, u16>,
-    keys: Vec<ClassKey>,
-    last: Option<(ClassKey, u16)>,
-}
-
-/// From so many classes on levels are rounded down to steps of [`COARSE`], of which there are few enough.
-const MANY: usize = 50_000;
-const COARSE: u16 = 64;
-
-impl Classes {
-    /// `differ`: cells of one kind may be of different levels, which then count by their sum.
-    fn of(&mut self, shared_by: u8, cells: impl Iterator<Item = (u8, u16)>, differ: bool) -> u16 {
-        let mut held = [(NO_KIND, 0); 4];
-        for (slot, cell) in held.iter_mut().zip(cells) {
-            *slot = cell;
-        }
-        held.sort_unstable();
-        if differ {
-            held = merged(held);
-        }
-        let key = (shared_by, held);
-        if let Some((last, number)) = self.last
-            && last == key
-        {
-            return number;
-        }
-        let number = self.numbers.get(&key).copied().unwrap_or_else(|| self.new_class(key));
-        self.last = Some((key, number));
-        number
-    }
-
-    fn new_class(&mut self, (shared_by, mut held): ClassKey) -> u16 {
-        if self.keys.len() >= MANY {
-            for (_, level) in held.iter_mut().filter(|(_, level)| *level > COARSE) {
-                *level -= *level % COARSE;
-            }
-        }
-        let key = (shared_by, held);
-        let next = u16::try_from(self.keys.len()).unwrap_or(u16::MAX);
-        let number = *self.numbers.entry(key).or_insert(next);
-        if number == next {
-            self.keys.push(key);
-        }
-        number
-    }
-
-    /// Stiffness (N) and damping (N·s) of every class; `step` is that of levels, and `which` of a kind's constants they come
-    /// from.
-    fn constants(&self, kinds: &[CellKind], step: f64, which: usize) -> Vec<[f64; 2]> {
-        let sum = |&(shared_by, held): &ClassKey| {
-            let known = held.iter().filter_map(|&(kind, level)| Some((kinds.get(usize::from(kind))?, level)));
-            known.fold([0.0, 0.0], |[k, d], (kind, level)| {
-                let share = step * f64::from(level) / f64::from(shared_by);
-                [k + share * kind.stiffness[which], d + share * kind.damping[which]]
-            })
-        };
-        self.keys.iter().map(sum).collect()
-    }
-}
-
-/// The same with every kind once.
-fn merged(held: [(u8, u16); 4]) -> [(u8, u16); 4] {
-    let mut merged = [(NO_KIND, 0); 4];
-    let mut last = 0;
-    for (kind, level) in held {
-        if merged[last].0 != kind && merged[last].0 != NO_KIND {
-            last += 1;
-        }
-        merged[last] = (kind, merged[last].1 + level);
-    }
-    merged
-}
-
 #[expect(clippy::float_cmp, reason = "the shares are halves and quarters of small numbers")]
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::voxel::Cells;
 
-    const SOFT: CellKind = CellKind { stiffness: [4.0, 2.0], damping: [0.4, 0.2], mass: 8.0 };
-    const HARD: CellKind = CellKind { stiffness: [40.0, 20.0], damping: [4.0, 2.0], mass: 80.0 };
+    const SOFT: CellKind = CellKind { stiffness: [4.0, 2.0, 0.0], damping: [0.4, 0.2, 0.0], mass: 8.0 };
+    const HARD: CellKind = CellKind { stiffness: [40.0, 20.0, 0.0], damping: [4.0, 2.0, 0.0], mass: 80.0 };
 
     /// Two cells side by side along x.
     fn pair(kind_of_cell: &Values<u8>) -> (Lattice, Assembled<f64>) {

@@ -2,6 +2,8 @@
 //! placed, links measured, obstacles framed, steps planned.
 
 mod assembly;
+mod kinds;
+mod link_classes;
 mod modal;
 mod obstacles;
 pub(in crate::physics) mod other_form;
@@ -11,7 +13,10 @@ mod recovery;
 pub(in crate::physics) mod safe_values;
 mod scheme;
 mod scheme_cost;
+mod spring_loads;
+mod springs_by_cell;
 pub(in crate::physics) mod stability_plane;
+pub(in crate::physics) mod step_loads;
 mod waves;
 
 use std::path::Path;
@@ -20,8 +25,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use thiserror::Error;
 
-use super::model::{AmongBodies, BodyModel, LinkFamily, Model, Samples, Values};
-use crate::geometry::Lattice;
+use super::model::{AmongBodies, BodyModel, Composition, LinkFamily, Model, Samples, Values};
+use crate::geometry::{Family, Lattice};
 use crate::math::{Aabb, Real, Vector, rotation};
 use crate::physics::kernels::{BoxedLinks, Layout};
 use crate::physics::limits::{any_state, lattice};
@@ -34,6 +39,7 @@ use crate::scene::part_problem::part_problem;
 use crate::scene::resolve::{MeshError, ResolveError, load_meshes, resolve};
 use crate::scene::{Body, ContactOn, Material, Scene};
 use assembly::Assembled;
+use springs_by_cell::springs_by_cell;
 
 /// Why a scene cannot be simulated.
 #[derive(Debug, Error)]
@@ -167,24 +173,35 @@ fn compile_body<R: Real>(
         .map_or_else(|| assembly::measured(lattice, &rest), |body| body.links.each_ref().map(LinkFamily::measured));
     let crowds = known.map_or_else(|| any_state::crowds(rest.len(), &measured), |body| Arc::clone(&body.crowds));
     let modulus = |stiffness| assembly::modulus(stiffness, lattice);
-    let (Assembled { particle_mass, masses, links, cell_kinds }, moduli) = match &body.material {
-        Material::Springs(springs) => {
-            (assembly::uniform(springs, measured), Values::Uniform(modulus(springs.shear.stiffness)))
-        }
-        Material::Solid(solid) => {
-            let (kinds, kind_of_cell) = assembly::solid_cells(solid, body, lattice, size, &rest);
-            let of_kind = |kind: &u8| modulus(kinds[usize::from(*kind)].stiffness[1]);
-            let moduli = match &kind_of_cell {
-                Values::Uniform(kind) => Values::Uniform(of_kind(kind)),
-                Values::Each(kinds) => Values::Each(kinds.iter().map(of_kind).collect()),
-            };
-            (assembly::by_cell(&kinds, &kind_of_cell, lattice, measured), moduli)
-        }
+    let (kinds, kind_of_cell) = match &body.material {
+        Material::Springs(springs) => kinds::of_springs(springs, body, lattice, &rest),
+        Material::Solid(solid) => kinds::of_solid(solid, body, lattice, size, &rest),
     };
-    let load_share = match cell_kinds.as_deref() {
-        Some([_]) => known_load_share(before, lattice)
-            .unwrap_or_else(|| lattice::load_share(lattice, [assembly::STRUCTURAL_OVER_SHEAR, 1.0])),
-        _ => 1.0,
+    let of_kind = |kind: &u8| modulus(kinds[usize::from(*kind)].stiffness[Family::Shear as usize]);
+    let moduli = match &kind_of_cell {
+        Values::Uniform(kind) => Values::Uniform(of_kind(kind)),
+        Values::Each(kinds) => Values::Each(kinds.iter().map(of_kind).collect()),
+    };
+    let of_recovery = scene.settings.inversion_recovery.then(|| match &body.material {
+        Material::Springs(_) => recovery::of_springs(&kinds, lattice),
+        Material::Solid(_) => recovery::of_cells(&kinds, lattice),
+    });
+    let (Assembled { particle_mass, masses, links }, composition) = match &body.material {
+        Material::Springs(springs) if kinds.len() == 1 => (assembly::uniform(springs, measured), Composition::Alike),
+        Material::Springs(_) => {
+            let (assembled, loads) = springs_by_cell(&kinds, &kind_of_cell, lattice, measured);
+            (assembled, Composition::Springs { kinds, loads: Arc::new(loads) })
+        }
+        Material::Solid(_) => {
+            let assembled = assembly::by_cell(&kinds, &kind_of_cell, lattice, measured);
+            let load_share = if kinds.len() > 1 {
+                1.0
+            } else {
+                known_load_share(before, lattice)
+                    .unwrap_or_else(|| lattice::load_share(lattice, [assembly::STRUCTURAL_OVER_SHEAR, 1.0]))
+            };
+            (assembled, Composition::Solids { kinds, load_share })
+        }
     };
     let (heaviest, masses) = match masses {
         Values::Uniform(mass) => (mass, Values::Uniform(R::from_f64(mass))),
@@ -207,20 +224,14 @@ fn compile_body<R: Real>(
     let on_one = if samples.is_some() { load.max(4.0 * weight) } else { load };
     let meets_others = scene.settings.body_contact && body.collides && scene.bodies.len() > 1;
     let hull = known.map_or_else(Arc::default, |body| Arc::clone(&body.among_bodies.hull));
-    let [recovery_stiffness, recovery_mass] = match &body.material {
-        _ if !scene.settings.inversion_recovery => [0.0, particle_mass],
-        Material::Springs(springs) => recovery::of_springs(springs, lattice),
-        Material::Solid(_) => recovery::of_cells(cell_kinds.as_deref().unwrap_or_default(), lattice),
-    };
     BodyModel {
         particles: first..first + rest.len(),
         start: rest.iter().map(|p| R::Vec3::from_dvec3(position + rotation * *p)).collect(),
         start_velocity: R::Vec3::from_dvec3(DVec3::from(body.velocity)),
         particle_mass: R::from_f64(particle_mass),
         masses,
-        cell_kinds,
+        composition,
         moduli,
-        load_share,
         pinned,
         links,
         boxed_links,
@@ -228,7 +239,7 @@ fn compile_body<R: Real>(
         lattice: Arc::clone(lattice),
         size: R::from_f64(size),
         inverse_cell_size: R::from_f64(1.0 / lattice.grid.cell_size),
-        recovery: recovery::unlimited([recovery_stiffness, recovery_mass]),
+        recovery: recovery::unlimited(of_recovery.unwrap_or([0.0, particle_mass])),
         contacts: scene
             .obstacles
             .iter()
@@ -249,9 +260,11 @@ fn compile_body<R: Real>(
 
 /// That of a body of one solid with this lattice, where there is one.
 fn known_load_share<R: Real>(bodies: &[BodyModel<R>], lattice: &Arc<Lattice>) -> Option<f64> {
-    let is_alike = |body: &&BodyModel<R>| matches!(body.cell_kinds.as_deref(), Some([_]));
-    let alike = bodies.iter().find(|body| Arc::ptr_eq(&body.lattice, lattice) && is_alike(body));
-    alike.map(|body| body.load_share)
+    let of_one = |body: &BodyModel<R>| match &body.composition {
+        Composition::Solids { kinds, load_share } if kinds.len() == 1 => Some(*load_share),
+        _ => None,
+    };
+    bodies.iter().filter(|body| Arc::ptr_eq(&body.lattice, lattice)).find_map(of_one)
 }
 
 /// Particles that one particle in contact may have to carry at rest: the tallest column, or all of them on the

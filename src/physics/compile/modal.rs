@@ -5,7 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::math::{Aabb, Real, rotation};
-use crate::physics::model::{BodyModel, Inertia, LinkConstants, LinkFamily, ModalBody, ModalModel, ModalPoints, Model};
+use crate::physics::model::{
+    BodyModel, Composition, Inertia, LinkConstants, LinkFamily, ModalBody, ModalModel, ModalPoints, Model,
+};
 use crate::scene::Pose;
 
 /// Has a compiled body move by modes that are of as many particles as it has; other modes are left alone. What of it
@@ -65,7 +67,7 @@ fn idle<R: Real>(body: &BodyModel<R>) -> BodyModel<R> {
         constants: LinkConstants::Uniform([R::ZERO; 2]),
     };
     let mut idle = BodyModel {
-        cell_kinds: None,
+        composition: Composition::Alike,
         links: std::array::from_fn(|_| none()),
         boxed_links: None,
         crowds: Arc::default(),

@@ -4,11 +4,48 @@ use crate::geometry::{Family, Lattice};
 use crate::math::Aabb;
 use crate::physics::compile::assembly::{MODULUS_OVER_SHEAR, STRUCTURAL_OVER_SHEAR, solid_cell};
 use crate::scene::material::{Solid, Spring};
-use crate::scene::{Material, MaterialValue, Springs};
+use crate::scene::{Body, Material, MaterialValue, Springs};
 
-/// The same body in the other form: of a solid the constants that its links have inside it, of springs the isotropic
+/// The materials of a body in the other form.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OtherForm {
+    material: Material,
+    /// Of its inlays and its parts, in their order.
+    within: [Vec<Material>; 2],
+}
+
+impl OtherForm {
+    /// Of a body of this lattice.
+    pub fn of(body: &Body, lattice: &Lattice) -> Self {
+        let converted = |(solid, springs): (Solid, Springs)| match &body.material {
+            Material::Springs(_) => other_form(&Material::Springs(springs), lattice),
+            Material::Solid(_) => other_form(&Material::Solid(solid), lattice),
+        };
+        let inlays = body.inlays.iter().map(|inlay| (inlay.solid, inlay.springs));
+        let parts = body.parts.iter().map(|part| (part.solid, part.springs));
+        Self {
+            material: other_form(&body.material, lattice),
+            within: [inlays.map(converted).collect(), parts.map(converted).collect()],
+        }
+    }
+
+    /// That body with these.
+    pub fn given_to(&self, body: &Body) -> Body {
+        let set = |material: &Material, solid: &mut Solid, springs: &mut Springs| match material {
+            Material::Springs(of) => *springs = *of,
+            Material::Solid(of) => *solid = *of,
+        };
+        let mut body = Body { material: self.material.clone(), ..body.clone() };
+        let [inlays, parts] = &self.within;
+        body.inlays.iter_mut().zip(inlays).for_each(|(inlay, of)| set(of, &mut inlay.solid, &mut inlay.springs));
+        body.parts.iter_mut().zip(parts).for_each(|(part, of)| set(of, &mut part.solid, &mut part.springs));
+        body
+    }
+}
+
+/// The same material in the other form: of a solid the constants that its links have inside it, of springs the isotropic
 /// solid that comes nearest to them. What would be outside a parameter's range ends at it.
-pub fn other_form(material: &Material, lattice: &Lattice) -> Material {
+fn other_form(material: &Material, lattice: &Lattice) -> Material {
     let h = lattice.grid.cell_size;
     let particles = lattice.corners.len() as f64;
     let rest = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle));
@@ -51,6 +88,7 @@ pub fn other_form(material: &Material, lattice: &Lattice) -> Material {
 mod tests {
     use super::*;
     use crate::geometry::voxel::Cells;
+    use crate::scene::body::{Inlay, Part};
     use crate::scene::param;
 
     fn lattice() -> Lattice {
@@ -78,5 +116,24 @@ mod tests {
             ..crate::scene::Scene::default()
         };
         assert!(param::validate(&scene).is_empty(), "what comes out can be used: {:?}", scene.bodies[0].material);
+    }
+
+    #[test]
+    fn what_is_within_a_body_takes_the_other_form_with_it() {
+        let solid = Solid { young_modulus: 2.5e4, density: 300.0, damping_ratio: 0.2 };
+        let body = Body {
+            material: Material::Solid(Solid::default()),
+            inlays: vec![Inlay { solid, ..Inlay::default() }],
+            parts: vec![Part { name: "Leg".to_owned(), solid, ..Part::default() }],
+            ..Body::default()
+        };
+        let of_springs = OtherForm::of(&body, &lattice()).given_to(&body);
+        assert_eq!(of_springs.material, other_form(&body.material, &lattice()));
+        let springs = other_form(&Material::Solid(solid), &lattice());
+        let [inlay, part] = [of_springs.inlays[0].springs, of_springs.parts[0].springs];
+        assert_eq!([inlay, part].map(Material::Springs), [springs.clone(), springs], "of their own solids");
+        assert_eq!((of_springs.inlays[0].solid, &of_springs.parts[0].name[..]), (solid, "Leg"), "nothing else changes");
+        let back = OtherForm::of(&of_springs, &lattice()).given_to(&of_springs);
+        assert!((back.inlays[0].solid.young_modulus / solid.young_modulus - 1.0).abs() < 1e-9, "and back");
     }
 }

@@ -6,7 +6,6 @@ use crate::physics::limits::cells::CellLoads;
 use crate::physics::model::levels::least_share;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, CellKind, RecoveryModel, Scheme};
-use crate::scene::Springs;
 
 /// The most of `κ dt²/(m h²)`: a person's own step may be larger than the push could bear.
 const STIFFEST: f64 = 0.6;
@@ -43,20 +42,25 @@ pub(super) fn bear<R: Real>(body: &mut BodyModel<R>, plan: &Plan) {
     body.recovery = RecoveryModel { stiffness, mass, push, pull, flow_secs: dt };
 }
 
-/// A cell's stiffness against inversion, N·m, and the mass against it, kg, from the constants of links that are alike.
+/// A cell's stiffness against inversion, N·m, and the mass against it, kg, from the constants of springs.
 ///
 /// A mode of wave number q along an axis changes V by `2 sin(q/2)/h` of its amplitude, so the term adds at most
 /// `4 κ/(m h²)` to the square of a frequency, and the links at most `(4 k1 + 8.74 k2 + 2 k3)/(m h)`. Half of the latter
 /// keeps the sum below the limit at the share of it that automatic stepping takes. For equal constants it is 7.4 k h;
 /// from half of that on every crushed cube came back, at more than twice of it crumpled ones gained energy. A family
-/// without links in `lattice` limits no step and so has no share.
-pub(super) fn of_springs(springs: &Springs, lattice: &Lattice) -> [f64; 2] {
-    let share = |family: Family, share: f64| {
-        let has_links = !lattice.links[family as usize].is_empty();
-        if has_links { share * springs.family(family).stiffness } else { 0.0 }
+/// without links in `lattice` limits no step and so has no share. Of several kinds the lightest bears half of what the links
+/// of the quickest add.
+pub(super) fn of_springs(kinds: &[CellKind], lattice: &Lattice) -> [f64; 2] {
+    let links = |kind: &CellKind| {
+        let share = |family: Family, share: f64| {
+            let has_links = !lattice.links[family as usize].is_empty();
+            if has_links { share * kind.stiffness[family as usize] } else { 0.0 }
+        };
+        share(Family::Structural, 4.0) + share(Family::Shear, 8.736) + share(Family::Bending, 2.0)
     };
-    let links = share(Family::Structural, 4.0) + share(Family::Shear, 8.736) + share(Family::Bending, 2.0);
-    [0.5 * links * lattice.grid.cell_size, springs.particle_mass]
+    let lightest = kinds.iter().map(|kind| kind.mass).fold(f64::INFINITY, f64::min);
+    let most = kinds.iter().map(|kind| links(kind) * (lightest / kind.mass)).fold(0.0, f64::max);
+    [0.5 * most * lattice.grid.cell_size, lightest]
 }
 
 /// The same from cells that share out their links and masses. On its own a cell of mass M moves with `12 κ/(M h²)`, as if

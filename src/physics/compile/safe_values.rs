@@ -4,53 +4,13 @@
 use crate::geometry::{Family, Lattice};
 use crate::math::{Aabb, Real};
 use crate::physics::compile::assembly;
-use crate::physics::compile::waves::{largest_share, waves};
+use crate::physics::compile::spring_loads::SpringLoads;
+use crate::physics::compile::step_loads::{ContactLoad, Load, StepSettings, loads, times_within};
 use crate::physics::limits::cells::CellLoads;
-use crate::physics::limits::{
-    LATTICE_LIMIT, LoadShare, Margin, Pushes, has_pushes, largest, load_shares, most_stiffness_per_damping,
-};
-use crate::physics::model::{BodyModel, Scheme};
-use crate::scene::material::{Solid, Spring};
-use crate::scene::obstacle::ContactStiffness;
-use crate::scene::settings::{ContactRule, Integrator};
-use crate::scene::{Body, Material, MaterialValue, Scene, Springs};
-
-/// The step that bounds are asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepSettings {
-    /// Its length, s.
-    pub dt_secs: f64,
-    /// What takes it.
-    pub integrator: Integrator,
-}
-
-impl StepSettings {
-    /// The step that a scene asks for.
-    pub fn of(scene: &Scene) -> Self {
-        Self { dt_secs: scene.settings.dt, integrator: scene.settings.integrator }
-    }
-
-    pub(super) fn scheme(self) -> Scheme {
-        self.integrator.into()
-    }
-
-    /// What automatic stepping keeps of the limit.
-    pub(super) fn margin(self) -> Margin {
-        Margin::of(self.scheme())
-    }
-
-    /// How many times its damping a link's stiffness may be, 1/s, where the scheme asks for that.
-    fn stiffness_per_damping(self) -> Option<f64> {
-        most_stiffness_per_damping(self.scheme(), self.dt_secs, self.margin())
-    }
-}
-
-impl LoadShare {
-    /// The load of a family's constants.
-    pub(super) fn of(&self, family: Family, constants: Spring) -> f64 {
-        self.stiffness * constants.stiffness + self.damping[family as usize] * constants.damping
-    }
-}
+use crate::physics::limits::particles::Constant;
+use crate::physics::model::BodyModel;
+use crate::scene::material::Solid;
+use crate::scene::{Body, Material, MaterialValue, Springs};
 
 /// How far one value of a body's material may go.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,104 +22,6 @@ pub struct SafeValue {
     pub bound: Option<f64>,
     /// Whether the bound is the smallest safe value (masses), not the largest.
     pub is_smallest: bool,
-}
-
-/// What contact leaves of the limit, of which it takes a share as links do: that of the thesis (GC §5.2) as a spring by its
-/// stiffness over the mass of the lightest particle, 1/s²; the other where it pushes at the stages of the scheme.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ContactLoad {
-    /// Of obstacles whose stiffness follows from the mass: the same whatever that is.
-    following: ObstacleLoad,
-    /// Of obstacles whose stiffness is given: the less, the more mass there is.
-    given: ObstacleLoad,
-}
-
-/// The most that obstacles of one kind add.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct ObstacleLoad {
-    /// By the thesis's rule, 1/s².
-    stiffness: f64,
-    pushes: Pushes,
-}
-
-impl ObstacleLoad {
-    fn max(self, other: Self) -> Self {
-        Self { stiffness: self.stiffness.max(other.stiffness), pushes: self.pushes.max(other.pushes) }
-    }
-}
-
-impl ContactLoad {
-    /// Of a body of the scene that its model was compiled from.
-    pub fn of<R: Real>(body: &BodyModel<R>, scene: &Scene) -> Self {
-        let mut load = Self::default();
-        let is_thesis = scene.settings.contact == ContactRule::Thesis;
-        let has_pushes = has_pushes(StepSettings::of(scene).scheme(), scene.settings.contact.into());
-        let lightest = body.lightest_mass().to_f64();
-        for (obstacle, contact) in scene.obstacles.iter().zip(&body.contacts) {
-            let of_kind = match obstacle.stiffness {
-                ContactStiffness::Auto => &mut load.following,
-                ContactStiffness::Given(_) => &mut load.given,
-            };
-            let stiffness = if is_thesis { contact.stiffness.to_f64() / lightest } else { 0.0 };
-            let pushes = if has_pushes { Pushes::of_contact(contact, lightest) } else { Pushes::default() };
-            *of_kind = of_kind.max(ObstacleLoad { stiffness, pushes });
-        }
-        load
-    }
-
-    fn now(self) -> ObstacleLoad {
-        self.following.max(self.given)
-    }
-
-    /// How many times the mass there must be at least, where stiffness may be so many times its damping (1/s).
-    fn least_mass(self, per_damping: f64) -> f64 {
-        let [following, given] = [self.following, self.given].map(|load| load.pushes.stiffness_per_damping);
-        if following > per_damping { f64::INFINITY } else { (given / per_damping) * (given / per_damping) }
-    }
-}
-
-/// One load that has to stay below [`LATTICE_LIMIT`]: what links and contact add to it.
-struct Load {
-    links: LoadShare,
-    /// As [`LoadShare::stiffness`], of the contact's.
-    contact_secs2: f64,
-    contact: ContactLoad,
-}
-
-impl Load {
-    fn of(&self, obstacles: ObstacleLoad) -> f64 {
-        self.contact_secs2 * obstacles.stiffness + self.links.pushes * obstacles.pushes.rate
-    }
-
-    /// What is left for the links, as contact is now.
-    fn limit(&self) -> f64 {
-        LATTICE_LIMIT - self.of(self.contact.now())
-    }
-
-    /// How many times 1/mass may be, where links add this to the load now: `stiff` falls as the mass grows, `damped` as
-    /// its root does.
-    fn times_lighter(&self, stiff: f64, damped: f64) -> f64 {
-        let of_following = LATTICE_LIMIT - self.of(self.contact.following);
-        let given = self.contact.given;
-        let (stiff_given, damped_given) = (self.contact_secs2 * given.stiffness, self.links.pushes * given.pushes.rate);
-        times_within(stiff, damped, of_following).min(times_within(
-            stiff + stiff_given,
-            damped + damped_given,
-            LATTICE_LIMIT,
-        ))
-    }
-}
-
-/// The loads of a step.
-fn loads(step: StepSettings, contact: ContactLoad) -> Vec<Load> {
-    match load_shares(step.scheme(), step.dt_secs, step.margin()) {
-        Some(shares) => shares.map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect(),
-        None if contact.now().stiffness > 0.0 => {
-            let links = LoadShare { stiffness: 0.0, damping: [0.0; 3], pushes: 0.0 };
-            vec![Load { links, contact_secs2: step.margin().contact_secs2(step.dt_secs), contact }]
-        }
-        None => Vec::new(),
-    }
 }
 
 /// The bounds of all values of a body's material, at rest and with the margin that automatic stepping keeps. Where a body
@@ -174,60 +36,42 @@ pub fn largest_safe<R: Real>(
     let loads = loads(step, contact);
     let per_damping = step.stiffness_per_damping().unwrap_or(f64::INFINITY);
     match &body.material {
-        Material::Springs(springs) => of_springs(springs, &model.lattice, &loads, per_damping, contact),
-        Material::Solid(solid) => of_solid(solid, body, model, &loads, per_damping, contact),
+        Material::Springs(springs) => of_springs(springs, model, &loads, per_damping, contact),
+        Material::Solid(solid) => of_solid(solid, model, &loads, per_damping, contact),
     }
 }
 
-fn of_springs(
+fn of_springs<R: Real>(
     springs: &Springs,
-    lattice: &Lattice,
+    model: &BodyModel<R>,
     all: &[Load],
     per_damping: f64,
     contact: ContactLoad,
 ) -> Vec<SafeValue> {
-    let waves = waves();
-    let scale = 1.0 / (springs.particle_mass * lattice.grid.cell_size);
-    let has_links = Family::ALL.map(|family| !lattice.links[family as usize].is_empty());
-    let loads = |share: &LoadShare| {
-        Family::ALL.map(|family| {
-            let constants = springs.family(family);
-            let load = scale * share.of(family, constants);
-            if has_links[family as usize] { load } else { 0.0 }
-        })
-    };
-    let [of_stiffness, of_damping]: [fn(&LoadShare, Family) -> f64; 2] =
-        [|share, _| share.stiffness, |share, family| share.damping[family as usize]];
-    // Where stiffness may only be so much of the damping: whether a family, or contact, has more.
+    let loads = SpringLoads::of(model);
+    let has_links = loads.has_links;
+    // Where stiffness may only be so much of the damping: whether a family, other springs or contact have more.
     let has_more = |family: Family, damping: f64| {
         has_links[family as usize] && springs.family(family).stiffness > per_damping * damping
     };
     let family_has_more = |family: Family| has_more(family, springs.family(family).damping);
     let contact_has_more = contact.now().pushes.stiffness_per_damping > per_damping;
+    let within_has_more = loads.others_per_damping() > per_damping;
     let mut bounds = Vec::new();
     for family in Family::ALL {
-        let constants = springs.family(family);
-        let others_have_more =
-            contact_has_more || Family::ALL.into_iter().any(|other| other != family && family_has_more(other));
-        let stiffness = (MaterialValue::Stiffness(family), constants.stiffness, of_stiffness);
-        let damping = (MaterialValue::Damping(family), constants.damping, of_damping);
-        for (value, now, factor) in [stiffness, damping] {
-            let bound = |load: &Load| {
-                let (share, limit) = (&load.links, load.limit());
-                let factor = factor(share, family) * scale;
-                let mut rest = loads(share);
-                rest[family as usize] -= factor * now;
-                if factor > 0.0 {
-                    largest_share(waves, rest, family, limit) / factor
-                } else if largest(&waves.tensors, rest) > limit {
-                    0.0
-                } else {
-                    f64::INFINITY
-                }
+        let others_have_more = contact_has_more
+            || within_has_more
+            || Family::ALL.into_iter().any(|other| other != family && family_has_more(other));
+        let stiffness = (MaterialValue::Stiffness(family), Constant::Stiffness);
+        let damping = (MaterialValue::Damping(family), Constant::Damping);
+        for (value, constant) in [stiffness, damping] {
+            let bound = |load: &Load| loads.largest(springs, (family, constant), &load.links, load.limit());
+            let is_damping = constant == Constant::Damping;
+            let own = if is_damping || per_damping.is_infinite() {
+                f64::INFINITY
+            } else {
+                per_damping * springs.family(family).damping
             };
-            let is_damping = matches!(value, MaterialValue::Damping(_));
-            let own =
-                if is_damping || per_damping.is_infinite() { f64::INFINITY } else { per_damping * constants.damping };
             let bound = all.iter().map(bound).fold(own, f64::min);
             let none_is_safe = others_have_more || is_damping && has_more(family, bound);
             let bound = if none_is_safe { 0.0 } else { bound };
@@ -235,9 +79,15 @@ fn of_springs(
             bounds.push(SafeValue { value, bound, is_smallest: false });
         }
     }
-    let least = |load: &Load| 1.0 / load.times_lighter(largest(&waves.tensors, loads(&load.links)), 0.0);
+    let least = |load: &Load| {
+        1.0 / match loads.by_lightness(springs, &load.links) {
+            None => load.times_lighter(loads.all(springs, &load.links), 0.0),
+            Some(links) => load.times_lighter_by(links),
+        }
+    };
     let by_contact = contact.least_mass(per_damping);
-    let own = if Family::ALL.into_iter().any(family_has_more) { f64::INFINITY } else { by_contact };
+    let any_has_more = within_has_more || Family::ALL.into_iter().any(family_has_more);
+    let own = if any_has_more { f64::INFINITY } else { by_contact };
     let mass = springs.particle_mass * all.iter().map(least).fold(own, f64::max);
     let bound = (mass > 0.0).then_some(mass);
     bounds.push(SafeValue { value: MaterialValue::ParticleMass, bound, is_smallest: true });
@@ -246,7 +96,6 @@ fn of_springs(
 
 fn of_solid<R: Real>(
     solid: &Solid,
-    body: &Body,
     model: &BodyModel<R>,
     all: &[Load],
     per_damping: f64,
@@ -256,11 +105,11 @@ fn of_solid<R: Real>(
     let size = host_size(lattice);
     let loads_of = |damping_ratio: f64| {
         let kind = assembly::solid_cell(&Solid { damping_ratio, ..*solid }, lattice, size);
-        CellLoads::of(&[kind], lattice.grid.cell_size).shared(model.load_share)
+        CellLoads::of(&[kind], lattice.grid.cell_size).shared(model.composition.load_share())
     };
     let (loads, critical) = (loads_of(solid.damping_ratio), loads_of(1.0));
     let [mut times, mut times_lighter, mut damping_ratio] = [f64::INFINITY; 3];
-    let others = other_loads(solid, body, lattice);
+    let others = other_loads(model);
     // What it is now grows with the root of E/ρ.
     let room = per_damping / loads.stiffness_per_damping;
     (times, times_lighter) = (times.min(room * room), times_lighter.min(room * room));
@@ -301,16 +150,6 @@ fn of_solid<R: Real>(
     .into()
 }
 
-/// Stiffness grows with E/ρ, damping with z √(E/ρ): how many times E/ρ may be what it is until stiff x² + damped x is the
-/// limit, for the root x of that.
-fn times_within(stiff: f64, damped: f64, limit: f64) -> f64 {
-    if limit <= 0.0 {
-        return 0.0;
-    }
-    let root = 2.0 * limit / (damped + (damped * damped + 4.0 * limit * stiff).sqrt());
-    root * root
-}
-
 /// The longest extent of a body at rest, m.
 pub(super) fn host_size(lattice: &Lattice) -> f64 {
     let rest = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle));
@@ -318,10 +157,8 @@ pub(super) fn host_size(lattice: &Lattice) -> f64 {
 }
 
 /// The loads of the cells of a solid that are of other solids.
-pub(super) fn other_loads(solid: &Solid, body: &Body, lattice: &Lattice) -> CellLoads {
-    let rest: Vec<_> = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle)).collect();
-    let (kinds, _) = assembly::solid_cells(solid, body, lattice, host_size(lattice), &rest);
-    CellLoads::of(kinds.get(1..).unwrap_or_default(), lattice.grid.cell_size)
+pub(super) fn other_loads<R: Real>(model: &BodyModel<R>) -> CellLoads {
+    CellLoads::of(model.composition.kinds().get(1..).unwrap_or_default(), model.lattice.grid.cell_size)
 }
 
 #[cfg(test)]
@@ -332,8 +169,11 @@ mod tests {
     use super::*;
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
+    use crate::scene::body::Inlay;
+    use crate::scene::obstacle::ContactStiffness;
     use crate::scene::resolve::resolve;
-    use crate::scene::{Obstacle, path};
+    use crate::scene::settings::{ContactRule, Integrator};
+    use crate::scene::{Obstacle, Scene, path};
 
     fn scene(changes: &[(&str, String)]) -> Scene {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
@@ -412,6 +252,26 @@ mod tests {
             let checked: usize = (0..60).map(|_| check(&random(&mut rng, is_solid))).sum();
             assert!(checked > 60, "bounds that can be set: {checked}");
         }
+    }
+
+    #[test]
+    fn a_value_of_springs_among_others_is_just_safe_at_its_bound() {
+        let mut rng = Rng::new(23);
+        let mixed = |_| {
+            let mut scene = random(&mut rng, false);
+            let Material::Springs(mut springs) = scene.bodies[0].material else { panic!("of springs") };
+            let mut times = || 10f64.powf(rng.between(-1.0, 0.3));
+            for family in Family::ALL {
+                let spring = springs.family_mut(family);
+                (spring.stiffness, spring.damping) = (spring.stiffness * times(), spring.damping * times());
+            }
+            springs.particle_mass *= 2.0 * times();
+            scene.bodies[0].inlays =
+                vec![Inlay { min: [-99.0; 3], max: [0.0, 99.0, 99.0], springs, ..Inlay::default() }];
+            check(&scene)
+        };
+        let checked: usize = (0..60).map(mixed).sum();
+        assert!(checked > 60, "bounds that can be set: {checked}");
     }
 
     /// Checks bounds of random bodies among obstacles of both kinds of stiffness, in scenes that are changed like this.

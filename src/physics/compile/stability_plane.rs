@@ -12,12 +12,14 @@
 //! stay as they are. Of a solid all links scale together, and the axes are those of its structural ones.
 
 use super::assembly::solid_cell;
-use super::safe_values::{StepSettings, host_size, other_loads};
-use super::waves::{largest_share, waves};
-use crate::geometry::{Family, Lattice};
+use super::safe_values::{host_size, other_loads};
+use super::spring_loads::SpringLoads;
+use super::step_loads::StepSettings;
+use crate::geometry::Family;
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
-use crate::physics::limits::{LATTICE_LIMIT, LoadShare, Margin, largest, load_shares, most_stiffness_per_damping};
+use crate::physics::limits::particles::Constant;
+use crate::physics::limits::{LATTICE_LIMIT, LoadShare, Margin, load_shares, most_stiffness_per_damping};
 use crate::physics::model::BodyModel;
 use crate::scene::material::{Solid, Spring};
 use crate::scene::{Body, Material, MaterialValue, Springs};
@@ -43,7 +45,7 @@ pub struct StabilityPlane {
 #[derive(Clone, Debug)]
 enum Values {
     /// Of one family of springs, and the family that limits the step most.
-    Springs { springs: Springs, family: Family, limiting: Family, has_links: [bool; 3], per_value: f64 },
+    Springs { springs: Springs, loads: SpringLoads, family: Family, limiting: Family, per_value: f64 },
     /// Of a solid: where it is, the place's damping at damping ratio 1, loads per place, and those of the other solids in it.
     Solid { solid: Solid, place: Place, critical_damping: f64, load: f64, others: CellLoads },
 }
@@ -57,9 +59,9 @@ impl StabilityPlane {
                 // The implicit scheme has no limit: what would limit the default one is shown.
                 let of_default = || vec![LoadShare::of_default(step.dt_secs)];
                 let telling = shares.clone().unwrap_or_else(of_default);
-                Values::of_springs(springs, &model.lattice, &telling, family)
+                Values::of_springs(springs, SpringLoads::of(model), &telling, family)
             }
-            Material::Solid(solid) => Values::of_solid(solid, body, model),
+            Material::Solid(solid) => Values::of_solid(solid, model),
         };
         Self { values, shares, step }
     }
@@ -165,49 +167,38 @@ impl StabilityPlane {
 }
 
 impl Values {
-    fn of_springs(springs: &Springs, lattice: &Lattice, shares: &[LoadShare], wanted: Option<Family>) -> Self {
-        let per_value = 1.0 / (springs.particle_mass * lattice.grid.cell_size);
-        let has_links = Family::ALL.map(|family| !lattice.links[family as usize].is_empty());
+    fn of_springs(springs: &Springs, loads: SpringLoads, shares: &[LoadShare], wanted: Option<Family>) -> Self {
         let mut found = (Family::Structural, 0.0);
-        for family in Family::ALL.into_iter().filter(|family| has_links[*family as usize]) {
-            let alone = |share: &LoadShare| {
-                let mut constants = [0.0; 3];
-                constants[family as usize] = per_value * share.of(family, springs.family(family));
-                largest(&waves().tensors, constants)
-            };
-            let load = shares.iter().map(alone).fold(0.0, f64::max);
+        for family in Family::ALL.into_iter().filter(|family| loads.has_links[*family as usize]) {
+            let load = shares.iter().map(|share| loads.alone(springs, share, family)).fold(0.0, f64::max);
             if load > found.1 {
                 found = (family, load);
             }
         }
         let limiting = found.0;
-        let family = wanted.filter(|family| has_links[*family as usize]).unwrap_or(limiting);
-        Self::Springs { springs: *springs, family, limiting, has_links, per_value }
+        let family = wanted.filter(|family| loads.has_links[*family as usize]).unwrap_or(limiting);
+        let per_value = loads.per_value(springs);
+        Self::Springs { springs: *springs, loads, family, limiting, per_value }
     }
 
-    fn of_solid<R: Real>(solid: &Solid, body: &Body, model: &BodyModel<R>) -> Self {
+    fn of_solid<R: Real>(solid: &Solid, model: &BodyModel<R>) -> Self {
         let lattice = &model.lattice;
         let (size, h) = (host_size(lattice), lattice.grid.cell_size);
         let kind_of = |damping_ratio: f64| solid_cell(&Solid { damping_ratio, ..*solid }, lattice, size);
         let (kind, critical) = (kind_of(solid.damping_ratio), kind_of(1.0));
         let per_value = 1.0 / (kind.mass * h);
         let place = Place { damping: kind.damping[0] * per_value, stiffness: kind.stiffness[0] * per_value };
-        let load = CellLoads::of(&[kind], h).shared(model.load_share).stiffness / place.stiffness;
+        let load = CellLoads::of(&[kind], h).shared(model.composition.load_share()).stiffness / place.stiffness;
         let critical_damping = critical.damping[0] * per_value;
-        Self::Solid { solid: *solid, place, critical_damping, load, others: other_loads(solid, body, lattice) }
+        Self::Solid { solid: *solid, place, critical_damping, load, others: other_loads(model) }
     }
 
     fn largest_stiffness(&self, damping: f64, share: LoadShare) -> f64 {
         match self {
-            Self::Springs { family, .. } => {
-                let mut rest = self.spring_loads(share);
-                rest[*family as usize] = self.damping_share(&share) * damping;
-                let stays = share.stiffness == 0.0 && largest(&waves().tensors, rest) <= LATTICE_LIMIT;
-                if stays {
-                    return f64::INFINITY;
-                }
-                let room = largest_share(waves(), rest, *family, LATTICE_LIMIT);
-                if share.stiffness > 0.0 { room / share.stiffness } else { 0.0 }
+            Self::Springs { springs, loads, family, per_value, .. } => {
+                let mut there = *springs;
+                there.family_mut(*family).damping = damping / per_value;
+                per_value * loads.largest(&there, (*family, Constant::Stiffness), &share, LATTICE_LIMIT)
             }
             Self::Solid { load, others, .. } => {
                 let of_damping = self.damping_share(&share);
@@ -231,17 +222,9 @@ impl Values {
         }
     }
 
-    /// What the families of springs add to the load at present.
-    fn spring_loads(&self, share: LoadShare) -> [f64; 3] {
-        let Self::Springs { springs, has_links, per_value, .. } = self else { return [0.0; 3] };
-        Family::ALL.map(|family| {
-            if has_links[family as usize] { per_value * share.of(family, springs.family(family)) } else { 0.0 }
-        })
-    }
-
     fn load(&self, share: LoadShare) -> f64 {
         match self {
-            Self::Springs { .. } => largest(&waves().tensors, self.spring_loads(share)),
+            Self::Springs { springs, loads, .. } => loads.all(springs, &share),
             Self::Solid { place, load, others, .. } => {
                 let of_damping = self.damping_share(&share);
                 let own = load * (share.stiffness * place.stiffness + of_damping * place.damping);
@@ -253,11 +236,7 @@ impl Values {
     /// The largest eigenvalue of the axes' links alone, for unit constants per unit mass.
     fn largest_load(&self) -> f64 {
         match self {
-            Self::Springs { family, .. } => {
-                let mut unit = [0.0; 3];
-                unit[*family as usize] = 1.0;
-                largest(&waves().tensors, unit)
-            }
+            Self::Springs { springs, loads, family, .. } => loads.of_one(springs, *family),
             Self::Solid { load, .. } => *load,
         }
     }
@@ -269,9 +248,11 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::geometry::Lattice;
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
     use crate::scene::Scene;
+    use crate::scene::body::Inlay;
     use crate::scene::resolve::resolve;
     use crate::scene::settings::{Integrator, Stepping};
 
@@ -294,9 +275,13 @@ mod tests {
         [limits.dt_limit_secs, limits.dt_safe_secs].map(|limit| limit.expect("springs limit the step"))
     }
 
-    fn bodies() -> [Body; 2] {
+    fn bodies() -> [Body; 3] {
         let solid = Material::Solid(Solid::default());
-        [Body::default(), Body { material: solid, ..Body::default() }]
+        let mut springs = Springs::default();
+        (springs.shear.damping, springs.particle_mass) = (0.1, 0.012);
+        let inlay = Inlay { min: [-9.0; 3], max: [0.0, 9.0, 9.0], springs, ..Inlay::default() };
+        let mixed = Body { inlays: vec![inlay], ..Body::default() };
+        [Body::default(), Body { material: solid, ..Body::default() }, mixed]
     }
 
     #[test]
@@ -352,7 +337,7 @@ mod tests {
 
     #[test]
     fn the_implicit_scheme_has_no_border_and_the_stiffest_body_the_largest_load() {
-        let [soft, _] = bodies();
+        let [soft, ..] = bodies();
         let everywhere = plane(&soft, 1e-3, Integrator::Implicit);
         assert!(everywhere.ends().is_none() && everywhere.stable_stiffness(1.0) == f64::INFINITY, "no border");
         let stiff = Body { material: everywhere.material_at(Place { damping: 0.0, stiffness: 1e9 }), ..soft.clone() };

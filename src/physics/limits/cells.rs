@@ -21,10 +21,10 @@ type Matrix = [[f64; SIZE]; SIZE];
 /// Largest eigenvalues over all cells, of stiffness (1/s²) and of damping (1/s) over mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::physics) struct CellLoads {
-    /// Structural and shear stiffness alone.
-    pub(in crate::physics) stiffness_alone: [f64; 2],
-    /// Structural and shear damping alone.
-    pub(in crate::physics) damping_alone: [f64; 2],
+    /// Stiffness of each family alone.
+    pub(in crate::physics) stiffness_alone: [f64; 3],
+    /// Damping of each family alone.
+    pub(in crate::physics) damping_alone: [f64; 3],
     /// All stiffness.
     pub(in crate::physics) stiffness: f64,
     /// All damping.
@@ -42,11 +42,14 @@ impl CellLoads {
         for kind in kinds {
             // An eighth of the mass at every corner.
             let scale = 8.0 / (kind.mass * cell_size);
-            let stiffness = largest_eigenvalue(unit_cell(kind.stiffness));
-            let [[ks, kd], [ds, dd]] = [kind.stiffness, kind.damping];
+            let stiffness = largest_eigenvalue(unit_cell(of_cells(kind.stiffness)));
+            let [[ks, kd], [ds, dd]] = [kind.stiffness, kind.damping].map(of_cells);
             let is_proportional = (ks * dd - kd * ds).abs() <= 1e-12 * (ks * dd).abs() && kd > 0.0;
-            let damping =
-                if is_proportional { stiffness * dd / kd } else { largest_eigenvalue(unit_cell(kind.damping)) };
+            let damping = if is_proportional {
+                stiffness * dd / kd
+            } else {
+                largest_eigenvalue(unit_cell(of_cells(kind.damping)))
+            };
             for family in 0..2 {
                 let [k, d] = [kind.stiffness, kind.damping].map(|of| of[family] * alone[family] * scale);
                 loads.stiffness_alone[family] = loads.stiffness_alone[family].max(k);
@@ -78,6 +81,11 @@ impl CellLoads {
         let root = damping + (damping * damping + 4.0 * stiffness).sqrt();
         (root > 0.0).then(|| 4.0 / root)
     }
+}
+
+/// The families that cells hold: links that run straight through a particle have no force in a solid.
+fn of_cells([structural, shear, _]: [f64; 3]) -> [f64; 2] {
+    [structural, shear]
 }
 
 /// The matrix of one cell of edge 1 whose links have their shares of these structural and shear constants.
@@ -163,7 +171,7 @@ mod tests {
     #[test]
     fn a_solid_cell_vibrates_at_eight_times_modulus_over_density() {
         // E = 3.69227 shear/h²: in a unit cell of unit density, 8/m λ = w² ≤ 8 E/(ρ h²).
-        let kind = CellKind { stiffness: [2.246_71, 1.0], damping: [0.0; 2], mass: 1.0 };
+        let kind = CellKind { stiffness: [2.246_71, 1.0, 0.0], damping: [0.0; 3], mass: 1.0 };
         let loads = CellLoads::of(&[kind], 1.0);
         assert!((loads.stiffness / 3.692_27 - 8.0).abs() < 0.01, "{}", loads.stiffness / 3.692_27);
     }
@@ -177,8 +185,8 @@ mod tests {
 
     #[test]
     fn the_softest_cell_does_not_hide_the_stiffest() {
-        let soft = CellKind { stiffness: [2.0, 1.0], damping: [0.1, 0.3], mass: 1.0 };
-        let hard = CellKind { stiffness: [200.0, 100.0], ..soft };
+        let soft = CellKind { stiffness: [2.0, 1.0, 0.0], damping: [0.1, 0.3, 0.0], mass: 1.0 };
+        let hard = CellKind { stiffness: [200.0, 100.0, 0.0], ..soft };
         let [one, both] = [CellLoads::of(&[hard], 0.5), CellLoads::of(&[soft, hard], 0.5)];
         assert_eq!(one, both, "the stiffest decides");
     }

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! Where links and masses are shared out by cells the bound is that of the stiffest cell (`cells`), or of all of them
-//! together where they are alike (`lattice`).
+//! together where they are alike (`lattice`); where springs differ by cell, what each particle is held by counts
+//! (`particles`).
 //!
 //! Removing links only lowers the quadratic form, so the bound holds for every subset of cells with the same mass
 //! per particle, whatever its size. It is a bound at rest. Bodies whose particles are misplaced by a cell were seen to
@@ -23,8 +24,10 @@
 
 pub(in crate::physics) mod any_state;
 pub(in crate::physics) mod cells;
+pub(in crate::physics) mod eigenvalue;
 pub(in crate::physics) mod lattice;
 pub(in crate::physics) mod load;
+pub(in crate::physics) mod particles;
 pub(in crate::physics) mod present;
 pub(in crate::physics) mod tension;
 
@@ -35,13 +38,15 @@ pub(in crate::physics) use load::{
 };
 pub use load::{LinkLoad, SAFETY};
 
+use eigenvalue::{largest_eigenvalue, shifted};
 use load::{Region, damped_limit, undamped_limit};
 
 use super::model::{BodyModel, ContactModel, Model};
 use crate::geometry::Family;
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
-use crate::physics::model::{ContactRule, Scheme};
+use crate::physics::limits::particles::Constant;
+use crate::physics::model::{Composition, ContactRule, Scheme};
 
 /// Wave numbers 0, π/8 … π along each axis: the extremes of the stencil lie on this grid.
 const WAVES: usize = 9;
@@ -212,9 +217,18 @@ fn body_limits<R: Real>(
         ContactRule::Thesis => body.contacts.iter().map(|c| c.stiffness.to_f64()).fold(0.0, f64::max) / lightest,
     };
     let pushes = Pushes::of(body, rule, region);
-    if let Some(kinds) = &body.cell_kinds {
-        let loads = CellLoads::of(kinds, body.lattice.grid.cell_size).shared(body.load_share);
-        return cell_limits(&loads, contact, pushes, region, margin);
+    match &body.composition {
+        Composition::Alike => (),
+        Composition::Solids { kinds, load_share } => {
+            let loads = CellLoads::of(kinds, body.lattice.grid.cell_size).shared(*load_share);
+            let safe_damping = loads.damping / margin.damping[Family::Structural as usize];
+            return limits_of_loads(&loads, safe_damping, contact, pushes, region, margin);
+        }
+        Composition::Springs { kinds, loads } => {
+            let own = &kinds[0];
+            let safe_damping = loads.most(own, Constant::Damping, margin.damping.map(|share| 1.0 / share));
+            return limits_of_loads(&loads.of_springs(own), safe_damping, contact, pushes, region, margin);
+        }
     }
     // With the cell size h the tensors scale by 1/h; mass and cell size divide every constant.
     let scale = 1.0 / (body.particle_mass.to_f64() * body.lattice.grid.cell_size);
@@ -305,12 +319,18 @@ impl Pushes {
     }
 }
 
-/// Of a body of cells that share out their links. Its bending links have no force.
-fn cell_limits(loads: &CellLoads, contact: f64, pushes: Pushes, region: Region, margin: Margin) -> SceneLimits {
+/// Of a body whose links add such loads, and damping with its margin `safe_damping` (1/s).
+fn limits_of_loads(
+    loads: &CellLoads,
+    safe_damping: f64,
+    contact: f64,
+    pushes: Pushes,
+    region: Region,
+    margin: Margin,
+) -> SceneLimits {
     let mut terms = Vec::new();
     for (f, family) in Family::ALL.into_iter().enumerate() {
-        let alone = |of: [f64; 2]| of.get(f).copied().unwrap_or(0.0);
-        let [stiff, damped] = [loads.stiffness_alone, loads.damping_alone].map(alone);
+        let [stiff, damped] = [loads.stiffness_alone[f], loads.damping_alone[f]];
         terms.push((Term::Stiffness(family), region.stiffness_limit(stiff, damped)));
         terms.push((Term::Damping(family), region.damped_limit(damped)));
     }
@@ -318,24 +338,22 @@ fn cell_limits(loads: &CellLoads, contact: f64, pushes: Pushes, region: Region, 
     terms.push((Term::Contact, contact_limit));
     let in_proportion = region.stiffness_limit(loads.stiffness, loads.stiffness / loads.stiffness_per_damping);
     let stiffness = loads.stiffness + contact;
-    let [dt_limit_secs, dt_safe_secs] = [Margin::NONE, margin].map(|margin| {
-        let damping = loads.damping / margin.damping[Family::Structural as usize];
-        match region {
-            Region::Leapfrog(share) => {
-                CellLoads::dt_limit_secs(stiffness / (margin.stiffness * margin.stiffness), share * damping)
-            }
-            Region::HalfDisc(_) => smaller(
-                region.undamped_limit(stiffness).map(|limit| limit * margin.stiffness),
-                region.damped_limit(damping),
-            ),
-            Region::DiscAndAxis => {
-                let of_stiffness = smaller(in_proportion, contact_limit);
-                smaller(of_stiffness.map(|limit| limit * margin.stiffness), region.damped_limit(damping + pushes.rate))
-            }
-            Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
+    let whole = (Margin::NONE, loads.damping);
+    let [dt_limit_secs, dt_safe_secs] = [whole, (margin, safe_damping)].map(|(margin, damping)| match region {
+        Region::Leapfrog(share) => {
+            CellLoads::dt_limit_secs(stiffness / (margin.stiffness * margin.stiffness), share * damping)
         }
+        Region::HalfDisc(_) => smaller(
+            region.undamped_limit(stiffness).map(|limit| limit * margin.stiffness),
+            region.damped_limit(damping),
+        ),
+        Region::DiscAndAxis => {
+            let of_stiffness = smaller(in_proportion, contact_limit);
+            smaller(of_stiffness.map(|limit| limit * margin.stiffness), region.damped_limit(damping + pushes.rate))
+        }
+        Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
     });
-    let damping_rate = loads.damping / margin.damping[Family::Structural as usize] + pushes.rate;
+    let damping_rate = safe_damping + pushes.rate;
     SceneLimits { terms, dt_limit_secs, dt_safe_secs, damping_rate, push_rate: pushes.rate }
 }
 
@@ -379,27 +397,6 @@ pub(super) fn largest(waves: &[WaveTensors], constants: [f64; 3]) -> f64 {
         }
     }
     most
-}
-
-/// A symmetric matrix without the mean of its eigenvalues, that mean, and the root of a sixth of what is left, squared and
-/// summed.
-fn shifted(a: DMat3) -> (DMat3, f64, f64) {
-    let mean = (a.x_axis.x + a.y_axis.y + a.z_axis.z) / 3.0;
-    let shifted = a - DMat3::from_diagonal(DVec3::splat(mean));
-    let spread =
-        (shifted.x_axis.length_squared() + shifted.y_axis.length_squared() + shifted.z_axis.length_squared()) / 6.0;
-    (shifted, mean, spread.sqrt())
-}
-
-/// The largest eigenvalue of a symmetric 3×3 matrix (Smith, "Eigenvalues of a symmetric 3 × 3 matrix", CACM 4(4),
-/// 1961).
-pub(super) fn largest_eigenvalue(a: DMat3) -> f64 {
-    let (shifted, mean, p) = shifted(a);
-    if p * p <= f64::MIN_POSITIVE {
-        return mean;
-    }
-    let half_determinant = ((shifted * (1.0 / p)).determinant() / 2.0).clamp(-1.0, 1.0);
-    mean + 2.0 * p * libm::cos(libm::acos(half_determinant) / 3.0)
 }
 
 #[cfg(test)]

@@ -100,7 +100,7 @@ fn largest_eigenvalue<R: Real>(&[xx, yy, zz, yz, zx, xy]: &Symmetric<R>) -> R {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::path::Path;
 
     use glam::{DMat3, DQuat, DVec3};
@@ -127,7 +127,7 @@ mod tests {
     }
 
     /// The largest eigenvalues of `M⁻¹ K` and of the damping's, by power iteration over all links.
-    fn largest(body: &BodyModel<f64>, position: &[DVec3]) -> [f64; 2] {
+    pub(in crate::physics::limits) fn largest(body: &BodyModel<f64>, position: &[DVec3]) -> [f64; 2] {
         [false, true].map(|of_damping| {
             let mut rng = Rng::new(3);
             let mut way: Vec<DVec3> =
@@ -136,15 +136,15 @@ mod tests {
             for _ in 0..400 {
                 let mut pull = vec![DVec3::ZERO; way.len()];
                 for family in &body.links {
-                    for link in &*family.links {
+                    for (number, link) in family.links.iter().enumerate() {
                         let [i, j] = link.ends.map(|end| end as usize);
                         let d = position[j] - position[i];
                         let (unit, tension) =
                             (d / d.length(), (1.0 - 1.0 / (link.inverse_rest_length * d.length())).max(0.0));
                         let apart = way[j] - way[i];
                         let part = unit * unit.dot(apart);
-                        let (constant, across) =
-                            if of_damping { (family.damping, 0.0) } else { (family.stiffness, tension) };
+                        let [stiffness, damping] = family.constants(number);
+                        let (constant, across) = if of_damping { (damping, 0.0) } else { (stiffness, tension) };
                         let f = (part + (apart - part) * across) * constant * link.inverse_rest_length;
                         pull[i] -= f;
                         pull[j] += f;

@@ -16,7 +16,7 @@ use glam::{DMat3, DVec3};
 
 use super::{WaveTensors, lattice_waves};
 use crate::math::Real;
-use crate::physics::model::BodyModel;
+use crate::physics::model::{BodyModel, CellKind};
 use crate::physics::schemes::chebyshev::DISC_RADIUS;
 
 /// Steps of a bisection: to a millionth of what is searched.
@@ -89,12 +89,14 @@ struct Lattice {
 
 /// The lattices that a body is made of: one, or one for each kind of its cells.
 fn lattices<R: Real>(body: &BodyModel<R>) -> Vec<Lattice> {
-    if let Some(kinds) = &body.cell_kinds {
-        let bulk = |[structural, shear]: [f64; 2]| [structural, shear, 0.0];
-        return kinds
-            .iter()
-            .map(|kind| Lattice { stiffness: bulk(kind.stiffness), damping: bulk(kind.damping) })
-            .collect();
+    let kinds = body.composition.kinds();
+    if !kinds.is_empty() {
+        let of_links = |constants: [f64; 3]| {
+            std::array::from_fn(|family| if body.links[family].links.is_empty() { 0.0 } else { constants[family] })
+        };
+        let lattice =
+            |kind: &CellKind| Lattice { stiffness: of_links(kind.stiffness), damping: of_links(kind.damping) };
+        return kinds.iter().map(lattice).collect();
     }
     let of = |which: usize| {
         body.links.each_ref().map(|family| match (family.links.is_empty(), which) {

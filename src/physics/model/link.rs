@@ -37,6 +37,14 @@ impl<R: Real> LinkFamily<R> {
         Arc::clone(&self.links)
     }
 
+    /// The class of every link; none where all are alike.
+    pub(in crate::physics) fn classes(&self) -> &[u16] {
+        match &self.constants {
+            LinkConstants::Uniform(_) => &[],
+            LinkConstants::Classes { of_link, .. } => of_link,
+        }
+    }
+
     /// Stiffness (N) and damping (N·s) of one link.
     #[inline]
     pub fn constants(&self, link: usize) -> [R; 2] {

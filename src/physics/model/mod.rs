@@ -1,6 +1,7 @@
 //! The constant side of a scene: particles, links and obstacles with their numbers, ready for the step. It lives from
 //! one compilation to the next; live parameter changes replace it and keep the [`super::State`].
 
+mod composition;
 mod hull;
 mod inertia;
 pub(in crate::physics) mod levels;
@@ -16,6 +17,7 @@ mod scheme;
 pub(in crate::physics) use samples::{SampledCell, Samples};
 pub use scheme::Scheme;
 
+pub(in crate::physics) use composition::{CellKind, Composition};
 pub(in crate::physics) use hull::{Hull, Surroundings};
 pub use inertia::Inertia;
 pub(in crate::physics) use link::LinkConstants;
@@ -111,14 +113,10 @@ pub struct BodyModel<R: Real> {
     pub particle_mass: R,
     /// Masses of the particles, kg.
     pub(in crate::physics) masses: Values<R>,
-    /// What the cells share out to links and particles; none where every link of a family is alike and every particle
-    /// weighs alike.
-    pub(in crate::physics) cell_kinds: Option<Vec<CellKind>>,
+    /// What its links and particles have from its cells.
+    pub(in crate::physics) composition: Composition,
     /// Young's modulus of its cells, Pa; of springs, that of the solid whose diagonal links are as stiff.
     pub(in crate::physics) moduli: Values<f32>,
-    /// The largest load of its cells together over that of one of them alone, at most 1: below it only where all cells
-    /// are of one kind and not too many.
-    pub(in crate::physics) load_share: f64,
     /// Which particles are held.
     pub(in crate::physics) pinned: Values<bool>,
     /// Links by family: structural, shear, bending. Particle numbers are local to the body.
@@ -262,17 +260,6 @@ impl<T: Copy> Values<T> {
             Self::Each(values) => values[place],
         }
     }
-}
-
-/// What a cell of one material gives to its links and corners, shares of neighbours not counted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::physics) struct CellKind {
-    /// Constants of an edge between four such cells and of a diagonal between two: force at 100 % strain, N.
-    pub(in crate::physics) stiffness: [f64; 2],
-    /// The same of damping, N·s.
-    pub(in crate::physics) damping: [f64; 2],
-    /// Mass of the cell, kg.
-    pub(in crate::physics) mass: f64,
 }
 
 /// How the cells of a body resist inversion, in substeps of one length whatever parts these are taken in: parts could

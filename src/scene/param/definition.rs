@@ -136,7 +136,7 @@ impl Param {
                 Some(format!("a list of {} boxes; a body can hold at most {MAX_INLAYS}", entries.len()))
             }
             "bodies.*.parts" if entries.len() > MAX_NAMED_PARTS => Some(format!(
-                "a list of {} parts; at most {MAX_NAMED_PARTS} of a body can be of other solids",
+                "a list of {} parts; at most {MAX_NAMED_PARTS} of a body can be of other materials",
                 entries.len()
             )),
             _ => None,

@@ -1,9 +1,10 @@
-//! Parts of a solid that are of other solids, in boxes and by the brush.
+//! Parts of a body that are of other materials of its form, in boxes and by the brush.
 
 use egui::{RichText, Ui};
 
 use super::brush::brush_button_ui;
 use super::parts::solid_choice_ui;
+use super::springs::{own_springs_ui, softer, springs_choice_ui};
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, vector_ui};
 use crate::app::ui::{Brush, Running, UiState, edits, theme};
@@ -11,10 +12,10 @@ use crate::scene::body::{Inlay, MAX_INLAYS};
 use crate::scene::cell_brush::CellChange;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::material::presets;
-use crate::scene::{Body, ColorBy, Scene, ViewSettings};
+use crate::scene::{Body, ColorBy, Material, Scene, ViewSettings};
 use crate::session::Command;
 
-const NEW: &str = "Makes a part of the body be of another solid: the cells in a box, and those that are painted";
+const NEW: &str = "Makes a part of the body be of another material: the cells in a box, and those that are painted";
 const PAINT: &str = "Press or drag over the body in the view: the cells under the pointer become part of the inlay. Ctrl takes them \
                      out again; Escape puts the brush down. The colours show how stiff every part is.";
 const BOX: &str = "Along the axes of the body, from its middle; it begins as the upper half";
@@ -44,13 +45,25 @@ pub(super) fn inlays_ui(
     for (place, inlay) in body.inlays.iter().enumerate() {
         ui.push_id(place, |ui| {
             let name = format!("Inlay {}", place + 1);
-            match solid_choice_ui(ui, &name, Some(inlay.solid), NONE) {
-                Some(Some(solid)) => commands.extend(edits::alone(changed(&|all| all[place].solid = solid))),
-                Some(None) => {
-                    state.brush = None;
-                    commands.extend(edits::alone(changed(&|all| _ = all.remove(place))));
-                }
-                None => (),
+            let is_removed = match body.material {
+                Material::Solid(_) => match solid_choice_ui(ui, &name, Some(inlay.solid), NONE) {
+                    Some(Some(solid)) => {
+                        commands.extend(edits::alone(changed(&|all| all[place].solid = solid)));
+                        false
+                    }
+                    chosen => chosen.is_some(),
+                },
+                Material::Springs(_) => springs_choice_ui(ui, &name, true, NONE) == Some(false),
+            };
+            if is_removed {
+                state.brush = None;
+                commands.extend(edits::alone(changed(&|all| _ = all.remove(place))));
+            }
+            if matches!(body.material, Material::Springs(_)) {
+                let mut springs = inlay.springs;
+                let path = format!("bodies.{}.inlays.{place}.springs", id.0);
+                let interaction = own_springs_ui(ui, &name, &path, &mut springs);
+                interaction.send(|| changed(&|all| all[place].springs = springs), commands);
             }
             let mut in_box = has_box(inlay);
             if ui.checkbox(&mut in_box, "Cells in a box").on_hover_text(BOX).changed() {
@@ -97,16 +110,18 @@ fn paint_ui(
     });
 }
 
-/// An inlay to begin with: a solid that is not that of the body, without a cell until it has a box or is painted.
+/// An inlay to begin with: a solid that is not that of the body or softer springs, without a cell until it has a box or is painted.
 fn new(body: &Body) -> Inlay {
-    let stiffest = |one: &&_, other: &&_| {
-        let modulus = |of: &crate::scene::material::MaterialPreset| of.material.young_modulus;
-        modulus(one).total_cmp(&modulus(other))
-    };
-    let others = presets().iter().filter(|preset| crate::scene::Material::Solid(preset.material) != body.material);
-    let solid = others.max_by(stiffest).map(|preset| preset.material).unwrap_or_default();
     let (min, max) = NO_BOX;
-    Inlay { min, max, cells: Vec::new(), solid }
+    let without = Inlay { min, max, ..Inlay::default() };
+    match &body.material {
+        Material::Springs(own) => Inlay { springs: softer(own), ..without },
+        Material::Solid(own) => {
+            let others = presets().iter().map(|preset| preset.material).filter(|solid| solid != own);
+            let stiffest = others.max_by(|one, other| one.young_modulus.total_cmp(&other.young_modulus));
+            Inlay { solid: stiffest.unwrap_or_default(), ..without }
+        }
+    }
 }
 
 /// Whether there may be cells in its box.

@@ -5,6 +5,7 @@ use egui::{ComboBox, RichText, Ui};
 use super::inlays::inlays_ui;
 use super::own_weight::{self, length};
 use super::parts::parts_ui;
+use super::springs::springs_ui;
 use crate::app::ui::figure::figure;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{Bound, Interaction, LABEL_WIDTH, slider_ui};
@@ -13,7 +14,7 @@ use crate::app::ui::{Running, UiState, edits, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::material::{MaterialPreset, presets};
 use crate::scene::own_weight::largest_cube;
-use crate::scene::{Body, Family, Material, Solid, Springs, param};
+use crate::scene::{Body, Material, Solid, Springs, param};
 use crate::session::{Command, SafeValue};
 
 /// What a person reads of springs.
@@ -32,8 +33,7 @@ pub(super) fn material_ui(
     let (Some(body), Some(known)) = (running.scene.bodies.get(id.0), running.status.bodies.get(id.0)) else { return };
     match choice_ui(ui, &body.material, running.scene.settings.gravity) {
         Some(Choice::OtherForm) => {
-            let material = known.other_form.clone();
-            commands.extend(edits::alone(Edit::Body(id, Box::new(Body { material, ..body.clone() }))));
+            commands.extend(edits::alone(Edit::Body(id, Box::new(known.other_form.given_to(body)))));
         }
         Some(Choice::Named(preset)) => {
             own_weight::choose(id, preset, running.scene, &known.stature, state, commands);
@@ -43,13 +43,11 @@ pub(super) fn material_ui(
     own_weight::own_weight_ui(ui, id, running.scene, known, state, commands);
     let safe = Safe { of: &known.safe };
     match body.material {
-        Material::Springs(springs) => springs_ui(ui, id, body, springs, safe, commands),
-        Material::Solid(solid) => {
-            solid_ui(ui, id, body, solid, safe, commands);
-            parts_ui(ui, id, body, &known.part_names, commands);
-            inlays_ui(ui, id, running, state, commands);
-        }
+        Material::Springs(springs) => own_springs_ui(ui, id, body, springs, safe, commands),
+        Material::Solid(solid) => solid_ui(ui, id, body, solid, safe, commands),
     }
+    parts_ui(ui, id, body, &known.part_names, commands);
+    inlays_ui(ui, id, running, state, commands);
 }
 
 /// What was chosen from the list.
@@ -157,29 +155,16 @@ fn solid_ui(ui: &mut Ui, id: BodyId, body: &Body, mut solid: Solid, safe: Safe<'
     interaction.send(|| Edit::Body(id, Box::new(changed())), commands);
 }
 
-fn springs_ui(ui: &mut Ui, id: BodyId, body: &Body, mut springs: Springs, safe: Safe<'_>, commands: &mut Vec<Command>) {
-    let mut interaction = Interaction::default();
-    for family in Family::ALL {
-        ui.label(RichText::new(family_title(family)).color(theme::of(ui).strong));
-        let spring = springs.family_mut(family);
-        let path = |what: &str| format!("bodies.{}.material.springs.{}.{what}", id.0, family.name());
-        for (what, label, value) in
-            [("stiffness", "Stiffness", &mut spring.stiffness), ("damping", "Damping", &mut spring.damping)]
-        {
-            interaction.and(slider_ui(ui, &path(what), label, value, safe.bound(&path(what))));
-        }
-    }
-    ui.add_space(2.0);
-    let path = format!("bodies.{}.material.springs.particle_mass", id.0);
-    interaction.and(slider_ui(ui, &path, "Particle mass", &mut springs.particle_mass, safe.bound(&path)));
+fn own_springs_ui(
+    ui: &mut Ui,
+    id: BodyId,
+    body: &Body,
+    mut springs: Springs,
+    safe: Safe<'_>,
+    commands: &mut Vec<Command>,
+) {
+    let path = format!("bodies.{}.material.springs", id.0);
+    let interaction = springs_ui(ui, &path, &mut springs, |path| safe.bound(path));
     let changed = || Body { material: Material::Springs(springs), ..body.clone() };
     interaction.send(|| Edit::Body(id, Box::new(changed())), commands);
-}
-
-fn family_title(family: Family) -> &'static str {
-    match family {
-        Family::Structural => "Structural springs",
-        Family::Shear => "Shear springs",
-        Family::Bending => "Bending springs",
-    }
 }

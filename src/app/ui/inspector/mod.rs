@@ -15,6 +15,7 @@ mod parts;
 mod pins;
 mod section;
 mod settings;
+mod springs;
 
 use egui::{RichText, ScrollArea, Ui};
 

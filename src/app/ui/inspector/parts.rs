@@ -2,21 +2,22 @@
 
 use egui::{ComboBox, RichText, Ui};
 
+use super::springs::{own_springs_ui, softer, springs_choice_ui};
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::LABEL_WIDTH;
 use crate::app::ui::{edits, theme};
 use crate::scene::body::{MAX_NAMED_PARTS, Part};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::material::presets;
-use crate::scene::{Body, Solid};
+use crate::scene::{Body, Material, Solid};
 use crate::session::Command;
 
-/// What a person reads of a part that is of no other solid.
+/// What a person reads of a part that is of nothing else.
 const AS_THE_BODY: &str = "as the body";
 /// What a person reads of a solid whose values have no name.
 const OWN: &str = "a solid of its own";
 
-/// A row for each part of a model of a solid, where its file names several.
+/// A row for each part of a model, where its file names several.
 pub(super) fn parts_ui(ui: &mut Ui, id: BodyId, body: &Body, names: &[String], commands: &mut Vec<Command>) {
     if names.len() < 2 {
         return;
@@ -24,18 +25,50 @@ pub(super) fn parts_ui(ui: &mut Ui, id: BodyId, body: &Body, names: &[String], c
     ui.add_space(2.0);
     ui.label(RichText::new("Parts of the model").color(theme::of(ui).strong));
     for name in names.iter().take(MAX_NAMED_PARTS) {
-        let now = body.parts.iter().rfind(|part| part.name.trim() == name).map(|part| part.solid);
-        if let Some(chosen) = solid_choice_ui(ui, name, now, AS_THE_BODY) {
+        let now = body.parts.iter().rposition(|part| part.name.trim() == name);
+        let changed = |part: Option<Part>| {
             let mut changed = body.clone();
             changed.parts.retain(|part| part.name.trim() != name);
-            changed.parts.extend(chosen.map(|solid| Part { name: name.clone(), solid }));
-            commands.extend(edits::alone(Edit::Body(id, Box::new(changed))));
+            changed.parts.extend(part.map(|part| Part { name: name.clone(), ..part }));
+            Edit::Body(id, Box::new(changed))
+        };
+        match &body.material {
+            Material::Solid(_) => {
+                let now = now.map(|place| body.parts[place].solid);
+                if let Some(chosen) = solid_choice_ui(ui, name, now, AS_THE_BODY) {
+                    let part = chosen.map(|solid| Part { solid, ..Part::default() });
+                    commands.extend(edits::alone(changed(part)));
+                }
+            }
+            Material::Springs(own) => {
+                if let Some(is_own) = springs_choice_ui(ui, name, now.is_some(), AS_THE_BODY) {
+                    let part = is_own.then(|| Part { springs: softer(own), ..Part::default() });
+                    commands.extend(edits::alone(changed(part)));
+                }
+                if let Some(place) = now {
+                    let mut parts = body.parts.clone();
+                    let path = format!("bodies.{}.parts.{place}.springs", id.0);
+                    let interaction = own_springs_ui(ui, name, &path, &mut parts[place].springs);
+                    let changed = || Edit::Body(id, Box::new(Body { parts, ..body.clone() }));
+                    interaction.send(changed, commands);
+                }
+            }
         }
     }
     let more = names.len().saturating_sub(MAX_NAMED_PARTS);
     if more > 0 {
         ui.label(RichText::new(format!("and {more} more")).color(theme::of(ui).weak));
     }
+}
+
+/// The name of a part before what it is made of.
+pub(super) fn within_label_ui(ui: &mut Ui, name: &str) -> egui::Id {
+    let size = egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
+    let label = ui.allocate_ui(size, |ui| {
+        ui.set_min_width(LABEL_WIDTH);
+        ui.add(egui::Label::new(RichText::new(name).color(theme::of(ui).weak)).truncate())
+    });
+    label.inner.id
 }
 
 /// The list of solids of a part, with words for none; what was chosen, if anything was.
@@ -54,11 +87,7 @@ pub(super) fn solid_choice_ui(
         (Some(_), None) => OWN,
     };
     ui.horizontal(|ui| {
-        let size = egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
-        let label = ui.allocate_ui(size, |ui| {
-            ui.set_min_width(LABEL_WIDTH);
-            ui.add(egui::Label::new(RichText::new(name).color(theme::of(ui).weak)).truncate())
-        });
+        let label = within_label_ui(ui, name);
         let combo = ComboBox::from_id_salt(("part", name)).width(190.0).height(420.0).truncate().selected_text(text);
         let response = combo.show_ui(ui, |ui| {
             if ui.selectable_label(now.is_none(), none).clicked() && now.is_some() {
@@ -74,7 +103,7 @@ pub(super) fn solid_choice_ui(
                 }
             }
         });
-        response.response.labelled_by(label.inner.id);
+        response.response.labelled_by(label);
     });
     chosen
 }

@@ -83,7 +83,16 @@ pub(in crate::app::ui) fn slider_ui(
 fn spoken(path: &str, label: &str) -> String {
     let heading = path.rsplit('.').nth(1);
     let family = Family::ALL.into_iter().map(Family::name).find(|name| heading == Some(name));
-    family.map_or_else(|| label.to_owned(), |name| format!("{} {}", capitalised(name), label.to_lowercase()))
+    let value =
+        family.map_or_else(|| label.to_owned(), |name| format!("{} {}", capitalised(name), label.to_lowercase()));
+    match path.split('.').collect::<Vec<_>>()[..] {
+        ["bodies", _, within @ ("inlays" | "parts"), place, ..] => {
+            let within = if within == "inlays" { "inlay" } else { "part" };
+            let number = place.parse::<usize>().map_or(0, |place| place + 1);
+            format!("{value} of {within} {number}")
+        }
+        _ => value,
+    }
 }
 
 /// A track and what stands beside it in its row.

@@ -21,7 +21,7 @@ use super::edges::{DEEPEST, RETURNED, THRESHOLD, is_inverted};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery::edges::MeanEdges;
 use crate::physics::forces::recovery::rotation::nearest_rotation;
-use crate::physics::model::BodyModel;
+use crate::physics::model::{BodyModel, Composition};
 use crate::physics::state::{BodyMemory, RecoveryAccount};
 
 /// So far below the threshold the whole pull acts: it grows from nothing, so that no cell that comes or goes is given
@@ -150,12 +150,14 @@ fn turning_speed<R: Real>(body: &BodyModel<R>) -> f64 {
 }
 
 /// How many times the mass of a particle of the lightest cells the ends of a link weigh in the mean, at least once. A
-/// particle within those cells weighs three times what it has against the push.
+/// particle within those cells of a solid weighs three times what it has against the push.
 fn heaviness<R: Real>(body: &BodyModel<R>, [i, j]: [usize; 2]) -> R {
-    if body.cell_kinds.is_none() {
-        return R::ONE;
-    }
-    ((body.mass(i) + body.mass(j)) / (body.recovery.mass * R::from_f64(6.0))).max(R::ONE)
+    let lightest = match body.composition {
+        Composition::Alike => return R::ONE,
+        Composition::Solids { .. } => 3.0,
+        Composition::Springs { .. } => 1.0,
+    };
+    ((body.mass(i) + body.mass(j)) / (body.recovery.mass * R::from_f64(2.0 * lightest))).max(R::ONE)
 }
 
 /// Whether the links change their lengths slowly, however the body moves and turns as a whole.

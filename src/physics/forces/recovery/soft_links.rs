@@ -29,7 +29,7 @@ use super::edges::THRESHOLD;
 use crate::math::{Real, Vector};
 use crate::physics::forces::links::link_force;
 use crate::physics::forces::recovery::edges::MeanEdges;
-use crate::physics::model::{BodyModel, Link, Model};
+use crate::physics::model::{BodyModel, Composition, Link, Model};
 use crate::physics::state::BodyMemory;
 
 /// The share of their elastic force that links between particles of inverted cells lose in a body whose families are
@@ -183,12 +183,20 @@ fn is_calm<R: Real>(body: &BodyModel<R>, velocity: &[R::Vec3]) -> bool {
 /// and shear links are apart. Where bending outweighs both, the push alone turns cells back, and soft links would give a
 /// body energy; links that cells share out are never far apart.
 fn softest<R: Real>(body: &BodyModel<R>) -> R {
-    let [structural, shear, bending] = [0, 1, 2].map(|family: usize| body.links[family].stiffness);
-    let most = structural.max(shear).max(bending);
-    if most > R::ZERO && body.cell_kinds.is_none() {
-        R::from_f64(SOFTEST) * ((structural - shear).max(shear - structural) / most)
-    } else {
-        R::ZERO
+    let softest = |[structural, shear, bending]: [R; 3]| {
+        let most = structural.max(shear).max(bending);
+        if most > R::ZERO {
+            R::from_f64(SOFTEST) * ((structural - shear).max(shear - structural) / most)
+        } else {
+            R::ZERO
+        }
+    };
+    match &body.composition {
+        Composition::Alike => softest(body.links.each_ref().map(|family| family.stiffness)),
+        Composition::Solids { .. } => R::ZERO,
+        Composition::Springs { kinds, .. } => {
+            kinds.iter().map(|kind| softest(kind.stiffness.map(R::from_f64))).fold(R::ZERO, R::max)
+        }
     }
 }
 

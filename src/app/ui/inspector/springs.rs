@@ -1,0 +1,82 @@
+//! The seven values of springs: of a body, and of what within it is of springs of its own.
+
+use egui::{CollapsingHeader, ComboBox, RichText, Ui};
+
+use super::parts::within_label_ui;
+use crate::app::ui::theme;
+use crate::app::ui::value::{Bound, Interaction, slider_ui};
+use crate::scene::{Family, Springs};
+
+/// What a person reads of a part that is of springs of its own.
+const OWN: &str = "springs of its own";
+
+/// The values with a slider each; `path` is that of the springs, and `bound` says how far the value of a path may go.
+pub(super) fn springs_ui(
+    ui: &mut Ui,
+    path: &str,
+    springs: &mut Springs,
+    bound: impl Fn(&str) -> Option<Bound>,
+) -> Interaction {
+    let mut interaction = Interaction::default();
+    for family in Family::ALL {
+        ui.label(RichText::new(family_title(family)).color(theme::of(ui).strong));
+        let spring = springs.family_mut(family);
+        let path = |what: &str| format!("{path}.{}.{what}", family.name());
+        for (what, label, value) in
+            [("stiffness", "Stiffness", &mut spring.stiffness), ("damping", "Damping", &mut spring.damping)]
+        {
+            interaction.and(slider_ui(ui, &path(what), label, value, bound(&path(what))));
+        }
+    }
+    ui.add_space(2.0);
+    let path = format!("{path}.particle_mass");
+    interaction.and(slider_ui(ui, &path, "Particle mass", &mut springs.particle_mass, bound(&path)));
+    interaction
+}
+
+fn family_title(family: Family) -> &'static str {
+    match family {
+        Family::Structural => "Structural springs",
+        Family::Shear => "Shear springs",
+        Family::Bending => "Bending springs",
+    }
+}
+
+/// Whether a part of a body of springs has some of its own, or is of what the words `none` say; what was chosen, if anything.
+pub(super) fn springs_choice_ui(ui: &mut Ui, name: &str, now: bool, none: &'static str) -> Option<bool> {
+    let mut chosen = None;
+    ui.horizontal(|ui| {
+        let label = within_label_ui(ui, name);
+        let text = if now { OWN } else { none };
+        let combo = ComboBox::from_id_salt(("part", name)).width(190.0).truncate().selected_text(text);
+        let response = combo.show_ui(ui, |ui| {
+            for (is_own, words) in [(false, none), (true, OWN)] {
+                if ui.selectable_label(now == is_own, words).clicked() && now != is_own {
+                    chosen = Some(is_own);
+                }
+            }
+        });
+        response.response.labelled_by(label);
+    });
+    chosen
+}
+
+/// The values of such a part, which can be folded away.
+pub(super) fn own_springs_ui(ui: &mut Ui, name: &str, path: &str, springs: &mut Springs) -> Interaction {
+    let mut interaction = Interaction::default();
+    CollapsingHeader::new(RichText::new(format!("Springs of {name}")).color(theme::of(ui).weak))
+        .id_salt(path)
+        .default_open(true)
+        .show(ui, |ui| interaction = springs_ui(ui, path, springs, |_| None));
+    interaction
+}
+
+/// Springs for a part to begin with: it bends at once, and no step has to be shorter for it.
+pub(super) fn softer(own: &Springs) -> Springs {
+    let mut springs = *own;
+    for family in Family::ALL {
+        let spring = springs.family_mut(family);
+        (spring.stiffness, spring.damping) = (0.25 * spring.stiffness, 0.25 * spring.damping);
+    }
+    springs
+}

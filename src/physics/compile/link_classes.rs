@@ -1,0 +1,128 @@
+//! Which cells hold a link, and the classes of links whose holders are of the same kinds.
+
+use std::collections::BTreeMap;
+
+use crate::geometry::Lattice;
+
+/// Stands where there is no cell.
+pub(super) const NO_CELL: u32 = u32::MAX;
+
+/// The cells around every particle; bit 0 of the place says that the cell lies on the upper side in x, bit 1 in y,
+/// bit 2 in z.
+pub(super) fn cells_around(lattice: &Lattice) -> Vec<[u32; 8]> {
+    let mut around = vec![[NO_CELL; 8]; lattice.corners.len()];
+    for (cell, corners) in (0..).zip(&lattice.cells) {
+        for (place, &corner) in corners.iter().enumerate() {
+            around[corner as usize][7 - place] = cell;
+        }
+    }
+    around
+}
+
+/// The cells around the lower end of a link that hold the other end too: at most four.
+pub(super) fn holders(around: &[u32; 8], low: [u32; 3], high: [u32; 3]) -> impl Iterator<Item = u32> {
+    let fits = move |place: usize| {
+        (0..3).all(|axis| high[axis] == low[axis] || (high[axis] > low[axis]) == (place >> axis & 1 == 1))
+    };
+    around.iter().enumerate().filter(move |&(place, &cell)| cell != NO_CELL && fits(place)).map(|(_, &cell)| cell)
+}
+
+/// The most cells that hold a link: four an edge, and as many each half of a link that runs straight through a particle.
+const HOLDERS: usize = 8;
+
+/// Stands where a link has fewer cells.
+const NO_KIND: u8 = u8::MAX;
+
+/// How many cells share a link, and the kinds of those that do with the levels of their stiffness, ascending.
+pub(super) type ClassKey = (u8, [(u8, u16); HOLDERS]);
+
+/// The classes of links found so far.
+#[derive(Default)]
+pub(super) struct Classes {
+    numbers: BTreeMap<ClassKey, u16>,
+    pub(super) keys: Vec<ClassKey>,
+    last: Option<(ClassKey, u16)>,
+}
+
+/// From so many classes on levels are rounded down to steps of [`COARSE`], of which there are few enough.
+const MANY: usize = 50_000;
+const COARSE: u16 = 64;
+
+impl Classes {
+    /// `differ`: cells of one kind may be of different levels, which then count by their sum.
+    pub(super) fn of(&mut self, shared_by: u8, cells: impl Iterator<Item = (u8, u16)>, differ: bool) -> u16 {
+        let (mut held, count) = listed(cells);
+        held[..count].sort_unstable();
+        if differ {
+            held = merged(held);
+        }
+        let key = (shared_by, held);
+        if let Some((last, number)) = self.last
+            && last == key
+        {
+            return number;
+        }
+        let number = self.numbers.get(&key).copied().unwrap_or_else(|| self.new_class(key));
+        self.last = Some((key, number));
+        number
+    }
+
+    /// The class of what is the mean of the cells that hold it, of these kinds. Where a body has very many classes, it is of the
+    /// commonest kind alone.
+    pub(super) fn of_mean(&mut self, kinds: impl Iterator<Item = u8>) -> u16 {
+        let (mut held, count) = listed(kinds.map(|kind| (kind, 1)));
+        held[..count].sort_unstable();
+        let held = merged(held);
+        let key = (u8::try_from(count).unwrap_or(1), held);
+        let is_known = self.last.is_some_and(|(last, _)| last == key) || self.numbers.contains_key(&key);
+        if is_known || self.keys.len() < MANY {
+            return self.of(key.0, present(&held), true);
+        }
+        // Of as common ones the first.
+        let commonest = present(&held).rev().max_by_key(|(_, cells)| *cells);
+        self.of(1, commonest.into_iter().map(|(kind, _)| (kind, 1)), true)
+    }
+
+    fn new_class(&mut self, (shared_by, mut held): ClassKey) -> u16 {
+        if self.keys.len() >= MANY {
+            for (_, level) in held.iter_mut().filter(|(_, level)| *level > COARSE) {
+                *level -= *level % COARSE;
+            }
+        }
+        let key = (shared_by, held);
+        let next = u16::try_from(self.keys.len()).unwrap_or(u16::MAX);
+        let number = *self.numbers.entry(key).or_insert(next);
+        if number == next {
+            self.keys.push(key);
+        }
+        number
+    }
+}
+
+/// The same with every kind once.
+fn merged(held: [(u8, u16); HOLDERS]) -> [(u8, u16); HOLDERS] {
+    let mut merged = [(NO_KIND, 0); HOLDERS];
+    let mut last = 0;
+    for (kind, level) in held {
+        if merged[last].0 != kind && merged[last].0 != NO_KIND {
+            last += 1;
+        }
+        merged[last] = (kind, merged[last].1 + level);
+    }
+    merged
+}
+
+/// Those at the front of a list, and how many they are.
+fn listed(cells: impl Iterator<Item = (u8, u16)>) -> ([(u8, u16); HOLDERS], usize) {
+    let (mut held, mut count) = ([(NO_KIND, 0); HOLDERS], 0);
+    for (slot, cell) in held.iter_mut().zip(cells) {
+        *slot = cell;
+        count += 1;
+    }
+    (held, count)
+}
+
+/// The kinds of a list without its empty places.
+pub(super) fn present(held: &[(u8, u16); HOLDERS]) -> impl DoubleEndedIterator<Item = (u8, u16)> + '_ {
+    held.iter().copied().filter(|(kind, _)| *kind != NO_KIND)
+}

@@ -1,0 +1,143 @@
+//! What springs add to the load of a step, and how far one of their values may go until the load is at its limit: by plane
+//! waves where a body is of one kind, by what each particle is held by where they differ by cell.
+
+use std::sync::Arc;
+
+use super::springs_by_cell::spring_cell;
+use super::waves::{largest_share, waves};
+use crate::geometry::Family;
+use crate::math::Real;
+use crate::physics::limits::particles::{Constant, ParticleLoads};
+use crate::physics::limits::{LoadShare, largest};
+use crate::physics::model::{BodyModel, Composition};
+use crate::scene::Springs;
+
+/// The springs of a body but for their values.
+#[derive(Clone, Debug)]
+pub(super) struct SpringLoads {
+    /// Families with links.
+    pub(super) has_links: [bool; 3],
+    cell_size: f64,
+    mixed: Option<Arc<ParticleLoads>>,
+}
+
+impl SpringLoads {
+    pub(super) fn of<R: Real>(model: &BodyModel<R>) -> Self {
+        let mixed = match &model.composition {
+            Composition::Springs { loads, .. } => Some(Arc::clone(loads)),
+            Composition::Alike | Composition::Solids { .. } => None,
+        };
+        Self {
+            has_links: Family::ALL.map(|family| !model.lattice.links[family as usize].is_empty()),
+            cell_size: model.lattice.grid.cell_size,
+            mixed,
+        }
+    }
+
+    /// What a constant of the body's own springs is per unit mass of its particles and length of their links.
+    pub(super) fn per_value(&self, springs: &Springs) -> f64 {
+        1.0 / (springs.particle_mass * self.cell_size)
+    }
+
+    /// The load of all.
+    pub(super) fn all(&self, springs: &Springs, share: &LoadShare) -> f64 {
+        match &self.mixed {
+            None => largest(&waves().tensors, self.of_families(springs, share)),
+            Some(mixed) => {
+                let stiffness = mixed.most(&spring_cell(springs), Constant::Stiffness, [share.stiffness; 3]);
+                stiffness + mixed.most(&spring_cell(springs), Constant::Damping, share.damping)
+            }
+        }
+    }
+
+    /// The load of one family alone.
+    pub(super) fn alone(&self, springs: &Springs, share: &LoadShare, family: Family) -> f64 {
+        let only = |of: [f64; 3]| {
+            let mut only = [0.0; 3];
+            only[family as usize] = of[family as usize];
+            only
+        };
+        match &self.mixed {
+            None => largest(&waves().tensors, only(self.of_families(springs, share))),
+            Some(mixed) => {
+                let stiffness = mixed.most(&spring_cell(springs), Constant::Stiffness, only([share.stiffness; 3]));
+                stiffness + mixed.most(&spring_cell(springs), Constant::Damping, only(share.damping))
+            }
+        }
+    }
+
+    /// The largest load that a family's links of the body's own springs have for a constant of 1 per unit mass and length.
+    pub(super) fn of_one(&self, springs: &Springs, family: Family) -> f64 {
+        let mut unit = [0.0; 3];
+        unit[family as usize] = 1.0;
+        match &self.mixed {
+            None => largest(&waves().tensors, unit),
+            Some(mixed) => mixed.of_one(springs.particle_mass, family) / self.per_value(springs),
+        }
+    }
+
+    /// The largest value of a constant with which the load is no more than a limit, the others as they are in `springs`. Zero
+    /// where none is, infinite where all are.
+    pub(super) fn largest(
+        &self,
+        springs: &Springs,
+        (family, of): (Family, Constant),
+        share: &LoadShare,
+        limit: f64,
+    ) -> f64 {
+        let Some(mixed) = &self.mixed else { return self.largest_alike(springs, (family, of), share, limit) };
+        let [own, other] = match of {
+            Constant::Stiffness => [([share.stiffness; 3], of), (share.damping, Constant::Damping)],
+            Constant::Damping => [(share.damping, of), ([share.stiffness; 3], Constant::Stiffness)],
+        };
+        let left = limit - mixed.most(&spring_cell(springs), other.1, other.0);
+        if left < 0.0 { 0.0 } else { mixed.largest(&spring_cell(springs), (family, of), own.0, left) }
+    }
+
+    fn largest_alike(&self, springs: &Springs, (family, of): (Family, Constant), share: &LoadShare, limit: f64) -> f64 {
+        let (now, factor) = match of {
+            Constant::Stiffness => (springs.family(family).stiffness, share.stiffness),
+            Constant::Damping => (springs.family(family).damping, share.damping[family as usize]),
+        };
+        let factor = factor * self.per_value(springs);
+        let mut rest = self.of_families(springs, share);
+        rest[family as usize] -= factor * now;
+        if factor > 0.0 {
+            largest_share(waves(), rest, family, limit) / factor
+        } else if largest(&waves().tensors, rest) > limit {
+            0.0
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// The loads of the families where all links of one are alike.
+    fn of_families(&self, springs: &Springs, share: &LoadShare) -> [f64; 3] {
+        let per_value = self.per_value(springs);
+        Family::ALL.map(|family| {
+            let load = per_value * share.of(family, springs.family(family));
+            if self.has_links[family as usize] { load } else { 0.0 }
+        })
+    }
+
+    /// What other springs than the body's own have of stiffness over damping, at most, 1/s.
+    pub(super) fn others_per_damping(&self) -> f64 {
+        self.mixed.as_ref().map_or(0.0, |mixed| mixed.others_per_damping)
+    }
+
+    /// What the load becomes where the body's own particles weigh so many times less, of springs that differ by cell: it falls
+    /// by less than in proportion, as others weigh what they did.
+    pub(super) fn by_lightness<'a>(
+        &'a self,
+        springs: &Springs,
+        share: &LoadShare,
+    ) -> Option<impl Fn(f64) -> f64 + use<'a>> {
+        let mixed = self.mixed.as_deref()?;
+        let parts = [
+            mixed.resistances(&spring_cell(springs), Constant::Stiffness, [share.stiffness; 3]),
+            mixed.resistances(&spring_cell(springs), Constant::Damping, share.damping),
+        ];
+        let now_kg = springs.particle_mass;
+        Some(move |times: f64| parts.iter().map(|part| mixed.over_mass(part, now_kg / times)).sum())
+    }
+}

@@ -1,0 +1,183 @@
+//! The loads of a step that have to stay below their limit: what contact takes of them, and how much lighter a body may be.
+
+use crate::geometry::Family;
+use crate::math::Real;
+use crate::physics::limits::{
+    LATTICE_LIMIT, LoadShare, Margin, Pushes, has_pushes, load_shares, most_stiffness_per_damping,
+};
+use crate::physics::model::{BodyModel, Scheme};
+use crate::scene::Scene;
+use crate::scene::material::Spring;
+use crate::scene::obstacle::ContactStiffness;
+use crate::scene::settings::{ContactRule, Integrator};
+
+/// The step that bounds are asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepSettings {
+    /// Its length, s.
+    pub dt_secs: f64,
+    /// What takes it.
+    pub integrator: Integrator,
+}
+
+impl StepSettings {
+    /// The step that a scene asks for.
+    pub fn of(scene: &Scene) -> Self {
+        Self { dt_secs: scene.settings.dt, integrator: scene.settings.integrator }
+    }
+
+    pub(super) fn scheme(self) -> Scheme {
+        self.integrator.into()
+    }
+
+    /// What automatic stepping keeps of the limit.
+    pub(super) fn margin(self) -> Margin {
+        Margin::of(self.scheme())
+    }
+
+    /// How many times its damping a link's stiffness may be, 1/s, where the scheme asks for that.
+    pub(super) fn stiffness_per_damping(self) -> Option<f64> {
+        most_stiffness_per_damping(self.scheme(), self.dt_secs, self.margin())
+    }
+}
+
+impl LoadShare {
+    /// The load of a family's constants.
+    pub(super) fn of(&self, family: Family, constants: Spring) -> f64 {
+        self.stiffness * constants.stiffness + self.damping[family as usize] * constants.damping
+    }
+}
+
+/// What contact leaves of the limit, of which it takes a share as links do: that of the thesis (GC §5.2) as a spring by its
+/// stiffness over the mass of the lightest particle, 1/s²; the other where it pushes at the stages of the scheme.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactLoad {
+    /// Of obstacles whose stiffness follows from the mass: the same whatever that is.
+    following: ObstacleLoad,
+    /// Of obstacles whose stiffness is given: the less, the more mass there is.
+    given: ObstacleLoad,
+}
+
+/// The most that obstacles of one kind add.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct ObstacleLoad {
+    /// By the thesis's rule, 1/s².
+    stiffness: f64,
+    pub(super) pushes: Pushes,
+}
+
+impl ObstacleLoad {
+    fn max(self, other: Self) -> Self {
+        Self { stiffness: self.stiffness.max(other.stiffness), pushes: self.pushes.max(other.pushes) }
+    }
+}
+
+impl ContactLoad {
+    /// Of a body of the scene that its model was compiled from.
+    pub fn of<R: Real>(body: &BodyModel<R>, scene: &Scene) -> Self {
+        let mut load = Self::default();
+        let is_thesis = scene.settings.contact == ContactRule::Thesis;
+        let has_pushes = has_pushes(StepSettings::of(scene).scheme(), scene.settings.contact.into());
+        let lightest = body.lightest_mass().to_f64();
+        for (obstacle, contact) in scene.obstacles.iter().zip(&body.contacts) {
+            let of_kind = match obstacle.stiffness {
+                ContactStiffness::Auto => &mut load.following,
+                ContactStiffness::Given(_) => &mut load.given,
+            };
+            let stiffness = if is_thesis { contact.stiffness.to_f64() / lightest } else { 0.0 };
+            let pushes = if has_pushes { Pushes::of_contact(contact, lightest) } else { Pushes::default() };
+            *of_kind = of_kind.max(ObstacleLoad { stiffness, pushes });
+        }
+        load
+    }
+
+    pub(super) fn now(self) -> ObstacleLoad {
+        self.following.max(self.given)
+    }
+
+    /// How many times the mass there must be at least, where stiffness may be so many times its damping (1/s).
+    pub(super) fn least_mass(self, per_damping: f64) -> f64 {
+        let [following, given] = [self.following, self.given].map(|load| load.pushes.stiffness_per_damping);
+        if following > per_damping { f64::INFINITY } else { (given / per_damping) * (given / per_damping) }
+    }
+}
+
+/// One load that has to stay below [`LATTICE_LIMIT`]: what links and contact add to it.
+pub(super) struct Load {
+    pub(super) links: LoadShare,
+    /// As [`LoadShare::stiffness`], of the contact's.
+    contact_secs2: f64,
+    contact: ContactLoad,
+}
+
+impl Load {
+    fn of(&self, obstacles: ObstacleLoad) -> f64 {
+        self.contact_secs2 * obstacles.stiffness + self.links.pushes * obstacles.pushes.rate
+    }
+
+    /// What is left for the links, as contact is now.
+    pub(super) fn limit(&self) -> f64 {
+        LATTICE_LIMIT - self.of(self.contact.now())
+    }
+
+    /// How many times 1/mass may be, where links add this to the load now: `stiff` falls as the mass grows, `damped` as
+    /// its root does.
+    pub(super) fn times_lighter(&self, stiff: f64, damped: f64) -> f64 {
+        let of_following = LATTICE_LIMIT - self.of(self.contact.following);
+        let given = self.contact.given;
+        let (stiff_given, damped_given) = (self.contact_secs2 * given.stiffness, self.links.pushes * given.pushes.rate);
+        times_within(stiff, damped, of_following).min(times_within(
+            stiff + stiff_given,
+            damped + damped_given,
+            LATTICE_LIMIT,
+        ))
+    }
+
+    /// The same where `links` says what these add with so many times 1/mass.
+    pub(super) fn times_lighter_by(&self, links: impl Fn(f64) -> f64) -> f64 {
+        let of_following = LATTICE_LIMIT - self.of(self.contact.following);
+        let given = self.contact.given;
+        let (stiff_given, damped_given) = (self.contact_secs2 * given.stiffness, self.links.pushes * given.pushes.rate);
+        let fits = |times: f64| {
+            let links = links(times);
+            links <= of_following && links + stiff_given * times + damped_given * times.sqrt() <= LATTICE_LIMIT
+        };
+        let [mut low, mut high] = [-FARTHEST, FARTHEST];
+        if fits(libm::exp2(high)) {
+            return f64::INFINITY;
+        }
+        if !fits(libm::exp2(low)) {
+            return 0.0;
+        }
+        while high - low > 1e-9 {
+            let middle = 0.5 * (low + high);
+            if fits(libm::exp2(middle)) { low = middle } else { high = middle }
+        }
+        libm::exp2(low)
+    }
+}
+
+/// How far apart, as powers of two, a mass and what it may be are looked for.
+const FARTHEST: f64 = 60.0;
+
+/// The loads of a step.
+pub(super) fn loads(step: StepSettings, contact: ContactLoad) -> Vec<Load> {
+    match load_shares(step.scheme(), step.dt_secs, step.margin()) {
+        Some(shares) => shares.map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect(),
+        None if contact.now().stiffness > 0.0 => {
+            let links = LoadShare { stiffness: 0.0, damping: [0.0; 3], pushes: 0.0 };
+            vec![Load { links, contact_secs2: step.margin().contact_secs2(step.dt_secs), contact }]
+        }
+        None => Vec::new(),
+    }
+}
+
+/// Stiffness grows with E/ρ, damping with z √(E/ρ): how many times E/ρ may be what it is until stiff x² + damped x is the
+/// limit, for the root x of that.
+pub(super) fn times_within(stiff: f64, damped: f64, limit: f64) -> f64 {
+    if limit <= 0.0 {
+        return 0.0;
+    }
+    let root = 2.0 * limit / (damped + (damped * damped + 4.0 * limit * stiff).sqrt());
+    root * root
+}

@@ -1,0 +1,56 @@
+//! What the links and particles of a body have from its cells.
+
+use std::sync::Arc;
+
+use crate::physics::limits::particles::ParticleLoads;
+
+/// What a body is composed of.
+#[derive(Clone, Debug)]
+pub(in crate::physics) enum Composition {
+    /// Every link of a family is alike, and every particle weighs alike.
+    Alike,
+    /// Of cells of solids, which share out links and masses.
+    Solids {
+        /// Those that occur; the first is the body's own.
+        kinds: Vec<CellKind>,
+        /// The largest load of its cells together over that of one of them alone, at most 1: below it only where all cells
+        /// are of one kind and not too many.
+        load_share: f64,
+    },
+    /// Of cells of several springs, of which links and particles have the mean.
+    Springs {
+        /// Those that occur; the first is the body's own.
+        kinds: Vec<CellKind>,
+        /// What limits the step.
+        loads: Arc<ParticleLoads>,
+    },
+}
+
+impl Composition {
+    /// The largest load of its cells together over that of one of them alone, at most 1.
+    pub(in crate::physics) fn load_share(&self) -> f64 {
+        match self {
+            Self::Solids { load_share, .. } => *load_share,
+            Self::Alike | Self::Springs { .. } => 1.0,
+        }
+    }
+
+    /// The kinds of its cells that differ; none where all is alike.
+    pub(in crate::physics) fn kinds(&self) -> &[CellKind] {
+        match self {
+            Self::Alike => &[],
+            Self::Solids { kinds, .. } | Self::Springs { kinds, .. } => kinds,
+        }
+    }
+}
+
+/// What a cell of one material gives to its links and corners, shares of neighbours not counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::physics) struct CellKind {
+    /// By family, constants of links between such cells alone: force at 100 % strain, N.
+    pub(in crate::physics) stiffness: [f64; 3],
+    /// The same of damping, N·s.
+    pub(in crate::physics) damping: [f64; 3],
+    /// Mass of a cell of a solid, of a particle of springs, kg.
+    pub(in crate::physics) mass: f64,
+}
