@@ -31,6 +31,9 @@ pub(in crate::physics) mod particles;
 pub(in crate::physics) mod present;
 pub(in crate::physics) mod tension;
 
+#[cfg(test)]
+mod fastest_tests;
+
 use glam::{DMat3, DVec3};
 
 pub(in crate::physics) use load::{

@@ -238,7 +238,7 @@ mod tests {
     use super::*;
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
-    use crate::physics::limits::present;
+    use crate::physics::limits::fastest_tests::fastest;
     use crate::physics::model::Composition;
     use crate::scene::body::{CubeShape, Inlay};
     use crate::scene::material::Spring;
@@ -288,7 +288,7 @@ mod tests {
                 _ => continue,
             };
             let bounds = [Constant::Stiffness, Constant::Damping].map(|of| loads.most(own, of, [1.0; 3]));
-            let found = present::tests::largest(&simulation.model().bodies[0], &simulation.state().position);
+            let found = fastest(&simulation.model().bodies[0], &simulation.state().position);
             for which in 0..2 {
                 let share = found[which] / bounds[which];
                 assert!((0.3..=1.0 + 1e-9).contains(&share), "{cells} cells: {found:?} of {bounds:?}");

@@ -100,7 +100,7 @@ fn largest_eigenvalue<R: Real>(&[xx, yy, zz, yz, zx, xy]: &Symmetric<R>) -> R {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use std::path::Path;
 
     use glam::{DMat3, DQuat, DVec3};
@@ -108,6 +108,7 @@ pub(super) mod tests {
     use super::{largest_eigenvalue, load};
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
+    use crate::physics::limits::fastest_tests::fastest;
     use crate::physics::limits::{LinkLoad, any_state};
     use crate::physics::model::BodyModel;
     use crate::scene::body::{CubeShape, PinBox};
@@ -126,40 +127,6 @@ pub(super) mod tests {
         load(body, position, &mut Vec::new())
     }
 
-    /// The largest eigenvalues of `M⁻¹ K` and of the damping's, by power iteration over all links.
-    pub(in crate::physics::limits) fn largest(body: &BodyModel<f64>, position: &[DVec3]) -> [f64; 2] {
-        [false, true].map(|of_damping| {
-            let mut rng = Rng::new(3);
-            let mut way: Vec<DVec3> =
-                position.iter().map(|_| DVec3::from([0; 3].map(|_| rng.between(-1.0, 1.0)))).collect();
-            let mut eigenvalue = 0.0;
-            for _ in 0..400 {
-                let mut pull = vec![DVec3::ZERO; way.len()];
-                for family in &body.links {
-                    for (number, link) in family.links.iter().enumerate() {
-                        let [i, j] = link.ends.map(|end| end as usize);
-                        let d = position[j] - position[i];
-                        let (unit, tension) =
-                            (d / d.length(), (1.0 - 1.0 / (link.inverse_rest_length * d.length())).max(0.0));
-                        let apart = way[j] - way[i];
-                        let part = unit * unit.dot(apart);
-                        let [stiffness, damping] = family.constants(number);
-                        let (constant, across) = if of_damping { (damping, 0.0) } else { (stiffness, tension) };
-                        let f = (part + (apart - part) * across) * constant * link.inverse_rest_length;
-                        pull[i] -= f;
-                        pull[j] += f;
-                    }
-                }
-                for (particle, pull) in pull.iter_mut().enumerate() {
-                    *pull = if body.is_pinned(particle) { DVec3::ZERO } else { *pull * body.inverse_mass(particle) };
-                }
-                eigenvalue = pull.iter().map(|pull| pull.length_squared()).sum::<f64>().sqrt();
-                way = pull.into_iter().map(|pull| pull / eigenvalue).collect();
-            }
-            eigenvalue
-        })
-    }
-
     #[test]
     fn no_vibration_is_faster_than_the_bound_and_some_are_nearly_as_fast() {
         let top = PinBox { min: [-1.0, 0.4, -1.0], max: [1.0; 3] };
@@ -171,7 +138,7 @@ pub(super) mod tests {
                 let shaken = |x: &DVec3| *x * 1.2 + noise * DVec3::from([0; 3].map(|_| rng.between(-1.0, 1.0)));
                 let position: Vec<DVec3> = rest.iter().map(shaken).collect();
                 let LinkLoad { stiffness, damping } = load_of(body, &position);
-                let found = largest(body, &position);
+                let found = fastest(body, &position);
                 for (bound, found) in [stiffness, damping].into_iter().zip(found) {
                     let share = found / bound;
                     assert!((0.4..=1.0 + 1e-9).contains(&share), "{noise}: {found} of {bound}");

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::cell_kind::CellKind;
 use crate::physics::limits::particles::ParticleLoads;
 
 /// What a body is composed of.
@@ -42,15 +43,4 @@ impl Composition {
             Self::Solids { kinds, .. } | Self::Springs { kinds, .. } => kinds,
         }
     }
-}
-
-/// What a cell of one material gives to its links and corners, shares of neighbours not counted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::physics) struct CellKind {
-    /// By family, constants of links between such cells alone: force at 100 % strain, N.
-    pub(in crate::physics) stiffness: [f64; 3],
-    /// The same of damping, N·s.
-    pub(in crate::physics) damping: [f64; 3],
-    /// Mass of a cell of a solid, of a particle of springs, kg.
-    pub(in crate::physics) mass: f64,
 }

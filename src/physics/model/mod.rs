@@ -1,6 +1,7 @@
 //! The constant side of a scene: particles, links and obstacles with their numbers, ready for the step. It lives from
 //! one compilation to the next; live parameter changes replace it and keep the [`super::State`].
 
+mod cell_kind;
 mod composition;
 mod hull;
 mod inertia;
@@ -17,7 +18,8 @@ mod scheme;
 pub(in crate::physics) use samples::{SampledCell, Samples};
 pub use scheme::Scheme;
 
-pub(in crate::physics) use composition::{CellKind, Composition};
+pub(in crate::physics) use cell_kind::CellKind;
+pub(in crate::physics) use composition::Composition;
 pub(in crate::physics) use hull::{Hull, Surroundings};
 pub use inertia::Inertia;
 pub(in crate::physics) use link::LinkConstants;

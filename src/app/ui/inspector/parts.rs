@@ -2,9 +2,8 @@
 
 use egui::{ComboBox, RichText, Ui};
 
-use super::springs::{own_springs_ui, softer, springs_choice_ui};
+use super::springs::{own_springs_ui, softer, springs_choice_ui, within_label_ui};
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::LABEL_WIDTH;
 use crate::app::ui::{edits, theme};
 use crate::scene::body::{MAX_NAMED_PARTS, Part};
 use crate::scene::edit::{BodyId, Edit};
@@ -59,16 +58,6 @@ pub(super) fn parts_ui(ui: &mut Ui, id: BodyId, body: &Body, names: &[String], c
     if more > 0 {
         ui.label(RichText::new(format!("and {more} more")).color(theme::of(ui).weak));
     }
-}
-
-/// The name of a part before what it is made of.
-pub(super) fn within_label_ui(ui: &mut Ui, name: &str) -> egui::Id {
-    let size = egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
-    let label = ui.allocate_ui(size, |ui| {
-        ui.set_min_width(LABEL_WIDTH);
-        ui.add(egui::Label::new(RichText::new(name).color(theme::of(ui).weak)).truncate())
-    });
-    label.inner.id
 }
 
 /// The list of solids of a part, with words for none; what was chosen, if anything was.

@@ -2,9 +2,8 @@
 
 use egui::{CollapsingHeader, ComboBox, RichText, Ui};
 
-use super::parts::within_label_ui;
 use crate::app::ui::theme;
-use crate::app::ui::value::{Bound, Interaction, slider_ui};
+use crate::app::ui::value::{Bound, Interaction, LABEL_WIDTH, slider_ui};
 use crate::scene::{Family, Springs};
 
 /// What a person reads of a part that is of springs of its own.
@@ -79,4 +78,14 @@ pub(super) fn softer(own: &Springs) -> Springs {
         (spring.stiffness, spring.damping) = (0.25 * spring.stiffness, 0.25 * spring.damping);
     }
     springs
+}
+
+/// The name of a part before what it is made of.
+pub(super) fn within_label_ui(ui: &mut Ui, name: &str) -> egui::Id {
+    let size = egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
+    let label = ui.allocate_ui(size, |ui| {
+        ui.set_min_width(LABEL_WIDTH);
+        ui.add(egui::Label::new(RichText::new(name).color(theme::of(ui).weak)).truncate())
+    });
+    label.inner.id
 }
