@@ -19,14 +19,11 @@ use glam::DVec3;
 
 use super::buckets::Seen;
 use super::cell::{Cell, TOLERANCE, outside};
-use super::looked::{Found, Search};
-use super::neighbours::{Neighbours, around, looked_at};
+use super::neighbours::{around, looked_at};
 use super::workspace::BodiesWorkspace;
 use crate::math::{Aabb, Real};
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::report::Counters;
-use crate::physics::step::substep::Substep;
-use crate::physics::team::{self, Halves};
 
 /// A point that is outside a cell by no more than this is as good as in it, and looked for in no other.
 const NOTHING: f64 = 1e-9;
@@ -37,153 +34,97 @@ const AGAINST: f64 = -0.2;
 /// A body is for the most part inside another where this share of its points is.
 const MOST: f64 = 0.5;
 
-/// Lists what has to be looked for of a pair: in the broad phase the points that are near ([`super::neighbours`]), else all.
-pub(super) fn list<R: Real>(model: &Model<R>, of: [usize; 2], is_broad: bool, workspace: &mut BodiesWorkspace<R>) {
-    let BodiesWorkspace { ahead, neighbours, seen, searches, buckets, .. } = workspace;
-    let points = &model.bodies[of[0]];
-    let hull = points.hull();
-    let see = |point: u32| Seen::of(point, ahead[points.particles.start + hull.points[point as usize] as usize]);
-    let first = seen.len();
-    let list = is_broad.then(|| {
-        let list = neighbours.list(model, of, buckets);
-        seen.extend(neighbours.points(list).iter().map(|point| see(*point)));
-        list
-    });
-    if list.is_none() {
-        seen.extend((0..).zip(&hull.points).map(|(point, _)| see(point)));
-    }
-    searches.push(Search { of, points: first..seen.len(), list, tests: 0 });
+/// A point of a body in a cell of another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// The point: a local number.
+    pub(super) point: u32,
+    /// The cell's particles: local numbers.
+    pub(super) carriers: [u32; 8],
+    /// The place in the cell.
+    pub(super) at: DVec3,
+    /// Unit normal out of the cell's body.
+    pub(super) normal: DVec3,
+    /// How deep the point is inside along the normal, m.
+    pub(super) depth: f64,
+    /// How far it is to a nearer side that it does not leave by, m.
+    pub(super) nearer: Option<f64>,
 }
 
-/// Looks for all points that are listed, by the threads of the plan, and counts what was saved.
-pub(super) fn look_for_all<R: Real>(
-    substep: Substep<'_, R>,
+/// Finds the points of one body of a pair that are inside the other: in the broad phase of those that are near
+/// ([`super::neighbours`]), else of all.
+pub(super) fn find<R: Real>(
+    model: &Model<R>,
+    of: [usize; 2],
+    is_broad: bool,
     workspace: &mut BodiesWorkspace<R>,
     counters: &mut Counters,
 ) {
-    let Substep { model, plan, .. } = substep;
-    let BodiesWorkspace { ahead, neighbours, seen, found, searches, boxes, .. } = workspace;
-    found.clear();
-    found.resize(seen.len(), None);
-    let all = All { model, ahead, neighbours, boxes };
-    team::share(plan.threads, Looks { all: &all, searches, first: 0, seen, found });
-    for Search { of, points, tests, .. } in searches {
-        let [hull, cells] = [model.bodies[of[0]].hull().points.len(), model.bodies[of[1]].lattice.cells.len()];
-        let all_tests = (hull * cells) as u64;
-        counters.points_looked_for += points.len() as u64;
-        counters.narrow_tests += *tests;
-        counters.narrow_tests_saved += all_tests - (*tests).min(all_tests);
-    }
-}
-
-/// What is read to look for points.
-struct All<'a, R: Real> {
-    model: &'a Model<R>,
-    ahead: &'a [DVec3],
-    neighbours: &'a Neighbours,
-    boxes: &'a [Aabb<f64>],
-}
-
-/// Searches that follow one another, with their points, of which the first has this place among all.
-struct Looks<'a, R: Real> {
-    all: &'a All<'a, R>,
-    searches: &'a mut [Search],
-    first: usize,
-    seen: &'a mut [Seen],
-    found: &'a mut [Option<Found>],
-}
-
-/// Fewer points are not shared out.
-const FEWEST_POINTS: usize = 64;
-
-impl<R: Real> Halves for Looks<'_, R> {
-    fn pieces(&self) -> usize {
-        self.searches.len().min(self.seen.len() / FEWEST_POINTS).max(1)
-    }
-
-    fn halve(self) -> [Self; 2] {
-        let Self { all, searches, first, seen, found } = self;
-        let middle = first + seen.len() / 2;
-        let half = searches.partition_point(|search| search.points.end <= middle).clamp(1, searches.len() - 1);
-        let begin = searches[half].points.start;
-        let (one, other) = searches.split_at_mut(half);
-        let (one_seen, other_seen) = seen.split_at_mut(begin - first);
-        let (one_found, other_found) = found.split_at_mut(begin - first);
-        [
-            Self { all, searches: one, first, seen: one_seen, found: one_found },
-            Self { all, searches: other, first: begin, seen: other_seen, found: other_found },
-        ]
-    }
-
-    fn work(self) {
-        for search in self.searches {
-            let points = search.points.start - self.first..search.points.end - self.first;
-            let seen = &mut self.seen[points.clone()];
-            search.tests = self.all.look(search, seen);
-            self.all.ways_out(search.of, seen, &mut self.found[points]);
-        }
-    }
-}
-
-impl<R: Real> All<'_, R> {
-    /// Looks for the points of a search in the cells that they may be in. Says how often one was looked for in one.
-    fn look(&self, search: &Search, seen: &mut [Seen]) -> u64 {
-        let [points, cells] = search.of.map(|number| &self.model.bodies[number]);
-        let own = &self.ahead[cells.particles.clone()];
-        let cell_size = cells.lattice.grid.cell_size;
-        let mut tests = 0;
-        if let Some(list) = search.list {
-            for of_cell in self.neighbours.pairs(list).chunk_by(|one, next| one.cell == next.cell) {
-                let cell = Candidate::new(cells, of_cell[0].cell, own, cell_size);
-                for neighbour in of_cell {
-                    tests += u64::from(cell.look(&mut seen[neighbour.place as usize]));
-                }
+    let [points, cells] = of.map(|number| &model.bodies[number]);
+    let BodiesWorkspace { ahead, neighbours, seen, buckets, .. } = workspace;
+    let hull = points.hull();
+    let own = &ahead[cells.particles.clone()];
+    let cell_size = cells.lattice.grid.cell_size;
+    let mut tests = 0;
+    let see = |point: u32| Seen::of(point, ahead[points.particles.start + hull.points[point as usize] as usize]);
+    seen.clear();
+    if is_broad {
+        let (points, near) = neighbours.list(model, of, ahead, buckets);
+        seen.extend(points.iter().map(|point| see(*point)));
+        for of_cell in near.chunk_by(|one, next| one.cell == next.cell) {
+            let cell = Candidate::new(cells, of_cell[0].cell, own, cell_size);
+            for neighbour in of_cell {
+                tests += u64::from(cell.look(&mut seen[neighbour.place as usize]));
             }
-            return tests;
         }
-        let is_itself = search.of[0] == search.of[1];
+    } else {
+        seen.extend((0..).zip(&hull.points).map(|(point, _)| see(point)));
+        let is_itself = of[0] == of[1];
         for number in looked_at(cells, is_itself) {
             let cell = Candidate::new(cells, number, own, cell_size);
             let low = cells.lattice.low(number);
             for seen in &mut *seen {
-                if !(is_itself && points.hull().surroundings[seen.point as usize].touch(low)) {
+                if !(is_itself && hull.surroundings[seen.point as usize].touch(low)) {
                     tests += u64::from(cell.look(seen));
                 }
             }
         }
-        tests
     }
+    let all_tests = (hull.points.len() * cells.lattice.cells.len()) as u64;
+    counters.points_looked_for += seen.len() as u64;
+    counters.narrow_tests += tests;
+    counters.narrow_tests_saved += all_tests - tests.min(all_tests);
+}
 
-    /// The ways out of the points that are inside.
-    fn ways_out(&self, [of_points, of_cells]: [usize; 2], seen: &[Seen], found: &mut [Option<Found>]) {
-        let [points, cells] = [of_points, of_cells].map(|number| &self.model.bodies[number]);
-        let (ahead, boxes) = (self.ahead, self.boxes);
-        let inside = seen.iter().filter(|seen| seen.is_inside()).count();
-        let is_itself = of_points == of_cells;
-        let is_in = !is_itself && inside as f64 > MOST * points.hull().points.len() as f64;
-        // Of two in the same place the later one in the list leaves upwards.
-        let upwards = if of_points > of_cells { DVec3::Y } else { DVec3::NEG_Y };
-        let away =
-            is_in.then(|| (boxes[of_points].center() - boxes[of_cells].center()).try_normalize().unwrap_or(upwards));
-        let way_out_of = |seen: &Seen| {
-            let carriers = cells.lattice.cells[seen.cell as usize];
-            let cell = Cell(carriers.map(|corner| ahead[cells.particles.start + corner as usize]));
-            let (hull, ways) = (points.hull(), &cells.hull().ways[seen.cell as usize]);
-            let own =
-                || outward(points, hull.around(seen.point as usize), seen.ahead, &ahead[points.particles.clone()]);
-            let sides = sides(&cell, seen.at, ways);
-            let (normal, depth) = match away {
-                Some(away) => way_along(sides, away),
-                None => way_out(sides, own())?,
-            };
-            let point = hull.points[seen.point as usize];
-            let nearer = sides.map(|(_, depth)| depth).into_iter().filter(|other| *other < depth).reduce(f64::min);
-            Some(Found { point, carriers, at: seen.at, normal, depth, nearer })
+/// The ways out of the points that were found, in their order; `boxes` are those around the bodies, m.
+pub(super) fn ways_out<R: Real>(
+    model: &Model<R>,
+    [of_points, of_cells]: [usize; 2],
+    seen: &[Seen],
+    ahead: &[DVec3],
+    boxes: &[Aabb<f64>],
+) -> impl Iterator<Item = Found> {
+    let [points, cells] = [of_points, of_cells].map(|number| &model.bodies[number]);
+    let inside = seen.iter().filter(|seen| seen.is_inside()).count();
+    let is_itself = of_points == of_cells;
+    let is_in = !is_itself && inside as f64 > MOST * points.hull().points.len() as f64;
+    // Of two in the same place the later one in the list leaves upwards.
+    let upwards = if of_points > of_cells { DVec3::Y } else { DVec3::NEG_Y };
+    let away = is_in.then(|| (boxes[of_points].center() - boxes[of_cells].center()).try_normalize().unwrap_or(upwards));
+    seen.iter().filter(|seen| seen.is_inside()).filter_map(move |seen| {
+        let carriers = cells.lattice.cells[seen.cell as usize];
+        let cell = Cell(carriers.map(|corner| ahead[cells.particles.start + corner as usize]));
+        let (hull, ways) = (points.hull(), &cells.hull().ways[seen.cell as usize]);
+        let own = || outward(points, hull.around(seen.point as usize), seen.ahead, &ahead[points.particles.clone()]);
+        let sides = sides(&cell, seen.at, ways);
+        let (normal, depth) = match away {
+            Some(away) => way_along(sides, away),
+            None => way_out(sides, own())?,
         };
-        for (seen, found) in seen.iter().zip(found).filter(|(seen, _)| seen.is_inside()) {
-            *found = way_out_of(seen);
-        }
-    }
+        let point = hull.points[seen.point as usize];
+        let nearer = sides.map(|(_, depth)| depth).into_iter().filter(|other| *other < depth).reduce(f64::min);
+        Some(Found { point, carriers, at: seen.at, normal, depth, nearer })
+    })
 }
 
 /// A cell that points may be in.

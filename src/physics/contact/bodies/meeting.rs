@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::cell::Cell;
-use super::looked::Found;
+use super::find::Found;
 use super::record::BodyContact;
 use super::workspace::{BodiesWorkspace, WEIGHED};
 use crate::math::{Real, Vector};

@@ -3,7 +3,6 @@
 //!
 //! ```text
 //! near        which bodies come near each other in the substep, and into how many parts it has to be divided for that
-//! ahead       where those would be at its end
 //! itself      which come near themselves: what belongs together at rest is left out
 //! find        which points would be inside which cells at its end, and the way out: a distance field of the body at rest
 //!             ([`crate::physics::model::Hull`]), carried along by the cell (cell); which are near is kept for a while (neighbours, buckets)
@@ -19,20 +18,17 @@
 //! moves by all of its modes ([`ModalBodies`]).
 //!
 //! It changes the velocities that forces predict, before obstacles do: they have the last word, and nobody is pushed through
-//! the ground. All is worked out in double precision. Threads share what is found of each pair by itself; what is found is
-//! written down and solved for in the order of the pairs by one of them, so any number comes to the same.
+//! the ground. All is worked out in double precision and by one thread, so any number of them comes to the same.
 //!
 //! Follows Fisher and Lin, *Deformed distance fields for simulation of non-penetrating flexible bodies* (2001). Differs: the
 //! distance at rest is exact for a body made of cubes and kept by cell, not by corner, as all corners of a slab of one cell
 //! are on its outside; points are found where they would be at the end, so that what comes is stopped before it is inside.
 
-mod ahead;
 mod buckets;
 mod cell;
 mod find;
 mod itself;
 mod law;
-mod looked;
 mod meeting;
 mod motion;
 mod near;
@@ -41,19 +37,16 @@ mod record;
 mod workspace;
 
 pub(in crate::physics) use law::pair_law;
-pub(in crate::physics) use looked::BYTES_A_POINT;
 pub(in crate::physics) use near::parts;
 pub use record::BodyContact;
 pub(in crate::physics) use workspace::BodiesWorkspace;
 
 use glam::DVec3;
 
-use self::ahead::look_ahead;
 use self::buckets::Seen;
-use self::looked::{Found, Search};
 use self::meeting::Meeting;
 use super::weighted::{self, ModalBodies, Mover, PointConstraint, PointLaw};
-use crate::math::{Real, Vector};
+use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
 use crate::physics::state::press::Press;
@@ -75,15 +68,19 @@ pub(in crate::physics) fn meet<R: Real>(
     let kept = workspace.contacts.len();
     workspace.constraints.clear();
     workspace.movers.clear();
-    list_pairs(substep, modal, workspace);
-    recorder.enter(Stage::Contact);
-    find::look_for_all(substep, workspace, &mut recorder.counters);
-    // Taken out, so that what is found may be written down beside it.
-    let (searches, found) = (std::mem::take(&mut workspace.searches), std::mem::take(&mut workspace.found));
-    for search in &searches {
-        meet_in(substep, search, &found[search.points.clone()], velocity, modal, workspace);
+    for second in 0..model.bodies.len() {
+        for first in 0..second {
+            let pair = [first, second];
+            let moves = pair.iter().any(|body| !state.bodies[*body].asleep || modal.moves(*body));
+            if moves && near::may_meet(model, state, pair) && overlap(workspace, plan.broad_phase, pair) {
+                meet_in(substep, [first, second], velocity, modal, workspace, recorder);
+                meet_in(substep, [second, first], velocity, modal, workspace, recorder);
+            }
+        }
     }
-    (workspace.searches, workspace.found) = (searches, found);
+    for body in near::near_themselves(model, state) {
+        meet_in(substep, [body, body], velocity, modal, workspace, recorder);
+    }
     let BodiesWorkspace { constraints, movers, contacts, presses, moved, .. } = &mut *workspace;
     let (dt, mut deepest) = (substep.dt.to_f64(), 0.0_f64);
     recorder.counters.body_contacts += constraints.len() as u64;
@@ -134,48 +131,30 @@ pub(in crate::physics) fn count_parting<R: Real>(
     recorder.counters.parting_work_j += workspace.constraints.iter().map(work).sum::<f64>();
 }
 
-/// Lists the pairs of bodies that may meet, and bodies that may meet themselves, with the points that are looked for.
-fn list_pairs<R: Real>(substep: Substep<'_, R>, modal: &mut impl ModalBodies, workspace: &mut BodiesWorkspace<R>) {
-    let Substep { model, state, plan, .. } = substep;
-    let mut pairs = std::mem::take(&mut workspace.pairs);
-    pairs.clear();
-    for second in 0..model.bodies.len() {
-        for first in 0..second {
-            let pair = [first, second];
-            let moves = pair.iter().any(|body| !state.bodies[*body].asleep || modal.moves(*body));
-            if moves && near::may_meet(model, state, pair) && near::overlap(workspace, plan.broad_phase, pair) {
-                pairs.extend([[first, second], [second, first]]);
-            }
-        }
-    }
-    pairs.extend(near::near_themselves(model, state).map(|body| [body, body]));
-    for pair in pairs.iter().filter(|_| plan.broad_phase) {
-        workspace.neighbours.forget_old(model, *pair, &workspace.ahead);
-    }
-    workspace.searches.clear();
-    workspace.seen.clear();
-    for pair in &pairs {
-        find::list(model, *pair, plan.broad_phase, workspace);
-    }
-    workspace.pairs = pairs;
-}
-
-/// Writes down the contacts of points of one body with cells of another, or of the same, as they were found.
+/// Finds which points of one body meet which cells of another, or of the same, and writes the contacts down.
 fn meet_in<R: Real>(
     substep: Substep<'_, R>,
-    search: &Search,
-    found: &[Option<Found>],
+    ordered: [usize; 2],
     velocity: &[R::Vec3],
     modal: &mut impl ModalBodies,
     workspace: &mut BodiesWorkspace<R>,
+    recorder: &mut Recorder<'_>,
 ) {
-    let damping_ratio = damping_ratio(search.of, modal, &workspace.seen[search.points.clone()]);
-    let law = PointLaw { damping_ratio, ..pair_law(substep.model, search.of) };
-    let [of_point, of_cell] = search.of;
+    let Substep { model, plan, .. } = substep;
+    recorder.enter(Stage::BroadPhase);
+    find::find(model, ordered, plan.broad_phase, workspace, &mut recorder.counters);
+    recorder.enter(Stage::Contact);
+    let damping_ratio = damping_ratio(ordered, modal, &workspace.seen);
+    let law = PointLaw { damping_ratio, ..pair_law(model, ordered) };
+    // Taken out, so that what is found may be written down beside it.
+    let (seen, ahead) = (std::mem::take(&mut workspace.seen), std::mem::take(&mut workspace.ahead));
+    let boxes = std::mem::take(&mut workspace.boxes);
+    let [of_point, of_cell] = ordered;
     let meeting = Meeting { substep, of_point, of_cell, law, velocity };
-    for found in found.iter().flatten() {
-        meeting.add(found, modal, workspace);
+    for found in find::ways_out(model, ordered, &seen, &ahead, &boxes) {
+        meeting.add(&found, modal, workspace);
     }
+    (workspace.seen, workspace.ahead, workspace.boxes) = (seen, ahead, boxes);
 }
 
 /// Bodies meet nobody within this substep but in their sleep.
@@ -197,4 +176,61 @@ fn damping_ratio(pair: [usize; 2], modal: &mut impl ModalBodies, seen: &[Seen]) 
     }
     let met = seen.iter().filter(|seen| seen.is_inside()).count().max(1);
     pair.map(|body| modal.damping_ratio(body)).into_iter().fold(1.0, f64::min) / (met as f64).sqrt()
+}
+
+/// Finds where everything would be at the end of the substep.
+fn look_ahead<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &[R::Vec3],
+    modal: &mut impl ModalBodies,
+    workspace: &mut BodiesWorkspace<R>,
+) {
+    let Substep { model, state, dt, .. } = substep;
+    let dt = dt.to_f64();
+    workspace.boxes.clear();
+    workspace.drifts.clear();
+    for (number, body) in model.bodies.iter().enumerate() {
+        if modal.moves(number) {
+            workspace.boxes.push(modal.around(number));
+            workspace.drifts.push(modal.drift(number));
+            continue;
+        }
+        let (mut bounds, mut sum) = (Aabb::<f64>::empty(), DVec3::ZERO);
+        for particle in body.particles.clone() {
+            let at = state.position[particle].to_dvec3();
+            let fast = if state.bodies[number].asleep { DVec3::ZERO } else { velocity[particle].to_dvec3() };
+            workspace.ahead[particle] = at + fast * dt;
+            bounds = bounds.include(at + fast * dt);
+            sum += fast;
+        }
+        workspace.boxes.push(bounds);
+        workspace.drifts.push(sum * (1.0 / body.particles.len() as f64));
+    }
+    for (number, body) in model.bodies.iter().enumerate() {
+        if modal.moves(number) {
+            let region = region_of_others(substep, workspace, number);
+            let BodiesWorkspace { modal_now, ahead, .. } = &mut *workspace;
+            let own = body.particles.clone();
+            modal.look_ahead(number, &region, [&mut modal_now[own.clone()], &mut ahead[own]]);
+        }
+    }
+    workspace.neighbours.follow(model, &workspace.ahead);
+}
+
+/// A box around all others that a body may meet; without a broad phase it may meet them anywhere.
+fn region_of_others<R: Real>(substep: Substep<'_, R>, workspace: &BodiesWorkspace<R>, body: usize) -> Aabb<f64> {
+    let Substep { model, state, plan, .. } = substep;
+    if !plan.broad_phase {
+        return Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
+    }
+    let others = (0..model.bodies.len()).filter(|other| *other != body && near::may_meet(model, state, [body, *other]));
+    let near = others.filter(|other| overlap(workspace, true, [body, *other]));
+    near.fold(Aabb::empty(), |region, other| region.joined(workspace.boxes[other]))
+}
+
+fn overlap<R: Real>(workspace: &BodiesWorkspace<R>, is_broad: bool, pair: [usize; 2]) -> bool {
+    let [one, other] = pair.map(|body| &workspace.boxes[body]);
+    // What is not a number overlaps nothing, and the step is abandoned for it.
+    let is_finite = |bounds: &Aabb<f64>| bounds.min.is_finite() && bounds.max.is_finite();
+    is_finite(one) && is_finite(other) && (!is_broad || one.overlaps(other))
 }

@@ -86,14 +86,6 @@ pub(super) fn may_meet<R: Real>(model: &Model<R>, state: &State<R>, pair: [usize
     pair.iter().all(|body| model.bodies[*body].meets_others() && !state.bodies[*body].gone)
 }
 
-/// Whether the boxes of two bodies overlap at the end of the substep, or nobody asks for that.
-pub(super) fn overlap<R: Real>(workspace: &BodiesWorkspace<R>, is_broad: bool, pair: [usize; 2]) -> bool {
-    let [one, other] = pair.map(|body| &workspace.boxes[body]);
-    // What is not a number overlaps nothing, and the step is abandoned for it.
-    let is_finite = |bounds: &Aabb<f64>| bounds.min.is_finite() && bounds.max.is_finite();
-    is_finite(one) && is_finite(other) && (!is_broad || one.overlaps(other))
-}
-
 /// Bodies that are near themselves and meet themselves. What is tied in a knot does not: its parts have to pass each other for
 /// recovery to undo it.
 pub(super) fn near_themselves<R: Real>(model: &Model<R>, state: &State<R>) -> impl Iterator<Item = usize> {

@@ -13,7 +13,6 @@ use super::buckets::{Buckets, Seen};
 use super::cell::TOLERANCE;
 use crate::math::{Aabb, Real};
 use crate::physics::model::{BodyModel, Model};
-use crate::physics::team;
 
 /// How far bodies may move past each other until lists are made anew, in cells.
 const MARGIN: f64 = 0.15;
@@ -70,27 +69,17 @@ impl Neighbours {
         }
     }
 
-    /// Bodies would be there (m) at the end of the substep, as far as they are followed; others are asked for no list.
-    pub(super) fn follow<R: Real>(
-        &mut self,
-        threads: usize,
-        model: &Model<R>,
-        ahead: &[DVec3],
-        is_followed: impl Fn(usize) -> bool + Sync,
-    ) {
+    /// Bodies would be there (m) at the end of the substep.
+    pub(super) fn follow<R: Real>(&mut self, model: &Model<R>, ahead: &[DVec3]) {
         if self.then.len() != ahead.len() {
             self.start(model, ahead);
             return;
         }
-        let Self { then, moved, .. } = self;
-        moved.resize(model.bodies.len(), Aabb::empty());
-        team::by_bodies(threads, model, moved, |part, moved| {
-            let bodies = part.clone().zip(&model.bodies[part]).zip(moved);
-            for ((_, body), moved) in bodies.filter(|((number, _), _)| is_followed(*number)) {
-                let own = [&**then, ahead].map(|of| &of[body.particles.clone()]);
-                *moved = Aabb::<f64>::around(own[1].iter().zip(own[0]).map(|(now, then)| *now - *then));
-            }
-        });
+        self.moved.clear();
+        self.moved.extend(model.bodies.iter().map(|body| {
+            let own = [&self.then, ahead].map(|of| &of[body.particles.clone()]);
+            Aabb::<f64>::around(own[1].iter().zip(own[0]).map(|(now, then)| *now - *then))
+        }));
     }
 
     /// Makes all lists anew, of these places.
@@ -104,34 +93,28 @@ impl Neighbours {
         self.moved.resize(model.bodies.len(), Aabb { min: DVec3::ZERO, max: DVec3::ZERO });
     }
 
-    /// Forgets all lists where the bodies of a pair have moved past each other. To be asked of every pair before any list is.
-    pub(super) fn forget_old<R: Real>(&mut self, model: &Model<R>, of: [usize; 2], ahead: &[DVec3]) {
-        let margin = margin(model, of);
+    /// The points of one body that may be in cells of another, by their places on its hull, and which these may be in.
+    pub(super) fn list<R: Real>(
+        &mut self,
+        model: &Model<R>,
+        of: [usize; 2],
+        ahead: &[DVec3],
+        buckets: &mut Buckets,
+    ) -> (&[u32], &[Neighbour]) {
+        let margin = MARGIN * of.map(|number| model.bodies[number].lattice.grid.cell_size)[1];
         let [points, cells] = of.map(|number| self.moved[number]);
         let way = (points.max - cells.min).max(cells.max - points.min).max_element();
         // What is not a number is no way either.
         if way.is_nan() || way > USED * margin {
             self.start(model, ahead);
         }
-    }
-
-    /// The number of the list of one body's points that may be in cells of another.
-    pub(super) fn list<R: Real>(&mut self, model: &Model<R>, of: [usize; 2], buckets: &mut Buckets) -> usize {
         let known = self.lists.iter().position(|list| list.of == of);
-        known.unwrap_or_else(|| {
-            self.make(model, of, margin(model, of), buckets);
+        let number = known.unwrap_or_else(|| {
+            self.make(model, of, margin, buckets);
             self.lists.len() - 1
-        })
-    }
-
-    /// The points of a list, by their places on the hull.
-    pub(super) fn points(&self, list: usize) -> &[u32] {
-        &self.points[self.lists[list].points.clone()]
-    }
-
-    /// Which cells they may be in.
-    pub(super) fn pairs(&self, list: usize) -> &[Neighbour] {
-        &self.pairs[self.lists[list].pairs.clone()]
+        });
+        let List { points, pairs, .. } = &self.lists[number];
+        (&self.points[points.clone()], &self.pairs[pairs.clone()])
     }
 
     /// Makes the list of a pair.
@@ -181,11 +164,6 @@ impl Neighbours {
         let (points, pairs) = (first.0..self.points.len(), first.1..self.pairs.len());
         self.lists.push(List { of, points, pairs });
     }
-}
-
-/// How far bodies may move past each other until their list is made anew, m.
-fn margin<R: Real>(model: &Model<R>, [_, cells]: [usize; 2]) -> f64 {
-    MARGIN * model.bodies[cells].lattice.grid.cell_size
 }
 
 /// The cells of a body in which points of another, or of the same, are looked for, ascending.
@@ -240,10 +218,8 @@ mod tests {
     /// How many points are in the boxes of cells, and how many of those are in the list of their bodies.
     fn in_boxes(model: &Model<f64>, of: [usize; 2], ahead: &[DVec3], lists: &mut Neighbours) -> [usize; 2] {
         let mut buckets = Buckets::new(1000);
-        lists.follow(1, model, ahead, |_| true);
-        lists.forget_old(model, of, ahead);
-        let list = lists.list(model, of, &mut buckets);
-        let (list, neighbours) = (lists.points(list), lists.pairs(list));
+        lists.follow(model, ahead);
+        let (list, neighbours) = lists.list(model, of, ahead, &mut buckets);
         let [points, cells] = of.map(|number| &model.bodies[number]);
         let own = &ahead[cells.particles.clone()];
         let (mut all, mut listed) = (0, 0);

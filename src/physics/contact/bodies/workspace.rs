@@ -3,7 +3,6 @@
 use glam::DVec3;
 
 use super::buckets::{Buckets, Seen};
-use super::looked::{Found, Search, Way};
 use super::motion::Motion;
 use super::neighbours::Neighbours;
 use super::record::BodyContact;
@@ -26,25 +25,16 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     /// What was remembered of each body's folds before the substep under way.
     folds: Vec<(bool, f64)>,
     pub(super) motions: Vec<Motion<R>>,
-    /// Where the particles of bodies that may meet anything would be at the end of the substep, m.
+    /// Where every particle would be at the end of the substep, m.
     pub(super) ahead: Vec<DVec3>,
     /// Where those of modal bodies are when it begins, m, which the state does not say; of no length where there are none.
     pub(super) modal_now: Vec<DVec3>,
-    /// How far each body comes.
-    pub(super) ways: Vec<Way>,
     /// The boxes around each body there, m; around a modal one over the whole substep.
     pub(super) boxes: Vec<Aabb<f64>>,
     /// The mean velocity of each body's particles, of a modal one that of its middle, m/s.
     pub(super) drifts: Vec<DVec3>,
     pub(super) neighbours: Neighbours,
-    /// The pairs of bodies that are looked at.
-    pub(super) pairs: Vec<[usize; 2]>,
-    /// What is looked for of each, ...
-    pub(super) searches: Vec<Search>,
-    /// ... their points, ...
     pub(super) seen: Vec<Seen>,
-    /// ... and the ways out of those that are inside.
-    pub(super) found: Vec<Option<Found>>,
     pub(super) buckets: Buckets,
     /// Points in the order of the buckets: where they are, m, and the cells that they do not meet.
     pub(super) sorted: Vec<(DVec3, Surroundings)>,
@@ -86,14 +76,10 @@ impl<R: Real> BodiesWorkspace<R> {
             motions: Vec::with_capacity(bodies),
             ahead: vec![DVec3::ZERO; count],
             modal_now: vec![DVec3::ZERO; if model.bodies.iter().any(|body| body.modal.is_some()) { count } else { 0 }],
-            ways: Vec::with_capacity(bodies),
             boxes: Vec::with_capacity(bodies),
             drifts: Vec::with_capacity(bodies),
             neighbours: Neighbours::new(all, largest, count, bodies),
-            pairs: Vec::with_capacity(bodies * bodies.min(8)),
-            searches: Vec::with_capacity(bodies * bodies.min(8)),
-            seen: Vec::with_capacity(2 * all),
-            found: Vec::with_capacity(2 * all),
+            seen: Vec::with_capacity(largest),
             buckets: Buckets::new(largest),
             sorted: Vec::new(),
             movers: Movers::new(count, WEIGHED * all),
