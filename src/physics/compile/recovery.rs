@@ -48,8 +48,8 @@ pub(super) fn bear<R: Real>(body: &mut BodyModel<R>, plan: &Plan) {
 /// `4 κ/(m h²)` to the square of a frequency, and the links at most `(4 k1 + 8.74 k2 + 2 k3)/(m h)`. Half of the latter
 /// keeps the sum below the limit at the share of it that automatic stepping takes. For equal constants it is 7.4 k h;
 /// from half of that on every crushed cube came back, at more than twice of it crumpled ones gained energy. A family
-/// without links in `lattice` limits no step and so has no share. Of several kinds the lightest bears half of what the links
-/// of the quickest add.
+/// without links in `lattice` limits no step and so has no share. Of several kinds that of the
+/// softest: soft cells that were pushed as stiff ones are would throw their links far.
 pub(super) fn of_springs(kinds: &[CellKind], lattice: &Lattice) -> [f64; 2] {
     let links = |kind: &CellKind| {
         let share = |family: Family, share: f64| {
@@ -59,8 +59,8 @@ pub(super) fn of_springs(kinds: &[CellKind], lattice: &Lattice) -> [f64; 2] {
         share(Family::Structural, 4.0) + share(Family::Shear, 8.736) + share(Family::Bending, 2.0)
     };
     let lightest = kinds.iter().map(|kind| kind.mass).fold(f64::INFINITY, f64::min);
-    let most = kinds.iter().map(|kind| links(kind) * (lightest / kind.mass)).fold(0.0, f64::max);
-    [0.5 * most * lattice.grid.cell_size, lightest]
+    let least = kinds.iter().map(links).fold(f64::INFINITY, f64::min);
+    [0.5 * least * lattice.grid.cell_size, lightest]
 }
 
 /// The same from cells that share out their links and masses. On its own a cell of mass M moves with `12 κ/(M h²)`, as if
