@@ -5,14 +5,15 @@ use gelatin::scene::body::{ModelShape, Part, Shape};
 use gelatin::scene::material::presets;
 use gelatin::scene::{Material, Solid, presets as scenes};
 use gelatin::session::Command;
+use tempfile::TempDir;
 
 use crate::live::Window;
 
-pub(crate) const TWO_PARTS: &str =
+const TWO_PARTS: &str =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl cabin\nf 1 3 2\nf 1 2 4\nusemtl tyres\nf 1 4 3\nf 2 3 4\n";
 
-#[test]
-fn each_part_of_a_model_is_given_a_solid_and_takes_that_of_the_body_again() {
+/// A body of springs whose model has two parts, in a window, and the folder of its file.
+pub(crate) fn car() -> (TempDir, Window) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("car.obj");
     std::fs::write(&path, TWO_PARTS).expect("a file");
@@ -20,7 +21,13 @@ fn each_part_of_a_model_is_given_a_solid_and_takes_that_of_the_body_again() {
     let path = path.to_string_lossy().into_owned();
     scene.bodies[0].shape = Shape::Model(ModelShape { path, divisions: 6, ..ModelShape::default() });
     scene.bodies[0].name = "Car".into();
-    let mut window = Window::on(scene, "car", [1280.0, 1000.0], Theme::Dark);
+    let window = Window::on(scene, "car", [1280.0, 1000.0], Theme::Dark);
+    (folder, window)
+}
+
+#[test]
+fn each_part_of_a_model_is_given_a_solid_and_takes_that_of_the_body_again() {
+    let (_folder, mut window) = car();
     window.click("Car");
     assert!(window.has("Parts of the model"), "of springs");
     window.choose("Made of", "a solid of your own");

@@ -3,12 +3,12 @@
 use egui::pos2;
 use gelatin::app::theme::Theme;
 use gelatin::geometry::Family;
-use gelatin::scene::body::{Inlay, ModelShape, Shape};
-use gelatin::scene::{Material, Springs, presets as scenes};
+use gelatin::scene::body::Inlay;
+use gelatin::scene::{Material, Springs};
 use gelatin::session::Command;
 
 use crate::live::Window;
-use crate::panels_parts::TWO_PARTS;
+use crate::panels_parts::car;
 
 fn own(window: &Window) -> Springs {
     let Material::Springs(springs) = window.scene().bodies[0].material else { panic!("of springs") };
@@ -27,14 +27,7 @@ fn softer(own: Springs) -> Springs {
 
 #[test]
 fn a_part_of_a_model_is_given_springs_which_are_dragged_and_taken_away() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("car.obj");
-    std::fs::write(&path, TWO_PARTS).expect("a file");
-    let mut scene = scenes::drop_model("car.obj");
-    let path = path.to_string_lossy().into_owned();
-    scene.bodies[0].shape = Shape::Model(ModelShape { path, divisions: 6, ..ModelShape::default() });
-    scene.bodies[0].name = "Car".into();
-    let mut window = Window::on(scene, "car", [1280.0, 1000.0], Theme::Dark);
+    let (_folder, mut window) = car();
     window.click("Car");
     window.choose("tyres", "springs of its own");
     let parts = |window: &Window| window.scene().bodies[0].parts.clone();

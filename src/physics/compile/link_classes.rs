@@ -126,3 +126,27 @@ fn listed(cells: impl Iterator<Item = (u8, u16)>) -> ([(u8, u16); HOLDERS], usiz
 pub(super) fn present(held: &[(u8, u16); HOLDERS]) -> impl DoubleEndedIterator<Item = (u8, u16)> + '_ {
     held.iter().copied().filter(|(kind, _)| *kind != NO_KIND)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::rng::Rng;
+
+    #[test]
+    fn where_there_are_very_many_classes_a_mean_is_of_the_commonest_kind_alone() {
+        let (mut rng, mut classes) = (Rng::new(4), Classes::default());
+        while classes.keys.len() < MANY {
+            let kinds = [0; 8].map(|_| u8::try_from(rng.next_u64() % 80).unwrap_or(0));
+            classes.of_mean(kinds.into_iter());
+        }
+        let key = |number: u16, classes: &Classes| classes.keys[usize::from(number)];
+        // Eight kinds that are in no class yet, five of them once.
+        let new = classes.of_mean([80, 7, 7, 7, 9, 11, 12, 13].into_iter());
+        assert_eq!(present(&key(new, &classes).1).collect::<Vec<_>>(), [(7, 1)], "of three to one");
+        assert_eq!(key(new, &classes).0, 1, "all of it");
+        let known = classes.keys[3];
+        let kinds = present(&known.1).flat_map(|(kind, cells)| std::iter::repeat_n(kind, usize::from(cells)));
+        assert_eq!(classes.of_mean(kinds), 3, "what is known stays what it is");
+        assert!(classes.keys.len() <= MANY + 81, "no more than one for each kind besides");
+    }
+}
