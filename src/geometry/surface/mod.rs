@@ -97,6 +97,24 @@ pub struct Pierced {
     pub normal: DVec3,
 }
 
+/// The point of a triangle nearest to another.
+#[derive(Clone, Copy, Debug)]
+struct OfTriangle {
+    /// The square of how far it is.
+    squared: f64,
+    triangle: usize,
+    point: DVec3,
+    feature: Feature,
+}
+
+/// The nearest of all triangles.
+#[derive(Clone, Copy, Debug)]
+struct Closest {
+    best: OfTriangle,
+    /// No other is nearer than this.
+    next: f64,
+}
+
 impl Surface {
     /// The surface of a mesh.
     ///
@@ -202,10 +220,19 @@ impl Surface {
         self.search(at, most)
     }
 
-    /// The same, found sooner where a triangle is known that is near; it may be any.
-    pub fn nearest_beside(&self, at: DVec3, triangle: u32) -> NearestPoint {
+    /// The same, found sooner where a triangle is known that is near; it may be any. Tells too how far the point may go until
+    /// another triangle may be the nearest, looked for as far as `way`; nothing where more than one is.
+    pub fn nearest_beside(&self, at: DVec3, triangle: u32, way: f64) -> (NearestPoint, f64) {
         let known = if (triangle as usize) < self.triangles.len() { triangle } else { 0 };
-        self.search(at, self.distance_to(known, at))
+        let Closest { best, next } = self.closest(at, self.distance_to(known, at), 2.0 * way);
+        // It comes nearer to one by no more than it goes, and farther from the other.
+        let alone = 0.5 * (next - best.squared.sqrt()) - SLACK;
+        (self.told(best), alone.min(way).max(0.0))
+    }
+
+    /// The same where it is known which triangle is the nearest.
+    pub fn nearest_of(&self, at: DVec3, triangle: u32) -> NearestPoint {
+        self.told(self.of_triangle(triangle as usize, at))
     }
 
     /// Whether a point is inside.
@@ -265,23 +292,41 @@ impl Surface {
 
     /// The nearest point, which is known to be no farther than `most`.
     fn search(&self, at: DVec3, most: f64) -> NearestPoint {
+        self.told(self.closest(at, most, 0.0).best)
+    }
+
+    /// The nearest triangle, which is known to be no farther than `most`, and how far the next is, if it is no farther than
+    /// the nearest by more than `beyond`.
+    fn closest(&self, at: DVec3, most: f64, beyond: f64) -> Closest {
         let entry = |bounds: &Aabb<f64>| {
             let off = (bounds.min - at).max(at - bounds.max).max(DVec3::ZERO);
             Some(off.length_squared())
         };
-        let mut best = (f64::INFINITY, 0, DVec3::ZERO, Feature::Face);
-        self.tree.walk(most * most * (1.0 + 1e-9) + 1e-18, entry, |leaf, mut most| {
+        let within = |distance: f64| (distance + beyond) * (distance + beyond) * (1.0 + 1e-9) + 1e-18;
+        let mut best = OfTriangle { squared: f64::INFINITY, triangle: 0, point: DVec3::ZERO, feature: Feature::Face };
+        let mut next = f64::INFINITY;
+        self.tree.walk(within(most), entry, |leaf, mut most| {
             for triangle in leaf {
-                let (point, feature) = triangle::nearest(self.corners(triangle), at);
-                let squared = point.distance_squared(at);
-                if squared < best.0 {
-                    best = (squared, triangle, point, feature);
-                    most = most.min(squared);
+                let other = self.of_triangle(triangle, at);
+                if other.squared < best.squared {
+                    next = best.squared;
+                    most = most.min(if beyond > 0.0 { within(other.squared.sqrt()) } else { other.squared });
+                    best = other;
+                } else {
+                    next = next.min(other.squared);
                 }
             }
             most
         });
-        let (squared, triangle, point, feature) = best;
+        Closest { best, next: next.sqrt().min(best.squared.sqrt() + beyond) }
+    }
+
+    fn of_triangle(&self, triangle: usize, at: DVec3) -> OfTriangle {
+        let (point, feature) = triangle::nearest(self.corners(triangle), at);
+        OfTriangle { squared: point.distance_squared(at), triangle, point, feature }
+    }
+
+    fn told(&self, OfTriangle { squared, triangle, point, feature }: OfTriangle) -> NearestPoint {
         let across = |edge: usize| self.neighbours[triangle][edge];
         let (normal, is_on_rim) = match feature {
             Feature::Face => (self.normals[triangle], false),

@@ -65,11 +65,28 @@ fn the_grid_of_distances_changes_nothing_but_time() {
             let (found, searched) = (surface.nearest(at), surface.search(at, f64::INFINITY));
             assert_eq!(found.point, searched.point, "{at}");
             for known in [0, 7, u32::MAX] {
-                assert_eq!(surface.nearest_beside(at, known), searched, "{at}, beside triangle {known}");
+                assert_eq!(surface.nearest_beside(at, known, 0.0), (searched, 0.0), "{at}, beside triangle {known}");
             }
             assert_eq!(surface.holds(at), searched.is_within(at), "{at}");
         }
     }
+}
+
+#[test]
+fn a_triangle_stays_the_nearest_for_as_long_as_is_said() {
+    let mut kept = 0;
+    for mesh in [ball(20), cube()] {
+        let surface = surface(&mesh);
+        for (at, towards) in points().zip(points().skip(9)) {
+            let (nearest, alone) = surface.nearest_beside(at, 3, 0.01);
+            assert_eq!(nearest, surface.search(at, f64::INFINITY), "{at}: what else is looked for changes nothing");
+            assert!((0.0..=0.01).contains(&alone), "{at}: no further than was looked for, {alone}");
+            let there = at + (towards - at).normalize() * (0.999 * alone);
+            assert_eq!(surface.nearest_of(there, nearest.triangle), surface.nearest(there), "{at} to {there}");
+            kept += usize::from(alone > 0.001);
+        }
+    }
+    assert!(kept > 1000, "{kept} of 7998 points may go anywhere near");
 }
 
 #[test]

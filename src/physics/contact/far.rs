@@ -16,6 +16,9 @@ pub(super) const FEW: usize = 16;
 /// What is known of a particle in single precision and a mesh, bytes.
 pub(super) const BYTES_FAR: usize = size_of::<[f32; 3]>() + size_of::<f64>().div_ceil(FEW);
 
+/// So many times in a row a few of which one was near are taken to be near still.
+const TAKEN_AS_NEAR: f64 = 8.0;
+
 /// How much nearer than it was found the surface may be for rounding, as a share of the way.
 const ROUNDING_SHARE: f64 = 1e-3;
 
@@ -31,7 +34,8 @@ pub(super) struct Far<R: Real> {
 struct FarFromMesh<R: Real> {
     /// Where particles were when they were looked at, m.
     at: Vec<R::Vec3>,
-    /// How far the mesh was from the nearest of a few then, m; nothing where that is not known.
+    /// How far the mesh was from the nearest of a few then, m; nothing where that is not known; less than nothing by as many as
+    /// the times are that they are taken to be near.
     distance: Vec<f64>,
     /// Where the mesh was then, for every body.
     place: Vec<Option<Place<R>>>,
@@ -78,6 +82,10 @@ impl<R: Real> Far<R> {
             distance[slot(few.own.start)..=slot(few.own.end - 1)].fill(0.0);
         }
         let (at, distance) = (&mut at[few.these.clone()], &mut distance[slot(few.these.start)]);
+        if *distance < 0.0 {
+            *distance += 1.0;
+            return false;
+        }
         let [position, velocity] = [few.position, few.velocity].map(|of| &of[few.these.clone()]);
         let margin = (reach + rounding_margin(mesh, position[0]) * R::from_f64(4.0)).to_f64();
         let comes_as_far_as = |at: &[R::Vec3]| {
@@ -98,6 +106,7 @@ impl<R: Real> Far<R> {
             let known = &known[particle * meshes + mesh.place];
             nearest = nearest.min(known.least_distance(mesh, mesh.own(*position)) * mesh.length);
             if nearest <= needed {
+                *distance = -TAKEN_AS_NEAR;
                 return false;
             }
         }

@@ -34,7 +34,13 @@ pub(in crate::physics) struct Known {
     clear: f64,
     /// What was nearest; none before the first look.
     nearest: Option<NearestPoint>,
+    /// How far it may go until another triangle may be nearest.
+    alone: f64,
 }
+
+/// Which triangles are nearest is found for so many times as far as a particle went since the last look: it goes about as far
+/// in every substep.
+const LOOKS: f64 = 32.0;
 
 impl Known {
     /// Whether the surface cannot be within `reach`.
@@ -56,10 +62,14 @@ impl Known {
         if let Some(nearest) = self.nearest.filter(|_| at == self.at) {
             return nearest;
         }
-        let triangle = self.nearest.map_or(0, |nearest| nearest.triangle);
-        let nearest = mesh.surface.nearest_beside(at, triangle);
+        let (triangle, way) = self.nearest.map_or((0, 0.0), |nearest| (nearest.triangle, at.distance(self.at)));
+        let (nearest, alone) = if way < self.alone {
+            (mesh.surface.nearest_of(at, triangle), self.alone - way)
+        } else {
+            mesh.surface.nearest_beside(at, triangle, LOOKS * way)
+        };
         let is_outside = mesh.side_row.is_some() || (at - nearest.point).dot(nearest.normal) > 0.0;
-        *self = Self { at, clear: if is_outside { nearest.distance } else { 0.0 }, nearest: Some(nearest) };
+        *self = Self { at, clear: if is_outside { nearest.distance } else { 0.0 }, nearest: Some(nearest), alone };
         nearest
     }
 }
