@@ -75,6 +75,47 @@ impl Cell {
     }
 }
 
+/// Slabs that a cell lies in, one for each of its axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slabs {
+    /// The normals, of any length.
+    across: [DVec3; 3],
+    /// Where each begins and ends along its normal.
+    between: [[f64; 2]; 3],
+}
+
+/// Slabs are thicker by this share, for places as far outside the cell as counts as inside and for rounding.
+const THICKER: f64 = 1e-3;
+
+impl Cell {
+    /// The slabs around its corners, and so around all its places, that lean as it does in the mean.
+    pub(super) fn slabs(&self) -> Slabs {
+        let [x, y, z] = [1, 2, 4].map(|step| {
+            let corners = self.0.iter().enumerate();
+            corners.fold(DVec3::ZERO, |sum, (place, at)| if place & step == 0 { sum - *at } else { sum + *at })
+        });
+        let across = [y.cross(z), z.cross(x), x.cross(y)];
+        let between = across.map(|across| {
+            let all = self.0.map(|corner| across.dot(corner));
+            let (low, high) = all.iter().fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(*at), high.max(*at)));
+            let more = THICKER * (high - low);
+            [low - more, high + more]
+        });
+        Slabs { across, between }
+    }
+}
+
+impl Slabs {
+    /// Whether a point is in all of them: no other has a place in the cell.
+    pub(super) fn hold(&self, point: DVec3) -> bool {
+        let mut slabs = self.across.iter().zip(&self.between);
+        slabs.all(|(across, [low, high])| {
+            let at = across.dot(point);
+            at >= *low && at <= *high
+        })
+    }
+}
+
 /// How far outside the cell a place is along the worst axis, in cells; 0 inside.
 pub(super) fn outside(at: DVec3) -> f64 {
     (at - at.clamp(DVec3::ZERO, DVec3::ONE)).abs().max_element()
@@ -102,6 +143,27 @@ mod tests {
             let off = found.map_or(f64::INFINITY, |found| (found - at).length());
             assert!(off < 1e-8, "{off} away from {at}, found {found:?}");
         }
+    }
+
+    #[test]
+    fn every_place_of_a_cell_is_in_its_slabs_and_few_others_are() {
+        let (mut rng, mut others) = (Rng::new(4), 0);
+        for by in [0.0, 0.2, 0.6].repeat(200) {
+            let cell = crooked(&mut rng, by);
+            let slabs = cell.slabs();
+            let mut place = |beyond: f64| DVec3::from([0; 3].map(|_| rng.between(-beyond, 1.0 + beyond)));
+            for _ in 0..20 {
+                let point = cell.point(place(TOLERANCE));
+                assert!(slabs.hold(point), "{point} in {cell:?}");
+                let near = cell.point(place(0.5));
+                others += usize::from(by < 0.1 && slabs.hold(near) && outside(place_in(&cell, near)) > 0.01);
+            }
+        }
+        assert_eq!(others, 0, "of a cell that is not deformed there are none");
+    }
+
+    fn place_in(cell: &Cell, point: DVec3) -> DVec3 {
+        cell.locate(point, DVec3::splat(0.5), 0.1).unwrap_or(DVec3::splat(0.5))
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! ```text
 //! bodies      the boxes of two bodies overlap, where they would be at the end
 //! neighbours  those of the one's outside that are near cells of the other: kept until bodies have moved
-//! cells       is the point in the box around the cell, is it in the cell
+//! cells       is the point in the box around the cell, in slabs that lean as it does, in the cell itself
 //! way out     along the six axes of the cell, of those that lead against the point's own outside the shortest
 //! ```
 //!
@@ -18,7 +18,7 @@
 use glam::DVec3;
 
 use super::buckets::Seen;
-use super::cell::{Cell, TOLERANCE, outside};
+use super::cell::{Cell, Slabs, TOLERANCE, outside};
 use super::neighbours::{around, looked_at};
 use super::workspace::BodiesWorkspace;
 use crate::math::{Aabb, Real};
@@ -69,19 +69,19 @@ pub(super) fn find<R: Real>(
     let see = |point: u32| Seen::of(point, ahead[points.particles.start + hull.points[point as usize] as usize]);
     seen.clear();
     if is_broad {
-        let (points, near) = neighbours.list(model, of, ahead, buckets);
-        seen.extend(points.iter().map(|point| see(*point)));
-        for of_cell in near.chunk_by(|one, next| one.cell == next.cell) {
-            let cell = Candidate::new(cells, of_cell[0].cell, own, cell_size);
-            for neighbour in of_cell {
-                tests += u64::from(cell.look(&mut seen[neighbour.place as usize]));
+        let list = neighbours.list(model, of, ahead, buckets);
+        seen.extend(list.points.iter().map(|point| see(*point)));
+        for (number, places) in list.by_cell() {
+            let mut cell = Candidate::new(cells, number, own, cell_size);
+            for place in places {
+                tests += u64::from(cell.look(&mut seen[place as usize]));
             }
         }
     } else {
         seen.extend((0..).zip(&hull.points).map(|(point, _)| see(point)));
         let is_itself = of[0] == of[1];
         for number in looked_at(cells, is_itself) {
-            let cell = Candidate::new(cells, number, own, cell_size);
+            let mut cell = Candidate::new(cells, number, own, cell_size);
             let low = cells.lattice.low(number);
             for seen in &mut *seen {
                 if !(is_itself && hull.surroundings[seen.point as usize].touch(low)) {
@@ -133,6 +133,8 @@ struct Candidate {
     cell: Cell,
     /// The box around it, m.
     around: Aabb<f64>,
+    /// Those around it, once a point is in the box.
+    slabs: Option<Slabs>,
     /// At rest, m.
     size: f64,
 }
@@ -142,13 +144,17 @@ impl Candidate {
     fn new<R: Real>(body: &BodyModel<R>, number: u32, own: &[DVec3], size: f64) -> Self {
         let around = around(body, number, own).grown(TOLERANCE * size);
         let cell = Cell(body.lattice.cells[number as usize].map(|corner| own[corner as usize]));
-        Self { number, cell, around, size }
+        Self { number, cell, around, slabs: None, size }
     }
 
     /// Looks whether a point is in the cell, and further inside than in any before. Says whether it could be.
-    fn look(&self, seen: &mut Seen) -> bool {
+    fn look(&mut self, seen: &mut Seen) -> bool {
         if seen.outside == 0.0 || !self.around.holds(seen.ahead) {
             return false;
+        }
+        let slabs = self.slabs.get_or_insert_with(|| self.cell.slabs());
+        if !slabs.hold(seen.ahead) {
+            return true;
         }
         if let Some(at) = self.cell.locate(seen.ahead, DVec3::splat(0.5), self.size) {
             let beyond = outside(at);

@@ -20,6 +20,9 @@ const MARGIN: f64 = 0.15;
 /// The share of it that is used: the rest is rounding.
 const USED: f64 = 0.999;
 
+/// The share of it that a way is taken to be longer by, for rounding in what is near.
+const ROUNDING: f64 = 1e-3;
+
 /// A point that may be in a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Neighbour {
@@ -27,6 +30,32 @@ pub(super) struct Neighbour {
     pub(super) cell: u32,
     /// The point's place among those of the list.
     pub(super) place: u32,
+    /// How far outside the box around the cell the point was when the list was made, m; less than nothing inside.
+    beyond: f32,
+}
+
+/// The list of a pair, as it is looked through.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Listed<'a> {
+    /// The points that may be in cells, by their places on the hull.
+    pub(super) points: &'a [u32],
+    /// By cell, ascending.
+    pub(super) pairs: &'a [Neighbour],
+    /// How far the bodies may have moved past each other since, m.
+    way: f32,
+}
+
+impl<'a> Listed<'a> {
+    /// What may be in each cell by now, of the cells where anything may be.
+    pub(super) fn by_cell(self) -> impl Iterator<Item = (u32, impl Iterator<Item = u32> + use<'a>)> {
+        let may_be_in = move |neighbour: &&Neighbour| neighbour.beyond <= self.way;
+        let cells = self.pairs.chunk_by(|one, next| one.cell == next.cell);
+        cells.filter_map(move |of_cell| {
+            let first = of_cell.iter().position(|neighbour| may_be_in(&neighbour))?;
+            let places = of_cell[first..].iter().filter(may_be_in).map(|neighbour| neighbour.place);
+            Some((of_cell[first].cell, places))
+        })
+    }
 }
 
 /// The list of one body's points and another's cells.
@@ -93,19 +122,22 @@ impl Neighbours {
         self.moved.resize(model.bodies.len(), Aabb { min: DVec3::ZERO, max: DVec3::ZERO });
     }
 
-    /// The points of one body that may be in cells of another, by their places on its hull, and which these may be in.
+    /// The points of one body that may be in cells of another, and which these may be in.
     pub(super) fn list<R: Real>(
         &mut self,
         model: &Model<R>,
         of: [usize; 2],
         ahead: &[DVec3],
         buckets: &mut Buckets,
-    ) -> (&[u32], &[Neighbour]) {
+    ) -> Listed<'_> {
         let margin = MARGIN * of.map(|number| model.bodies[number].lattice.grid.cell_size)[1];
-        let [points, cells] = of.map(|number| self.moved[number]);
-        let way = (points.max - cells.min).max(cells.max - points.min).max_element();
+        let way = |moved: &[Aabb<f64>]| {
+            let [points, cells] = of.map(|number| moved[number]);
+            (points.max - cells.min).max(cells.max - points.min).max_element()
+        };
+        let gone = way(&self.moved);
         // What is not a number is no way either.
-        if way.is_nan() || way > USED * margin {
+        if gone.is_nan() || gone > USED * margin {
             self.start(model, ahead);
         }
         let known = self.lists.iter().position(|list| list.of == of);
@@ -114,7 +146,9 @@ impl Neighbours {
             self.lists.len() - 1
         });
         let List { points, pairs, .. } = &self.lists[number];
-        (&self.points[points.clone()], &self.pairs[pairs.clone()])
+        #[expect(clippy::cast_possible_truncation, reason = "what is lost is allowed for")]
+        let way = (way(&self.moved) / USED) as f32 + (ROUNDING * margin) as f32;
+        Listed { points: &self.points[points.clone()], pairs: &self.pairs[pairs.clone()], way }
     }
 
     /// Makes the list of a pair.
@@ -137,7 +171,8 @@ impl Neighbours {
             self.place_of.clear();
             self.place_of.resize(self.seen.len(), 0);
             for number in looked_at(cells, is_itself) {
-                let around = around(cells, number, own).grown(reach);
+                let cell = around(cells, number, own).grown(TOLERANCE * cell_size);
+                let around = cell.grown(margin);
                 if !around.overlaps(&bounds) {
                     continue;
                 }
@@ -146,8 +181,12 @@ impl Neighbours {
                     let Seen { point, ahead, .. } = self.seen[place];
                     if around.holds(ahead) && !(is_itself && hull.surroundings[point as usize].touch(low)) {
                         self.place_of[place] = 1;
-                        #[expect(clippy::cast_possible_truncation, reason = "points are counted in 32 bits")]
-                        self.pairs.push(Neighbour { cell: number, place: place as u32 });
+                        let beyond = (cell.min - ahead).max(ahead - cell.max).max_element();
+                        #[expect(
+                            clippy::cast_possible_truncation,
+                            reason = "points are counted in 32 bits, and what is lost of a way is allowed for"
+                        )]
+                        self.pairs.push(Neighbour { cell: number, place: place as u32, beyond: beyond as f32 });
                     }
                 }
             }
@@ -219,7 +258,8 @@ mod tests {
     fn in_boxes(model: &Model<f64>, of: [usize; 2], ahead: &[DVec3], lists: &mut Neighbours) -> [usize; 2] {
         let mut buckets = Buckets::new(1000);
         lists.follow(model, ahead);
-        let (list, neighbours) = lists.list(model, of, ahead, &mut buckets);
+        let list = lists.list(model, of, ahead, &mut buckets);
+        let near: Vec<(u32, Vec<u32>)> = list.by_cell().map(|(cell, places)| (cell, places.collect())).collect();
         let [points, cells] = of.map(|number| &model.bodies[number]);
         let own = &ahead[cells.particles.clone()];
         let (mut all, mut listed) = (0, 0);
@@ -227,8 +267,8 @@ mod tests {
             let at = ahead[points.particles.start + *particle as usize];
             for cell in looked_at(cells, false).filter(|cell| around(cells, *cell, own).holds(at)) {
                 all += 1;
-                let is_it = |near: &&Neighbour| near.cell == cell && list[near.place as usize] == point;
-                listed += neighbours.iter().filter(is_it).count();
+                let of_cell = near.iter().filter(|(of, _)| *of == cell).flat_map(|(_, places)| places);
+                listed += of_cell.filter(|place| list.points[**place as usize] == point).count();
             }
         }
         [all, listed]
