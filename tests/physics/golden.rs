@@ -41,9 +41,14 @@ fn seconds(preset: &str) -> f64 {
     if LARGE.contains(&preset) { 1.0 } else { 5.0 }
 }
 
-/// For how long of that at most it goes on without the broad phase, s: of large bodies that may meet others it takes minutes.
-fn seconds_without_broad_phase(preset: &str) -> f64 {
-    if LARGE.contains(&preset) { 0.05 } else { f64::INFINITY }
+/// For how long of that at most it goes on without the broad phase, s: every point of a body is looked for in every cell of all
+/// others then.
+fn seconds_without_broad_phase(case: &Case) -> f64 {
+    match case.scene.bodies.len() {
+        _ if LARGE.contains(&case.name.as_str()) => 0.05,
+        0 | 1 => f64::INFINITY,
+        _ => 0.25,
+    }
 }
 
 fn cases() -> Vec<Case> {
@@ -96,7 +101,7 @@ fn fingerprints(case: &Case, way: Way) -> [u64; 2] {
     again.set_threads(way.threads);
     (again.plan_mut().simd, again.plan_mut().broad_phase) = (way.level, false);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(way.threads).build().expect("threads");
-    let without = seconds_without_broad_phase(&case.name).min(0.5 * case.seconds);
+    let without = seconds_without_broad_phase(case).min(0.5 * case.seconds);
     pool.install(|| {
         run(&mut again, without);
         again.plan_mut().broad_phase = true;
