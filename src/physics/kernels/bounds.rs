@@ -25,6 +25,18 @@ pub(in crate::physics) fn bounds<R: Real>(level: SimdLevel, of: &[R::Vec3]) -> A
     )
 }
 
+/// The box around the ways from some vectors to as many others.
+pub(in crate::physics) fn bounds_of_ways<R: Real>(level: SimdLevel, from: &[R::Vec3], to: &[R::Vec3]) -> Aabb<R> {
+    level.run(
+        #[inline(always)]
+        || {
+            let mut extremes = Extremes::none();
+            extremes.include_ways(components(from), components(to));
+            extremes.bounds()
+        },
+    )
+}
+
 /// Writes the box around the motion of each [`GROUP`] of particles that move from `position` (m) for `secs` with `velocity`
 /// (m/s).
 pub(in crate::physics) fn motion_bounds<R: Real>(
@@ -95,6 +107,20 @@ impl<R: Real> Extremes<R> {
         }
     }
 
+    /// With the ways from numbers to others.
+    #[inline(always)]
+    fn include_ways(&mut self, from: &[R], to: &[R]) {
+        let ((whole, rest), (ends, ends_rest)) = (from.as_chunks::<PLACES>(), to.as_chunks::<PLACES>());
+        for (from, to) in whole.iter().zip(ends) {
+            for place in 0..PLACES {
+                self.take::<false>(place, to[place] - from[place], R::ZERO, R::ZERO);
+            }
+        }
+        for (place, (from, to)) in rest.iter().zip(ends_rest).enumerate() {
+            self.take::<false>(place, *to - *from, R::ZERO, R::ZERO);
+        }
+    }
+
     #[inline(always)]
     fn take<const MOVE: bool>(&mut self, place: usize, from: R, velocity: R, secs: R) {
         // No `min`: what it owes to NaN costs as much again. One is passed over here too.
@@ -137,6 +163,8 @@ pub(super) mod tests {
             let [position, velocity] = [0; 2].map(|_| random(count, &mut rng));
             for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
                 assert_eq!(bounds::<f32>(level, &position), Aabb::around(position.iter().copied()), "{count}");
+                let ways = position.iter().zip(&velocity).map(|(from, to)| *to - *from);
+                assert_eq!(bounds_of_ways::<f32>(level, &position, &velocity), Aabb::around(ways), "{count}");
                 let mut boxes = vec![Aabb::empty(); count.div_ceil(GROUP)];
                 motion_bounds::<f32>(level, &position, &velocity, 0.25, &mut boxes);
                 let ends = |group: usize| {

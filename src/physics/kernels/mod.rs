@@ -42,7 +42,7 @@ mod strain;
 mod sweep;
 mod tangent;
 
-pub(in crate::physics) use bounds::{GROUP, are_finite, bounds, motion_bounds};
+pub(in crate::physics) use bounds::{GROUP, are_finite, bounds, bounds_of_ways, motion_bounds};
 pub(in crate::physics) use boxed::BoxedLinks;
 pub(in crate::physics) use energy::{LinkSum, sum_over_links};
 pub(in crate::physics) use layout::{BYTES_A_CORNER, Layout, MOST_CORNERS_A_PARTICLE};

@@ -47,6 +47,7 @@ use self::buckets::Seen;
 use self::meeting::Meeting;
 use super::weighted::{self, ModalBodies, Mover, PointConstraint, PointLaw};
 use crate::math::{Aabb, Real, Vector};
+use crate::physics::kernels::bounds;
 use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
 use crate::physics::state::press::Press;
@@ -94,9 +95,9 @@ pub(in crate::physics) fn meet<R: Real>(
     }
     presses.sort_unstable_by_key(Press::place);
     recorder.note_depth_between_bodies(deepest);
-    for mover in &movers.all {
-        if mover.velocity != mover.before {
-            let (particle, after) = (mover.particle as usize, R::Vec3::from_dvec3(mover.velocity));
+    for (mover, now) in movers.all.iter().zip(&movers.velocity) {
+        if *now != mover.before {
+            let (particle, after) = (mover.particle as usize, R::Vec3::from_dvec3(*now));
             velocity[particle] = after;
             moved.push((particle, after));
         }
@@ -185,7 +186,7 @@ fn look_ahead<R: Real>(
     modal: &mut impl ModalBodies,
     workspace: &mut BodiesWorkspace<R>,
 ) {
-    let Substep { model, state, dt, .. } = substep;
+    let Substep { model, state, plan, dt, .. } = substep;
     let dt = dt.to_f64();
     workspace.boxes.clear();
     workspace.drifts.clear();
@@ -195,15 +196,14 @@ fn look_ahead<R: Real>(
             workspace.drifts.push(modal.drift(number));
             continue;
         }
-        let (mut bounds, mut sum) = (Aabb::<f64>::empty(), DVec3::ZERO);
+        let mut sum = DVec3::ZERO;
         for particle in body.particles.clone() {
             let at = state.position[particle].to_dvec3();
             let fast = if state.bodies[number].asleep { DVec3::ZERO } else { velocity[particle].to_dvec3() };
             workspace.ahead[particle] = at + fast * dt;
-            bounds = bounds.include(at + fast * dt);
             sum += fast;
         }
-        workspace.boxes.push(bounds);
+        workspace.boxes.push(bounds::<f64>(plan.simd, &workspace.ahead[body.particles.clone()]));
         workspace.drifts.push(sum * (1.0 / body.particles.len() as f64));
     }
     for (number, body) in model.bodies.iter().enumerate() {
@@ -214,7 +214,7 @@ fn look_ahead<R: Real>(
             modal.look_ahead(number, &region, [&mut modal_now[own.clone()], &mut ahead[own]]);
         }
     }
-    workspace.neighbours.follow(model, &workspace.ahead);
+    workspace.neighbours.follow(plan.simd, model, &workspace.ahead);
 }
 
 /// A box around all others that a body may meet; without a broad phase it may meet them anywhere.

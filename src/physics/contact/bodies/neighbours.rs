@@ -12,6 +12,7 @@ use glam::DVec3;
 use super::buckets::{Buckets, Seen};
 use super::cell::TOLERANCE;
 use crate::math::{Aabb, Real};
+use crate::physics::kernels::{SimdLevel, bounds_of_ways};
 use crate::physics::model::{BodyModel, Model};
 
 /// How far bodies may move past each other until lists are made anew, in cells.
@@ -99,15 +100,15 @@ impl Neighbours {
     }
 
     /// Bodies would be there (m) at the end of the substep.
-    pub(super) fn follow<R: Real>(&mut self, model: &Model<R>, ahead: &[DVec3]) {
+    pub(super) fn follow<R: Real>(&mut self, level: SimdLevel, model: &Model<R>, ahead: &[DVec3]) {
         if self.then.len() != ahead.len() {
             self.start(model, ahead);
             return;
         }
         self.moved.clear();
         self.moved.extend(model.bodies.iter().map(|body| {
-            let own = [&self.then, ahead].map(|of| &of[body.particles.clone()]);
-            Aabb::<f64>::around(own[1].iter().zip(own[0]).map(|(now, then)| *now - *then))
+            let [then, now] = [&self.then, ahead].map(|of| &of[body.particles.clone()]);
+            bounds_of_ways::<f64>(level, then, now)
         }));
     }
 
@@ -257,7 +258,7 @@ mod tests {
     /// How many points are in the boxes of cells, and how many of those are in the list of their bodies.
     fn in_boxes(model: &Model<f64>, of: [usize; 2], ahead: &[DVec3], lists: &mut Neighbours) -> [usize; 2] {
         let mut buckets = Buckets::new(1000);
-        lists.follow(model, ahead);
+        lists.follow(SimdLevel::best(), model, ahead);
         let list = lists.list(model, of, ahead, &mut buckets);
         let near: Vec<(u32, Vec<u32>)> = list.by_cell().map(|(cell, places)| (cell, places.collect())).collect();
         let [points, cells] = of.map(|number| &model.bodies[number]);

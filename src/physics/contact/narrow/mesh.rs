@@ -30,7 +30,7 @@ const SPARE: f64 = 1e-9;
 pub(in crate::physics) struct Known {
     /// Where it was, in the mesh's own axes and unit.
     at: DVec3,
-    /// How far the surface was then; nothing where it was behind it.
+    /// How far the surface was then, at least; nothing where it was behind it.
     clear: f64,
     /// What was nearest; none before the first look.
     nearest: Option<NearestPoint>,
@@ -43,10 +43,17 @@ pub(in crate::physics) struct Known {
 const LOOKS: f64 = 32.0;
 
 impl Known {
-    /// Whether the surface cannot be within `reach`.
+    /// Whether the surface is known without a search not to be within `reach`.
     #[inline]
-    fn is_clear(&self, at: DVec3, reach: f64) -> bool {
-        self.clear > 0.0 && self.clear - at.distance(self.at) > reach + SPARE
+    fn is_clear<R: Real>(&mut self, mesh: &MeshModel<R>, at: DVec3, reach: f64) -> bool {
+        if self.clear > 0.0 && self.clear - at.distance(self.at) > reach + SPARE {
+            return true;
+        }
+        let least = mesh.surface.least_distance(at);
+        if least > reach {
+            *self = Self { at, clear: least, ..Self::default() };
+        }
+        least > reach
     }
 
     /// How far the surface is from a point at least, over its length, as far as is known without a search; nothing where that
@@ -98,7 +105,7 @@ pub(in crate::physics::contact) fn meet_within<R: Real>(
     let margin = if mesh.side_row.is_some() { margin.to_f64() / mesh.length } else { 0.0 };
     let reach = way.length() + margin;
     // What touches an open mesh may be deeper behind it than it moves.
-    if side == 0 && (known.is_clear(at, reach) || mesh.surface.is_beyond(at, reach)) {
+    if side == 0 && known.is_clear(mesh, at, reach) {
         return None;
     }
     let nearest = known.nearest(mesh, at);

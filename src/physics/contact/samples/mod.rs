@@ -136,8 +136,8 @@ fn solve<R: Real>(substep: Substep<'_, R>, velocity: &mut [R::Vec3], workspace: 
     constraints.iter_mut().for_each(PointConstraint::reset);
     movers.forget_changes();
     weighted::solve(constraints, movers, &mut (), substep.dt.to_f64());
-    for mover in movers.all.iter().filter(|mover| mover.mobility > 0.0) {
-        velocity[mover.particle as usize] = R::Vec3::from_dvec3(mover.velocity);
+    for (mover, now) in movers.all.iter().zip(&movers.velocity).filter(|(mover, _)| mover.mobility > 0.0) {
+        velocity[mover.particle as usize] = R::Vec3::from_dvec3(*now);
     }
 }
 

@@ -181,7 +181,7 @@ impl PointConstraint {
 
     /// The speed of the point past what it meets, m/s.
     pub(in crate::physics::contact) fn past(&self, movers: &Movers) -> DVec3 {
-        movers.now(self.shares, |mover| mover.velocity) - self.carried
+        movers.now(self.shares) - self.carried
     }
 
     /// How far its spring is pressed at the end of a substep of `dt` (s), m.
@@ -212,7 +212,7 @@ impl PointConstraint {
         if self.spring.beyond() <= 0.0 {
             return 0.0;
         }
-        let mean = movers.now(self.shares, mean) - self.carried;
+        let mean = movers.with(self.shares, mean) - self.carried;
         (self.pushed * mean.dot(self.normal) + self.stored(movers, dt)).max(0.0)
     }
 

@@ -18,16 +18,26 @@ pub(in crate::physics::contact) struct Mover {
     pub(in crate::physics::contact) mobility: f64,
     /// The velocity it would have without these contacts, m/s.
     pub(in crate::physics::contact) before: DVec3,
-    /// The velocity it has, m/s.
-    pub(in crate::physics::contact) velocity: DVec3,
+}
+
+/// What a contact has of a mover.
+#[derive(Clone, Copy, Debug)]
+struct Share {
+    /// Its place among all.
+    place: u32,
+    weight: f64,
+    /// What an impulse of 1 on the contact's point changes of its speed, 1/kg.
+    yields: f64,
 }
 
 /// All particles that contacts may change, and the weights that contacts give them.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics::contact) struct Movers {
     pub(in crate::physics::contact) all: Vec<Mover>,
-    /// Places among all with their weights, contact after contact.
-    shares: Vec<(u32, f64)>,
+    /// The velocities that they have, m/s.
+    pub(in crate::physics::contact) velocity: Vec<DVec3>,
+    /// Contact after contact.
+    shares: Vec<Share>,
     /// The place of every particle of the scene among all.
     place_of: Vec<u32>,
     /// What moves by modes.
@@ -47,6 +57,7 @@ impl Movers {
     pub(in crate::physics::contact) fn new(particles: usize, weighed: usize) -> Self {
         Self {
             all: Vec::with_capacity(particles),
+            velocity: Vec::with_capacity(particles),
             shares: Vec::with_capacity(weighed),
             place_of: vec![NONE; particles],
             modal: ModalMovers::default(),
@@ -59,14 +70,15 @@ impl Movers {
             self.place_of[mover.particle as usize] = NONE;
         }
         self.all.clear();
+        self.velocity.clear();
         self.shares.clear();
         self.modal.clear();
     }
 
     /// Gives all of them the velocities that they would have without contacts.
     pub(in crate::physics::contact) fn forget_changes(&mut self) {
-        for mover in &mut self.all {
-            mover.velocity = mover.before;
+        for (velocity, mover) in self.velocity.iter_mut().zip(&self.all) {
+            *velocity = mover.before;
         }
         self.modal.forget_changes();
     }
@@ -89,7 +101,8 @@ impl Movers {
             #[expect(clippy::cast_possible_truncation, reason = "particles are counted in 32 bits")]
             let (next, particle) = (self.all.len() as u32, particle as u32);
             *place = next;
-            self.all.push(Mover { particle, mobility, before, velocity: before });
+            self.all.push(Mover { particle, mobility, before });
+            self.velocity.push(before);
         }
         *place
     }
@@ -100,8 +113,10 @@ impl Movers {
         shares: impl Iterator<Item = (u32, f64)>,
         modal: ModalShares,
     ) -> Shares {
-        let first = self.shares.len();
-        self.shares.extend(shares);
+        let (first, all) = (self.shares.len(), &self.all);
+        let share =
+            |(place, weight): (u32, f64)| Share { place, weight, yields: weight * all[place as usize].mobility };
+        self.shares.extend(shares.map(share));
         #[expect(clippy::cast_possible_truncation, reason = "contacts weigh fewer")]
         let [first, count] = [first, self.shares.len() - first].map(|count| count as u32);
         Shares { first, count, modal }
@@ -109,8 +124,11 @@ impl Movers {
 
     /// The particles that a contact weighs, with their weights.
     pub(in crate::physics::contact) fn of(&self, shares: Shares) -> impl Iterator<Item = (&Mover, f64)> {
-        let own = &self.shares[shares.first as usize..][..shares.count as usize];
-        own.iter().map(|(place, weight)| (&self.all[*place as usize], *weight))
+        self.own(shares).iter().map(|share| (&self.all[share.place as usize], share.weight))
+    }
+
+    fn own(&self, shares: Shares) -> &[Share] {
+        &self.shares[shares.first as usize..][..shares.count as usize]
     }
 
     /// What an impulse of 1 along a normal changes of a contact's speed along it, 1/kg; and no less than what one across
@@ -130,17 +148,24 @@ impl Movers {
     }
 
     /// The speed of a contact, where particles have these, m/s.
-    pub(super) fn now(&self, shares: Shares, of: impl Fn(&Mover) -> DVec3) -> DVec3 {
+    pub(super) fn with(&self, shares: Shares, of: impl Fn(&Mover) -> DVec3) -> DVec3 {
         let of_particles = self.of(shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + of(mover) * weight);
+        if shares.modal.are_none() { of_particles } else { of_particles + self.modal.now(shares.modal) }
+    }
+
+    /// The speed of a contact, m/s.
+    pub(super) fn now(&self, shares: Shares) -> DVec3 {
+        let particles = self.own(shares).iter();
+        let of_particles =
+            particles.fold(DVec3::ZERO, |sum, share| sum + self.velocity[share.place as usize] * share.weight);
         if shares.modal.are_none() { of_particles } else { of_particles + self.modal.now(shares.modal) }
     }
 
     /// Changes the velocities of what a contact weighs by an impulse on its point, N·s.
     pub(super) fn push(&mut self, shares: Shares, impulse: DVec3) {
-        let Self { all, shares: of_all, modal, .. } = self;
-        for (place, weight) in &of_all[shares.first as usize..][..shares.count as usize] {
-            let mover = &mut all[*place as usize];
-            mover.velocity += impulse * (weight * mover.mobility);
+        let Self { velocity, shares: of_all, modal, .. } = self;
+        for share in &of_all[shares.first as usize..][..shares.count as usize] {
+            velocity[share.place as usize] += impulse * share.yields;
         }
         if !shares.modal.are_none() {
             modal.push(shares.modal, impulse);
