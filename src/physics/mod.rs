@@ -81,7 +81,7 @@ mod team;
 
 pub use compile::SceneError;
 pub use compile::other_form::OtherForm;
-pub use compile::safe_values::{SafeValue, largest_safe};
+pub use compile::safe_values::{MaterialOf, SafeValue, largest_safe};
 pub use compile::stability_plane::{Place, StabilityPlane};
 pub use compile::step_loads::{ContactLoad, StepSettings};
 pub use contact::{BodyContact, ContactRecord, DEPTH_SHARE, Placed, SampleContact};

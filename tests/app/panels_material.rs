@@ -70,7 +70,7 @@ fn a_solids_values_are_changed_like_any_other() {
 }
 
 /// Pixels of a part of a picture in the colour of what is not safe.
-fn marked(picture: &RgbaImage, part: Rect) -> usize {
+pub(crate) fn marked(picture: &RgbaImage, part: Rect) -> usize {
     let is_mark = |&(x, y, pixel): &(u32, u32, &image::Rgba<u8>)| {
         part.contains(egui::pos2(x as f32 + 0.5, y as f32 + 0.5))
             && i32::from(pixel[0]) > i32::from(pixel[2]) + 80

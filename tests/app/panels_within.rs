@@ -4,10 +4,12 @@ use egui::pos2;
 use gelatin::app::theme::Theme;
 use gelatin::geometry::Family;
 use gelatin::scene::body::Inlay;
+use gelatin::scene::presets::preset;
 use gelatin::scene::{Material, Springs};
 use gelatin::session::Command;
 
 use crate::live::Window;
+use crate::panels_material::marked;
 use crate::panels_parts::car;
 
 fn own(window: &Window) -> Springs {
@@ -68,4 +70,23 @@ fn an_inlay_of_springs_is_softer_and_becomes_a_solid_with_its_body() {
     window.wait();
     window.choose("Inlay 1", "as the body (removes it)");
     assert!(inlays(&window).is_empty());
+}
+
+#[test]
+fn the_springs_that_limit_the_step_are_marked_where_they_are() {
+    let mut scene = (preset("cube-on-plane").expect("a preset").build)();
+    let Material::Springs(mut springs) = scene.bodies[0].material else { panic!("of springs") };
+    springs.shear.damping *= 4.0;
+    scene.bodies[0].inlays = vec![Inlay { min: [-1.0, 0.0, -1.0], max: [1.0; 3], springs, ..Inlay::default() }];
+    let mut window = Window::on(scene, "Jelly", [1280.0, 1000.0], Theme::Dark);
+    window.press("Jelly");
+    let mut marks = |name: &str| {
+        window.control(name).scroll_to_me();
+        window.wait();
+        let picture = window.harness.render().expect("the panels can be drawn");
+        marked(&picture, window.rect(name))
+    };
+    assert_eq!(marks("Shear damping slider"), 0, "no value of the body's own would help");
+    let of_inlay = marks("Shear damping of inlay 1 slider");
+    assert!(of_inlay > 8, "that of the inlay divides the steps: {of_inlay} pixels");
 }

@@ -13,33 +13,34 @@ use crate::scene::cell_brush::{cell_in_grid, lowest_cell};
 use crate::scene::material::Solid;
 use crate::scene::{Body, Springs};
 
+/// The kinds of a body's cells.
+pub(super) struct Kinds {
+    /// The body's own, whether it occurs or not, and the others that occur.
+    pub(super) all: Vec<CellKind>,
+    /// Of which material each is: 0 of the body's own, then of its parts and of its inlays, as they follow one another.
+    pub(super) numbers: Vec<u8>,
+    /// The place among them of each cell's.
+    pub(super) of_cell: Values<u8>,
+}
+
 /// The kinds of a body of springs; one where all are the same.
-pub(super) fn of_springs(
-    springs: &Springs,
-    body: &Body,
-    lattice: &Lattice,
-    rest: &[DVec3],
-) -> (Vec<CellKind>, Values<u8>) {
+pub(super) fn of_springs(springs: &Springs, body: &Body, lattice: &Lattice, rest: &[DVec3]) -> Kinds {
     let kind_of = |within: Within<'_>| match within {
         Within::Body => spring_cell(springs),
         Within::Part(part) => spring_cell(&part.springs),
         Within::Inlay(inlay) => spring_cell(&inlay.springs),
     };
-    let (kinds, kind_of_cell) = kinds_of_cells(body, lattice, rest, kind_of);
-    if kinds.iter().all(|kind| *kind == kinds[0]) {
-        return (kinds[..1].to_vec(), Values::Uniform(0));
+    let mut kinds = kinds_of_cells(body, lattice, rest, kind_of);
+    if kinds.all.iter().all(|kind| *kind == kinds.all[0]) {
+        kinds.all.truncate(1);
+        kinds.numbers.truncate(1);
+        kinds.of_cell = Values::Uniform(0);
     }
-    (kinds, kind_of_cell)
+    kinds
 }
 
 /// The kinds of a solid whose longest extent is `size`, m.
-pub(super) fn of_solid(
-    solid: &Solid,
-    body: &Body,
-    lattice: &Lattice,
-    size: f64,
-    rest: &[DVec3],
-) -> (Vec<CellKind>, Values<u8>) {
+pub(super) fn of_solid(solid: &Solid, body: &Body, lattice: &Lattice, size: f64, rest: &[DVec3]) -> Kinds {
     let kind_of = |within: Within<'_>| {
         let solid = match within {
             Within::Body => solid,
@@ -61,19 +62,12 @@ enum Within<'a> {
     Inlay(&'a Inlay),
 }
 
-/// The kinds of the cells of a body with parts and inlays, its own first, and the place among them of each cell's. `rest` is
-/// where its particles are at rest, m.
-fn kinds_of_cells(
-    body: &Body,
-    lattice: &Lattice,
-    rest: &[DVec3],
-    kind_of: impl Fn(Within<'_>) -> CellKind,
-) -> (Vec<CellKind>, Values<u8>) {
-    let mut kinds = vec![kind_of(Within::Body)];
-    let mut kind_of_cell = kinds_of_parts(&body.parts, lattice, &kind_of, &mut kinds);
+/// The kinds of the cells of a body with parts and inlays. `rest` is where its particles are at rest, m.
+fn kinds_of_cells(body: &Body, lattice: &Lattice, rest: &[DVec3], kind_of: impl Fn(Within<'_>) -> CellKind) -> Kinds {
+    let mut kinds = kinds_of_parts(body, lattice, &kind_of);
     let inlays = body.inlays.get(..MAX_INLAYS).unwrap_or(&body.inlays);
     if inlays.is_empty() {
-        return (kinds, kind_of_cell);
+        return kinds;
     }
     let painted: Vec<BTreeSet<[i32; 3]>> = inlays.iter().map(|inlay| inlay.cells.iter().copied().collect()).collect();
     let low = lowest_cell(&body.shape);
@@ -87,37 +81,41 @@ fn kinds_of_cells(
     let of_cells: Vec<Option<usize>> =
         lattice.cells.iter().zip(0..).map(|(corners, place)| inlay_of(corners, place)).collect();
     for (number, inlay) in inlays.iter().enumerate().filter(|(number, _)| of_cells.contains(&Some(*number))) {
-        if let Values::Uniform(first) = kind_of_cell {
-            kind_of_cell = Values::Each(vec![first; lattice.cells.len()]);
+        let kind = kinds.push(body.parts.len() + number + 1, kind_of(Within::Inlay(inlay)));
+        if let Values::Uniform(first) = kinds.of_cell {
+            kinds.of_cell = Values::Each(vec![first; lattice.cells.len()]);
         }
-        if let Values::Each(kind_of_cell) = &mut kind_of_cell {
-            let kind = u8::try_from(kinds.len()).unwrap_or(0);
+        if let Values::Each(kind_of_cell) = &mut kinds.of_cell {
             let own = kind_of_cell.iter_mut().zip(&of_cells).filter(|(_, of)| **of == Some(number));
             own.for_each(|(of, _)| *of = kind);
         }
-        kinds.push(kind_of(Within::Inlay(inlay)));
     }
-    (kinds, kind_of_cell)
+    kinds
 }
 
-/// The place among the kinds of each cell of a body with parts of other materials, whose kinds are added.
-fn kinds_of_parts(
-    parts: &[Part],
-    lattice: &Lattice,
-    kind_of: &impl Fn(Within<'_>) -> CellKind,
-    kinds: &mut Vec<CellKind>,
-) -> Values<u8> {
-    let parts = parts.get(..MAX_NAMED_PARTS).unwrap_or(parts);
+impl Kinds {
+    /// Adds that of the material of this number, and tells its place.
+    fn push(&mut self, number: usize, kind: CellKind) -> u8 {
+        let place = u8::try_from(self.all.len()).unwrap_or(0);
+        self.all.push(kind);
+        self.numbers.push(u8::try_from(number).unwrap_or(0));
+        place
+    }
+}
+
+/// The kinds of the cells of a body with parts.
+fn kinds_of_parts(body: &Body, lattice: &Lattice, kind_of: &impl Fn(Within<'_>) -> CellKind) -> Kinds {
+    let mut kinds = Kinds { all: vec![kind_of(Within::Body)], numbers: vec![0], of_cell: Values::Uniform(0) };
+    let parts = body.parts.get(..MAX_NAMED_PARTS).unwrap_or(&body.parts);
     let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
     let found = if parts.is_empty() { None } else { lattice.cells_of_parts(&names) };
-    let Some(of_cells) = found else { return Values::Uniform(0) };
-    let mut numbers = vec![0; parts.len() + 1];
-    for (part, number) in parts.iter().zip(1..).filter(|(_, number)| of_cells.contains(number)) {
-        numbers[number as usize] = u8::try_from(kinds.len()).unwrap_or(0);
-        kinds.push(kind_of(Within::Part(part)));
+    let Some(of_cells) = found else { return kinds };
+    let mut places = vec![0; parts.len() + 1];
+    for (part, number) in parts.iter().zip(1_u32..).filter(|(_, number)| of_cells.contains(number)) {
+        places[number as usize] = kinds.push(number as usize, kind_of(Within::Part(part)));
     }
-    if kinds.len() == 1 {
-        return Values::Uniform(0);
+    if kinds.all.len() > 1 {
+        kinds.of_cell = Values::Each(of_cells.into_iter().map(|number| places[number as usize]).collect());
     }
-    Values::Each(of_cells.into_iter().map(|number| numbers[number as usize]).collect())
+    kinds
 }

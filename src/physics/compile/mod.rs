@@ -39,6 +39,7 @@ use crate::scene::part_problem::part_problem;
 use crate::scene::resolve::{MeshError, ResolveError, load_meshes, resolve};
 use crate::scene::{Body, ContactOn, Material, Scene};
 use assembly::Assembled;
+use kinds::Kinds;
 use springs_by_cell::springs_by_cell;
 
 /// Why a scene cannot be simulated.
@@ -173,7 +174,7 @@ fn compile_body<R: Real>(
         .map_or_else(|| assembly::measured(lattice, &rest), |body| body.links.each_ref().map(LinkFamily::measured));
     let crowds = known.map_or_else(|| any_state::crowds(rest.len(), &measured), |body| Arc::clone(&body.crowds));
     let modulus = |stiffness| assembly::modulus(stiffness, lattice);
-    let (kinds, kind_of_cell) = match &body.material {
+    let Kinds { all: kinds, numbers, of_cell: kind_of_cell } = match &body.material {
         Material::Springs(springs) => kinds::of_springs(springs, body, lattice, &rest),
         Material::Solid(solid) => kinds::of_solid(solid, body, lattice, size, &rest),
     };
@@ -189,8 +190,8 @@ fn compile_body<R: Real>(
     let (Assembled { particle_mass, masses, links }, composition) = match &body.material {
         Material::Springs(springs) if kinds.len() == 1 => (assembly::uniform(springs, measured), Composition::Alike),
         Material::Springs(_) => {
-            let (assembled, loads) = springs_by_cell(&kinds, &kind_of_cell, lattice, measured);
-            (assembled, Composition::Springs { kinds, loads: Arc::new(loads) })
+            let (assembled, loads) = springs_by_cell(kinds, &kind_of_cell, lattice, measured);
+            (assembled, Composition::Springs { loads: Arc::new(loads), numbers })
         }
         Material::Solid(_) => {
             let assembled = assembly::by_cell(&kinds, &kind_of_cell, lattice, measured);

@@ -12,9 +12,22 @@ use crate::physics::model::BodyModel;
 use crate::scene::material::Solid;
 use crate::scene::{Body, Material, MaterialValue, Springs};
 
-/// How far one value of a body's material may go.
+/// Which of a body's materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MaterialOf {
+    /// Its own.
+    Body,
+    /// That of a part, by its place.
+    Part(usize),
+    /// That of an inlay, by its place.
+    Inlay(usize),
+}
+
+/// How far one value of a material of a body may go.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SafeValue {
+    /// The material.
+    pub of: MaterialOf,
     /// The value.
     pub value: MaterialValue,
     /// The bound in the value's unit; absent where every value is safe. Zero where no value is: the others have to
@@ -24,9 +37,30 @@ pub struct SafeValue {
     pub is_smallest: bool,
 }
 
-/// The bounds of all values of a body's material, at rest and with the margin that automatic stepping keeps. Where a body
-/// holds other solids, contact is taken to change with its density as if they were of it. `model` is what the body was
-/// compiled to.
+impl SafeValue {
+    /// The path of the value below a body.
+    pub fn path(&self) -> String {
+        match self.of {
+            MaterialOf::Body => self.value.path().to_owned(),
+            MaterialOf::Part(place) => format!("parts.{place}.{}", self.below_material()),
+            MaterialOf::Inlay(place) => format!("inlays.{place}.{}", self.below_material()),
+        }
+    }
+
+    /// Whether that is its path.
+    pub fn is_at(&self, path: &str) -> bool {
+        path.ends_with(self.below_material()) && self.path() == path
+    }
+
+    fn below_material(&self) -> &'static str {
+        let path = self.value.path();
+        path.strip_prefix("material.").unwrap_or(path)
+    }
+}
+
+/// The bounds of all values of a body's materials, at rest and with the margin that automatic stepping keeps; of springs also
+/// those of its parts and inlays, as far as any cell is of them. Where a body holds other solids, contact is taken to change with its density as if
+/// they were of it. `model` is what the body was compiled to.
 pub fn largest_safe<R: Real>(
     body: &Body,
     model: &BodyModel<R>,
@@ -36,19 +70,28 @@ pub fn largest_safe<R: Real>(
     let loads = loads(step, contact);
     let per_damping = step.stiffness_per_damping().unwrap_or(f64::INFINITY);
     match &body.material {
-        Material::Springs(springs) => of_springs(springs, model, &loads, per_damping, contact),
+        Material::Springs(springs) => {
+            let parts = body.parts.iter().enumerate().map(|(place, part)| (MaterialOf::Part(place), &part.springs));
+            let inlays =
+                body.inlays.iter().enumerate().map(|(place, inlay)| (MaterialOf::Inlay(place), &inlay.springs));
+            let all = [(MaterialOf::Body, springs)].into_iter().chain(parts).chain(inlays).enumerate();
+            let bounds = all.filter_map(|(number, (of, springs))| {
+                let of_number = SpringLoads::of_number(model, number)?;
+                Some(of_springs((of, springs), &of_number, &loads, per_damping, contact))
+            });
+            bounds.flatten().collect()
+        }
         Material::Solid(solid) => of_solid(solid, model, &loads, per_damping, contact),
     }
 }
 
-fn of_springs<R: Real>(
-    springs: &Springs,
-    model: &BodyModel<R>,
+fn of_springs(
+    (of, springs): (MaterialOf, &Springs),
+    loads: &SpringLoads,
     all: &[Load],
     per_damping: f64,
     contact: ContactLoad,
 ) -> Vec<SafeValue> {
-    let loads = SpringLoads::of(model);
     let has_links = loads.has_links;
     // Where stiffness may only be so much of the damping: whether a family, other springs or contact have more.
     let has_more = |family: Family, damping: f64| {
@@ -76,7 +119,7 @@ fn of_springs<R: Real>(
             let none_is_safe = others_have_more || is_damping && has_more(family, bound);
             let bound = if none_is_safe { 0.0 } else { bound };
             let bound = (has_links[family as usize] && bound < f64::INFINITY).then_some(bound);
-            bounds.push(SafeValue { value, bound, is_smallest: false });
+            bounds.push(SafeValue { of, value, bound, is_smallest: false });
         }
     }
     let least = |load: &Load| {
@@ -90,7 +133,7 @@ fn of_springs<R: Real>(
     let own = if any_has_more { f64::INFINITY } else { by_contact };
     let mass = springs.particle_mass * all.iter().map(least).fold(own, f64::max);
     let bound = (mass > 0.0).then_some(mass);
-    bounds.push(SafeValue { value: MaterialValue::ParticleMass, bound, is_smallest: true });
+    bounds.push(SafeValue { of, value: MaterialValue::ParticleMass, bound, is_smallest: true });
     bounds
 }
 
@@ -146,7 +189,7 @@ fn of_solid<R: Real>(
         (MaterialValue::Density, solid.density / times_lighter, true),
         (MaterialValue::DampingRatio, damping_ratio, false),
     ]
-    .map(|(value, bound, is_smallest)| SafeValue { value, bound: Some(bound), is_smallest })
+    .map(|(value, bound, is_smallest)| SafeValue { of: MaterialOf::Body, value, bound: Some(bound), is_smallest })
     .into()
 }
 
@@ -173,7 +216,7 @@ mod tests {
     use crate::scene::obstacle::ContactStiffness;
     use crate::scene::resolve::resolve;
     use crate::scene::settings::{ContactRule, Integrator};
-    use crate::scene::{Obstacle, Scene, path};
+    use crate::scene::{Obstacle, Scene, param, path};
 
     fn scene(changes: &[(&str, String)]) -> Scene {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
@@ -199,7 +242,7 @@ mod tests {
     fn room(scene: &Scene, safe: &SafeValue, bound: f64, excess: f64) -> Option<f64> {
         let mut changed = scene.clone();
         let value = if safe.is_smallest { bound / excess } else { bound * excess };
-        path::set(&mut changed, &format!("bodies.0.{}", safe.value.path()), &format!("{value:e}")).ok()?;
+        path::set(&mut changed, &format!("bodies.0.{}", safe.path()), &format!("{value:e}")).ok()?;
         let simulation = Simulation::<f64>::new(&changed, &[lattice(&changed)]);
         simulation.plan().limits.dt_safe_secs.map(|safe| safe / scene.settings.dt)
     }
@@ -271,7 +314,24 @@ mod tests {
             check(&scene)
         };
         let checked: usize = (0..60).map(mixed).sum();
-        assert!(checked > 60, "bounds that can be set: {checked}");
+        assert!(checked > 120, "bounds that can be set, of the body's own and of the inlay's: {checked}");
+    }
+
+    #[test]
+    fn bounds_of_parts_and_inlays_stand_at_their_paths_and_none_where_no_cell_is_of_them() {
+        let mut scene = scene(&[]);
+        let springs = Springs { particle_mass: 0.02, ..Springs::default() };
+        let nowhere = Inlay { min: [9.0; 3], max: [9.0; 3], springs, ..Inlay::default() };
+        scene.bodies[0].inlays = vec![nowhere, Inlay { min: [-9.0; 3], max: [0.0; 3], springs, ..Inlay::default() }];
+        let bounds = bounds(&scene);
+        assert_eq!(bounds.len(), 14, "seven of the body's own, seven of the second inlay");
+        for path in ["material.springs.shear.damping", "inlays.1.springs.shear.damping"] {
+            assert_eq!(bounds.iter().filter(|safe| safe.is_at(path)).count(), 1, "{path}");
+        }
+        assert!(!bounds.iter().any(|safe| safe.is_at("inlays.0.springs.shear.damping")));
+        for safe in bounds {
+            assert!(param::find(&format!("bodies.0.{}", safe.path())).is_some(), "{}", safe.path());
+        }
     }
 
     /// Checks bounds of random bodies among obstacles of both kinds of stiffness, in scenes that are changed like this.

@@ -7,24 +7,43 @@ use super::springs_by_cell::spring_cell;
 use super::waves::{largest_share, waves};
 use crate::geometry::Family;
 use crate::math::Real;
-use crate::physics::limits::particles::{Constant, ParticleLoads};
+use crate::physics::limits::particles::{Constant, ParticleLoads, Taken};
 use crate::physics::limits::{LoadShare, largest};
-use crate::physics::model::{BodyModel, Composition};
+use crate::physics::model::{BodyModel, CellKind, Composition};
 use crate::scene::Springs;
 
-/// The springs of a body but for their values.
+/// The springs of a body, or of a part of it that is of its own, but for their values.
 #[derive(Clone, Debug)]
 pub(super) struct SpringLoads {
     /// Families with links.
     pub(super) has_links: [bool; 3],
     cell_size: f64,
-    mixed: Option<Arc<ParticleLoads>>,
+    mixed: Option<Mixed>,
+}
+
+/// Springs that differ by cell, and which of them are meant.
+#[derive(Clone, Debug)]
+struct Mixed {
+    loads: Arc<ParticleLoads>,
+    kind: u8,
+}
+
+impl Mixed {
+    fn taken<'a>(&self, values: &'a CellKind) -> Taken<'a> {
+        Taken { kind: self.kind, values }
+    }
+
+    /// The most that these springs and the others add.
+    fn most(&self, springs: &Springs, of: Constant, weights: [f64; 3]) -> f64 {
+        self.loads.most(self.taken(&spring_cell(springs)), of, weights)
+    }
 }
 
 impl SpringLoads {
+    /// Those of a body itself.
     pub(super) fn of<R: Real>(model: &BodyModel<R>) -> Self {
         let mixed = match &model.composition {
-            Composition::Springs { loads, .. } => Some(Arc::clone(loads)),
+            Composition::Springs { loads, .. } => Some(Mixed { loads: Arc::clone(loads), kind: 0 }),
             Composition::Alike | Composition::Solids { .. } => None,
         };
         Self {
@@ -32,6 +51,17 @@ impl SpringLoads {
             cell_size: model.lattice.grid.cell_size,
             mixed,
         }
+    }
+
+    /// Those of its material of this number, see [`Composition::Springs`]. None where no cell is of it; where all are alike,
+    /// those of all.
+    pub(super) fn of_number<R: Real>(model: &BodyModel<R>, number: usize) -> Option<Self> {
+        let mut of = Self::of(model);
+        if let (Some(mixed), Composition::Springs { numbers, .. }) = (&mut of.mixed, &model.composition) {
+            let mut kinds = (0..).zip(numbers);
+            mixed.kind = kinds.find(|(_, known)| usize::from(**known) == number).map(|(kind, _)| kind)?;
+        }
+        Some(of)
     }
 
     /// What a constant of the body's own springs is per unit mass of its particles and length of their links.
@@ -44,8 +74,8 @@ impl SpringLoads {
         match &self.mixed {
             None => largest(&waves().tensors, self.of_families(springs, share)),
             Some(mixed) => {
-                let stiffness = mixed.most(&spring_cell(springs), Constant::Stiffness, [share.stiffness; 3]);
-                stiffness + mixed.most(&spring_cell(springs), Constant::Damping, share.damping)
+                let stiffness = mixed.most(springs, Constant::Stiffness, [share.stiffness; 3]);
+                stiffness + mixed.most(springs, Constant::Damping, share.damping)
             }
         }
     }
@@ -60,8 +90,8 @@ impl SpringLoads {
         match &self.mixed {
             None => largest(&waves().tensors, only(self.of_families(springs, share))),
             Some(mixed) => {
-                let stiffness = mixed.most(&spring_cell(springs), Constant::Stiffness, only([share.stiffness; 3]));
-                stiffness + mixed.most(&spring_cell(springs), Constant::Damping, only(share.damping))
+                let stiffness = mixed.most(springs, Constant::Stiffness, only([share.stiffness; 3]));
+                stiffness + mixed.most(springs, Constant::Damping, only(share.damping))
             }
         }
     }
@@ -72,7 +102,7 @@ impl SpringLoads {
         unit[family as usize] = 1.0;
         match &self.mixed {
             None => largest(&waves().tensors, unit),
-            Some(mixed) => mixed.of_one(springs.particle_mass, family) / self.per_value(springs),
+            Some(mixed) => mixed.loads.of_one(mixed.taken(&spring_cell(springs)), family) / self.per_value(springs),
         }
     }
 
@@ -90,8 +120,9 @@ impl SpringLoads {
             Constant::Stiffness => [([share.stiffness; 3], of), (share.damping, Constant::Damping)],
             Constant::Damping => [(share.damping, of), ([share.stiffness; 3], Constant::Stiffness)],
         };
-        let left = limit - mixed.most(&spring_cell(springs), other.1, other.0);
-        if left < 0.0 { 0.0 } else { mixed.largest(&spring_cell(springs), (family, of), own.0, left) }
+        let left = limit - mixed.most(springs, other.1, other.0);
+        let values = spring_cell(springs);
+        if left < 0.0 { 0.0 } else { mixed.loads.largest(mixed.taken(&values), (family, of), own.0, left) }
     }
 
     fn largest_alike(&self, springs: &Springs, (family, of): (Family, Constant), share: &LoadShare, limit: f64) -> f64 {
@@ -120,24 +151,27 @@ impl SpringLoads {
         })
     }
 
-    /// What other springs than the body's own have of stiffness over damping, at most, 1/s.
+    /// What other springs than these have of stiffness over damping, at most, 1/s.
     pub(super) fn others_per_damping(&self) -> f64 {
-        self.mixed.as_ref().map_or(0.0, |mixed| mixed.others_per_damping)
+        self.mixed.as_ref().map_or(0.0, |mixed| mixed.loads.per_damping_of_others(mixed.kind))
     }
 
-    /// What the load becomes where the body's own particles weigh so many times less, of springs that differ by cell: it falls
+    /// What the load becomes where particles of these springs weigh so many times less, of springs that differ by cell: it falls
     /// by less than in proportion, as others weigh what they did.
     pub(super) fn by_lightness<'a>(
         &'a self,
         springs: &Springs,
         share: &LoadShare,
     ) -> Option<impl Fn(f64) -> f64 + use<'a>> {
-        let mixed = self.mixed.as_deref()?;
+        let mixed = self.mixed.as_ref()?;
+        let now = spring_cell(springs);
         let parts = [
-            mixed.resistances(&spring_cell(springs), Constant::Stiffness, [share.stiffness; 3]),
-            mixed.resistances(&spring_cell(springs), Constant::Damping, share.damping),
+            mixed.loads.resistances(mixed.taken(&now), Constant::Stiffness, [share.stiffness; 3]),
+            mixed.loads.resistances(mixed.taken(&now), Constant::Damping, share.damping),
         ];
-        let now_kg = springs.particle_mass;
-        Some(move |times: f64| parts.iter().map(|part| mixed.over_mass(part, now_kg / times)).sum())
+        Some(move |times: f64| {
+            let lighter = CellKind { mass: now.mass / times, ..now };
+            parts.iter().map(|part| mixed.loads.over_mass(part, mixed.taken(&lighter))).sum()
+        })
     }
 }

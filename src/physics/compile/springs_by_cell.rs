@@ -22,16 +22,10 @@ pub(in crate::physics) fn spring_cell(springs: &Springs) -> CellKind {
     }
 }
 
-/// The most stiffness over damping of other springs than the first, 1/s.
-fn others_per_damping(kinds: &[CellKind]) -> f64 {
-    let constants = kinds.iter().skip(1).flat_map(|kind| kind.stiffness.into_iter().zip(kind.damping));
-    constants.filter(|(stiffness, _)| *stiffness > 0.0).map(|(k, d)| k / d).fold(0.0, f64::max)
-}
-
 /// The means over the cells, and what limits the step. `measured` are the lattice's links; `kind_of_cell` holds a place in
 /// `kinds` for every cell of the lattice, of which the first is the body's own.
 pub(super) fn springs_by_cell<R: Real>(
-    kinds: &[CellKind],
+    kinds: Vec<CellKind>,
     kind_of_cell: &Values<u8>,
     lattice: &Lattice,
     measured: [Arc<[Link<R>]>; 3],
@@ -43,8 +37,8 @@ pub(super) fn springs_by_cell<R: Real>(
         |around: &[u32; 8]| classes.of_mean(around.iter().filter(|&&cell| cell != NO_CELL).map(|&cell| kind_of(cell)));
     let of_particle: Vec<u16> = around.iter().map(class).collect();
     let mass = |kind: &CellKind| [kind.mass, 0.0];
-    let of_masses: Vec<Mixture> = classes.keys.iter().map(|key| mixture(key, kinds, mass)).collect();
-    let masses: Vec<f64> = classes.keys.iter().map(|key| mean(key, kinds, mass)[0]).collect();
+    let of_masses: Vec<Mixture> = classes.keys.iter().map(mixture).collect();
+    let masses: Vec<f64> = of_masses.iter().map(|mixture| mean(mixture, &kinds, mass)[0]).collect();
     let masses: Vec<f64> = of_particle.iter().map(|&class| masses[usize::from(class)]).collect();
 
     let [structural, shear, bending] = measured;
@@ -54,13 +48,13 @@ pub(super) fn springs_by_cell<R: Real>(
         let class = |&link: &[u32; 2]| classes.of_mean(holders_of(link, family, lattice, &around).map(kind_of));
         let of_link: Vec<u16> = lattice.links[family as usize].iter().map(class).collect();
         let constants = |kind: &CellKind| [kind.stiffness[family as usize], kind.damping[family as usize]];
-        let mixtures: Vec<Mixture> = classes.keys.iter().map(|key| mixture(key, kinds, constants)).collect();
-        let constants = classes.keys.iter().map(|key| mean(key, kinds, constants)).collect();
+        let mixtures: Vec<Mixture> = classes.keys.iter().map(mixture).collect();
+        let constants = mixtures.iter().map(|mixture| mean(mixture, &kinds, constants)).collect();
         (in_classes(links, of_link, constants), mixtures)
     });
     let made_of = families.each_ref().map(|(family, mixtures)| MadeOf { class: family.classes(), mixtures });
     let masses_made_of = MadeOf { class: &of_particle, mixtures: &of_masses };
-    let loads = ParticleLoads::of(lattice, &made_of, masses_made_of, others_per_damping(kinds));
+    let loads = ParticleLoads::of(kinds, lattice, &made_of, masses_made_of);
     let particle_mass = masses.iter().sum::<f64>() / masses.len().max(1) as f64;
     let links = families.map(|(family, _)| family);
     (Assembled { particle_mass, masses: Values::Each(masses), links }, loads)
@@ -82,26 +76,17 @@ fn holders_of(
     first.chain(second.into_iter().flatten())
 }
 
-/// The mean of two values of the cells of a class.
-fn mean(key: &ClassKey, kinds: &[CellKind], of: impl Fn(&CellKind) -> [f64; 2]) -> [f64; 2] {
-    let Mixture { own, others } = mixture(key, kinds, &of);
-    let of_own = kinds.first().map_or([0.0; 2], of);
-    std::array::from_fn(|which| own * of_own[which] + others[which])
+/// The mean of two values of kinds of cells.
+fn mean(mixture: &Mixture, kinds: &[CellKind], of: impl Fn(&CellKind) -> [f64; 2]) -> [f64; 2] {
+    mixture.iter().fold([0.0; 2], |sum, &(kind, share)| {
+        let values = of(&kinds[usize::from(kind)]);
+        std::array::from_fn(|which| sum[which] + share * values[which])
+    })
 }
 
-/// How much of a class is of the first kind, and what the others add to the mean.
-fn mixture((count, held): &ClassKey, kinds: &[CellKind], of: impl Fn(&CellKind) -> [f64; 2]) -> Mixture {
-    let mut mixture = Mixture::default();
-    for (kind, cells) in present(held) {
-        let share = f64::from(cells) / f64::from(*count);
-        if kind == 0 {
-            mixture.own = share;
-        } else {
-            let values = of(&kinds[usize::from(kind)]);
-            mixture.others.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value);
-        }
-    }
-    mixture
+/// Of which kinds a class is the mean.
+fn mixture((count, held): &ClassKey) -> Mixture {
+    present(held).map(|(kind, cells)| (kind, f64::from(cells) / f64::from(*count))).collect()
 }
 
 #[cfg(test)]
@@ -126,7 +111,8 @@ mod tests {
         let lattice = Lattice::new(&Cells::from_list(cells, 1.0).expect("cells"));
         let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
         let kinds = [springs(1.0, 4.0), springs(9.0, 12.0)].map(|springs| spring_cell(&springs));
-        let (assembled, _) = springs_by_cell(&kinds, &Values::Each(kind_of_cell), &lattice, measured(&lattice, &rest));
+        let (assembled, _) =
+            springs_by_cell(kinds.into(), &Values::Each(kind_of_cell), &lattice, measured(&lattice, &rest));
         (lattice, assembled)
     }
 

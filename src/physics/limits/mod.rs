@@ -227,8 +227,8 @@ fn body_limits<R: Real>(
             let safe_damping = loads.damping / margin.damping[Family::Structural as usize];
             return limits_of_loads(&loads, safe_damping, contact, pushes, region, margin);
         }
-        Composition::Springs { kinds, loads } => {
-            let own = &kinds[0];
+        Composition::Springs { loads, .. } => {
+            let own = loads.own();
             let safe_damping = loads.most(own, Constant::Damping, margin.damping.map(|share| 1.0 / share));
             return limits_of_loads(&loads.of_springs(own), safe_damping, contact, pushes, region, margin);
         }

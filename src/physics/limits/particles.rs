@@ -20,20 +20,21 @@ use super::eigenvalue::{Addition, largest_eigenvalue, largest_multiple};
 use crate::geometry::{Family, Lattice};
 use crate::physics::model::CellKind;
 
-/// What a link, or the mass of a particle, is made of: a share of the body's own springs, and the rest.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::physics) struct Mixture {
-    /// The share of the body's own.
-    pub(in crate::physics) own: f64,
-    /// What others add: stiffness (N) and damping (N·s) of a link, mass (kg) and nothing of a particle.
-    pub(in crate::physics) others: [f64; 2],
-}
+/// What a link, or the mass of a particle, is the mean of: kinds of cells with the share of each.
+pub(in crate::physics) type Mixture = Vec<(u8, f64)>;
 
-/// The classes of a set of links or particles, by their places, and what each class is made of.
+/// The classes of a set of links or particles, by their places, and what each class is the mean of.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct MadeOf<'a> {
     pub(in crate::physics) class: &'a [u16],
     pub(in crate::physics) mixtures: &'a [Mixture],
+}
+
+/// A kind of cells, and the values that it is taken to have.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct Taken<'a> {
+    pub(in crate::physics) kind: u8,
+    pub(in crate::physics) values: &'a CellKind,
 }
 
 /// One of the two constants of a family.
@@ -46,33 +47,36 @@ pub(in crate::physics) enum Constant {
 /// What particles are held by, each sort of them once.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::physics) struct ParticleLoads {
+    kinds: Vec<CellKind>,
     sorts: Vec<Sort>,
-    /// The most stiffness over damping of other springs, 1/s: infinite where some have only stiffness.
-    pub(in crate::physics) others_per_damping: f64,
 }
 
-/// Particles that are held and weigh alike.
+/// Particles that are held and weigh alike: what they have of each kind of cells.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Sort(Vec<OfKind>);
+
+/// What a particle has of a kind.
 #[derive(Clone, Debug, PartialEq)]
-struct Sort {
-    /// By family, of the body's own links for a constant of 1, 1/m.
-    own: [DMat3; 3],
-    /// By family, of the other links: stiffness (N/m), and damping (N·s/m).
-    others: [[DMat3; 3]; 2],
-    mass: Mixture,
+struct OfKind {
+    kind: u8,
+    /// By family, of links of a constant of 1, 1/m.
+    links: [DMat3; 3],
+    /// The share of its mass.
+    mass: f64,
 }
 
 impl Sort {
-    fn mass_kg(&self, own: f64) -> f64 {
-        self.mass.own * own + self.mass.others[0]
+    fn of_kind(&mut self, kind: u8) -> &mut OfKind {
+        let place = self.0.iter().position(|of| of.kind == kind).unwrap_or_else(|| {
+            self.0.push(OfKind { kind, links: [DMat3::ZERO; 3], mass: 0.0 });
+            self.0.len() - 1
+        });
+        &mut self.0[place]
     }
 
-    fn sum(&self, own: &CellKind, of: Constant, weights: [f64; 3]) -> DMat3 {
-        let of_family = |family: Family| {
-            let place = family as usize;
-            let links = self.own[place] * of.of(own)[place] + self.others[of as usize][place];
-            links * weights[place]
-        };
-        Family::ALL.into_iter().map(of_family).fold(DMat3::ZERO, |sum, links| sum + links)
+    /// The links of a family of one kind.
+    fn links(&self, kind: u8, family: Family) -> DMat3 {
+        self.0.iter().find(|of| of.kind == kind).map_or(DMat3::ZERO, |of| of.links[family as usize])
     }
 }
 
@@ -86,12 +90,12 @@ impl Constant {
 }
 
 impl ParticleLoads {
-    /// Of the particles of a lattice whose links (by family) and masses are mixtures.
+    /// Of the particles of a lattice whose links (by family) and masses are mixtures of these kinds.
     pub(in crate::physics) fn of(
+        kinds: Vec<CellKind>,
         lattice: &Lattice,
         links: &[MadeOf<'_>; 3],
         masses: MadeOf<'_>,
-        others_per_damping: f64,
     ) -> Self {
         let mut held: Vec<[u16; SLOTS]> = vec![[NOTHING; SLOTS]; lattice.corners.len()];
         for (held, &class) in held.iter_mut().zip(masses.class) {
@@ -105,101 +109,138 @@ impl ParticleLoads {
         }
         let held: BTreeSet<[u16; SLOTS]> = held.into_iter().collect();
         let sort = |slots: &[u16; SLOTS]| {
-            let mut sort = Sort {
-                own: [DMat3::ZERO; 3],
-                others: [[DMat3::ZERO; 3]; 2],
-                mass: masses.mixtures[usize::from(slots[MASS])],
-            };
+            let mut sort = Sort::default();
+            for &(kind, share) in &masses.mixtures[usize::from(slots[MASS])] {
+                sort.of_kind(kind).mass = share;
+            }
             for (place, &class) in slots[..MASS].iter().enumerate().filter(|(_, class)| **class != NOTHING) {
                 let (family, way) = family_and_way(place);
                 let along = way / way.length();
                 let outer = DMat3::from_cols(along * along.x, along * along.y, along * along.z);
                 let tensor = outer * (2.0 / (way.length() * lattice.grid.cell_size));
-                let mixture = links[family as usize].mixtures[usize::from(class)];
-                sort.own[family as usize] += tensor * mixture.own;
-                for (sum, constant) in sort.others.iter_mut().zip(mixture.others) {
-                    sum[family as usize] += tensor * constant;
+                for &(kind, share) in &links[family as usize].mixtures[usize::from(class)] {
+                    sort.of_kind(kind).links[family as usize] += tensor * share;
                 }
             }
             sort
         };
-        Self { sorts: held.iter().map(sort).collect(), others_per_damping }
+        Self { kinds, sorts: held.iter().map(sort).collect() }
     }
 
-    /// The most that stiffness (1/s²) or damping (1/s) adds with these as the body's own springs, each family as much as its
-    /// weight.
-    pub(in crate::physics) fn most(&self, own: &CellKind, of: Constant, weights: [f64; 3]) -> f64 {
-        self.over_mass(&self.resistances(own, of, weights), own.mass)
+    /// The kinds of cells that occur, the body's own first.
+    pub(in crate::physics) fn kinds(&self) -> &[CellKind] {
+        &self.kinds
     }
 
-    /// All that these as the body's own springs add.
-    pub(in crate::physics) fn of_springs(&self, own: &CellKind) -> CellLoads {
+    /// The body's own springs as they are.
+    pub(in crate::physics) fn own(&self) -> Taken<'_> {
+        Taken { kind: 0, values: &self.kinds[0] }
+    }
+
+    fn values<'a>(&'a self, taken: Taken<'a>, kind: u8) -> &'a CellKind {
+        if kind == taken.kind { taken.values } else { &self.kinds[usize::from(kind)] }
+    }
+
+    fn mass_kg(&self, sort: &Sort, taken: Taken<'_>) -> f64 {
+        sort.0.iter().map(|of| of.mass * self.values(taken, of.kind).mass).sum()
+    }
+
+    fn sum(&self, sort: &Sort, taken: Taken<'_>, of: Constant, weights: [f64; 3]) -> DMat3 {
+        let mut sum = DMat3::ZERO;
+        for of_kind in &sort.0 {
+            let constants = of.of(self.values(taken, of_kind.kind));
+            for ((links, constant), weight) in of_kind.links.iter().zip(constants).zip(weights) {
+                sum += *links * (constant * weight);
+            }
+        }
+        sum
+    }
+
+    /// The most that stiffness (1/s²) or damping (1/s) adds, each family as much as its weight.
+    pub(in crate::physics) fn most(&self, taken: Taken<'_>, of: Constant, weights: [f64; 3]) -> f64 {
+        self.over_mass(&self.resistances(taken, of, weights), taken)
+    }
+
+    /// All that springs add.
+    pub(in crate::physics) fn of_springs(&self, taken: Taken<'_>) -> CellLoads {
         let alone = |of: Constant| {
             std::array::from_fn(|family| {
                 let mut weights = [0.0; 3];
                 weights[family] = 1.0;
-                self.most(own, of, weights)
+                self.most(taken, of, weights)
             })
         };
-        let [stiffness, damping] = [Constant::Stiffness, Constant::Damping].map(|of| self.most(own, of, [1.0; 3]));
+        let [stiffness, damping] = [Constant::Stiffness, Constant::Damping].map(|of| self.most(taken, of, [1.0; 3]));
         CellLoads {
             stiffness_alone: alone(Constant::Stiffness),
             damping_alone: alone(Constant::Damping),
             stiffness,
             damping,
-            stiffness_per_damping: self.per_damping(own),
+            stiffness_per_damping: self.per_damping(taken),
         }
     }
 
     /// How many times its damping the stiffness of a link is, at most, 1/s.
-    pub(in crate::physics) fn per_damping(&self, own: &CellKind) -> f64 {
-        let of_family = |family: usize| {
-            let has_links = self.sorts.iter().any(|sort| sort.own[family] != DMat3::ZERO);
-            let (stiffness, damping) = (own.stiffness[family], own.damping[family]);
-            if has_links && stiffness > 0.0 { stiffness / damping } else { 0.0 }
-        };
-        (0..3).map(of_family).fold(self.others_per_damping, f64::max)
+    pub(in crate::physics) fn per_damping(&self, taken: Taken<'_>) -> f64 {
+        self.per_damping_of_kind(taken).max(self.per_damping_of_others(taken.kind))
     }
 
-    /// The most that a family of the body's own links alone adds for a constant of 1, 1/(kg m).
-    pub(in crate::physics) fn of_one(&self, own_kg: f64, family: Family) -> f64 {
-        let of_sort = |sort: &Sort| largest_eigenvalue(sort.own[family as usize]) / sort.mass_kg(own_kg);
+    /// The same of the other kinds than this: infinite where some have only stiffness.
+    pub(in crate::physics) fn per_damping_of_others(&self, kind: u8) -> f64 {
+        let others = self.kinds.iter().zip(0..).filter(|(_, other)| *other != kind);
+        others.map(|(values, kind)| self.per_damping_of_kind(Taken { kind, values })).fold(0.0, f64::max)
+    }
+
+    fn per_damping_of_kind(&self, Taken { kind, values }: Taken<'_>) -> f64 {
+        let of_family = |family: Family| {
+            let has_links = self.sorts.iter().any(|sort| sort.links(kind, family) != DMat3::ZERO);
+            let (stiffness, damping) = (values.stiffness[family as usize], values.damping[family as usize]);
+            if has_links && stiffness > 0.0 { stiffness / damping } else { 0.0 }
+        };
+        Family::ALL.map(of_family).into_iter().fold(0.0, f64::max)
+    }
+
+    /// The most that a family of the kind's links alone adds for a constant of 1, 1/(kg m).
+    pub(in crate::physics) fn of_one(&self, taken: Taken<'_>, family: Family) -> f64 {
+        let of_sort = |sort: &Sort| largest_eigenvalue(sort.links(taken.kind, family)) / self.mass_kg(sort, taken);
         self.sorts.iter().map(of_sort).fold(0.0, f64::max)
     }
 
     /// What each sort resists with, N/m or N·s/m.
-    pub(in crate::physics) fn resistances(&self, own: &CellKind, of: Constant, weights: [f64; 3]) -> Vec<f64> {
-        self.sorts.iter().map(|sort| largest_eigenvalue(sort.sum(own, of, weights))).collect()
+    pub(in crate::physics) fn resistances(&self, taken: Taken<'_>, of: Constant, weights: [f64; 3]) -> Vec<f64> {
+        self.sorts.iter().map(|sort| largest_eigenvalue(self.sum(sort, taken, of, weights))).collect()
     }
 
-    /// The most of them over the mass, where the body's own particles weigh `own_kg`.
-    pub(in crate::physics) fn over_mass(&self, resistances: &[f64], own_kg: f64) -> f64 {
-        self.sorts.iter().zip(resistances).map(|(sort, resists)| resists / sort.mass_kg(own_kg)).fold(0.0, f64::max)
+    /// The most of them over the mass.
+    pub(in crate::physics) fn over_mass(&self, resistances: &[f64], taken: Taken<'_>) -> f64 {
+        let sorts = self.sorts.iter().zip(resistances);
+        sorts.map(|(sort, resists)| resists / self.mass_kg(sort, taken)).fold(0.0, f64::max)
     }
 
-    /// The largest value of one constant of a family of the body's own springs, whose other values are given, with which
-    /// [`Self::most`] is no more than a limit. Zero where none is, infinite where the family has no such links or no weight.
+    /// The largest value of one constant of a family of the kind, whose other values are given, with which [`Self::most`] is no
+    /// more than a limit. Zero where none is, infinite where the family has no such links or no weight.
     pub(in crate::physics) fn largest(
         &self,
-        own: &CellKind,
+        taken: Taken<'_>,
         (family, of): (Family, Constant),
         weights: [f64; 3],
         limit: f64,
     ) -> f64 {
-        let mut rest = *own;
+        let mut rest = *taken.values;
         match of {
             Constant::Stiffness => rest.stiffness[family as usize] = 0.0,
             Constant::Damping => rest.damping[family as usize] = 0.0,
         }
+        let rest = Taken { values: &rest, ..taken };
         let weight = weights[family as usize];
         if weight <= 0.0 {
-            return if self.most(&rest, of, weights) <= limit { f64::INFINITY } else { 0.0 };
+            return if self.most(rest, of, weights) <= limit { f64::INFINITY } else { 0.0 };
         }
         let additions = self.sorts.iter().map(|sort| {
-            let per_mass = 1.0 / sort.mass_kg(own.mass);
-            let of_own = sort.own[family as usize] * per_mass;
-            let to = sort.sum(&rest, of, weights) * (per_mass / weight);
-            Addition { to, of: of_own, alone: largest_eigenvalue(of_own) }
+            let per_mass = 1.0 / self.mass_kg(sort, taken);
+            let of_kind = sort.links(taken.kind, family) * per_mass;
+            let to = self.sum(sort, rest, of, weights) * (per_mass / weight);
+            Addition { to, of: of_kind, alone: largest_eigenvalue(of_kind) }
         });
         largest_multiple(additions, limit / weight)
     }
@@ -261,9 +302,9 @@ mod tests {
         Simulation::new(&Scene { bodies: vec![body], ..Scene::default() }, &[lattice])
     }
 
-    fn parts(simulation: &Simulation<f64>) -> (&ParticleLoads, &CellKind) {
+    fn loads_of(simulation: &Simulation<f64>) -> &ParticleLoads {
         match &simulation.model().bodies[0].composition {
-            Composition::Springs { loads, kinds } => (loads, &kinds[0]),
+            Composition::Springs { loads, .. } => loads,
             other => panic!("of several springs, not {other:?}"),
         }
     }
@@ -282,12 +323,12 @@ mod tests {
         for cells in [1, 2, 3, 4, 4, 4] {
             let springs = std::array::from_fn(|_| random_springs(&mut rng));
             let simulation = mixed(cells, springs, &mut rng);
-            let (loads, own) = match &simulation.model().bodies[0].composition {
-                Composition::Springs { .. } => parts(&simulation),
+            let loads = match &simulation.model().bodies[0].composition {
+                Composition::Springs { loads, .. } => loads,
                 // The only cell is of the body's own, or all are of one other.
                 _ => continue,
             };
-            let bounds = [Constant::Stiffness, Constant::Damping].map(|of| loads.most(own, of, [1.0; 3]));
+            let bounds = [Constant::Stiffness, Constant::Damping].map(|of| loads.most(loads.own(), of, [1.0; 3]));
             let found = fastest(&simulation.model().bodies[0], &simulation.state().position);
             for which in 0..2 {
                 let share = found[which] / bounds[which];
@@ -318,23 +359,24 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_constant_is_the_one_at_which_the_limit_is_met() {
+    fn the_largest_constant_of_any_kind_is_the_one_at_which_the_limit_is_met() {
         let mut rng = Rng::new(14);
-        for _ in 0..10 {
+        for kind in [0, 1, 2].repeat(4) {
             let springs = std::array::from_fn(|_| random_springs(&mut rng));
             let simulation = mixed(3, springs, &mut rng);
-            let (loads, own) = parts(&simulation);
+            let loads = loads_of(&simulation);
+            let taken = Taken { kind, values: &loads.kinds()[usize::from(kind)] };
             for of in [Constant::Stiffness, Constant::Damping] {
                 let weights = [0; 3].map(|_| rng.between(0.5, 1.5));
-                let limit = loads.most(own, of, weights) * rng.between(0.8, 2.0);
+                let limit = loads.most(taken, of, weights) * rng.between(0.8, 2.0);
                 for family in Family::ALL {
-                    let largest = loads.largest(own, (family, of), weights, limit);
-                    let mut there = *own;
+                    let largest = loads.largest(taken, (family, of), weights, limit);
+                    let mut there = *taken.values;
                     match of {
                         Constant::Stiffness => there.stiffness[family as usize] = largest,
                         Constant::Damping => there.damping[family as usize] = largest,
                     }
-                    let met = loads.most(&there, of, weights) / limit;
+                    let met = loads.most(Taken { values: &there, ..taken }, of, weights) / limit;
                     assert!(if largest > 0.0 { (met - 1.0).abs() < 1e-6 } else { met >= 1.0 }, "{family:?}: {met}");
                 }
             }

@@ -12,7 +12,7 @@ pub(in crate::physics) enum Composition {
     Alike,
     /// Of cells of solids, which share out links and masses.
     Solids {
-        /// Those that occur; the first is the body's own.
+        /// The body's own, whether it occurs or not, and the others that occur.
         kinds: Vec<CellKind>,
         /// The largest load of its cells together over that of one of them alone, at most 1: below it only where all cells
         /// are of one kind and not too many.
@@ -20,10 +20,11 @@ pub(in crate::physics) enum Composition {
     },
     /// Of cells of several springs, of which links and particles have the mean.
     Springs {
-        /// Those that occur; the first is the body's own.
-        kinds: Vec<CellKind>,
         /// What limits the step.
         loads: Arc<ParticleLoads>,
+        /// Of which material each kind of cells is: 0 of the body's own, then of its parts and of its inlays, as they follow one
+        /// another.
+        numbers: Vec<u8>,
     },
 }
 
@@ -36,11 +37,12 @@ impl Composition {
         }
     }
 
-    /// The kinds of its cells that differ; none where all is alike.
+    /// The kinds of its cells, the body's own first, whether it occurs or not; none where all is alike.
     pub(in crate::physics) fn kinds(&self) -> &[CellKind] {
         match self {
             Self::Alike => &[],
-            Self::Solids { kinds, .. } | Self::Springs { kinds, .. } => kinds,
+            Self::Solids { kinds, .. } => kinds,
+            Self::Springs { loads, .. } => loads.kinds(),
         }
     }
 }

@@ -4,6 +4,7 @@ use egui::{RichText, Ui};
 
 use super::brush::brush_button_ui;
 use super::parts::solid_choice_ui;
+use super::safe::Safe;
 use super::springs::{own_springs_ui, softer, springs_choice_ui};
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{AXES, vector_ui};
@@ -30,6 +31,7 @@ pub(super) fn inlays_ui(
     id: BodyId,
     running: Running<'_>,
     state: &mut UiState,
+    safe: Safe<'_>,
     commands: &mut Vec<Command>,
 ) {
     let scene = running.scene;
@@ -62,7 +64,7 @@ pub(super) fn inlays_ui(
             if matches!(body.material, Material::Springs(_)) {
                 let mut springs = inlay.springs;
                 let path = format!("bodies.{}.inlays.{place}.springs", id.0);
-                let interaction = own_springs_ui(ui, &name, &path, &mut springs);
+                let interaction = own_springs_ui(ui, &name, &path, &mut springs, safe);
                 interaction.send(|| changed(&|all| all[place].springs = springs), commands);
             }
             let mut in_box = has_box(inlay);

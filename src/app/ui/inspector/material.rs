@@ -5,17 +5,18 @@ use egui::{ComboBox, RichText, Ui};
 use super::inlays::inlays_ui;
 use super::own_weight::{self, length};
 use super::parts::parts_ui;
+use super::safe::Safe;
 use super::springs::springs_ui;
 use crate::app::ui::figure::figure;
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{Bound, Interaction, LABEL_WIDTH, slider_ui};
+use crate::app::ui::value::{Interaction, LABEL_WIDTH, slider_ui};
 use crate::app::ui::words::capitalised;
 use crate::app::ui::{Running, UiState, edits, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::material::{MaterialPreset, presets};
 use crate::scene::own_weight::largest_cube;
-use crate::scene::{Body, Material, Solid, Springs, param};
-use crate::session::{Command, SafeValue};
+use crate::scene::{Body, Material, Solid, Springs};
+use crate::session::Command;
 
 /// What a person reads of springs.
 const SPRINGS: &str = "springs, seven values";
@@ -41,13 +42,13 @@ pub(super) fn material_ui(
         None => (),
     }
     own_weight::own_weight_ui(ui, id, running.scene, known, state, commands);
-    let safe = Safe { of: &known.safe };
+    let safe = Safe::of(&known.safe);
     match body.material {
         Material::Springs(springs) => own_springs_ui(ui, id, body, springs, safe, commands),
         Material::Solid(solid) => solid_ui(ui, id, body, solid, safe, commands),
     }
-    parts_ui(ui, id, body, &known.part_names, commands);
-    inlays_ui(ui, id, running, state, commands);
+    parts_ui(ui, id, body, &known.part_names, safe, commands);
+    inlays_ui(ui, id, running, state, safe, commands);
 }
 
 /// What was chosen from the list.
@@ -116,28 +117,6 @@ fn choice_ui(ui: &mut Ui, now: &Material, gravity: [f64; 3]) -> Option<Choice> {
 fn name_of(material: &Material) -> Option<&'static MaterialPreset> {
     let Material::Solid(solid) = material else { return None };
     presets().iter().find(|preset| preset.material == *solid)
-}
-
-/// How far the values of a body may go.
-#[derive(Clone, Copy)]
-struct Safe<'a> {
-    of: &'a [SafeValue],
-}
-
-impl Safe<'_> {
-    /// The bound of a value; `None` where its whole range is safe, and where none of it is: then another value is to
-    /// blame, whose track shows it.
-    fn bound(self, path: &str) -> Option<Bound> {
-        let own = path.splitn(3, '.').nth(2)?;
-        let safe = self.of.iter().find(|safe| safe.value.path() == own)?;
-        let Some(param::Kind::Number { min, max }) = param::find(path).map(|param| param.kind) else { return None };
-        let bound = safe.bound?;
-        if safe.is_smallest {
-            (bound > min && bound.is_finite()).then_some(Bound::AtLeast(bound))
-        } else {
-            (bound > 0.0 && bound < max).then_some(Bound::AtMost(bound))
-        }
-    }
 }
 
 fn solid_ui(ui: &mut Ui, id: BodyId, body: &Body, mut solid: Solid, safe: Safe<'_>, commands: &mut Vec<Command>) {

@@ -13,6 +13,7 @@ mod obstacle;
 mod own_weight;
 mod parts;
 mod pins;
+mod safe;
 mod section;
 mod settings;
 mod springs;

@@ -2,6 +2,7 @@
 
 use egui::{ComboBox, RichText, Ui};
 
+use super::safe::Safe;
 use super::springs::{own_springs_ui, softer, springs_choice_ui, within_label_ui};
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::{edits, theme};
@@ -17,7 +18,14 @@ const AS_THE_BODY: &str = "as the body";
 const OWN: &str = "a solid of its own";
 
 /// A row for each part of a model, where its file names several.
-pub(super) fn parts_ui(ui: &mut Ui, id: BodyId, body: &Body, names: &[String], commands: &mut Vec<Command>) {
+pub(super) fn parts_ui(
+    ui: &mut Ui,
+    id: BodyId,
+    body: &Body,
+    names: &[String],
+    safe: Safe<'_>,
+    commands: &mut Vec<Command>,
+) {
     if names.len() < 2 {
         return;
     }
@@ -47,7 +55,7 @@ pub(super) fn parts_ui(ui: &mut Ui, id: BodyId, body: &Body, names: &[String], c
                 if let Some(place) = now {
                     let mut parts = body.parts.clone();
                     let path = format!("bodies.{}.parts.{place}.springs", id.0);
-                    let interaction = own_springs_ui(ui, name, &path, &mut parts[place].springs);
+                    let interaction = own_springs_ui(ui, name, &path, &mut parts[place].springs, safe);
                     let changed = || Edit::Body(id, Box::new(Body { parts, ..body.clone() }));
                     interaction.send(changed, commands);
                 }

@@ -2,6 +2,7 @@
 
 use egui::{CollapsingHeader, ComboBox, RichText, Ui};
 
+use super::safe::Safe;
 use crate::app::ui::theme;
 use crate::app::ui::value::{Bound, Interaction, LABEL_WIDTH, slider_ui};
 use crate::scene::{Family, Springs};
@@ -61,12 +62,18 @@ pub(super) fn springs_choice_ui(ui: &mut Ui, name: &str, now: bool, none: &'stat
 }
 
 /// The values of such a part, which can be folded away.
-pub(super) fn own_springs_ui(ui: &mut Ui, name: &str, path: &str, springs: &mut Springs) -> Interaction {
+pub(super) fn own_springs_ui(
+    ui: &mut Ui,
+    name: &str,
+    path: &str,
+    springs: &mut Springs,
+    safe: Safe<'_>,
+) -> Interaction {
     let mut interaction = Interaction::default();
     CollapsingHeader::new(RichText::new(format!("Springs of {name}")).color(theme::of(ui).weak))
         .id_salt(path)
         .default_open(true)
-        .show(ui, |ui| interaction = springs_ui(ui, path, springs, |_| None));
+        .show(ui, |ui| interaction = springs_ui(ui, path, springs, |path| safe.bound(path)));
     interaction
 }
 

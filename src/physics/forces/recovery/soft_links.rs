@@ -194,8 +194,8 @@ fn softest<R: Real>(body: &BodyModel<R>) -> R {
     match &body.composition {
         Composition::Alike => softest(body.links.each_ref().map(|family| family.stiffness)),
         Composition::Solids { .. } => R::ZERO,
-        Composition::Springs { kinds, .. } => {
-            kinds.iter().map(|kind| softest(kind.stiffness.map(R::from_f64))).fold(R::ZERO, R::max)
+        Composition::Springs { loads, .. } => {
+            loads.kinds().iter().map(|kind| softest(kind.stiffness.map(R::from_f64))).fold(R::ZERO, R::max)
         }
     }
 }

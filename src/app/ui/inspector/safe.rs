@@ -1,0 +1,29 @@
+//! How far the values of a body's materials may go before a step has to be divided, as their sliders show it.
+
+use crate::app::ui::value::Bound;
+use crate::scene::param;
+use crate::session::SafeValue;
+
+/// How far the values of a body's materials may go.
+#[derive(Clone, Copy)]
+pub(super) struct Safe<'a>(&'a [SafeValue]);
+
+impl<'a> Safe<'a> {
+    pub(super) fn of(values: &'a [SafeValue]) -> Self {
+        Self(values)
+    }
+
+    /// The bound of a value; `None` where its whole range is safe, and where none of it is: then another value is to
+    /// blame, whose track shows it.
+    pub(super) fn bound(self, path: &str) -> Option<Bound> {
+        let below_body = path.splitn(3, '.').nth(2)?;
+        let safe = self.0.iter().find(|safe| safe.is_at(below_body))?;
+        let Some(param::Kind::Number { min, max }) = param::find(path).map(|param| param.kind) else { return None };
+        let bound = safe.bound?;
+        if safe.is_smallest {
+            (bound > min && bound.is_finite()).then_some(Bound::AtLeast(bound))
+        } else {
+            (bound > 0.0 && bound < max).then_some(Bound::AtMost(bound))
+        }
+    }
+}
