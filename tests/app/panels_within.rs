@@ -77,6 +77,7 @@ fn the_springs_that_limit_the_step_are_marked_where_they_are() {
     let mut scene = (preset("cube-on-plane").expect("a preset").build)();
     let Material::Springs(mut springs) = scene.bodies[0].material else { panic!("of springs") };
     springs.shear.damping *= 4.0;
+    scene.settings.dt = 5e-4;
     scene.bodies[0].inlays = vec![Inlay { min: [-1.0, 0.0, -1.0], max: [1.0; 3], springs, ..Inlay::default() }];
     let mut window = Window::on(scene, "Jelly", [1280.0, 1000.0], Theme::Dark);
     window.press("Jelly");
