@@ -323,11 +323,8 @@ mod tests {
         for cells in [1, 2, 3, 4, 4, 4] {
             let springs = std::array::from_fn(|_| random_springs(&mut rng));
             let simulation = mixed(cells, springs, &mut rng);
-            let loads = match &simulation.model().bodies[0].composition {
-                Composition::Springs { loads, .. } => loads,
-                // The only cell is of the body's own, or all are of one other.
-                _ => continue,
-            };
+            // The only cell may be of the body's own, or all of one other.
+            let Composition::Springs { loads, .. } = &simulation.model().bodies[0].composition else { continue };
             let bounds = [Constant::Stiffness, Constant::Damping].map(|of| loads.most(loads.own(), of, [1.0; 3]));
             let found = fastest(&simulation.model().bodies[0], &simulation.state().position);
             for which in 0..2 {
