@@ -3,7 +3,7 @@
 //!
 //! `golden.txt` holds a line each: name, simulated seconds, and the fingerprints of positions and velocities in the middle
 //! and at the end. The second half is taken twice, the second time from the state of the middle, by another number of threads,
-//! at another level of vector instructions and without the broad phase, of large scenes for a while. A change that is meant
+//! at another level of vector instructions and without the broad phase, of several bodies for a while. A change that is meant
 //! to change bits puts what the failing test prints into that file, and says why.
 
 use std::fmt::Write;
