@@ -138,8 +138,7 @@ pub(super) fn for_each_soft_link<R: Real>(
     soft.extend((0..).zip(&*softness).filter(|(_, softness)| **softness > R::ZERO).map(|(particle, _)| particle));
     let may_give = memory.account.taken_j > 0.0;
     for family in &body.links {
-        let flow = family.stiffness * body.recovery.flow_secs * R::from_f64(FLOW);
-        for link in links_from(&family.links, soft) {
+        for (number, link) in links_from(&family.links, soft) {
             let [i, j] = link.ends.map(|end| end as usize);
             let softness = softness[i].min(softness[j]);
             if softness > R::ZERO {
@@ -151,20 +150,21 @@ pub(super) fn for_each_soft_link<R: Real>(
                 let stretched = (strain - R::from_f64(TAUT[0])) * R::from_f64(1.0 / (TAUT[1] - TAUT[0]));
                 let share = softness * (R::ONE - stretched).max(R::ZERO).min(R::ONE);
                 let inverse_rest_length = link.inverse_rest_length;
-                let stiffness = family.stiffness;
+                let [stiffness, _] = family.constants(number);
+                let flow = stiffness * body.recovery.flow_secs * R::from_f64(FLOW);
                 visit([i, j], SoftLink { d, dv, inverse_rest_length, stiffness, flow, softness: share });
             }
         }
     }
 }
 
-/// The links whose first end is one of these particles. Both ascend, so that few crushed cells are not looked for among all
-/// links of a large body.
-fn links_from<'a, R: Real>(links: &'a [Link<R>], particles: &'a [u32]) -> impl Iterator<Item = &'a Link<R>> {
-    let mut rest = links;
+/// The links whose first end is one of these particles, with their numbers. Both ascend, so that few crushed cells are not
+/// looked for among all links of a large body.
+fn links_from<'a, R: Real>(links: &'a [Link<R>], particles: &'a [u32]) -> impl Iterator<Item = (usize, &'a Link<R>)> {
+    let mut first = 0;
     particles.iter().flat_map(move |&particle| {
-        rest = &rest[rest.partition_point(|link| link.ends[0] < particle)..];
-        rest.iter().take_while(move |link| link.ends[0] == particle)
+        first += links[first..].partition_point(|link| link.ends[0] < particle);
+        (first..).zip(&links[first..]).take_while(move |(_, link)| link.ends[0] == particle)
     })
 }
 
@@ -202,16 +202,47 @@ fn softest<R: Real>(body: &BodyModel<R>) -> R {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::physics::Simulation;
+    use crate::scene::body::{CubeShape, Inlay};
+    use crate::scene::resolve::resolve;
+    use crate::scene::{Body, Scene, Shape, Springs};
 
     #[test]
     fn links_of_some_particles_are_found_among_all() {
         let link = |ends| Link::<f32> { ends, rest_length: 1.0, inverse_rest_length: 1.0 };
         let links: Vec<_> = [[0, 1], [0, 4], [2, 3], [2, 4], [2, 9], [3, 4], [7, 8]].map(link).into();
         for some in [&[][..], &[0], &[1], &[2], &[0, 2], &[1, 2, 3, 7], &[3, 5, 8], &[9]] {
-            let found: Vec<_> = links_from(&links, some).copied().collect();
-            let among_all: Vec<_> = links.iter().filter(|link| some.contains(&link.ends[0])).copied().collect();
+            let found: Vec<_> = links_from(&links, some).collect();
+            let among_all: Vec<_> = links.iter().enumerate().filter(|(_, link)| some.contains(&link.ends[0])).collect();
             assert_eq!(found, among_all, "{some:?}");
         }
+    }
+
+    #[test]
+    fn a_soft_link_loses_of_its_own_stiffness_and_not_of_the_stiffest() {
+        let mut stiff = Springs::default();
+        stiff.shear.stiffness *= 1e4;
+        let inlays = vec![Inlay { min: [0.0, -9.0, -9.0], max: [9.0; 3], springs: stiff, ..Inlay::default() }];
+        let shape = Shape::Cube(CubeShape { cells: 4, size: 1.0 });
+        let scene = Scene { bodies: vec![Body { shape, inlays, ..Body::default() }], ..Scene::default() };
+        let lattice = resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice;
+        let simulation = Simulation::<f64>::new(&scene, &[lattice]);
+        let (body, mut memory) = (&simulation.model().bodies[0], simulation.state().bodies[0].clone());
+        memory.near_inversion = (0..64).collect();
+        let flat: Vec<_> = simulation.state().position.iter().map(|x| *x * glam::DVec3::new(1.0, 0.01, 1.0)).collect();
+        let still = vec![glam::DVec3::ZERO; flat.len()];
+        let mut soft = Vec::new();
+        let mut workspace = RecoveryWorkspace::new(simulation.model());
+        for_each_soft_link(body, &memory, [&flat, &still], &mut workspace, |ends, link| {
+            soft.push((ends, link.stiffness))
+        });
+        let own = body.links.iter().flat_map(|family| {
+            let links = family.links.iter().enumerate();
+            links.map(|(number, link)| (link.ends.map(|end| end as usize), family.constants(number)[0]))
+        });
+        assert_eq!(soft, own.collect::<Vec<_>>());
     }
 }
