@@ -117,8 +117,17 @@ fn scenes_that_once_exploded_do_not() {
         (2_252_673_541, 6665),
         (2_151_317_611, 9257),
     ];
-    // Soft light cells beside stiff heavy ones that are turned back from inversion.
-    let third = [(2_577_914_098, 522), (2_577_914_098, 737), (2_577_914_098, 855)];
+    // Soft light cells beside stiff heavy ones that are turned back from inversion; soft links beside ones that are ten thousand
+    // times as stiff.
+    let third = [
+        (2_577_914_098, 522),
+        (2_577_914_098, 737),
+        (2_577_914_098, 855),
+        (1_419_505_935, 55),
+        (1_419_505_935, 205),
+        (1_419_505_935, 289),
+        (1_419_505_935, 327),
+    ];
     let [scenes, second, third] = [(Edition::First, &scenes[..]), (Edition::Second, &second), (Edition::Third, &third)]
         .map(|(edition, scenes)| scenes.iter().map(move |(seed, number)| (edition, *seed, *number)));
     for (edition, seed, number) in scenes.chain(second).chain(third) {
