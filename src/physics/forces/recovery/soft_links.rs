@@ -237,7 +237,7 @@ mod tests {
         let mut soft = Vec::new();
         let mut workspace = RecoveryWorkspace::new(simulation.model());
         for_each_soft_link(body, &memory, [&flat, &still], &mut workspace, |ends, link| {
-            soft.push((ends, link.stiffness))
+            soft.push((ends, link.stiffness));
         });
         let own = body.links.iter().flat_map(|family| {
             let links = family.links.iter().enumerate();
