@@ -59,8 +59,8 @@ impl SafeValue {
 }
 
 /// The bounds of all values of a body's materials, at rest and with the margin that automatic stepping keeps; of springs also
-/// those of its parts and inlays, as far as any cell is of them. Where a body holds other solids, contact is taken to change with its density as if
-/// they were of it. `model` is what the body was compiled to.
+/// those of its parts and inlays, as far as any cell is of them. Where a body holds other solids, contact is taken to change
+/// with its density as if they were of it. `model` is what the body was compiled to.
 pub fn largest_safe<R: Real>(
     body: &Body,
     model: &BodyModel<R>,
@@ -329,6 +329,12 @@ mod tests {
             assert_eq!(bounds.iter().filter(|safe| safe.is_at(path)).count(), 1, "{path}");
         }
         assert!(!bounds.iter().any(|safe| safe.is_at("inlays.0.springs.shear.damping")));
+        scene.bodies[0].inlays.truncate(1);
+        assert_eq!(
+            self::bounds(&scene).len(),
+            7,
+            "of an inlay without cells there are none, though its springs are others"
+        );
         for safe in bounds {
             assert!(param::find(&format!("bodies.0.{}", safe.path())).is_some(), "{}", safe.path());
         }

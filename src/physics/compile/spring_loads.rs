@@ -53,14 +53,15 @@ impl SpringLoads {
         }
     }
 
-    /// Those of its material of this number, see [`Composition::Springs`]. None where no cell is of it; where all are alike,
-    /// those of all.
+    /// Those of its material of this number, see [`Composition::Springs`]. None where no cell is of it, nor where all cells are
+    /// alike: they are of the body's own then.
     pub(super) fn of_number<R: Real>(model: &BodyModel<R>, number: usize) -> Option<Self> {
         let mut of = Self::of(model);
-        if let (Some(mixed), Composition::Springs { numbers, .. }) = (&mut of.mixed, &model.composition) {
-            let mut kinds = (0..).zip(numbers);
-            mixed.kind = kinds.find(|(_, known)| usize::from(**known) == number).map(|(kind, _)| kind)?;
-        }
+        let (Some(mixed), Composition::Springs { numbers, .. }) = (&mut of.mixed, &model.composition) else {
+            return (number == 0).then_some(of);
+        };
+        let mut kinds = (0..).zip(numbers);
+        mixed.kind = kinds.find(|(_, known)| usize::from(**known) == number).map(|(kind, _)| kind)?;
         Some(of)
     }
 

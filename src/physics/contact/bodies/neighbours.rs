@@ -41,7 +41,7 @@ pub(super) struct Listed<'a> {
     /// The points that may be in cells, by their places on the hull.
     pub(super) points: &'a [u32],
     /// By cell, ascending.
-    pub(super) pairs: &'a [Neighbour],
+    pairs: &'a [Neighbour],
     /// How far the bodies may have moved past each other since, m.
     way: f32,
 }
