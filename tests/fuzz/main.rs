@@ -10,6 +10,7 @@
 
 mod models;
 mod mutate;
+mod pictures;
 mod runner;
 mod targets;
 
@@ -62,6 +63,11 @@ fn mutated_ply_files_are_read_or_refused() {
 #[test]
 fn mutated_gltf_files_are_read_or_refused() {
     check(Target::Gltf, 1200);
+}
+
+#[test]
+fn mutated_materials_and_pictures_are_read_or_refused() {
+    check(Target::Materials, 1200);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use base64::prelude::{BASE64_STANDARD, Engine as _};
 use gelatin::math::rng::Rng;
 
 use crate::mutate::{below, bytes, number, pick, piece, text};
+use crate::pictures::picture;
 
 /// Corners of a box, and two triangles for each of its sides.
 const PLACES: [[f32; 3]; 8] = [
@@ -85,10 +86,6 @@ const GLTF_WORDS: [&str; 18] = [
     "\"normalized\":true,",
 ];
 
-/// A PNG file of two by two texels.
-const PNG: &str = "iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAYAAABytg0kAAAAFklEQV\
-                   R4nGP4z8DwHwgbGEA0JyfnfwA3MQWXdI2DSQAAAABJRU5ErkJggg==";
-
 /// Bytes that are lengths, counts, indices and coordinates at which programs break.
 const NUMBERS: [u32; 10] = [
     0,
@@ -157,6 +154,8 @@ pub(crate) fn gltf(rng: &mut Rng) -> Vec<u8> {
     }
     let within = below(rng, 3) > 0;
     let data = BASE64_STANDARD.encode(&blob);
+    let picture = BASE64_STANDARD.encode(picture(rng));
+    let kind = pick(rng, &["png", "jpeg"]);
     let uri = if within { String::new() } else { format!("\"uri\":\"data:application/gltf-buffer;base64,{data}\",") };
     let json = format!(
         "{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":0,\"scenes\":[{{\"nodes\":[0,2]}}],\"nodes\":[{{\"children\":[1],\
@@ -164,7 +163,7 @@ pub(crate) fn gltf(rng: &mut Rng) -> Vec<u8> {
          [{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0,\"TEXCOORD_0\":2}},\"indices\":1,\"mode\":4,\"material\":0}},\
          {{\"attributes\":{{\"POSITION\":0}},\"mode\":5,\"material\":0}}]}}],\"materials\":[{{\"pbrMetallicRoughness\":{{\
          \"baseColorTexture\":{{\"index\":0}}}}}}],\"textures\":[{{\"source\":0}}],\"images\":[{{\"uri\":\
-         \"data:image/png;base64,{PNG}\"}}],\"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":8,\"type\":\"VEC3\"}},\
+         \"data:image/{kind};base64,{picture}\"}}],\"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":8,\"type\":\"VEC3\"}},\
          {{\"bufferView\":1,\"byteOffset\":0,\"componentType\":5123,\"count\":36,\"type\":\"SCALAR\"}},\
          {{\"bufferView\":0,\"componentType\":5126,\"count\":8,\"type\":\"VEC2\"}}],\"bufferViews\":\
          [{{\"buffer\":0,\"byteLength\":96,\"byteStride\":12}},{{\"buffer\":0,\"byteOffset\":96,\"byteLength\":72}}],\
@@ -199,7 +198,7 @@ fn place(corner: u16) -> Vec<u8> {
 }
 
 /// Bytes with a few changes.
-fn changed(rng: &mut Rng, mut input: Vec<u8>) -> Vec<u8> {
+pub(crate) fn changed(rng: &mut Rng, mut input: Vec<u8>) -> Vec<u8> {
     for _ in 0..=below(rng, 4) {
         match below(rng, 9) {
             0 => bytes(rng, &mut input),

@@ -1,9 +1,11 @@
 //! What is given to the program in every case, and what must hold of what it makes of it.
 
+use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use gelatin::geometry::import::{Imported, parse};
+use gelatin::disk::ReadError;
+use gelatin::geometry::import::{Detail, HeldFiles, ImportError, Imported, load_held, parse};
 use gelatin::geometry::voxel::{Keep, OccupancyChoice, VoxelizeOptions, voxelize};
 use gelatin::math::rng::Rng;
 use gelatin::scene::{Scene, param, path, presets};
@@ -12,6 +14,7 @@ use gelatin::text::echo;
 
 use crate::models;
 use crate::mutate::{below, bytes, extreme, pick, text};
+use crate::pictures::Painted;
 
 /// Who is given something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +27,8 @@ pub(crate) enum Target {
     Ply,
     /// The same of glTF files, text and binary.
     Gltf,
+    /// The readers of an OBJ file's materials and of the pictures that they name.
+    Materials,
     /// The reader of scenes, and the sandbox that opens them.
     Scene,
     /// The reader of states, and the simulation that goes on from them.
@@ -41,6 +46,9 @@ const MODELS: [&str; 3] = [
      f 1/1 2/1 3/1\nf -1 -2 -3 -4\nl 1 2\np 3\nf 1//1 2//1 4//1\n",
     "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0.5 0.5 2\nf 1 2 3 4 5 6\nf 1 2 7\nf 2 3 4 7\nf 4 5 6 7\nf 6 1 7\n",
 ];
+
+/// A triangle that is painted by a material of a file beside it.
+const PAINTED: &str = "mtllib a.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 1 1 1\nvt 0 0\nvt 1 0\nvt 0.5 7\nf 1/1 2/2 3/3\n";
 
 const MODEL_WORDS: [&str; 16] =
     ["v ", "f ", "l ", "vn ", "o ", "\n", "\\\n", "/", "//", " 1", " -1", "#", "curv ", "usemtl ", "1/1/1 ", "\u{fe}"];
@@ -122,8 +130,17 @@ const VALUES: [&str; 12] = [
 ];
 
 impl Target {
-    pub(crate) const ALL: [Self; 8] =
-        [Self::Obj, Self::Stl, Self::Ply, Self::Gltf, Self::Scene, Self::State, Self::Set, Self::Planted];
+    pub(crate) const ALL: [Self; 9] = [
+        Self::Obj,
+        Self::Stl,
+        Self::Ply,
+        Self::Gltf,
+        Self::Materials,
+        Self::Scene,
+        Self::State,
+        Self::Set,
+        Self::Planted,
+    ];
 
     /// What a case may take.
     pub(crate) fn processor_time(self) -> Duration {
@@ -140,6 +157,7 @@ impl Target {
             Self::Stl => models::stl(&mut rng),
             Self::Ply => models::ply(&mut rng),
             Self::Gltf => models::gltf(&mut rng),
+            Self::Materials => Painted::draw(&mut rng).to_bytes(),
             Self::Scene => text(&mut rng, &SCENES, &SCENE_WORDS),
             Self::State => state(&mut rng),
             Self::Set => assignment(&mut rng).into_bytes(),
@@ -150,10 +168,11 @@ impl Target {
     /// Gives an input to the program; panics where something is wrong.
     pub(crate) fn try_input(self, input: &[u8]) {
         match self {
-            Self::Obj => try_model(input, "m.obj"),
-            Self::Stl => try_model(input, "m.stl"),
-            Self::Ply => try_model(input, "m.ply"),
-            Self::Gltf => try_model(input, "m.glb"),
+            Self::Obj => try_model(parse(input, "m.obj")),
+            Self::Stl => try_model(parse(input, "m.stl")),
+            Self::Ply => try_model(parse(input, "m.ply")),
+            Self::Gltf => try_model(parse(input, "m.glb")),
+            Self::Materials => try_painted(&Painted::from_bytes(input)),
             Self::Scene => try_scene(input),
             Self::State => try_state(input),
             Self::Set => try_set(input),
@@ -181,11 +200,12 @@ fn check_words(words: &str) {
     assert!(!words.is_empty() && !words.contains('\u{1b}'), "{words:?}");
 }
 
-fn try_model(input: &[u8], name: &str) {
-    let Imported { mesh, paint, .. } = match parse(input, name) {
+fn try_model(imported: Result<Imported, ImportError>) {
+    let Imported { mesh, paint, warnings, .. } = match imported {
         Ok(imported) => imported,
         Err(error) => return check_words(&error.to_string()),
     };
+    warnings.iter().for_each(|warning| check_words(warning));
     assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < mesh.positions.len()), "indices in range");
     assert!(mesh.positions.iter().all(|position| position.is_finite()), "finite positions");
     if let Some(paint) = paint {
@@ -202,6 +222,29 @@ fn try_model(input: &[u8], name: &str) {
     match voxelize(&mesh, &options, &()) {
         Ok(filled) => assert!(filled.report.cells > 0, "success means cells"),
         Err(error) => check_words(&error.to_string()),
+    }
+}
+
+/// A triangle, with what it is painted by beside it.
+fn try_painted(painted: &Painted) {
+    let imported = load_held(painted, "m.obj", Detail::Pictures, &()).expect("the model itself is whole");
+    assert_eq!(imported.mesh.triangles.len(), 1);
+    try_model(Ok(imported));
+}
+
+impl HeldFiles for Painted {
+    fn read(&self, place: &str, limit: u64) -> Result<Vec<u8>, ReadError> {
+        let bytes = match place {
+            "m.obj" => PAINTED.as_bytes(),
+            "a.mtl" => &self.materials,
+            "p.png" => &self.picture,
+            _ => return Err(io::Error::from(io::ErrorKind::NotFound).into()),
+        };
+        if bytes.len() as u64 > limit { Err(ReadError::TooLarge(limit)) } else { Ok(bytes.to_vec()) }
+    }
+
+    fn shown(&self, place: &str) -> String {
+        place.to_owned()
     }
 }
 

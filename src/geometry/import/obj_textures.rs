@@ -11,6 +11,7 @@ use super::obj_coordinates::{Coordinates, CornerPlace};
 use crate::geometry::named_parts::NamedParts;
 use crate::geometry::picture_file::Opacity;
 use crate::geometry::texturing::{TexturePlace, Texturing};
+use crate::text::echo_up_to;
 
 /// The texture coordinates of a file's triangles.
 #[derive(Clone, Copy)]
@@ -45,7 +46,8 @@ pub(super) fn texturing(
         return Ok(None);
     }
     for (_, map) in asked.iter().flatten().filter(|(_, map)| !map.left_out.is_empty()) {
-        let said = format!("{}: what {} say of the picture is not read", map.file, map.left_out.join(", "));
+        let (named, words) = (echo_up_to(&map.file, 60), map.left_out.join(", "));
+        let said = format!("{named}: what {words} say of the picture is not read");
         if !warnings.contains(&said) {
             warnings.push(said);
         }

@@ -75,6 +75,9 @@ fn options_and_colours_of_a_material_reach_its_picture() {
     assert!(all.contains(&([1.0, 0.0], [2.5, 1.0])), "u of 1, twice and shifted; v of 0: {all:?}");
     assert!(all.contains(&([0.0, 1.0], [0.5, -2.0])), "v of 1, three times: {all:?}");
     assert_eq!(found.warnings[0], "a.jpg: what -mm say of the picture is not read");
+    let long = sheet(folder.path(), "a.mtl", &format!("map_Kd -mm 0 2 \u{1b}[2J{}", "a".repeat(9999)));
+    let said = &long.warnings[0];
+    assert!(said.contains("-mm") && said.len() < 200 && !said.contains('\u{1b}'), "{said}");
 }
 
 #[test]
