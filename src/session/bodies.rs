@@ -114,6 +114,14 @@ impl Bodies {
         self.jellies.iter().map(Jelly::outline).collect()
     }
 
+    /// What the pictures on their models take, bytes; each once, whoever shares it.
+    pub(super) fn picture_bytes(&self) -> u64 {
+        let paints = self.jellies.iter().filter_map(|jelly| jelly.paint.as_deref());
+        let pictures: Vec<_> = paints.flat_map(|paint| paint.textures()).map(|texture| &texture.picture).collect();
+        let is_first = |place: usize| !pictures[..place].iter().any(|other| Arc::ptr_eq(other, pictures[place]));
+        pictures.iter().enumerate().filter(|(place, _)| is_first(*place)).map(|(_, picture)| picture.bytes()).sum()
+    }
+
     /// The lattices, in the scene's order.
     pub(super) fn lattices(&self) -> Vec<Arc<Lattice>> {
         self.jellies.iter().map(|jelly| Arc::clone(&jelly.lattice)).collect()

@@ -353,7 +353,8 @@ impl Session {
 
     /// The memory that the scene needs without a window, bytes.
     pub fn memory_bytes(&self) -> u64 {
-        needs::needed(&self.scene, &self.bodies.outlines(), Some(self.simulation.plan().scheme))
+        let scheme = Some(self.simulation.plan().scheme);
+        needs::needed(&self.scene, &self.bodies.outlines(), scheme) + self.bodies.picture_bytes()
     }
 
     /// Whether time runs.

@@ -24,7 +24,8 @@ const ABOUT_AS_CHEAP: f64 = 1.3;
 /// Cells an edge of the small body that tells which integrator a large one of its material needs.
 const SAMPLE_CELLS: u32 = 3;
 
-/// The bytes that a scene of bodies of these sizes takes without a window while a scheme is at work.
+/// The bytes that a scene of bodies of these sizes takes without a window while a scheme is at work, beside the pictures
+/// on its models: they are in memory before it is known how large the bodies are.
 pub(super) fn needed(scene: &Scene, outlines: &[Outline], scheme: Option<Scheme>) -> u64 {
     let has_sides = |shape: &ObstacleShape| matches!(shape, ObstacleShape::Plane(_) | ObstacleShape::Mesh(_));
     let planes = scene.obstacles.iter().filter(|obstacle| has_sides(&obstacle.shape)).count();

@@ -69,6 +69,15 @@ fn bodies_of_one_model_share_its_picture() {
 }
 
 #[test]
+fn a_picture_counts_once_in_the_memory_of_a_scene() {
+    let folder = folder();
+    let bytes = || session(scene(&[4, 4, 6]), folder.path()).memory_bytes();
+    let with = bytes();
+    std::fs::remove_file(folder.path().join("mats/red cloth.png")).expect("it is there");
+    assert_eq!(with - bytes(), 4 * (4 + 1), "four texels, and one that is coarser");
+}
+
+#[test]
 fn a_picture_outlives_its_file_in_undo_and_the_map_of_a_scalar() {
     let folder = folder();
     let mut session = session(scene(&[4]), folder.path());
