@@ -3,6 +3,7 @@
 
 pub mod guilty;
 pub mod overlay;
+pub mod own_box;
 pub mod scalars;
 pub mod skin;
 pub mod solid;

@@ -205,20 +205,20 @@ fn boxes(simulation: &Simulation<f32>) -> [Lines; 2] {
     [placed(of_bodies, Tint::BodyBox, HIDDEN_BOXES), placed(of_obstacles, Tint::ObstacleBox, HIDDEN_BOXES)]
 }
 
-fn placed(segments: Vec<Segment>, tint: Tint, hidden: f32) -> Lines {
+pub(super) fn placed(segments: Vec<Segment>, tint: Tint, hidden: f32) -> Lines {
     Lines { ends: LineEnds::Placed(Arc::new(segments)), tint, opacity: 1.0, width: 1.0, hidden }
 }
 
 fn add_box(edges: &mut Vec<Segment>, bounds: &Aabb<f32>, opacity: f32, width: f32) {
-    let corner = |place: usize| {
-        let high = |bit: usize| place >> bit & 1 == 1;
-        Vec3::select(glam::BVec3::new(high(0), high(1), high(2)), bounds.max, bounds.min)
-    };
-    for (place, bit) in (0..8).flat_map(|place| [1, 2, 4].map(|bit| (place, bit))) {
-        if place & bit == 0 {
-            edges.push(Segment::new(corner(place), corner(place | bit), [1.0, 1.0, 1.0, opacity], width));
-        }
-    }
+    let corners = bounds.corners();
+    let edge = |[from, to]: [usize; 2]| Segment::new(corners[from], corners[to], [1.0, 1.0, 1.0, opacity], width);
+    edges.extend(box_edges().map(edge));
+}
+
+/// The edges of a box, between its corners.
+pub(super) fn box_edges() -> impl Iterator<Item = [usize; 2]> {
+    let along = (0..8_usize).flat_map(|place| [1, 2, 4].map(|bit| (place, bit)));
+    along.filter(|(place, bit)| place & bit == 0).map(|(place, bit)| [place, place | bit])
 }
 
 fn index(count: usize) -> u32 {

@@ -40,6 +40,15 @@ impl<R: Real> Aabb<R> {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// Its eight corners: bit 0 of the place says whether x is the highest, bit 1 y, bit 2 z.
+    pub fn corners(self) -> [R::Vec3; 8] {
+        let ends = [self.min.components(), self.max.components()];
+        std::array::from_fn(|place| {
+            let [x, y, z] = [0, 1, 2].map(|axis| ends[place >> axis & 1][axis]);
+            R::Vec3::new(x, y, z)
+        })
+    }
+
     /// The box grown by `margin` (m) on every side.
     pub fn grown(self, margin: R) -> Self {
         let margin = R::Vec3::new(margin, margin, margin);

@@ -116,6 +116,8 @@ pub enum Command {
     WatchStability(Option<StabilityOf>),
     /// Show a body moved by its modes while time stands still, or no longer.
     ShowModes(Option<Swing>),
+    /// Mark a box along the axes of a body in the view, or none any longer.
+    MarkBox(Option<BoxOfBody>),
     /// Go on with what became of looking for the modes that a body waits for.
     TakeModes(Box<FoundModes>),
 }
@@ -142,6 +144,17 @@ pub struct CellTouch {
     pub change: CellChange,
 }
 
+/// A box along the axes of a body, in its own coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoxOfBody {
+    /// The body.
+    pub body: BodyId,
+    /// The lowest corner, m.
+    pub min: [f64; 3],
+    /// The highest corner, m.
+    pub max: [f64; 3],
+}
+
 impl Command {
     /// Whether a person waits for it, so that a long substep is given up; not what follows itself while a hand moves,
     /// which would keep time from running.
@@ -159,6 +172,7 @@ impl Command {
                 | Self::WatchCost(_)
                 | Self::WatchStability(_)
                 | Self::ShowModes(_)
+                | Self::MarkBox(_)
                 | Self::TakeModes(_)
         )
     }
@@ -190,6 +204,7 @@ impl Command {
             | Self::WatchCost(_)
             | Self::WatchStability(_)
             | Self::ShowModes(_)
+            | Self::MarkBox(_)
             | Self::TakeModes(_) => false,
         }
     }

@@ -13,7 +13,7 @@ impl Session {
     #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
     pub fn draw_list(&mut self) -> DrawList {
         let view = &self.scene.view;
-        let now = (self.picture.revision, view.color, view.overlays);
+        let now = (self.picture.revision, view.color, view.overlays, self.marked_box);
         if self.picture.drawn != Some(now) {
             let positions = self.simulation.state().position.iter().map(glam::Vec3::to_array);
             let mut positions: Vec<_> = positions.collect();
@@ -26,6 +26,13 @@ impl Session {
             let (simulation, bodies) = (&self.simulation, &self.scene.bodies);
             let source = &mut self.picture.overlay_source;
             self.picture.overlay = source.fill(simulation, bodies, view.overlays);
+            if let Some((marked, model)) =
+                self.marked_box.and_then(|marked| Some((marked, self.simulation.model().bodies.get(marked.body.0)?)))
+            {
+                let particles = &self.picture.particles[model.particles.clone()];
+                let corners = [marked.min, marked.max];
+                extract::own_box::add_own_box(&mut self.picture.overlay, &model.lattice, particles, corners);
+            }
             if let Some(trouble) = &self.trouble {
                 extract::guilty::mark_links(&mut self.picture.overlay, &trouble.guilty_links);
             }
@@ -64,16 +71,32 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
-    use crate::scene::edit::Edit;
+    use crate::scene::edit::{BodyId, Edit};
     use crate::scene::presets;
     use crate::scene::view_settings::Overlays;
-    use crate::session::Command;
+    use crate::session::{BoxOfBody, Command};
     use crate::view::overlay::LineEnds;
 
     fn toggle(session: &mut Session, overlays: Overlays) {
         let mut view = session.scene().view.clone();
         view.overlays = overlays;
         session.handle(Command::Edit(Edit::View(view))).expect("a view can be changed");
+    }
+
+    #[test]
+    fn a_box_of_a_body_is_marked_as_long_as_it_is_asked_for() {
+        let scene = (presets::presets()[0].build)();
+        let mut session = Session::new(scene, PathBuf::new(), String::new()).expect("a preset is sound");
+        session.draw_list();
+        let mut lines = |marked| {
+            session.handle(Command::MarkBox(marked)).expect("anyone may look");
+            assert_eq!(session.status().marked_box, marked);
+            session.draw_list().overlay.lines.len()
+        };
+        let marked = BoxOfBody { body: BodyId(0), min: [-0.1; 3], max: [0.2; 3] };
+        let none = BoxOfBody { body: BodyId(7), ..marked };
+        let empty = BoxOfBody { min: [0.3; 3], ..marked };
+        assert_eq!([Some(marked), Some(none), Some(empty), None].map(&mut lines), [1, 0, 0, 0]);
     }
 
     #[test]

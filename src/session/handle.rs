@@ -67,6 +67,7 @@ impl Session {
             Command::WatchCost(watch) => self.costs = watch.then(|| Costs::new(&self.simulation)),
             Command::WatchStability(of) => self.watch_stability(of),
             Command::ShowModes(swing) => self.show_modes(swing)?,
+            Command::MarkBox(marked) => self.marked_box = marked,
             Command::TakeModes(found) => self.take_modes(*found),
         }
         Ok(())

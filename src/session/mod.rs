@@ -66,7 +66,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 
 pub use bodies::BodyParts;
-pub use command::{CellTouch, Command, Pull};
+pub use command::{BoxOfBody, CellTouch, Command, Pull};
 pub use costs::{StageCost, StepCost};
 pub use cures::Cure;
 pub use error::SessionError;
@@ -141,6 +141,8 @@ pub struct Session {
     hold: Arc<Hold>,
     /// The modes that are shown of a body, while someone looks.
     swinging: Option<Swinging>,
+    /// The box of a body that is marked in the view.
+    marked_box: Option<BoxOfBody>,
     /// What is known of the modes that bodies move by.
     found_modes: Vec<FoundModes>,
     /// The modes that a body waits for.
@@ -208,6 +210,7 @@ impl Session {
             stop: Arc::default(),
             hold: Arc::default(),
             swinging: None,
+            marked_box: None,
             found_modes: Vec::new(),
             awaited_modes: None,
             too_slow: String::new(),

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::BoxOfBody;
 use crate::extract::overlay::OverlaySource;
 use crate::extract::solid_mesh::SolidMeshes;
 use crate::scene::ColorBy;
@@ -11,7 +12,7 @@ use crate::view::Overlay;
 /// What was last drawn.
 #[derive(Debug, Default)]
 pub(super) struct Picture {
-    pub(super) drawn: Option<(u64, ColorBy, Overlays)>,
+    pub(super) drawn: Option<(u64, ColorBy, Overlays, Option<BoxOfBody>)>,
     pub(super) revision: u64,
     pub(super) particles: Arc<Vec<[f32; 3]>>,
     pub(super) scalars: Option<Arc<Vec<f32>>>,

@@ -50,6 +50,7 @@ impl Session {
             cost: self.costs.as_ref().map(|costs| costs.shown(plan)),
             stability: self.stability.clone(),
             swing: self.swing().cloned(),
+            marked_box: self.marked_box,
             awaited_modes: self.awaited_modes().cloned(),
             step_error: self.step_error(),
         }

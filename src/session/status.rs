@@ -8,7 +8,7 @@ use super::modes::Swing;
 use super::stability_map::StabilityShown;
 use super::step_error::StepError;
 use super::wanted_modes::WantedModes;
-use super::{StepCost, Trouble};
+use super::{BoxOfBody, StepCost, Trouble};
 use crate::math::Aabb;
 pub use crate::physics::{OtherForm, SafeValue};
 use crate::scene::own_weight::Stature;
@@ -87,6 +87,8 @@ pub struct Status {
     pub stability: Option<Arc<StabilityShown>>,
     /// What is shown of a body's modes; none while nobody looks.
     pub swing: Option<Swing>,
+    /// The box of a body that is marked in the view.
+    pub marked_box: Option<BoxOfBody>,
     /// The modes that a body waits for, while time stands still for that.
     pub awaited_modes: Option<Arc<WantedModes>>,
     /// How far the steps miss, as far as it is known.

@@ -2,10 +2,11 @@
 
 use gelatin::app::theme::Theme;
 use gelatin::app::ui::Brush;
-use gelatin::scene::body::ModelShape;
+use gelatin::scene::body::{ModelShape, PinBox};
 use gelatin::scene::cell_brush::CellChange;
 use gelatin::scene::edit::BodyId;
 use gelatin::scene::{ColorBy, Material, Scene, Shape, Skin, Solid, presets};
+use gelatin::session::BoxOfBody;
 
 use crate::live::Window;
 
@@ -98,6 +99,27 @@ fn a_body_is_pinned_by_boxes_and_by_the_brush() {
     window.press("Add a box");
     let pins = body(&window).pins;
     assert!(pins.len() == 1 && pins[0].min[1] > 0.0 && pins[0].max[1] > 0.5, "the top: {pins:?}");
+    let marked = |window: &Window| window.harness.state().session.status().marked_box;
+    window.control("From x").scroll_to_me();
+    window.wait();
+    let at = window.rect("From x").center();
+    window.harness.hover_at(at);
+    window.wait();
+    let own = |pins: &[PinBox]| Some(BoxOfBody { body: BodyId(0), min: pins[0].min, max: pins[0].max });
+    assert_eq!(marked(&window), own(&pins), "the box whose corners the pointer is at");
+    window.harness.drag_at(at);
+    window.wait();
+    window.harness.hover_at(at + egui::vec2(40.0, 300.0));
+    window.wait();
+    let moved = body(&window).pins;
+    assert_ne!(moved, pins);
+    assert_eq!(marked(&window), own(&moved), "while it is dragged, wherever the pointer goes");
+    window.harness.drop_at(at + egui::vec2(40.0, 300.0));
+    window.wait();
+    let view = window.harness.state().ui.view_rect.center();
+    window.harness.hover_at(view);
+    window.wait();
+    assert_eq!(marked(&window), None, "no longer");
     window.press("Remove");
     assert!(body(&window).pins.is_empty());
 }

@@ -16,6 +16,7 @@ mod icon;
 mod inspector;
 mod keys;
 mod log_axes;
+mod marked_box;
 mod menu;
 mod message;
 mod meter;
@@ -45,6 +46,7 @@ use card::{beside_corner_card, over_view};
 
 pub use color::color_command;
 pub use finding::Finding;
+pub use marked_box::MarkedBox;
 pub use modes_panel::ModesPanel;
 pub use panels::{Below, Panels};
 pub use shown::{Running, Shown};
@@ -70,7 +72,12 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     below_panel_ui(ui, shown, state, commands);
     if let Some(running) = shown.running {
         state.follow(running.scene);
+        state.marked_box.begin();
         sides::side_panels_ui(ui, running, state, commands);
+        let marked = state.marked_box.marked();
+        if running.status.marked_box != marked {
+            commands.push(Command::MarkBox(marked));
+        }
     }
     state.view_rect = ui.available_rect_before_wrap();
     state.free_rect = state.view_rect;

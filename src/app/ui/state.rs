@@ -4,6 +4,7 @@ use egui::{Pos2, Rect};
 
 use super::files::FilesState;
 use super::finding::Finding;
+use super::marked_box::MarkedBox;
 use super::modes_panel::{self, ModesPanel};
 use super::panels::Panels;
 use super::things;
@@ -57,6 +58,8 @@ pub struct UiState {
     pub comes_along: Option<Target>,
     /// The brush in the hand.
     pub brush: Option<Brush>,
+    /// The box of a body that is to be marked in the view.
+    pub marked_box: MarkedBox,
     /// What is being renamed, and the name so far.
     pub renaming: Option<(Target, String)>,
     /// Where the next teleport goes, m.
@@ -128,6 +131,7 @@ impl UiState {
             awaited: None,
             comes_along: None,
             brush: None,
+            marked_box: MarkedBox::default(),
             renaming: None,
             origin: [0.0, 1.0, 0.0],
             too_heavy: None,

@@ -3,11 +3,11 @@
 use egui::{RichText, Ui};
 
 use super::brush::brush_button_ui;
+use super::own_box::own_box_ui;
 use super::parts::solid_choice_ui;
 use super::safe::Safe;
 use super::springs::{own_springs_ui, softer, springs_choice_ui};
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{AXES, vector_ui};
 use crate::app::ui::{Brush, Running, UiState, edits, theme};
 use crate::scene::body::{Inlay, MAX_INLAYS};
 use crate::scene::cell_brush::CellChange;
@@ -73,10 +73,9 @@ pub(super) fn inlays_ui(
                 commands.extend(edits::alone(changed(&|all| (all[place].min, all[place].max) = (min, max))));
             }
             if has_box(inlay) {
-                let path = |what: &str| format!("bodies.{}.inlays.{place}.{what}", id.0);
+                let path = format!("bodies.{}.inlays.{place}", id.0);
                 let (mut min, mut max) = (inlay.min, inlay.max);
-                let mut interaction = vector_ui(ui, &path("min"), "From", &AXES, &mut min);
-                interaction.and(vector_ui(ui, &path("max"), "To", &AXES, &mut max));
+                let interaction = own_box_ui(ui, id, &path, [&mut min, &mut max], state);
                 interaction.send(|| changed(&|all| (all[place].min, all[place].max) = (min, max)), commands);
             }
             paint_ui(ui, id, place, inlay, scene, state, commands);

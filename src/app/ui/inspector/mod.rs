@@ -10,6 +10,7 @@ mod mesh;
 mod model;
 mod motion;
 mod obstacle;
+mod own_box;
 mod own_weight;
 mod parts;
 mod pins;

@@ -3,8 +3,8 @@
 use egui::{RichText, Ui};
 
 use super::brush::brush_button_ui;
+use super::own_box::own_box_ui;
 use crate::app::ui::tip::tip_ui;
-use crate::app::ui::value::{AXES, vector_ui};
 use crate::app::ui::{Brush, Running, UiState, edits, theme};
 use crate::scene::body::PinBox;
 use crate::scene::cell_brush::CellChange;
@@ -37,7 +37,6 @@ pub(super) fn pins_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut
     });
     for (place, pin) in body.pins.iter().enumerate() {
         ui.push_id(place, |ui| {
-            let path = |what: &str| format!("bodies.{}.pins.{place}.{what}", id.0);
             let PinBox { mut min, mut max } = *pin;
             ui.horizontal(|ui| {
                 ui.label(format!("Box {}", place + 1));
@@ -45,8 +44,8 @@ pub(super) fn pins_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut
                     commands.extend(edits::alone(changed(&|body| _ = body.pins.remove(place))));
                 }
             });
-            let mut interaction = vector_ui(ui, &path("min"), "From", &AXES, &mut min);
-            interaction.and(vector_ui(ui, &path("max"), "To", &AXES, &mut max));
+            let path = format!("bodies.{}.pins.{place}", id.0);
+            let interaction = own_box_ui(ui, id, &path, [&mut min, &mut max], state);
             interaction.send(|| changed(&|body| body.pins[place] = PinBox { min, max }), commands);
         });
     }
