@@ -8,7 +8,7 @@ use super::waves::{largest_share, waves};
 use crate::geometry::Family;
 use crate::math::Real;
 use crate::physics::limits::particles::{Constant, ParticleLoads, Taken};
-use crate::physics::limits::{LoadShare, largest};
+use crate::physics::limits::{HOLDING_SHARE, LoadShare, angles_are_held, largest};
 use crate::physics::model::{BodyModel, CellKind, Composition};
 use crate::scene::Springs;
 
@@ -68,6 +68,44 @@ impl SpringLoads {
     /// What a constant of the body's own springs is per unit mass of its particles and length of their links.
     pub(super) fn per_value(&self, springs: &Springs) -> f64 {
         1.0 / (springs.particle_mass * self.cell_size)
+    }
+
+    /// Whether links hold the angles of all cells.
+    pub(super) fn angles_are_held(&self, springs: &Springs) -> bool {
+        self.others_are_held() && angles_are_held(self.stiffness(springs))
+    }
+
+    /// The largest stiffness of a family that is safe, if these are the bounds where angles are not held and where they are.
+    pub(super) fn largest_held(&self, springs: &Springs, family: Family, [free, held]: [f64; 2]) -> f64 {
+        let [structural, shear, bending] = self.stiffness(springs);
+        let others_are_held = self.others_are_held();
+        let up_to = |other: f64| {
+            let are_held = others_are_held && shear > HOLDING_SHARE * other;
+            // Somewhat less, so that single precision does not round it over the limit.
+            let most = if are_held { (1.0 - 1e-6) * shear / HOLDING_SHARE } else { 0.0 };
+            if free > most { free } else { held.min(most) }
+        };
+        match family {
+            Family::Structural => up_to(bending),
+            Family::Bending => up_to(structural),
+            Family::Shear => {
+                let least = if others_are_held { HOLDING_SHARE * structural.max(bending) } else { f64::INFINITY };
+                if held > least { held } else { free }
+            }
+        }
+    }
+
+    fn others_are_held(&self) -> bool {
+        self.mixed.as_ref().is_none_or(|mixed| {
+            let mut others = (0..).zip(mixed.loads.kinds()).filter(|(kind, _)| *kind != mixed.kind);
+            others.all(|(_, kind)| angles_are_held(kind.stiffness))
+        })
+    }
+
+    /// By family; none where it has no links.
+    fn stiffness(&self, springs: &Springs) -> [f64; 3] {
+        let of = |family: Family| if self.has_links[family as usize] { springs.family(family).stiffness } else { 0.0 };
+        Family::ALL.map(of)
     }
 
     /// The load of all.

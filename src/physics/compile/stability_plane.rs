@@ -136,9 +136,12 @@ impl StabilityPlane {
 
     /// The same with the margin that automatic stepping keeps.
     pub fn safe_stiffness(&self, damping: f64) -> f64 {
-        let margin = self.step.margin();
-        let shares: Option<Vec<_>> = load_shares(self.step.scheme(), self.step.dt_secs, margin).map(Iterator::collect);
-        self.largest_stiffness(damping, shares.as_deref(), margin)
+        let [free, held] = [false, true].map(|angles_are_held| {
+            let margin = self.step.margin(angles_are_held);
+            let shares = load_shares(self.step.scheme(), self.step.dt_secs, margin).map(Iterator::collect::<Vec<_>>);
+            self.largest_stiffness(damping, shares.as_deref(), margin)
+        });
+        self.values.largest_held([free, held])
     }
 
     fn largest_stiffness(&self, damping: f64, shares: Option<&[LoadShare]>, margin: Margin) -> f64 {
@@ -211,6 +214,16 @@ impl Values {
                     f64::INFINITY
                 }
             }
+        }
+    }
+
+    /// The largest safe stiffness, if these are the bounds where the angles of cells are not held and where they are.
+    fn largest_held(&self, bounds: [f64; 2]) -> f64 {
+        match self {
+            Self::Springs { springs, loads, family, per_value, .. } => {
+                per_value * loads.largest_held(springs, *family, bounds.map(|bound| bound / per_value))
+            }
+            Self::Solid { .. } => bounds[1],
         }
     }
 

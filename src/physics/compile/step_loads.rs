@@ -30,14 +30,15 @@ impl StepSettings {
         self.integrator.into()
     }
 
-    /// What automatic stepping keeps of the limit.
-    pub(super) fn margin(self) -> Margin {
-        Margin::of(self.scheme())
+    /// What automatic stepping keeps of the limit of a body whose cells' angles are held, or are not.
+    pub(super) fn margin(self, angles_are_held: bool) -> Margin {
+        Margin::of(self.scheme(), angles_are_held)
     }
 
     /// How many times its damping a link's stiffness may be, 1/s, where the scheme asks for that.
     pub(super) fn stiffness_per_damping(self) -> Option<f64> {
-        most_stiffness_per_damping(self.scheme(), self.dt_secs, self.margin())
+        // It follows from the margin of stiffness, which is the same with both.
+        most_stiffness_per_damping(self.scheme(), self.dt_secs, self.margin(true))
     }
 }
 
@@ -161,12 +162,13 @@ impl Load {
 const FARTHEST: f64 = 60.0;
 
 /// The loads of a step.
-pub(super) fn loads(step: StepSettings, contact: ContactLoad) -> Vec<Load> {
-    match load_shares(step.scheme(), step.dt_secs, step.margin()) {
+pub(super) fn loads(step: StepSettings, contact: ContactLoad, angles_are_held: bool) -> Vec<Load> {
+    let margin = step.margin(angles_are_held);
+    match load_shares(step.scheme(), step.dt_secs, margin) {
         Some(shares) => shares.map(|links| Load { links, contact_secs2: links.stiffness, contact }).collect(),
         None if contact.now().stiffness > 0.0 => {
             let links = LoadShare { stiffness: 0.0, damping: [0.0; 3], pushes: 0.0 };
-            vec![Load { links, contact_secs2: step.margin().contact_secs2(step.dt_secs), contact }]
+            vec![Load { links, contact_secs2: margin.contact_secs2(step.dt_secs), contact }]
         }
         None => Vec::new(),
     }

@@ -13,6 +13,10 @@ pub const SAFETY: f64 = 0.55;
 /// Verlet's, which predicts the velocity from how the links pointed before.
 pub(in crate::physics) const DAMPING_SAFETY: [f64; 3] = [SAFETY, 0.9, 0.85];
 
+/// Shear links hold the angles of a cell if they are stiffer than this share of the stiffest other links: then links of
+/// different directions do not line up unseen, which would be damped several times as fast together.
+pub(in crate::physics) const HOLDING_SHARE: f64 = 0.05;
+
 /// The share of the disc that the stabilised scheme takes. However a body is crumpled, stiffness and damping of a link point
 /// the same way: only across links that are stretched is there stiffness alone, and those are watched.
 const DISC_SAFETY: f64 = 0.9;
@@ -123,11 +127,12 @@ impl Margin {
         Self { stiffness: share, damping: [share; 3] }
     }
 
-    /// What a scheme keeps.
-    pub(in crate::physics) fn of(scheme: Scheme) -> Self {
+    /// What a scheme keeps of a body whose cells' angles are held, or are not.
+    pub(in crate::physics) fn of(scheme: Scheme, angles_are_held: bool) -> Self {
+        let damping = if angles_are_held { DAMPING_SAFETY } else { [SAFETY; 3] };
         match scheme {
-            Scheme::SemiImplicit => Self { stiffness: SAFETY, damping: DAMPING_SAFETY },
-            Scheme::Stabilised => Self { stiffness: DISC_SAFETY, damping: DAMPING_SAFETY },
+            Scheme::SemiImplicit => Self { stiffness: SAFETY, damping },
+            Scheme::Stabilised => Self { stiffness: DISC_SAFETY, damping },
             _ => Self::alike(SAFETY),
         }
     }
@@ -137,6 +142,11 @@ impl Margin {
         let longer = dt / self.stiffness;
         longer * longer
     }
+}
+
+/// Whether links of such stiffness by family hold the angles of cells.
+pub(in crate::physics) fn angles_are_held([structural, shear, bending]: [f64; 3]) -> bool {
+    shear > HOLDING_SHARE * structural.max(bending)
 }
 
 /// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme with a margin; none where links do

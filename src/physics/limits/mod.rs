@@ -17,7 +17,8 @@
 //! per particle, whatever its size. It is a bound at rest. Bodies whose particles are misplaced by a cell were seen to
 //! blow up from about 0.58 of it where stiffness limits them, and from 1.0 where the damping of all families does; without
 //! that of shear links a body folds freely, structural links line up along its creases, and it blows up from 0.7: hence a
-//! margin of its own for stiffness and for the damping of each family. What is torn or crumpled further is taken in parts.
+//! margin of its own for stiffness and for the damping of each family. Without the stiffness of shear links bending links
+//! line up as well, before any is strained: then that of stiffness counts for all. What is torn or crumpled further is taken in parts.
 //!
 //! Verlet with its predicted damping velocity counts the damping twice; RK4 has a region of stability of its own; the
 //! implicit scheme has no limit but that of the thesis's explicit contact.
@@ -37,14 +38,15 @@ mod fastest_tests;
 use glam::{DMat3, DVec3};
 
 pub(in crate::physics) use load::{
-    LATTICE_LIMIT, LoadShare, Margin, has_pushes, load_shares, most_stiffness_per_damping,
+    HOLDING_SHARE, LATTICE_LIMIT, LoadShare, Margin, angles_are_held, has_pushes, load_shares,
+    most_stiffness_per_damping,
 };
 pub use load::{LinkLoad, SAFETY};
 
 use eigenvalue::{largest_eigenvalue, shifted};
 use load::{Region, damped_limit, undamped_limit};
 
-use super::model::{BodyModel, ContactModel, Model};
+use super::model::{BodyModel, ContactModel, LinkFamily, Model};
 use crate::geometry::Family;
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
@@ -114,8 +116,9 @@ impl SceneLimits {
     /// vibration: theirs are the steps beyond which every vibration blows up at once.
     pub fn of<R: Real>(model: &Model<R>, rule: ContactRule, scheme: Scheme) -> Self {
         let waves = lattice_waves();
-        let margin = Margin::of(scheme);
-        let bodies = model.bodies.iter().map(|body| body_limits(body, rule, Region::of(scheme), margin, &waves));
+        let margin = |body: &BodyModel<R>| Margin::of(scheme, angles_are_held_in(body));
+        let bodies = model.bodies.iter();
+        let bodies = bodies.map(|body| body_limits(body, rule, Region::of(scheme), margin(body), &waves));
         bodies.reduce(Self::tighter).unwrap_or_default()
     }
 
@@ -158,6 +161,18 @@ impl SceneLimits {
             .filter_map(|(term, dt)| dt.map(|dt| (*term, dt)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map_or(Term::User, |(term, _)| term)
+    }
+}
+
+/// Whether the links of all cells of a body hold their angles. Those of a solid do.
+fn angles_are_held_in<R: Real>(body: &BodyModel<R>) -> bool {
+    match &body.composition {
+        Composition::Alike => {
+            let stiffness = |links: &LinkFamily<R>| if links.links.is_empty() { 0.0 } else { links.stiffness.to_f64() };
+            angles_are_held(body.links.each_ref().map(stiffness))
+        }
+        Composition::Springs { loads, .. } => loads.kinds().iter().all(|kind| angles_are_held(kind.stiffness)),
+        Composition::Solids { .. } => true,
     }
 }
 

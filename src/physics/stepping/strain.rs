@@ -233,7 +233,7 @@ mod tests {
     use crate::geometry::Lattice;
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
-    use crate::physics::limits::load::DAMPING_SAFETY;
+    use crate::physics::limits::load::{DAMPING_SAFETY, HOLDING_SHARE, SAFETY};
     use crate::physics::state::Strain;
     use crate::scene::body::CubeShape;
     use crate::scene::material::Spring;
@@ -345,13 +345,16 @@ mod tests {
     /// The most energy that is seen of a body with these dampings by family whose particles are misplaced by up to that
     /// share of a cell, over that at the start, in steps of a share of its limit.
     fn most(dampings: [f64; 3], noise: f64, share: f64) -> f64 {
+        let is_damped = dampings.iter().any(|damping| *damping > 0.0);
+        let stiffness = |damping: f64| if is_damped { 20.0 * damping.max(0.02) } else { 20.0 };
+        let spring = |damping: f64| Spring { stiffness: stiffness(damping), damping: 2.0 * damping };
+        most_of(dampings.map(spring), noise, share)
+    }
+
+    fn most_of([structural, shear, bending]: [Spring; 3], noise: f64, share: f64) -> f64 {
         let (mut scene, _) = cube(1e-3);
         (scene.settings.inversion_recovery, scene.settings.stepping) = (false, Stepping::Manual);
         scene.bodies[0].shape = Shape::Cube(CubeShape { cells: 6, size: 0.6 });
-        let is_damped = dampings.iter().any(|damping| *damping > 0.0);
-        let stiffness = |damping: f64| if is_damped { 20.0 * damping.max(0.02) } else { 20.0 };
-        let [structural, shear, bending] =
-            dampings.map(|damping| Spring { stiffness: stiffness(damping), damping: 2.0 * damping });
         let springs = Springs { structural, shear, bending, particle_mass: 0.01 };
         scene.bodies[0].material = Material::Springs(springs);
         let lattices = vec![resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice];
@@ -388,6 +391,22 @@ mod tests {
             let gained = most(dampings, 0.5, share);
             assert!(gained > 1e3, "{dampings:?}: {gained} of the energy at {share}: the margin is for nothing");
         }
+    }
+
+    #[test]
+    fn damping_of_bending_links_may_come_near_its_limit_where_shear_links_are_stiff_enough() {
+        let kept = |shear: f64, share: f64| {
+            let [structural, shear] = [40.0, shear].map(|stiffness| Spring { stiffness, damping: 0.0 });
+            let bending = Spring { stiffness: 40.0, damping: 1.0 };
+            [0.5, 1.0].map(|noise| most_of([structural, shear, bending], noise, share))
+        };
+        for shear in [1.01, 3.0, 10.0].map(|times| times * HOLDING_SHARE * 40.0) {
+            let held = kept(shear, DAMPING_SAFETY[2]);
+            assert!(held.into_iter().all(|kept| kept < 1.0), "{shear} N/m: {held:?} of the energy");
+        }
+        let [free, folded] = [SAFETY, DAMPING_SAFETY[2]].map(|share| kept(0.0, share));
+        assert!(free.into_iter().all(|kept| kept < 1.0), "{free:?} of the energy");
+        assert!(folded.into_iter().all(|gained| gained > 1e3), "{folded:?} of the energy: the margin is for nothing");
     }
 
     #[test]
