@@ -4,9 +4,9 @@ use gelatin::math::Real;
 use gelatin::physics::Arrival;
 use gelatin::physics::Grab;
 use gelatin::physics::{Quantity, Simulation, StepReport};
-use gelatin::scene::body::PinBox;
+use gelatin::scene::body::{Inlay, PinBox};
 use gelatin::scene::settings::{Integrator, Stepping};
-use gelatin::scene::{Material, ObstacleShape, Scene};
+use gelatin::scene::{Material, ObstacleShape, Scene, Springs};
 use glam::Vec3;
 
 use crate::determinism::allocations;
@@ -267,4 +267,25 @@ fn a_saved_motion_goes_on_bit_for_bit_into_sleep_and_out_of_it() {
         run(simulation, 0.5);
     }
     assert_eq!(in_parts.hash(), whole.hash(), "awake again");
+}
+
+#[test]
+fn a_soft_half_that_creeps_home_keeps_a_body_awake_however_stiff_the_other_is() {
+    let is_asleep = |own: Springs, of_top: Springs| {
+        let mut scene = falling(cube(4, 1.0, own, [0.0; 3]));
+        (scene.settings.gravity, scene.settings.sleeping, scene.settings.allow_implicit) = ([0.0; 3], true, false);
+        scene.bodies[0].pins = vec![PinBox { min: [-0.6; 3], max: [0.6, -0.4, 0.6] }];
+        scene.bodies[0].inlays =
+            vec![Inlay { min: [-0.6, 0.0, -0.6], max: [0.6; 3], springs: of_top, ..Inlay::default() }];
+        let mut simulation = simulate::<f32>(&scene);
+        let mut state = simulation.state().clone();
+        state.position.iter_mut().filter(|place| place.y > 0.1).for_each(|place| place.x += 2e-4);
+        simulation.set_state(state);
+        run(&mut simulation, 2.0);
+        simulation.is_asleep()
+    };
+    // One comes home in a ten thousandth of a second, the other in 20 s.
+    let (stiff, slow) = (springs(4000.0, 0.5, 0.02), springs(1.0, 20.0, 0.02));
+    assert!(!is_asleep(stiff, slow), "its top is still on its way");
+    assert!(is_asleep(stiff, springs(1000.0, 2.0, 0.02)));
 }

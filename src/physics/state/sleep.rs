@@ -16,7 +16,7 @@
 
 use crate::math::{Aabb, FRAME_SECS, Real, Vector};
 use crate::physics::model::plan::Plan;
-use crate::physics::model::{BodyModel, Model, ObstacleModel};
+use crate::physics::model::{BodyModel, LinkFamily, Model, ObstacleModel};
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::stepping::looks;
 
@@ -185,15 +185,24 @@ fn farthest<R: Real>(position: &[R::Vec3], anchor: &[R::Vec3]) -> f64 {
     position.iter().zip(anchor).fold(R::ZERO, |way, (now, then)| way.max((*now - *then).length())).to_f64()
 }
 
+/// The time in which damped links come home, s; where they differ by cell those that take longest.
+fn relaxation_secs<R: Real>(body: &BodyModel<R>) -> f64 {
+    let of = |stiffness: [f64; 3], damping: [f64; 3]| {
+        let [stiffness, damping] = [stiffness, damping].map(|by_family| by_family.iter().sum::<f64>());
+        if damping > 0.0 { damping / stiffness } else { 0.0 }
+    };
+    let constants = |constant: fn(&LinkFamily<R>) -> R| {
+        body.links.each_ref().map(|family| if family.links.is_empty() { 0.0 } else { constant(family).to_f64() })
+    };
+    match body.composition.kinds() {
+        [] => of(constants(|family| family.stiffness), constants(|family| family.damping)),
+        kinds => kinds.iter().map(|kind| of(kind.stiffness, kind.damping)).fold(0.0, f64::max),
+    }
+}
+
 /// How far a particle of a body at rest may be from its anchor, m; at last less than gravity would have taken it.
 fn longest_way<R: Real>(model: &Model<R>, body: &BodyModel<R>, at_last: bool) -> f64 {
-    let sum = |constant: fn(&crate::physics::model::LinkFamily<R>) -> R| {
-        body.links.iter().filter(|family| !family.links.is_empty()).map(|family| constant(family).to_f64()).sum::<f64>()
-    };
-    let (stiffness, damping) = (sum(|family| family.stiffness), sum(|family| family.damping));
-    // The time in which damped links come home, over that of the watch.
-    let slowness = if damping > 0.0 { damping / (STILL_SECS * stiffness) } else { 0.0 };
-    let way = FARTHEST * body.size.to_f64() / slowness.max(1.0);
+    let way = FARTHEST * body.size.to_f64() / (relaxation_secs(body) / STILL_SECS).max(1.0);
     let fallen = FALLEN_SHARE * 0.5 * model.gravity.length().to_f64() * STILL_SECS * STILL_SECS;
     if at_last && fallen > 0.0 { way.min(fallen) } else { way }
 }
