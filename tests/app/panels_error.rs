@@ -10,7 +10,7 @@ use gelatin::geometry::Watch as _;
 use gelatin::scene::body::CubeShape;
 use gelatin::scene::edit::Edit;
 use gelatin::scene::settings::{Integrator, Stepping};
-use gelatin::scene::{Scene, Shape, presets};
+use gelatin::scene::{MovesBy, Scene, Shape, presets};
 use gelatin::session::Command;
 use gelatin::session::error_curve::error_curve;
 use gelatin::session::progress::Progress;
@@ -115,4 +115,16 @@ fn costs_and_errors_take_turns_above_the_time_line() {
     assert!(!window.has("Compute") && window.has("A step"), "costs are shown instead");
     window.click("Cost");
     assert!(!window.has("A step"), "and closed");
+}
+
+#[test]
+fn it_says_that_a_body_which_moves_by_modes_is_followed_by_its_cells() {
+    let said = |moves_by| {
+        let mut scene = scene();
+        scene.bodies[0].moves_by = moves_by;
+        let mut window = Window::on(scene, "small cube", [1280.0, 800.0], Theme::Dark);
+        window.click("Error");
+        says(&window, "is followed by its cells here")
+    };
+    assert_eq!([MovesBy::Modes, MovesBy::Cells].map(said), [true, false]);
 }

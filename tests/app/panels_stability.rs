@@ -12,7 +12,7 @@ use gelatin::geometry::Watch as _;
 use gelatin::scene::body::CubeShape;
 use gelatin::scene::edit::{BodyId, Edit};
 use gelatin::scene::settings::{Integrator, Stepping};
-use gelatin::scene::{Material, Scene, Shape, Springs, presets};
+use gelatin::scene::{Material, MovesBy, Scene, Shape, Springs, presets};
 use gelatin::session::Command;
 use gelatin::session::progress::Progress;
 use gelatin::session::stability_map::{MapOf, Place, PlaneShown, StabilityOf, stability_map};
@@ -190,4 +190,14 @@ fn the_map_can_be_reached_in_every_window() {
         let view = window.harness.state().ui.view_rect;
         assert!(view.height() > 100.0, "{size:?}: the view keeps {view}");
     }
+}
+
+#[test]
+fn it_says_that_the_map_of_a_body_which_moves_by_modes_is_that_of_its_cells() {
+    let said = |moves_by| {
+        let mut scene = scene();
+        scene.bodies[0].moves_by = moves_by;
+        says(&open(scene, [1280.0, 800.0], Theme::Dark), "the map is that of its cells")
+    };
+    assert_eq!([MovesBy::Modes, MovesBy::Cells].map(said), [true, false]);
 }

@@ -9,6 +9,7 @@ use super::figure::{duration, length};
 use super::plot_panel::{Side, plot_panel_ui, say};
 use super::work::{Asked, Work};
 use super::{Running, edits, theme};
+use crate::scene::MovesBy;
 use crate::scene::edit::Edit;
 use crate::session::Command;
 use crate::session::error_curve::{ErrorCurve, StepChoice};
@@ -18,6 +19,9 @@ const SIDE: Side = Side { title: "Error of the steps", begin: "Compute", width: 
 
 const WHAT: &str = "How far every scheme and step misses the motion that the scene begins with, and how long it takes. \
                     Computed in the background.";
+
+/// What is said where a body moves by its modes.
+const BY_CELLS: &str = "A body that moves by its modes is followed by its cells here.";
 
 const MARKS: &str = "The ring is the present step. Filled points: nothing measured is both as fast and as exact. A click \
                      on a point takes its scheme and step.";
@@ -48,6 +52,9 @@ pub(super) fn error_panel_ui(
 
 fn words_ui(ui: &mut Ui, running: Running<'_>, present: StepChoice, work: &Work<ErrorCurve>) {
     let colors = theme::of(ui);
+    if running.scene.bodies.iter().any(|body| body.moves_by == MovesBy::Modes) {
+        say(ui, BY_CELLS, colors.warning);
+    }
     match work {
         Work::Idle => say(ui, WHAT, colors.weak),
         Work::Ready(curve) => {

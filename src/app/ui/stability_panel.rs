@@ -11,15 +11,18 @@ use super::plot_panel::{Side, plot_panel_ui, say};
 use super::work::{Asked, Work};
 use super::{Running, edits, theme, things};
 use crate::app::hand::Target;
-use crate::scene::Body;
 use crate::scene::edit::Edit;
 use crate::scene::settings::Stepping;
+use crate::scene::{Body, MovesBy};
 use crate::session::Command;
 use crate::session::stability_map::{PlaneShown, StabilityMap, StabilityOf, Zone};
 use words::{measured_words, now_words, whose_words};
 
 /// The words beside the map.
 const SIDE: Side = Side { title: "Stability of the step", begin: "Measure", width: 258.0 };
+
+/// What is said of a body that moves by its modes.
+const BY_CELLS: &str = "It moves by its modes, which no step makes unstable: the map is that of its cells.";
 
 /// Which body the panel looks at.
 pub(super) fn wanted(selection: Option<Target>) -> StabilityOf {
@@ -69,6 +72,9 @@ fn words_ui(ui: &mut Ui, running: Running<'_>, shown: Option<(&PlaneShown, &Body
     say(ui, &now_words(shown, body, zone, is_manual), color);
     let name = things::name(running.scene, Target::Body(shown.body));
     say(ui, &whose_words(&name, shown.family(), shown.limiting_family()), colors.weak);
+    if body.moves_by == MovesBy::Modes {
+        say(ui, BY_CELLS, colors.warning);
+    }
     if !shown.step().integrator.has_stable_step() {
         let scheme = shown.step().integrator.words();
         let text = format!("Undamped vibrations grow with {scheme} at any step; beyond the border all do, at once.");
