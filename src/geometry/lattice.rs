@@ -117,6 +117,12 @@ impl Lattice {
         self.part_cells().map(|(cells, parts)| cells.chosen(&parts.names, wanted))
     }
 
+    /// The cells that are of several of them (0: of none), and which share of each is of which, the largest first; none where
+    /// the model names no parts.
+    pub fn cells_of_several_parts(&self, wanted: &[&str]) -> Vec<(usize, Vec<(u32, f64)>)> {
+        self.part_cells().map_or_else(Vec::new, |(cells, parts)| cells.shared(&parts.names, wanted))
+    }
+
     /// The parts of the model in the order of its file.
     pub fn part_counts(&self) -> Vec<PartCount> {
         self.part_cells().map_or_else(Vec::new, |(cells, parts)| cells.counts(&parts.names))

@@ -43,6 +43,10 @@ impl Parts {
     }
 }
 
+/// The longest edge of a piece of the surface that is in one cell, in cells: what is in a cell is known to a sixteenth of its
+/// face.
+const PIECE: f64 = 0.125;
+
 /// Stands where there is no cell.
 const NONE: u32 = u32::MAX;
 
@@ -66,7 +70,7 @@ impl PartCells {
             number_at[grid.index(*cell)] = number;
         }
         let mut found: BTreeMap<(u32, u16), f64> = BTreeMap::new();
-        let mut divider = Divider::new(mesh, grid);
+        let mut divider = Divider::new(mesh, grid, PIECE);
         for triangle in 0..mesh.triangles.len() {
             let label = names.label(triangle);
             divider.pieces(triangle, |cell, area| {
@@ -96,13 +100,22 @@ impl PartCells {
     /// For every cell one more than the place among `wanted` of the part that it is of, 0 where it is of none of them.
     /// What several of them name is of the last.
     pub fn chosen(&self, names: &NamedParts, wanted: &[&str]) -> Vec<u32> {
-        let mut kinds = vec![0; names.labels()];
-        for (name, number) in wanted.iter().zip(1..) {
-            for (kind, _) in kinds.iter_mut().zip(names.is_of(name)).filter(|(_, is_of)| *is_of) {
-                *kind = number;
-            }
-        }
-        self.most(&kinds)
+        self.most(&numbers(names, wanted))
+    }
+
+    /// The cells with surface of several of these numbers, and the share of its surface that is of each, the largest first.
+    pub fn shared(&self, names: &NamedParts, wanted: &[&str]) -> Vec<(usize, Vec<(u32, f64)>)> {
+        let numbers = numbers(names, wanted);
+        let several =
+            (0..self.like.len()).map(|cell| (cell, self.sums(cell, &numbers))).filter(|(_, sums)| sums.len() > 1);
+        several
+            .map(|(cell, mut sums)| {
+                let whole: f64 = sums.iter().map(|(_, area)| area).sum();
+                sums.iter_mut().for_each(|(_, area)| *area /= whole);
+                sums.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+                (cell, sums)
+            })
+            .collect()
     }
 
     /// All parts in the order of the file.
@@ -122,22 +135,37 @@ impl PartCells {
 
     /// For every cell which number most of its surface has; 0 where there is none. `numbers` are those of the labels.
     fn most(&self, numbers: &[u32]) -> Vec<u32> {
-        let mut sums: Vec<(u32, f64)> = Vec::new();
-        let of_surface = self.begin.windows(2).map(|ends| {
-            sums.clear();
-            for &(label, area) in &self.areas[ends[0] as usize..ends[1] as usize] {
-                let number = numbers[usize::from(label)];
-                match sums.iter_mut().find(|(known, _)| *known == number) {
-                    Some((_, sum)) => *sum += area,
-                    None => sums.push((number, area)),
-                }
-            }
-            let larger = |most: (u32, f64), next: &(u32, f64)| if next.1 > most.1 { *next } else { most };
-            sums.iter().fold((0, 0.0), larger).0
+        let of_surface = (0..self.like.len()).map(|cell| {
+            let larger = |most: (u32, f64), next: (u32, f64)| if next.1 > most.1 { next } else { most };
+            self.sums(cell, numbers).into_iter().fold((0, 0.0), larger).0
         });
         let of_surface: Vec<u32> = of_surface.collect();
         self.like.iter().map(|&like| of_surface.get(like as usize).copied().unwrap_or(0)).collect()
     }
+
+    /// The surface in a cell by number; nothing of what there is none of.
+    fn sums(&self, cell: usize, numbers: &[u32]) -> Vec<(u32, f64)> {
+        let mut sums: Vec<(u32, f64)> = Vec::new();
+        for &(label, area) in &self.areas[self.begin[cell] as usize..self.begin[cell + 1] as usize] {
+            let number = numbers[usize::from(label)];
+            match sums.iter_mut().find(|(known, _)| *known == number) {
+                Some((_, sum)) => *sum += area,
+                None => sums.push((number, area)),
+            }
+        }
+        sums
+    }
+}
+
+/// For every label one more than the last place among `wanted` that means it, 0 where none does.
+fn numbers(names: &NamedParts, wanted: &[&str]) -> Vec<u32> {
+    let mut numbers = vec![0; names.labels()];
+    for (name, of_name) in wanted.iter().zip(1..) {
+        for (number, _) in numbers.iter_mut().zip(names.is_of(name)).filter(|(_, is_of)| *is_of) {
+            *number = of_name;
+        }
+    }
+    numbers
 }
 
 /// For every cell the nearest one that is a beginning, breadth first through faces, in the order of cells.
@@ -231,6 +259,18 @@ mod tests {
         assert!(cells.chosen(&names, &["rubber"]).iter().all(|&number| number == 1), "all of it");
         let counts: Vec<_> = cells.counts(&names).into_iter().map(|part| (part.name, part.cells)).collect();
         assert_eq!(counts, [("rubber".into(), 128), ("a".into(), 64), ("b".into(), 64)]);
+    }
+
+    #[test]
+    fn a_cell_across_the_border_has_surface_of_both() {
+        let (cells, names, _) = cells(&halves("o soft", "o stiff"), [8, 4, 4]);
+        assert_eq!(cells.shared(&names, &["stiff"]), [], "the border is that of cells");
+        let mesh = parse_obj(halves("o soft", "o stiff").as_bytes(), "m.obj").expect("a model").mesh;
+        let coarse = Grid { origin: DVec3::new(-2.0, 0.0, 0.0), cell_size: 4.0, dims: [3, 1, 1] };
+        let across = PartCells::new(&mesh, &names, &coarse, &coarse.iter().collect::<Vec<_>>());
+        let shared = across.shared(&names, &["stiff"]);
+        let [(1, of)] = &shared[..] else { panic!("the middle one, not {shared:?}") };
+        assert!(of.len() == 2 && of.iter().all(|(_, share)| (share - 0.5).abs() < 1e-9), "half of it each: {of:?}");
     }
 
     #[test]

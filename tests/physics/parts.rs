@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use gelatin::physics::{BodyModel, SceneError, Simulation};
 use gelatin::report::statics::Linear;
-use gelatin::scene::body::{Inlay, ModelShape, Part};
+use gelatin::scene::body::{Inlay, MassFrom, ModelShape, Part};
 use gelatin::scene::{Body, Family, Material, Scene, Shape, Solid, Springs};
 use glam::DVec3;
 
@@ -139,6 +139,24 @@ fn a_part_is_what_a_box_around_it_would_be_and_boxes_go_over_parts() {
     let over = of(&|body| (body.parts, body.inlays) = (vec![part("stiff", heavy)], vec![right(STIFF)]));
     assert_eq!(over, by_box, "the box counts");
     assert_ne!(of(&|body| body.parts = vec![part("stiff", heavy)]).0, by_box.0, "without it the part is heavy");
+}
+
+#[test]
+fn cells_across_the_border_of_two_parts_weigh_as_both() {
+    let heavy = Solid { density: 3000.0, ..STIFF };
+    for divisions in [9, 15, 31] {
+        let model = compiled(
+            ["usemtl soft", "usemtl stiff"],
+            body(|body| {
+                let shape = ModelShape { path: "bar.obj".into(), divisions, length: 0.8, ..ModelShape::default() };
+                body.shape = Shape::Model(ModelShape { mass_from: MassFrom::Samples, ..shape });
+                body.parts = vec![part("stiff", heavy)];
+            }),
+        );
+        let mass = model.expect("a sound bar").total_mass();
+        let expected = 0.8 * 0.1 * 0.1 * 2000.0;
+        assert!((mass / expected - 1.0).abs() < 5e-3, "{divisions}: {mass} kg, not {expected}");
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@
 //! exactly (Gauss) and the samples only share it out.
 
 use super::centre::crossings;
-use super::pieces::{Divider, area, takers};
+use super::pieces::{Divider, PIECE, area, takers};
 use super::quantized_mesh::QuantizedMesh;
 use super::report::VoxelReport;
 use super::shell::CHUNK;
@@ -223,7 +223,7 @@ fn enclosed(mesh: &TriMesh, grid: &Grid) -> f64 {
 fn surface(mesh: &TriMesh, grid: &Grid, thickness: f64, watch: &dyn Watch) -> Result<Sampled, VoxelizeError> {
     let mut of_cell = vec![0.0_f32; grid.len()];
     let (mut samples, mut all) = (0, 0.0);
-    let mut divider = Divider::new(mesh, grid);
+    let mut divider = Divider::new(mesh, grid, PIECE);
     for triangle in 0..mesh.triangles.len() {
         if triangle % CHUNK == 0 && watch.cancelled() {
             return Err(VoxelizeError::Cancelled);

@@ -5,8 +5,9 @@ use glam::DVec3;
 use super::Grid;
 use crate::geometry::TriMesh;
 
-/// The longest edge of a piece of a triangle, in cells; longer ones where there would be too many.
-const PIECE: f64 = 0.5;
+/// The longest edge of a piece of a triangle for samples of what is in cells, in cells; longer ones where there would be too
+/// many.
+pub(super) const PIECE: f64 = 0.5;
 
 /// A piece of a sliver may be longer if its area is below this share of the square of that edge.
 const SLIVER: f64 = 1.0 / 16.0;
@@ -24,9 +25,9 @@ pub(in crate::geometry) struct Divider<'a> {
 }
 
 impl<'a> Divider<'a> {
-    /// For a mesh within a grid.
-    pub(in crate::geometry) fn new(mesh: &'a TriMesh, grid: &Grid) -> Self {
-        let square = (area(mesh, grid) / MOST_SQUARES).max(PIECE * PIECE);
+    /// For a mesh within a grid, in pieces whose edges are no longer than so many cells.
+    pub(in crate::geometry) fn new(mesh: &'a TriMesh, grid: &Grid, longest: f64) -> Self {
+        let square = (area(mesh, grid) / MOST_SQUARES).max(longest * longest);
         Self { mesh, grid: *grid, square, open: Vec::new() }
     }
 

@@ -1,6 +1,6 @@
 //! Of which kind every cell of a body is: its own, that of a part of the model or that of an inlay.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 
@@ -30,7 +30,7 @@ pub(super) fn of_springs(springs: &Springs, body: &Body, lattice: &Lattice, rest
         Within::Part(part) => spring_cell(&part.springs),
         Within::Inlay(inlay) => spring_cell(&inlay.springs),
     };
-    let mut kinds = kinds_of_cells(body, lattice, rest, kind_of);
+    let mut kinds = with_inlays(kinds_of_parts(body, lattice, &kind_of), body, lattice, rest, kind_of);
     if kinds.all.iter().all(|kind| *kind == kinds.all[0]) {
         kinds.all.truncate(1);
         kinds.numbers.truncate(1);
@@ -49,7 +49,9 @@ pub(super) fn of_solid(solid: &Solid, body: &Body, lattice: &Lattice, size: f64,
         };
         solid_cell(solid, lattice, size)
     };
-    kinds_of_cells(body, lattice, rest, kind_of)
+    let mut kinds = kinds_of_parts(body, lattice, &kind_of);
+    blend(&mut kinds, body, lattice, &kind_of);
+    with_inlays(kinds, body, lattice, rest, kind_of)
 }
 
 /// What stands in a body for its own material.
@@ -62,9 +64,14 @@ enum Within<'a> {
     Inlay(&'a Inlay),
 }
 
-/// The kinds of the cells of a body with parts and inlays. `rest` is where its particles are at rest, m.
-fn kinds_of_cells(body: &Body, lattice: &Lattice, rest: &[DVec3], kind_of: impl Fn(Within<'_>) -> CellKind) -> Kinds {
-    let mut kinds = kinds_of_parts(body, lattice, &kind_of);
+/// The kinds of the cells of a body with parts, and with inlays over them. `rest` is where its particles are at rest, m.
+fn with_inlays(
+    mut kinds: Kinds,
+    body: &Body,
+    lattice: &Lattice,
+    rest: &[DVec3],
+    kind_of: impl Fn(Within<'_>) -> CellKind,
+) -> Kinds {
     let inlays = body.inlays.get(..MAX_INLAYS).unwrap_or(&body.inlays);
     if inlays.is_empty() {
         return kinds;
@@ -103,11 +110,80 @@ impl Kinds {
     }
 }
 
-/// The kinds of the cells of a body with parts.
+/// The parts of a body that count, and their names.
+fn parts_of(body: &Body) -> (&[Part], Vec<&str>) {
+    let parts = body.parts.get(..MAX_NAMED_PARTS).unwrap_or(&body.parts);
+    (parts, parts.iter().map(|part| part.name.as_str()).collect())
+}
+
+/// Of how many equal pieces a cell of several parts is made.
+const PIECES: u8 = 16;
+
+/// So many kinds a body may have before those of inlays, of which every cell has one in a byte.
+const MOST_KINDS: usize = 255 - MAX_INLAYS;
+
+/// Gives cells with surface of several parts a kind between theirs: of their volume each has its share of the surface, the
+/// stiffness is the mean by mass (J5).
+fn blend(kinds: &mut Kinds, body: &Body, lattice: &Lattice, kind_of: &impl Fn(Within<'_>) -> CellKind) {
+    let (parts, names) = parts_of(body);
+    if parts.is_empty() {
+        return;
+    }
+    let material = |number: u32| match parts.get((number as usize).wrapping_sub(1)) {
+        Some(part) => kind_of(Within::Part(part)),
+        None => kind_of(Within::Body),
+    };
+    let mut known: BTreeMap<Vec<(u32, u8)>, u8> = BTreeMap::new();
+    for (cell, shares) in lattice.cells_of_several_parts(&names) {
+        let pieces = in_pieces(&shares);
+        if pieces.len() < 2 {
+            continue;
+        }
+        let kind = match known.get(&pieces) {
+            Some(kind) => *kind,
+            // Beyond so many a cell is of the part that most of it is of.
+            None if kinds.all.len() >= MOST_KINDS => continue,
+            None => {
+                let all: Vec<(CellKind, u8)> = pieces.iter().map(|(number, of)| (material(*number), *of)).collect();
+                let kind = kinds.push(pieces[0].0 as usize, mean_by_mass(&all));
+                known.insert(pieces, kind);
+                kind
+            }
+        };
+        if let Values::Uniform(first) = kinds.of_cell {
+            kinds.of_cell = Values::Each(vec![first; lattice.cells.len()]);
+        }
+        if let Values::Each(of_cell) = &mut kinds.of_cell {
+            of_cell[cell] = kind;
+        }
+    }
+}
+
+/// Shares in [`PIECES`], all of them together; the largest, which comes first, has what rounding leaves.
+fn in_pieces(shares: &[(u32, f64)]) -> Vec<(u32, u8)> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "shares are up to 1")]
+    let rounded = |share: f64| (share * f64::from(PIECES)).round() as u8;
+    let rest: Vec<(u32, u8)> = shares.iter().skip(1).map(|(number, share)| (*number, rounded(*share))).collect();
+    let taken = rest.iter().fold(0_u8, |sum, (_, pieces)| sum.saturating_add(*pieces));
+    let first = shares.iter().take(1).map(|(number, _)| (*number, PIECES.saturating_sub(taken)));
+    first.chain(rest).filter(|(_, pieces)| *pieces > 0).collect()
+}
+
+/// The kind of a cell of which so many pieces are of each kind.
+fn mean_by_mass(of: &[(CellKind, u8)]) -> CellKind {
+    let whole: f64 = of.iter().map(|(_, pieces)| f64::from(*pieces)).sum();
+    let masses = || of.iter().map(|(kind, pieces)| (kind, f64::from(*pieces) / whole * kind.mass));
+    let mass: f64 = masses().map(|(_, mass)| mass).sum();
+    let mean = |constants: fn(&CellKind) -> [f64; 3]| {
+        std::array::from_fn(|family| masses().map(|(kind, of)| of / mass * constants(kind)[family]).sum())
+    };
+    CellKind { stiffness: mean(|kind| kind.stiffness), damping: mean(|kind| kind.damping), mass }
+}
+
+/// The kinds of the cells of a body with parts, each of the part that most of it is of.
 fn kinds_of_parts(body: &Body, lattice: &Lattice, kind_of: &impl Fn(Within<'_>) -> CellKind) -> Kinds {
     let mut kinds = Kinds { all: vec![kind_of(Within::Body)], numbers: vec![0], of_cell: Values::Uniform(0) };
-    let parts = body.parts.get(..MAX_NAMED_PARTS).unwrap_or(&body.parts);
-    let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
+    let (parts, names) = parts_of(body);
     let found = if parts.is_empty() { None } else { lattice.cells_of_parts(&names) };
     let Some(of_cells) = found else { return kinds };
     let mut places = vec![0; parts.len() + 1];
@@ -118,4 +194,24 @@ fn kinds_of_parts(body: &Body, lattice: &Lattice, kind_of: &impl Fn(Within<'_>) 
         kinds.of_cell = Values::Each(of_cells.into_iter().map(|number| places[number as usize]).collect());
     }
     kinds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_are_all_of_a_cell_and_the_largest_share_has_the_rest() {
+        assert_eq!(in_pieces(&[(2, 0.5), (0, 0.5)]), [(2, 8), (0, 8)]);
+        assert_eq!(in_pieces(&[(1, 0.99), (2, 0.01)]), [(1, 16)], "a sliver is none");
+        assert_eq!(in_pieces(&[(1, 0.4), (2, 0.3), (3, 0.3)]), [(1, 6), (2, 5), (3, 5)]);
+    }
+
+    #[test]
+    fn a_cell_between_two_solids_weighs_as_both_and_is_as_stiff_as_its_mass() {
+        let kind =
+            |stiffness: f64, mass: f64| CellKind { stiffness: [stiffness; 3], damping: [0.1 * stiffness; 3], mass };
+        let mean = mean_by_mass(&[(kind(100.0, 3.0), 8), (kind(20.0, 1.0), 8)]);
+        assert_eq!((mean.mass, mean.stiffness, mean.damping[0]), (2.0, [80.0; 3], 8.0));
+    }
 }
