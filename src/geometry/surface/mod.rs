@@ -19,6 +19,8 @@ mod orient;
 mod tree;
 mod triangle;
 
+pub(super) use orient::facing_outwards;
+
 use glam::DVec3;
 use thiserror::Error;
 
@@ -137,7 +139,7 @@ impl Surface {
         let corners: Vec<_> = triangles.iter().map(|t| t.map(|vertex| positions[vertex as usize])).collect();
         let (tree, order) = Tree::new(&corners);
         let triangles = order.into_iter().map(|triangle| triangles[triangle as usize]).collect();
-        let Oriented { triangles, neighbours, is_closed } = orient(&positions, triangles);
+        let Oriented { triangles, neighbours, is_closed, .. } = orient(&positions, triangles);
         let mut surface = Self {
             normals: Vec::new(),
             corner_normals: vec![DVec3::ZERO; positions.len()],

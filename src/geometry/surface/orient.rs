@@ -3,6 +3,8 @@
 
 use glam::DVec3;
 
+use crate::geometry::TriMesh;
+
 /// No triangle.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -17,6 +19,16 @@ pub(super) struct Oriented {
     pub(super) neighbours: Vec<[u32; 3]>,
     /// Every edge has two triangles, which all face the same way: there is an inside.
     pub(super) is_closed: bool,
+    /// Pieces that no edge joins.
+    pieces: usize,
+}
+
+/// A closed mesh of one piece with all its triangles facing outwards; none of another one.
+pub(in crate::geometry) fn facing_outwards(mesh: &TriMesh) -> Option<TriMesh> {
+    let weld = mesh.weld();
+    let triangles = mesh.triangles.iter().map(|corners| corners.map(|vertex| weld[vertex as usize])).collect();
+    let Oriented { triangles, is_closed, pieces, .. } = orient(&mesh.positions, triangles);
+    (is_closed && pieces == 1).then(|| TriMesh { positions: mesh.positions.clone(), triangles })
 }
 
 /// Turns triangles over welded vertices.
@@ -59,7 +71,7 @@ pub(super) fn orient(positions: &[DVec3], mut triangles: Vec<[u32; 3]>) -> Orien
             }
         }
     }
-    Oriented { triangles, neighbours, is_closed }
+    Oriented { triangles, neighbours, is_closed, pieces }
 }
 
 /// An edge of a triangle.
@@ -133,4 +145,23 @@ fn turns(triangles: &[[u32; 3]], neighbours: &[[u32; 3]]) -> Turns {
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::trimesh::tests::{boxed, together};
+
+    #[test]
+    fn one_closed_piece_is_turned_outwards_and_nothing_else_is() {
+        let whole = boxed(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0));
+        let mut mixed = whole.clone();
+        mixed.triangles.iter_mut().step_by(2).for_each(|triangle| triangle.swap(1, 2));
+        let turned = facing_outwards(&mixed).expect("one closed piece");
+        let six: f64 = (0..12).map(|triangle| turned.corners(triangle)).map(|[a, b, c]| a.dot(b.cross(c))).sum();
+        assert!((six / 36.0 - 1.0).abs() < 1e-12, "six times its volume: {six}");
+        let open = TriMesh { triangles: whole.triangles[1..].to_vec(), ..whole.clone() };
+        assert_eq!(facing_outwards(&open), None, "there is no outside");
+        assert_eq!(facing_outwards(&together(&[whole, boxed(DVec3::splat(5.0), DVec3::splat(6.0))])), None);
+    }
 }

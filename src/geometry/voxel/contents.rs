@@ -7,8 +7,8 @@
 //! model's longest extent thick.
 //!
 //! Every sample falls into a cell. What falls into one that is not filled goes in equal parts to the filled cells that
-//! share a face with it, else an edge, else a corner. Where a closed mesh is one skin, oriented alike, its volume is known
-//! exactly (Gauss) and the samples only share it out.
+//! share a face with it, else an edge, else a corner. Where a closed mesh is one skin its volume is known exactly (Gauss),
+//! whichever way its triangles face, and the samples only share it out.
 
 use super::centre::crossings;
 use super::pieces::{Divider, PIECE, area, takers};
@@ -16,6 +16,7 @@ use super::quantized_mesh::QuantizedMesh;
 use super::report::VoxelReport;
 use super::shell::CHUNK;
 use super::{Cells, Grid, OccupancyChoice, VoxelizeError};
+use crate::geometry::surface::facing_outwards;
 use crate::geometry::watch::{CancelOnly, Pieces};
 use crate::geometry::{TriMesh, Watch};
 
@@ -116,7 +117,15 @@ pub(super) fn contents(
     if report.occupancy == OccupancyChoice::Surface {
         return Ok(share_out(sheet()?, cells, true));
     }
-    let sampled = volume(mesh, &cells.grid, report.divisions, report.occupancy == OccupancyChoice::Centre, watch)?;
+    let inside = |mesh: &TriMesh| {
+        volume(mesh, &cells.grid, report.divisions, report.occupancy == OccupancyChoice::Centre, watch)
+    };
+    let as_it_is = inside(mesh)?;
+    let turned = if report.closed && as_it_is.known.is_none() { facing_outwards(mesh) } else { None };
+    let (mesh, sampled) = match &turned {
+        Some(turned) => (turned, inside(turned)?),
+        None => (mesh, as_it_is),
+    };
     let found: f64 = sampled.of_cell.iter().copied().map(f64::from).sum();
     if let Some(known) = sampled.known.filter(|_| report.closed)
         && (found - known).abs() > MOST_OFF * known
