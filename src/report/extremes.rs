@@ -187,6 +187,7 @@ impl Draw {
                 young_modulus: (density * speed * speed * lighter * softer).clamp(1.0, 1e10),
                 density,
                 damping_ratio: if self.chance(0.4) { 0.0 } else { self.decades(-4.0, -1.0) },
+                ..Solid::DEFAULT
             }
         };
         let heavy = if body.velocity[1] < 0.0 { 1e4 } else { 1e2 };

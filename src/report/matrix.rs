@@ -57,10 +57,10 @@ pub fn matrix() -> Vec<(String, Scene)> {
     uneven.bodies.push(heavy);
     add("masses of two bodies 1000 : 1".to_owned(), uneven);
     for (young_modulus, damping_ratio) in [(1e4, 0.0), (1e5, 0.05), (1e7, 0.5)] {
-        let solid = Solid { young_modulus, density: 200.0, damping_ratio };
+        let solid = Solid { young_modulus, density: 200.0, damping_ratio, ..Solid::DEFAULT };
         add(format!("a solid of {young_modulus:e} Pa, damping ratio {damping_ratio}"), falling_solid(solid));
     }
-    let soft = Solid { young_modulus: 1e4, density: 200.0, damping_ratio: 0.05 };
+    let soft = Solid { young_modulus: 1e4, density: 200.0, damping_ratio: 0.05, ..Solid::DEFAULT };
     let mut two = falling_solid(soft);
     let stiff = Solid { young_modulus: 1e7, ..soft };
     two.bodies[0].inlays = vec![Inlay { min: [-1.0; 3], max: [0.0, 1.0, 1.0], solid: stiff, ..Inlay::default() }];

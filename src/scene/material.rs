@@ -60,12 +60,22 @@ pub struct Solid {
     /// Damping of the slowest vibration along the body over the damping at which it would no longer swing. Faster
     /// vibrations are damped more, in proportion to their frequency.
     pub damping_ratio: f64,
+    /// Contraction across over extension along, as somebody has noted it: the body has [`POISSON_RATIO`] all the same.
+    pub poisson_ratio: f64,
+}
+
+/// Poisson's ratio of every lattice of central forces (Cauchy).
+pub const POISSON_RATIO: f64 = 0.25;
+
+impl Solid {
+    /// A cube of 1 m of it sags by about 5 % under its own weight and wobbles for a second.
+    pub const DEFAULT: Self =
+        Self { young_modulus: 1e5, density: 1000.0, damping_ratio: 0.05, poisson_ratio: POISSON_RATIO };
 }
 
 impl Default for Solid {
-    /// A cube of 1 m sags by about 5 % under its own weight and wobbles for a second.
     fn default() -> Self {
-        Self { young_modulus: 1e5, density: 1000.0, damping_ratio: 0.05 }
+        Self::DEFAULT
     }
 }
 
@@ -142,7 +152,7 @@ const fn preset(
     [young_modulus, density, damping_ratio]: [f64; 3],
     source: &'static str,
 ) -> MaterialPreset {
-    MaterialPreset { name, material: Solid { young_modulus, density, damping_ratio }, source }
+    MaterialPreset { name, material: Solid { young_modulus, density, damping_ratio, ..Solid::DEFAULT }, source }
 }
 
 /// The two constants of a family of links.

@@ -1,5 +1,6 @@
 //! What a scene allows but a person has probably not meant.
 
+use super::material::POISSON_RATIO;
 use super::{Body, Material, Scene, Solid, Springs, named};
 
 /// A sentence each, in plain words.
@@ -8,6 +9,12 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
     for (place, body) in scene.bodies.iter().enumerate() {
         if let Some(why) = idle_within(body) {
             found.push(format!("within {}, {why}", named(&body.name, "body", place)));
+        }
+        if let Some(noted) = other_poisson_ratio(body) {
+            found.push(format!(
+                "{} has a Poisson's ratio of {POISSON_RATIO}, as every lattice of central forces: {noted} is kept and not used",
+                named(&body.name, "body", place)
+            ));
         }
     }
     for (place, obstacle) in scene.obstacles.iter().enumerate() {
@@ -21,6 +28,14 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
         }
     }
     found
+}
+
+/// The first Poisson's ratio noted of a body that is a solid which it does not have.
+fn other_poisson_ratio(body: &Body) -> Option<f64> {
+    let Material::Solid(own) = body.material else { return None };
+    let within = body.inlays.iter().map(|inlay| inlay.solid).chain(body.parts.iter().map(|part| part.solid));
+    let mut noted = [own].into_iter().chain(within).map(|solid| solid.poisson_ratio);
+    noted.find(|ratio| (ratio - POISSON_RATIO).abs() > f64::EPSILON)
 }
 
 /// Materials within a body that were given in the form that the body is not of, and so do nothing.
@@ -65,6 +80,18 @@ mod tests {
         assert!(warnings(&scene)[0].contains("springs do nothing"), "{:?}", warnings(&scene));
         scene.bodies[0].parts[0].solid = solid;
         assert_eq!(warnings(&scene), Vec::<String>::new(), "those of another form are kept for when it changes");
+    }
+
+    #[test]
+    fn another_poisson_ratio_than_a_lattice_has_is_noted_and_told() {
+        let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
+        let rubber = Solid { poisson_ratio: 0.49, ..Solid::default() };
+        scene.bodies[0].inlays = vec![Inlay { solid: rubber, ..Inlay::default() }];
+        scene.bodies[0].material = Material::Solid(Solid::default());
+        let said = warnings(&scene);
+        assert!(said.len() == 1 && said[0].contains("Poisson's ratio of 0.25") && said[0].contains("0.49"), "{said:?}");
+        scene.bodies[0].inlays.clear();
+        assert_eq!(warnings(&scene), Vec::<String>::new(), "what every lattice has");
     }
 
     #[test]

@@ -163,7 +163,12 @@ fn springs(rng: &mut Rng) -> Material {
 
 fn solid(rng: &mut Rng) -> Material {
     let damping_ratio = if rng.unit() < 0.33 { 0.0 } else { decades(rng, -4.0, 1.0) };
-    Material::Solid(Solid { young_modulus: decades(rng, 1.0, 9.0), density: decades(rng, -1.0, 4.0), damping_ratio })
+    Material::Solid(Solid {
+        young_modulus: decades(rng, 1.0, 9.0),
+        density: decades(rng, -1.0, 4.0),
+        damping_ratio,
+        ..Solid::DEFAULT
+    })
 }
 
 /// Predicted over measured, smallest first.

@@ -13,7 +13,7 @@ const WEIGHT: f64 = 9.81;
 
 /// A cube of 0.4 m of firm rubber, with its middle so high and turned like this.
 fn cube(height: f64, rotation_deg: [f64; 3]) -> Body {
-    let material = Material::Solid(Solid { young_modulus: 5e5, density: 500.0, damping_ratio: 0.05 });
+    let material = Material::Solid(Solid { young_modulus: 5e5, density: 500.0, damping_ratio: 0.05, ..Solid::DEFAULT });
     Body {
         shape: Shape::Cube(CubeShape { cells: 4, size: 0.4 }),
         material,
@@ -75,8 +75,10 @@ fn a_throw_is_a_parabola_and_the_body_keeps_its_shape() {
 
 #[test]
 fn what_tumbles_keeps_its_momentum_and_its_energy_and_turns_as_its_cells_do() {
-    let slow =
-        Body { material: Material::Solid(Solid { young_modulus: 5e6, density: 500.0, damping_ratio: 0.05 }), ..slab() };
+    let slow = Body {
+        material: Material::Solid(Solid { young_modulus: 5e6, density: 500.0, damping_ratio: 0.05, ..Solid::DEFAULT }),
+        ..slab()
+    };
     let scene = hanging(slow, 0.0, Vec::new());
     let mut by_modes = modal::<f64>(&scene);
     // About its middle axis and a little beside it.
@@ -153,7 +155,8 @@ fn what_lands_flat_bounces_about_as_high_as_its_cells_do() {
     for (obstacle, within) in [(ground([0.5, 0.4]), 0.03), (ball, 0.15)] {
         for damping_ratio in [0.02, 0.05, 0.2] {
             let mut body = cube(0.7, [0.0; 3]);
-            body.material = Material::Solid(Solid { young_modulus: 5e5, density: 500.0, damping_ratio });
+            body.material =
+                Material::Solid(Solid { young_modulus: 5e5, density: 500.0, damping_ratio, ..Solid::DEFAULT });
             let scene = hanging(body, WEIGHT, vec![obstacle.clone()]);
             let [cells, by_modes] = [simulate::<f64>(&scene), modal::<f64>(&scene)].map(rebound);
             assert!((cells - by_modes).abs() < within, "damped by {damping_ratio}: {cells} and by modes {by_modes}");

@@ -112,7 +112,7 @@ fn box_obj() -> String {
 
 /// A ball of stiff jelly in cells of a sixth of its diameter, its lowest point this high.
 fn coarse_ball(height: f64) -> Made {
-    let jelly = Material::Solid(Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.3 });
+    let jelly = Material::Solid(Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.3, ..Solid::DEFAULT });
     Made::of_text(&ball_obj(24), 6, jelly, [0.0, 0.5 + height, 0.0])
 }
 

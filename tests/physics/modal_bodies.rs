@@ -13,7 +13,7 @@ const WEIGHT: f64 = 9.81;
 
 /// A cube of firm rubber of 0.4 m and so many cells an edge, with its middle there.
 fn cube(cells: u32, position: [f64; 3], moves_by: MovesBy) -> Body {
-    let material = Material::Solid(Solid { young_modulus: 5e5, density: 500.0, damping_ratio: 0.05 });
+    let material = Material::Solid(Solid { young_modulus: 5e5, density: 500.0, damping_ratio: 0.05, ..Solid::DEFAULT });
     Body {
         shape: Shape::Cube(CubeShape { cells, size: 0.4 }),
         material,
@@ -26,7 +26,7 @@ fn cube(cells: u32, position: [f64; 3], moves_by: MovesBy) -> Body {
 
 /// A soft cube of 0.3 m by its cells.
 fn jelly(position: [f64; 3], velocity: [f64; 3]) -> Body {
-    let material = Material::Solid(Solid { young_modulus: 5e4, density: 500.0, damping_ratio: 0.2 });
+    let material = Material::Solid(Solid { young_modulus: 5e4, density: 500.0, damping_ratio: 0.2, ..Solid::DEFAULT });
     Body {
         shape: Shape::Cube(CubeShape { cells: 3, size: 0.3 }),
         material,
@@ -136,7 +136,8 @@ fn equal_cubes_exchange_most_of_their_speed() {
 fn a_table_by_modes_bends_under_a_jelly_as_one_by_cells_does() {
     let lies = |moves_by: MovesBy| {
         let mut table = table(moves_by);
-        table.material = Material::Solid(Solid { young_modulus: 1e6, density: 500.0, damping_ratio: 0.3 });
+        table.material =
+            Material::Solid(Solid { young_modulus: 1e6, density: 500.0, damping_ratio: 0.3, ..Solid::DEFAULT });
         let scene = scene(vec![table, jelly([0.0, 0.16, 0.0], [0.0; 3])], WEIGHT, Vec::new());
         let mut lies = if moves_by == MovesBy::Modes { modal::<f64>(&scene) } else { simulate::<f64>(&scene) };
         lies.run_for(6.0);

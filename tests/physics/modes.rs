@@ -9,7 +9,7 @@ use gelatin::scene::{Body, Material, Shape, Solid};
 
 use super::support::{alone, simulate};
 
-pub(crate) const SOLID: Solid = Solid { young_modulus: 1e5, density: 1000.0, damping_ratio: 0.0 };
+pub(crate) const SOLID: Solid = Solid { young_modulus: 1e5, density: 1000.0, damping_ratio: 0.0, ..Solid::DEFAULT };
 /// The speed of waves along a thin bar, m/s.
 const BAR_SPEED: f64 = 10.0;
 /// Length over thickness.

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use crate::support::alone;
 
-const SOFT: Solid = Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.05 };
+const SOFT: Solid = Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.05, ..Solid::DEFAULT };
 const STIFF: Solid = Solid { young_modulus: 2e7, ..SOFT };
 
 /// A bar along x, 8 times as long as it is thick, of two halves with names; no wall is between them.

@@ -15,7 +15,7 @@ use glam::DVec3;
 
 use crate::support::alone;
 
-const SOLID: Solid = Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.05 };
+const SOLID: Solid = Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.05, ..Solid::DEFAULT };
 
 fn compiled(path: &Path, divisions: u32, mass_from: MassFrom) -> BodyModel<f64> {
     let path = path.to_string_lossy().into_owned();
@@ -63,7 +63,7 @@ fn sampled_models_stay_whole_in_extreme_scenes() {
             let speed = model.length / f64::from(model.divisions) / 10f64.powf(rng.between(-4.3, -1.5));
             let young_modulus = (density * speed * speed).clamp(1.0, 1e10);
             let damping_ratio = if rng.unit() < 0.4 { 0.0 } else { 10f64.powf(rng.between(-4.0, 0.0)) };
-            body.material = Material::Solid(Solid { young_modulus, density, damping_ratio });
+            body.material = Material::Solid(Solid { young_modulus, density, damping_ratio, ..Solid::DEFAULT });
             body.inlays.clear();
             sampled = true;
         }

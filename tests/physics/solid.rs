@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 
 use crate::support::{alone, falling, lattices, plane, run, simulate};
 
-const SOLID: Solid = Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.05 };
+const SOLID: Solid = Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.05, ..Solid::DEFAULT };
 
 fn compiled(body: Body) -> BodyModel<f64> {
     simulate::<f64>(&alone(body, 1e-3)).model().bodies[0].clone()

@@ -66,6 +66,7 @@ fn other_form(material: &Material, lattice: &Lattice) -> Material {
                 young_modulus,
                 density,
                 damping_ratio: MaterialValue::DampingRatio.in_range(ratio),
+                ..Solid::DEFAULT
             })
         }
         Material::Solid(solid) => {
@@ -97,7 +98,7 @@ mod tests {
 
     #[test]
     fn there_and_back_a_solid_is_what_it_was() {
-        let solid = Solid { young_modulus: 2.5e4, density: 300.0, damping_ratio: 0.2 };
+        let solid = Solid { young_modulus: 2.5e4, density: 300.0, damping_ratio: 0.2, ..Solid::DEFAULT };
         let springs = other_form(&Material::Solid(solid), &lattice());
         let Material::Solid(back) = other_form(&springs, &lattice()) else { panic!("a solid again") };
         let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9;
@@ -120,7 +121,7 @@ mod tests {
 
     #[test]
     fn what_is_within_a_body_takes_the_other_form_with_it() {
-        let solid = Solid { young_modulus: 2.5e4, density: 300.0, damping_ratio: 0.2 };
+        let solid = Solid { young_modulus: 2.5e4, density: 300.0, damping_ratio: 0.2, ..Solid::DEFAULT };
         let body = Body {
             material: Material::Solid(Solid::default()),
             inlays: vec![Inlay { solid, ..Inlay::default() }],

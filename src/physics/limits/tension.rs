@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn the_longest_step_for_a_strain_bears_just_that() {
-        let solid = Material::Solid(Solid { young_modulus: 1e4, density: 1e3, damping_ratio: 0.5 });
+        let solid = Material::Solid(Solid { young_modulus: 1e4, density: 1e3, damping_ratio: 0.5, ..Solid::DEFAULT });
         for material in [apart(), solid, Material::default()] {
             let simulation = held(material, 1e-3);
             let body = &simulation.model().bodies[0];

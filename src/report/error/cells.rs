@@ -134,6 +134,7 @@ impl Case {
                 young_modulus: self.young_modulus(),
                 density: DENSITY,
                 damping_ratio: DAMPING_RATIO,
+                ..Solid::DEFAULT
             }),
             pins: vec![PinBox { min, max }],
             ..Body::default()

@@ -19,12 +19,11 @@ use super::jellies::{Pile, outside};
 use crate::geometry::Watch;
 use crate::physics::BodyModel;
 use crate::report::error::follow::{Ended, Steps};
+use crate::scene::material::POISSON_RATIO;
 use crate::scene::{Obstacle, ObstacleShape};
 
 /// Substeps of each of its steps: what it takes by itself.
 pub const SUBSTEPS: usize = 4;
-/// Poisson's ratio of every lattice of central forces, ours among them.
-const POISSON_RATIO: f64 = 0.25;
 /// Particles of a tetrahedron by their places in a cell, in cells of even and of odd places.
 const TETRAHEDRA: [[[usize; 4]; 5]; 2] = [
     [[0, 3, 5, 6], [1, 0, 3, 5], [2, 0, 3, 6], [4, 0, 5, 6], [7, 3, 5, 6]],

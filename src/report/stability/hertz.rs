@@ -27,6 +27,7 @@ use serde::{Deserialize, Serialize};
 use crate::physics::{Arrival, Simulation};
 use crate::report::extremes::lattices;
 use crate::scene::body::CellsShape;
+use crate::scene::material::POISSON_RATIO;
 use crate::scene::obstacle::{Cuboid, Motion, Oscillate};
 use crate::scene::resolve::ResolveError;
 use crate::scene::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid};
@@ -35,9 +36,7 @@ use crate::scene::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid}
 const RADIUS: f64 = 0.5;
 /// Soft for their mass, so that the springs of contact, whose stiffness goes by mass, give way by no more than a fiftieth of
 /// a cell.
-const SOLID: Solid = Solid { young_modulus: 1e3, density: 1000.0, damping_ratio: 0.5 };
-/// Of every lattice of central forces.
-const POISSON_RATIO: f64 = 0.25;
+const SOLID: Solid = Solid { young_modulus: 1e3, density: 1000.0, damping_ratio: 0.5, ..Solid::DEFAULT };
 /// How far a ball is pressed into a plane, as a share of its radius, and that in metres: as far as each plate comes.
 const INDENTATION: f64 = 0.1;
 const WAY: f64 = INDENTATION * RADIUS;

@@ -143,7 +143,7 @@ fn thin(name: &str, divisions: u32, length: f64) -> Shape {
 
 /// A body of Young's modulus (Pa), density (kg/m³) and damping ratio.
 fn solid(name: &str, shape: Shape, [young_modulus, density, damping_ratio]: [f64; 3]) -> Body {
-    let material = Material::Solid(Solid { young_modulus, density, damping_ratio });
+    let material = Material::Solid(Solid { young_modulus, density, damping_ratio, ..Solid::DEFAULT });
     Body { name: name.to_owned(), shape, material, ..Body::default() }
 }
 

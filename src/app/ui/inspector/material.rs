@@ -121,7 +121,7 @@ fn name_of(material: &Material) -> Option<&'static MaterialPreset> {
 
 fn solid_ui(ui: &mut Ui, id: BodyId, body: &Body, mut solid: Solid, safe: Safe<'_>, commands: &mut Vec<Command>) {
     let mut interaction = Interaction::default();
-    let Solid { young_modulus, density, damping_ratio } = &mut solid;
+    let Solid { young_modulus, density, damping_ratio, .. } = &mut solid;
     for (what, label, value) in [
         ("young_modulus", "Modulus", young_modulus),
         ("density", "Density", density),
