@@ -111,7 +111,9 @@ impl PartCells {
         several
             .map(|(cell, mut sums)| {
                 let whole: f64 = sums.iter().map(|(_, area)| area).sum();
-                sums.iter_mut().for_each(|(_, area)| *area /= whole);
+                for (_, area) in &mut sums {
+                    *area /= whole;
+                }
                 sums.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
                 (cell, sums)
             })

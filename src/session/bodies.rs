@@ -9,7 +9,7 @@ use super::library::Library;
 use super::{SessionError, needs};
 use crate::extract::skin::{cells_skin, model_skin};
 use crate::geometry::part_cells::PartCount;
-use crate::geometry::{Lattice, Watch};
+use crate::geometry::{Lattice, Paint, Watch};
 use crate::scene::param::Problem;
 use crate::scene::part_problem::part_problem;
 use crate::scene::resolve::{Jelly, Outline};
@@ -117,7 +117,7 @@ impl Bodies {
     /// What the pictures on their models take, bytes; each once, whoever shares it.
     pub(super) fn picture_bytes(&self) -> u64 {
         let paints = self.jellies.iter().filter_map(|jelly| jelly.paint.as_deref());
-        let pictures: Vec<_> = paints.flat_map(|paint| paint.textures()).map(|texture| &texture.picture).collect();
+        let pictures: Vec<_> = paints.flat_map(Paint::textures).map(|texture| &texture.picture).collect();
         let is_first = |place: usize| !pictures[..place].iter().any(|other| Arc::ptr_eq(other, pictures[place]));
         pictures.iter().enumerate().filter(|(place, _)| is_first(*place)).map(|(_, picture)| picture.bytes()).sum()
     }

@@ -78,7 +78,7 @@ fn good(rng: &mut Rng) -> Vec<u8> {
     let colors = [ExtendedColorType::L8, ExtendedColorType::La8, ExtendedColorType::Rgb8, ExtendedColorType::Rgba8];
     let color = *pick(rng, &colors);
     let [width, height] = [1, 1].map(|least| least + below(rng, 20));
-    let texels: Vec<u8> = (0..width * height * usize::from(color.channel_count())).map(|at| (at * 37) as u8).collect();
+    let texels: Vec<u8> = (0..=u8::MAX).cycle().take(width * height * usize::from(color.channel_count())).collect();
     let [width, height] = [width, height].map(|side| u32::try_from(side).expect("short"));
     let mut file = Vec::new();
     let is_jpeg = matches!(color, ExtendedColorType::L8 | ExtendedColorType::Rgb8) && below(rng, 2) == 0;

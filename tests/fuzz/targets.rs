@@ -205,7 +205,9 @@ fn try_model(imported: Result<Imported, ImportError>) {
         Ok(imported) => imported,
         Err(error) => return check_words(&error.to_string()),
     };
-    warnings.iter().for_each(|warning| check_words(warning));
+    for warning in &warnings {
+        check_words(warning);
+    }
     assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < mesh.positions.len()), "indices in range");
     assert!(mesh.positions.iter().all(|position| position.is_finite()), "finite positions");
     if let Some(paint) = paint {
@@ -228,7 +230,7 @@ fn try_model(imported: Result<Imported, ImportError>) {
 /// A triangle, with what it is painted by beside it.
 fn try_painted(painted: &Painted) {
     let imported = load_held(painted, "m.obj", Detail::Pictures, &()).expect("the model itself is whole");
-    assert_eq!(imported.mesh.triangles.len(), 1);
+    assert_eq!(imported.mesh.triangles.len(), 1, "none is lost");
     try_model(Ok(imported));
 }
 

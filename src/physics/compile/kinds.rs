@@ -1,4 +1,5 @@
-//! Of which kind every cell of a body is: its own, that of a part of the model or that of an inlay.
+//! Of which kind every cell of a body is: its own, that of a part of the model, one between several of these or that of an
+//! inlay.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -119,7 +120,7 @@ fn parts_of(body: &Body) -> (&[Part], Vec<&str>) {
 /// Of how many equal pieces a cell of several parts is made.
 const PIECES: u8 = 16;
 
-/// So many kinds a body may have before those of inlays, of which every cell has one in a byte.
+/// The most kinds of a body before those of its inlays are added: a byte says of which a cell is.
 const MOST_KINDS: usize = 255 - MAX_INLAYS;
 
 /// Gives cells with surface of several parts a kind between theirs: of their volume each has its share of the surface, the
