@@ -18,7 +18,8 @@
 //! blow up from about 0.58 of it where stiffness limits them, and from 1.0 where the damping of all families does; without
 //! that of shear links a body folds freely, structural links line up along its creases, and it blows up from 0.7: hence a
 //! margin of its own for stiffness and for the damping of each family. Without the stiffness of shear links bending links
-//! line up as well, before any is strained: then that of stiffness counts for all. What is torn or crumpled further is taken in parts.
+//! line up as well, before any is strained: then that of stiffness counts for all. What is torn or crumpled further is taken
+//! in parts.
 //!
 //! Verlet with its predicted damping velocity counts the damping twice; RK4 has a region of stability of its own; the
 //! implicit scheme has no limit but that of the thesis's explicit contact.
