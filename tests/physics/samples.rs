@@ -113,6 +113,37 @@ fn a_model_weighs_its_density_times_its_volume_in_any_number_of_divisions() {
     }
 }
 
+/// Boxes between two corners each, all facing outwards.
+fn boxes(of: &[[[f64; 3]; 2]]) -> String {
+    let mut text = String::new();
+    for (number, ends) in of.iter().enumerate() {
+        for corner in 0..8 {
+            let [x, y, z] = [0, 1, 2].map(|axis| ends[corner >> axis & 1][axis]);
+            let _ = writeln!(text, "v {x} {y} {z}");
+        }
+        for face in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+            let [a, b, c, d] = face.map(|corner| 8 * number + corner + 1);
+            let _ = writeln!(text, "f {a} {b} {c} {d}");
+        }
+    }
+    text
+}
+
+#[test]
+fn a_table_whose_legs_reach_into_its_top_weighs_what_both_have_together() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("table.obj");
+    let leg = |x: f64, z: f64| [[x, 0.0, z], [x + 0.05, 0.57, z + 0.05]];
+    let top = [[0.0, 0.55, 0.0], [1.0, 0.6, 0.7]];
+    let all = [top, leg(0.05, 0.05), leg(0.9, 0.05), leg(0.05, 0.6), leg(0.9, 0.6)];
+    std::fs::write(&path, boxes(&all)).expect("a file");
+    let exact = SOLID.density * (0.05 * 0.7 + 4.0 * 0.05 * 0.05 * 0.55);
+    for divisions in [7, 20, 40] {
+        let mass = mass(&compiled(&path, divisions, MassFrom::Samples));
+        assert!((mass / exact - 1.0).abs() < 1e-2, "{divisions}: {mass} kg, not {exact} kg");
+    }
+}
+
 /// The mean deflection of a round cantilever under its own weight, weighted by mass, over that of Timoshenko's beam:
 /// `ρ g L² (L²/(5 E r²) + 1/(3 k G))` with Poisson's ratio 1/4 and Cowper's k = 15/17 for it.
 fn deflection(body: &Linear, radius: f64) -> f64 {

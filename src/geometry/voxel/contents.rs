@@ -7,8 +7,9 @@
 //! model's longest extent thick.
 //!
 //! Every sample falls into a cell. What falls into one that is not filled goes in equal parts to the filled cells that
-//! share a face with it, else an edge, else a corner. Where a closed mesh is one skin its volume is known exactly (Gauss),
-//! whichever way its triangles face, and the samples only share it out.
+//! share a face with it, else an edge, else a corner. The volume of a closed mesh is known exactly (Gauss) if its pieces
+//! face alike, or it has one alone, and the samples only share it out; where pieces lie in each other they tell how much of
+//! it is in several.
 
 use super::centre::crossings;
 use super::pieces::{Divider, PIECE, area, takers};
@@ -160,9 +161,9 @@ fn volume(
         Grid { cell_size: grid.cell_size / f64::from(along), dims: grid.dims.map(|n| n * along), origin: grid.origin };
     let mut quantized = QuantizedMesh::within(mesh, fine);
     let mut votes = vec![0_u8; fine.len()];
-    // Surfaces that wind around everything once, all the same way.
-    let mut is_simple = true;
-    let mut way = 0;
+    // Surfaces that wind around everything the same way; how often around all samples, along all axes.
+    let mut is_alike = true;
+    let (mut way, mut wound) = (0, 0_u64);
     for axis in 0..3 {
         if axis > 0 {
             for corner in quantized.triangles.iter_mut().flatten() {
@@ -185,7 +186,7 @@ fn volume(
             let row = padded.index([1, j + 1, k + 1]);
             let row = &crossings[row..=row + dims[0] as usize];
             let total = row.iter().fold(0_i16, |sum, crossing| sum.wrapping_add(*crossing));
-            is_simple &= total == 0;
+            is_alike &= total == 0;
             let mut at = j as usize * strides[1] + k as usize * strides[2];
             let mut winding = 0_i16;
             for &crossing in &row[..dims[0] as usize] {
@@ -197,8 +198,9 @@ fn volume(
                     votes[at] += u8::from(is_in(winding)) + u8::from(is_in(winding.wrapping_sub(total)));
                 }
                 if winding != 0 {
-                    is_simple &= winding.abs() == 1 && (way == 0 || way == winding);
-                    way = winding;
+                    is_alike &= way == 0 || way == winding.signum();
+                    way = winding.signum();
+                    wound += u64::from(winding.unsigned_abs());
                 }
                 at += strides[0];
             }
@@ -215,7 +217,9 @@ fn volume(
     for count in &mut of_cell {
         *count *= each;
     }
-    let known = is_simple.then(|| enclosed(mesh, grid));
+    // Where pieces lie in each other Gauss counts what is in both twice: the samples tell which share that is.
+    let once = if samples > 0 { 3.0 * samples as f64 / wound as f64 } else { 1.0 };
+    let known = is_alike.then(|| enclosed(mesh, grid) * once);
     Ok(Sampled { of_cell, samples, known })
 }
 
