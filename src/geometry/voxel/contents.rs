@@ -161,9 +161,9 @@ fn volume(
         Grid { cell_size: grid.cell_size / f64::from(along), dims: grid.dims.map(|n| n * along), origin: grid.origin };
     let mut quantized = QuantizedMesh::within(mesh, fine);
     let mut votes = vec![0_u8; fine.len()];
-    // Surfaces that wind around everything the same way; how often around all samples, along all axes.
+    // Surfaces that wind around everything the same way; how often around all samples along all axes, and how many are inside.
     let mut is_alike = true;
-    let (mut way, mut wound) = (0, 0_u64);
+    let (mut way, mut wound, mut inside) = (0, 0_u64, 0_u64);
     for axis in 0..3 {
         if axis > 0 {
             for corner in quantized.triangles.iter_mut().flatten() {
@@ -201,6 +201,7 @@ fn volume(
                     is_alike &= way == 0 || way == winding.signum();
                     way = winding.signum();
                     wound += u64::from(winding.unsigned_abs());
+                    inside += u64::from(!parity || is_odd(winding));
                 }
                 at += strides[0];
             }
@@ -218,7 +219,7 @@ fn volume(
         *count *= each;
     }
     // Where pieces lie in each other Gauss counts what is in both twice: the samples tell which share that is.
-    let once = if samples > 0 { 3.0 * samples as f64 / wound as f64 } else { 1.0 };
+    let once = if wound > 0 { inside as f64 / wound as f64 } else { 1.0 };
     let known = is_alike.then(|| enclosed(mesh, grid) * once);
     Ok(Sampled { of_cell, samples, known })
 }
