@@ -370,8 +370,9 @@ impl<R: Real> Simulation<R> {
         Diagnostics::of_body(&self.model, &self.plan, &self.state, body)
     }
 
-    /// The same of every body by itself.
-    pub fn diagnostics_of_each(&self) -> Vec<Diagnostics> {
+    /// The same of every body by itself; and the pairs that push each other in the coming substep, of which the velocities
+    /// that energies are told of have a share.
+    pub fn diagnostics_of_each(&self) -> (Vec<Diagnostics>, Vec<[usize; 2]>) {
         Diagnostics::of_each(&self.model, &self.plan, &self.state)
     }
 

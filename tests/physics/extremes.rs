@@ -128,6 +128,7 @@ fn scenes_that_once_exploded_do_not() {
         (1_419_505_935, 289),
         (1_419_505_935, 327),
         (1_625_107_691, 7967),
+        (3_345_416_435, 4207),
     ];
     let [scenes, second, third] = [(Edition::First, &scenes[..]), (Edition::Second, &second), (Edition::Third, &third)]
         .map(|(edition, scenes)| scenes.iter().map(move |(seed, number)| (edition, *seed, *number)));

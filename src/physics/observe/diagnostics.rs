@@ -84,10 +84,16 @@ impl Diagnostics {
         Ahead::of(model, plan, state).diagnostics(body..body + 1)
     }
 
-    /// Of every body in a state, for little more than of one.
-    pub(in crate::physics) fn of_each<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Vec<Self> {
+    /// Of every body in a state, for little more than of one; and the pairs that push each other in the coming substep, of
+    /// which the velocities at the state's time have a share.
+    pub(in crate::physics) fn of_each<R: Real>(
+        model: &Model<R>,
+        plan: &Plan,
+        state: &State<R>,
+    ) -> (Vec<Self>, Vec<[usize; 2]>) {
         let ahead = Ahead::of(model, plan, state);
-        (0..model.bodies.len()).map(|body| ahead.diagnostics(body..body + 1)).collect()
+        let of_each = (0..model.bodies.len()).map(|body| ahead.diagnostics(body..body + 1)).collect();
+        (of_each, if ahead.is_on_time { Vec::new() } else { ahead.met })
     }
 
     fn add_links<R: Real>(&mut self, body: &BodyModel<R>, state: &State<R>) {
@@ -111,6 +117,8 @@ struct Ahead<'a, R: Real> {
     state: &'a State<R>,
     next: State<R>,
     contacts: Vec<ContactRecord<R>>,
+    /// Pairs of bodies that push each other on the way.
+    met: Vec<[usize; 2]>,
     /// Whether the velocities of the state are those at its time.
     is_on_time: bool,
     /// The share of the change of velocity that is over at the state's time.
@@ -142,8 +150,8 @@ impl<'a, R: Real> Ahead<'a, R> {
         let ending = substep(model, &way, part, inputs, &mut next, &mut workspace, &mut Recorder::new(timer));
         let share = schemes::share_to_center(state, &next);
         let is_on_time = is_on_time || ending == Ending::Diverged;
-        let contacts = workspace.contact.contacts;
-        Self { model, state, next, contacts, is_on_time, share }
+        let (contacts, met) = (workspace.contact.contacts, workspace.contact.bodies.met);
+        Self { model, state, next, contacts, met, is_on_time, share }
     }
 
     fn centred_velocity(&self, particle: usize, asleep: bool) -> DVec3 {

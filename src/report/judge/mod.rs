@@ -13,7 +13,8 @@
 //! ```
 //!
 //! Each body is judged by itself, so that a heavy one does not hide a light one, until it meets another: from then on they
-//! are judged together, with all that they have met.
+//! are judged together, with all that they have met. The velocities at a position's time have a share of the coming
+//! substep's push, so a look sees whom a body meets in it.
 
 mod account;
 mod energy_sample;
@@ -198,8 +199,8 @@ impl Watch {
             slowed: 0,
             largest_gain: 0.0,
         };
-        let bodies = (0..).zip(simulation.diagnostics_of_each());
-        let bodies = bodies.map(|(body, start)| Account::open(simulation, body, start));
+        let (bodies, _) = simulation.diagnostics_of_each();
+        let bodies = (0..).zip(bodies).map(|(body, start)| Account::open(simulation, body, start));
         let met = Met::new(simulation.model().bodies.len());
         Self {
             patience,
@@ -290,12 +291,7 @@ impl Watch {
                 let work = report.counters.obstacle_work_j + report.counters.parting_work_j;
                 account.push(report.counters.fastest_surface_m_s, work);
             }
-            for &[one, other] in simulation.met() {
-                self.met.meet([one, other]);
-                if one == other {
-                    self.bodies[one].strike_itself();
-                }
-            }
+            self.meet(simulation.met());
             let is_whole = simulation.state().is_between_substeps();
             if report.diverged {
                 return Advance::Diverged;
@@ -306,8 +302,19 @@ impl Watch {
         }
     }
 
+    /// These pairs push each other.
+    fn meet(&mut self, pairs: &[[usize; 2]]) {
+        for &[one, other] in pairs {
+            self.met.meet([one, other]);
+            if one == other {
+                self.bodies[one].strike_itself();
+            }
+        }
+    }
+
     fn look<R: Real>(&mut self, simulation: &Simulation<R>, look: bool, close: bool) {
-        let seen = if look { simulation.diagnostics_of_each() } else { Vec::new() };
+        let (seen, met) = if look { simulation.diagnostics_of_each() } else { Default::default() };
+        self.meet(&met);
         let mut seen = seen.into_iter();
         for account in &mut self.bodies {
             if let Some(now) = seen.next() {
