@@ -130,7 +130,7 @@ fn blend(kinds: &mut Kinds, body: &Body, lattice: &Lattice, kind_of: &impl Fn(Wi
     if parts.is_empty() {
         return;
     }
-    let material = |number: u32| match parts.get((number as usize).wrapping_sub(1)) {
+    let material = |number: u32| match (number as usize).checked_sub(1).and_then(|place| parts.get(place)) {
         Some(part) => kind_of(Within::Part(part)),
         None => kind_of(Within::Body),
     };

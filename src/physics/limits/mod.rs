@@ -47,7 +47,7 @@ pub use load::{LinkLoad, SAFETY};
 use eigenvalue::{largest_eigenvalue, shifted};
 use load::{Region, damped_limit, undamped_limit};
 
-use super::model::{BodyModel, ContactModel, LinkFamily, Model};
+use super::model::{BodyModel, ContactModel, Model};
 use crate::geometry::Family;
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
@@ -167,14 +167,8 @@ impl SceneLimits {
 
 /// Whether the links of all cells of a body hold their angles. Those of a solid do.
 fn angles_are_held_in<R: Real>(body: &BodyModel<R>) -> bool {
-    match &body.composition {
-        Composition::Alike => {
-            let stiffness = |links: &LinkFamily<R>| if links.links.is_empty() { 0.0 } else { links.stiffness.to_f64() };
-            angles_are_held(body.links.each_ref().map(stiffness))
-        }
-        Composition::Springs { loads, .. } => loads.kinds().iter().all(|kind| angles_are_held(kind.stiffness)),
-        Composition::Solids { .. } => true,
-    }
+    matches!(body.composition, Composition::Solids { .. })
+        || body.lattices().iter().all(|lattice| angles_are_held(lattice.stiffness))
 }
 
 fn smaller(a: Option<f64>, b: Option<f64>) -> Option<f64> {

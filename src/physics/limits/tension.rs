@@ -16,7 +16,7 @@ use glam::{DMat3, DVec3};
 
 use super::{WaveTensors, lattice_waves};
 use crate::math::Real;
-use crate::physics::model::{BodyModel, CellKind};
+use crate::physics::model::{BodyModel, LatticeConstants};
 use crate::physics::schemes::chebyshev::DISC_RADIUS;
 
 /// Steps of a bisection: to a millionth of what is searched.
@@ -35,7 +35,7 @@ pub(in crate::physics) fn largest_strain<R: Real>(body: &BodyModel<R>, secs: f64
     let waves = lattice_waves();
     let rate = DISC_RADIUS / secs;
     let mut tension = most / (1.0 + most);
-    for lattice in lattices(body) {
+    for lattice in body.lattices() {
         for tensors in &waves {
             if lattice.holds(tensors, rate, tension) {
                 continue;
@@ -57,7 +57,7 @@ pub(in crate::physics) fn longest_secs<R: Real>(body: &BodyModel<R>, strain: f64
     let waves = lattice_waves();
     let tension = strain / (1.0 + strain);
     let mut least_rate = 0.0_f64;
-    for lattice in lattices(body) {
+    for lattice in body.lattices() {
         for tensors in &waves {
             if lattice.holds(tensors, least_rate, tension) {
                 continue;
@@ -80,35 +80,7 @@ pub(in crate::physics) fn longest_secs<R: Real>(body: &BodyModel<R>, strain: f64
     DISC_RADIUS / least_rate
 }
 
-/// The constants of links by family of an endless lattice, N and N·s.
-#[derive(Clone, Copy, Debug)]
-struct Lattice {
-    stiffness: [f64; 3],
-    damping: [f64; 3],
-}
-
-/// The lattices that a body is made of: one, or one for each kind of its cells.
-fn lattices<R: Real>(body: &BodyModel<R>) -> Vec<Lattice> {
-    let kinds = body.composition.kinds();
-    if !kinds.is_empty() {
-        let of_links = |constants: [f64; 3]| {
-            std::array::from_fn(|family| if body.links[family].links.is_empty() { 0.0 } else { constants[family] })
-        };
-        let lattice =
-            |kind: &CellKind| Lattice { stiffness: of_links(kind.stiffness), damping: of_links(kind.damping) };
-        return kinds.iter().map(lattice).collect();
-    }
-    let of = |which: usize| {
-        body.links.each_ref().map(|family| match (family.links.is_empty(), which) {
-            (true, _) => 0.0,
-            (false, 0) => family.stiffness.to_f64(),
-            (false, _) => family.damping.to_f64(),
-        })
-    };
-    vec![Lattice { stiffness: of(0), damping: of(1) }]
-}
-
-impl Lattice {
+impl LatticeConstants {
     /// Whether `rate C − K − tension G` is positive semidefinite for a wave.
     fn holds(&self, tensors: &WaveTensors, rate: f64, tension: f64) -> bool {
         let (mut lacks, mut rounding) = (DMat3::ZERO, 0.0);

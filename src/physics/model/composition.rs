@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use super::BodyModel;
 use super::cell_kind::CellKind;
+use crate::math::Real;
 use crate::physics::limits::particles::ParticleLoads;
 
 /// What a body is composed of.
@@ -43,6 +45,35 @@ impl Composition {
             Self::Alike => &[],
             Self::Solids { kinds, .. } => kinds,
             Self::Springs { loads, .. } => loads.kinds(),
+        }
+    }
+}
+
+/// The constants of links by family in an endless lattice of alike cells; 0 of a family of which the body has no links.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct LatticeConstants {
+    /// Force at 100 % strain, N.
+    pub(in crate::physics) stiffness: [f64; 3],
+    /// Force at a relative speed of one rest length a second, N·s.
+    pub(in crate::physics) damping: [f64; 3],
+}
+
+impl<R: Real> BodyModel<R> {
+    /// The lattices that the body is made of: one, or one for each kind of its cells.
+    pub(in crate::physics) fn lattices(&self) -> Vec<LatticeConstants> {
+        let has_links = self.links.each_ref().map(|family| !family.links.is_empty());
+        let of_links =
+            |constants: [f64; 3]| std::array::from_fn(|family| if has_links[family] { constants[family] } else { 0.0 });
+        let lattice = |stiffness: [f64; 3], damping: [f64; 3]| LatticeConstants {
+            stiffness: of_links(stiffness),
+            damping: of_links(damping),
+        };
+        match self.composition.kinds() {
+            [] => {
+                let stiffness = self.links.each_ref().map(|family| family.stiffness.to_f64());
+                vec![lattice(stiffness, self.links.each_ref().map(|family| family.damping.to_f64()))]
+            }
+            kinds => kinds.iter().map(|kind| lattice(kind.stiffness, kind.damping)).collect(),
         }
     }
 }

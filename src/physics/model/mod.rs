@@ -19,7 +19,7 @@ pub(in crate::physics) use samples::{SampledCell, Samples};
 pub use scheme::Scheme;
 
 pub(in crate::physics) use cell_kind::CellKind;
-pub(in crate::physics) use composition::Composition;
+pub(in crate::physics) use composition::{Composition, LatticeConstants};
 pub(in crate::physics) use hull::{Hull, Surroundings};
 pub use inertia::Inertia;
 pub(in crate::physics) use link::LinkConstants;

@@ -16,7 +16,7 @@
 
 use crate::math::{Aabb, FRAME_SECS, Real, Vector};
 use crate::physics::model::plan::Plan;
-use crate::physics::model::{BodyModel, LinkFamily, Model, ObstacleModel};
+use crate::physics::model::{BodyModel, LatticeConstants, Model, ObstacleModel};
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::stepping::looks;
 
@@ -187,17 +187,11 @@ fn farthest<R: Real>(position: &[R::Vec3], anchor: &[R::Vec3]) -> f64 {
 
 /// The time in which damped links come home, s; where they differ by cell those that take longest.
 fn relaxation_secs<R: Real>(body: &BodyModel<R>) -> f64 {
-    let of = |stiffness: [f64; 3], damping: [f64; 3]| {
+    let of = |LatticeConstants { stiffness, damping }: LatticeConstants| {
         let [stiffness, damping] = [stiffness, damping].map(|by_family| by_family.iter().sum::<f64>());
         if damping > 0.0 { damping / stiffness } else { 0.0 }
     };
-    let constants = |constant: fn(&LinkFamily<R>) -> R| {
-        body.links.each_ref().map(|family| if family.links.is_empty() { 0.0 } else { constant(family).to_f64() })
-    };
-    match body.composition.kinds() {
-        [] => of(constants(|family| family.stiffness), constants(|family| family.damping)),
-        kinds => kinds.iter().map(|kind| of(kind.stiffness, kind.damping)).fold(0.0, f64::max),
-    }
+    body.lattices().into_iter().map(of).fold(0.0, f64::max)
 }
 
 /// How far a particle of a body at rest may be from its anchor, m; at last less than gravity would have taken it.
