@@ -19,7 +19,7 @@ mod orient;
 mod tree;
 mod triangle;
 
-pub(super) use orient::facing_outwards;
+pub(super) use orient::{NONE, Turns, neighbours, turns};
 
 use glam::DVec3;
 use thiserror::Error;
@@ -27,7 +27,7 @@ use thiserror::Error;
 use super::TriMesh;
 use crate::math::Aabb;
 use field::{Bound, Field};
-use orient::{NONE, Oriented, orient};
+use orient::{Oriented, orient};
 use tree::Tree;
 use triangle::Feature;
 

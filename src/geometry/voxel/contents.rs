@@ -7,9 +7,11 @@
 //! model's longest extent thick.
 //!
 //! Every sample falls into a cell. What falls into one that is not filled goes in equal parts to the filled cells that
-//! share a face with it, else an edge, else a corner. The volume of a closed mesh is known exactly (Gauss) if its pieces
-//! face alike, or it has one alone, and the samples only share it out; where pieces lie in each other they tell how much of
-//! it is in several.
+//! share a face with it, else an edge, else a corner. The volume of closed pieces, and of those with small holes, is known
+//! exactly (Gauss) if they face alike, and the samples only share it out; where pieces lie in each other they tell how much
+//! of it is in several.
+
+use holes::Patched;
 
 use super::centre::crossings;
 use super::pieces::{Divider, PIECE, area, takers};
@@ -17,7 +19,6 @@ use super::quantized_mesh::QuantizedMesh;
 use super::report::VoxelReport;
 use super::shell::CHUNK;
 use super::{Cells, Grid, OccupancyChoice, VoxelizeError};
-use crate::geometry::surface::facing_outwards;
 use crate::geometry::watch::{CancelOnly, Pieces};
 use crate::geometry::{TriMesh, Watch};
 
@@ -105,6 +106,13 @@ struct Sampled {
     known: Option<f64>,
 }
 
+impl Sampled {
+    /// What was found, in cells.
+    fn all(&self) -> f64 {
+        self.of_cell.iter().copied().map(f64::from).sum()
+    }
+}
+
 /// Finds how full every cell of a mesh is; `report` is of its filling. The result does not depend on the number of
 /// threads.
 pub(super) fn contents(
@@ -118,30 +126,47 @@ pub(super) fn contents(
     if report.occupancy == OccupancyChoice::Surface {
         return Ok(share_out(sheet()?, cells, true));
     }
-    let inside = |mesh: &TriMesh| {
-        volume(mesh, &cells.grid, report.divisions, report.occupancy == OccupancyChoice::Centre, watch)
-    };
-    let as_it_is = inside(mesh)?;
-    let turned = if report.closed && as_it_is.known.is_none() { facing_outwards(mesh) } else { None };
-    let (mesh, sampled) = match &turned {
-        Some(turned) => (turned, inside(turned)?),
-        None => (mesh, as_it_is),
-    };
-    let found: f64 = sampled.of_cell.iter().copied().map(f64::from).sum();
-    if let Some(known) = sampled.known.filter(|_| report.closed)
-        && (found - known).abs() > MOST_OFF * known
-    {
+    let sampled = inside(mesh, &cells.grid, report, watch)?;
+    let found = sampled.all();
+    if !report.closed {
+        let in_air = sampled.of_cell.iter().zip(&cells.filled).filter(|&(_, &filled)| !filled);
+        let in_air = in_air.map(|(share, _)| f64::from(*share)).sum::<f64>() - report.dropped_cells as f64;
+        let is_hollow = report.occupancy == OccupancyChoice::Solid && in_air > (1.0 - LEAST_HELD) * found;
+        if found == 0.0 || is_hollow {
+            return Ok(share_out(sheet()?, cells, true));
+        }
+    }
+    if let Some(known) = sampled.known.filter(|known| (found - known).abs() > MOST_OFF * known) {
         let on_surface = surface(mesh, &cells.grid, 1.0, watch)?;
         return Ok(share_out(Sampled { known: Some(known), ..on_surface }, cells, true));
     }
-    let in_air = sampled.of_cell.iter().zip(&cells.filled).filter(|&(_, &filled)| !filled);
-    let in_air = in_air.map(|(share, _)| f64::from(*share)).sum::<f64>() - report.dropped_cells as f64;
-    let is_hollow = !report.closed && report.occupancy == OccupancyChoice::Solid && in_air > (1.0 - LEAST_HELD) * found;
-    if found == 0.0 || is_hollow {
+    if found == 0.0 {
         return Ok(share_out(sheet()?, cells, true));
     }
-    let known = sampled.known.filter(|_| report.closed);
-    Ok(share_out(Sampled { known, ..sampled }, cells, false))
+    Ok(share_out(sampled, cells, false))
+}
+
+/// Samples the inside of a mesh that may have to be made whole to have one.
+fn inside(mesh: &TriMesh, grid: &Grid, report: &VoxelReport, watch: &dyn Watch) -> Result<Sampled, VoxelizeError> {
+    let parity = report.occupancy == OccupancyChoice::Centre;
+    let volume = |mesh: &TriMesh| volume(mesh, grid, report.divisions, parity, watch);
+    if report.closed {
+        let as_it_is = volume(mesh)?;
+        if as_it_is.known.is_some() {
+            return Ok(as_it_is);
+        }
+    }
+    let Some(Patched { whole, closed }) = Patched::of(mesh) else {
+        return Ok(Sampled { known: None, ..volume(mesh)? });
+    };
+    let all = volume(&whole)?;
+    let Some(closed) = closed else {
+        return Ok(all);
+    };
+    // What open pieces add to the others is known by samples alone.
+    let part = volume(&closed)?;
+    let known = part.known.map(|known| (known + all.all() - part.all()).max(0.0));
+    Ok(Sampled { known, ..all })
 }
 
 /// Samples the inside. `parity` is as centre occupancy has it: what surfaces wind around an even number of times is out.
@@ -255,9 +280,9 @@ fn surface(mesh: &TriMesh, grid: &Grid, thickness: f64, watch: &dyn Watch) -> Re
 
 /// Gives filled cells what is in them and beside them, and none less than the least.
 fn share_out(sampled: Sampled, cells: &Cells, of_surface: bool) -> Contents {
+    let all = sampled.all();
     let Sampled { mut of_cell, samples, known } = sampled;
     let grid = cells.grid;
-    let all: f64 = of_cell.iter().copied().map(f64::from).sum();
     let mut lost = 0.0;
     for (cell, at) in grid.iter().zip(0..).filter(|&(_, at)| !cells.filled[at]) {
         if of_cell[at] == 0.0 {
@@ -312,5 +337,6 @@ fn raise(shares: &mut [f64]) -> usize {
     raised
 }
 
+mod holes;
 #[cfg(test)]
 mod tests;

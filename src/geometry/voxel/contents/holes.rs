@@ -1,0 +1,181 @@
+//! Small holes of a mesh, closed: what the mesh encloses is then known as that of a closed one is (Gauss).
+
+use glam::DVec3;
+
+use crate::geometry::TriMesh;
+use crate::geometry::surface::{NONE, Turns, neighbours, turns};
+use crate::geometry::trimesh::DisjointSets;
+
+/// The holes of a piece are closed where they are at most this share of its surface; larger ones are openings.
+const LARGEST_HOLES: f64 = 0.1;
+
+/// A mesh whose pieces face as most of their surface does, with their small holes closed.
+#[derive(Debug)]
+pub(super) struct Patched {
+    pub(super) whole: TriMesh,
+    /// The pieces that are closed now, where others are not.
+    pub(super) closed: Option<TriMesh>,
+}
+
+impl Patched {
+    /// None where no piece is closed, even so.
+    pub(super) fn of(mesh: &TriMesh) -> Option<Self> {
+        let weld = mesh.weld();
+        let welded = mesh.triangles.iter().map(|corners| corners.map(|vertex| weld[vertex as usize]));
+        let mut triangles: Vec<[u32; 3]> = welded.filter(|&[a, b, c]| a != b && b != c && c != a).collect();
+        let neighbours = neighbours(&triangles);
+        let Turns { turned, piece, is_orientable, .. } = turns(&triangles, &neighbours);
+        let mut areas = vec![[0.0; 2]; is_orientable.len()];
+        for ((triangle, piece), turned) in triangles.iter().zip(&piece).zip(&turned) {
+            areas[*piece as usize][usize::from(*turned)] += area(&mesh.positions, *triangle);
+        }
+        let mut rim = Vec::new();
+        for (((triangle, across), &piece), turned) in triangles.iter_mut().zip(&neighbours).zip(&piece).zip(&turned) {
+            let [as_it_is, other] = areas[piece as usize];
+            let turned = turned ^ (other > as_it_is);
+            for edge in (0..3).filter(|edge| across[*edge] == NONE) {
+                let [from, to] = [triangle[edge], triangle[(edge + 1) % 3]];
+                rim.push(if turned { RimEdge { piece, from: to, to: from } } else { RimEdge { piece, from, to } });
+            }
+            if turned {
+                triangle.swap(1, 2);
+            }
+        }
+        let mut positions = mesh.positions.clone();
+        let caps = caps(&rim, &mut positions);
+        let mut holes = vec![0.0; areas.len()];
+        for (piece, triangle) in &caps {
+            holes[*piece as usize] += area(&positions, *triangle);
+        }
+        let is_closed = |piece: u32| {
+            let piece = piece as usize;
+            is_orientable[piece] && holes[piece] <= LARGEST_HOLES * areas[piece].iter().sum::<f64>()
+        };
+        let of_pieces = piece.into_iter().zip(triangles);
+        let (mut whole, rest): (Vec<_>, Vec<_>) = of_pieces.partition(|(piece, _)| is_closed(*piece));
+        if whole.is_empty() {
+            return None;
+        }
+        whole.extend(caps.into_iter().filter(|(piece, _)| is_closed(*piece)));
+        let mesh = |of_pieces: &[(u32, [u32; 3])], positions| {
+            let triangles = of_pieces.iter().map(|(_, triangle)| *triangle).collect();
+            TriMesh { positions, triangles }
+        };
+        let closed = (!rest.is_empty()).then(|| mesh(&whole, positions.clone()));
+        whole.extend(rest);
+        Some(Self { whole: mesh(&whole, positions), closed })
+    }
+}
+
+/// An edge with a triangle on one side, which it runs around as the triangle does.
+struct RimEdge {
+    piece: u32,
+    from: u32,
+    to: u32,
+}
+
+/// Triangles that close every hole, with their pieces: a fan about its middle, which is added to the positions.
+fn caps(rim: &[RimEdge], positions: &mut Vec<DVec3>) -> Vec<(u32, [u32; 3])> {
+    let mut holes = DisjointSets::new(rim.len());
+    let of_edge = |(number, edge): (u32, &RimEdge)| [edge.from, edge.to].map(|vertex| (edge.piece, vertex, number));
+    let mut ends: Vec<_> = (0..).zip(rim).flat_map(of_edge).collect();
+    ends.sort_unstable();
+    for same in ends.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        for end in same {
+            holes.join(same[0].2, end.2);
+        }
+    }
+    let mut edges: Vec<(u32, &RimEdge)> = (0..).zip(rim).map(|(number, edge)| (holes.root(number), edge)).collect();
+    edges.sort_by_key(|(hole, _)| *hole);
+    let mut caps = Vec::with_capacity(rim.len());
+    for hole in edges.chunk_by(|a, b| a.0 == b.0) {
+        let corner = |vertex: u32| positions[vertex as usize];
+        // Of all edges weighted by their lengths, so that it does not matter how finely they are divided.
+        let (sum, length) = hole.iter().fold((DVec3::ZERO, 0.0), |(sum, all), (_, edge)| {
+            let [from, to] = [edge.from, edge.to].map(corner);
+            let length = (to - from).length();
+            (sum + 0.5 * length * (from + to), all + length)
+        });
+        let middle = u32::try_from(positions.len()).unwrap_or(NONE);
+        positions.push(if length > 0.0 { sum / length } else { corner(hole[0].1.from) });
+        caps.extend(hole.iter().map(|(_, edge)| (edge.piece, [edge.to, edge.from, middle])));
+    }
+    caps
+}
+
+fn area(positions: &[DVec3], triangle: [u32; 3]) -> f64 {
+    let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
+    0.5 * (b - a).cross(c - a).length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::trimesh::tests::{boxed, together};
+
+    fn volume(mesh: &TriMesh) -> f64 {
+        (0..mesh.triangles.len()).map(|at| mesh.corners(at)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
+    }
+
+    /// A rod of 1 by 1 by 10 whose faces along it are of two triangles each, without some of them.
+    fn rod_without(triangles: &[usize]) -> TriMesh {
+        let whole = boxed(DVec3::ZERO, DVec3::new(1.0, 1.0, 10.0));
+        let kept = (0..12).filter(|at| !triangles.contains(at));
+        TriMesh { triangles: kept.map(|at| whole.triangles[at]).collect(), ..whole.clone() }
+    }
+
+    /// The triangles of an end of the rod, by their corners' third coordinate.
+    fn ends(rod: &TriMesh, z: f64) -> Vec<usize> {
+        (0..12).filter(|at| rod.corners(*at).iter().all(|corner| corner.z == z)).collect()
+    }
+
+    #[test]
+    fn a_rod_without_its_ends_has_its_volume() {
+        let whole = rod_without(&[]);
+        let [near, far] = [0.0, 10.0].map(|z| ends(&whole, z));
+        assert_eq!((near.len(), far.len()), (2, 2), "two triangles at each end");
+        for without in [&near[..1], &near, &[near[0], far[1]], &[near.clone(), far].concat()] {
+            let Patched { whole, closed } = Patched::of(&rod_without(without)).expect("its holes are small");
+            assert!((volume(&whole) - 10.0).abs() < 1e-12, "without {without:?}: {}", volume(&whole));
+            assert!(whole.facts().closed && closed.is_none(), "without {without:?}: nothing is left open");
+        }
+    }
+
+    #[test]
+    fn what_is_wide_open_stays_so() {
+        let whole = rod_without(&[]);
+        let ends = [0.0, 10.0].map(|z| ends(&whole, z)).concat();
+        let side = (0..12).find(|at| !ends.contains(at)).expect("one of eight");
+        assert!(Patched::of(&rod_without(&[side])).is_none(), "half of a side is missing");
+    }
+
+    #[test]
+    fn triangles_face_as_most_of_their_piece_does() {
+        let solid = boxed(DVec3::ZERO, DVec3::splat(3.0));
+        let mut cavity = boxed(DVec3::splat(1.0), DVec3::splat(2.0));
+        for triangle in &mut cavity.triangles[3..] {
+            triangle.swap(1, 2);
+        }
+        let mut mixed = together(&[solid, cavity]);
+        mixed.triangles[5].swap(0, 1);
+        let Patched { whole, closed } = Patched::of(&mixed).expect("closed");
+        assert!((volume(&whole) - 26.0).abs() < 1e-12, "a cube with a cavity: {}", volume(&whole));
+        assert!(closed.is_none(), "all of it");
+    }
+
+    #[test]
+    fn pieces_are_looked_at_one_by_one() {
+        let near = rod_without(&[]);
+        let sheet = TriMesh {
+            positions: [[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [6.0, 1.0, 0.0]].map(DVec3::from_array).to_vec(),
+            triangles: vec![[0, 1, 2]],
+        };
+        let Patched { whole, closed } = Patched::of(&together(&[near.clone(), sheet])).expect("the rod is closed");
+        assert_eq!(whole.triangles.len(), 13, "the sheet is not closed by a second one");
+        assert_eq!(closed.map(|rod| rod.triangles.len()), Some(12));
+        // Two rods that share an edge: four triangles meet in it.
+        let beside = boxed(DVec3::new(1.0, 1.0, 0.0), DVec3::new(2.0, 2.0, 10.0));
+        let Patched { whole, closed } = Patched::of(&together(&[near, beside])).expect("both are closed");
+        assert!((volume(&whole) - 20.0).abs() < 1e-12 && closed.is_none(), "{}", volume(&whole));
+    }
+}
