@@ -17,8 +17,9 @@ use crate::geometry::UpAxis;
 use crate::geometry::import::{self, Detail, FORMATS, Imported};
 use crate::geometry::part_cells::{PartCells, PartCount};
 use crate::geometry::voxel::{Cells, Keep, MAX_DIVISIONS, OccupancyChoice, VoxelReport, VoxelizeOptions, voxelize};
+use crate::geometry::watch::{Portion, Rising};
 use crate::scene::MaterialValue;
-use crate::scene::resolve::{self, LENGTHS};
+use crate::scene::resolve::{self, LENGTHS, READING};
 use crate::text::echo_path;
 use crate::view::legend::three_digits;
 
@@ -127,12 +128,15 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     };
     let started = Instant::now();
     let progress = Progress::new("filling");
-    let mut imported = resolve::load_model(model, Path::new(""), Detail::Form, &progress)?;
+    let rising = Rising::new(&progress);
+    let reading = Portion::new(&rising, [0.0, READING]);
+    let mut imported = resolve::load_model(model, Path::new(""), Detail::Form, &reading)?;
+    let filling = Portion::new(&rising, [READING, 1.0]);
     let up = args.up.found(&imported.mesh);
     up.turn(&mut imported.mesh);
-    let mut filled = voxelize(&imported.mesh, &options, &progress).with_context(|| shown.clone())?;
+    let mut filled = voxelize(&imported.mesh, &options, &filling).with_context(|| shown.clone())?;
     if let MassWord::Samples = args.mass_from {
-        let contents = filled.sample(&imported.mesh, &progress).with_context(|| shown.clone())?;
+        let contents = filled.sample(&imported.mesh, &filling).with_context(|| shown.clone())?;
         filled.report.warnings.extend(contents.warnings());
     }
     let parts = part_counts(&imported, &filled.cells);
@@ -172,7 +176,7 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
 fn part_counts(imported: &Imported, cells: &Cells) -> Vec<PartCount> {
     let Some(names) = &imported.parts else { return Vec::new() };
     let grid = &cells.grid;
-    let filled: Vec<[u32; 3]> = grid.iter().filter(|&cell| cells.filled[grid.index(cell)]).collect();
+    let filled: Vec<[u32; 3]> = cells.iter().collect();
     PartCells::new(&imported.mesh, names, grid, &filled).counts(names)
 }
 
@@ -222,11 +226,11 @@ fn outer_faces(cells: &Cells, up: UpAxis) -> String {
     let [nx, ny, _] = grid.dims.map(|n| n as usize + 1);
     let mut names = vec![0_u32; grid.dims.iter().map(|&n| n as usize + 1).product()];
     let (mut vertices, mut faces, mut count) = (String::new(), String::new(), 0);
-    for cell in grid.iter().filter(|&cell| cells.filled[grid.index(cell)]) {
+    for cell in cells.iter() {
         for (axis, high) in (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]) {
             let mut next = cell;
             next[axis] = if high == 1 { cell[axis] + 1 } else { cell[axis].wrapping_sub(1) };
-            if next[axis] < grid.dims[axis] && cells.filled[grid.index(next)] {
+            if next[axis] < grid.dims[axis] && cells.is_filled(next) {
                 continue;
             }
             let mut face = LOW.map(|mut corner| {

@@ -39,6 +39,33 @@ impl Watch for Portion<'_> {
     }
 }
 
+/// Hands on how far work is as far as that rises: what reads several files begins anew with each.
+pub(crate) struct Rising<'a> {
+    watch: &'a dyn Watch,
+    most: std::sync::Mutex<f64>,
+}
+
+impl<'a> Rising<'a> {
+    /// For who waits.
+    pub(crate) fn new(watch: &'a dyn Watch) -> Self {
+        Self { watch, most: std::sync::Mutex::new(0.0) }
+    }
+}
+
+impl Watch for Rising<'_> {
+    fn progress(&self, fraction: f64) {
+        let mut most = self.most.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if fraction > *most {
+            *most = fraction;
+            self.watch.progress(fraction);
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.watch.cancelled()
+    }
+}
+
 /// Hands on nothing but that nobody waits any more: for what runs beside work that tells how far it is.
 pub(crate) struct CancelOnly<'a>(pub(crate) &'a dyn Watch);
 
@@ -88,6 +115,17 @@ mod tests {
         fn cancelled(&self) -> bool {
             self.0.lock().expect("no panic before").len() >= 2
         }
+    }
+
+    #[test]
+    fn what_falls_is_not_handed_on() {
+        let log = Log(Mutex::new(Vec::new()));
+        let rising = Rising::new(&log);
+        for fraction in [0.1, 0.4, 0.2, 0.4, 0.6] {
+            rising.progress(fraction);
+        }
+        assert_eq!(*log.0.lock().expect("no panic before"), [0.1, 0.4, 0.6]);
+        assert!(rising.cancelled(), "and it hears that nobody waits");
     }
 
     #[test]

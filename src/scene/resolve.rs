@@ -16,7 +16,7 @@ use crate::geometry::surface::SurfaceError;
 use crate::geometry::voxel::{
     Cells, CellsError, Contents, Grid, VoxelReport, VoxelizeError, VoxelizeOptions, voxelize,
 };
-use crate::geometry::watch::CancelOnly;
+use crate::geometry::watch::{CancelOnly, Portion, Rising};
 use crate::geometry::{Lattice, LatticeCounts, Paint, Shading, Surface, TriMesh, UpAxis, Watch};
 use crate::text::echo;
 
@@ -259,6 +259,9 @@ pub fn fill<'a>(shape: &Shape, places: impl Into<ModelPlaces<'a>>, watch: &dyn W
     })
 }
 
+/// The share of reading a model in making it ready.
+pub(crate) const READING: f64 = 0.7;
+
 /// So many names are listed where one is wrong.
 pub(super) const NAMES_LISTED: usize = 12;
 
@@ -276,14 +279,14 @@ pub fn load_model<'a>(
         if held.find(name).is_none() {
             return Err(ResolveError::NoSuchEmbedded { name: echo(name), held: listed(held) });
         }
-        return Ok(import::load_held(held, name, detail, &CancelOnly(watch))?);
+        return Ok(import::load_held(held, name, detail, watch)?);
     }
     match path.strip_prefix(builtin::PREFIX) {
         Some(name) => {
             let bytes = builtin::model(name).ok_or_else(|| ResolveError::NoSuchBuiltin { name: name.to_owned() })?;
             Ok(import::parse_obj(bytes, path)?)
         }
-        None => Ok(import::load_watched(&base_dir.join(path), detail, &CancelOnly(watch))?),
+        None => Ok(import::load_watched(&base_dir.join(path), detail, watch)?),
     }
 }
 
@@ -325,7 +328,7 @@ pub fn load_meshes(scene: &mut Scene, base_dir: &Path, watch: &dyn Watch) -> Res
 
 /// Reads the model of an obstacle.
 fn load_surface(mesh: &Mesh, places: ModelPlaces<'_>, watch: &dyn Watch) -> Result<Arc<Surface>, ResolveError> {
-    let mut model = load_model(&mesh.path, places, Detail::Form, watch)?.mesh;
+    let mut model = load_model(&mesh.path, places, Detail::Form, &CancelOnly(watch))?.mesh;
     mesh.up.found(&model).turn(&mut model);
     let surface = Surface::new(&model).map_err(|source| ResolveError::Surface { model: mesh.path.clone(), source })?;
     let length_m = mesh.scale(&surface);
@@ -336,7 +339,9 @@ fn load_surface(mesh: &Mesh, places: ModelPlaces<'_>, watch: &dyn Watch) -> Resu
 }
 
 fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) -> Result<Filled, ResolveError> {
-    let imported = load_model(&model.path, places, Detail::Pictures, watch)?;
+    let rising = Rising::new(watch);
+    let imported = load_model(&model.path, places, Detail::Pictures, &Portion::new(&rising, [0.0, READING]))?;
+    let watch = &Portion::new(&rising, [READING, 1.0]);
     let Imported { mut mesh, parts, paint, shading, mut warnings } = imported;
     let up = model.up.found(&mesh);
     up.turn(&mut mesh);
