@@ -31,16 +31,14 @@ struct Patch {
 ///
 /// A particle is one vertex for each direction its faces have: smooth across a face of the body, crisp at its edges.
 pub fn cells_skin(lattice: &Lattice, first_particle: u32) -> Skin {
-    let mut filled = vec![false; lattice.grid.len()];
-    for cell in &lattice.cells {
-        filled[lattice.grid.index(lattice.corners[cell[0] as usize])] = true;
-    }
+    let filled = lattice.places();
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for direction in Direction::ALL {
         let mut patches = vec![Patch::default(); lattice.corners.len()];
         for cell in &lattice.cells {
             let place = lattice.corners[cell[0] as usize];
-            let covered = direction.step(place, lattice.grid.dims).is_some_and(|next| filled[lattice.grid.index(next)]);
+            let covered =
+                direction.step(place, lattice.grid.dims).is_some_and(|next| filled.contains(lattice.grid.index(next)));
             if !covered {
                 add_face(&mut vertices, &mut triangles, &mut patches, direction.face(cell));
             }

@@ -7,6 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Lattice;
+use super::places::Places;
 
 /// No cell of the lattice.
 const NONE: u32 = u32::MAX;
@@ -38,8 +39,8 @@ pub struct NormalEmbedding {
 #[derive(Debug)]
 pub struct Embedder<'a> {
     lattice: &'a Lattice,
-    /// The lattice cell at every cell of the grid.
-    cell_at: Vec<u32>,
+    /// The filled cells.
+    cells: Places,
     /// For every cell of the grid a filled cell nearby, as a lattice cell; computed when a point is far from all.
     nearby: std::sync::OnceLock<Vec<u32>>,
 }
@@ -47,12 +48,7 @@ pub struct Embedder<'a> {
 impl<'a> Embedder<'a> {
     /// Prepares the search in a lattice.
     pub fn new(lattice: &'a Lattice) -> Self {
-        let mut cell_at = vec![NONE; lattice.grid.len()];
-        for (cell, particles) in (0..).zip(&lattice.cells) {
-            let lowest = lattice.corners[particles[0] as usize];
-            cell_at[lattice.grid.index(lowest)] = cell;
-        }
-        Self { lattice, cell_at, nearby: std::sync::OnceLock::new() }
+        Self { lattice, cells: lattice.places(), nearby: std::sync::OnceLock::new() }
     }
 
     /// The embedding of a point given in the grid's coordinates (m): in the filled cell that contains it, else in the
@@ -94,9 +90,8 @@ impl<'a> Embedder<'a> {
         let dims = self.lattice.grid.dims;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped into the grid")]
         let home = [0, 1, 2].map(|axis| place[axis].clamp(0.0, f64::from(dims[axis] - 1)) as u32);
-        let home_cell = self.cell_at[self.lattice.grid.index(home)];
-        if home_cell != NONE {
-            return Some(home_cell);
+        if let Some(cell) = self.cells.number(self.lattice.grid.index(home)) {
+            return Some(cell);
         }
         let mut best: Option<(f64, u32)> = None;
         for reach in 1..=SEARCH_REACH {
@@ -119,10 +114,10 @@ impl<'a> Embedder<'a> {
         for (k, j) in range(2).flat_map(|k| range(1).map(move |j| (k, j))) {
             for i in range(0) {
                 let cell = [i, j, k];
-                let cell_index = self.cell_at[self.lattice.grid.index(cell)];
-                if cell_index == NONE || (0..3).all(|axis| home[axis].abs_diff(cell[axis]) < reach) {
+                if (0..3).all(|axis| home[axis].abs_diff(cell[axis]) < reach) {
                     continue;
                 }
+                let Some(cell_index) = self.cells.number(self.lattice.grid.index(cell)) else { continue };
                 let low = DVec3::from_array(cell.map(f64::from));
                 let distance = (place - place.clamp(low, low + DVec3::ONE)).length_squared();
                 if best.is_none_or(|(least, _)| distance < least) {
@@ -135,8 +130,11 @@ impl<'a> Embedder<'a> {
     /// Lets filled cells claim the cells around them, layer by layer.
     fn spread(&self) -> Vec<u32> {
         let grid = self.lattice.grid;
-        let mut claimed = self.cell_at.clone();
-        let mut front: VecDeque<[u32; 3]> = grid.iter().filter(|&cell| claimed[grid.index(cell)] != NONE).collect();
+        let mut claimed = vec![NONE; grid.len()];
+        let mut front: VecDeque<[u32; 3]> = self.cells.iter().map(|place| grid.cell(place)).collect();
+        for (number, place) in (0..).zip(self.cells.iter()) {
+            claimed[place] = number;
+        }
         while let Some(cell) = front.pop_front() {
             let owner = claimed[grid.index(cell)];
             for next in grid.around(cell) {

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use fixedbitset::FixedBitSet;
 use glam::DVec3;
 
 use super::TriMesh;
 use super::part_cells::{PartCells, PartCount, Parts};
+use super::places::Places;
 use super::voxel::{Cells, Grid};
 
 /// The three families of links (GC §3.1).
@@ -67,7 +69,7 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// Builds the lattice of a set of cells, in time linear in the grid.
+    /// Builds the lattice of a set of cells, in time linear in them; it takes two bits a cell of the grid meanwhile.
     pub fn new(cells: &Cells) -> Self {
         let grid = cells.grid;
         let table = CornerTable::new(cells);
@@ -78,17 +80,11 @@ impl Lattice {
         let surface = counts.surface;
         let mut lattice =
             Self { grid, corners, links, cells: cells_of, shares: None, surface, mesh: None, parts: None };
-        for corner in table.corners.iter() {
-            if table.particle(corner).is_some() {
-                lattice.corners.push(corner);
-            }
-        }
+        lattice.corners.extend(table.iter());
         for (particle, &corner) in (0..).zip(&lattice.corners) {
             table.link(corner, |family, other| lattice.links[family].push([particle, other]));
         }
-        for (cell, _) in grid.iter().zip(&cells.filled).filter(|&(_, &filled)| filled) {
-            lattice.cells.push(table.particles_of(cell));
-        }
+        lattice.cells.extend(cells.iter().map(|cell| table.particles_of(cell)));
         lattice
     }
 
@@ -98,6 +94,13 @@ impl Lattice {
         let links = std::array::from_fn(|family| links[family].len());
         let grid_corners = grid_corners(grid);
         LatticeCounts { particles: corners.len(), links, cells: cells.len(), surface: *surface, grid_corners }
+    }
+
+    /// The filled cells of the grid, numbered as `cells` are.
+    pub(crate) fn places(&self) -> Places {
+        let mut filled = FixedBitSet::with_capacity(self.grid.len());
+        filled.extend(self.cells.iter().map(|cell| self.grid.index(self.corners[cell[0] as usize])));
+        Places::new(filled)
     }
 
     /// What is in a cell over its volume.
@@ -215,43 +218,46 @@ const HOLDERS: [u8; 13] = {
     holders
 };
 
-/// What stands at every corner of the grid.
+/// What stands at the corners of filled cells.
 struct CornerTable {
     /// The corners, seen as the cells of a grid that is one larger.
     corners: Grid,
-    /// Which of the eight cells around a corner are filled: bit 0 of the bit's place says that the cell lies on the
+    /// Those that have a particle, which their numbers are.
+    particles: Places,
+    /// Which of the eight cells around a particle are filled: bit 0 of the bit's place says that the cell lies on the
     /// upper side in x, bit 1 in y, bit 2 in z.
     around: Vec<u8>,
-    /// The particle at every corner that has one.
-    particles: Vec<u32>,
 }
 
 impl CornerTable {
     fn new(cells: &Cells) -> Self {
         let corners = Grid { dims: cells.grid.dims.map(|n| n + 1), ..cells.grid };
-        let mut around = vec![0_u8; corners.len()];
-        for (cell, _) in cells.grid.iter().zip(&cells.filled).filter(|&(_, &filled)| filled) {
-            for place in 0..8 {
+        let places = |cell: [u32; 3]| (0..8).map(move |place| (place, corners.index(corner_of(cell, place))));
+        let mut met = FixedBitSet::with_capacity(corners.len());
+        for cell in cells.iter() {
+            places(cell).for_each(|(_, corner)| met.insert(corner));
+        }
+        let particles = Places::new(met);
+        let mut around = vec![0_u8; particles.len()];
+        for (place, corner) in cells.iter().flat_map(places) {
+            if let Some(particle) = particles.number(corner) {
                 // Seen from its lowest corner (place 0) a cell lies on the upper side of all three axes (bit 7).
-                around[corners.index(corner_of(cell, place))] |= 1 << (7 - place);
+                around[particle as usize] |= 1 << (7 - place);
             }
         }
-        let mut next = 0;
-        let mut number = |&filled: &u8| {
-            let particle = next;
-            next += u32::from(filled != 0);
-            particle
-        };
-        let particles = around.iter().map(&mut number).collect();
-        Self { corners, around, particles }
+        Self { corners, particles, around }
+    }
+
+    /// The corners that have a particle, ascending.
+    fn iter(&self) -> impl Iterator<Item = [u32; 3]> {
+        self.particles.iter().map(|corner| self.corners.cell(corner))
     }
 
     fn counts(&self) -> LatticeCounts {
         let mut counts = LatticeCounts { grid_corners: self.corners.len(), ..LatticeCounts::default() };
-        for corner in self.corners.iter().filter(|&corner| self.particle(corner).is_some()) {
+        for (corner, around) in self.iter().zip(&self.around) {
             counts.particles += 1;
-            let around = self.around[self.corners.index(corner)];
-            counts.surface += usize::from(around != u8::MAX);
+            counts.surface += usize::from(*around != u8::MAX);
             // Every cell is counted where it is on the upper side of all three axes.
             counts.cells += usize::from(around >> 7);
             self.link(corner, |family, _| counts.links[family] += 1);
@@ -259,31 +265,31 @@ impl CornerTable {
         counts
     }
 
-    fn particle(&self, corner: [u32; 3]) -> Option<u32> {
-        let at = self.corners.index(corner);
-        (self.around[at] != 0).then(|| self.particles[at])
+    /// The particle at a corner of a filled cell.
+    fn particle(&self, corner: [u32; 3]) -> u32 {
+        self.particles.number(self.corners.index(corner)).unwrap_or(u32::MAX)
     }
 
     fn particles_of(&self, cell: [u32; 3]) -> [u32; 8] {
-        [0, 1, 2, 3, 4, 5, 6, 7].map(|place| self.particles[self.corners.index(corner_of(cell, place))])
+        [0, 1, 2, 3, 4, 5, 6, 7].map(|place| self.particle(corner_of(cell, place)))
     }
 
     /// Calls `found` with the family and other end of the links that lead from a corner to higher ones.
     fn link(&self, corner: [u32; 3], mut found: impl FnMut(usize, u32)) {
-        let around = self.around[self.corners.index(corner)];
+        let around = self.around[self.particle(corner) as usize];
         for (direction, holders) in DIRECTIONS.into_iter().zip(HOLDERS) {
             if around & holders == 0 {
                 continue;
             }
-            let next = self.corners.index(step(corner, direction));
+            let next = step(corner, direction);
+            let other = self.particle(next);
             if direction.iter().filter(|&&d| d != 0).count() > 1 {
-                found(1, self.particles[next]);
+                found(1, other);
                 continue;
             }
-            found(0, self.particles[next]);
-            if self.around[next] & holders != 0 {
-                let second = self.corners.index(step(step(corner, direction), direction));
-                found(2, self.particles[second]);
+            found(0, other);
+            if self.around[other as usize] & holders != 0 {
+                found(2, self.particle(step(next, direction)));
             }
         }
     }

@@ -10,6 +10,7 @@ pub mod named_parts;
 pub mod paint;
 pub mod part_cells;
 pub mod picture_file;
+pub(crate) mod places;
 pub mod sampling;
 pub mod shading;
 pub mod surface;

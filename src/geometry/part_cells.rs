@@ -7,10 +7,12 @@
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
+use fixedbitset::FixedBitSet;
 use serde::Serialize;
 
 use super::TriMesh;
 use super::named_parts::{NameOf, NamedParts};
+use super::places::Places;
 use super::voxel::Grid;
 use super::voxel::pieces::{Divider, takers};
 
@@ -65,23 +67,21 @@ impl PartCells {
     /// Looks at the surface in every cell. `cells` are filled ones of the grid, ascending by [`Grid::index`]; the mesh is
     /// within the grid.
     pub fn new(mesh: &TriMesh, names: &NamedParts, grid: &Grid, cells: &[[u32; 3]]) -> Self {
-        let mut number_at = vec![NONE; grid.len()];
-        for (cell, number) in cells.iter().zip(0..) {
-            number_at[grid.index(*cell)] = number;
-        }
+        let mut filled = FixedBitSet::with_capacity(grid.len());
+        filled.extend(cells.iter().map(|cell| grid.index(*cell)));
+        let places = Places::new(filled);
         let mut found: BTreeMap<(u32, u16), f64> = BTreeMap::new();
         let mut divider = Divider::new(mesh, grid, PIECE);
         for triangle in 0..mesh.triangles.len() {
             let label = names.label(triangle);
             divider.pieces(triangle, |cell, area| {
-                let mut add = |place: usize, area: f64| *found.entry((number_at[place], label)).or_default() += area;
-                let place = grid.index(cell);
-                if number_at[place] == NONE {
-                    let takers = takers(grid, cell, |near| number_at[near] != NONE);
-                    let part = area / takers.clone().count() as f64;
-                    takers.for_each(|near| add(near, part));
+                let mut add = |number: u32, area: f64| *found.entry((number, label)).or_default() += area;
+                if let Some(number) = places.number(grid.index(cell)) {
+                    add(number, area);
                 } else {
-                    add(place, area);
+                    let takers = takers(grid, cell, |near| places.contains(near));
+                    let part = area / takers.clone().count() as f64;
+                    takers.filter_map(|near| places.number(near)).for_each(|number| add(number, part));
                 }
             });
         }
@@ -93,7 +93,7 @@ impl PartCells {
             begin[cell + 1] += begin[cell];
         }
         let areas = found.into_iter().map(|((_, label), area)| (label, area)).collect();
-        let like = nearest(grid, cells, &number_at, |cell| begin[cell] < begin[cell + 1]);
+        let like = nearest(grid, cells, &places, |cell| begin[cell] < begin[cell + 1]);
         Self { areas, begin, like }
     }
 
@@ -171,7 +171,7 @@ fn numbers(names: &NamedParts, wanted: &[&str]) -> Vec<u32> {
 }
 
 /// For every cell the nearest one that is a beginning, breadth first through faces, in the order of cells.
-fn nearest(grid: &Grid, cells: &[[u32; 3]], number_at: &[u32], is_beginning: impl Fn(usize) -> bool) -> Vec<u32> {
+fn nearest(grid: &Grid, cells: &[[u32; 3]], places: &Places, is_beginning: impl Fn(usize) -> bool) -> Vec<u32> {
     let mut like = vec![NONE; cells.len()];
     let mut reached: Vec<u32> = (0..).take(cells.len()).filter(|&cell| is_beginning(cell as usize)).collect();
     for &cell in &reached {
@@ -186,8 +186,8 @@ fn nearest(grid: &Grid, cells: &[[u32; 3]], number_at: &[u32], is_beginning: imp
             if next[axis] >= grid.dims[axis] {
                 continue;
             }
-            let number = number_at[grid.index(next)];
-            if number != NONE && like[number as usize] == NONE {
+            let number = places.number(grid.index(next)).filter(|number| like[*number as usize] == NONE);
+            if let Some(number) = number {
                 like[number as usize] = like[cell as usize];
                 reached.push(number);
             }

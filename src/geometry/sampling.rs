@@ -13,6 +13,7 @@
 use glam::DVec3;
 
 use super::embed::Embedder;
+use super::places::Places;
 use super::{Lattice, TriMesh};
 
 /// The most points of a cell.
@@ -69,7 +70,7 @@ struct LookedAt<'a> {
     lattice: &'a Lattice,
     embedder: Embedder<'a>,
     /// Which cells of the grid are filled.
-    is_filled: Vec<bool>,
+    cells: Places,
     cell_size: f64,
     points: Vec<Point>,
     /// For every cell the bins of it that hold a point.
@@ -79,11 +80,7 @@ struct LookedAt<'a> {
 impl<'a> LookedAt<'a> {
     fn new(lattice: &'a Lattice) -> Self {
         let (cell_size, bins) = (lattice.grid.cell_size, vec![0; lattice.cells.len()]);
-        let mut is_filled = vec![false; lattice.grid.len()];
-        for particles in &lattice.cells {
-            is_filled[lattice.grid.index(lattice.corners[particles[0] as usize])] = true;
-        }
-        Self { lattice, embedder: Embedder::new(lattice), is_filled, cell_size, points: Vec::new(), bins }
+        Self { lattice, embedder: Embedder::new(lattice), cells: lattice.places(), cell_size, points: Vec::new(), bins }
     }
 
     fn add_vertex(&mut self, at: DVec3) {
@@ -145,7 +142,7 @@ impl<'a> LookedAt<'a> {
         for of_cell in self.points.chunk_by(|one, next| one.cell == next.cell) {
             distance.clear();
             distance.resize(of_cell.len(), f64::INFINITY);
-            let outward = outward(self.lattice, &self.is_filled, of_cell[0].cell);
+            let outward = outward(self.lattice, &self.cells, of_cell[0].cell);
             let ways = if outward == DVec3::ZERO { &AXES[..] } else { &[outward] };
             let outermost = ways.iter().map(|way| largest(of_cell.iter().map(|point| point.at.dot(*way))));
             let mut take = |place: usize, distance: &mut [f64]| {
@@ -182,12 +179,12 @@ fn largest(of: impl Iterator<Item = f64>) -> usize {
 }
 
 /// Away from the filled cells around a cell; nothing where they are as many on either side.
-fn outward(lattice: &Lattice, is_filled: &[bool], cell: u32) -> DVec3 {
+fn outward(lattice: &Lattice, cells: &Places, cell: u32) -> DVec3 {
     let (low, dims) = (lattice.low(cell), lattice.grid.dims);
     let around = (0..27_u32).filter_map(|number| {
         let step = [number % 3, number / 3 % 3, number / 9];
         let next: [u32; 3] = std::array::from_fn(|axis| (low[axis] + step[axis]).wrapping_sub(1));
-        let is_there = (0..3).all(|axis| next[axis] < dims[axis]) && is_filled[lattice.grid.index(next)];
+        let is_there = (0..3).all(|axis| next[axis] < dims[axis]) && cells.contains(lattice.grid.index(next));
         is_there.then(|| DVec3::ONE - DVec3::from_array(step.map(f64::from)))
     });
     around.sum()

@@ -147,7 +147,7 @@ fn a_stack_stands_and_rests_no_deeper_than_a_fiftieth() {
     for (count, seconds) in [(2, 6.0), (5, 12.0)] {
         let mut simulation = simulate::<f32>(&stack(count, 5));
         run(&mut simulation, seconds);
-        let middles: Vec<DVec3> = simulation.diagnostics_of_each().iter().map(|of| of.center).collect();
+        let middles: Vec<DVec3> = simulation.diagnostics_of_each().0.iter().map(|of| of.center).collect();
         for (place, middle) in (0..).zip(&middles) {
             let sunk = 0.5 + f64::from(place) - middle.y;
             assert!(sunk > 0.0 && sunk < 0.1, "cube {place} of {count} is at {middle}");

@@ -6,6 +6,7 @@ use gelatin::modal::{self, Mode, Modes, Wanted};
 use gelatin::physics::{BodyModel, Simulation};
 use gelatin::scene::body::{CellsShape, CubeShape, PinBox};
 use gelatin::scene::{Body, Material, Shape, Solid};
+use glam::DVec3;
 
 use super::support::{alone, simulate};
 
@@ -104,6 +105,43 @@ fn a_cantilever_comes_nearer_to_beam_theory_with_every_cell_across_it() {
     // Links across a cell make it too stiff to bend, as they do at rest.
     assert!(ratios.is_sorted_by(|a, b| a > b) && ratios[3] > 1.0, "from the stiff side: {ratios:?}");
     assert!(ratios[0] < 1.2 && ratios[3] < 1.04, "and near in the end: {ratios:?}");
+}
+
+/// What Lamé's mode of a free cube is in its modes: its mean frequency by how much of it is in each, Hz, and how much of it is in
+/// those together.
+fn lame(cells: u32) -> (f64, f64) {
+    let shape = Shape::Cube(CubeShape { cells, size: 1.0 });
+    let body = compiled(Body { shape, material: Material::Solid(SOLID), ..Body::default() });
+    let way = |at: DVec3| {
+        let [x, y, _] = (at * PI).to_array();
+        DVec3::new(-x.sin() * y.cos(), x.cos() * y.sin(), 0.0)
+    };
+    let by_mass = |a: &dyn Fn(usize) -> DVec3, b: &dyn Fn(usize) -> DVec3| {
+        (0..body.start.len()).map(|p| body.mass(p) * a(p).dot(b(p))).sum::<f64>()
+    };
+    let wanted = |p: usize| way(body.start[p]);
+    let all = by_mass(&wanted, &wanted);
+    let (mut sum, mut share) = (0.0, 0.0);
+    for mode in &found(&body, 24).modes {
+        let shape = |p: usize| mode.shape[p];
+        let part = by_mass(&shape, &wanted).powi(2) / (by_mass(&shape, &shape) * all);
+        (sum, share) = (sum + part * mode.frequency_hz, share + part);
+    }
+    (sum / share, share)
+}
+
+/// The only modes of a free cube that are known in closed form: `√(G/ρ)/(√2 L)`, whatever Poisson's ratio is (Lamé 1852; Mindlin,
+/// "Simple modes of vibration of crystals", *Journal of Applied Physics* 27, 1956).
+#[test]
+fn a_free_cube_swings_in_lames_mode_as_theory_says() {
+    let theory = BAR_SPEED * (1.0_f64 / 2.5).sqrt() / 2.0_f64.sqrt();
+    let off = [4, 8, 12].map(|cells| {
+        let (frequency, share) = lame(cells);
+        assert!(share > 0.98, "{cells} cells: only {share} of it is in the lowest modes");
+        frequency / theory - 1.0
+    });
+    assert!(off.is_sorted_by(|a, b| a.abs() > 1.8 * b.abs()), "second order or nearly: {off:?}");
+    assert!(off[2].abs() < 0.01, "{off:?}");
 }
 
 /// The frequency with which the full simulation swings when it is thrown into a mode, Hz: from the zeros of the mode's

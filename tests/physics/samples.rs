@@ -155,6 +155,38 @@ fn deflection(body: &Linear, radius: f64) -> f64 {
     found / (weight * (1.0 / (5.0 * radius * radius) + 2.5 * 17.0 / (3.0 * 15.0)))
 }
 
+/// How far a rod that hangs from its end, which is free to grow thinner, stretches under its own weight, weighted by mass, over
+/// `ρ g L²/(3 E)`.
+fn stretch(body: &Linear) -> f64 {
+    let mut body = body.clone();
+    let is_end = |start: DVec3| start.x < -0.5 + 1e-9;
+    // Two particles beside each other along z keep it from moving across and from turning about itself.
+    let near_axis = |a: &&DVec3, b: &&DVec3| a.y.abs().total_cmp(&b.y.abs()).then(a.z.total_cmp(&b.z));
+    let first = *body.start.iter().filter(|start| is_end(**start)).min_by(near_axis).expect("an end");
+    let is_beside = |start: DVec3| is_end(start) && start.y.to_bits() == first.y.to_bits();
+    body.hold(DVec3::X, is_end);
+    body.hold(DVec3::Y, is_beside);
+    body.hold(DVec3::Z, |start| start == first);
+    let load: Vec<DVec3> = body.mass.iter().map(|mass| DVec3::X * (9.81 * mass)).collect();
+    let found = dot(&load, &body.solve(&load).expect("it is held")) / (9.81 * body.mass.iter().sum::<f64>());
+    found / (SOLID.density * 9.81 / (3.0 * SOLID.young_modulus))
+}
+
+/// Few cells across bend less than many, which is no matter of samples; what hangs is stretched alike.
+#[test]
+fn a_round_rod_that_hangs_sags_alike_in_any_number_of_divisions() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("rod.obj");
+    for radius in [0.13, 0.09] {
+        std::fs::write(&path, rod(radius, 96)).expect("a file");
+        let of = |divisions: u32, from: MassFrom| stretch(&Linear::of(&compiled(&path, divisions, from)));
+        let [coarse, middle, fine] = [7, 20, 40].map(|divisions| of(divisions, MassFrom::Samples));
+        let words = format!("{radius} m: {coarse}, {middle} and {fine} of what a bar has");
+        assert!((coarse / fine - 1.0).abs() < 0.02 && (middle / fine - 1.0).abs() < 0.02, "{words}");
+        assert!((fine - 1.0).abs() < 0.03, "{words}");
+    }
+}
+
 /// Where only masses were taken from samples (SC) the rod would be as stiff as its cells and lighter: stiffness follows.
 #[test]
 fn a_round_rod_bends_more_like_a_beam_if_its_cells_are_as_full_as_they_are() {

@@ -6,7 +6,7 @@ use gelatin::math::picture::{Picture, Sampling, Texture};
 use gelatin::render::{FrameCounters, FrameTarget, offscreen};
 use gelatin::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Segment};
 use gelatin::view::style::Tint;
-use gelatin::view::{DrawList, Overlay, Selected, Skin, SkinInstance, SkinTextures, TexturedRun};
+use gelatin::view::{DrawList, Overlay, Selected, Skin, SkinInstance, SkinTextures, SkinVertex, TexturedRun};
 use glam::Vec3;
 
 use crate::gpu::Studio;
@@ -76,6 +76,42 @@ fn a_moving_body_costs_its_particles_and_colours_their_scalars() {
     assert_eq!((colored.particle_bytes, colored.scalar_bytes, colored.static_bytes), (0, 500, 0), "only scalars");
     scene.scalars = None;
     assert!(film.frame(&scene).passes.contains(&"skin"), "colours go away again");
+}
+
+/// A surface of a million triangles over the first eight particles.
+fn fine_skin() -> Skin {
+    const SIDE: u32 = 708;
+    let share = |n: u32| n as f32 / (SIDE - 1) as f32;
+    let vertex = |n: u32| {
+        let [u, v] = [n % SIDE, n / SIDE].map(share);
+        let mut position = [0.0; 8];
+        (position[0], position[1], position[2], position[3]) =
+            ((1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v);
+        let mut tangent_u = [0.0; 8];
+        (tangent_u[0], tangent_u[1]) = (-1.0, 1.0);
+        let mut tangent_v = [0.0; 8];
+        (tangent_v[0], tangent_v[2]) = (-1.0, 1.0);
+        SkinVertex { particles: [0, 1, 5, 6, 0, 0, 0, 0], position, tangent_u, tangent_v, ..SkinVertex::default() }
+    };
+    let quad = |n: u32| {
+        let low = n / (SIDE - 1) * SIDE + n % (SIDE - 1);
+        [[low, low + 1, low + SIDE], [low + 1, low + SIDE + 1, low + SIDE]]
+    };
+    Skin::new((0..SIDE * SIDE).map(vertex).collect(), (0..(SIDE - 1) * (SIDE - 1)).flat_map(quad).collect())
+}
+
+#[test]
+fn a_million_triangles_cost_no_more_than_their_particles() {
+    let (mut film, mut scene) = (Film::new(), cube());
+    let skin = fine_skin();
+    assert!(skin.triangles().len() > 999_000, "{} triangles", skin.triangles().len());
+    scene.skins[0].skin = Arc::new(skin);
+    assert!(film.frame(&scene).static_bytes > 10_000_000, "it is uploaded once");
+    for _ in 0..2 {
+        scene.particles = Arc::new(scene.particles.to_vec());
+        let moved = film.frame(&scene);
+        assert_eq!((moved.particle_bytes, moved.scalar_bytes, moved.static_bytes), (1500, 0, 0), "only particles");
+    }
 }
 
 #[test]

@@ -1,18 +1,11 @@
 //! Centre occupancy (GC §12.2): a cell is filled where a ray along x to its centre crosses the surface an odd number of
 //! times.
-//!
-//! Triangles are rasterised to the columns of cells. A centre that lies exactly on a triangle's edge, as seen along x, is
-//! moved by a vanishing amount, the same for every triangle (+y, and far less +z: Edelsbrunner and Mücke, "Simulation of
-//! Simplicity", 1990), so that shared edges and vertices count once. A centre on the surface itself counts as behind it.
 
-use std::sync::atomic::{AtomicI16, Ordering};
+use fixedbitset::FixedBitSet;
 
-use rayon::prelude::*;
-
-use super::quantized_mesh::{CELL, Point, QuantizedMesh};
-use super::shell::CHUNK;
-use super::touch::{cross, minus};
-use super::{Cells, Grid, VoxelizeError};
+use super::crossings::{Crossings, spans};
+use super::quantized_mesh::QuantizedMesh;
+use super::{Cells, VoxelizeError};
 use crate::geometry::watch::Pieces;
 
 /// What rays found.
@@ -25,94 +18,22 @@ pub(super) struct Parity {
 
 /// Sends a ray through every column of cells.
 pub(super) fn parity(quantized: &QuantizedMesh, pieces: &Pieces<'_>) -> Result<Parity, VoxelizeError> {
-    let QuantizedMesh { grid, padded, ref triangles } = *quantized;
-    let crossings = crossings(triangles, &padded, pieces)?;
-    let mut filled = Vec::with_capacity(grid.len());
+    let QuantizedMesh { grid, ref triangles, .. } = *quantized;
+    let crossings = Crossings::new(triangles, grid.dims, pieces)?;
+    let mut filled = FixedBitSet::with_capacity(grid.len());
     let mut overlaps = 0;
     let [nx, ny, nz] = grid.dims;
-    for (k, j) in (1..=nz).flat_map(|k| (1..=ny).map(move |j| (k, j))) {
-        let row = padded.index([1, j, k]);
-        let mut winding = 0_i16;
-        for &crossing in &crossings[row..row + nx as usize] {
-            winding = winding.wrapping_add(crossing);
-            filled.push(winding % 2 != 0);
-            overlaps += usize::from(winding != 0 && winding % 2 == 0);
-        }
+    for (k, j) in (0..nz).flat_map(|k| (0..ny).map(move |j| (k, j))) {
+        let row = grid.index([0, j, k]);
+        spans(crossings.of_ray(j, k), nx, |first, end, winding| {
+            if winding % 2 != 0 {
+                filled.insert_range(row + first as usize..row + end as usize);
+            } else if winding != 0 {
+                overlaps += (end - first) as usize;
+            }
+        });
     }
     Ok(Parity { cells: Cells { grid, filled }, overlaps })
-}
-
-/// What rays along x through the columns of a padded grid cross: for every cell how many surfaces are entered less those
-/// left between the centre before it and its own.
-pub(super) fn crossings(
-    triangles: &[[Point; 3]],
-    padded: &Grid,
-    pieces: &Pieces<'_>,
-) -> Result<Vec<i16>, VoxelizeError> {
-    let crossings: Vec<AtomicI16> = std::iter::repeat_with(AtomicI16::default).take(padded.len()).collect();
-    triangles.par_chunks(CHUNK).try_for_each(|chunk| {
-        for triangle in chunk {
-            // Adding commutes: the result does not depend on who comes first. Wrapping keeps the parity.
-            cross_columns(triangle, |cell, sign| {
-                crossings[padded.index(cell)].fetch_add(sign, Ordering::Relaxed);
-            });
-        }
-        pieces.advance().then_some(()).ok_or(VoxelizeError::Cancelled)
-    })?;
-    Ok(crossings.into_iter().map(AtomicI16::into_inner).collect())
-}
-
-/// Calls `found` for every column whose ray crosses the triangle: with the first cell (of the padded grid) whose centre is
-/// not before the crossing, and +1 where the ray enters, −1 where it leaves.
-fn cross_columns(&[a, b, c]: &[Point; 3], mut found: impl FnMut([u32; 3], i16)) {
-    const HALF: i64 = CELL / 2;
-    let normal = cross(minus(b, a), minus(c, a));
-    if normal[0] == 0 {
-        return;
-    }
-    // Seen along x, turn left: the normal then points along +x.
-    let (b, c, normal, sign) = if normal[0] > 0 { (b, c, normal, -1) } else { (c, b, normal.map(|n| -n), 1) };
-    let edges = [(a, b), (b, c), (c, a)];
-    let low = a[2].min(b[2]).min(c[2]);
-    let high = a[2].max(b[2]).max(c[2]);
-    for k in ceil_div(low - HALF, CELL)..=(high - HALF).div_euclid(CELL) {
-        let z = k * CELL + HALF;
-        let (mut first, mut last) = (i64::MIN, i64::MAX);
-        for (p, q) in edges {
-            let (dy, dz) = (q[1] - p[1], q[2] - p[2]);
-            // On the edge itself the vanishing shift decides.
-            let least = i64::from(!(dz < 0 || (dz == 0 && dy > 0)));
-            // Left of the edge: dy (z − p_z) − dz (y − p_y) ≥ least, with y = j CELL + HALF.
-            let free = dy * (z - p[2]) - dz * (HALF - p[1]) - least;
-            let slope = dz * CELL;
-            if slope > 0 {
-                last = last.min(free.div_euclid(slope));
-            } else if slope < 0 {
-                first = first.max(ceil_div(-free, -slope));
-            } else if free < 0 {
-                last = i64::MIN;
-            }
-        }
-        for j in first..=last {
-            let y = j * CELL + HALF;
-            let [nx, ny, nz] = normal.map(i128::from);
-            let rise = ny * i128::from(y - a[1]) + nz * i128::from(z - a[2]);
-            // The crossing is at a_x − rise / nx; the first centre i CELL + HALF not before it.
-            let i = ceil_div_wide(i128::from(a[0] - HALF) * nx - rise, nx * i128::from(CELL));
-            if let (Ok(i), Ok(j), Ok(k)) = (u32::try_from(i), u32::try_from(j), u32::try_from(k)) {
-                found([i, j, k], sign);
-            }
-        }
-    }
-}
-
-/// The quotient rounded up; `b` is positive.
-fn ceil_div(a: i64, b: i64) -> i64 {
-    -(-a).div_euclid(b)
-}
-
-fn ceil_div_wide(a: i128, b: i128) -> i128 {
-    -(-a).div_euclid(b)
 }
 
 #[cfg(test)]
@@ -138,7 +59,8 @@ mod tests {
         let mesh = TriMesh { positions, triangles: sides.to_vec() };
         for divisions in [3, 9, 33] {
             let Parity { cells, .. } = inside(&mesh, divisions);
-            for (cell, &filled) in cells.grid.iter().zip(&cells.filled) {
+            for (at, cell) in cells.grid.iter().enumerate() {
+                let filled = cells.filled[at];
                 let middle = cells.grid.corner(cell) + DVec3::splat(cells.grid.cell_size * 0.5);
                 let reach = middle.abs().element_sum();
                 assert!((reach - 1.0).abs() < 1e-9 || filled == (reach < 1.0), "{cell:?} of {divisions}");
@@ -174,8 +96,8 @@ mod tests {
             let high = inside(&frame(prism(cut, wall(8.0))), n).cells;
             assert_eq!(low.grid.dims, [n; 3], "the frame holds the grid");
             assert_eq!(low.grid, high.grid, "one grid");
-            for (at, (a, b)) in low.filled.iter().zip(&high.filled).enumerate() {
-                assert_ne!(a, b, "cell {at} belongs to one of them: {cut:?}");
+            for at in 0..low.grid.len() {
+                assert_ne!(low.filled[at], high.filled[at], "cell {at} belongs to one of them: {cut:?}");
             }
         }
     }

@@ -2,12 +2,13 @@
 
 use super::centre::{self, Parity};
 use super::components::Components;
+use super::holes::Patched;
 use super::quantized_mesh::QuantizedMesh;
 use super::shell::{self, Shell};
 use super::{Cells, OccupancyChoice, VoxelizeError, report};
-use crate::geometry::Watch;
 use crate::geometry::trimesh::MeshFacts;
 use crate::geometry::watch::Pieces;
+use crate::geometry::{TriMesh, Watch};
 
 /// The share of a body, in percent of its solid cells, that centre occupancy may leave far from any filled cell before
 /// the automatic choice leaves it: legs and horns go before the tip of a tail does.
@@ -24,6 +25,7 @@ pub(super) struct Filled {
 
 /// Fills the cells that were asked for, or chooses.
 pub(super) fn fill(
+    mesh: &TriMesh,
     quantized: &QuantizedMesh,
     facts: &MeshFacts,
     occupancy: OccupancyChoice,
@@ -31,12 +33,25 @@ pub(super) fn fill(
 ) -> Result<Filled, VoxelizeError> {
     let chunks = quantized.triangles.len().div_ceil(shell::CHUNK);
     let shell = |from: f64| Shell::new(quantized, &Pieces::new(watch, chunks, [from, 0.9]));
+    // Air does not get in through holes larger than a cell, if they are small to the model.
+    let tight = || match Patched::of(mesh).filter(|patched| !facts.closed && patched.holes > 0) {
+        None => Ok((shell(0.0)?.solid(), "")),
+        Some(Patched { whole, .. }) => {
+            let whole = QuantizedMesh::within(&whole, quantized.grid);
+            let chunks = whole.triangles.len().div_ceil(shell::CHUNK);
+            let solid = Shell::new(&whole, &Pieces::new(watch, chunks, [0.0, 0.9]))?.solid();
+            Ok((solid, ", once its small holes are closed"))
+        }
+    };
     let parity = || centre::parity(quantized, &Pieces::new(watch, chunks, [0.0, 0.4]));
     let filled = |used, cells, why: String| Filled { cells, used, why, warnings: Vec::new() };
     let asked = || "asked for".to_owned();
     match occupancy {
         OccupancyChoice::Surface => Ok(filled(occupancy, shell(0.0)?.surface(), asked())),
-        OccupancyChoice::Solid => Ok(filled(occupancy, shell(0.0)?.solid(), asked())),
+        OccupancyChoice::Solid => {
+            let (solid, how) = tight()?;
+            Ok(filled(occupancy, solid, format!("asked for{how}")))
+        }
         OccupancyChoice::Centre => {
             let mut filled = filled(occupancy, parity()?.cells, asked());
             if !facts.closed {
@@ -50,8 +65,10 @@ pub(super) fn fill(
             Ok(filled(OccupancyChoice::Surface, shell(0.0)?.surface(), why.to_owned()))
         }
         OccupancyChoice::Auto if !facts.closed => {
-            let why = format!("the mesh is open ({}): the cells that it touches and what they enclose", opening(facts));
-            Ok(filled(OccupancyChoice::Solid, shell(0.0)?.solid(), why))
+            let (solid, how) = tight()?;
+            let opening = opening(facts);
+            let why = format!("the mesh is open ({opening}): the cells that it touches and what they enclose{how}");
+            Ok(filled(OccupancyChoice::Solid, solid, why))
         }
         OccupancyChoice::Auto => {
             let inside = parity()?;
@@ -98,9 +115,8 @@ fn centre_fails(quantized: &QuantizedMesh, facts: &MeshFacts, inside: &Parity, s
 
 /// Filled cells of `all` that share no particle with a filled cell of `some`.
 fn far_cells(some: &Cells, all: &Cells) -> usize {
-    let grid = all.grid;
-    let is_far = |cell: [u32; 3]| grid.around(cell).all(|near| !some.filled[grid.index(near)]);
-    grid.iter().zip(&all.filled).filter(|&(cell, &filled)| filled && is_far(cell)).count()
+    let is_far = |cell: &[u32; 3]| all.grid.around(*cell).all(|near| !some.is_filled(near));
+    all.iter().filter(is_far).count()
 }
 
 fn opening(facts: &MeshFacts) -> String {

@@ -6,16 +6,19 @@
 
 use super::{Cells, Keep};
 
-/// No component: the cell is empty.
-pub(super) const NONE: u32 = u32::MAX;
+/// No component.
+const NONE: u32 = u32::MAX;
 
 /// The rows before a row, of those around it: steps in y and z.
 const BEFORE: [[isize; 2]; 4] = [[-1, 0], [-1, -1], [0, -1], [1, -1]];
 
 /// The component of every cell.
 pub(super) struct Components {
-    /// By [`super::Grid::index`]; [`NONE`] for empty cells.
-    pub(super) labels: Vec<u32>,
+    /// Rows along x in a layer.
+    rows: usize,
+    runs: Runs,
+    /// That of every run; [`NONE`] where its cells were emptied.
+    of_run: Vec<u32>,
     /// Cells of every component, numbered in the order of their first cells.
     pub(super) sizes: Vec<usize>,
 }
@@ -56,13 +59,15 @@ impl Runs {
     fn of(cells: &Cells) -> Self {
         let length = cells.grid.dims[0] as usize;
         let (mut runs, mut starts) = (Vec::new(), vec![0]);
-        for row in cells.filled.chunks_exact(length) {
-            let mut at = 0;
-            while let Some(empty) = row[at..].iter().position(|&filled| filled) {
-                let first = at + empty;
-                let end = row[first..].iter().position(|&filled| !filled).map_or(length, |count| first + count);
-                runs.push(Run { first, end });
-                at = end;
+        let mut filled = cells.filled.ones().peekable();
+        for row in 0..cells.grid.len() / length {
+            let begin = row * length;
+            while let Some(place) = filled.next_if(|place| *place < begin + length) {
+                let first = place - begin;
+                match runs[starts[row]..].last_mut() {
+                    Some(Run { end, .. }) if *end == first => *end += 1,
+                    _ => runs.push(Run { first, end: first + 1 }),
+                }
             }
             starts.push(runs.len());
         }
@@ -85,7 +90,7 @@ impl Runs {
 
 impl Components {
     pub(super) fn new(cells: &Cells) -> Self {
-        let [length, rows, layers] = cells.grid.dims.map(|n| n as usize);
+        let [_, rows, layers] = cells.grid.dims.map(|n| n as usize);
         let runs = Runs::of(cells);
         let mut forest = Forest((0..runs.runs.len()).collect());
         for (layer, row) in (0..layers).flat_map(|layer| (0..rows).map(move |row| (layer, row))) {
@@ -96,19 +101,24 @@ impl Components {
                 }
             }
         }
-        let mut found = Self { labels: vec![NONE; cells.filled.len()], sizes: Vec::new() };
-        let mut of_run: Vec<u32> = Vec::with_capacity(runs.runs.len());
-        for (row, own) in runs.starts.windows(2).enumerate() {
-            for run in own[0]..own[1] {
-                let root = forest.root(run);
-                let label = if root == run { found.add() } else { of_run[root] };
-                let Run { first, end } = runs.runs[run];
-                found.labels[row * length + first..row * length + end].fill(label);
-                found.sizes[label as usize] += end - first;
-                of_run.push(label);
-            }
+        let mut found = Self { rows, of_run: Vec::with_capacity(runs.runs.len()), sizes: Vec::new(), runs };
+        for run in 0..found.runs.runs.len() {
+            let root = forest.root(run);
+            let label = if root == run { found.add() } else { found.of_run[root] };
+            let Run { first, end } = found.runs.runs[run];
+            found.sizes[label as usize] += end - first;
+            found.of_run.push(label);
         }
         found
+    }
+
+    /// The component of a cell; none where it is empty.
+    pub(super) fn of(&self, [i, j, k]: [u32; 3]) -> Option<u32> {
+        let (row, place) = (j as usize + self.rows * k as usize, i as usize);
+        let runs = self.runs.starts[row]..self.runs.starts[row + 1];
+        let run = runs.start + self.runs.runs[runs.clone()].partition_point(|run| run.end <= place);
+        let is_here = runs.contains(&run) && self.runs.runs[run].first <= place;
+        is_here.then(|| self.of_run[run]).filter(|label| *label != NONE)
     }
 
     /// Adds a component without cells and says which it is.
@@ -122,11 +132,16 @@ impl Components {
     pub(super) fn keep(&mut self, keep: Keep, cells: &mut Cells) -> usize {
         let Some(most) = self.sizes.iter().copied().max().filter(|_| keep == Keep::Largest) else { return 0 };
         let largest = self.sizes.iter().position(|&size| size == most);
-        for (filled, label) in cells.filled.iter_mut().zip(&mut self.labels) {
-            if largest != Some(*label as usize) {
-                *filled = false;
-                *label = NONE;
+        let length = cells.grid.dims[0] as usize;
+        let Self { runs: Runs { runs, starts }, of_run, .. } = self;
+        for (row, own) in starts.windows(2).enumerate() {
+            for run in (own[0]..own[1]).filter(|run| largest != Some(of_run[*run] as usize)) {
+                let Run { first, end } = runs[run];
+                cells.filled.remove_range(row * length + first..row * length + end);
             }
+        }
+        for label in of_run.iter_mut().filter(|label| largest != Some(**label as usize)) {
+            *label = NONE;
         }
         self.sizes.iter().sum::<usize>() - most
     }
@@ -134,6 +149,8 @@ impl Components {
 
 #[cfg(test)]
 mod tests {
+    use fixedbitset::FixedBitSet;
+
     use super::*;
     use crate::geometry::voxel::Grid;
     use crate::math::rng::Rng;
@@ -171,11 +188,13 @@ mod tests {
         for _ in 0..300 {
             let dims = [0; 3].map(|_| 1 + u32::try_from(rng.next_u64() % 9).expect("small"));
             let share = rng.unit();
-            let mut cells = Cells { grid: Grid::centred(dims, 1.0), filled: Vec::new() };
-            cells.filled = cells.grid.iter().map(|_| rng.unit() < 0.3 * share).collect();
+            let grid = Grid::centred(dims, 1.0);
+            let mut cells = Cells { grid, filled: FixedBitSet::with_capacity(grid.len()) };
+            (0..grid.len()).for_each(|at| cells.filled.set(at, rng.unit() < 0.3 * share));
             let found = Components::new(&cells);
+            let labels: Vec<u32> = grid.iter().map(|cell| found.of(cell).unwrap_or(NONE)).collect();
             several += usize::from(found.sizes.len() > 2 && found.sizes.iter().any(|&size| size > 4));
-            assert_eq!((found.labels, found.sizes), by_flooding(&cells), "{dims:?}");
+            assert_eq!((labels, found.sizes), by_flooding(&cells), "{dims:?}");
         }
         assert!(several > 50, "with several components of several cells: {several}");
     }
@@ -194,6 +213,6 @@ mod tests {
     fn of_equals_the_first_is_kept() {
         let mut cells = Cells::from_list(&[[0, 0, 0], [2, 0, 0]], 1.0).expect("a small list");
         Components::new(&cells).keep(Keep::Largest, &mut cells);
-        assert_eq!(cells.filled, [true, false, false], "the lower one");
+        assert_eq!(cells.iter().collect::<Vec<_>>(), [[0, 0, 0]], "the lower one");
     }
 }

@@ -11,22 +11,21 @@
 //! exactly (Gauss) if they face alike, and the samples only share it out; where pieces lie in each other they tell how much
 //! of it is in several.
 
-use holes::Patched;
+use std::collections::BTreeMap;
 
-use super::centre::crossings;
+use super::crossings::{Crossing, Crossings, spans};
+use super::holes::Patched;
 use super::pieces::{Divider, PIECE, area, takers};
 use super::quantized_mesh::QuantizedMesh;
 use super::report::VoxelReport;
 use super::shell::CHUNK;
 use super::{Cells, Grid, OccupancyChoice, VoxelizeError};
+use crate::geometry::places::Places;
 use crate::geometry::watch::{CancelOnly, Pieces};
 use crate::geometry::{TriMesh, Watch};
 
-/// How many samples of the volume there are along the longest extent, if the cells are no finer.
-const SAMPLES_ALONG: u32 = 192;
-
-/// Up to so many divisions a cell has at least two samples along an edge, beyond one.
-const DIVISIONS_OF_TWO: u32 = 128;
+/// How many samples the box of a model has at most, if its cells are no more.
+const MOST_SAMPLES: f64 = 8e6;
 
 /// The thickness of a sheet over the model's longest extent.
 pub const SHEET_SHARE: f64 = 1.0 / 20.0;
@@ -46,6 +45,9 @@ const LEAST_HELD: f64 = 0.8;
 
 /// Samples that miss the known volume by more are too few: the model is thinner than they are apart.
 const MOST_OFF: f64 = 0.2;
+
+/// The samples of thin open pieces are as rough as this.
+const MOST_OFF_OF_LIDS: f64 = 0.3;
 
 /// The most crossings of rays with the surface, along an axis.
 const MOST_CROSSINGS: f64 = 1e8;
@@ -99,8 +101,8 @@ impl Contents {
 
 /// What was sampled, by cells of the grid.
 struct Sampled {
-    /// In cells.
-    of_cell: Vec<f32>,
+    /// What is in the cells that hold anything, in cells, in the order of [`Grid::index`].
+    of_cell: Vec<(usize, f32)>,
     samples: usize,
     /// What all of it is for certain, in cells.
     known: Option<f64>,
@@ -109,7 +111,7 @@ struct Sampled {
 impl Sampled {
     /// What was found, in cells.
     fn all(&self) -> f64 {
-        self.of_cell.iter().copied().map(f64::from).sum()
+        self.of_cell.iter().map(|(_, share)| f64::from(*share)).sum()
     }
 }
 
@@ -124,129 +126,170 @@ pub(super) fn contents(
     let mesh = &*mesh.without_duplicates();
     let sheet = || surface(mesh, &cells.grid, SHEET_SHARE * f64::from(report.divisions), watch);
     if report.occupancy == OccupancyChoice::Surface {
-        return Ok(share_out(sheet()?, cells, true));
+        return Ok(share_out(&sheet()?, cells, true));
     }
     let sampled = inside(mesh, &cells.grid, report, watch)?;
     let found = sampled.all();
     if !report.closed {
-        let in_air = sampled.of_cell.iter().zip(&cells.filled).filter(|&(_, &filled)| !filled);
-        let in_air = in_air.map(|(share, _)| f64::from(*share)).sum::<f64>() - report.dropped_cells as f64;
+        let in_air = sampled.of_cell.iter().filter(|(cell, _)| !cells.filled[*cell]);
+        let in_air = in_air.map(|(_, share)| f64::from(*share)).sum::<f64>() - report.dropped_cells as f64;
         let is_hollow = report.occupancy == OccupancyChoice::Solid && in_air > (1.0 - LEAST_HELD) * found;
         if found == 0.0 || is_hollow {
-            return Ok(share_out(sheet()?, cells, true));
+            return Ok(share_out(&sheet()?, cells, true));
         }
     }
     if let Some(known) = sampled.known.filter(|known| (found - known).abs() > MOST_OFF * known) {
         let on_surface = surface(mesh, &cells.grid, 1.0, watch)?;
-        return Ok(share_out(Sampled { known: Some(known), ..on_surface }, cells, true));
+        return Ok(share_out(&Sampled { known: Some(known), ..on_surface }, cells, true));
     }
     if found == 0.0 {
-        return Ok(share_out(sheet()?, cells, true));
+        return Ok(share_out(&sheet()?, cells, true));
     }
-    Ok(share_out(sampled, cells, false))
+    Ok(share_out(&sampled, cells, false))
 }
 
 /// Samples the inside of a mesh that may have to be made whole to have one.
 fn inside(mesh: &TriMesh, grid: &Grid, report: &VoxelReport, watch: &dyn Watch) -> Result<Sampled, VoxelizeError> {
     let parity = report.occupancy == OccupancyChoice::Centre;
-    let volume = |mesh: &TriMesh| volume(mesh, grid, report.divisions, parity, watch);
+    let volume = |mesh: &TriMesh| volume(mesh, grid, parity, watch);
     if report.closed {
         let as_it_is = volume(mesh)?;
         if as_it_is.known.is_some() {
             return Ok(as_it_is);
         }
     }
-    let Some(Patched { whole, closed }) = Patched::of(mesh) else {
+    let Some(Patched { whole, closed, lidded, .. }) = Patched::of(mesh) else {
         return Ok(Sampled { known: None, ..volume(mesh)? });
     };
     let all = volume(&whole)?;
     let Some(closed) = closed else {
         return Ok(all);
     };
-    // What open pieces add to the others is known by samples alone.
+    // What open pieces add to the others is known by samples; if they find about what lids would enclose, by that.
     let part = volume(&closed)?;
-    let known = part.known.map(|known| (known + all.all() - part.all()).max(0.0));
+    let found = (all.all() - part.all()).max(0.0);
+    let lidded = lidded / grid.cell_size.powi(3);
+    let added = if (lidded - found).abs() <= MOST_OFF_OF_LIDS * lidded { lidded } else { found };
+    let known = part.known.map(|known| known + added);
     Ok(Sampled { known, ..all })
 }
 
 /// Samples the inside. `parity` is as centre occupancy has it: what surfaces wind around an even number of times is out.
-fn volume(
-    mesh: &TriMesh,
-    grid: &Grid,
-    divisions: u32,
-    parity: bool,
-    watch: &dyn Watch,
-) -> Result<Sampled, VoxelizeError> {
-    let mut along = if divisions > DIVISIONS_OF_TWO { 1 } else { (SAMPLES_ALONG / divisions).max(2) };
+fn volume(mesh: &TriMesh, grid: &Grid, parity: bool, watch: &dyn Watch) -> Result<Sampled, VoxelizeError> {
     let area = area(mesh, grid);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 200")]
+    let mut along = libm::cbrt(MOST_SAMPLES / grid.len() as f64).max(1.0) as u32;
     while along > 1 && area * f64::from(along).powi(2) > MOST_CROSSINGS {
         along /= 2;
     }
     let fine =
         Grid { cell_size: grid.cell_size / f64::from(along), dims: grid.dims.map(|n| n * along), origin: grid.origin };
     let mut quantized = QuantizedMesh::within(mesh, fine);
-    let mut votes = vec![0_u8; fine.len()];
-    // Surfaces that wind around everything the same way; how often around all samples along all axes, and how many are inside.
-    let mut is_alike = true;
-    let (mut way, mut wound, mut inside) = (0, 0_u64, 0_u64);
-    for axis in 0..3 {
+    let mut along_axis = |axis: usize| {
         if axis > 0 {
             for corner in quantized.triangles.iter_mut().flatten() {
                 corner.rotate_left(1);
             }
         }
-        let turned = |mut dims: [u32; 3]| {
-            dims.rotate_left(axis);
-            dims
-        };
-        let padded = Grid { dims: turned(quantized.padded.dims), ..quantized.padded };
+        let mut dims = fine.dims;
+        dims.rotate_left(axis);
         let pieces = quantized.triangles.len().div_ceil(CHUNK);
         let silent = CancelOnly(watch);
-        let crossings = crossings(&quantized.triangles, &padded, &Pieces::new(&silent, pieces, [0.0, 1.0]))?;
-        let dims = turned(fine.dims);
-        let [nx, ny, _] = fine.dims.map(|n| n as usize);
-        let mut strides = [1, nx, nx * ny];
-        strides.rotate_left(axis);
-        for (k, j) in (0..dims[2]).flat_map(|k| (0..dims[1]).map(move |j| (k, j))) {
-            let row = padded.index([1, j + 1, k + 1]);
-            let row = &crossings[row..=row + dims[0] as usize];
-            let total = row.iter().fold(0_i16, |sum, crossing| sum.wrapping_add(*crossing));
-            is_alike &= total == 0;
-            let mut at = j as usize * strides[1] + k as usize * strides[2];
-            let mut winding = 0_i16;
-            for &crossing in &row[..dims[0] as usize] {
-                winding = winding.wrapping_add(crossing);
-                let is_odd = |winding: i16| winding % 2 != 0;
-                if winding != 0 || total != 0 {
-                    // A ray that does not come out as it went in passes a hole, or what is oriented as it comes.
-                    let is_in = |seen: i16| if parity || total != 0 { is_odd(seen) } else { seen != 0 };
-                    votes[at] += u8::from(is_in(winding)) + u8::from(is_in(winding.wrapping_sub(total)));
+        Crossings::new(&quantized.triangles, dims, &Pieces::new(&silent, pieces, [0.0, 1.0]))
+    };
+    let [along_x, along_y, along_z] = [along_axis(0)?, along_axis(1)?, along_axis(2)?];
+    let [nx, ny, nz] = fine.dims;
+    let mut seen = Seen { parity, leaks: false, ways: [false; 2], wound: 0, inside: 0 };
+    // The rays along z stand side by side: how many of its surfaces each has crossed, and what winds around it.
+    let mut columns = vec![(0_u32, 0_i16); nx as usize * ny as usize];
+    let mut votes = vec![0_u8; columns.len()];
+    let each = 1.0 / f64::from(along).powi(3);
+    let mut of_cell = Vec::new();
+    let mut of_layer = vec![0_u32; (grid.dims[0] * grid.dims[1]) as usize];
+    let mut samples = 0;
+    for k in 0..nz {
+        votes.fill(0);
+        for j in 0..ny {
+            let row = &mut votes[(j * nx) as usize..][..nx as usize];
+            let ray = along_x.of_ray(j, k);
+            let total = total(ray);
+            spans(ray, nx, |first, end, winding| {
+                let of_each = seen.see(winding, total, end - first);
+                row[first as usize..end as usize].iter_mut().for_each(|votes| *votes += of_each);
+            });
+        }
+        for i in 0..nx {
+            let ray = along_y.of_ray(k, i);
+            let total = total(ray);
+            spans(ray, ny, |first, end, winding| {
+                let of_each = seen.see(winding, total, end - first);
+                if of_each > 0 {
+                    (first..end).for_each(|j| votes[(j * nx + i) as usize] += of_each);
                 }
-                if winding != 0 {
-                    is_alike &= way == 0 || way == winding.signum();
-                    way = winding.signum();
-                    wound += u64::from(winding.unsigned_abs());
-                    inside += u64::from(!parity || is_odd(winding));
-                }
-                at += strides[0];
+            });
+        }
+        for (at, (j, i)) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))).enumerate() {
+            let (crossed, winding) = &mut columns[at];
+            let ray = along_z.of_ray(i, j);
+            while let Some(crossing) = ray.get(*crossed as usize).filter(|crossing| u32::from(crossing.at) <= k) {
+                *winding = winding.wrapping_add(crossing.sign);
+                *crossed += 1;
+            }
+            votes[at] += seen.see(*winding, total(ray), 1);
+            if votes[at] > 3 {
+                of_layer[(i / along + grid.dims[0] * (j / along)) as usize] += 1;
+                samples += 1;
+            }
+        }
+        if (k + 1) % along == 0 {
+            let layer = of_layer.len() * (k / along) as usize;
+            for (at, count) in of_layer.iter_mut().enumerate().filter(|(_, count)| **count > 0) {
+                #[expect(clippy::cast_possible_truncation, reason = "as precise as it is needed")]
+                of_cell.push((layer + at, (f64::from(*count) * each) as f32));
+                *count = 0;
             }
         }
     }
-    // At most 192: as exact in single precision.
-    let each = 1.0 / f32::from(u8::try_from(along).unwrap_or(u8::MAX)).powi(3);
-    let mut of_cell = vec![0.0; grid.len()];
-    let mut samples = 0;
-    for (cell, _) in fine.iter().zip(&votes).filter(|&(_, &votes)| votes > 3) {
-        of_cell[grid.index(cell.map(|n| n / along))] += 1.0_f32;
-        samples += 1;
-    }
-    for count in &mut of_cell {
-        *count *= each;
-    }
     // Where pieces lie in each other Gauss counts what is in both twice: the samples tell which share that is.
+    let Seen { leaks, ways, wound, inside, .. } = seen;
+    let is_alike = !(leaks || ways == [true; 2]);
     let once = if wound > 0 { inside as f64 / wound as f64 } else { 1.0 };
     let known = is_alike.then(|| enclosed(mesh, grid) * once);
     Ok(Sampled { of_cell, samples, known })
+}
+
+/// What rays saw of the samples on them.
+struct Seen {
+    parity: bool,
+    /// A ray crosses more surfaces inwards than outwards, or fewer.
+    leaks: bool,
+    /// Surfaces wind around a sample the one way, and the other.
+    ways: [bool; 2],
+    /// How often around all samples along all axes, ...
+    wound: u64,
+    /// ... and how many of these are inside.
+    inside: u64,
+}
+
+impl Seen {
+    /// Of so many samples on a ray that crosses so many more surfaces inwards than outwards, with this many of them before the
+    /// samples: how many of the two ways along the ray find them inside.
+    fn see(&mut self, winding: i16, total: i16, samples: u32) -> u8 {
+        let is_odd = |winding: i16| winding % 2 != 0;
+        self.leaks |= total != 0;
+        if winding != 0 {
+            self.ways[usize::from(winding < 0)] = true;
+            self.wound += u64::from(winding.unsigned_abs()) * u64::from(samples);
+            self.inside += u64::from(!self.parity || is_odd(winding)) * u64::from(samples);
+        }
+        // A ray that does not come out as it went in passes a hole, or what is oriented as it comes.
+        let is_in = |seen: i16| if self.parity || total != 0 { is_odd(seen) } else { seen != 0 };
+        u8::from(is_in(winding)) + u8::from(is_in(winding.wrapping_sub(total)))
+    }
+}
+
+fn total(ray: &[Crossing]) -> i16 {
+    ray.iter().fold(0, |sum: i16, crossing| sum.wrapping_add(crossing.sign))
 }
 
 /// The volume that a closed mesh encloses (Gauss), in cells.
@@ -260,7 +303,7 @@ fn enclosed(mesh: &TriMesh, grid: &Grid) -> f64 {
 
 /// Samples the surface, `thickness` cells thick.
 fn surface(mesh: &TriMesh, grid: &Grid, thickness: f64, watch: &dyn Watch) -> Result<Sampled, VoxelizeError> {
-    let mut of_cell = vec![0.0_f32; grid.len()];
+    let mut of_cell: BTreeMap<usize, f32> = BTreeMap::new();
     let (mut samples, mut all) = (0, 0.0);
     let mut divider = Divider::new(mesh, grid, PIECE);
     for triangle in 0..mesh.triangles.len() {
@@ -270,35 +313,37 @@ fn surface(mesh: &TriMesh, grid: &Grid, thickness: f64, watch: &dyn Watch) -> Re
         divider.pieces(triangle, |cell, area| {
             #[expect(clippy::cast_possible_truncation, reason = "as precise as it is needed")]
             let volume = (area * thickness) as f32;
-            of_cell[grid.index(cell)] += volume;
+            *of_cell.entry(grid.index(cell)).or_default() += volume;
             all += area * thickness;
             samples += 1;
         });
     }
-    Ok(Sampled { of_cell, samples, known: Some(all) })
+    Ok(Sampled { of_cell: of_cell.into_iter().collect(), samples, known: Some(all) })
 }
 
 /// Gives filled cells what is in them and beside them, and none less than the least.
-fn share_out(sampled: Sampled, cells: &Cells, of_surface: bool) -> Contents {
-    let all = sampled.all();
-    let Sampled { mut of_cell, samples, known } = sampled;
+fn share_out(sampled: &Sampled, cells: &Cells, of_surface: bool) -> Contents {
+    let (all, Sampled { of_cell, samples, known }) = (sampled.all(), sampled);
     let grid = cells.grid;
-    let mut lost = 0.0;
-    for (cell, at) in grid.iter().zip(0..).filter(|&(_, at)| !cells.filled[at]) {
-        if of_cell[at] == 0.0 {
-            continue;
+    let places = Places::new(cells.filled.clone());
+    let mut of_filled = vec![0.0_f32; places.len()];
+    for &(cell, share) in of_cell {
+        if let Some(number) = places.number(cell) {
+            of_filled[number as usize] = share;
         }
-        let takers = takers(&grid, cell, |near| cells.filled[near]);
+    }
+    let mut lost = 0.0;
+    for &(cell, share) in of_cell.iter().filter(|(cell, _)| !cells.filled[*cell]) {
+        let takers = takers(&grid, grid.cell(cell), |near| cells.filled[near]);
         match u8::try_from(takers.clone().count()).unwrap_or(u8::MAX) {
-            0 => lost += f64::from(of_cell[at]),
+            0 => lost += f64::from(share),
             count => {
-                let part = of_cell[at] / f32::from(count);
-                takers.for_each(|near| of_cell[near] += part);
+                let part = share / f32::from(count);
+                takers.filter_map(|near| places.number(near)).for_each(|number| of_filled[number as usize] += part);
             }
         }
     }
-    let of_filled = of_cell.iter().zip(&cells.filled).filter(|&(_, &filled)| filled);
-    let mut shares: Vec<f64> = of_filled.map(|(share, _)| f64::from(*share)).collect();
+    let mut shares: Vec<f64> = of_filled.into_iter().map(f64::from).collect();
     let kept: f64 = shares.iter().sum();
     if kept == 0.0 {
         shares.fill(1.0);
@@ -310,7 +355,7 @@ fn share_out(sampled: Sampled, cells: &Cells, of_surface: bool) -> Contents {
         }
     }
     let raised = raise(&mut shares);
-    Contents { shares, of_surface, samples, raised, lost: if all > 0.0 { lost / all } else { 0.0 } }
+    Contents { shares, of_surface, samples: *samples, raised, lost: if all > 0.0 { lost / all } else { 0.0 } }
 }
 
 /// Raises shares that are less than the least, and lowers the others in proportion: the sum stays. How many were raised.
@@ -337,6 +382,5 @@ fn raise(shares: &mut [f64]) -> usize {
     raised
 }
 
-mod holes;
 #[cfg(test)]
 mod tests;

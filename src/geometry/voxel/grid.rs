@@ -1,6 +1,9 @@
 //! A box of cubic cells, and which of them are filled. Knows nothing of meshes, particles or links.
 
+use fixedbitset::FixedBitSet;
 use glam::DVec3;
+
+use crate::geometry::places::Places;
 
 /// The most cells a grid may have: the dense tables over it stay below a few hundred megabytes.
 pub const MAX_CELLS: u64 = 20_000_000;
@@ -63,6 +66,12 @@ impl Grid {
         i as usize + nx * (j as usize + ny * k as usize)
     }
 
+    /// The cell of an index.
+    pub fn cell(&self, index: usize) -> [u32; 3] {
+        let [nx, ny, _] = self.dims.map(|n| n as usize);
+        [index % nx, index / nx % ny, index / (nx * ny)].map(|n| u32::try_from(n).unwrap_or(u32::MAX))
+    }
+
     /// The position of a grid corner; corner (0, 0, 0) is the origin.
     pub fn corner(&self, [i, j, k]: [u32; 3]) -> DVec3 {
         self.origin + self.cell_size * DVec3::new(f64::from(i), f64::from(j), f64::from(k))
@@ -90,8 +99,8 @@ impl Grid {
 pub struct Cells {
     /// The box.
     pub grid: Grid,
-    /// One flag a cell, by [`Grid::index`].
-    pub filled: Vec<bool>,
+    /// One bit a cell, by [`Grid::index`].
+    pub filled: FixedBitSet,
 }
 
 impl Cells {
@@ -101,7 +110,7 @@ impl Cells {
             return Err(CellsError::Empty);
         }
         let grid = checked_grid([u64::from(cells); 3], cell_size)?;
-        Ok(Self { grid, filled: vec![true; grid.len()] })
+        Ok(Self { grid, filled: (0..grid.len()).collect() })
     }
 
     /// The cells of a list of grid coordinates (duplicates count once), each `cell_size` m; the origin is the middle
@@ -117,9 +126,9 @@ impl Cells {
         }
         let extent = |axis: usize| u64::from(high[axis].abs_diff(low[axis])) + 1;
         let grid = checked_grid([extent(0), extent(1), extent(2)], cell_size)?;
-        let mut filled = vec![false; grid.len()];
+        let mut filled = FixedBitSet::with_capacity(grid.len());
         for &[i, j, k] in list {
-            filled[grid.index([i.abs_diff(low[0]), j.abs_diff(low[1]), k.abs_diff(low[2])])] = true;
+            filled.insert(grid.index([i.abs_diff(low[0]), j.abs_diff(low[1]), k.abs_diff(low[2])]));
         }
         Ok(Self { grid, filled })
     }
@@ -136,10 +145,8 @@ impl Cells {
             let cell = [u32::try_from(cell[0]).ok()?, u32::try_from(cell[1]).ok()?, u32::try_from(cell[2]).ok()?];
             (0..3).all(|axis| cell[axis] < self.grid.dims[axis]).then(|| self.grid.index(cell))
         };
-        let mut places: Vec<Option<usize>> = vec![None; self.filled.len()];
-        let filled = self.filled.iter().enumerate().filter(|(_, filled)| **filled);
-        filled.enumerate().for_each(|(place, (index, _))| places[index] = Some(place));
-        erased.iter().filter_map(own).for_each(|index| places[index] = None);
+        let mut kept = self.filled.clone();
+        erased.iter().filter_map(own).for_each(|index| kept.remove(index));
 
         let low: [i64; 3] = std::array::from_fn(|axis| lowest(attached, axis).into());
         let extent = |axis: usize| {
@@ -153,25 +160,37 @@ impl Cells {
             let from_low = |axis: usize| u32::try_from(cell[axis] - low[axis]).unwrap_or(u32::MAX);
             grid.index([from_low(0), from_low(1), from_low(2)])
         };
-        let mut filled = vec![false; grid.len()];
-        let mut place_of = vec![None; grid.len()];
-        for (cell, place) in self.grid.iter().zip(places) {
-            let index = within(cell.map(i64::from));
-            (filled[index], place_of[index]) = (place.is_some(), place);
-        }
+        let mut filled = FixedBitSet::with_capacity(grid.len());
+        kept.ones().for_each(|index| filled.insert(within(self.grid.cell(index).map(i64::from))));
         for cell in attached {
-            filled[within(cell.map(i64::from))] = true;
+            filled.insert(within(cell.map(i64::from)));
         }
-        if !filled.contains(&true) {
+        if filled.is_clear() {
             return Err(CellsError::Empty);
         }
-        let places = place_of.into_iter().zip(&filled).filter(|(_, filled)| **filled).map(|(place, _)| place).collect();
+        let before = Places::new(self.filled.clone());
+        let place = |index: usize| {
+            let cell = grid.cell(index).map(i64::from);
+            let was = own(&std::array::from_fn(|axis| i32::try_from(cell[axis] + low[axis]).unwrap_or(i32::MAX)))?;
+            before.number(was).filter(|_| kept[was]).map(|number| number as usize)
+        };
+        let places = filled.ones().map(place).collect();
         Ok((Self { grid, filled }, places))
     }
 
     /// The number of filled cells.
     pub fn count(&self) -> usize {
-        self.filled.iter().filter(|&&filled| filled).count()
+        self.filled.count_ones(..)
+    }
+
+    /// Whether a cell of the grid is filled.
+    pub fn is_filled(&self, cell: [u32; 3]) -> bool {
+        self.filled[self.grid.index(cell)]
+    }
+
+    /// The filled cells in the order of [`Grid::index`].
+    pub fn iter(&self) -> impl Iterator<Item = [u32; 3]> {
+        self.filled.ones().map(|index| self.grid.cell(index))
     }
 }
 
@@ -211,8 +230,8 @@ mod tests {
         assert_eq!((changed.grid.dims, changed.grid.origin), ([4, 4, 2], DVec3::new(-1.5, -0.5, -0.5)), "it grows");
         assert_eq!(changed.count(), 9, "one of eight is gone, two are new");
         assert_eq!(places.iter().filter(|place| place.is_none()).count(), 2, "the new ones are none of the old");
-        let filled: Vec<_> = changed.grid.iter().zip(&changed.filled).filter(|(_, filled)| **filled).collect();
-        for ((cell, _), place) in filled.iter().zip(&places) {
+        let filled: Vec<_> = changed.iter().collect();
+        for (cell, place) in filled.iter().zip(&places) {
             let Some(place) = place else { continue };
             let before = cube.grid.corner(cube.grid.iter().nth(*place).expect("it is full"));
             assert_eq!(changed.grid.corner(*cell), before, "where it was");

@@ -9,7 +9,10 @@ mod centre;
 mod choice;
 mod components;
 mod contents;
+mod crossings;
 pub mod grid;
+mod holes;
+mod lost_detail;
 mod options;
 pub(super) mod pieces;
 mod quantized_mesh;
@@ -24,6 +27,7 @@ use components::Components;
 use contents::contents;
 pub use contents::{Contents, LEAST_SHARE, SHEET_SHARE};
 pub use grid::{Cells, CellsError, Grid, lowest};
+pub use lost_detail::{Lost, LostDetail};
 pub use options::{Keep, MAX_DIVISIONS, OccupancyChoice, VoxelizeError, VoxelizeOptions};
 use quantized_mesh::QuantizedMesh;
 pub use report::VoxelReport;
@@ -67,7 +71,7 @@ pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) ->
         return Err(VoxelizeError::NoArea);
     }
     let facts = mesh.facts();
-    let Filled { mut cells, used, why, mut warnings } = choice::fill(&quantized, &facts, occupancy, watch)?;
+    let Filled { mut cells, used, why, mut warnings } = choice::fill(mesh, &quantized, &facts, occupancy, watch)?;
     let mut components = Components::new(&cells);
     let found = components.sizes.len();
     if found == 0 {

@@ -33,6 +33,17 @@ impl<'a> Divider<'a> {
 
     /// Calls `found` with the cell of the grid and the area of every piece of a triangle, in squares of cells.
     pub(in crate::geometry) fn pieces(&mut self, triangle: usize, mut found: impl FnMut([u32; 3], f64)) {
+        let dims = self.grid.dims;
+        self.triangles(triangle, |[a, b, c]| {
+            let middle = ((a + b + c) / 3.0).to_array();
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the grid; saturating")]
+            let cell = std::array::from_fn(|axis| (middle[axis] as u32).min(dims[axis] - 1));
+            found(cell, 0.5 * (b - a).cross(c - a).length());
+        });
+    }
+
+    /// Calls `found` with the corners of every piece of a triangle, in cells from the grid's origin.
+    pub(super) fn triangles(&mut self, triangle: usize, mut found: impl FnMut([DVec3; 3])) {
         let Self { mesh, grid, square, ref mut open } = *self;
         open.push(mesh.corners(triangle).map(|corner| (corner - grid.origin) / grid.cell_size));
         while let Some([a, b, c]) = open.pop() {
@@ -51,14 +62,7 @@ impl<'a> Divider<'a> {
                 let middle = 0.5 * (from + to);
                 open.extend([[tip, from, middle], [tip, middle, to]]);
             } else if area > 0.0 {
-                let middle = ((a + b + c) / 3.0).to_array();
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "within the grid; saturating"
-                )]
-                let cell = std::array::from_fn(|axis| (middle[axis] as u32).min(grid.dims[axis] - 1));
-                found(cell, area);
+                found([a, b, c]);
             }
         }
     }

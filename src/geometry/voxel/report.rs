@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::components::{Components, NONE};
+use super::components::Components;
 use super::quantized_mesh::{CELL, QuantizedMesh};
 use super::shell::CHUNK;
 use super::{OccupancyChoice, touch};
@@ -69,7 +69,7 @@ pub(super) fn parts_in_components(
     let component = |cell: [u32; 3]| {
         let inner = cell.map(|n| n.wrapping_sub(1));
         let is_in_grid = (0..3).all(|axis| inner[axis] < grid.dims[axis]);
-        if is_in_grid { components.labels[grid.index(inner)] } else { NONE }
+        if is_in_grid { components.of(inner) } else { None }
     };
     let chunks = quantized.triangles.par_chunks(CHUNK).zip(facts.part_of_triangle.par_chunks(CHUNK));
     let mut pairs: Vec<[u32; 2]> = chunks
@@ -77,10 +77,8 @@ pub(super) fn parts_in_components(
             let mut pairs = Vec::new();
             for (triangle, &part) in triangles.iter().zip(parts) {
                 let mut add = |cell| {
-                    let pair = [part, component(cell)];
-                    if pair[1] != NONE && pairs.last() != Some(&pair) {
-                        pairs.push(pair);
-                    }
+                    let pair = component(cell).map(|component| [part, component]);
+                    pairs.extend(pair.filter(|pair| pairs.last() != Some(pair)));
                 };
                 touch::touched(triangle, &mut add);
                 touch::walls(triangle, |axis, upper| {

@@ -1,7 +1,9 @@
 //! Surface and solid occupancy (SC): the cells that triangles touch, and what outside air cannot reach.
 
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
+use fixedbitset::FixedBitSet;
 use rayon::prelude::*;
 
 use super::quantized_mesh::QuantizedMesh;
@@ -11,37 +13,36 @@ use crate::geometry::watch::Pieces;
 /// Triangles that one task takes at a time.
 pub(super) const CHUNK: usize = 512;
 
-const TOUCHED: u8 = 1;
-/// A wall on the low face of the cell, one bit an axis.
-const WALL: [u8; 3] = [2, 4, 8];
-const OUTSIDE: u8 = 16;
-
-/// Every cell of the padded grid: touched, walled off from its lower neighbours, reached from outside.
+/// What is known of every cell of the padded grid, a bit a cell each.
 pub(super) struct Shell {
     grid: Grid,
     padded: Grid,
-    flags: Vec<u8>,
+    /// A triangle touches it.
+    touched: FixedBitSet,
+    /// By axis, there is a wall on its low face; empty where there is none at all.
+    walls: [FixedBitSet; 3],
+    /// Air reaches it from outside.
+    outside: FixedBitSet,
 }
 
 impl Shell {
     /// Marks what the triangles touch and floods the rest from outside.
     pub(super) fn new(quantized: &QuantizedMesh, pieces: &Pieces<'_>) -> Result<Self, VoxelizeError> {
         let QuantizedMesh { grid, padded, ref triangles } = *quantized;
-        let flags: Vec<AtomicU8> = std::iter::repeat_with(AtomicU8::default).take(padded.len()).collect();
-        // Setting bits commutes: the result does not depend on who comes first.
-        let set = |cell: [u32; 3], bit: u8| flags[padded.index(cell)].fetch_or(bit, Ordering::Relaxed);
+        let touched = Marks::new(&padded);
+        let walls = [const { OnceLock::new() }; 3];
         triangles.par_chunks(CHUNK).try_for_each(|chunk| {
             for triangle in chunk {
-                touch::touched(triangle, |cell| {
-                    set(cell, TOUCHED);
-                });
+                touch::touched(triangle, |cell| touched.set(padded.index(cell)));
                 touch::walls(triangle, |axis, cell| {
-                    set(cell, WALL[axis]);
+                    walls[axis].get_or_init(|| Marks::new(&padded)).set(padded.index(cell));
                 });
             }
             pieces.advance().then_some(()).ok_or(VoxelizeError::Cancelled)
         })?;
-        let mut shell = Self { grid, padded, flags: flags.into_iter().map(AtomicU8::into_inner).collect() };
+        let walls = walls.map(|marks| marks.into_inner().map_or_else(FixedBitSet::new, Marks::done));
+        let outside = FixedBitSet::with_capacity(padded.len());
+        let mut shell = Self { grid, padded, touched: touched.done(), walls, outside };
         shell.flood();
         Ok(shell)
     }
@@ -49,23 +50,22 @@ impl Shell {
     /// The cells that a triangle touches. A triangle that lies between two cells fills the one that outside air cannot
     /// reach; if it reaches both, the lower one, unless the other one is filled anyway.
     pub(super) fn surface(&self) -> Cells {
-        self.cells(|flags| flags & TOUCHED != 0)
+        self.cells(|cell| self.touched[cell])
     }
 
     /// The surface and all that outside air cannot reach.
     pub(super) fn solid(&self) -> Cells {
-        self.cells(|flags| flags & OUTSIDE == 0)
+        self.cells(|cell| !self.outside[cell])
     }
 
-    fn cells(&self, is_filled: impl Fn(u8) -> bool) -> Cells {
-        let inner = |cell: [u32; 3]| cell.map(|n| n + 1);
-        let mut filled: Vec<bool> =
-            self.grid.iter().map(|cell| is_filled(self.flags[self.padded.index(inner(cell))])).collect();
-        for (cell, &flags) in self.padded.iter().zip(&self.flags) {
-            for axis in (0..3).filter(|&axis| flags & WALL[axis] != 0) {
-                if let Some(cell) = self.behind_wall(axis, cell) {
-                    filled[self.grid.index(cell.map(|n| n - 1))] = true;
-                }
+    fn cells(&self, is_filled: impl Fn(usize) -> bool) -> Cells {
+        let mut filled = FixedBitSet::with_capacity(self.grid.len());
+        for (at, cell) in self.grid.iter().enumerate() {
+            filled.set(at, is_filled(self.padded.index(cell.map(|n| n + 1))));
+        }
+        for (axis, walls) in self.walls.iter().enumerate() {
+            for cell in walls.ones().filter_map(|cell| self.behind_wall(axis, self.padded.cell(cell))) {
+                filled.insert(self.grid.index(cell.map(|n| n - 1)));
             }
         }
         Cells { grid: self.grid, filled }
@@ -75,41 +75,78 @@ impl Shell {
     fn behind_wall(&self, axis: usize, upper: [u32; 3]) -> Option<[u32; 3]> {
         let mut lower = upper;
         lower[axis] -= 1;
-        let flags = |cell: [u32; 3]| self.flags[self.padded.index(cell)];
-        let is_enclosed = |cell: [u32; 3]| flags(cell) & (TOUCHED | OUTSIDE) == 0;
-        if is_enclosed(lower) {
+        let [at_lower, at_upper] = [lower, upper].map(|cell| self.padded.index(cell));
+        let is_enclosed = |cell: usize| !self.touched[cell] && !self.outside[cell];
+        if is_enclosed(at_lower) {
             Some(lower)
-        } else if is_enclosed(upper) {
+        } else if is_enclosed(at_upper) {
             Some(upper)
-        } else if (flags(lower) | flags(upper)) & TOUCHED != 0 {
+        } else if self.touched[at_lower] || self.touched[at_upper] {
             None
         } else {
             Some(if lower[axis] > 0 { lower } else { upper })
         }
     }
 
-    /// Reaches every cell that a path through faces leads to from the padding, around touched cells and walls.
+    /// Reaches every cell that a path through faces leads to from the padding, around touched cells and walls: a run along x
+    /// at a time, as there are far fewer.
     fn flood(&mut self) {
-        let dims = self.padded.dims;
+        let Self { padded, touched, walls, outside, .. } = self;
         let mut open = vec![[0, 0, 0]];
-        self.flags[0] |= OUTSIDE;
-        while let Some(cell) = open.pop() {
-            let walls = self.flags[self.padded.index(cell)];
-            for axis in 0..3 {
-                for up in [false, true] {
-                    let mut next = cell;
-                    next[axis] = if up { cell[axis] + 1 } else { cell[axis].wrapping_sub(1) };
-                    if next[axis] >= dims[axis] {
-                        continue;
+        while let Some([i, j, k]) = open.pop() {
+            let row = padded.index([0, j, k]);
+            let (mut first, mut last) = (row + i as usize, row + i as usize);
+            let end = row + padded.dims[0] as usize;
+            if outside[first] {
+                continue;
+            }
+            while first > row && !walls[0].contains(first) && !touched[first - 1] {
+                first -= 1;
+            }
+            while last + 1 < end && !walls[0].contains(last + 1) && !touched[last + 1] {
+                last += 1;
+            }
+            outside.insert_range(first..last + 1);
+            for (axis, up) in [(1, false), (1, true), (2, false), (2, true)] {
+                let mut next = [0, j, k];
+                next[axis] = if up { next[axis] + 1 } else { next[axis].wrapping_sub(1) };
+                if next[axis] >= padded.dims[axis] {
+                    continue;
+                }
+                let next_row = padded.index(next);
+                let mut is_same_run = false;
+                for here in first..=last {
+                    let there = next_row + here - row;
+                    let has_wall = walls[axis].contains(if up { there } else { here });
+                    let is_open = !has_wall && !touched[there] && !outside[there];
+                    if is_open && (!is_same_run || walls[0].contains(there)) {
+                        open.push([u32::try_from(here - row).unwrap_or(u32::MAX), next[1], next[2]]);
                     }
-                    let flags = &mut self.flags[self.padded.index(next)];
-                    let wall = if up { *flags } else { walls } & WALL[axis];
-                    if wall == 0 && *flags & (TOUCHED | OUTSIDE) == 0 {
-                        *flags |= OUTSIDE;
-                        open.push(next);
-                    }
+                    is_same_run = is_open;
                 }
             }
         }
+    }
+}
+
+/// Cells that are marked from several threads. Setting bits commutes: the result does not depend on who comes first.
+struct Marks {
+    cells: usize,
+    blocks: Vec<AtomicUsize>,
+}
+
+impl Marks {
+    fn new(grid: &Grid) -> Self {
+        let blocks = grid.len().div_ceil(usize::BITS as usize);
+        Self { cells: grid.len(), blocks: std::iter::repeat_with(AtomicUsize::default).take(blocks).collect() }
+    }
+
+    fn set(&self, cell: usize) {
+        let [block, bit] = [cell / usize::BITS as usize, cell % usize::BITS as usize];
+        self.blocks[block].fetch_or(1 << bit, Ordering::Relaxed);
+    }
+
+    fn done(self) -> FixedBitSet {
+        FixedBitSet::with_capacity_and_blocks(self.cells, self.blocks.into_iter().map(AtomicUsize::into_inner))
     }
 }

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::BodyModel;
 use super::cell_kind::CellKind;
+use super::link::LinkFamily;
 use crate::math::Real;
 use crate::physics::limits::particles::ParticleLoads;
 
@@ -58,20 +58,20 @@ pub(in crate::physics) struct LatticeConstants {
     pub(in crate::physics) damping: [f64; 3],
 }
 
-impl<R: Real> BodyModel<R> {
-    /// The lattices that the body is made of: one, or one for each kind of its cells.
-    pub(in crate::physics) fn lattices(&self) -> Vec<LatticeConstants> {
-        let has_links = self.links.each_ref().map(|family| !family.links.is_empty());
+impl Composition {
+    /// The lattices that a body of these links is made of: one, or one for each kind of its cells.
+    pub(in crate::physics) fn lattices<R: Real>(&self, links: &[LinkFamily<R>; 3]) -> Vec<LatticeConstants> {
+        let has_links = links.each_ref().map(|family| !family.links.is_empty());
         let of_links =
             |constants: [f64; 3]| std::array::from_fn(|family| if has_links[family] { constants[family] } else { 0.0 });
         let lattice = |stiffness: [f64; 3], damping: [f64; 3]| LatticeConstants {
             stiffness: of_links(stiffness),
             damping: of_links(damping),
         };
-        match self.composition.kinds() {
+        match self.kinds() {
             [] => {
-                let stiffness = self.links.each_ref().map(|family| family.stiffness.to_f64());
-                vec![lattice(stiffness, self.links.each_ref().map(|family| family.damping.to_f64()))]
+                let stiffness = links.each_ref().map(|family| family.stiffness.to_f64());
+                vec![lattice(stiffness, links.each_ref().map(|family| family.damping.to_f64()))]
             }
             kinds => kinds.iter().map(|kind| lattice(kind.stiffness, kind.damping)).collect(),
         }

@@ -110,13 +110,8 @@ impl Surroundings {
 /// For every cell how many cells of the body follow it in each of the six directions.
 fn ways(lattice: &Lattice) -> Vec<[u32; 6]> {
     let grid = &lattice.grid;
-    let mut cell_at = vec![NONE; grid.len()];
+    let cells = lattice.places();
     let low = |cell: usize| lattice.corners[lattice.cells[cell][0] as usize];
-    for (number, cell) in (0..lattice.cells.len()).enumerate() {
-        #[expect(clippy::cast_possible_truncation, reason = "a grid has fewer cells")]
-        let number = number as u32;
-        cell_at[grid.index(low(cell))] = number;
-    }
     let mut ways = vec![[0; 6]; lattice.cells.len()];
     let follow = |ways: &mut Vec<[u32; 6]>, cell: usize, axis: usize, up: bool| {
         let mut next = low(cell);
@@ -125,8 +120,7 @@ fn ways(lattice: &Lattice) -> Vec<[u32; 6]> {
             return;
         }
         next[axis] = if up { next[axis] + 1 } else { next[axis] - 1 };
-        let beyond = cell_at[grid.index(next)];
-        if beyond != NONE {
+        if let Some(beyond) = cells.number(grid.index(next)) {
             let way = 2 * axis + usize::from(up);
             ways[cell][way] = ways[beyond as usize][way] + 1;
         }

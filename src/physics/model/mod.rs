@@ -162,6 +162,11 @@ pub(in crate::physics) struct AmongBodies {
 }
 
 impl<R: Real> BodyModel<R> {
+    /// The lattices that it is made of: one, or one for each kind of its cells.
+    pub(in crate::physics) fn lattices(&self) -> Vec<LatticeConstants> {
+        self.composition.lattices(&self.links)
+    }
+
     /// Whether a particle (local number) is held.
     #[inline]
     pub fn is_pinned(&self, particle: usize) -> bool {

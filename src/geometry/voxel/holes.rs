@@ -6,8 +6,11 @@ use crate::geometry::TriMesh;
 use crate::geometry::surface::{NONE, Turns, neighbours, turns};
 use crate::geometry::trimesh::DisjointSets;
 
-/// The holes of a piece are closed where they are at most this share of its surface; larger ones are openings.
-const LARGEST_HOLES: f64 = 0.1;
+/// A hole is closed if it is at most this share of its piece's surface; a larger one is an opening, ...
+const LARGEST_HOLE: f64 = 0.05;
+
+/// ... and so are holes that come to more than this share.
+const MOST_HOLES: f64 = 0.25;
 
 /// A mesh whose pieces face as most of their surface does, with their small holes closed.
 #[derive(Debug)]
@@ -15,6 +18,10 @@ pub(super) struct Patched {
     pub(super) whole: TriMesh,
     /// The pieces that are closed now, where others are not.
     pub(super) closed: Option<TriMesh>,
+    /// How many holes were closed.
+    pub(super) holes: usize,
+    /// What the other pieces would enclose with flat lids on their openings, in the mesh's units.
+    pub(super) lidded: f64,
 }
 
 impl Patched {
@@ -43,27 +50,35 @@ impl Patched {
         }
         let mut positions = mesh.positions.clone();
         let caps = caps(&rim, &mut positions);
-        let mut holes = vec![0.0; areas.len()];
-        for (piece, triangle) in &caps {
-            holes[*piece as usize] += area(&positions, *triangle);
+        let mut openings = vec![[0.0_f64; 2]; areas.len()];
+        let holes = || caps.chunk_by(|(_, [.., one]), (_, [.., other])| one == other);
+        for hole in holes() {
+            let area: f64 = hole.iter().map(|(_, triangle)| area(&positions, *triangle)).sum();
+            let [largest, all] = &mut openings[hole[0].0 as usize];
+            (*largest, *all) = (largest.max(area), *all + area);
         }
         let is_closed = |piece: u32| {
-            let piece = piece as usize;
-            is_orientable[piece] && holes[piece] <= LARGEST_HOLES * areas[piece].iter().sum::<f64>()
+            let [largest, all] = openings[piece as usize];
+            let area: f64 = areas[piece as usize].iter().sum();
+            is_orientable[piece as usize] && largest <= LARGEST_HOLE * area && all <= MOST_HOLES * area
         };
+        let holes = holes().filter(|hole| is_closed(hole[0].0)).count();
         let of_pieces = piece.into_iter().zip(triangles);
         let (mut whole, rest): (Vec<_>, Vec<_>) = of_pieces.partition(|(piece, _)| is_closed(*piece));
         if whole.is_empty() {
             return None;
         }
-        whole.extend(caps.into_iter().filter(|(piece, _)| is_closed(*piece)));
+        whole.extend(caps.iter().copied().filter(|(piece, _)| is_closed(*piece)));
+        let lids = caps.iter().filter(|(piece, _)| !is_closed(*piece));
+        let lidded = rest.iter().chain(lids).filter(|(piece, _)| is_orientable[*piece as usize]);
+        let lidded = enclosed(&positions, lidded, areas.len());
         let mesh = |of_pieces: &[(u32, [u32; 3])], positions| {
             let triangles = of_pieces.iter().map(|(_, triangle)| *triangle).collect();
             TriMesh { positions, triangles }
         };
         let closed = (!rest.is_empty()).then(|| mesh(&whole, positions.clone()));
         whole.extend(rest);
-        Some(Self { whole: mesh(&whole, positions), closed })
+        Some(Self { whole: mesh(&whole, positions), closed, holes, lidded })
     }
 }
 
@@ -103,6 +118,16 @@ fn caps(rim: &[RimEdge], positions: &mut Vec<DVec3>) -> Vec<(u32, [u32; 3])> {
     caps
 }
 
+/// What so many closed pieces enclose together, whichever way they face.
+fn enclosed<'a>(positions: &[DVec3], triangles: impl Iterator<Item = &'a (u32, [u32; 3])>, pieces: usize) -> f64 {
+    let mut sixfold = vec![0.0_f64; pieces];
+    for (piece, triangle) in triangles {
+        let [a, b, c] = triangle.map(|vertex| positions[vertex as usize] - positions[0]);
+        sixfold[*piece as usize] += a.dot(b.cross(c));
+    }
+    sixfold.into_iter().map(|six| six.abs() / 6.0).sum()
+}
+
 fn area(positions: &[DVec3], triangle: [u32; 3]) -> f64 {
     let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
     0.5 * (b - a).cross(c - a).length()
@@ -112,6 +137,7 @@ fn area(positions: &[DVec3], triangle: [u32; 3]) -> f64 {
 mod tests {
     use super::*;
     use crate::geometry::trimesh::tests::{boxed, together};
+    use crate::geometry::voxel::tests::ball;
 
     fn volume(mesh: &TriMesh) -> f64 {
         (0..mesh.triangles.len()).map(|at| mesh.corners(at)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
@@ -126,7 +152,7 @@ mod tests {
 
     /// The triangles of an end of the rod, by their corners' third coordinate.
     fn ends(rod: &TriMesh, z: f64) -> Vec<usize> {
-        (0..12).filter(|at| rod.corners(*at).iter().all(|corner| corner.z == z)).collect()
+        (0..12).filter(|at| rod.corners(*at).iter().all(|corner| (corner.z - z).abs() < 0.5)).collect()
     }
 
     #[test]
@@ -135,10 +161,25 @@ mod tests {
         let [near, far] = [0.0, 10.0].map(|z| ends(&whole, z));
         assert_eq!((near.len(), far.len()), (2, 2), "two triangles at each end");
         for without in [&near[..1], &near, &[near[0], far[1]], &[near.clone(), far].concat()] {
-            let Patched { whole, closed } = Patched::of(&rod_without(without)).expect("its holes are small");
+            let Patched { whole, closed, .. } = Patched::of(&rod_without(without)).expect("its holes are small");
             assert!((volume(&whole) - 10.0).abs() < 1e-12, "without {without:?}: {}", volume(&whole));
             assert!(whole.facts().closed && closed.is_none(), "without {without:?}: nothing is left open");
         }
+    }
+
+    #[test]
+    fn a_hole_here_and_there_is_closed_and_many_are_not() {
+        let ball = ball(DVec3::ZERO, 1.0, 24);
+        let exact = volume(&ball);
+        let without = |every: usize| {
+            let kept = (0..ball.triangles.len()).filter(|at| at % every != 0);
+            TriMesh { triangles: kept.map(|at| ball.triangles[at]).collect(), ..ball.clone() }
+        };
+        let few = Patched::of(&without(10)).expect("a tenth is missing");
+        // At the poles several share a corner, and are closed as one that is not flat.
+        assert!((volume(&few.whole) / exact - 1.0).abs() < 1e-5, "{} of {exact}", volume(&few.whole));
+        assert!(few.holes > 50 && few.closed.is_none(), "each of its own: {}", few.holes);
+        assert!(Patched::of(&without(3)).is_none(), "a third is missing");
     }
 
     #[test]
@@ -158,7 +199,7 @@ mod tests {
         }
         let mut mixed = together(&[solid, cavity]);
         mixed.triangles[5].swap(0, 1);
-        let Patched { whole, closed } = Patched::of(&mixed).expect("closed");
+        let Patched { whole, closed, .. } = Patched::of(&mixed).expect("closed");
         assert!((volume(&whole) - 26.0).abs() < 1e-12, "a cube with a cavity: {}", volume(&whole));
         assert!(closed.is_none(), "all of it");
     }
@@ -170,12 +211,12 @@ mod tests {
             positions: [[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [6.0, 1.0, 0.0]].map(DVec3::from_array).to_vec(),
             triangles: vec![[0, 1, 2]],
         };
-        let Patched { whole, closed } = Patched::of(&together(&[near.clone(), sheet])).expect("the rod is closed");
+        let Patched { whole, closed, .. } = Patched::of(&together(&[near.clone(), sheet])).expect("the rod is closed");
         assert_eq!(whole.triangles.len(), 13, "the sheet is not closed by a second one");
         assert_eq!(closed.map(|rod| rod.triangles.len()), Some(12));
         // Two rods that share an edge: four triangles meet in it.
         let beside = boxed(DVec3::new(1.0, 1.0, 0.0), DVec3::new(2.0, 2.0, 10.0));
-        let Patched { whole, closed } = Patched::of(&together(&[near, beside])).expect("both are closed");
+        let Patched { whole, closed, .. } = Patched::of(&together(&[near, beside])).expect("both are closed");
         assert!((volume(&whole) - 20.0).abs() < 1e-12 && closed.is_none(), "{}", volume(&whole));
     }
 }

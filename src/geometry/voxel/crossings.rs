@@ -1,0 +1,169 @@
+//! Where rays along x through the middles of a grid's cells cross a mesh.
+//!
+//! Triangles are rasterised to the columns of cells. A centre that lies exactly on a triangle's edge, as seen along x, is
+//! moved by a vanishing amount, the same for every triangle (+y, and far less +z: Edelsbrunner and Mücke, "Simulation of
+//! Simplicity", 1990), so that shared edges and vertices count once. A centre on the surface itself counts as behind it.
+
+use rayon::prelude::*;
+
+use super::VoxelizeError;
+use super::quantized_mesh::{CELL, Point};
+use super::shell::CHUNK;
+use super::touch::{cross, minus};
+use crate::geometry::watch::Pieces;
+
+/// Chunks of triangles whose crossings are found before those at the same place are made one.
+const CHUNKS_AT_ONCE: usize = 64;
+
+/// So many crossings are not worth it.
+const FEW: usize = 1 << 20;
+
+/// Surfaces that a ray crosses between two centres.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Crossing {
+    /// The ray.
+    row: u32,
+    /// The first cell along the ray whose centre is not before them.
+    pub(super) at: u16,
+    /// How many are entered less those left; it wraps, which keeps the parity.
+    pub(super) sign: i16,
+}
+
+/// The crossings of all rays.
+#[derive(Debug)]
+pub(super) struct Crossings {
+    /// Rays along y and z.
+    rays: [u32; 2],
+    /// Where those of every ray begin, and the end of all.
+    starts: Vec<u32>,
+    /// By ray, and along it; each at another place.
+    all: Vec<Crossing>,
+}
+
+impl Crossings {
+    /// Those of rays through a grid of so many cells; the triangles are in coordinates of the padded one. The result does not
+    /// depend on the number of threads.
+    pub(super) fn new(triangles: &[[Point; 3]], dims: [u32; 3], pieces: &Pieces<'_>) -> Result<Self, VoxelizeError> {
+        let rays = [dims[1], dims[2]];
+        let (mut all, mut least) = (Vec::new(), 0);
+        for block in triangles.chunks(CHUNKS_AT_ONCE * CHUNK) {
+            let of_block: Vec<Vec<Crossing>> = block
+                .par_chunks(CHUNK)
+                .map(|chunk| {
+                    let mut found = Vec::new();
+                    for triangle in chunk {
+                        cross_columns(triangle, |[i, j, k], sign| {
+                            // The grid is not padded.
+                            let (at, row) = (u16::try_from(i - 1).unwrap_or(u16::MAX), j - 1 + rays[0] * (k - 1));
+                            found.push(Crossing { row, at, sign });
+                        });
+                    }
+                    pieces.advance().then_some(found).ok_or(VoxelizeError::Cancelled)
+                })
+                .collect::<Result<_, _>>()?;
+            all.extend(of_block.into_iter().flatten());
+            if all.len() > FEW + 2 * least {
+                gather(&mut all);
+                least = all.len();
+            }
+        }
+        gather(&mut all);
+        let mut starts = vec![0; rays.iter().map(|&n| n as usize).product::<usize>() + 1];
+        for crossing in &all {
+            starts[crossing.row as usize + 1] += 1;
+        }
+        let mut before = 0;
+        for start in &mut starts {
+            before += *start;
+            *start = before;
+        }
+        Ok(Self { rays, starts, all })
+    }
+
+    /// Those of the ray through the centres of the cells (·, j, k).
+    pub(super) fn of_ray(&self, j: u32, k: u32) -> &[Crossing] {
+        let row = (j + self.rays[0] * k) as usize;
+        &self.all[self.starts[row] as usize..self.starts[row + 1] as usize]
+    }
+}
+
+/// Puts crossings in order and makes those at the same place one.
+fn gather(all: &mut Vec<Crossing>) {
+    all.par_sort_unstable();
+    all.dedup_by(|next, kept| {
+        let is_same = (next.row, next.at) == (kept.row, kept.at);
+        if is_same {
+            kept.sign = kept.sign.wrapping_add(next.sign);
+        }
+        is_same
+    });
+}
+
+/// The cells along a ray by the surfaces that wind around their centres: calls `found` with the first of them, the one after
+/// the last, and the winding number.
+pub(super) fn spans(of_ray: &[Crossing], cells: u32, mut found: impl FnMut(u32, u32, i16)) {
+    let (mut from, mut winding) = (0, 0_i16);
+    for crossing in of_ray {
+        let at = u32::from(crossing.at);
+        if from < at {
+            found(from, at, winding);
+        }
+        (from, winding) = (at, winding.wrapping_add(crossing.sign));
+    }
+    if from < cells {
+        found(from, cells, winding);
+    }
+}
+
+/// Calls `found` for every column whose ray crosses the triangle: with the first cell (of the padded grid) whose centre is
+/// not before the crossing, and +1 where the ray enters, −1 where it leaves.
+fn cross_columns(&[a, b, c]: &[Point; 3], mut found: impl FnMut([u32; 3], i16)) {
+    const HALF: i64 = CELL / 2;
+    let normal = cross(minus(b, a), minus(c, a));
+    if normal[0] == 0 {
+        return;
+    }
+    // Seen along x, turn left: the normal then points along +x.
+    let (b, c, normal, sign) = if normal[0] > 0 { (b, c, normal, -1) } else { (c, b, normal.map(|n| -n), 1) };
+    let edges = [(a, b), (b, c), (c, a)];
+    let low = a[2].min(b[2]).min(c[2]);
+    let high = a[2].max(b[2]).max(c[2]);
+    for k in ceil_div(low - HALF, CELL)..=(high - HALF).div_euclid(CELL) {
+        let z = k * CELL + HALF;
+        let (mut first, mut last) = (i64::MIN, i64::MAX);
+        for (p, q) in edges {
+            let (dy, dz) = (q[1] - p[1], q[2] - p[2]);
+            // On the edge itself the vanishing shift decides.
+            let least = i64::from(!(dz < 0 || (dz == 0 && dy > 0)));
+            // Left of the edge: dy (z − p_z) − dz (y − p_y) ≥ least, with y = j CELL + HALF.
+            let free = dy * (z - p[2]) - dz * (HALF - p[1]) - least;
+            let slope = dz * CELL;
+            if slope > 0 {
+                last = last.min(free.div_euclid(slope));
+            } else if slope < 0 {
+                first = first.max(ceil_div(-free, -slope));
+            } else if free < 0 {
+                last = i64::MIN;
+            }
+        }
+        for j in first..=last {
+            let y = j * CELL + HALF;
+            let [nx, ny, nz] = normal.map(i128::from);
+            let rise = ny * i128::from(y - a[1]) + nz * i128::from(z - a[2]);
+            // The crossing is at a_x − rise / nx; the first centre i CELL + HALF not before it.
+            let i = ceil_div_wide(i128::from(a[0] - HALF) * nx - rise, nx * i128::from(CELL));
+            if let (Ok(i), Ok(j), Ok(k)) = (u32::try_from(i), u32::try_from(j), u32::try_from(k)) {
+                found([i, j, k], sign);
+            }
+        }
+    }
+}
+
+/// The quotient rounded up; `b` is positive.
+fn ceil_div(a: i64, b: i64) -> i64 {
+    -(-a).div_euclid(b)
+}
+
+fn ceil_div_wide(a: i128, b: i128) -> i128 {
+    -(-a).div_euclid(b)
+}

@@ -1,0 +1,268 @@
+//! Where cells keep less than a model has (SC, limitations a and b): what is thinner than a cell, and what is nearer than a
+//! cell to something else, and so moves as one with it.
+//!
+//! How thick the model is, and how wide a gap, is seen along the axis that the surface faces most: a ray through a piece of
+//! the surface leaves the inside, or the outside, on its other side, and that length times the normal's share along the axis
+//! is the thickness of what has parallel sides.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use super::crossings::{Crossing, Crossings, spans};
+use super::holes::Patched;
+use super::pieces::{Divider, area};
+use super::quantized_mesh::QuantizedMesh;
+use super::shell::CHUNK;
+use super::{Grid, VoxelizeError};
+use crate::geometry::watch::{CancelOnly, Pieces};
+use crate::geometry::{TriMesh, Watch};
+
+/// Steps of thickness in a cell, if the surface is not too large.
+const STEPS: u32 = 8;
+
+/// The most crossings of rays with the surface, along an axis.
+const MOST_CROSSINGS: f64 = 2e7;
+
+/// The surface is looked at in so many pieces, and more where its triangles are smaller.
+const PIECES: f64 = 3e4;
+
+/// How far the surface that a ray crosses may be from the middle of its piece, steps.
+const NEAR: f64 = 2.0;
+
+/// What cells keep of a piece of the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Lost {
+    /// What is behind it is thinner than a cell, or nothing at all.
+    pub thin: bool,
+    /// Another part of the model is in its cell, or something is in front of it nearer than a cell.
+    pub joined: bool,
+}
+
+/// What cells keep of a surface.
+#[derive(Clone, Debug)]
+pub struct LostDetail {
+    /// The surface in small pieces, in the coordinates of the model's.
+    pub pieces: TriMesh,
+    /// What is lost in each.
+    pub lost: Vec<Lost>,
+    /// The share of the surface behind which it is thin.
+    pub thin_share: f64,
+    /// The share that is joined.
+    pub joined_share: f64,
+}
+
+impl LostDetail {
+    /// Looks at a mesh within a grid.
+    pub fn of(mesh: &TriMesh, grid: &Grid, watch: &dyn Watch) -> Result<Self, VoxelizeError> {
+        let rays = Rays::new(mesh, grid, watch)?;
+        let longest = (area(mesh, grid) / PIECES).sqrt().max(0.5);
+        let mut divider = Divider::new(mesh, grid, longest);
+        let part_of = mesh.facts().part_of_triangle;
+        let (mut corners, mut parts) = (Vec::new(), Vec::new());
+        // The only part in a cell, or none where there are several.
+        let mut alone: BTreeMap<usize, Option<u32>> = BTreeMap::new();
+        for (triangle, &part) in part_of.iter().enumerate() {
+            if triangle % CHUNK == 0 && watch.cancelled() {
+                return Err(VoxelizeError::Cancelled);
+            }
+            divider.triangles(triangle, |piece| {
+                let found = alone.entry(cell_of(grid, &piece)).or_insert(Some(part));
+                *found = found.filter(|found| *found == part);
+                corners.push(piece);
+                parts.push(part);
+            });
+        }
+        let lost: Vec<Lost> = corners
+            .iter()
+            .map(|piece| {
+                let Lost { thin, joined } = rays.see(piece);
+                Lost { thin, joined: joined || alone.get(&cell_of(grid, piece)) == Some(&None) }
+            })
+            .collect();
+        let size = |[a, b, c]: &[DVec3; 3]| (*b - *a).cross(*c - *a).length();
+        let all: f64 = corners.iter().map(size).sum();
+        let share = |is_lost: fn(&Lost) -> bool| {
+            let of = corners.iter().zip(&lost).filter(|(_, lost)| is_lost(lost)).map(|(piece, _)| size(piece));
+            of.sum::<f64>() / all.max(f64::MIN_POSITIVE)
+        };
+        let (thin_share, joined_share) = (share(|lost| lost.thin), share(|lost| lost.joined));
+        Ok(Self { pieces: welded(&corners, grid), lost, thin_share, joined_share })
+    }
+}
+
+fn cell_of(grid: &Grid, [a, b, c]: &[DVec3; 3]) -> usize {
+    let middle = ((*a + *b + *c) / 3.0).to_array();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the grid; saturating")]
+    grid.index(std::array::from_fn(|axis| (middle[axis] as u32).min(grid.dims[axis] - 1)))
+}
+
+/// A mesh of triangles given in cells of the grid, that share corners at exactly equal places.
+fn welded(corners: &[[DVec3; 3]], grid: &Grid) -> TriMesh {
+    let positions = corners.as_flattened().iter().map(|corner| grid.origin + *corner * grid.cell_size);
+    let numbers = (0..).step_by(3).take(corners.len());
+    let soup = TriMesh {
+        positions: positions.collect(),
+        triangles: numbers.map(|first| [first, first + 1, first + 2]).collect(),
+    };
+    let weld = soup.weld();
+    let (mut positions, mut number) = (Vec::new(), vec![0; weld.len()]);
+    for (place, at) in soup.positions.iter().enumerate() {
+        if weld[place] as usize == place {
+            number[place] = u32::try_from(positions.len()).unwrap_or(u32::MAX);
+            positions.push(*at);
+        }
+    }
+    let corner = |vertex: u32| number[weld[vertex as usize] as usize];
+    TriMesh { positions, triangles: soup.triangles.iter().map(|triangle| triangle.map(corner)).collect() }
+}
+
+/// Rays along all axes, so many steps apart in a cell.
+struct Rays {
+    steps: u32,
+    dims: [u32; 3],
+    along: [Crossings; 3],
+}
+
+impl Rays {
+    fn new(mesh: &TriMesh, grid: &Grid, watch: &dyn Watch) -> Result<Self, VoxelizeError> {
+        let patched = Patched::of(mesh);
+        let mesh = patched.as_ref().map_or(mesh, |patched| &patched.whole);
+        let mut steps = STEPS;
+        let area = area(mesh, grid);
+        while steps > 2 && area * f64::from(steps).powi(2) > MOST_CROSSINGS {
+            steps /= 2;
+        }
+        let dims = grid.dims.map(|n| n * steps);
+        let fine = Grid { cell_size: grid.cell_size / f64::from(steps), dims, origin: grid.origin };
+        let mut quantized = QuantizedMesh::within(mesh, fine);
+        let silent = CancelOnly(watch);
+        let mut along_axis = |axis: usize| {
+            if axis > 0 {
+                for corner in quantized.triangles.iter_mut().flatten() {
+                    corner.rotate_left(1);
+                }
+            }
+            let mut dims = dims;
+            dims.rotate_left(axis);
+            let pieces = quantized.triangles.len().div_ceil(CHUNK);
+            Crossings::new(&quantized.triangles, dims, &Pieces::new(&silent, pieces, [0.0, 1.0]))
+        };
+        let along = [along_axis(0)?, along_axis(1)?, along_axis(2)?];
+        Ok(Self { steps, dims, along })
+    }
+
+    /// What is behind a piece and in front of it; corners are in cells.
+    fn see(&self, [a, b, c]: &[DVec3; 3]) -> Lost {
+        let normal = (*b - *a).cross(*c - *a).normalize_or_zero().abs();
+        let axis = usize::from(normal.y > normal.x);
+        let axis = if normal.z > normal[axis] { 2 } else { axis };
+        let middle = (*a + *b + *c) / 3.0 * f64::from(self.steps);
+        let [j, k] = [1, 2].map(|next| {
+            let across = (axis + next) % 3;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the grid; saturating")]
+            let step = middle[across] as u32;
+            step.min(self.dims[across] - 1)
+        });
+        let ray = self.along[axis].of_ray(j, k);
+        let length = |steps: f64| steps * normal[axis] / f64::from(self.steps);
+        let is_below = |length: Option<f64>| length.is_some_and(|length| length < 1.0 - 0.5 / f64::from(self.steps));
+        let [inside, outside] = lengths(ray, self.dims[axis], middle[axis]).map(|steps| steps.map(length));
+        Lost { thin: inside.is_none() || is_below(inside), joined: is_below(outside) }
+    }
+}
+
+/// How long a ray is inside, and between surfaces outside, right before or behind a place on it, steps; the longer of two.
+fn lengths(ray: &[Crossing], cells: u32, place: f64) -> [Option<f64>; 2] {
+    let total = ray.iter().fold(0_i16, |sum, crossing| sum.wrapping_add(crossing.sign));
+    let mut found = [None, None];
+    spans(ray, cells, |first, end, winding| {
+        let is_inside = if total == 0 { winding != 0 } else { winding % 2 != 0 };
+        let is_gap = !is_inside && first > 0 && end < cells;
+        let [first, end] = [first, end].map(f64::from);
+        let is_near = (first - place).abs() <= NEAR || (end - place).abs() <= NEAR;
+        if is_near && (is_inside || is_gap) {
+            let longest = &mut found[usize::from(!is_inside)];
+            *longest = Some(longest.map_or(end - first, |other: f64| other.max(end - first)));
+        }
+    });
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::trimesh::tests::together;
+    use crate::geometry::voxel::tests::{ball, run, sheet, solid_box};
+    use crate::geometry::voxel::{Keep, OccupancyChoice};
+
+    fn looked_at(mesh: &TriMesh, divisions: u32) -> LostDetail {
+        let filled = run(mesh, divisions, OccupancyChoice::Auto, Keep::All);
+        LostDetail::of(mesh, &filled.cells.grid, &()).expect("nobody stops it")
+    }
+
+    /// The middles of the pieces of which something is lost.
+    fn middles(found: &LostDetail, is_lost: fn(&Lost) -> bool) -> Vec<DVec3> {
+        let middle = |at: usize| found.pieces.corners(at).into_iter().sum::<DVec3>() / 3.0;
+        (0..found.lost.len()).filter(|at| is_lost(&found.lost[*at])).map(middle).collect()
+    }
+
+    #[test]
+    fn a_thick_body_loses_nothing_and_a_sheet_all() {
+        for mesh in [ball(DVec3::ZERO, 1.0, 32), solid_box([0.0; 3], [2.0, 1.0, 1.0])] {
+            let found = looked_at(&mesh, 8);
+            assert!(found.thin_share < 0.01 && found.joined_share < 0.01, "{found:?}");
+        }
+        let found = looked_at(&sheet(), 8);
+        assert!((found.thin_share - 1.0).abs() < 1e-9, "{}", found.thin_share);
+        let plate = looked_at(&solid_box([0.0; 3], [2.0, 0.1, 2.0]), 8);
+        assert!(plate.thin_share > 0.9, "all but its edges: {}", plate.thin_share);
+        let thick = looked_at(&solid_box([0.0; 3], [2.0, 0.26, 2.0]), 8);
+        assert!(thick.thin_share < 0.01, "a cell and a little more: {}", thick.thin_share);
+    }
+
+    #[test]
+    fn a_thin_leg_is_marked_where_it_is() {
+        let table =
+            together(&[solid_box([0.0, 1.0, 0.0], [2.0, 1.5, 2.0]), solid_box([0.9, 0.0, 0.9], [1.0, 1.0, 1.0])]);
+        let found = looked_at(&table, 8);
+        let thin = middles(&found, |lost| lost.thin);
+        assert!(thin.len() > 20 && thin.iter().all(|middle| middle.y <= 1.0), "the leg alone: {thin:?}");
+    }
+
+    #[test]
+    fn what_is_nearer_than_a_cell_is_joined_and_what_is_farther_is_not() {
+        let apart = |gap: f64| {
+            looked_at(
+                &together(&[
+                    solid_box([0.0; 3], [2.0, 1.0, 1.0]),
+                    solid_box([2.0 + gap, 0.0, 0.0], [4.0 + gap, 1.0, 1.0]),
+                ]),
+                12,
+            )
+        };
+        let near = apart(0.1);
+        let joined = middles(&near, |lost| lost.joined);
+        assert!(joined.len() > 10 && joined.iter().all(|middle| (middle.x - 2.05).abs() < 0.4), "{joined:?}");
+        assert!(joined.iter().any(|middle| (middle.x - 2.0).abs() < 1e-9), "the faces that look at each other");
+        assert!(apart(0.9).joined_share < 1e-9, "more than two cells apart");
+        let stacked = looked_at(
+            &together(&[solid_box([0.0; 3], [2.0, 1.0, 1.0]), solid_box([0.0, 0.9, 0.0], [2.0, 2.0, 1.0])]),
+            8,
+        );
+        assert!(stacked.joined_share > 0.05, "they cross: {}", stacked.joined_share);
+    }
+
+    #[test]
+    fn pieces_cover_the_surface() {
+        let mesh = solid_box([0.0; 3], [2.0, 1.0, 1.0]);
+        let found = looked_at(&mesh, 8);
+        let size = |mesh: &TriMesh| {
+            let of = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
+            (0..mesh.triangles.len()).map(|at| of(mesh.corners(at))).sum::<f64>()
+        };
+        assert!((size(&found.pieces) / 10.0 - 1.0).abs() < 1e-9, "{}", size(&found.pieces));
+        assert_eq!(found.pieces.triangles.len(), found.lost.len());
+        assert!(found.pieces.positions.len() < found.lost.len(), "neighbours share corners");
+    }
+}
