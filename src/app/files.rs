@@ -137,8 +137,8 @@ impl Files {
                         self.native = Some(NativeDialog::open(purpose, &folder, wake.clone()));
                     }
                 }
-                Wish::Jellify(shape, settings) => {
-                    let job = JellifyJob::start(*shape, *settings, wake.clone());
+                Wish::Jellify(wanted) => {
+                    let job = JellifyJob::start(*wanted, wake.clone());
                     ui.set_work(Work::Running(job.progress()));
                     self.job = Some(job);
                 }

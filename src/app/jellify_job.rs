@@ -1,13 +1,10 @@
 //! A model made into a body on a thread of its own, so that the window and the sandbox go on. Dropping a job stops it.
 
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::sentence::sentence;
-use crate::scene::Settings;
-use crate::scene::body::ModelShape;
-use crate::session::jellify::{Jellified, JellifyError, jellify};
+use crate::session::jellify::{Jellified, JellifyError, Wanted, jellify};
 use crate::session::progress::Progress;
 
 /// Work that goes on.
@@ -38,13 +35,13 @@ impl Drop for JellifyJob {
 
 impl JellifyJob {
     /// Begins. `wake` is called when it ends.
-    pub(super) fn start(shape: ModelShape, settings: Settings, wake: impl FnOnce() + Send + 'static) -> Self {
+    pub(super) fn start(wanted: Wanted, wake: impl FnOnce() + Send + 'static) -> Self {
         let (send, outcome) = channel();
         let progress = Arc::new(Progress::default());
         let watched = Arc::clone(&progress);
         std::thread::spawn(move || {
-            if send.send(jellify(&shape, Path::new(""), &settings, &watched)).is_err() {
-                log::debug!("nobody waits for {} any more", shape.path);
+            if send.send(jellify(&wanted, &watched)).is_err() {
+                log::debug!("nobody waits for {} any more", wanted.model.path);
             }
             wake();
         });

@@ -352,6 +352,7 @@ impl Shell {
             return Err(error.into());
         }
         self.canvas = Canvas::new(event_loop, Arc::clone(&self.window))?;
+        self.ui.files.inset_drawn(None);
         // The panels' textures went with the device: a new context sends them again.
         let (context, egui) = interface(event_loop, &self.window, &self.canvas, self.proxy.clone());
         context.set_zoom_factor(self.context.zoom_factor());

@@ -2,6 +2,7 @@
 //! scene is looked at. Knows both sides and neither a window nor a graphics library.
 
 pub mod guilty;
+pub mod model_picture;
 pub mod overlay;
 pub mod own_box;
 pub mod scalars;

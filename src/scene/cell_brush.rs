@@ -157,6 +157,16 @@ impl Body {
         body
     }
 
+    /// The same body of its model filled in another way.
+    pub fn of_model(&self, model: ModelShape) -> Self {
+        match &self.shape {
+            Shape::Model(own) if own.divisions == model.divisions => {
+                Self { shape: Shape::Model(model), ..self.clone() }
+            }
+            _ => self.with_other_cells(Shape::Model(model.without_changes())),
+        }
+    }
+
     /// The same body with these cells, in the grid that its own are in: each that stays is where it was, and so are its pins and
     /// inlays. None of a model.
     pub fn with_cells(&self, list: Vec<[i32; 3]>) -> Option<Self> {

@@ -101,6 +101,15 @@ pub enum Command {
         /// Its shape, made ready; relative model paths start where the scene's do.
         jelly: Box<Jelly>,
     },
+    /// Give a body another shape, made ready elsewhere; its motion goes on.
+    Refill {
+        /// Which.
+        id: BodyId,
+        /// It with that shape.
+        body: Box<Body>,
+        /// The shape, made ready.
+        jelly: Box<Jelly>,
+    },
     /// Take back the last change.
     Undo,
     /// Make the change again that was taken back last.
@@ -197,6 +206,7 @@ impl Command {
             | Self::EndEdit
             | Self::CancelEdit
             | Self::AddBody { .. }
+            | Self::Refill { .. }
             | Self::Undo
             | Self::Redo
             | Self::Grab(_)

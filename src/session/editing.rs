@@ -51,6 +51,15 @@ impl Session {
         Ok(())
     }
 
+    /// Gives a body another shape that was made ready elsewhere.
+    pub(super) fn refill(&mut self, id: BodyId, body: Box<Body>, jelly: Jelly) -> Result<(), SessionError> {
+        self.history.close();
+        self.library.put(body.shape.clone(), jelly);
+        self.edit(Edit::Body(id, body), Arrival::Placed)?;
+        self.history.close();
+        Ok(())
+    }
+
     /// Takes the change that goes on back, as if it had never been made.
     pub(super) fn cancel_edit(&mut self) -> Result<(), SessionError> {
         if self.history.is_open() {

@@ -60,6 +60,7 @@ impl Session {
             }
             Command::CancelEdit => self.cancel_edit()?,
             Command::AddBody { body, jelly } => self.add_body(body, *jelly)?,
+            Command::Refill { id, body, jelly } => self.refill(id, body, *jelly)?,
             Command::Undo => self.undo()?,
             Command::Redo => self.redo()?,
             Command::Grab(pull) => self.grab(pull)?,

@@ -1,7 +1,8 @@
 //! A model made into a body before anyone decides to use it (J7): what it will be, how fast it will run, and the body
 //! itself, so that nothing is computed twice. Works on the caller's thread; reports and stops through [`Progress`].
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::DVec3;
 use thiserror::Error;
@@ -10,32 +11,25 @@ use super::document::Opened;
 use super::predict::Prediction;
 use super::progress::Progress;
 use super::{Command, Document, Library, Session, SessionError, needs};
-use crate::geometry::Watch;
-use crate::geometry::voxel::{OccupancyChoice, VoxelReport, VoxelizeError};
+use crate::extract::model_picture::ModelPicture;
+use crate::geometry::voxel::{LostDetail, OccupancyChoice, VoxelReport, VoxelizeError};
+use crate::geometry::watch::Portion;
+use crate::geometry::{TriMesh, Watch};
 use crate::scene::body::{Body, ModelShape, Pose, Shape, UpAxis};
+use crate::scene::edit::BodyId;
+use crate::scene::embedded::Embedded;
 use crate::scene::param::{self, Problem};
 use crate::scene::placement::{Look, Surroundings};
-use crate::scene::resolve::{Jelly, ResolveError, fill};
+use crate::scene::resolve::{Jelly, ModelPlaces, ResolveError, fill};
 use crate::scene::view_settings::CameraSettings;
-use crate::scene::{Scene, Settings, presets};
+use crate::scene::{MovesBy, Scene, Settings, presets};
 
-/// The share of the work that filling with cells is.
-const FILLING: f64 = 0.8;
+/// The share of the work that reading and filling with cells is, ...
+const FILLING: f64 = 0.7;
+/// ... and up to where it is once what cells lose has been looked at.
+const LOOKED: f64 = 0.85;
 /// A body is let fall from this height, as a share of its longest extent.
 const DROP: f64 = 0.4;
-
-/// The part of the work that is the filling with cells.
-struct Filling<'a>(&'a Progress);
-
-impl Watch for Filling<'_> {
-    fn progress(&self, fraction: f64) {
-        self.0.progress(FILLING * fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.0.is_cancelled()
-    }
-}
 
 /// Why a model gives no body.
 #[derive(Debug, Error)]
@@ -54,15 +48,39 @@ pub enum JellifyError {
     Session(#[from] SessionError),
 }
 
+/// What a model is to become.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wanted {
+    /// The model and how it is filled.
+    pub model: ModelShape,
+    /// The body that is to be of it; none makes a new one.
+    pub body: Option<Box<Body>>,
+    /// What it is to run under.
+    pub settings: Settings,
+    /// The folder that relative paths start at.
+    pub base_dir: PathBuf,
+    /// The models that the scene holds itself.
+    pub held: Embedded,
+}
+
+impl Wanted {
+    /// A new body of a model by its absolute path.
+    pub fn new(model: ModelShape, settings: Settings) -> Self {
+        Self { model, body: None, settings, base_dir: PathBuf::new(), held: Embedded::default() }
+    }
+}
+
 /// A model made into a body, ready to be added.
 #[derive(Clone, Debug)]
 pub struct Jellified {
-    /// The body, at the place it falls from in an empty scene.
+    /// The body, at the place it falls from in an empty scene; one that there was already, where it starts.
     pub body: Body,
     /// Its shape, made ready.
     pub jelly: Jelly,
     /// What a person should know before deciding.
     pub preview: Preview,
+    /// The model in its cells.
+    pub picture: Arc<ModelPicture>,
 }
 
 /// What a body made from a model will be.
@@ -78,6 +96,10 @@ pub struct Preview {
     pub joined_parts: usize,
     /// Pieces of the model thinner than a cell.
     pub thin_parts: usize,
+    /// The share of its surface behind which it is thinner than a cell.
+    pub thin_share: f64,
+    /// The share of its surface that moves as one with something else.
+    pub joined_share: f64,
     /// The axis of the model's file that points up.
     pub up: UpAxis,
     /// Nobody chose that axis.
@@ -112,60 +134,88 @@ pub struct Preview {
     pub warnings: Vec<String>,
 }
 
-/// Makes a model into a body and predicts how it runs under `settings`. Relative model paths start at `base_dir`.
-pub fn jellify(
-    model: &ModelShape,
-    base_dir: &Path,
-    settings: &Settings,
-    progress: &Progress,
-) -> Result<Jellified, JellifyError> {
+/// Makes a model into a body and predicts how it runs.
+pub fn jellify(wanted: &Wanted, progress: &Progress) -> Result<Jellified, JellifyError> {
+    let Wanted { settings, base_dir, held, .. } = wanted;
+    let there_is = wanted.body.as_ref().map(|body| body.of_model(wanted.model.clone()));
+    let model = match there_is.as_ref().map(|body| &body.shape) {
+        Some(Shape::Model(model)) => model,
+        _ => &wanted.model,
+    };
+    let places = ModelPlaces { base_dir, embedded: Some(held) };
+    let cancelled = |_: VoxelizeError| JellifyError::Cancelled;
     let go_on = || if progress.is_cancelled() { Err(JellifyError::Cancelled) } else { Ok(()) };
-    let filled = fill(&Shape::Model(model.clone()), base_dir, &Filling(progress)).map_err(|error| match error {
-        ResolveError::Voxelize { source: VoxelizeError::Cancelled, .. } => JellifyError::Cancelled,
-        error => JellifyError::Resolve(error),
-    })?;
+    let filled = fill(&Shape::Model(model.clone()), places, &Portion::new(progress, [0.0, FILLING])).map_err(
+        |error| match error {
+            ResolveError::Voxelize { source: VoxelizeError::Cancelled, .. } => JellifyError::Cancelled,
+            error => JellifyError::Resolve(error),
+        },
+    )?;
     go_on()?;
     // What was guessed once stays: a scene file says which axis it is.
-    let shape = Shape::Model(ModelShape { up: filled.up(), ..model.clone() });
+    let model = ModelShape { up: filled.up(), ..model.clone() };
     let grid = *filled.grid();
     let size_m = grid.dims.map(|n| f64::from(n) * grid.cell_size);
     let longest = size_m.into_iter().fold(0.0, f64::max);
-    let body = Body {
-        name: name_of(&model.path),
-        shape,
+    let new = |shape: ModelShape| Body {
+        name: name_of(&shape.path),
+        shape: Shape::Model(shape),
         pose: Pose { position: [0.0, 0.5 * size_m[1] + DROP * longest, 0.0], ..Pose::default() },
         material: presets::jelly(grid.cell_size),
         ..Body::default()
     };
+    let body = match there_is {
+        Some(body) => Body { shape: Shape::Model(model), ..body },
+        None => new(model),
+    };
     let mut scene = Scene { bodies: vec![body.clone()], settings: settings.clone(), ..presets::ground_only() };
+    scene.models = held.clone();
     if let Some(problem) = param::validate(&scene).into_iter().next() {
         return Err(JellifyError::Value(problem));
     }
     needs::check(&scene, &[filled.outline()])?;
     let jelly = filled.build();
+    let mesh = jelly.lattice.mesh.as_deref().or(jelly.mesh.as_deref());
+    let none = TriMesh::default();
+    let lost = LostDetail::of(mesh.unwrap_or(&none), &jelly.lattice.grid, progress).map_err(cancelled)?;
+    let picture = Arc::new(ModelPicture::new(&jelly.lattice, &lost));
+    progress.progress(LOOKED);
+    go_on()?;
     // Its cost is measured on the ground: most of the time it will touch something.
-    scene.bodies[0].pose.position[1] -= DROP * longest;
-    let mut library = Library::new(base_dir.to_owned());
+    scene.bodies[0].pose = Pose { position: [0.0, 0.5 * size_m[1], 0.0], ..Pose::default() };
+    scene.bodies[0].moves_by = MovesBy::Cells;
+    let mut library = Library::new(base_dir.clone());
+    library.hold(held);
     library.put(body.shape.clone(), jelly.clone());
-    let document = Document::new(&Opened::without_file(scene.clone(), body.name.clone(), base_dir.to_owned()));
+    let document = Document::new(&Opened::without_file(scene.clone(), body.name.clone(), base_dir.clone()));
     let session = Session::start(scene, document, library, &())?;
     go_on()?;
-    let preview = Preview { up_guessed: model.up == UpAxis::Auto, ..preview(&jelly, size_m, &session) };
-    Ok(Jellified { body, jelly, preview })
+    let preview = Preview {
+        up_guessed: wanted.model.up == UpAxis::Auto,
+        thin_share: lost.thin_share,
+        joined_share: lost.joined_share,
+        ..preview(&jelly, size_m, &session)
+    };
+    Ok(Jellified { body, jelly, preview, picture })
 }
 
 impl Jellified {
     /// Adds the body where a person looks, apart from what is there.
     pub fn add_to(self, there: &Surroundings, look: Look) -> Command {
-        let Self { mut body, jelly, preview } = self;
+        let Self { mut body, jelly, preview, .. } = self;
         let size = DVec3::from(preview.size_m);
         body.pose.position = there.place(look, size, DROP * size.max_element()).to_array();
         Command::AddBody { body: Box::new(body), jelly: Box::new(jelly) }
     }
 
+    /// Gives a body that there was already its new cells.
+    pub fn refill(self, body: BodyId) -> Command {
+        Command::Refill { id: body, body: Box::new(self.body), jelly: Box::new(self.jelly) }
+    }
+
     /// Makes a scene of nothing but the body on the ground.
     pub fn replace(self) -> [Command; 2] {
-        let Self { body, jelly, preview } = self;
+        let Self { body, jelly, preview, .. } = self;
         let mut scene = presets::ground_only();
         let longest = preview.size_m.into_iter().fold(0.0, f64::max);
         scene.view.camera =
@@ -186,6 +236,8 @@ fn preview(jelly: &Jelly, size_m: [f64; 3], session: &Session) -> Preview {
         parts: report.parts,
         joined_parts: report.joined_parts,
         thin_parts: report.thin_parts,
+        thin_share: 0.0,
+        joined_share: 0.0,
         up: jelly.up,
         up_guessed: false,
         occupancy: [occupancy_word(report.occupancy).to_owned(), report.why],
@@ -235,6 +287,8 @@ fn name_of(path: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     const TENT: &str = "v 0 0 0\nv 4 0 0\nv 4 0 2\nv 0 0 2\nv 2 3 1\nf 1 2 3 4\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n";
@@ -248,7 +302,7 @@ mod tests {
     fn tent(length: f64) -> Jellified {
         let folder = tempfile::tempdir().expect("a folder");
         let shape = ModelShape { length, ..model(folder.path(), TENT) };
-        jellify(&shape, Path::new(""), &Settings::default(), &Progress::default()).expect("a sound model")
+        jellify(&Wanted::new(shape, Settings::default()), &Progress::default()).expect("a sound model")
     }
 
     #[test]
@@ -283,7 +337,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let lying = "v 0 0 0\nv 4 0 0\nv 4 2 0\nv 0 2 0\nv 2 1 3\nf 1 2 3 4\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n";
         let shape = ModelShape { up: UpAxis::Auto, ..model(folder.path(), lying) };
-        let made = jellify(&shape, Path::new(""), &Settings::default(), &Progress::default()).expect("a tent");
+        let made = jellify(&Wanted::new(shape, Settings::default()), &Progress::default()).expect("a tent");
         assert_eq!((made.preview.up, made.preview.up_guessed), (UpAxis::Z, true), "it stands only that way");
         let Shape::Model(body) = &made.body.shape else { panic!("a model") };
         assert_eq!(body.up, UpAxis::Z, "a later guess changes nothing");
@@ -292,11 +346,46 @@ mod tests {
     }
 
     #[test]
+    fn a_body_that_there_is_gets_other_cells_and_goes_on() {
+        let mut session = Session::new(presets::ground_only(), PathBuf::new(), String::new()).expect("a session");
+        let command = tent(1.0).add_to(&Surroundings::new(session.scene(), []), Look::default());
+        session.handle(command).expect("there is room");
+        for _ in 0..30 {
+            session.step();
+        }
+        let (body, cells) = (session.scene().bodies[0].clone(), session.status().particles);
+        let Shape::Model(model) = body.shape.clone() else { panic!("a model") };
+        let folder = tempfile::tempdir().expect("a folder");
+        let again = super::tests::model(folder.path(), TENT);
+        let finer = ModelShape { divisions: 14, path: again.path, ..model };
+        let wanted = Wanted { body: Some(Box::new(body.clone())), ..Wanted::new(finer, Settings::default()) };
+        let made = jellify(&wanted, &Progress::default()).expect("a finer tent");
+        assert_eq!((made.body.pose, &made.body.material), (body.pose, &body.material), "it stays the body it is");
+        let before = session.status().bodies[0].bounds.center();
+        session.handle(made.refill(BodyId(0))).expect("it is ready");
+        let status = session.status();
+        assert!(status.particles > 2 * cells, "{} particles, not {cells}", status.particles);
+        assert!((status.bodies[0].bounds.center() - before).length() < 0.1, "where it has fallen to");
+        session.handle(Command::Undo).expect("one step");
+        assert_eq!((session.status().particles, &session.scene().bodies[0]), (cells, &body));
+    }
+
+    #[test]
+    fn what_cells_lose_is_told() {
+        let thick = tent(1.0).preview;
+        assert!(thick.thin_share < 0.3, "{}", thick.thin_share);
+        let folder = tempfile::tempdir().expect("a folder");
+        let coarse = ModelShape { divisions: 1, ..model(folder.path(), TENT) };
+        let made = jellify(&Wanted::new(coarse, Settings::default()), &Progress::default()).expect("one cell");
+        assert!(made.preview.thin_share > 0.9, "all of it is in one cell: {}", made.preview.thin_share);
+    }
+
+    #[test]
     fn what_cannot_be_made_names_the_file_and_the_line() {
         let folder = tempfile::tempdir().expect("a folder");
         let bad = model(folder.path(), "v 0 0 0\nv 1 0 0\nv 0 1 zero\nf 1 2 3\n");
         let refused = |shape: &ModelShape| {
-            let error = jellify(shape, Path::new(""), &Settings::default(), &Progress::default());
+            let error = jellify(&Wanted::new(shape.clone(), Settings::default()), &Progress::default());
             error.expect_err("it cannot be made").to_string()
         };
         assert!(refused(&bad).contains("tent.obj, line 3"), "{}", refused(&bad));
@@ -310,7 +399,7 @@ mod tests {
         let progress = Progress::default();
         progress.cancel();
         let shape = ModelShape { divisions: 60, ..model(folder.path(), TENT) };
-        let stopped = jellify(&shape, Path::new(""), &Settings::default(), &progress);
+        let stopped = jellify(&Wanted::new(shape, Settings::default()), &progress);
         assert!(stopped.is_err(), "nothing comes of it");
     }
 

@@ -25,11 +25,11 @@ fn jellify_wished(harness: &mut Harness<'_, Stage>) {
     harness.run_steps(60);
     let wishes = std::mem::take(&mut harness.state_mut().ui.files.wishes);
     let asked = wishes.into_iter().find_map(|wish| match wish {
-        Wish::Jellify(shape, settings) => Some((shape, settings)),
+        Wish::Jellify(wanted) => Some(wanted),
         _ => None,
     });
-    let (shape, settings) = asked.expect("the work is asked for");
-    let work = match jellify(&shape, Path::new(""), &settings, &Progress::default()) {
+    let wanted = asked.expect("the work is asked for");
+    let work = match jellify(&wanted, &Progress::default()) {
         Ok(body) => Work::Ready(Box::new(body)),
         Err(error) => Work::Failed(error.to_string()),
     };
@@ -74,6 +74,39 @@ fn a_model_is_looked_at_before_it_is_added() {
     assert_eq!(body.name, "slab");
     assert!(jelly.report.as_ref().is_some_and(|report| report.cells > 10), "filled already");
     assert!(!is_open(&harness, "Load model"), "the assistant is closed");
+}
+
+#[test]
+fn a_picture_of_the_model_shows_what_cells_lose() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = show(None, false);
+    jellify_in_assistant(&mut harness, &box_model(folder.path()));
+    assert!(harness.query_by_label_contains("thinner than a cell:").is_some(), "what the first colour means");
+    assert!(harness.query_by_label_contains("moves as one with").is_some(), "and the second");
+    let wish = |harness: &mut Harness<'_, Stage>| harness.state_mut().ui.files.take_inset();
+    let first = wish(&mut harness).expect("the window is to draw it");
+    assert!(first.size.iter().all(|side| *side > 100), "{:?}", first.size);
+    assert!(first.draw_list.skins.len() == 1 && first.draw_list.overlay.cells.is_empty(), "the model alone");
+    harness.run_steps(3);
+    assert!(wish(&mut harness).is_none(), "once, as long as it stays the same");
+    harness.state_mut().ui.files.inset_drawn(Some(egui::TextureId::User(7)));
+    harness.run_steps(3);
+    assert!(wish(&mut harness).is_none(), "it is shown");
+    let place = harness.get_by_label("The model and its cells; drag to turn").rect().center();
+    harness.drag_at(place);
+    harness.run_steps(2);
+    harness.hover_at(place + egui::vec2(60.0, 0.0));
+    harness.run_steps(2);
+    harness.drop_at(place + egui::vec2(60.0, 0.0));
+    harness.run_steps(2);
+    let turned = wish(&mut harness).expect("it was turned");
+    assert!(turned.draw_list.camera != first.draw_list.camera, "seen from elsewhere");
+    harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, "Cells").click();
+    harness.run_steps(3);
+    assert!(!wish(&mut harness).expect("another picture").draw_list.overlay.cells.is_empty(), "with its cells");
+    harness.state_mut().ui.files.inset_drawn(None);
+    harness.run_steps(3);
+    assert!(wish(&mut harness).is_some(), "the window lost it: once more");
 }
 
 #[test]

@@ -3,15 +3,17 @@
 use std::path::Path;
 
 use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
 use gelatin::app::hand::Target;
 use gelatin::app::theme::Theme;
 use gelatin::app::ui::Framing;
 use gelatin::app::ui::files::{FileAction, PathUse, Wish, Work};
+use gelatin::scene::body::ModelShape;
 use gelatin::scene::edit::{BodyId, ObstacleId};
 use gelatin::scene::obstacle::Motion;
-use gelatin::scene::{ColorBy, ObstacleShape};
+use gelatin::scene::{ColorBy, ObstacleShape, Shape};
 use gelatin::session::Command;
-use gelatin::session::jellify::jellify;
+use gelatin::session::jellify::{Wanted, jellify};
 use gelatin::session::progress::Progress;
 
 use crate::live::Window;
@@ -57,17 +59,48 @@ fn no_two_things_have_one_name_however_they_come() {
 /// Loads a model in the assistant, as the window would on another thread, and clicks on a button of it.
 fn load_model(window: &mut Window, path: &Path, button: &str) {
     window.harness.state_mut().ui.files.load_model(path);
+    jellify_again(window);
+    window.click(button);
+}
+
+#[test]
+fn a_body_is_filled_anew_once_a_person_has_seen_what_becomes_of_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("ogre.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n").expect("a file");
+    let mut window = Window::open("cube-on-plane");
+    load_model(&mut window, &path, "Add to scene");
+    let before = window.scene().bodies[1].clone();
+    window.press("Preview…");
+    let wanted = jellify_again(&mut window);
+    assert_eq!(wanted.body.as_deref(), Some(&before), "the body that there is");
+    assert!(window.harness.query_by_label("Add to scene").is_none(), "it is in the scene");
+    window.click("Close");
+    assert_eq!(window.scene().bodies[1], before, "nothing was changed");
+    window.press("Preview…");
+    let Shape::Model(model) = &before.shape else { panic!("a model") };
+    window.harness.state_mut().ui.files.refill(BodyId(1), ModelShape { divisions: 9, ..model.clone() });
+    jellify_again(&mut window);
+    window.click("Apply");
+    let Shape::Model(model) = &window.scene().bodies[1].shape else { panic!("a model") };
+    assert_eq!((model.divisions, &window.scene().bodies[1].material), (9, &before.material));
+    window.click("Undo");
+    assert_eq!(window.scene().bodies[1], before, "one step");
+}
+
+/// Makes the body that the assistant asks for.
+fn jellify_again(window: &mut Window) -> Wanted {
     window.harness.run_steps(60);
     let wishes = std::mem::take(&mut window.harness.state_mut().ui.files.wishes);
     let asked = wishes.into_iter().find_map(|wish| match wish {
-        Wish::Jellify(shape, settings) => Some((shape, settings)),
+        Wish::Jellify(wanted) => Some(*wanted),
         _ => None,
     });
-    let (shape, settings) = asked.expect("the work is asked for");
-    let body = jellify(&shape, Path::new(""), &settings, &Progress::default()).expect("a body");
+    let wanted = asked.expect("the work is asked for");
+    let body = jellify(&wanted, &Progress::default()).expect("a body");
     window.harness.state_mut().ui.files.set_work(Work::Ready(Box::new(body)));
     window.wait();
-    window.click(button);
+    wanted
 }
 
 #[test]

@@ -7,6 +7,7 @@
 //! panels ────► egui ─────► panels (not sRGB: egui blends in that space) ────────────┴─ compose ─► surface
 //! ```
 
+mod inset;
 mod layer;
 mod outcome;
 mod surface;
@@ -19,6 +20,7 @@ use egui_wgpu::{RendererOptions, ScreenDescriptor};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
 
+use self::inset::Inset;
 use self::layer::{Layer, pixels, scaled};
 pub use self::outcome::{CanvasError, Shown};
 use self::surface::{Answer, Surface};
@@ -103,6 +105,8 @@ pub struct Canvas {
     /// Panels on which there is nothing: parts are cleared with it.
     blank: Option<Layer>,
     layers: Option<Layers>,
+    /// A picture within the panels.
+    inset: Option<Inset>,
 }
 
 impl fmt::Debug for Canvas {
@@ -137,6 +141,7 @@ impl Canvas {
             panels: None,
             blank: None,
             layers: None,
+            inset: None,
             gpu,
         })
     }
@@ -215,6 +220,18 @@ impl Canvas {
             self.surface.resize(&self.gpu);
         }
         Ok(Shown::Presented)
+    }
+
+    /// Draws a picture of so many pixels for the panels. Its texture is another one than the last, which is forgotten: what
+    /// showed it looks different.
+    pub fn draw_inset(&mut self, draw_list: &DrawList, size: [u32; 2]) -> Result<egui::TextureId, CanvasError> {
+        self.gpu.check()?;
+        let inset = Inset::new(&self.gpu, &mut self.renderer, &mut self.panel_renderer, draw_list, size)?;
+        let texture = inset.texture();
+        if let Some(old) = self.inset.replace(inset) {
+            self.panel_renderer.free_texture(&old.texture());
+        }
+        Ok(texture)
     }
 
     /// Draws the picture, if it is to be drawn. Gives the place of the one that then stands in the window, if any does.

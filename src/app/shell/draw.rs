@@ -9,12 +9,13 @@ use winit::event_loop::ActiveEventLoop;
 
 use super::drawing::{Drawing, Due};
 use super::{Shell, ShellError};
-use crate::app::canvas::{Detail, Frame, Panels, Shown};
+use crate::app::canvas::{CanvasError, Detail, Frame, Panels, Shown};
 use crate::app::damage::{self, damage};
 use crate::app::frame_meter::DrawingCost;
 use crate::app::handles::Chosen;
 use crate::app::pace::{Drawn, Reason};
 use crate::app::picture_rule::{self, Decision};
+use crate::app::ui::files::InsetWish;
 use crate::app::{hand, input::ViewRect};
 use crate::extract;
 use crate::view::axes::axes;
@@ -79,6 +80,9 @@ impl Shell {
         let exposed = !std::mem::take(&mut self.drawing.requested);
         let run = exposed || self.drawing.panels_due.at.is_some_and(|at| at <= begin) || self.canvas.needs_panels();
         let awaited = self.drawing.panels_due.awaited;
+        if run && let Err(error) = self.draw_inset() {
+            return self.recover(event_loop, error);
+        }
         let mut output = run.then(|| self.run_panels(event_loop));
         let panels = output.as_mut().and_then(|output| self.changed_panels(output));
         let view = self.view();
@@ -118,6 +122,15 @@ impl Shell {
                 (self.drawing.shapes, self.changed) = (Vec::new(), false);
             }
             Err(error) => self.recover(event_loop, error)?,
+        }
+        Ok(())
+    }
+
+    /// Draws the picture that the panels want within them.
+    fn draw_inset(&mut self) -> Result<(), CanvasError> {
+        if let Some(InsetWish { draw_list, size }) = self.ui.files.take_inset() {
+            let texture = self.canvas.draw_inset(&draw_list, size)?;
+            self.ui.files.inset_drawn(Some(texture));
         }
         Ok(())
     }

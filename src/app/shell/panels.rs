@@ -27,6 +27,9 @@ impl Shell {
         for command in commands {
             self.send(command);
         }
+        if self.ui.files.wants_inset() {
+            self.drawing.panels_due.ask(Instant::now(), Reason::Input);
+        }
         if (self.ui.theme, self.ui.selection, self.ui.follow_chosen) != looks {
             self.follow();
             self.changed = true;

@@ -5,11 +5,13 @@ use std::sync::Arc;
 
 use egui::Ui;
 
+use super::inset::Inset;
 use super::path_field::{PathField, PathUse, Verdict};
 use super::wish::Wish;
-use crate::scene::Settings;
-use crate::scene::body::ModelShape;
-use crate::session::jellify::Jellified;
+use crate::app::ui::Running;
+use crate::scene::body::{Body, ModelShape, Shape};
+use crate::scene::edit::BodyId;
+use crate::session::jellify::{Jellified, Wanted};
 use crate::session::progress::Progress;
 
 /// How long a value must stand before the work begins, s.
@@ -18,12 +20,23 @@ const PAUSE_SECS: f64 = 0.3;
 /// The assistant.
 #[derive(Debug)]
 pub(super) struct LoadModel {
-    pub(super) field: PathField,
+    pub(super) of: Of,
     pub(super) shape: ModelShape,
     /// What was last asked for, and since when it has been waited for, s.
     pub(super) asked: Option<ModelShape>,
     changed_secs: f64,
     pub(super) work: Work,
+    /// The picture of what is ready.
+    pub(super) inset: Inset,
+}
+
+/// What is made into jelly.
+#[derive(Debug)]
+pub(super) enum Of {
+    /// A file, as a new body.
+    File(PathField),
+    /// The model of a body of the scene, once more.
+    Body(BodyId),
 }
 
 /// How far the work is.
@@ -43,14 +56,24 @@ pub enum Work {
 impl LoadModel {
     /// An assistant that starts from a path.
     pub(super) fn new(start: &Path) -> Self {
-        let field = PathField::new(PathUse::OpenModel, start);
-        let shape = ModelShape::for_new();
-        Self { field, shape, asked: None, changed_secs: f64::NEG_INFINITY, work: Work::Idle }
+        Self::with(Of::File(PathField::new(PathUse::OpenModel, start)), ModelShape::for_new())
+    }
+
+    /// An assistant that starts from the model of a body.
+    pub(super) fn of_body(id: BodyId, shape: ModelShape) -> Self {
+        Self::with(Of::Body(id), shape)
+    }
+
+    fn with(of: Of, shape: ModelShape) -> Self {
+        let (changed_secs, inset) = (f64::NEG_INFINITY, Inset::default());
+        Self { of, shape, asked: None, changed_secs, work: Work::Idle, inset }
     }
 
     /// Puts another path into the field.
     pub(super) fn set(&mut self, path: &Path) {
-        self.field.set(path);
+        if let Of::File(field) = &mut self.of {
+            field.set(path);
+        }
     }
 
     /// The work has begun, ended or failed.
@@ -60,13 +83,14 @@ impl LoadModel {
 
     /// The shape that the values stand for, once the path leads to a file.
     fn wanted(&mut self) -> Option<ModelShape> {
-        let Verdict::Usable(path, _) = self.field.verdict() else { return None };
+        let Of::File(field) = &mut self.of else { return Some(self.shape.clone()) };
+        let Verdict::Usable(path, _) = field.verdict() else { return None };
         let path = std::path::absolute(path).ok()?;
         Some(ModelShape { path: path.to_str()?.to_owned(), ..self.shape.clone() })
     }
 
     /// Starts the work anew once the values have stood for a while.
-    pub(super) fn follow(&mut self, ui: &Ui, settings: &Settings, wishes: &mut Vec<Wish>) {
+    pub(super) fn follow(&mut self, ui: &Ui, running: Running<'_>, wishes: &mut Vec<Wish>) {
         let wanted = self.wanted();
         let now = ui.input(|input| input.time);
         if wanted != self.asked {
@@ -75,15 +99,41 @@ impl LoadModel {
             self.work = Work::Idle;
             wishes.push(Wish::StopJellifying);
         }
-        if self.changed_secs.is_finite() && self.asked.is_some() {
+        if self.changed_secs.is_finite()
+            && let Some(asked) = &self.asked
+        {
             let rest = self.changed_secs + PAUSE_SECS - now;
             if rest <= 0.0 {
                 self.changed_secs = f64::NEG_INFINITY;
-                wishes
-                    .extend(self.asked.clone().map(|shape| Wish::Jellify(Box::new(shape), Box::new(settings.clone()))));
+                wishes.push(Wish::Jellify(Box::new(self.work_for(asked.clone(), running))));
             } else {
                 ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(rest));
             }
         }
+    }
+
+    fn work_for(&self, model: ModelShape, running: Running<'_>) -> Wanted {
+        let wanted = Wanted::new(model, running.scene.settings.clone());
+        match self.body(running) {
+            None => wanted,
+            Some(body) => Wanted {
+                body: Some(Box::new(body.clone())),
+                base_dir: running.status.base_dir.clone(),
+                held: running.scene.models.clone(),
+                ..wanted
+            },
+        }
+    }
+
+    /// The body whose model is filled once more.
+    pub(super) fn body<'a>(&self, running: Running<'a>) -> Option<&'a Body> {
+        let Of::Body(id) = self.of else { return None };
+        running.scene.bodies.get(id.0)
+    }
+
+    /// Whether there is something to make jelly of: a body may have gone, or be of something else now.
+    pub(super) fn is_sound(&self, running: Running<'_>) -> bool {
+        let is_model = |body: &Body| matches!(&body.shape, Shape::Model(_));
+        matches!(self.of, Of::File(_)) || self.body(running).is_some_and(is_model)
     }
 }

@@ -1,9 +1,9 @@
 //! The assistant that makes a model into jelly (J7): which file, how finely, and what will come of it before anything
 //! is changed. A value that changes starts the work anew; the work itself is done elsewhere.
 
-use egui::{ComboBox, DragValue, Grid, ProgressBar, RichText, ScrollArea, Ui};
+use egui::{ComboBox, DragValue, Grid, ProgressBar, RichText, ScrollArea, Ui, Vec2};
 
-use super::assistant::{LoadModel, Work};
+use super::assistant::{LoadModel, Of, Work};
 use super::dialog::{buttons_ui, dialog_ui, main_button_ui};
 use super::path_field::PathUse;
 use super::{Running, UiState, Wish};
@@ -23,41 +23,75 @@ use crate::view::legend::three_digits;
 /// points.
 const HEIGHTS: [f32; 2] = [140.0, 236.0];
 const REST: f32 = 350.0;
+/// The dialog's width and that of the picture in it, points.
+const WIDTH: f32 = 760.0;
+const PICTURE_WIDTH: f32 = 290.0;
+/// What stands below the picture, points.
+const BELOW_PICTURE: f32 = 100.0;
 /// How often the progress is looked at while the work goes on.
 const LOOK: std::time::Duration = std::time::Duration::from_millis(60);
 
 /// The assistant, when it is open.
 pub(super) fn load_model_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(mut model) = state.files.model.take() else { return };
-    let mut done = false;
-    let escaped = dialog_ui(ui, "Load model", 600.0, |ui| {
+    let mut done = !model.is_sound(running);
+    let title = if let Of::Body(_) = model.of { "Fill model" } else { "Load model" };
+    let escaped = dialog_ui(ui, title, WIDTH, |ui| {
         let room = (ui.ctx().content_rect().height() - REST).max(0.0);
         let [list, work] = HEIGHTS.map(|height| height * (room / HEIGHTS.iter().sum::<f32>()).clamp(0.25, 1.0));
-        let response = model.field.ui(ui, "Model", !state.files.no_browser, list);
-        if response.browse {
-            state.files.wishes.push(Wish::Browse(PathUse::OpenModel, model.field.folder()));
+        let mut entered = false;
+        if let Of::File(field) = &mut model.of {
+            let response = field.ui(ui, "Model", !state.files.no_browser, list);
+            if response.browse {
+                state.files.wishes.push(Wish::Browse(PathUse::OpenModel, field.folder()));
+            }
+            entered = response.entered;
+        } else if let Some(body) = model.body(running) {
+            ui.label(RichText::new(&body.name).color(theme::of(ui).strong));
         }
         ui.separator();
-        values_ui(ui, &mut model.shape);
-        ui.separator();
-        model.follow(ui, &running.scene.settings, &mut state.files.wishes);
-        work_ui(ui, &mut model, work, running.status, &mut state.files.wishes);
+        model.follow(ui, running, &mut state.files.wishes);
+        let work = if let Of::Body(_) = model.of { work + list } else { work };
+        ui.horizontal_top(|ui| {
+            let width = (ui.available_width() - PICTURE_WIDTH - ui.spacing().item_spacing.x).max(0.0);
+            let left = ui.allocate_ui(Vec2::new(width, 0.0), |ui| {
+                ui.vertical(|ui| {
+                    values_ui(ui, &mut model.shape);
+                    ui.separator();
+                    work_ui(ui, &model, work, running.status, &mut state.files.wishes);
+                });
+            });
+            let height = left.response.rect.height();
+            ui.vertical(|ui| {
+                if let Work::Ready(body) = &model.work {
+                    let size = Vec2::new(PICTURE_WIDTH, (height - BELOW_PICTURE).max(0.5 * PICTURE_WIDTH));
+                    model.inset.ui(ui, &body.picture, &body.preview, size);
+                }
+            });
+        });
         ui.add_space(6.0);
         buttons_ui(ui, |ui| {
             let ready = matches!(model.work, Work::Ready(_));
-            let add = main_button_ui(ui, "Add to scene", ready).clicked() || (response.entered && ready);
-            let replace = ui.add_enabled(ready, egui::Button::new("Replace scene")).clicked();
-            done = ui.button("Close").clicked();
+            let is_new = matches!(model.of, Of::File(_));
+            let main = if is_new { "Add to scene" } else { "Apply" };
+            let add = main_button_ui(ui, main, ready).clicked() || (entered && ready);
+            let replace = is_new && ui.add_enabled(ready, egui::Button::new("Replace scene")).clicked();
+            done |= ui.button("Close").clicked();
             if (add || replace)
                 && let Work::Ready(body) = std::mem::take(&mut model.work)
             {
                 done = true;
-                state.files.folders.model = std::path::absolute(model.field.folder()).ok();
-                if add {
-                    state.awaited = Some(Target::Body(BodyId(running.scene.bodies.len())));
-                    commands.push(body.add_to(&adding::surroundings(running), state.look));
-                } else {
-                    commands.extend(body.replace());
+                match &model.of {
+                    Of::Body(id) => commands.push(body.refill(*id)),
+                    Of::File(field) => {
+                        state.files.folders.model = std::path::absolute(field.folder()).ok();
+                        if add {
+                            state.awaited = Some(Target::Body(BodyId(running.scene.bodies.len())));
+                            commands.push(body.add_to(&adding::surroundings(running), state.look));
+                        } else {
+                            commands.extend(body.replace());
+                        }
+                    }
                 }
             }
         });
@@ -119,7 +153,7 @@ fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
 }
 
 /// How far the work is and what comes of it, always as high, so that the buttons below stay where they are.
-fn work_ui(ui: &mut Ui, model: &mut LoadModel, height: f32, status: &Status, wishes: &mut Vec<Wish>) {
+fn work_ui(ui: &mut Ui, model: &LoadModel, height: f32, status: &Status, wishes: &mut Vec<Wish>) {
     let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, false]);
     area.show(ui, |ui| match &model.work {
         Work::Idle => {

@@ -4,9 +4,12 @@ use std::path::{Path, PathBuf};
 
 use super::action::FileAction;
 use super::assistant::{LoadModel, Work};
+use super::inset::InsetWish;
 use super::path_field::{PathField, PathUse};
 use super::wish::Wish;
 use crate::app::preferences::Folders;
+use crate::scene::body::ModelShape;
+use crate::scene::edit::BodyId;
 use crate::scene::view_settings::CameraSettings;
 use crate::session::document::ModelPlace;
 use crate::session::{Command, Status};
@@ -74,6 +77,28 @@ impl FilesState {
     /// Opens the assistant on a model.
     pub fn load_model(&mut self, path: &Path) {
         self.model = Some(LoadModel::new(path));
+    }
+
+    /// Opens the assistant on the model of a body.
+    pub fn refill(&mut self, id: BodyId, shape: ModelShape) {
+        self.model = Some(LoadModel::of_body(id, shape));
+    }
+
+    /// Whether the assistant wants its picture drawn.
+    pub fn wants_inset(&self) -> bool {
+        self.model.as_ref().is_some_and(|model| model.inset.has_wish())
+    }
+
+    /// What the assistant wants its picture to be, once.
+    pub fn take_inset(&mut self) -> Option<InsetWish> {
+        self.model.as_mut()?.inset.take_wish()
+    }
+
+    /// The assistant's picture was drawn; none where the window has lost what it drew.
+    pub fn inset_drawn(&mut self, texture: Option<egui::TextureId>) {
+        if let Some(model) = &mut self.model {
+            model.inset.drawn(texture);
+        }
     }
 
     /// The work on a model has begun, ended or failed.

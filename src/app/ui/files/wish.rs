@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use super::path_field::PathUse;
-use crate::scene::Settings;
-use crate::scene::body::ModelShape;
+use crate::session::jellify::Wanted;
 
 /// What only the window can do.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,8 +12,8 @@ pub enum Wish {
     Browse(PathUse, PathBuf),
     /// Close the window.
     Quit,
-    /// Make a model into a body, to run under these settings; [`super::FilesState::set_work`] hears of it.
-    Jellify(Box<ModelShape>, Box<Settings>),
+    /// Make a model into a body; [`super::FilesState::set_work`] hears of it.
+    Jellify(Box<Wanted>),
     /// The body is no longer wanted.
     StopJellifying,
     /// Open what was found after a crash.

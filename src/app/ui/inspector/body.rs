@@ -134,7 +134,7 @@ fn shape_ui(
     if editable {
         cube_ui(ui, id, body, commands);
     } else if matches!(body.shape, Shape::Model(_)) {
-        model_ui(ui, id, body, commands);
+        model_ui(ui, id, body, &mut state.files, commands);
         skin_ui(ui, id, body, commands);
     }
     brush_ui(ui, id, body, state, commands);

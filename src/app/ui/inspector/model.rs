@@ -4,6 +4,7 @@ use egui::{Label, Ui};
 
 use super::settings::{choice_ui, name_ui, words_of};
 use crate::app::ui::edits;
+use crate::app::ui::files::FilesState;
 use crate::app::ui::value::field_ui;
 use crate::scene::body::{Keep, MassFrom, ModelShape, OccupancyChoice};
 use crate::scene::edit::{BodyId, Edit};
@@ -17,8 +18,10 @@ const MASS_FROM: [(MassFrom, &str); 2] = [(MassFrom::Samples, "what is in cells"
 const BY_HAND: &str =
     "Cells that the brush put there or took away. Other divisions have other cells, and none of these.";
 
+const PREVIEW: &str = "Cells, speed and what cells lose of the model, before anything is changed";
+
 /// Divisions, length, and which cells there are.
-pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
+pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, files: &mut FilesState, commands: &mut Vec<Command>) {
     let Shape::Model(old) = &body.shape else { return };
     let path = |what: &str| format!("bodies.{}.shape.model.{what}", id.0);
     let edit = |model: ModelShape| Edit::Body(id, Box::new(Body { shape: Shape::Model(model), ..body.clone() }));
@@ -45,6 +48,9 @@ pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<
     let shown = words_of(old.keep, &KEEP);
     if let Some(keep) = choice_ui(ui, &path("keep"), "Keep", old.keep, shown, &KEEP) {
         commands.extend(edits::alone(edit(ModelShape { keep, ..old.clone() })));
+    }
+    if ui.button("Preview…").on_hover_text(PREVIEW).clicked() {
+        files.refill(id, old.clone());
     }
     by_hand_ui(ui, old, || edit(old.without_changes()), commands);
     // Particles of springs weigh what they are said to.

@@ -1,0 +1,121 @@
+//! The picture of a model in its cells: what is drawn, from where, and the texture that the window drew it in.
+
+use std::sync::Arc;
+
+use egui::{Color32, Rect, Sense, TextureId, Ui, Vec2, pos2};
+
+use crate::app::ui::theme;
+use crate::extract::model_picture::{JOINED, ModelPicture, THIN, THIN_AND_JOINED};
+use crate::session::jellify::Preview;
+use crate::view::{DrawList, Orbit, Style};
+
+/// How far a drag turns, radians a point.
+const TURN: f32 = 0.01;
+
+/// A picture that the window is to draw.
+#[derive(Debug)]
+pub struct InsetWish {
+    /// What is to be seen.
+    pub draw_list: DrawList,
+    /// Pixels.
+    pub size: [u32; 2],
+}
+
+/// The picture of a model in its cells.
+#[derive(Debug, Default)]
+pub(super) struct Inset {
+    /// What it is of, and from where it is seen.
+    of: Option<(Arc<ModelPicture>, Orbit)>,
+    shows_cells: bool,
+    /// What the texture shows, or will.
+    asked: Option<Asked>,
+    wish: Option<InsetWish>,
+    texture: Option<TextureId>,
+}
+
+/// What tells one picture from another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Asked {
+    orbit: Orbit,
+    cells: bool,
+    size: [u32; 2],
+    is_dark: bool,
+}
+
+impl Inset {
+    /// What the window is to draw, once.
+    pub(super) fn take_wish(&mut self) -> Option<InsetWish> {
+        self.wish.take()
+    }
+
+    /// Whether the window is to draw something.
+    pub(super) fn has_wish(&self) -> bool {
+        self.wish.is_some()
+    }
+
+    /// It was drawn; none where the window has lost what it drew.
+    pub(super) fn drawn(&mut self, texture: Option<TextureId>) {
+        self.texture = texture;
+        if texture.is_none() {
+            self.asked = None;
+        }
+    }
+
+    /// The picture in so much room, with what its colours mean below it.
+    pub(super) fn ui(&mut self, ui: &mut Ui, picture: &Arc<ModelPicture>, preview: &Preview, size: Vec2) {
+        let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
+        let label = "The model and its cells; drag to turn";
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, label));
+        let orbit = match &mut self.of {
+            Some((of, orbit)) if Arc::ptr_eq(of, picture) => orbit,
+            of => {
+                self.asked = None;
+                let turned = of.as_ref().map_or_else(Orbit::default, |(_, orbit)| *orbit);
+                let orbit = picture.seen_whole(turned, size.x / size.y);
+                &mut of.insert((Arc::clone(picture), orbit)).1
+            }
+        };
+        let drag = response.drag_delta() * TURN;
+        if drag != Vec2::ZERO {
+            orbit.orbit(-drag.x, drag.y);
+        }
+        let points = ui.ctx().pixels_per_point();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred")]
+        let pixels = [size.x, size.y].map(|side| (side * points).round().max(1.0) as u32);
+        let asked = Asked { orbit: *orbit, cells: self.shows_cells, size: pixels, is_dark: ui.visuals().dark_mode };
+        if self.asked != Some(asked) {
+            self.asked = Some(asked);
+            let style = if asked.is_dark { Style::dark() } else { Style::light() };
+            let draw_list = picture.draw_list(orbit, style, asked.cells, points);
+            self.wish = Some(InsetWish { draw_list, size: pixels });
+        }
+        match self.texture {
+            Some(texture) => {
+                let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+                ui.painter().image(texture, rect, whole, Color32::WHITE);
+            }
+            None => {
+                ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+            }
+        }
+        let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+        key_ui(ui, THIN, &format!("thinner than a cell: {}", percent(preview.thin_share)))
+            .on_hover_text("It becomes a cell thick, and bends less than it should");
+        key_ui(ui, JOINED, &format!("moves as one with what is near: {}", percent(preview.joined_share)))
+            .on_hover_text("A part or a fold nearer than a cell: cells hold both. More divisions tell them apart");
+        if preview.thin_share > 0.0 && preview.joined_share > 0.0 {
+            key_ui(ui, THIN_AND_JOINED, "both");
+        }
+        ui.checkbox(&mut self.shows_cells, "Cells").on_hover_text("Slopes become steps of cells");
+    }
+}
+
+/// A colour and what it means.
+fn key_ui(ui: &mut Ui, [red, green, blue]: [u8; 3], words: &str) -> egui::Response {
+    let row = ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(Vec2::splat(10.0), Sense::hover());
+        ui.painter().rect_filled(rect, 2.0, Color32::from_rgb(red, green, blue));
+        ui.label(egui::RichText::new(words).color(theme::of(ui).weak).small());
+    });
+    row.response
+}
