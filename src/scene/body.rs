@@ -180,9 +180,10 @@ impl Default for ModelShape {
 }
 
 impl ModelShape {
-    /// What a model that was never in a scene begins with: what files without a word of it mean is for old ones.
+    /// What a model that was never in a scene begins with, with all of its parts: what files without a word of it mean is for
+    /// old ones.
     pub fn for_new() -> Self {
-        Self { up: UpAxis::Auto, mass_from: MassFrom::Samples, ..Self::default() }
+        Self { up: UpAxis::Auto, mass_from: MassFrom::Samples, keep: Keep::All, ..Self::default() }
     }
 }
 

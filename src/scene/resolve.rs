@@ -260,7 +260,7 @@ pub fn fill<'a>(shape: &Shape, places: impl Into<ModelPlaces<'a>>, watch: &dyn W
 }
 
 /// The share of reading a model in making it ready.
-pub(crate) const READING: f64 = 0.7;
+pub(crate) const READING: f64 = 0.4;
 
 /// So many names are listed where one is wrong.
 pub(super) const NAMES_LISTED: usize = 12;

@@ -12,6 +12,9 @@ use crate::view::{DrawList, Orbit, Style};
 /// How far a drag turns, radians a point.
 const TURN: f32 = 0.01;
 
+/// The height of what a colour means, points.
+const KEY_HEIGHT: f32 = 16.0;
+
 /// A picture that the window is to draw.
 #[derive(Debug)]
 pub struct InsetWish {
@@ -98,6 +101,7 @@ impl Inset {
                 ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
             }
         }
+        (ui.spacing_mut().interact_size.y, ui.spacing_mut().item_spacing.y) = (KEY_HEIGHT, 4.0);
         let percent = |share: f64| format!("{:.0} %", 100.0 * share);
         key_ui(ui, THIN, &format!("thinner than a cell: {}", percent(preview.thin_share)))
             .on_hover_text("It becomes a cell thick, and bends less than it should");
