@@ -15,17 +15,15 @@ use std::collections::BTreeMap;
 
 use super::crossings::{Crossing, Crossings, spans};
 use super::holes::Patched;
-use super::pieces::{Divider, PIECE, area, takers};
-use super::quantized_mesh::QuantizedMesh;
+use super::pieces::{Divider, PIECE, takers};
 use super::report::VoxelReport;
 use super::shell::CHUNK;
 use super::{Cells, Grid, OccupancyChoice, VoxelizeError};
 use crate::geometry::places::Places;
-use crate::geometry::watch::{CancelOnly, Pieces};
 use crate::geometry::{TriMesh, Watch};
 
 /// How many samples the box of a model has at most, if its cells are no more.
-const MOST_SAMPLES: f64 = 8e6;
+const MOST_SAMPLES: f64 = 1.7e7;
 
 /// The thickness of a sheet over the model's longest extent.
 pub const SHEET_SHARE: f64 = 1.0 / 20.0;
@@ -48,9 +46,6 @@ const MOST_OFF: f64 = 0.2;
 
 /// The samples of thin open pieces are as rough as this.
 const MOST_OFF_OF_LIDS: f64 = 0.3;
-
-/// The most crossings of rays with the surface, along an axis.
-const MOST_CROSSINGS: f64 = 1e8;
 
 /// How full the cells of a model are.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -102,7 +97,7 @@ impl Contents {
 /// What was sampled, by cells of the grid.
 struct Sampled {
     /// What is in the cells that hold anything, in cells, in the order of [`Grid::index`].
-    of_cell: Vec<(usize, f32)>,
+    of_cell: Vec<(u32, f32)>,
     samples: usize,
     /// What all of it is for certain, in cells.
     known: Option<f64>,
@@ -131,7 +126,7 @@ pub(super) fn contents(
     let sampled = inside(mesh, &cells.grid, report, watch)?;
     let found = sampled.all();
     if !report.closed {
-        let in_air = sampled.of_cell.iter().filter(|(cell, _)| !cells.filled[*cell]);
+        let in_air = sampled.of_cell.iter().filter(|(cell, _)| !cells.filled[*cell as usize]);
         let in_air = in_air.map(|(_, share)| f64::from(*share)).sum::<f64>() - report.dropped_cells as f64;
         let is_hollow = report.occupancy == OccupancyChoice::Solid && in_air > (1.0 - LEAST_HELD) * found;
         if found == 0.0 || is_hollow {
@@ -176,68 +171,29 @@ fn inside(mesh: &TriMesh, grid: &Grid, report: &VoxelReport, watch: &dyn Watch) 
 
 /// Samples the inside. `parity` is as centre occupancy has it: what surfaces wind around an even number of times is out.
 fn volume(mesh: &TriMesh, grid: &Grid, parity: bool, watch: &dyn Watch) -> Result<Sampled, VoxelizeError> {
-    let area = area(mesh, grid);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 200")]
-    let mut along = libm::cbrt(MOST_SAMPLES / grid.len() as f64).max(1.0) as u32;
-    while along > 1 && area * f64::from(along).powi(2) > MOST_CROSSINGS {
-        along /= 2;
-    }
-    let fine =
-        Grid { cell_size: grid.cell_size / f64::from(along), dims: grid.dims.map(|n| n * along), origin: grid.origin };
-    let mut quantized = QuantizedMesh::within(mesh, fine);
-    let mut along_axis = |axis: usize| {
-        if axis > 0 {
-            for corner in quantized.triangles.iter_mut().flatten() {
-                corner.rotate_left(1);
-            }
-        }
-        let mut dims = fine.dims;
-        dims.rotate_left(axis);
-        let pieces = quantized.triangles.len().div_ceil(CHUNK);
-        let silent = CancelOnly(watch);
-        Crossings::new(&quantized.triangles, dims, &Pieces::new(&silent, pieces, [0.0, 1.0]))
-    };
-    let [along_x, along_y, along_z] = [along_axis(0)?, along_axis(1)?, along_axis(2)?];
+    let along = libm::cbrt(MOST_SAMPLES / grid.len() as f64).max(1.0) as u32;
+    let ([along_x, along_y, along_z], fine) = Crossings::along_axes(mesh, grid, along, 1, watch)?;
+    let along = fine.dims[0] / grid.dims[0];
     let [nx, ny, nz] = fine.dims;
     let mut seen = Seen { parity, leaks: false, ways: [false; 2], wound: 0, inside: 0 };
-    // The rays along z stand side by side: how many of its surfaces each has crossed, and what winds around it.
-    let mut columns = vec![(0_u32, 0_i16); nx as usize * ny as usize];
+    // The rays along z stand side by side.
+    let mut columns = vec![Column::default(); nx as usize * ny as usize];
+    let cell_of: Vec<usize> = (0..nx.max(ny)).map(|step| (step / along) as usize).collect();
     let mut votes = vec![0_u8; columns.len()];
     let each = 1.0 / f64::from(along).powi(3);
     let mut of_cell = Vec::new();
     let mut of_layer = vec![0_u32; (grid.dims[0] * grid.dims[1]) as usize];
     let mut samples = 0;
     for k in 0..nz {
-        votes.fill(0);
-        for j in 0..ny {
-            let row = &mut votes[(j * nx) as usize..][..nx as usize];
-            let ray = along_x.of_ray(j, k);
-            let total = total(ray);
-            spans(ray, nx, |first, end, winding| {
-                let of_each = seen.see(winding, total, end - first);
-                row[first as usize..end as usize].iter_mut().for_each(|votes| *votes += of_each);
-            });
-        }
-        for i in 0..nx {
-            let ray = along_y.of_ray(k, i);
-            let total = total(ray);
-            spans(ray, ny, |first, end, winding| {
-                let of_each = seen.see(winding, total, end - first);
-                if of_each > 0 {
-                    (first..end).for_each(|j| votes[(j * nx + i) as usize] += of_each);
-                }
-            });
-        }
-        for (at, (j, i)) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))).enumerate() {
-            let (crossed, winding) = &mut columns[at];
-            let ray = along_z.of_ray(i, j);
-            while let Some(crossing) = ray.get(*crossed as usize).filter(|crossing| u32::from(crossing.at) <= k) {
-                *winding = winding.wrapping_add(crossing.sign);
-                *crossed += 1;
+        across(&mut votes, [&along_x, &along_y], [nx, ny], k, &mut seen);
+        let of_columns = (0..ny).flat_map(|j| (0..nx).map(move |i| [i, j]));
+        for ((column, votes), [i, j]) in columns.iter_mut().zip(&votes).zip(of_columns) {
+            if column.until == k {
+                column.go_on(along_z.of_ray(i, j), nz, &mut seen);
             }
-            votes[at] += seen.see(*winding, total(ray), 1);
-            if votes[at] > 3 {
-                of_layer[(i / along + grid.dims[0] * (j / along)) as usize] += 1;
+            if votes + column.of_each > 3 {
+                of_layer[cell_of[i as usize] + cell_of[j as usize] * grid.dims[0] as usize] += 1;
                 samples += 1;
             }
         }
@@ -245,7 +201,7 @@ fn volume(mesh: &TriMesh, grid: &Grid, parity: bool, watch: &dyn Watch) -> Resul
             let layer = of_layer.len() * (k / along) as usize;
             for (at, count) in of_layer.iter_mut().enumerate().filter(|(_, count)| **count > 0) {
                 #[expect(clippy::cast_possible_truncation, reason = "as precise as it is needed")]
-                of_cell.push((layer + at, (f64::from(*count) * each) as f32));
+                of_cell.push((number(layer + at), (f64::from(*count) * each) as f32));
                 *count = 0;
             }
         }
@@ -256,6 +212,53 @@ fn volume(mesh: &TriMesh, grid: &Grid, parity: bool, watch: &dyn Watch) -> Resul
     let once = if wound > 0 { inside as f64 / wound as f64 } else { 1.0 };
     let known = is_alike.then(|| enclosed(mesh, grid) * once);
     Ok(Sampled { of_cell, samples, known })
+}
+
+/// How many of the ways along x and y find each sample of a layer inside.
+fn across(votes: &mut [u8], [along_x, along_y]: [&Crossings; 2], [nx, ny]: [u32; 2], k: u32, seen: &mut Seen) {
+    for j in 0..ny {
+        let row = &mut votes[(j * nx) as usize..][..nx as usize];
+        let ray = along_x.of_ray(j, k);
+        let total = total(ray);
+        spans(ray, nx, |first, end, winding| {
+            row[first as usize..end as usize].fill(seen.see(winding, total, end - first));
+        });
+    }
+    for i in 0..nx {
+        let ray = along_y.of_ray(k, i);
+        let total = total(ray);
+        spans(ray, ny, |first, end, winding| {
+            let of_each = seen.see(winding, total, end - first);
+            if of_each > 0 {
+                (first..end).for_each(|j| votes[(j * nx + i) as usize] += of_each);
+            }
+        });
+    }
+}
+
+/// A ray along z, as far as its samples were looked at.
+#[derive(Clone, Copy, Default)]
+struct Column {
+    /// How many of its crossings are behind.
+    crossed: u32,
+    winding: i16,
+    /// How many of the two ways along the ray find the samples inside, ...
+    of_each: u8,
+    /// ... up to this one.
+    until: u32,
+}
+
+impl Column {
+    /// Goes on from where the last samples ended, of so many.
+    fn go_on(&mut self, ray: &[Crossing], samples: u32, seen: &mut Seen) {
+        let from = self.until;
+        while let Some(crossing) = ray.get(self.crossed as usize).filter(|crossing| u32::from(crossing.at) <= from) {
+            self.winding = self.winding.wrapping_add(crossing.sign);
+            self.crossed += 1;
+        }
+        self.until = ray.get(self.crossed as usize).map_or(samples, |crossing| u32::from(crossing.at).min(samples));
+        self.of_each = seen.see(self.winding, total(ray), self.until - from);
+    }
 }
 
 /// What rays saw of the samples on them.
@@ -292,6 +295,11 @@ fn total(ray: &[Crossing]) -> i16 {
     ray.iter().fold(0, |sum: i16, crossing| sum.wrapping_add(crossing.sign))
 }
 
+/// A place in the grid, of which there are fewer than 2³².
+fn number(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}
+
 /// The volume that a closed mesh encloses (Gauss), in cells.
 fn enclosed(mesh: &TriMesh, grid: &Grid) -> f64 {
     let six = |triangle: usize| {
@@ -303,7 +311,7 @@ fn enclosed(mesh: &TriMesh, grid: &Grid) -> f64 {
 
 /// Samples the surface, `thickness` cells thick.
 fn surface(mesh: &TriMesh, grid: &Grid, thickness: f64, watch: &dyn Watch) -> Result<Sampled, VoxelizeError> {
-    let mut of_cell: BTreeMap<usize, f32> = BTreeMap::new();
+    let mut of_cell: BTreeMap<u32, f32> = BTreeMap::new();
     let (mut samples, mut all) = (0, 0.0);
     let mut divider = Divider::new(mesh, grid, PIECE);
     for triangle in 0..mesh.triangles.len() {
@@ -313,7 +321,7 @@ fn surface(mesh: &TriMesh, grid: &Grid, thickness: f64, watch: &dyn Watch) -> Re
         divider.pieces(triangle, |cell, area| {
             #[expect(clippy::cast_possible_truncation, reason = "as precise as it is needed")]
             let volume = (area * thickness) as f32;
-            *of_cell.entry(grid.index(cell)).or_default() += volume;
+            *of_cell.entry(number(grid.index(cell))).or_default() += volume;
             all += area * thickness;
             samples += 1;
         });
@@ -328,13 +336,13 @@ fn share_out(sampled: &Sampled, cells: &Cells, of_surface: bool) -> Contents {
     let places = Places::new(cells.filled.clone());
     let mut of_filled = vec![0.0_f32; places.len()];
     for &(cell, share) in of_cell {
-        if let Some(number) = places.number(cell) {
+        if let Some(number) = places.number(cell as usize) {
             of_filled[number as usize] = share;
         }
     }
     let mut lost = 0.0;
-    for &(cell, share) in of_cell.iter().filter(|(cell, _)| !cells.filled[*cell]) {
-        let takers = takers(&grid, grid.cell(cell), |near| cells.filled[near]);
+    for &(cell, share) in of_cell.iter().filter(|(cell, _)| !cells.filled[*cell as usize]) {
+        let takers = takers(&grid, grid.cell(cell as usize), |near| cells.filled[near]);
         match u8::try_from(takers.clone().count()).unwrap_or(u8::MAX) {
             0 => lost += f64::from(share),
             count => {

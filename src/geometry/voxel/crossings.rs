@@ -6,14 +6,19 @@
 
 use rayon::prelude::*;
 
-use super::VoxelizeError;
-use super::quantized_mesh::{CELL, Point};
+use super::pieces::area;
+use super::quantized_mesh::{CELL, Point, QuantizedMesh};
 use super::shell::CHUNK;
 use super::touch::{cross, minus};
-use crate::geometry::watch::Pieces;
+use super::{Grid, VoxelizeError};
+use crate::geometry::watch::{CancelOnly, Pieces};
+use crate::geometry::{TriMesh, Watch};
 
 /// Chunks of triangles whose crossings are found before those at the same place are made one.
 const CHUNKS_AT_ONCE: usize = 64;
+
+/// The most crossings of rays with the surface, along an axis.
+const MOST_CROSSINGS: f64 = 3e7;
 
 /// So many crossings are not worth it.
 const FEW: usize = 1 << 20;
@@ -41,6 +46,38 @@ pub(super) struct Crossings {
 }
 
 impl Crossings {
+    /// Those of rays along x, y and z through cells that are `steps` times finer than a grid's, or less fine where the surface is
+    /// so large that the crossings would be too many, but `least` times; and how fine the cells are. The grid's axes are turned
+    /// so that the rays' is the first. Nobody is told how far the work is.
+    pub(super) fn along_axes(
+        mesh: &TriMesh,
+        grid: &Grid,
+        mut steps: u32,
+        least: u32,
+        watch: &dyn Watch,
+    ) -> Result<([Self; 3], Grid), VoxelizeError> {
+        let area = area(mesh, grid);
+        while steps > least && area * f64::from(steps).powi(2) > MOST_CROSSINGS {
+            steps = (steps / 2).max(least);
+        }
+        let dims = grid.dims.map(|n| n * steps);
+        let fine = Grid { cell_size: grid.cell_size / f64::from(steps), dims, origin: grid.origin };
+        let mut quantized = QuantizedMesh::within(mesh, fine);
+        let silent = CancelOnly(watch);
+        let mut along = |axis: usize| {
+            if axis > 0 {
+                for corner in quantized.triangles.iter_mut().flatten() {
+                    corner.rotate_left(1);
+                }
+            }
+            let mut dims = dims;
+            dims.rotate_left(axis);
+            let pieces = quantized.triangles.len().div_ceil(CHUNK);
+            Self::new(&quantized.triangles, dims, &Pieces::new(&silent, pieces, [0.0, 1.0]))
+        };
+        Ok(([along(0)?, along(1)?, along(2)?], fine))
+    }
+
     /// Those of rays through a grid of so many cells; the triangles are in coordinates of the padded one. The result does not
     /// depend on the number of threads.
     pub(super) fn new(triangles: &[[Point; 3]], dims: [u32; 3], pieces: &Pieces<'_>) -> Result<Self, VoxelizeError> {

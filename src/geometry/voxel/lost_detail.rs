@@ -12,17 +12,12 @@ use glam::DVec3;
 use super::crossings::{Crossing, Crossings, spans};
 use super::holes::Patched;
 use super::pieces::{Divider, area};
-use super::quantized_mesh::QuantizedMesh;
 use super::shell::CHUNK;
 use super::{Grid, VoxelizeError};
-use crate::geometry::watch::{CancelOnly, Pieces};
 use crate::geometry::{TriMesh, Watch};
 
 /// Steps of thickness in a cell, if the surface is not too large.
 const STEPS: u32 = 8;
-
-/// The most crossings of rays with the surface, along an axis.
-const MOST_CROSSINGS: f64 = 2e7;
 
 /// The surface is looked at in so many pieces, and more where its triangles are smaller.
 const PIECES: f64 = 3e4;
@@ -128,28 +123,8 @@ impl Rays {
     fn new(mesh: &TriMesh, grid: &Grid, watch: &dyn Watch) -> Result<Self, VoxelizeError> {
         let patched = Patched::of(mesh);
         let mesh = patched.as_ref().map_or(mesh, |patched| &patched.whole);
-        let mut steps = STEPS;
-        let area = area(mesh, grid);
-        while steps > 2 && area * f64::from(steps).powi(2) > MOST_CROSSINGS {
-            steps /= 2;
-        }
-        let dims = grid.dims.map(|n| n * steps);
-        let fine = Grid { cell_size: grid.cell_size / f64::from(steps), dims, origin: grid.origin };
-        let mut quantized = QuantizedMesh::within(mesh, fine);
-        let silent = CancelOnly(watch);
-        let mut along_axis = |axis: usize| {
-            if axis > 0 {
-                for corner in quantized.triangles.iter_mut().flatten() {
-                    corner.rotate_left(1);
-                }
-            }
-            let mut dims = dims;
-            dims.rotate_left(axis);
-            let pieces = quantized.triangles.len().div_ceil(CHUNK);
-            Crossings::new(&quantized.triangles, dims, &Pieces::new(&silent, pieces, [0.0, 1.0]))
-        };
-        let along = [along_axis(0)?, along_axis(1)?, along_axis(2)?];
-        Ok(Self { steps, dims, along })
+        let (along, fine) = Crossings::along_axes(mesh, grid, STEPS, 2, watch)?;
+        Ok(Self { steps: fine.dims[0] / grid.dims[0], dims: fine.dims, along })
     }
 
     /// What is behind a piece and in front of it; corners are in cells.

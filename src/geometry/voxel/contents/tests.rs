@@ -74,7 +74,7 @@ fn samples_agree_with_the_triangle_test() {
             for (what, sampled, cells, most) in
                 [("volume", of_volume, solid, 0.05), ("surface", of_surface, surface, 0.125)]
             {
-                let inside = sampled.of_cell.iter().filter(|(cell, _)| cells.filled[*cell]).count();
+                let inside = sampled.of_cell.iter().filter(|(cell, _)| cells.filled[*cell as usize]).count();
                 assert_eq!(inside, sampled.of_cell.len(), "{name} in {divisions}: no {what} elsewhere");
                 let without = 1.0 - inside as f64 / cells.count() as f64;
                 assert!(without < most, "{name} in {divisions}: {without} of the cells have no {what}");
