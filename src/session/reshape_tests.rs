@@ -45,7 +45,7 @@ fn a_model_filled_anew_goes_on_from_where_it_was() {
         &|model| model.divisions = 15,
         &|model| model.divisions = 5,
         &|model| model.occupancy = OccupancyChoice::Solid,
-        &|model| model.keep = Keep::All,
+        &|model| model.keep = Keep::Largest,
     ];
     for (number, change) in changes.into_iter().enumerate() {
         let mut session = spot(200);

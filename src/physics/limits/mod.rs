@@ -168,7 +168,7 @@ impl SceneLimits {
 /// Whether the links of all cells of a body hold their angles. Those of a solid do.
 fn angles_are_held_in<R: Real>(body: &BodyModel<R>) -> bool {
     matches!(body.composition, Composition::Solids { .. })
-        || body.lattices().iter().all(|lattice| angles_are_held(lattice.stiffness))
+        || body.lattices().all(|lattice| angles_are_held(lattice.stiffness))
 }
 
 fn smaller(a: Option<f64>, b: Option<f64>) -> Option<f64> {

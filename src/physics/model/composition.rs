@@ -60,20 +60,22 @@ pub(in crate::physics) struct LatticeConstants {
 
 impl Composition {
     /// The lattices that a body of these links is made of: one, or one for each kind of its cells.
-    pub(in crate::physics) fn lattices<R: Real>(&self, links: &[LinkFamily<R>; 3]) -> Vec<LatticeConstants> {
+    pub(in crate::physics) fn lattices<R: Real>(
+        &self,
+        links: &[LinkFamily<R>; 3],
+    ) -> impl Iterator<Item = LatticeConstants> {
         let has_links = links.each_ref().map(|family| !family.links.is_empty());
-        let of_links =
-            |constants: [f64; 3]| std::array::from_fn(|family| if has_links[family] { constants[family] } else { 0.0 });
-        let lattice = |stiffness: [f64; 3], damping: [f64; 3]| LatticeConstants {
-            stiffness: of_links(stiffness),
-            damping: of_links(damping),
+        let of_links = move |constants: [f64; 3]| {
+            std::array::from_fn(|family| if has_links[family] { constants[family] } else { 0.0 })
         };
-        match self.kinds() {
-            [] => {
-                let stiffness = links.each_ref().map(|family| family.stiffness.to_f64());
-                vec![lattice(stiffness, links.each_ref().map(|family| family.damping.to_f64()))]
-            }
-            kinds => kinds.iter().map(|kind| lattice(kind.stiffness, kind.damping)).collect(),
-        }
+        let kinds = self.kinds();
+        let alike = kinds.is_empty().then(|| LatticeConstants {
+            stiffness: of_links(links.each_ref().map(|family| family.stiffness.to_f64())),
+            damping: of_links(links.each_ref().map(|family| family.damping.to_f64())),
+        });
+        let each = kinds
+            .iter()
+            .map(move |kind| LatticeConstants { stiffness: of_links(kind.stiffness), damping: of_links(kind.damping) });
+        alike.into_iter().chain(each)
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::geometry::Lattice;
 
-/// Steps of the least full cell of a body.
-const OF_THE_LEAST: f64 = 32.0;
+/// Steps of the least full cell of a body, at least.
+const OF_THE_LEAST: f64 = 64.0;
 
 /// The stiffness of every cell over that of a full one: what is in it over its volume, in whole steps, rounded down. A cell
 /// is then no stiffer for its mass than a full one, and bears the same steps in time.
@@ -19,7 +19,10 @@ impl Levels {
     /// Those of a lattice; none where all cells are full.
     pub(in crate::physics) fn of(lattice: &Lattice) -> Option<Self> {
         let shares = lattice.shares.as_ref()?;
-        let step = least_share(lattice) / OF_THE_LEAST;
+        // Most cells of a thick body are full, or nearly, and all to the same share: of that nothing is to be lost.
+        let middle = shares.len() / 2;
+        let usual = *shares.clone().select_nth_unstable_by(middle, f64::total_cmp).1;
+        let step = usual / libm::ceil(OF_THE_LEAST * usual / least_share(lattice));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count, saturating")]
         let level = |share: &f64| libm::floor(share / step * (1.0 + 1e-12)).max(1.0) as u16;
         Some(Self { of_cell: shares.iter().map(level).collect(), step })

@@ -163,7 +163,7 @@ pub(in crate::physics) struct AmongBodies {
 
 impl<R: Real> BodyModel<R> {
     /// The lattices that it is made of: one, or one for each kind of its cells.
-    pub(in crate::physics) fn lattices(&self) -> Vec<LatticeConstants> {
+    pub(in crate::physics) fn lattices(&self) -> impl Iterator<Item = LatticeConstants> {
         self.composition.lattices(&self.links)
     }
 

@@ -191,7 +191,7 @@ fn relaxation_secs<R: Real>(body: &BodyModel<R>) -> f64 {
         let [stiffness, damping] = [stiffness, damping].map(|by_family| by_family.iter().sum::<f64>());
         if damping > 0.0 { damping / stiffness } else { 0.0 }
     };
-    body.lattices().into_iter().map(of).fold(0.0, f64::max)
+    body.lattices().map(of).fold(0.0, f64::max)
 }
 
 /// How far a particle of a body at rest may be from its anchor, m; at last less than gravity would have taken it.

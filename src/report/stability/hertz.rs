@@ -1,12 +1,13 @@
-//! Contact of a round body against Hertz's theory: how hard a ball has to be pressed on a hard plane to be indented so far,
-//! and how large the patch becomes that it is pressed on, over ever more cells.
+//! Contact of a round body against Hertz's theory: how hard a ball has to be pressed on a hard plane, or on its like, to be
+//! indented so far, and how large the patch becomes that it is pressed on, over ever more cells.
 //!
 //! ```text
-//!    ▔▔▔▔▔▔▔▔▔  plate, comes down by δ
-//!      ╭───╮
-//!      │ + │    middle: R − δ above the plate
-//!      ╰───╯
-//!    ▁▁▁▁▁▁▁▁▁  plate, comes up by δ
+//!    ▔▔▔▔▔▔▔▔▔  plate, comes down by δ              ▔▔▔▔▔▔▔▔▔  by 2 δ
+//!      ╭───╮                                          ╭─+─╮
+//!      │ + │    middle: R − δ above the plate         ╰───╯    middles: 2 (R − δ) from each other
+//!      ╰───╯                                          ╭───╮
+//!    ▁▁▁▁▁▁▁▁▁  plate, comes up by δ                  ╰─+─╯
+//!                                                   ▁▁▁▁▁▁▁▁▁
 //! ```
 //!
 //! The indentation is measured as the approach of the middle and the plane: Hertz's own, that of points far from the patch.
@@ -15,7 +16,11 @@
 //!
 //! By Hertz a ball of radius R meets a hard plane with `F = 4/3 E* √R δ^(3/2)` and the pressure `p₀ √(1 − r²/a²)` on a patch
 //! of radius `a = √(R δ)`, where `E* = E/(1 − ν²)`. The second moment of that pressure is `2/5 a²`, by which the patch is
-//! measured: a number of particles would go up in steps.
+//! measured: a number of particles would go up in steps. Balls alike meet as if a hard plane were between them: with half the
+//! modulus, half the radius and twice the approach the formulas give the same force and patch.
+//!
+//! Nothing rubs in Hertz's theory. Two balls on each other between plates that do not rub buckle aside, so these do; between the
+//! balls that changes nothing, as both spread alike.
 //!
 //! A ball of cells has a flat of radius `√(R h)` at its pole, h the edge of a cell, with steps around it. Until it is pressed
 //! in by about h only the flat touches, and it is met like a punch, too hard: by `3/2 √(h/δ)` times Hertz's force. So at one
@@ -26,7 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::physics::{Arrival, Simulation};
 use crate::report::extremes::lattices;
-use crate::scene::body::CellsShape;
+use crate::scene::body::{CellsShape, Pose};
 use crate::scene::material::POISSON_RATIO;
 use crate::scene::obstacle::{Cuboid, Motion, Oscillate};
 use crate::scene::resolve::ResolveError;
@@ -46,13 +51,50 @@ const PLATE: f64 = 0.5;
 const PRESS_SECS: f64 = 2.0;
 /// The step that is asked for, s.
 const STEP_SECS: f64 = 4e-3;
+/// No particle is faster where a ball is at rest, m/s: over a second that is a thousandth of the indentation.
+const REST_SPEED: f64 = 5e-5;
+/// Two balls on each other roll aside in the end. Before, they are at rest where their approach changes by no larger a share in
+/// so many looks, which take a second.
+const REST_CHANGE: f64 = 1e-3;
+const REST_LOOKS: usize = 5;
+/// What keeps two balls on each other.
+const FRICTION: f64 = 0.6;
 /// How often it is looked whether anything moves, s, and for how long at most.
 const LOOK_SECS: f64 = 0.2;
 const LONGEST_SECS: f64 = 30.0;
-/// No particle is faster where a ball is at rest, m/s: over a second that is a thousandth of the indentation.
-const REST_SPEED: f64 = 5e-5;
 /// The force and the patch may miss theory by so much where a ball is indented by the edge of a cell, half as much at twice that.
 const MOST_ERROR: f64 = 1.0;
+
+/// What a ball is pressed on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Against {
+    /// A hard plane.
+    Plane,
+    /// Another ball like it.
+    Like,
+}
+
+impl Against {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Plane, Self::Like];
+
+    /// Balls between the plates.
+    fn balls(self) -> u8 {
+        match self {
+            Self::Plane => 1,
+            Self::Like => 2,
+        }
+    }
+
+    /// In a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Plane => "plane",
+            Self::Like => "like",
+        }
+    }
+}
 
 /// Cells across the ball.
 fn divisions(quick: bool) -> &'static [u32] {
@@ -66,24 +108,35 @@ fn theory(indentation_m: f64) -> [f64; 2] {
     [4.0 / 3.0 * modulus * patch * indentation_m, patch]
 }
 
-/// The ball between plates that are on their way, or have come. They do not rub: in Hertz's theory nothing does.
-fn scene(divisions: u32, have_come: bool) -> Scene {
-    let ball =
-        Body { shape: ball(divisions), material: Material::Solid(SOLID), self_collides: false, ..Body::default() };
+/// The balls between plates that are on their way, or have come.
+fn scene(divisions: u32, against: Against, have_come: bool) -> Scene {
+    let balls = f64::from(against.balls());
+    let friction = if against == Against::Plane { 0.0 } else { FRICTION };
+    let ball = |number: u8| Body {
+        shape: ball(divisions),
+        pose: Pose { position: [0.0, RADIUS * (2.0 * f64::from(number) + 1.0 - balls), 0.0], ..Pose::default() },
+        material: Material::Solid(SOLID),
+        self_collides: false,
+        friction_static: friction,
+        friction_dynamic: friction,
+        ..Body::default()
+    };
+    let amplitude = balls * WAY;
     let plate = |side: f64| {
-        let way = if have_come { WAY } else { 0.0 };
-        let center = [0.0, side * (RADIUS + PLATE - way), 0.0];
+        let way = if have_come { amplitude } else { 0.0 };
+        let center = [0.0, side * (balls * RADIUS + PLATE - way), 0.0];
         let shape = Cuboid { center, half_extents: [2.0 * RADIUS, PLATE, 2.0 * RADIUS], ..Cuboid::default() };
-        let coming = Oscillate { axis: [0.0, -side, 0.0], amplitude: WAY, period_secs: 4.0 * PRESS_SECS };
+        let coming = Oscillate { axis: [0.0, -side, 0.0], amplitude, period_secs: 4.0 * PRESS_SECS };
         Obstacle {
             shape: ObstacleShape::Box(shape),
             motion: (!have_come).then_some(Motion::Oscillate(coming)),
-            friction_static: 0.0,
-            friction_dynamic: 0.0,
+            friction_static: friction,
+            friction_dynamic: friction,
             ..Obstacle::default()
         }
     };
-    let mut scene = Scene { bodies: vec![ball], obstacles: [-1.0, 1.0].map(plate).to_vec(), ..Scene::default() };
+    let bodies = (0..against.balls()).map(ball).collect();
+    let mut scene = Scene { bodies, obstacles: [-1.0, 1.0].map(plate).to_vec(), ..Scene::default() };
     scene.settings.gravity = [0.0; 3];
     scene.settings.dt = STEP_SECS;
     scene.settings.sleeping = false;
@@ -104,9 +157,11 @@ fn ball(divisions: u32) -> Shape {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names are the keys of the JSON object")]
 pub struct HertzRow {
+    pub against: Against,
     pub divisions: u32,
+    /// Of all balls.
     pub particles: usize,
-    /// How far the middle and the plane have come nearer.
+    /// How far the middle and the plane have come nearer, or half of how far the middles have.
     pub indentation_m: f64,
     pub force_n: f64,
     pub force_over_theory: f64,
@@ -145,8 +200,10 @@ pub struct HertzFigures {
 /// # Errors
 /// If a shape cannot be made, which no ball should cause.
 pub fn measure(quick: bool) -> Result<HertzFigures, ResolveError> {
-    let rows: Vec<_> = divisions(quick).iter().map(|&divisions| pressed(divisions)).collect::<Result<_, _>>()?;
-    Ok(HertzFigures { passed: converges(&rows), rows })
+    let pressed = |against| divisions(quick).iter().map(move |divisions| pressed(*divisions, against));
+    let rows: Vec<_> = Against::ALL.into_iter().flat_map(pressed).collect::<Result<_, _>>()?;
+    let passed = rows.chunk_by(|a, b| a.against == b.against).all(converges);
+    Ok(HertzFigures { rows, passed })
 }
 
 /// Whether all rows are at rest and miss by less the finer they are, and by no more than their cells account for.
@@ -157,32 +214,40 @@ fn converges(rows: &[HertzRow]) -> bool {
 }
 
 /// Presses until nothing moves.
-fn pressed(divisions: u32) -> Result<HertzRow, ResolveError> {
-    let coming = scene(divisions, false);
+fn pressed(divisions: u32, against: Against) -> Result<HertzRow, ResolveError> {
+    let coming = scene(divisions, against, false);
     let lattices = lattices(&coming)?;
     let mut simulation = Simulation::<f64>::new(&coming, &lattices);
     simulation.run_for(PRESS_SECS);
     // They sweep to where they are.
-    simulation.set_parameters(&scene(divisions, true), &lattices, &[Some(0), Some(1)], Arrival::Swept);
-    let mut rest_secs = None;
+    simulation.set_parameters(&scene(divisions, against, true), &lattices, &[Some(0), Some(1)], Arrival::Swept);
+    let (mut rest_secs, mut seen) = (None, Vec::new());
     while rest_secs.is_none() && simulation.state().time_secs < LONGEST_SECS {
         if simulation.run_for(LOOK_SECS).diverged {
             break;
         }
-        let is_still = simulation.diagnostics().max_speed < REST_SPEED;
+        seen.push(indentation(&simulation, against));
+        let is_still = match against {
+            Against::Plane => simulation.diagnostics().max_speed < REST_SPEED,
+            Against::Like => seen.len() > REST_LOOKS && changes(&seen[seen.len() - 1 - REST_LOOKS..]) < REST_CHANGE,
+        };
         rest_secs = is_still.then_some(simulation.state().time_secs);
     }
-    Ok(row(divisions, &simulation, rest_secs))
+    Ok(row(divisions, against, &simulation, rest_secs))
 }
 
-fn row(divisions: u32, simulation: &Simulation<f64>, rest_secs: Option<f64>) -> HertzRow {
-    let indentation_m = WAY - middle(simulation);
-    let pushes = pushes(simulation);
+fn row(divisions: u32, against: Against, simulation: &Simulation<f64>, rest_secs: Option<f64>) -> HertzRow {
+    let indentation_m = indentation(simulation, against);
+    let pushes = match against {
+        Against::Plane => pushes_on_plate(simulation),
+        Against::Like => pushes_on_like(simulation),
+    };
     let force_n: f64 = pushes.iter().map(|(_, force)| force).sum();
     let moment: f64 = pushes.iter().map(|(squared, force)| squared * force).sum();
     let patch_radius_m = (2.5 * moment / force_n).sqrt();
     let [force, patch] = theory(indentation_m);
     HertzRow {
+        against,
         divisions,
         particles: simulation.model().particle_count(),
         indentation_m,
@@ -195,20 +260,46 @@ fn row(divisions: u32, simulation: &Simulation<f64>, rest_secs: Option<f64>) -> 
     }
 }
 
-/// How high the particle is now that was nearest to the middle of the ball at its start, m.
-fn middle(simulation: &Simulation<f64>) -> f64 {
-    let start = &simulation.model().bodies[0].start;
+/// How far the middle and the plane have come nearer, or half of how far the middles have, m.
+fn indentation(simulation: &Simulation<f64>, against: Against) -> f64 {
+    match against {
+        Against::Plane => WAY - middle(simulation, 0),
+        Against::Like => RADIUS - 0.5 * (middle(simulation, 1) - middle(simulation, 0)),
+    }
+}
+
+/// The largest difference of some values over the last.
+fn changes(seen: &[f64]) -> f64 {
+    let least = seen.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = seen.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (most - least) / seen.last().copied().unwrap_or(f64::NAN)
+}
+
+/// How high the particle is now that was nearest to the middle of a ball at its start, m.
+fn middle(simulation: &Simulation<f64>, ball: usize) -> f64 {
+    let body = &simulation.model().bodies[ball];
+    let start = &body.start;
     let middle = start.iter().sum::<DVec3>() / start.len() as f64;
-    let nearest = (simulation.state().position.iter().zip(start))
+    let nearest = (simulation.state().position[body.particles.clone()].iter().zip(start))
         .min_by(|(_, a), (_, b)| a.distance_squared(middle).total_cmp(&b.distance_squared(middle)));
     nearest.map_or(f64::NAN, |(now, _)| now.y)
 }
 
 /// The particles that push at the lower plate: the square of their distance from the axis, m², and the force, N.
-fn pushes(simulation: &Simulation<f64>) -> Vec<(f64, f64)> {
+fn pushes_on_plate(simulation: &Simulation<f64>) -> Vec<(f64, f64)> {
     let on_plate = simulation.contacts().iter().filter(|contact| contact.obstacle == 0 && contact.force.y > 0.0);
-    let from_axis = |at: DVec3| at.x * at.x + at.z * at.z;
-    on_plate.map(|contact| (from_axis(simulation.state().position[contact.particle]), contact.force.y)).collect()
+    on_plate.map(|contact| (from_axis(simulation, contact.particle), contact.force.y)).collect()
+}
+
+/// The same of those that push at the other ball, of both.
+fn pushes_on_like(simulation: &Simulation<f64>) -> Vec<(f64, f64)> {
+    let all = simulation.body_contacts().iter().map(|contact| (contact.particle, contact.force.y.abs()));
+    all.filter(|(_, force)| *force > 0.0).map(|(particle, force)| (from_axis(simulation, particle), force)).collect()
+}
+
+fn from_axis(simulation: &Simulation<f64>, particle: usize) -> f64 {
+    let at = simulation.state().position[particle];
+    at.x * at.x + at.z * at.z
 }
 
 #[cfg(test)]
@@ -217,6 +308,7 @@ mod tests {
 
     fn row(divisions: u32, force_over_theory: f64) -> HertzRow {
         HertzRow {
+            against: Against::Plane,
             divisions,
             particles: 1,
             indentation_m: 0.05,

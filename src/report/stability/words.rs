@@ -129,13 +129,13 @@ fn write_contact(text: &mut String, contact: &[ContactFigures]) -> std::fmt::Res
 fn write_hertz(text: &mut String, HertzFigures { rows, passed }: &HertzFigures) -> std::fmt::Result {
     writeln!(
         text,
-        "\n## A round body against Hertz's theory\n\nA ball of a metre is pressed between plates, without weight and without \
-         friction, until nothing moves: the force and the radius of the patch over those of Hertz at the same indentation. It \
-         is the approach of the middle and the plane; the patch is that whose pressure has the second moment measured. A ball \
+        "\n## A round body against Hertz's theory\n\nA ball of a metre is pressed on a hard plane and on its like, without \
+         weight, until nothing moves: the force and the radius of the patch over those of Hertz at the same indentation. It \
+         is the approach of the middle and the plane, or half of that of the middles; the patch is that whose pressure has the second moment measured. A ball \
          of cells has a flat at its pole and steps around it: pressed in by less than about a cell it is met like a punch, too \
          hard.\n\n\
-         | cells across | indentation mm | cells deep | force N | over theory | patch mm | over theory | particles |\n\
-         |---|---|---|---|---|---|---|---|"
+         | on | cells across | indentation mm | cells deep | force N | over theory | patch mm | over theory | particles |\n\
+         |---|---|---|---|---|---|---|---|---|"
     )?;
     for row in rows {
         let HertzRow { divisions, force_n, force_over_theory, patch_over_theory, points, rest_secs, .. } = row;
@@ -143,8 +143,9 @@ fn write_hertz(text: &mut String, HertzFigures { rows, passed }: &HertzFigures) 
         let moving = if rest_secs.is_some() { "" } else { " **still moving**" };
         writeln!(
             text,
-            "| {divisions} | {indentation:.2} | {:.2} | {} | {force_over_theory:.3} | {patch:.1} | {patch_over_theory:.3} | \
+            "| {} | {divisions} | {indentation:.2} | {:.2} | {} | {force_over_theory:.3} | {patch:.1} | {patch_over_theory:.3} | \
              {points}{moving} |",
+            row.against.word(),
             row.cells_deep(),
             short(*force_n)
         )?;
@@ -254,7 +255,7 @@ pub fn contact_csv(contact: &[ContactFigures]) -> String {
 /// A ball against Hertz's theory as comma-separated values.
 pub fn hertz_csv(figures: Option<&HertzFigures>) -> String {
     let mut text =
-        "divisions,particles,indentation_m,force_n,force_over_theory,patch_radius_m,patch_over_theory,points,\
+        "against,divisions,particles,indentation_m,force_n,force_over_theory,patch_radius_m,patch_over_theory,points,\
                     rest_secs,passed\n"
             .to_owned();
     if let Some(HertzFigures { rows, passed }) = figures {
@@ -265,8 +266,9 @@ pub fn hertz_csv(figures: Option<&HertzFigures>) -> String {
             // Writing to a String cannot fail.
             let _ = writeln!(
                 text,
-                "{divisions},{particles},{indentation_m:e},{force_n:e},{force_over_theory},{patch_radius_m:e},\
-                 {patch_over_theory},{points},{rest_secs},{passed}"
+                "{},{divisions},{particles},{indentation_m:e},{force_n:e},{force_over_theory},{patch_radius_m:e},\
+                 {patch_over_theory},{points},{rest_secs},{passed}",
+                row.against.word()
             );
         }
     }
