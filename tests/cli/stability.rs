@@ -75,7 +75,7 @@ fn without_a_scene_the_border_contact_and_the_failures_of_the_thesis_are_told_to
     assert_eq!(written("stability_contact.csv").lines().count(), 1 + all("contact").len());
     let rows = report["hertz"]["rows"].as_array().map_or(0, Vec::len);
     assert_eq!(written("stability_hertz.csv").lines().count(), 1 + rows, "a line for every resolution");
-    assert!(page.contains("\n| 20 | 50."), "{page}");
+    assert!(page.contains("\n| plane | 20 | 50.") && page.contains("\n| like | 20 | 50."), "{page}");
 }
 
 #[test]
