@@ -64,7 +64,7 @@
 //! | [`physics`] | math, machine, geometry, scene (in `compile` alone) | the core: forces, contact, stability limits, the step; no input, output or clock |
 //! | [`modal`] | math, machine, geometry, physics | how a body swings: the lowest modes about rest, by which the physics can move it at a cost that no cell adds to |
 //! | [`view`] | math | camera, draw list, colours, legend: a picture as plain data |
-//! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; what explains them (links, contacts, boxes) → overlays |
+//! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; what explains them (links, contacts, boxes) → overlays; what cells lose of a model → a picture of it |
 //! | `render` | math, view | wgpu: draws a draw list to a window's surface or an image; has never heard of a spring |
 //! | [`report`] | math, machine, geometry, scene, physics | measures and explains: how exact a scheme is for its time and a body for its cells, what a scene costs and does not need, how fast a step is, how far steps may go, how contact compares with theory, whether extreme scenes stay whole, how another engine does |
 //! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no window |

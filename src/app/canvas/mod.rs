@@ -6,6 +6,8 @@
 //! draw list ─► renderer ─► picture (sRGB; fewer pixels while it moves in software) ─┐
 //! panels ────► egui ─────► panels (not sRGB: egui blends in that space) ────────────┴─ compose ─► surface
 //! ```
+//!
+//! The panels may show a picture of their own, which the same renderer draws for them.
 
 mod inset;
 mod layer;
