@@ -1,6 +1,6 @@
 //! The list of things and the menus: what they ask for is done by a sandbox that really runs.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -56,6 +56,13 @@ fn no_two_things_have_one_name_however_they_come() {
     assert_eq!(window.scene().bodies[3].name, "Cube 2");
 }
 
+/// A model file.
+fn ogre(folder: &Path) -> PathBuf {
+    let path = folder.join("ogre.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n").expect("a file");
+    path
+}
+
 /// Loads a model in the assistant, as the window would on another thread, and clicks on a button of it.
 fn load_model(window: &mut Window, path: &Path, button: &str) {
     window.harness.state_mut().ui.files.load_model(path);
@@ -66,8 +73,7 @@ fn load_model(window: &mut Window, path: &Path, button: &str) {
 #[test]
 fn a_body_is_filled_anew_once_a_person_has_seen_what_becomes_of_it() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("ogre.obj");
-    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n").expect("a file");
+    let path = ogre(folder.path());
     let mut window = Window::open("cube-on-plane");
     load_model(&mut window, &path, "Add to scene");
     let before = window.scene().bodies[1].clone();
@@ -106,8 +112,7 @@ fn jellify_again(window: &mut Window) -> Wanted {
 #[test]
 fn a_model_is_chosen_as_soon_as_it_is_there() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("ogre.obj");
-    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n").expect("a file");
+    let path = ogre(folder.path());
     let mut window = Window::open("cube-on-plane");
     for (place, name) in [(1, "ogre"), (2, "ogre 2")] {
         load_model(&mut window, &path, "Add to scene");

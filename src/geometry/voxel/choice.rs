@@ -34,14 +34,13 @@ pub(super) fn fill(
     let chunks = quantized.triangles.len().div_ceil(shell::CHUNK);
     let shell = |from: f64| Shell::new(quantized, &Pieces::new(watch, chunks, [from, 0.9]));
     // Air does not get in through holes larger than a cell, if they are small to the model.
-    let tight = || match Patched::of(mesh).filter(|patched| !facts.closed && patched.holes > 0) {
-        None => Ok((shell(0.0)?.solid(), "")),
-        Some(Patched { whole, .. }) => {
-            let whole = QuantizedMesh::within(&whole, quantized.grid);
-            let chunks = whole.triangles.len().div_ceil(shell::CHUNK);
-            let solid = Shell::new(&whole, &Pieces::new(watch, chunks, [0.0, 0.9]))?.solid();
-            Ok((solid, ", once its small holes are closed"))
-        }
+    let tight = || {
+        let patched = if facts.closed { None } else { Patched::of(mesh).filter(|patched| patched.holes > 0) };
+        let Some(Patched { whole, .. }) = patched else { return Ok((shell(0.0)?.solid(), "")) };
+        let whole = QuantizedMesh::within(&whole, quantized.grid);
+        let chunks = whole.triangles.len().div_ceil(shell::CHUNK);
+        let solid = Shell::new(&whole, &Pieces::new(watch, chunks, [0.0, 0.9]))?.solid();
+        Ok((solid, ", once its small holes are closed"))
     };
     let parity = || centre::parity(quantized, &Pieces::new(watch, chunks, [0.0, 0.4]));
     let filled = |used, cells, why: String| Filled { cells, used, why, warnings: Vec::new() };
