@@ -1,7 +1,6 @@
 //! Ways to break a cube, and that it comes back (S7; the "broken cube" of GC §10).
 
 use std::ops::Range;
-use std::sync::OnceLock;
 
 use gelatin::math::Real;
 use gelatin::math::Vector;
@@ -207,8 +206,7 @@ fn left_knotted(n: u32, stiffness: [f64; 3], seed: u64, secs: f64, change: impl 
     now.inverted_cells
 }
 
-/// A knot comes undone or not by chance: which start does changes with the rounding of a force. Of 600 such cubes, 5 to 8
-/// particles an edge, about one in ten keeps one to three cells inverted.
+/// A knot comes undone or not by chance: which start does changes with the rounding of a force.
 #[test]
 fn most_shear_links_crushed_to_a_point_come_back() {
     let broken_with = |starts: Range<u64>, change: fn(&mut Scene)| {
@@ -216,7 +214,7 @@ fn most_shear_links_crushed_to_a_point_come_back() {
         cubes.filter(|left| *left > 0).count()
     };
     let left = broken_with(100..120, |_| ());
-    assert!(left <= 8, "{left} of 40 keep cells inverted");
+    assert!(left <= 2, "{left} of 40 keep cells inverted");
     let unhelped = broken_with(100..106, |scene| scene.settings.inversion_recovery = false);
     assert!(unhelped >= 6, "only {unhelped} of 12 would keep cells inverted without help");
 }
@@ -236,20 +234,22 @@ fn knots_come_undone_with_other_schemes() {
     }
 }
 
-/// A cube in a knot, when its cells begin to be pulled: the first of many starts that is left in one.
+/// A cube that was crushed to a point, told that it is stuck while its cells are still inverted: left alone it comes undone.
 fn stuck() -> Simulation<f32> {
-    static FIRST: OnceLock<u64> = OnceLock::new();
-    let knotted = |start: u64| {
-        let mut simulation = broken_from::<f32>(start, 8, families(8, KNOTTED[1]), Break::Collapsed, |_| ());
-        let is_stuck = (0..5000).any(|_| {
-            simulation.substep(&mut ());
-            simulation.state().bodies[0].stuck
-        });
-        is_stuck.then_some(simulation)
-    };
-    let first =
-        FIRST.get_or_init(|| (17..37).find(|start| knotted(*start).is_some()).expect("there is a knot to undo"));
-    knotted(*first).expect("as before")
+    let mut simulation = broken_from::<f32>(17, 8, families(8, KNOTTED[1]), Break::Collapsed, |_| ());
+    for _ in 0..50 {
+        simulation.substep(&mut ());
+    }
+    let mut state = simulation.state().clone();
+    state.bodies[0].stuck = true;
+    simulation.set_state(state);
+    // A copy of a state has room for what is in it and no more.
+    for _ in 0..20 {
+        simulation.substep(&mut ());
+    }
+    let memory = &simulation.state().bodies[0];
+    assert!(memory.stuck && memory.account.pull_share > 0.0, "its cells are pulled: {:?}", memory.account);
+    simulation
 }
 
 #[test]

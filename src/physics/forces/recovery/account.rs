@@ -16,7 +16,7 @@
 //! Differences are taken over two substeps, the last and the coming one, and halved: a force of semi-implicit Euler works
 //! on the mean velocity of both, or a spring would seem to gain as it swings.
 
-use super::edges::{MeanEdges, mean_edges};
+use super::edges::{MeanEdges, Strength, mean_edges};
 use super::pull;
 use super::soft_links::{RecoveryWorkspace, for_each_soft_link};
 use crate::math::{Real, Vector};
@@ -80,8 +80,9 @@ fn of_cells<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, motion: Motion<'_
         let work_of = |force: [R::Vec3; 3]| {
             (0..3).fold(0.0, |sum, axis| sum + force[axis].dot((rates[axis] + goes[axis]) * dt).to_f64())
         };
-        let pushed = now.push(&rates, push * per_size).map_or(0.0, work_of);
-        let pulled = pull.and_then(|pull| pull::cell_force(&now, &rates, pull * per_size)).map_or(0.0, work_of);
+        let pushed = now.push(&rates, Strength::of_push(body)).map_or(0.0, work_of);
+        let pulled =
+            pull.and_then(|pull| pull::cell_force(&now, &rates, Strength::of(body, pull))).map_or(0.0, work_of);
         taken += 0.5 * (energy_of(&before) - energy_of(&after) - pushed - pulled);
     }
     taken

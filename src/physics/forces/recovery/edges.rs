@@ -1,6 +1,7 @@
 //! The mean edges of a cell, its signed volume, and the push on them.
 
 use crate::math::{Real, Vector};
+use crate::physics::model::BodyModel;
 
 /// A cell below this signed volume is pushed back to shape.
 pub(super) const THRESHOLD: f64 = 0.3;
@@ -11,8 +12,45 @@ pub(super) const WATCH: f64 = 0.4;
 /// The push stops growing at this depth.
 pub(super) const DEEPEST: f64 = 2.0;
 
-/// The share of the push that is left while a cell is on its way back.
-pub(super) const RETURNED: f64 = 0.5;
+/// The share of the push that is left at least while a cell is on its way back.
+const RETURNED: f64 = 0.5;
+
+/// How hard cells are pushed back to shape.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Strength<R> {
+    /// The stiffness over the cell size, N.
+    stiffness: R,
+    /// What is less of the push for the speed at which the mean edges grow, N·s/m; where it is no number but infinite, all that
+    /// may be less is.
+    damping: R,
+}
+
+impl<R: Real> Strength<R> {
+    /// That of a body's push.
+    pub(super) fn of_push(body: &BodyModel<R>) -> Self {
+        Self::of(body, body.recovery.push)
+    }
+
+    /// That of another stiffness (N·m) of a body's cells.
+    pub(super) fn of(body: &BodyModel<R>, stiffness: R) -> Self {
+        Self { stiffness: stiffness * body.inverse_cell_size, damping: body.recovery.damping }
+    }
+
+    /// That of a stiffness of one, of which half is left of all that is on its way back.
+    #[cfg(test)]
+    pub(super) fn one() -> Self {
+        Self { stiffness: R::ONE, damping: R::from_f64(f64::INFINITY) }
+    }
+
+    /// The share of a force for a stiffness of one that acts while the mean edges grow along it at this speed (m/s): as a
+    /// spring and a damper beside it. A push that were halved as soon as a cell is on its way back would have what rests on it
+    /// tremble from substep to substep: held by more than half of it, and by less than all.
+    #[inline]
+    pub(super) fn times(self, force: R, growth: R) -> R {
+        let whole = self.stiffness * force;
+        if growth > R::ZERO { whole - (self.damping * growth).min(whole * R::from_f64(1.0 - RETURNED)) } else { whole }
+    }
+}
 
 /// Whether a cell of this signed volume is inverted.
 pub(super) fn is_inverted(volume: f64) -> bool {
@@ -137,18 +175,17 @@ impl<R: Real> MeanEdges<R> {
         1.0 / (cap * cap)
     }
 
-    /// The forces on the three mean edges for a stiffness over the cell size, N; none above the threshold, or where a
-    /// cell is so far stretched that its volume is no number.
+    /// The forces on the three mean edges, N, that change at these rates, m/s; none above the threshold, or where a cell is so
+    /// far stretched that its volume is no number.
     #[inline]
-    pub(super) fn push(&self, rates: &[R::Vec3; 3], stiffness: R) -> Option<[R::Vec3; 3]> {
+    pub(super) fn push(&self, rates: &[R::Vec3; 3], strength: Strength<R>) -> Option<[R::Vec3; 3]> {
         if !self.is_pushed() {
             return None;
         }
         let way_out = self.way_out(rates);
         let growth = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(way_out[axis]));
-        let returned = if growth > R::ZERO { R::from_f64(RETURNED) } else { R::ONE };
         let cap = self.cap();
-        let strength = stiffness * returned * self.depth(cap).min(R::from_f64(DEEPEST)) / cap;
+        let strength = strength.times(self.depth(cap).min(R::from_f64(DEEPEST)), growth / cap) / cap;
         Some(way_out.map(|way| way * strength)).filter(|push| push.iter().all(|force| force.is_finite()))
     }
 }
@@ -178,26 +215,39 @@ mod tests {
     #[test]
     fn only_what_is_crushed_is_pushed_and_never_without_bound() {
         assert!(
-            edges(DVec3::new(1.0, 1.0, 0.31)).push(&[DVec3::ZERO; 3], 1.0).is_none(),
+            edges(DVec3::new(1.0, 1.0, 0.31)).push(&[DVec3::ZERO; 3], Strength::one()).is_none(),
             "above the threshold there is no force"
         );
-        let flat = edges(DVec3::new(1.0, 1.0, 0.1)).push(&[DVec3::ZERO; 3], 1.0).expect("a flat cell is pushed");
+        let flat =
+            edges(DVec3::new(1.0, 1.0, 0.1)).push(&[DVec3::ZERO; 3], Strength::one()).expect("a flat cell is pushed");
         assert!((flat[2] - DVec3::Z * 0.2).length() < 1e-15, "outward along the short edge: {flat:?}");
         let returning = [DVec3::ZERO, DVec3::ZERO, DVec3::Z];
-        let back = edges(DVec3::new(1.0, 1.0, 0.1)).push(&returning, 1.0).expect("a flat cell is pushed");
+        let back = edges(DVec3::new(1.0, 1.0, 0.1)).push(&returning, Strength::one()).expect("a flat cell is pushed");
         assert!((back[2] * 2.0 - flat[2]).length() < 1e-15, "half as hard on its way back: {back:?}");
         for size in [1.0, 10.0, 1e3] {
-            let far =
-                edges(DVec3::new(size, size, -size)).push(&[DVec3::ZERO; 3], 1.0).expect("a mirrored cell is pushed");
+            let far = edges(DVec3::new(size, size, -size))
+                .push(&[DVec3::ZERO; 3], Strength::one())
+                .expect("a mirrored cell is pushed");
             assert!(far.iter().all(|f| f.length() <= 4.0 + 1e-12), "{size} times the size: {far:?}");
         }
+    }
+
+    #[test]
+    fn the_push_is_less_on_the_way_back_by_its_speed_and_by_half_at_most() {
+        let strength = Strength { stiffness: 10.0, damping: 4.0 };
+        for (growth, pushed) in [(-1.0, 10.0), (0.0, 10.0), (0.25, 9.0), (1.0, 6.0), (2.0, 5.0)] {
+            let force: f64 = strength.times(1.0, growth);
+            assert!((force - pushed).abs() < 1e-12, "at {growth} m/s {force} N");
+        }
+        let slowly = strength.times(1.0, 1e-9);
+        assert!((slowly - 10.0_f64).abs() < 1e-7, "what rests on it does not tremble: {slowly} N");
     }
 
     /// By how much the force on the short edge of a cell of this width falls as the edge gets longer.
     fn stiffness(width: f64) -> f64 {
         let force = |height: f64| {
             let way_in = [DVec3::ZERO, DVec3::ZERO, -DVec3::Z];
-            edges(DVec3::new(width, width, height)).push(&way_in, 1.0).expect("it is pushed")[2].z
+            edges(DVec3::new(width, width, height)).push(&way_in, Strength::one()).expect("it is pushed")[2].z
         };
         (force(-0.01) - force(0.0)) / 0.01
     }
@@ -213,7 +263,7 @@ mod tests {
     fn the_push_is_what_its_energy_falls_by_whichever_edge_grows() {
         for scale in [[0.9, 0.8, 0.1], [0.9, 0.8, -0.9], [8.0, 7.0, 0.001], [8.0, 1.5, -0.5], [8.0, 5.0, -3.0]] {
             let middle = edges(DVec3::from(scale));
-            let force = middle.push(&[DVec3::ZERO; 3], 1.0).expect("it is pushed");
+            let force = middle.push(&[DVec3::ZERO; 3], Strength::one()).expect("it is pushed");
             for axis in 0..3 {
                 let [low, high] = [-1e-6, 1e-6].map(|way| {
                     let mut moved = scale;

@@ -17,9 +17,9 @@
 //! face that the cell lacks, in cell sizes: the push is nowhere stronger than 4 κ/h, and a cell is nowhere stiffer than at
 //! rest. The part of ∂C resists what makes a wide cell narrower, and is not there while it becomes wider. The volume of a
 //! cell that is a hundred times as wide changes a hundred times as fast with its height, so that a push by the volume would
-//! throw it from one side to the other within a substep. A cell that is on its way back is pushed half as hard as one on its
-//! way in: what it takes from a blow it does not give back in full, so that crushed bodies come to rest rather than gain
-//! energy. The size of κ follows from the links (`compile::recovery`), so that the term costs no smaller step.
+//! throw it from one side to the other within a substep. A cell that is on its way back is pushed less hard than one on its
+//! way in, by a damper beside the spring, and by half at most: what it takes from a blow it does not give back in full, so that
+//! crushed bodies come to rest rather than gain energy. The size of κ follows from the links (`compile::recovery`), so that the term costs no smaller step.
 //!
 //! Only the cells of a list are pushed: those near inversion. All cells are looked at once in every 1/60 s of simulated
 //! time, sooner where particles move past each other fast enough to crush a cell in that time, and in every substep while
@@ -43,7 +43,7 @@ pub(in crate::physics) use resistance::{Resistance, energy_past_work, resistance
 pub(in crate::physics) use rotation::nearest_rotation;
 pub(in crate::physics) use soft_links::RecoveryWorkspace;
 
-use edges::{MeanEdges, THRESHOLD, is_inverted, mean_edges, spread};
+use edges::{MeanEdges, Strength, THRESHOLD, is_inverted, mean_edges, spread};
 use soft_links::soften;
 
 use crate::math::Real;
@@ -156,13 +156,13 @@ pub(in crate::physics) fn add_forces<R: Real>(
         let force = &mut force[body.particles.clone()];
         recorder.counters.recovery_cells += memory.near_inversion.len() as u64;
         soften(body, memory, [position, velocity], workspace, force);
-        let stiffness = body.recovery.push * body.inverse_cell_size;
-        let pull = pull::stiffness(body, memory).map(|pull| pull * body.inverse_cell_size);
+        let strength = Strength::of_push(body);
+        let pull = pull::stiffness(body, memory).map(|pull| Strength::of(body, pull));
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
             let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
             let rates = mean_edges(velocity, corners, R::ONE);
-            let Some(push) = edges.push(&rates, stiffness) else { continue };
+            let Some(push) = edges.push(&rates, strength) else { continue };
             spread::<R>(&push, corners, force);
             if let Some(pull) = pull.and_then(|pull| pull::cell_force(&edges, &rates, pull)) {
                 spread::<R>(&pull, corners, force);

@@ -4,7 +4,7 @@
 //! sizes, and the rotation R nearest to them, the pull to R has no mirrored minimum:
 //!
 //! ```text
-//! W = κ p s(V) |R − F|²/2 / max(1, longest mean edge)      f = −∂W/∂F, half of it on the way back
+//! W = κ p s(V) |R − F|²/2 / max(1, longest mean edge)      f = −∂W/∂F, no less than half of it on the way back
 //! s = ((T − V)/2 T)², at most 1                            p ≤ 1: as much as is paid for, and the substep bears
 //! ```
 //!
@@ -17,7 +17,7 @@
 //! must first be so slow for a while that its motion is nothing to the energy of a single cell. From then on the pull
 //! acts, however the body moves, until none of its cells is crushed, and W is nothing, or one of them is torn apart.
 
-use super::edges::{DEEPEST, RETURNED, THRESHOLD, is_inverted};
+use super::edges::{DEEPEST, Strength, THRESHOLD, is_inverted};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery::edges::MeanEdges;
 use crate::physics::forces::recovery::rotation::nearest_rotation;
@@ -182,9 +182,12 @@ fn is_slow<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], velocity: &[R::Ve
     sum <= R::from_f64(SLOW * SLOW * speed * speed) * count
 }
 
-/// The forces of the pull on the three mean edges of a cell for a stiffness over the cell size, N; none above the
-/// threshold.
-pub(super) fn cell_force<R: Real>(edges: &MeanEdges<R>, rates: &[R::Vec3; 3], stiffness: R) -> Option<[R::Vec3; 3]> {
+/// The forces of the pull on the three mean edges of a cell, N, that change at these rates, m/s; none above the threshold.
+pub(super) fn cell_force<R: Real>(
+    edges: &MeanEdges<R>,
+    rates: &[R::Vec3; 3],
+    strength: Strength<R>,
+) -> Option<[R::Vec3; 3]> {
     if !edges.is_pushed() {
         return None;
     }
@@ -196,9 +199,11 @@ pub(super) fn cell_force<R: Real>(edges: &MeanEdges<R>, rates: &[R::Vec3; 3], st
     let pull = share / cap;
     let push = (misshaped * growth * R::from_f64(0.5)).min(R::from_f64(DEEPEST)) / edges.cap();
     let force: [R::Vec3; 3] = std::array::from_fn(|axis| missing[axis] * pull + edges.faces[axis] * push);
-    let power = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(force[axis]));
-    let returned = if power > R::ZERO { R::from_f64(RETURNED) } else { R::ONE };
-    Some(force.map(|force| force * (stiffness * returned))).filter(|force| force.iter().all(|force| force.is_finite()))
+    let dot = |with: &[R::Vec3; 3]| (0..3).fold(R::ZERO, |sum, axis| sum + with[axis].dot(force[axis]));
+    let size = dot(&force).sqrt();
+    let is_there = size > R::ZERO;
+    let strength = if is_there { strength.times(size, dot(rates) / size) / size } else { R::ZERO };
+    Some(force.map(|force| force * strength)).filter(|force| force.iter().all(|force| force.is_finite()))
 }
 
 /// The energy of the pull of a cell for a stiffness of one.
@@ -267,7 +272,7 @@ mod tests {
     #[test]
     fn the_pull_is_what_its_energy_falls_by() {
         for edges in crushed_cells() {
-            let force = cell_force(&cell(edges), &[DVec3::ZERO; 3], 1.0).expect("it is crushed");
+            let force = cell_force(&cell(edges), &[DVec3::ZERO; 3], Strength::one()).expect("it is crushed");
             for axis in 0..3 {
                 for component in 0..3 {
                     let energy = |way: f64| {
@@ -313,12 +318,12 @@ mod tests {
     #[test]
     fn the_pull_turns_nothing_and_ends_at_the_threshold() {
         for edges in crushed_cells() {
-            let force = cell_force(&cell(edges), &[DVec3::ZERO; 3], 1.0).expect("it is crushed");
+            let force = cell_force(&cell(edges), &[DVec3::ZERO; 3], Strength::one()).expect("it is crushed");
             let torque = (0..3).fold(DVec3::ZERO, |sum, axis| sum + edges[axis].cross(force[axis]));
             assert!(torque.length() < 1e-10, "{edges:?}: {torque}");
         }
         let flat = |height: f64| cell([DVec3::X, DVec3::Y, DVec3::Z * height]);
-        assert!(cell_force(&flat(0.31), &[DVec3::ZERO; 3], 1.0).is_none(), "none above it");
+        assert!(cell_force(&flat(0.31), &[DVec3::ZERO; 3], Strength::one()).is_none(), "none above it");
         assert!(cell_energy(&flat(0.299)) < 1e-5, "next to nothing just below it");
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::math::{Real, Vector};
-use crate::physics::forces::recovery::edges::{MeanEdges, mean_edges};
+use crate::physics::forces::recovery::edges::{MeanEdges, Strength, mean_edges};
 use crate::physics::forces::recovery::pull;
 use crate::physics::model::BodyModel;
 use crate::physics::state::BodyMemory;
@@ -97,8 +97,8 @@ pub(in crate::physics) fn energy_past_work<R: Real>(
         let way = mean_edges(path, corners, dt);
         let rates = mean_edges(velocity, corners, R::ONE);
         let work_of = |force: [R::Vec3; 3]| (0..3).fold(0.0, |sum, axis| sum + force[axis].dot(way[axis]).to_f64());
-        let pulled = pull.and_then(|pull| pull::cell_force(&before, &rates, pull * body.inverse_cell_size));
-        let pushed = before.push(&rates, stiffness * body.inverse_cell_size);
+        let pulled = pull.and_then(|pull| pull::cell_force(&before, &rates, Strength::of(body, pull)));
+        let pushed = before.push(&rates, Strength::of_push(body));
         let work = pushed.map_or(0.0, work_of) + pulled.map_or(0.0, work_of);
         sum += energy_of(&after) - energy_of(&before) + work;
     }
