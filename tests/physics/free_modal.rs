@@ -1,9 +1,15 @@
 //! Modal bodies that nothing holds: they fly, tumble, land and rest as wholes that swing.
 
+use std::path::PathBuf;
+
 use gelatin::physics::{Grab, Inertia, ModalState, Simulation};
 use gelatin::scene::body::{CubeShape, Pose};
+use gelatin::scene::edit::{BodyId, Edit};
 use gelatin::scene::obstacle::{ContactStiffness, Cuboid, Plane};
+use gelatin::scene::presets::preset;
 use gelatin::scene::{Body, Material, MovesBy, Obstacle, ObstacleShape, Shape, Solid};
+use gelatin::session::run::run;
+use gelatin::session::{Command, Session};
 use glam::{DMat3, DVec3};
 
 use super::modal::{hanging, modal, modes};
@@ -413,4 +419,19 @@ fn a_side_of_more_points_than_are_solved_for_lies_level_and_at_rest() {
     assert!(tilt < 2e-3, "level to {tilt}");
     let speed = lies.diagnostics().max_speed;
     assert!(speed < 1e-4, "it rests: {speed} m/s");
+}
+
+#[test]
+fn what_lies_on_the_ground_lies_there_by_its_modes_too() {
+    let scene = (preset("cube-on-plane").expect("a preset").build)();
+    let mut session = Session::new(scene, PathBuf::new(), "cube-on-plane".to_owned()).expect("presets resolve");
+    run(&mut session, 8.0, &());
+    let height = |session: &Session| session.status().bodies[0].center[1];
+    let lay = height(&session);
+    let body = Body { moves_by: MovesBy::Modes, ..session.scene().bodies[0].clone() };
+    session.handle(Command::Edit(Edit::Body(BodyId(0), Box::new(body)))).expect("it may move by its modes");
+    session.find_modes(None, &());
+    let figures = run(&mut session, 1.0, &());
+    assert!(session.simulation().model().bodies[0].modes().is_some() && figures.contacts > 0, "{figures:?}");
+    assert!((height(&session) - lay).abs() < 0.01, "from {lay} m to {} m", height(&session));
 }

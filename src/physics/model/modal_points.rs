@@ -174,6 +174,14 @@ impl ModalPoints {
         matches!(self.carriers, Carriers::Samples(_))
     }
 
+    /// The particles that are its points, by point; none where these are those of its mesh.
+    pub(in crate::physics) fn particles(&self) -> &[u32] {
+        match &self.carriers {
+            Carriers::Particles(particles) => particles,
+            Carriers::Samples(_) => &[],
+        }
+    }
+
     /// The farthest that any point is moved by an amplitude of 1 of a mode, 1/√kg.
     pub(in crate::physics) fn farthest(&self, mode: usize) -> f64 {
         self.farthest[mode]
