@@ -85,12 +85,48 @@ fn rounded_to(value: f64, digits: i32) -> f64 {
     if exponent >= 0 { (value * unit).round() / unit } else { (value / unit).round() * unit }
 }
 
-/// A number as people write it, with or without its unit.
-pub(super) fn parse(text: &str) -> Option<f64> {
-    let number =
-        text.split_whitespace().next()?.trim_end_matches(|letter: char| !letter.is_ascii_digit() && letter != '.');
-    let number = number.replace('−', "-").replace(',', ".");
-    number.parse().ok().filter(|value: &f64| value.is_finite())
+/// What stands before a unit, and how many times as much it makes of it.
+const PREFIXES: [(&str, f64); 9] =
+    [("", 1.0), ("n", 1e-9), ("µ", 1e-6), ("u", 1e-6), ("m", 1e-3), ("c", 1e-2), ("k", 1e3), ("M", 1e6), ("G", 1e9)];
+
+/// A number as people write it, with its unit or without: `2,5`, `2.5 kN`, `30 cm`, `1e5`, `5k`. None where it is no number, or
+/// one of something else.
+pub(super) fn parse(text: &str, unit: &str) -> Option<f64> {
+    let text = plain(text);
+    // The longest start that is a number: of 1e5 all, of 5e nothing but the 5.
+    let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
+    let (number, end) = ends.filter_map(|end| Some((text[..end].parse::<f64>().ok()?, end))).next()?;
+    let times = times(&text[end..], &plain(unit))?;
+    // Divided, a millimetre is the number nearest to it.
+    let value = if times < 1.0 { number / (1.0 / times).round() } else { number * times };
+    Some(value).filter(|value| value.is_finite())
+}
+
+/// How many of a unit another is of which it is a multiple; a unit may be left out, and so may all but k, M or G.
+fn times(written: &str, unit: &str) -> Option<f64> {
+    if written.is_empty() {
+        return Some(1.0);
+    }
+    let (base, of_base) = if unit.starts_with("kg") { (&unit[1..], 1e-3) } else { (unit, 1.0) };
+    let large = PREFIXES.iter().filter(|(_, times)| *times > 1.0).find(|(prefix, _)| *prefix == written);
+    let (_, times) = large.filter(|_| !unit.is_empty() && of_base == 1.0).or_else(|| {
+        PREFIXES.iter().find(|(prefix, _)| !base.is_empty() && written.strip_prefix(prefix) == Some(base))
+    })?;
+    Some(times * of_base)
+}
+
+/// Without what is written in several ways.
+fn plain(text: &str) -> String {
+    let letters = text.chars().filter(|letter| !letter.is_whitespace() && !matches!(letter, '·' | '*' | '^'));
+    let plain = |letter| match letter {
+        '−' => '-',
+        ',' => '.',
+        '²' => '2',
+        '³' => '3',
+        'μ' => 'µ',
+        other => other,
+    };
+    letters.map(plain).collect()
 }
 
 #[cfg(test)]
@@ -102,8 +138,33 @@ mod tests {
         for (value, text) in [(0.1, "0.1"), (12.345_678_9, "12.3457"), (1.5e6, "1.5e6"), (0.0, "0"), (2e-5, "2e-5")] {
             assert_eq!(figure(value), text);
         }
-        assert_eq!((parse("1e5"), parse(" 2,5 N"), parse("−3°")), (Some(1e5), Some(2.5), Some(-3.0)));
-        assert_eq!((parse("soft"), parse("inf"), parse("")), (None, None, None), "not a number");
+        assert_eq!((parse("1e5", "N"), parse(" 2,5 N", "N"), parse("−3°", "°")), (Some(1e5), Some(2.5), Some(-3.0)));
+        for text in ["soft", "inf", "nan", "", "1e999", "k", "1.2.3"] {
+            assert_eq!(parse(text, "N"), None, "{text} is no number");
+        }
+    }
+
+    #[test]
+    fn a_number_may_have_another_unit_of_the_same_kind_and_no_other() {
+        for (text, unit, value) in [
+            ("2 kN", "N", 2e3),
+            ("1,5 kN", "N", 1.5e3),
+            ("5k", "N", 5e3),
+            ("30 cm", "m", 0.3),
+            ("3mm", "m", 3e-3),
+            ("2 m", "m", 2.0),
+            ("8 ms", "s", 8e-3),
+            ("250 g", "kg", 0.25),
+            ("2kg", "kg", 2.0),
+            ("1 g/m^3", "kg/m³", 1e-3),
+            ("9.81 m/s2", "m/s²", 9.81),
+            ("2 kN s", "N·s", 2e3),
+        ] {
+            assert_eq!(parse(text, unit), Some(value), "{text}");
+        }
+        for (text, unit) in [("2 lb", "kg"), ("3 kg", "N"), ("2 m", "N"), ("5k", "kg"), ("2 k", ""), ("1 N", "")] {
+            assert_eq!(parse(text, unit), None, "{text} of {unit}");
+        }
     }
 
     #[test]
@@ -130,7 +191,7 @@ mod tests {
     #[test]
     fn a_whole_figure_reads_back_as_the_number_that_was_meant() {
         for value in [0.082_012_5, 1e8, 1e-6, -123_456.789, 0.123_456_789_012, f64::MIN_POSITIVE, 1e-310] {
-            let back = parse(&format!("{} N·s", whole_figure(value))).expect("a number");
+            let back = parse(&format!("{} N·s", whole_figure(value)), "N·s").expect("a number");
             assert_eq!(back.to_bits(), value.to_bits(), "{value}");
         }
         assert_eq!(whole_figure(0.1 + 0.2), "0.3");

@@ -1,5 +1,7 @@
 //! What is said of a parameter: its name with its help, and a hint where a typed value is wrong.
 
+use std::time::Duration;
+
 use egui::{Id, Response, RichText, Ui, WidgetText, vec2};
 
 use crate::app::ui::figure::figure;
@@ -33,16 +35,25 @@ pub(in crate::app::ui) fn help(param: &Param) -> String {
     format!("{}\n{}{default}", param.help, param.range_text())
 }
 
+/// What is wrong with a typed value is said for so long, s: the value has stayed as it was.
+const HINT_SECS: f64 = 12.0;
+
 /// Writes or forgets what is wrong with a typed value.
 pub(super) fn hint(ui: &Ui, id: Id, text: Option<String>) {
+    let now = ui.input(|input| input.time);
     ui.data_mut(|data| match text {
-        Some(text) => _ = data.insert_temp(id.with("hint"), text),
-        None => data.remove::<String>(id.with("hint")),
+        Some(text) => _ = data.insert_temp(id.with("hint"), (text, now)),
+        None => data.remove::<(String, f64)>(id.with("hint")),
     });
 }
 
 pub(super) fn hint_ui(ui: &mut Ui, id: Id) {
-    if let Some(text) = ui.data(|data| data.get_temp::<String>(id.with("hint"))) {
+    let Some((text, since)) = ui.data(|data| data.get_temp::<(String, f64)>(id.with("hint"))) else { return };
+    let left = since + HINT_SECS - ui.input(|input| input.time);
+    if left > 0.0 {
+        ui.ctx().request_repaint_after(Duration::from_secs_f64(left));
         ui.label(WidgetText::from(RichText::new(text).small().color(theme::of(ui).warning)));
+    } else {
+        hint(ui, id, None);
     }
 }

@@ -1,5 +1,7 @@
 //! A number to type, or to drag slowly.
 
+use std::cell::RefCell;
+
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
 use egui::{Color32, Direction, DragValue, Id, Layout, Sense, TextStyle, Ui, UiBuilder, WidgetInfo, vec2};
@@ -27,6 +29,12 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
         false if whole => 0.1,
         false => 0.01,
     };
+    let refused = RefCell::new(None);
+    let understood = |text: &str| {
+        let value = parse(text, unit);
+        *refused.borrow_mut() = value.is_none().then(|| text.trim().to_owned());
+        value
+    };
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     // A box of this size whatever stands in it: a wider one would push the rest of its row out of the panel.
     let size = vec2(ui.available_width().min(NUMBER_WIDTH), ui.spacing().interact_size.y);
@@ -50,8 +58,14 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
             let typed = painter.ctx().memory(|memory| memory.has_focus(widget_id));
             if typed { whole_figure(value) } else { short_figure(value, fits) }
         })
-        .custom_parser(parse);
+        .custom_parser(understood);
     let response = inside.add(widget);
+    if response.gained_focus() {
+        hint(ui, id, None);
+    }
+    if let Some(text) = refused.take().filter(|text| !text.is_empty() && *text != unit.trim()) {
+        hint(ui, id, Some(format!("“{text}” is no number. Allowed: {}", param.range_text())));
+    }
     if response.clicked() {
         select_all(ui, response.id, whole_figure(shown).chars().count());
     }
