@@ -236,6 +236,7 @@ impl Session {
     fn restart(&mut self) {
         let modes = self.known_modes(&self.scene);
         self.simulation = Simulation::with_modes(&self.scene, &self.bodies.lattices(), &modes);
+        self.report = StepReport::default();
         self.step_errors.forget();
         self.clock.forgive();
         self.forget_trouble();

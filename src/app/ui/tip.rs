@@ -8,6 +8,10 @@ const WIDTH: f32 = 330.0;
 /// Explains what lies under the pointer: beside the panel at a side of the window, or beside the thing itself.
 pub(super) fn tip_ui(ui: &Ui, response: &Response, text: impl Fn() -> String) {
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_description(text()));
+    // A dialog may have come over it while the pointer rests.
+    if !ui.ctx().memory(|memory| memory.allows_interaction(ui.layer_id())) {
+        return;
+    }
     let panel = ui.stack().iter().find(|part| part.is_panel_ui());
     let side = panel.filter(|part| matches!(part.kind(), Some(UiKind::LeftPanel | UiKind::RightPanel)));
     let across = side.map_or(response.rect, |part| part.max_rect.expand(10.0)).x_range();

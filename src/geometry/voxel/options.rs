@@ -62,7 +62,7 @@ pub enum VoxelizeError {
     #[error("{0} divisions are not possible; a number from 1 to {MAX_DIVISIONS} is needed")]
     Divisions(u32),
     /// Too large or too small for numbers.
-    #[error("the model's longest extent is {0:e}; it must lie between about 1e-300 and 1e308")]
+    #[error("the model's longest extent is {0:e}; a surface of some size is needed, between about 1e-300 and 1e308")]
     Extent(f64),
     /// Centre occupancy found nothing inside.
     #[error(

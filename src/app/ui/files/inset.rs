@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use egui::{Color32, Rect, Sense, TextureId, Ui, Vec2, pos2};
 
+use crate::app::ui::figure::fixed_figure;
 use crate::app::ui::theme;
 use crate::extract::model_picture::{JOINED, ModelPicture, THIN, THIN_AND_JOINED};
 use crate::session::jellify::Preview;
@@ -102,7 +103,7 @@ impl Inset {
             }
         }
         (ui.spacing_mut().interact_size.y, ui.spacing_mut().item_spacing.y) = (KEY_HEIGHT, 4.0);
-        let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+        let percent = |share: f64| format!("{} %", fixed_figure(100.0 * share, 0));
         key_ui(ui, THIN, &format!("thinner than a cell: {}", percent(preview.thin_share)))
             .on_hover_text("It becomes a cell thick, and bends less than it should");
         key_ui(ui, JOINED, &format!("moves as one with what is near: {}", percent(preview.joined_share)))

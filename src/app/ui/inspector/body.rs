@@ -80,7 +80,7 @@ fn frequency_words(modes_hz: &[f64]) -> String {
     const FIRST: usize = 4;
     let first = modes_hz.iter().take(FIRST).map(|hz| three_digits(*hz)).collect::<Vec<_>>().join(", ");
     let last = modes_hz.last().filter(|_| modes_hz.len() > FIRST).map(|hz| format!(" … {}", three_digits(*hz)));
-    format!("It swings {first}{} times a second; Modes (M) shows how.", last.unwrap_or_default())
+    format!("It swings {first}{} times a second; Modes (V) shows how.", last.unwrap_or_default())
 }
 
 fn place_ui(
