@@ -128,6 +128,28 @@ fn an_obstacle_has_place_size_and_contact() {
 }
 
 #[test]
+fn a_typed_number_may_have_a_unit_and_what_is_none_is_told() {
+    let mut window = Window::open("cube-on-plane");
+    window.click("Sphere");
+    let type_radius = |window: &mut Window, text: &str| {
+        window.click("Radius");
+        window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        window.enter(text);
+        let ObstacleShape::Sphere(sphere) = window.scene().obstacles[1].shape else { panic!("a sphere") };
+        sphere.radius
+    };
+    let radius = type_radius(&mut window, "35 cm");
+    assert!((radius - 0.35).abs() < 1e-12, "{radius} m");
+    for text in ["abc", "2 lb", "1e999"] {
+        assert!((type_radius(&mut window, text) - 0.35).abs() < 1e-12, "{text} changes nothing");
+        let said = window.harness.query_by_label_contains(&format!("“{text}” is no number")).is_some();
+        assert!(said, "and it is said of {text}");
+    }
+    type_radius(&mut window, "0.5");
+    assert!(window.harness.query_by_label_contains("is no number").is_none(), "no longer");
+}
+
+#[test]
 fn nothing_chosen_shows_the_scene() {
     let mut window = Window::open("cube-on-plane");
     window.click("Scheme");

@@ -160,7 +160,6 @@ impl<R: Real> State<R> {
                 self.keep_sides(model, number);
             }
         }
-        self.touches.sort_unstable_by_key(SampleTouch::place);
     }
 
     /// Has the points of a free body touch planes and open meshes from the sides that its particles touched them from: those that
@@ -180,5 +179,6 @@ impl<R: Real> State<R> {
                 }
             }
         }
+        self.touches.sort_unstable_by_key(SampleTouch::place);
     }
 }

@@ -31,7 +31,8 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
     };
     let refused = RefCell::new(None);
     let understood = |text: &str| {
-        let value = parse(text, unit);
+        // The unit may stand elsewhere, once for several numbers.
+        let value = parse(text, param.unit);
         *refused.borrow_mut() = value.is_none().then(|| text.trim().to_owned());
         value
     };
@@ -63,7 +64,7 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
     if response.gained_focus() {
         hint(ui, id, None);
     }
-    if let Some(text) = refused.take().filter(|text| !text.is_empty() && *text != unit.trim()) {
+    if let Some(text) = refused.take().filter(|text| !text.is_empty() && *text != param.unit) {
         hint(ui, id, Some(format!("“{text}” is no number. Allowed: {}", param.range_text())));
     }
     if response.clicked() {
