@@ -87,8 +87,10 @@ fn one_that_lies_on_its_mesh_goes_on_lying_on_it() {
     let mut session = spot(0);
     let mut body = Body::clone(&session.scene().bodies[0]);
     body.contact_on = ContactOn::Mesh;
+    // So firm that it keeps its form: where cells are crushed the mesh in them is, too.
+    body.material = Material::Solid(Solid { young_modulus: 1e6, ..Solid::default() });
     session.handle(Command::Edit(Edit::Body(BodyId(0), Box::new(body)))).expect("it has a mesh");
-    (0..5000).for_each(|_| assert!(session.step(), "it lands and comes to rest"));
+    (0..1500).for_each(|_| assert!(session.step(), "it lands"));
     let low = lowest_vertex(&session);
     assert!(low.abs() < 0.01, "on its mesh: {low} m");
     for divisions in [15, 20] {

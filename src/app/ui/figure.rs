@@ -94,8 +94,8 @@ const PREFIXES: [(&str, f64); 9] =
 pub(super) fn parse(text: &str, unit: &str) -> Option<f64> {
     let text = plain(text);
     // The longest start that is a number: of 1e5 all, of 5e nothing but the 5.
-    let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
-    let (number, end) = ends.filter_map(|end| Some((text[..end].parse::<f64>().ok()?, end))).next()?;
+    let mut ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
+    let (number, end) = ends.find_map(|end| Some((text[..end].parse::<f64>().ok()?, end)))?;
     let times = times(&text[end..], &plain(unit))?;
     // Divided, a millimetre is the number nearest to it.
     let value = if times < 1.0 { number / (1.0 / times).round() } else { number * times };
@@ -107,9 +107,10 @@ fn times(written: &str, unit: &str) -> Option<f64> {
     if written.is_empty() {
         return Some(1.0);
     }
-    let (base, of_base) = if unit.starts_with("kg") { (&unit[1..], 1e-3) } else { (unit, 1.0) };
+    let has_prefix = unit.starts_with("kg");
+    let (base, of_base) = if has_prefix { (&unit[1..], 1e-3) } else { (unit, 1.0) };
     let large = PREFIXES.iter().filter(|(_, times)| *times > 1.0).find(|(prefix, _)| *prefix == written);
-    let (_, times) = large.filter(|_| !unit.is_empty() && of_base == 1.0).or_else(|| {
+    let (_, times) = large.filter(|_| !unit.is_empty() && !has_prefix).or_else(|| {
         PREFIXES.iter().find(|(prefix, _)| !base.is_empty() && written.strip_prefix(prefix) == Some(base))
     })?;
     Some(times * of_base)
