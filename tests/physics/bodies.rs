@@ -391,36 +391,6 @@ fn stiff_bodies_meet_though_the_implicit_scheme_has_taken_over() {
     }
 }
 
-/// A ball of so many cells across, 1 m large and undamped, at this place along x (m) and so fast along it (m/s).
-fn ball(cells: i32, at: f64, speed: f64) -> Body {
-    let off_middle = |cell: i32| f64::from(2 * cell + 1 - cells);
-    let is_in =
-        |cell: &[i32; 3]| cell.iter().map(|at| off_middle(*at).powi(2)).sum::<f64>() <= f64::from(cells).powi(2);
-    let all = (0..cells.pow(3)).map(|place| [place % cells, place / cells % cells, place / (cells * cells)]);
-    Body {
-        shape: Shape::Cells(CellsShape { list: all.filter(is_in).collect(), size: 1.0 / f64::from(cells) }),
-        material: Material::Solid(Solid { young_modulus: 1e5, damping_ratio: 0.0, ..Solid::default() }),
-        pose: Pose { position: [at, 0.0, 0.0], rotation_deg: [0.0; 3] },
-        velocity: [speed, 0.0, 0.0],
-        ..Body::default()
-    }
-}
-
-#[test]
-fn equal_balls_exchange_their_speeds_the_better_the_rounder_they_are() {
-    // What the first keeps of its momentum when it meets one that rests.
-    let kept = |cells: i32| {
-        let mut simulation = simulate::<f32>(&free(vec![ball(cells, -0.52, 1.0), ball(cells, 0.52, 0.0)]));
-        let first = |simulation: &Simulation<f32>| simulation.diagnostics_of(0).momentum.x;
-        let before = first(&simulation);
-        run(&mut simulation, 0.7);
-        assert!(simulation.body_contacts().is_empty(), "they have met and gone");
-        first(&simulation) / before
-    };
-    let [coarse, fine] = [10, 24].map(kept);
-    assert!((0.0..0.05).contains(&coarse) && (0.0..0.02).contains(&fine), "{coarse} of the momentum, then {fine}");
-}
-
 #[test]
 fn every_explicit_scheme_lets_one_stand_on_another() {
     let schemes = [Integrator::Explicit, Integrator::Verlet, Integrator::Rk2, Integrator::Rk4];

@@ -1,6 +1,7 @@
 //! The physics against analytic values, conservation laws and its own promises. Needs no GPU and no window.
 
 mod analytic;
+mod balls;
 mod bodies;
 mod bounds;
 mod cantilever;
@@ -14,7 +15,6 @@ mod folds;
 mod free_modal;
 mod friction;
 mod golden;
-mod hertz;
 mod integrators;
 mod mesh_contact;
 mod mesh_obstacles;
