@@ -157,21 +157,20 @@ impl<R: Real> State<R> {
                 let own = body.particles.clone();
                 *motion = modal.project(body, [&self.position[own.clone()], &self.velocity[own]]);
                 *memory = BodyMemory { is_modal: true, asleep: true, gone: memory.gone, ..BodyMemory::default() };
-                self.keep_sides(model, number);
+                self.touch_from_the_same_sides(model, number);
             }
         }
     }
 
     /// Has the points of a free body touch planes and open meshes from the sides that its particles touched them from: those that
     /// lay on the ground lie a little in it, and would be met from below.
-    fn keep_sides(&mut self, model: &Model<R>, number: usize) {
+    fn touch_from_the_same_sides(&mut self, model: &Model<R>, number: usize) {
         let body = &model.bodies[number];
         let Some(points) = body.modal.as_ref().filter(|modal| modal.rigid.is_some()).map(|modal| &modal.points) else {
             return;
         };
-        for (obstacle, row) in
-            model.obstacles.iter().enumerate().filter_map(|(at, met)| Some((at, met.shape.side_row()?)))
-        {
+        for (obstacle, met) in model.obstacles.iter().enumerate() {
+            let Some(row) = met.shape.side_row() else { continue };
             for (sample, particle) in points.particles().iter().enumerate() {
                 let side = self.side[row][body.particles.start + *particle as usize];
                 if side != 0 {

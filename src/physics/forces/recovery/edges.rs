@@ -20,8 +20,7 @@ const RETURNED: f64 = 0.5;
 pub(super) struct Strength<R> {
     /// The stiffness over the cell size, N.
     stiffness: R,
-    /// What is less of the push for the speed at which the mean edges grow, N·s/m; where it is no number but infinite, all that
-    /// may be less is.
+    /// Of the damper that takes from a push while the mean edges grow, N·s/m; an infinite one takes all that it may.
     damping: R,
 }
 
@@ -42,9 +41,8 @@ impl<R: Real> Strength<R> {
         Self { stiffness: R::ONE, damping: R::from_f64(f64::INFINITY) }
     }
 
-    /// The share of a force for a stiffness of one that acts while the mean edges grow along it at this speed (m/s): as a
-    /// spring and a damper beside it. A push that were halved as soon as a cell is on its way back would have what rests on it
-    /// tremble from substep to substep: held by more than half of it, and by less than all.
+    /// A force for a stiffness of one, as it acts while the mean edges grow along it at this speed (m/s), N. Halved as soon as a
+    /// cell is on its way back it would have what rests on it tremble: held by more than half of it, and by less than all.
     #[inline]
     pub(super) fn times(self, force: R, growth: R) -> R {
         let whole = self.stiffness * force;

@@ -19,7 +19,8 @@
 //! cell that is a hundred times as wide changes a hundred times as fast with its height, so that a push by the volume would
 //! throw it from one side to the other within a substep. A cell that is on its way back is pushed less hard than one on its
 //! way in, by a damper beside the spring, and by half at most: what it takes from a blow it does not give back in full, so that
-//! crushed bodies come to rest rather than gain energy. The size of κ follows from the links (`compile::recovery`), so that the term costs no smaller step.
+//! crushed bodies come to rest rather than gain energy. The size of κ follows from the links (`compile::recovery`), so that the
+//! term costs no smaller step.
 //!
 //! Only the cells of a list are pushed: those near inversion. All cells are looked at once in every 1/60 s of simulated
 //! time, sooner where particles move past each other fast enough to crush a cell in that time, and in every substep while
