@@ -142,6 +142,8 @@ pub fn apply(context: &Context) {
             style.spacing.item_spacing = vec2(8.0, 6.0);
             style.spacing.button_padding = vec2(9.0, 4.0);
             style.spacing.interact_size = vec2(40.0, 26.0);
+            // Of all lists that this program has, the longest fits in.
+            style.spacing.combo_height = 420.0;
             style.spacing.menu_margin = Margin::same(6);
             style.spacing.window_margin = Margin::same(14);
             // Lists that open are as high as they need and the window allows: the usual 400 points hide their ends.

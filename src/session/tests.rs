@@ -63,6 +63,14 @@ fn live_material_keeps_the_motion_and_restart_takes_it_back() {
 }
 
 #[test]
+fn a_restart_forgets_the_contacts_there_were() {
+    let mut session = session("cube-on-plane");
+    (0..2000).find(|_| session.step() && session.status().contacts > 0).expect("it lands");
+    session.handle(Command::Restart).expect("restarting is always possible");
+    assert_eq!(session.status().contacts, 0, "it is in the air again");
+}
+
+#[test]
 fn a_second_body_leaves_the_first_where_it_is() {
     let mut session = session("cube-on-plane");
     (0..100).for_each(|_| assert!(session.step(), "the preset is stable"));

@@ -142,11 +142,11 @@ fn a_typed_number_may_have_a_unit_and_what_is_none_is_told() {
     assert!((radius - 0.35).abs() < 1e-12, "{radius} m");
     for text in ["abc", "2 lb", "1e999"] {
         assert!((type_radius(&mut window, text) - 0.35).abs() < 1e-12, "{text} changes nothing");
-        let said = window.harness.query_by_label_contains(&format!("“{text}” is no number")).is_some();
+        let said = window.harness.query_by_label_contains(&format!("“{text}” is not understood")).is_some();
         assert!(said, "and it is said of {text}");
     }
     type_radius(&mut window, "0.5");
-    assert!(window.harness.query_by_label_contains("is no number").is_none(), "no longer");
+    assert!(window.harness.query_by_label_contains("is not understood").is_none(), "no longer");
 }
 
 #[test]

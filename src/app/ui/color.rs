@@ -39,7 +39,7 @@ pub(super) fn color_ui(
 ) {
     ui.horizontal(|ui| {
         let label = ui.label(RichText::new("Colour by").color(theme::of(ui).weak));
-        let combo = ComboBox::from_id_salt("colour by").width(158.0).height(420.0).selected_text(words(view.color));
+        let combo = ComboBox::from_id_salt("colour by").width(158.0).selected_text(words(view.color));
         let response = combo.show_ui(ui, |ui| {
             for (index, color) in ColorBy::ALL.into_iter().enumerate() {
                 let row = ui.selectable_label(color == view.color, words(color));

@@ -102,7 +102,7 @@ pub(super) fn parse(text: &str, unit: &str) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
 }
 
-/// How many of a unit another is of which it is a multiple; a unit may be left out, and so may all but k, M or G.
+/// How many of a unit the written one is. It may be left out, or all of it but a k, M or G.
 fn times(written: &str, unit: &str) -> Option<f64> {
     if written.is_empty() {
         return Some(1.0);

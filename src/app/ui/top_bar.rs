@@ -144,7 +144,7 @@ fn named(ui: &Ui, response: Response, word: Option<Response>, name: &str) -> Res
 
 fn speed_ui(ui: &mut Ui, words: bool, status: &Status, commands: &mut Vec<Command>) {
     let word = word_ui(ui, words, "Speed");
-    let combo = ComboBox::from_id_salt("speed").width(72.0).height(420.0).selected_text(speed_text(status.speed));
+    let combo = ComboBox::from_id_salt("speed").width(72.0).selected_text(speed_text(status.speed));
     let response = combo.show_ui(ui, |ui| {
         for speed in SPEEDS {
             #[expect(clippy::float_cmp, reason = "the status repeats the very number that was chosen")]

@@ -138,7 +138,7 @@ fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
         response.response.labelled_by(label.id);
         ui.end_row();
         let label = ui.label(RichText::new("Up axis").color(theme::of(ui).weak));
-        let combo = ComboBox::from_id_salt("up axis").width(140.0).height(260.0).selected_text(up_axis_word(shape.up));
+        let combo = ComboBox::from_id_salt("up axis").width(140.0).selected_text(up_axis_word(shape.up));
         let response = combo.show_ui(ui, |ui| {
             for up in UpAxis::ALL {
                 let choice = ui.selectable_value(&mut shape.up, up, up_axis_word(up));

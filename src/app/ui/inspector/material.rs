@@ -74,7 +74,7 @@ fn choice_ui(ui: &mut Ui, now: &Material, gravity: [f64; 3]) -> Option<Choice> {
             ui.set_min_width(LABEL_WIDTH);
             ui.label(RichText::new("Made of").color(theme::of(ui).weak))
         });
-        let combo = ComboBox::from_id_salt("material").width(190.0).height(420.0).truncate().selected_text(text);
+        let combo = ComboBox::from_id_salt("material").width(190.0).truncate().selected_text(text);
         let response = combo.show_ui(ui, |ui| {
             let is_solid = matches!(now, Material::Solid(_));
             let own = [

@@ -17,7 +17,7 @@ pub(super) fn motion_ui(ui: &mut Ui, path: impl Fn(&str) -> String, motion: &mut
     };
     ui.horizontal(|ui| {
         let label = ui.label("Kind");
-        let combo = ComboBox::from_id_salt("motion").width(164.0).height(420.0).truncate().selected_text(WORDS[now]);
+        let combo = ComboBox::from_id_salt("motion").width(164.0).truncate().selected_text(WORDS[now]);
         let response = combo.show_ui(ui, |ui| {
             let kinds = [None, Some(Motion::Turn(Turn::default())), Some(Motion::Oscillate(Oscillate::default()))];
             for (number, (word, kind)) in WORDS.into_iter().zip(kinds).enumerate() {

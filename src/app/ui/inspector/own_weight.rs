@@ -72,8 +72,8 @@ pub(super) fn own_weight_ui(
             });
         });
         let words = format!(
-            "A body of {now} is too heavy for so soft a solid. Where it is thick it stands up to {then}; thin legs and walls give \
-             way before that."
+            "A body of {now} is too heavy for so soft a solid. Where it is thick it stands up to {then}; thin legs and walls \
+             give way before that."
         );
         ui.add(egui::Label::new(RichText::new(words).color(theme::of(ui).strong)).wrap());
         ui.add_space(2.0);

@@ -85,7 +85,7 @@ pub(super) fn solid_choice_ui(
     };
     ui.horizontal(|ui| {
         let label = within_label_ui(ui, name);
-        let combo = ComboBox::from_id_salt(("part", name)).width(190.0).height(420.0).truncate().selected_text(text);
+        let combo = ComboBox::from_id_salt(("part", name)).width(190.0).truncate().selected_text(text);
         let response = combo.show_ui(ui, |ui| {
             if ui.selectable_label(now.is_none(), none).clicked() && now.is_some() {
                 chosen = Some(None);

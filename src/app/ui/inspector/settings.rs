@@ -104,7 +104,7 @@ pub(super) fn choice_ui<T: Copy + PartialEq>(
     let mut chosen = None;
     ui.horizontal(|ui| {
         let name = param::find(path).map(|param| (crate::app::ui::value::label_ui(ui, label, param), help(param)));
-        let combo = ComboBox::from_id_salt(path).width(164.0).height(420.0).truncate().selected_text(shown);
+        let combo = ComboBox::from_id_salt(path).width(164.0).truncate().selected_text(shown);
         let response = combo.show_ui(ui, |ui| {
             for (value, words) in all {
                 if ui.selectable_label(*value == now, *words).clicked() && *value != now {

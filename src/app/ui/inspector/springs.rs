@@ -48,7 +48,7 @@ pub(super) fn springs_choice_ui(ui: &mut Ui, name: &str, now: bool, none: &'stat
     ui.horizontal(|ui| {
         let label = within_label_ui(ui, name);
         let text = if now { OWN } else { none };
-        let combo = ComboBox::from_id_salt(("part", name)).width(190.0).height(420.0).truncate().selected_text(text);
+        let combo = ComboBox::from_id_salt(("part", name)).width(190.0).truncate().selected_text(text);
         let response = combo.show_ui(ui, |ui| {
             for (is_own, words) in [(false, none), (true, OWN)] {
                 if ui.selectable_label(now == is_own, words).clicked() && now != is_own {

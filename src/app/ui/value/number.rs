@@ -65,7 +65,7 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
         hint(ui, id, None);
     }
     if let Some(text) = refused.take().filter(|text| !text.is_empty() && *text != param.unit) {
-        hint(ui, id, Some(format!("“{text}” is no number. Allowed: {}", param.range_text())));
+        hint(ui, id, Some(format!("“{text}” is not understood. Allowed: {}", param.range_text())));
     }
     if response.clicked() {
         select_all(ui, response.id, whole_figure(shown).chars().count());
