@@ -36,7 +36,7 @@ fn ball(cells: i32, at: f64, speed: f64) -> Body {
 fn meeting(bodies: [Body; 2]) -> Scene {
     let mut scene = falling(Body::default());
     scene.settings.gravity = [0.0; 3];
-    scene.bodies = bodies.to_vec();
+    scene.bodies = bodies.into();
     scene
 }
 

@@ -13,16 +13,12 @@ const STIFFEST: f64 = 0.6;
 /// The stiffness of the pull over that of the push, at most.
 const PULL_SHARE: f64 = 1.0;
 
-/// On the way back push and pull are less by a damper that stops no more than this share of the speed of their fastest mode, of a
-/// rate of `4 d/m`, in a substep: the shorter these are, the nearer it comes to taking half of all that is on its way back.
-const STOPPED_SHARE: f64 = 0.5;
-
 /// Cells of a stiffness (N·m) and a mass (kg) against inversion, whatever a substep bears: as they are where they are
 /// part of the equations that are solved, which give links as much resistance as flowing would.
 pub(super) fn unlimited<R: Real>([stiffness, mass]: [f64; 2]) -> RecoveryModel<R> {
     let stiffness = R::from_f64(stiffness);
-    let (pull, damping) = (stiffness * R::from_f64(PULL_SHARE), R::from_f64(f64::INFINITY));
-    RecoveryModel { stiffness, mass: R::from_f64(mass), push: stiffness, damping, pull, flow_secs: R::ZERO }
+    let pull = stiffness * R::from_f64(PULL_SHARE);
+    RecoveryModel { stiffness, mass: R::from_f64(mass), push: stiffness, pull, flow_secs: R::ZERO }
 }
 
 /// Limits push and pull of a body to what whole substeps of an explicit scheme bear.
@@ -38,13 +34,12 @@ pub(super) fn bear<R: Real>(body: &mut BodyModel<R>, plan: &Plan) {
     let dt = R::from_f64(secs);
     let inverse = body.inverse_cell_size * dt;
     let push = stiffness.min(R::from_f64(STIFFEST) * mass / (inverse * inverse));
-    let damping = R::from_f64(0.25 * STOPPED_SHARE / secs) * mass;
     let inverse = body.inverse_cell_size.to_f64() * secs;
     let load = stiffness.to_f64() * inverse * inverse / mass.to_f64();
     // RK4 bears twice as much: its limit is 8.
     let limit = if plan.scheme == Scheme::Rk4 { 2.0 } else { 1.0 };
     let pull = stiffness * R::from_f64((limit / load - 1.0).clamp(0.0, PULL_SHARE));
-    body.recovery = RecoveryModel { stiffness, mass, push, damping, pull, flow_secs: dt };
+    body.recovery = RecoveryModel { stiffness, mass, push, pull, flow_secs: dt };
 }
 
 /// A cell's stiffness against inversion, N·m, and the mass against it, kg, from the constants of springs.

@@ -279,8 +279,6 @@ pub struct RecoveryModel<R> {
     pub mass: R,
     /// The stiffness of the push, N·m: as much of it as a substep bears.
     pub(in crate::physics) push: R,
-    /// What push and pull are less on the way back for its speed, N·s/m; infinite, where all that they may be less is.
-    pub(in crate::physics) damping: R,
     /// The stiffness of the pull on the cells of a body that is stuck, N·m: as much as a substep bears beside the push.
     pub(in crate::physics) pull: R,
     /// For how long soft links flow in a substep, s; not at all where they are part of the equations that are solved.

@@ -20,13 +20,13 @@ use super::edges::{MeanEdges, Strength, mean_edges};
 use super::pull;
 use super::soft_links::{RecoveryWorkspace, for_each_soft_link};
 use crate::math::{Real, Vector};
-use crate::physics::model::{BodyModel, Model};
+use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State};
 
-/// Settles what recovery took in a substep of `dt` (s) before particles move by `path` (m/s).
+/// Settles what recovery took in a substep of a scheme, as long as that (s), before particles move by `path` (m/s).
 pub(in crate::physics) fn settle<R: Real>(
     model: &Model<R>,
-    dt: R,
+    (scheme, dt): (Scheme, R),
     path: &[R::Vec3],
     state: &mut State<R>,
     workspace: &mut RecoveryWorkspace<R>,
@@ -37,6 +37,7 @@ pub(in crate::physics) fn settle<R: Real>(
             position: &position[body.particles.clone()],
             velocity: &velocity[body.particles.clone()],
             path: &path[body.particles.clone()],
+            scheme,
             dt,
         };
         let taken = of_cells(body, memory, motion) + of_soft_links(body, memory, motion, workspace);
@@ -52,12 +53,13 @@ struct Motion<'a, R: Real> {
     position: &'a [R::Vec3],
     velocity: &'a [R::Vec3],
     path: &'a [R::Vec3],
+    scheme: Scheme,
     dt: R,
 }
 
 /// What push and pull take, J.
 fn of_cells<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, motion: Motion<'_, R>) -> f64 {
-    let Motion { position, velocity, path, dt } = motion;
+    let Motion { position, velocity, path, scheme, dt } = motion;
     let push = body.recovery.push;
     let pull = pull::stiffness(body, memory);
     let per_size = body.inverse_cell_size;
@@ -65,6 +67,7 @@ fn of_cells<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, motion: Motion<'_
         let pulled = pull.map_or(0.0, |pull| pull::cell_energy(edges) * pull.to_f64());
         edges.energy() * push.to_f64() + pulled
     };
+    let strength = |stiffness| Strength::of(body, stiffness, scheme, dt);
     let own = [0, 1, 2, 3, 4, 5, 6, 7];
     let mut taken = 0.0;
     for &cell in &memory.near_inversion {
@@ -80,9 +83,8 @@ fn of_cells<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, motion: Motion<'_
         let work_of = |force: [R::Vec3; 3]| {
             (0..3).fold(0.0, |sum, axis| sum + force[axis].dot((rates[axis] + goes[axis]) * dt).to_f64())
         };
-        let pushed = now.push(&rates, Strength::of_push(body)).map_or(0.0, work_of);
-        let pulled =
-            pull.and_then(|pull| pull::cell_force(&now, &rates, Strength::of(body, pull))).map_or(0.0, work_of);
+        let pushed = now.push(&rates, strength(push)).map_or(0.0, work_of);
+        let pulled = pull.and_then(|pull| pull::cell_force(&now, &rates, strength(pull))).map_or(0.0, work_of);
         taken += 0.5 * (energy_of(&before) - energy_of(&after) - pushed - pulled);
     }
     taken
@@ -95,7 +97,7 @@ fn of_soft_links<R: Real>(
     motion: Motion<'_, R>,
     workspace: &mut RecoveryWorkspace<R>,
 ) -> f64 {
-    let Motion { position, velocity, path, dt } = motion;
+    let Motion { position, velocity, path, dt, .. } = motion;
     let mut taken = 0.0;
     for_each_soft_link(body, memory, [position, velocity], workspace, |[i, j], link| {
         let goes = path[j] - path[i];

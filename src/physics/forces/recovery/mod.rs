@@ -143,7 +143,7 @@ pub(in crate::physics) fn pushes<R: Real>(body: &BodyModel<R>, memory: &BodyMemo
 
 /// Adds the push of the cells on the lists of the bodies, N.
 pub(in crate::physics) fn add_forces<R: Real>(
-    Substep { model, state, scheme, .. }: Substep<'_, R>,
+    Substep { model, state, scheme, dt, .. }: Substep<'_, R>,
     Configuration { position, velocity, .. }: Configuration<'_, R>,
     force: &mut [R::Vec3],
     workspace: &mut RecoveryWorkspace<R>,
@@ -157,8 +157,9 @@ pub(in crate::physics) fn add_forces<R: Real>(
         let force = &mut force[body.particles.clone()];
         recorder.counters.recovery_cells += memory.near_inversion.len() as u64;
         soften(body, memory, [position, velocity], workspace, force);
-        let strength = Strength::of_push(body);
-        let pull = pull::stiffness(body, memory).map(|pull| Strength::of(body, pull));
+        let strength = |stiffness| Strength::of(body, stiffness, scheme, dt);
+        let pull = pull::stiffness(body, memory).map(strength);
+        let strength = strength(body.recovery.push);
         for &cell in &memory.near_inversion {
             let corners = &body.lattice.cells[cell as usize];
             let edges = MeanEdges::of(position, corners, body.inverse_cell_size);

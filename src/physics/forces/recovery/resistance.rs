@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery::edges::{MeanEdges, Strength, mean_edges};
 use crate::physics::forces::recovery::pull;
-use crate::physics::model::BodyModel;
+use crate::physics::model::{BodyModel, Scheme};
 use crate::physics::state::BodyMemory;
 
 /// What a cell that is pushed resists while it moves: its part of the equations of the implicit integrator.
@@ -86,6 +86,7 @@ pub(in crate::physics) fn energy_past_work<R: Real>(
         let pulled = pull.map_or(0.0, |pull| pull::cell_energy(edges) * pull.to_f64());
         edges.energy() * stiffness.to_f64() + pulled
     };
+    let strength = |stiffness| Strength::of(body, stiffness, Scheme::Implicit, dt);
     let mut sum = 0.0;
     for &cell in &memory.near_inversion {
         let corners = &body.lattice.cells[cell as usize];
@@ -97,8 +98,8 @@ pub(in crate::physics) fn energy_past_work<R: Real>(
         let way = mean_edges(path, corners, dt);
         let rates = mean_edges(velocity, corners, R::ONE);
         let work_of = |force: [R::Vec3; 3]| (0..3).fold(0.0, |sum, axis| sum + force[axis].dot(way[axis]).to_f64());
-        let pulled = pull.and_then(|pull| pull::cell_force(&before, &rates, Strength::of(body, pull)));
-        let pushed = before.push(&rates, Strength::of_push(body));
+        let pulled = pull.and_then(|pull| pull::cell_force(&before, &rates, strength(pull)));
+        let pushed = before.push(&rates, strength(stiffness));
         let work = pushed.map_or(0.0, work_of) + pulled.map_or(0.0, work_of);
         sum += energy_of(&after) - energy_of(&before) + work;
     }
