@@ -1,6 +1,8 @@
 //! How much memory a simulation takes, before there is one: by the sizes of what it is made of.
 
-use super::contact::{BYTES_A_PARTICLE_AND_MESH, BodyContact, ContactConstraint, ContactRecord, SampleContact};
+use super::contact::{
+    BYTES_A_PARTICLE_AND_MESH, BYTES_A_POINT, BodyContact, ContactConstraint, ContactRecord, MET_AT_ONCE, SampleContact,
+};
 use super::model::Link;
 use super::state::press::Press;
 use super::state::touch::SampleTouch;
@@ -52,8 +54,9 @@ pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
 
 /// Where a particle would be, and was, and its place among those that meet, bytes.
 const AMONG_BODIES: usize = 2 * size_of::<[f64; 3]>() + size_of::<u32>();
-/// A particle of the outside, the cells around it and near it, and what it takes to solve for its contact, bytes.
-const OF_A_HULL: usize = size_of::<[u32; 10]>() + NEIGHBOURS + 2 * size_of::<BodyContact>() + 2 * size_of::<Press>();
+/// A particle of the outside, the cells around it and near it, and what it takes to find its contact and to solve for it, bytes.
+const OF_A_HULL: usize =
+    size_of::<[u32; 10]>() + NEIGHBOURS + BYTES_A_POINT + 2 * size_of::<BodyContact>() + 2 * size_of::<Press>();
 /// Eight cells that are near a particle, and its places in two lists, bytes.
 const NEIGHBOURS: usize = 8 * size_of::<[u32; 2]>() + 2 * size_of::<u32>();
 
@@ -94,5 +97,6 @@ fn of_motion(body: &LatticeCounts, size: Size) -> usize {
         + boxed * BYTES_A_CORNER
         + 2 * body.cells * size_of::<u32>()
         + pairs * (size_of::<ContactRecord<f32>>() + constraint)
+        + body.surface * size.obstacles.min(1) / MET_AT_ONCE * size_of::<ContactRecord<f32>>()
         + of_stages
 }

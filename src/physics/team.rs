@@ -70,7 +70,105 @@ pub(in crate::physics) fn by_groups<T: Send>(
     share(threads, Part { first: 0, to: [to], fewest: FEWEST_PARTICLES / group, work: &work });
 }
 
-/// The same of the bodies of a model, of which there is one each.
+/// Bodies that have fewer particles together are not shared out where what is done costs as much as contact does.
+pub(in crate::physics) const FEWEST_THAT_MEET: usize = 512;
+
+/// As many parts for each thread, where some take far longer than others: whoever is free takes the next.
+const PARTS_A_THREAD: usize = 4;
+
+/// Slices that are cut at the same places.
+pub(in crate::physics) trait Cut: Send + Sized {
+    /// Those before a place and those from there on.
+    fn cut(self, at: usize) -> [Self; 2];
+}
+
+impl<T: Send> Cut for &mut [T] {
+    fn cut(self, at: usize) -> [Self; 2] {
+        self.split_at_mut(at).into()
+    }
+}
+
+impl Cut for () {
+    fn cut(self, _: usize) -> [Self; 2] {
+        [(); 2]
+    }
+}
+
+impl<A: Cut, B: Cut> Cut for (A, B) {
+    fn cut(self, at: usize) -> [Self; 2] {
+        let ([first, last], [of_first, of_last]) = (self.0.cut(at), self.1.cut(at));
+        [(first, of_first), (last, of_last)]
+    }
+}
+
+impl<A: Cut> Cut for Option<A> {
+    fn cut(self, at: usize) -> [Self; 2] {
+        self.map_or_else(|| [None, None], |all| all.cut(at).map(Some))
+    }
+}
+
+/// Has the bodies of a model looked after side by side: `work` is given some that follow one another, and its own of what
+/// there is of every body and of every particle. None has fewer particles than that, where there are more bodies.
+pub(in crate::physics) fn side_by_side<R: Real, B: Cut, P: Cut>(
+    threads: usize,
+    fewest: usize,
+    model: &Model<R>,
+    (of_bodies, of_particles): (B, P),
+    work: impl Fn(Range<usize>, B, P) + Sync,
+) {
+    let bodies = 0..model.bodies.len();
+    let parts = if threads > 1 { PARTS_A_THREAD * threads } else { 1 };
+    share(parts, Side { model, bodies, fewest, of_bodies, of_particles, work: &work });
+}
+
+/// Some bodies that follow one another.
+struct Side<'a, R: Real, B, P, W> {
+    model: &'a Model<R>,
+    bodies: Range<usize>,
+    fewest: usize,
+    of_bodies: B,
+    of_particles: P,
+    work: &'a W,
+}
+
+impl<R: Real, B, P, W> Side<'_, R, B, P, W> {
+    /// Their particles.
+    fn particles(&self) -> Range<usize> {
+        let start = |body: usize| self.model.bodies[body].particles.start;
+        match self.bodies.end.checked_sub(1) {
+            Some(last) if !self.bodies.is_empty() => start(self.bodies.start)..self.model.bodies[last].particles.end,
+            _ => 0..0,
+        }
+    }
+}
+
+impl<R: Real, B: Cut, P: Cut, W: Fn(Range<usize>, B, P) + Sync> Halves for Side<'_, R, B, P, W> {
+    fn pieces(&self) -> usize {
+        self.bodies.len().min(self.particles().len() / self.fewest).max(1)
+    }
+
+    fn halve(self) -> [Self; 2] {
+        let particles = self.particles();
+        let middle = particles.start + particles.len() / 2;
+        let off = |body: &usize| self.model.bodies[*body].particles.start.abs_diff(middle);
+        let at = (self.bodies.start + 1..self.bodies.end).min_by_key(off).unwrap_or(self.bodies.end);
+        let cut = self.model.bodies.get(at).map_or(particles.end, |body| body.particles.start);
+        let Self { model, bodies, fewest, of_bodies, of_particles, work } = self;
+        let [first_bodies, last_bodies] = of_bodies.cut(at - bodies.start);
+        let [first_particles, last_particles] = of_particles.cut(cut - particles.start);
+        let [first, last] = [bodies.start..at, at..bodies.end];
+        [
+            Self { model, bodies: first, fewest, of_bodies: first_bodies, of_particles: first_particles, work },
+            Self { model, bodies: last, fewest, of_bodies: last_bodies, of_particles: last_particles, work },
+        ]
+    }
+
+    fn work(self) {
+        (self.work)(self.bodies, self.of_bodies, self.of_particles);
+    }
+}
+
+/// The same as [`by_part`] of the bodies of a model, of which there is one each.
 pub(in crate::physics) fn by_bodies<R: Real, T: Send>(
     threads: usize,
     model: &Model<R>,
@@ -118,9 +216,13 @@ impl<T: Send, W: Fn(Range<usize>, [&mut [T]; N]) + Sync, const N: usize> Halves 
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
     use std::sync::Barrier;
 
     use super::*;
+    use crate::physics::Simulation;
+    use crate::scene::body::CubeShape;
+    use crate::scene::{Body, Scene, Shape};
 
     struct Squares<'a>(&'a mut [usize], usize);
 
@@ -168,6 +270,37 @@ mod tests {
                 assert!(places.iter().copied().eq(0..count), "{count} by {threads}");
                 assert!(twice.iter().copied().eq((0..count).map(|place| 2 * place)), "{count} by {threads}");
             }
+        }
+    }
+
+    #[test]
+    fn bodies_side_by_side_have_each_their_own_once() {
+        // Of 64, 1000, 27 and 343 particles.
+        let cube = |(number, cells): (usize, u32)| {
+            let mut body = Body { shape: Shape::Cube(CubeShape { cells, size: 0.4 }), ..Body::default() };
+            body.pose.position[0] = number as f64;
+            body
+        };
+        let bodies: Vec<Body> = [3, 9, 2, 6].into_iter().enumerate().map(cube).collect();
+        let scene = Scene { bodies, ..Scene::default() };
+        let simulation = Simulation::<f32>::from_scene(&scene, Path::new(".")).expect("cubes");
+        let model = simulation.model();
+        for (threads, fewest) in [(1, 1), (2, 1), (3, 100), (8, 1), (8, 5000)] {
+            let (mut seen, mut owner) = (vec![0; 4], vec![None; model.particle_count()]);
+            let to = ((&mut seen[..], Some(())), (&mut owner[..], ()));
+            within(threads, || {
+                side_by_side(threads, fewest, model, to, |these, (seen, _), (owner, ())| {
+                    let first = model.bodies[these.start].particles.start;
+                    for (body, seen) in these.zip(seen) {
+                        *seen += 1;
+                        let own = &model.bodies[body].particles;
+                        owner[own.start - first..own.end - first].fill(Some(body));
+                    }
+                });
+            });
+            assert_eq!(seen, [1; 4], "by {threads}");
+            let expected = (0..model.particle_count()).map(|particle| model.body_of(particle));
+            assert!(owner.iter().copied().eq(expected), "by {threads} of at least {fewest}");
         }
     }
 

@@ -34,21 +34,20 @@ pub(super) struct Near<R: Real> {
 }
 
 impl<R: Real> Near<R> {
-    /// Room for a model.
-    pub(super) fn new(model: &Model<R>) -> Self {
-        let most = model.bodies.iter().map(|body| body.particles.len()).max().unwrap_or(0);
+    /// Room for a body of so many particles.
+    pub(super) fn new(model: &Model<R>, particles: usize) -> Self {
         Self {
             obstacles: Vec::with_capacity(model.obstacles.len()),
-            groups: Vec::with_capacity(most.div_ceil(GROUP)),
+            groups: Vec::with_capacity(particles.div_ceil(GROUP)),
             reach: R::ZERO,
-            particles: Vec::with_capacity(most.div_ceil(FEW)),
+            particles: Vec::with_capacity(particles.div_ceil(FEW)),
             meshes: Vec::with_capacity(model.mesh_count()),
             meets_more_than_meshes: false,
-            far: Far::new(model),
+            far: Far::new(particles, model.mesh_count()),
         }
     }
 
-    /// Finds what is within `reach` (m) of a body whose particles move with these velocities. `touches` tells of an
+    /// Finds what is within `reach` (m) of the body `number`, whose particles move with these velocities. `touches` tells of an
     /// obstacle whether it is near without a look at boxes.
     pub(super) fn find(
         &mut self,
@@ -67,7 +66,7 @@ impl<R: Real> Near<R> {
             return;
         }
         let own = body.particles.clone();
-        let (position, velocity) = (&state.position[own.clone()], &velocity[own.clone()]);
+        let position = &state.position[own.clone()];
         self.groups.clear();
         self.groups.resize(own.len().div_ceil(GROUP), Aabb::empty());
         team::by_groups(plan.threads, GROUP, &mut self.groups, |part, groups| {
@@ -84,7 +83,7 @@ impl<R: Real> Near<R> {
     }
 
     /// Finds the particles that may meet one of these obstacles: of the groups whose motion comes near one, or which touch one,
-    /// the few that do, and that are not known to be far from meshes.
+    /// the few that do, and that are not known to be far from meshes. What is `known` is that of the body's particles.
     pub(super) fn find_particles(
         &mut self,
         substep: Substep<'_, R>,
@@ -93,6 +92,7 @@ impl<R: Real> Near<R> {
         known: &[Known],
     ) {
         let own = substep.model.bodies[number].particles.clone();
+        let position = &substep.state.position[own.clone()];
         self.particles.clear();
         for group in 0..own.len().div_ceil(GROUP) {
             let all = group * GROUP..own.len().min((group + 1) * GROUP);
@@ -103,21 +103,21 @@ impl<R: Real> Near<R> {
             self.find_near_meshes(substep, number, group);
             for first in all.clone().step_by(FEW) {
                 let few = first..all.end.min(first + FEW);
-                let these = own.start + few.start..own.start + few.end;
                 if self.meets_more_than_meshes {
                     // Next to each other in a group are particles of many layers, of which one touches the ground.
-                    if self.are_near(substep, number, these, velocity) {
+                    if self.are_near(substep, number, few.clone(), velocity) {
                         self.particles.push(few);
                     }
                     continue;
                 }
                 let Substep { state, dt: secs, .. } = substep;
-                let of_all = Few { body: number, own: own.clone(), these, position: &state.position, velocity, secs };
+                let these = own.start + few.start..own.start + few.end;
+                let of_all = Few { these: few.clone(), position, velocity, secs };
                 let Self { meshes, far, reach, .. } = self;
                 let is_near = |near: &u32| {
                     let shape = &substep.obstacles.met(number, *near as usize).shape;
                     let ObstacleShape::Mesh(mesh) = shape else { return true };
-                    touches(shape, state, of_all.these.clone()) || !far.is_far(&of_all, mesh, *reach, known)
+                    touches(shape, state, these.clone()) || !far.is_far(&of_all, mesh, *reach, known)
                 };
                 if meshes.iter().any(is_near) {
                     self.particles.push(few);
@@ -126,13 +126,15 @@ impl<R: Real> Near<R> {
         }
     }
 
-    /// Whether the motion of any of some particles comes near one of the obstacles, or any touches one.
-    fn are_near(&self, substep: Substep<'_, R>, number: usize, these: Range<usize>, velocity: &[R::Vec3]) -> bool {
-        let Substep { state, obstacles, dt, .. } = substep;
+    /// Whether the motion of any of a few particles of the body comes near one of the obstacles, or any touches one.
+    fn are_near(&self, substep: Substep<'_, R>, number: usize, few: Range<usize>, velocity: &[R::Vec3]) -> bool {
+        let Substep { model, state, obstacles, dt, .. } = substep;
+        let start = model.bodies[number].particles.start;
+        let these = start + few.start..start + few.end;
         self.obstacles.iter().any(|near| {
             let obstacle = obstacles.met(number, *near as usize);
             let bounds = obstacle.bounds.grown(self.reach);
-            let motions = state.position[these.clone()].iter().zip(&velocity[these.clone()]);
+            let motions = state.position[these.clone()].iter().zip(&velocity[few.clone()]);
             touches(&obstacle.shape, state, these.clone())
                 || motions.into_iter().any(|(from, velocity)| sweep::<R>(*from, *velocity * dt).overlaps(&bounds))
         })

@@ -9,13 +9,14 @@ use super::record::ContactRecord;
 use super::response::{self, Friction};
 use super::surface::Surface;
 use super::swept::Swept;
-use super::workspace::ContactWorkspace;
+use super::workspace::{ContactWorkspace, ObstaclesWorkspace, Tests};
 use crate::math::{Real, Vector};
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::Stage;
 use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape};
-use crate::physics::report::{Counters, Recorder};
+use crate::physics::report::Recorder;
 use crate::physics::step::substep::Substep;
+use crate::physics::team::{self, FEWEST_THAT_MEET};
 
 /// Changes the predicted velocities of all particles that meet an obstacle within this substep.
 pub(in crate::physics) fn respond<R: Real>(
@@ -25,7 +26,7 @@ pub(in crate::physics) fn respond<R: Real>(
     recorder: &mut Recorder<'_>,
 ) {
     workspace.keep_of_sleepers(substep.model, substep.state);
-    Candidates { substep, workspace, recorder }.resolve_all(velocity, |_, _, _| ());
+    Candidates { substep, workspace, recorder }.resolve_all(velocity);
 }
 
 /// Changes the velocities that move particles where those at the end of the substep are others. What has met an
@@ -40,13 +41,13 @@ pub(in crate::physics) fn respond_to_paths<R: Real>(
 ) {
     if substep.scheme == Scheme::Stabilised {
         workspace.forget_unpushed(substep.model, substep.state);
-        Candidates { substep, workspace, recorder }.resolve_all(path, |particle, before, after| {
+        Candidates { substep, workspace, recorder }.resolve_with(path, Some(velocity), |velocity, before, after| {
             let change = after - before;
             let length = change.length();
             if length > R::ZERO {
                 let along = change * (R::ONE / length);
-                let missing = (after - velocity[particle]).dot(along).max(R::ZERO).min(length);
-                velocity[particle] += along * missing;
+                let missing = (after - *velocity).dot(along).max(R::ZERO).min(length);
+                *velocity += along * missing;
             }
         });
         return;
@@ -55,8 +56,8 @@ pub(in crate::physics) fn respond_to_paths<R: Real>(
         path[contact.particle] = velocity[contact.particle];
     }
     workspace.forget_unpushed(substep.model, substep.state);
-    let moved = |particle: usize, before, after| velocity[particle] += after - before;
-    Candidates { substep, workspace, recorder }.resolve_all(path, moved);
+    let moved = |velocity: &mut R::Vec3, before, after| *velocity += after - before;
+    Candidates { substep, workspace, recorder }.resolve_with(path, Some(velocity), moved);
 }
 
 /// All particles that may meet an obstacle.
@@ -67,51 +68,100 @@ pub(super) struct Candidates<'a, 'r, R: Real> {
 }
 
 impl<R: Real> Candidates<'_, '_, R> {
-    /// Resolves all velocities but of the particles that are known to meet something, and tells of each change.
-    pub(super) fn resolve_all(&mut self, velocity: &mut [R::Vec3], mut changed: impl FnMut(usize, R::Vec3, R::Vec3)) {
+    /// Resolves all velocities but of the particles that are known to meet something.
+    pub(super) fn resolve_all(&mut self, velocity: &mut [R::Vec3]) {
+        self.resolve_with(velocity, None, |_, _, _| ());
+    }
+
+    /// The same, where each change changes another velocity of the particle: `changed` is given that, and what the one was and is.
+    fn resolve_with(
+        &mut self,
+        velocity: &mut [R::Vec3],
+        other: Option<&mut [R::Vec3]>,
+        changed: impl Fn(&mut R::Vec3, R::Vec3, R::Vec3) + Sync,
+    ) {
         self.workspace.sort();
-        let met = self.workspace.contacts.len();
         let Self { substep, workspace, recorder } = self;
-        let Substep { model, plan, state, .. } = *substep;
-        for (number, body) in model.bodies.iter().enumerate() {
-            if state.bodies[number].asleep || substep.meets_on_mesh(number) {
-                continue;
-            }
-            let all_tests = (body.particles.len() * model.obstacles.len()) as u64;
-            let tests_before = recorder.counters.narrow_tests;
-            if plan.broad_phase {
-                recorder.enter(Stage::BroadPhase);
-            }
-            let touching = &workspace.touching[number * model.obstacles.len()..][..model.obstacles.len()];
-            workspace.near.find(*substep, number, velocity, R::ZERO, |obstacle| touching[obstacle]);
-            if !workspace.near.obstacles.is_empty() {
-                recorder.enter(Stage::Contact);
-                workspace.near.find_particles(*substep, number, velocity, &workspace.known);
-                for local in workspace.near.particles.iter().cloned().flatten() {
-                    let particle = body.particles.start + local;
-                    // The contacts are in the order of the particles.
-                    let has_met = || workspace.contacts[..met].binary_search_by_key(&particle, |c| c.particle).is_ok();
-                    if body.is_pinned(local) || has_met() {
-                        continue;
-                    }
-                    let mut candidate = Candidate::new(*substep, number, particle, &mut workspace.known);
-                    let before = velocity[particle];
-                    velocity[particle] = candidate.resolve(
-                        before,
-                        substep.inertia(number, local),
-                        &body.contacts,
-                        &workspace.near.obstacles,
-                        &mut workspace.contacts,
-                    );
-                    changed(particle, before, velocity[particle]);
-                    candidate.count(&mut recorder.counters);
+        let (substep, Substep { model, plan, state, .. }) = (*substep, *substep);
+        let ContactWorkspace { of_bodies, contacts, touching, .. } = &mut **workspace;
+        let meets = |number: usize| !state.bodies[number].asleep && !substep.meets_on_mesh(number);
+        if plan.broad_phase {
+            recorder.enter(Stage::BroadPhase);
+        }
+        let (obstacles, before) = (model.obstacles.len(), &*velocity);
+        team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (&mut of_bodies[..], ()), |these, workspaces, ()| {
+            for (number, workspace) in these.zip(workspaces) {
+                workspace.tests = Tests::default();
+                workspace.near.obstacles.clear();
+                if meets(number) {
+                    let touching = &touching[number * obstacles..][..obstacles];
+                    let own = &before[model.bodies[number].particles.clone()];
+                    workspace.near.find(substep, number, own, R::ZERO, |obstacle| touching[obstacle]);
                 }
             }
-            let made = recorder.counters.narrow_tests - tests_before;
-            recorder.counters.narrow_tests_saved += all_tests.saturating_sub(made);
+        });
+        if of_bodies.iter().any(|workspace| !workspace.near.obstacles.is_empty()) {
+            recorder.enter(Stage::Contact);
+            let met = &*contacts;
+            let to = (&mut of_bodies[..], (velocity, other));
+            team::side_by_side(
+                plan.threads,
+                FEWEST_THAT_MEET,
+                model,
+                to,
+                |these, workspaces, (velocity, mut other)| {
+                    let first = model.bodies[these.start].particles.start;
+                    for (number, workspace) in these.zip(workspaces) {
+                        let own = &model.bodies[number].particles;
+                        let own = own.start - first..own.end - first;
+                        let other = other.as_deref_mut().map(|other| &mut other[own.clone()]);
+                        resolve_body(substep, number, workspace, met, (&mut velocity[own], other), &changed);
+                    }
+                },
+            );
+        }
+        for (number, workspace) in of_bodies.iter_mut().enumerate().filter(|(number, _)| meets(*number)) {
+            contacts.append(&mut workspace.found);
+            workspace.tests.count(&mut recorder.counters);
+            let all_tests = (model.bodies[number].particles.len() * obstacles) as u64;
+            recorder.counters.narrow_tests_saved += all_tests.saturating_sub(workspace.tests.all);
         }
         workspace.sort();
         recorder.last.contacts = workspace.pushing();
+    }
+}
+
+/// Resolves the velocities of one body's particles near which there are obstacles, but of those in `met`, and tells of each change
+/// with the other velocity of the particle.
+fn resolve_body<R: Real>(
+    substep: Substep<'_, R>,
+    number: usize,
+    workspace: &mut ObstaclesWorkspace<R>,
+    met: &[ContactRecord<R>],
+    (velocity, mut other): (&mut [R::Vec3], Option<&mut [R::Vec3]>),
+    changed: &impl Fn(&mut R::Vec3, R::Vec3, R::Vec3),
+) {
+    if workspace.near.obstacles.is_empty() {
+        return;
+    }
+    let (body, meshes) = (&substep.model.bodies[number], substep.model.mesh_count());
+    workspace.near.find_particles(substep, number, velocity, &workspace.known);
+    let ObstaclesWorkspace { near, known, found, tests } = workspace;
+    for local in near.particles.iter().cloned().flatten() {
+        let particle = body.particles.start + local;
+        // The contacts are in the order of the particles.
+        let has_met = || met.binary_search_by_key(&particle, |contact| contact.particle).is_ok();
+        if body.is_pinned(local) || has_met() {
+            continue;
+        }
+        let mut candidate = Candidate::new(substep, number, particle, &mut known[local * meshes..][..meshes]);
+        let before = velocity[local];
+        let inertia = substep.inertia(number, local);
+        velocity[local] = candidate.resolve(before, inertia, &body.contacts, &near.obstacles, found);
+        if let Some(other) = &mut other {
+            changed(&mut other[local], before, velocity[local]);
+        }
+        tests.add(candidate.tests);
     }
 }
 
@@ -123,25 +173,13 @@ pub(super) struct Candidate<'a, R: Real> {
     pub(super) particle: usize,
     /// What is known of this particle and every mesh.
     known: &'a mut [Known],
-    pub(super) tests: u64,
-    pub(super) sphere_tests: u64,
-    pub(super) frictions: u64,
+    pub(super) tests: Tests,
 }
 
 impl<'a, R: Real> Candidate<'a, R> {
-    /// What is `known` is that of all particles.
+    /// What is `known` is that of the particle and every mesh.
     pub(super) fn new(substep: Substep<'a, R>, body: usize, particle: usize, known: &'a mut [Known]) -> Self {
-        // Without a mesh no time goes on a division.
-        let meshes = if known.is_empty() { 0 } else { known.len() / substep.model.particle_count() };
-        let known = &mut known[particle * meshes..][..meshes];
-        Self { substep, body, particle, known, tests: 0, sphere_tests: 0, frictions: 0 }
-    }
-
-    /// Adds what it tested.
-    pub(super) fn count(&self, counters: &mut Counters) {
-        counters.narrow_tests += self.tests;
-        counters.sphere_tests += self.sphere_tests;
-        counters.frictions += self.frictions;
+        Self { substep, body, particle, known, tests: Tests::default() }
     }
 
     /// The velocity the obstacles leave this particle; what pushed is recorded.
@@ -223,7 +261,7 @@ impl<'a, R: Real> Candidate<'a, R> {
             if after != past {
                 velocity = after + surface_velocity;
             }
-            self.frictions += u64::from(rubs && velocity != before);
+            self.tests.frictions += u64::from(rubs && velocity != before);
             // Also where nothing pushes: a particle that leaves must keep its side until it is out.
             records.push(ContactRecord {
                 particle: self.particle,
@@ -266,8 +304,8 @@ impl<'a, R: Real> Candidate<'a, R> {
         if self.substep.plan.broad_phase && side == 0 && !broad::sweep::<R>(from, path).overlaps(bounds) {
             return None;
         }
-        self.tests += 1;
-        self.sphere_tests += u64::from(matches!(shape, ObstacleShape::Sphere { .. }));
+        self.tests.all += 1;
+        self.tests.of_spheres += u64::from(matches!(shape, ObstacleShape::Sphere { .. }));
         Swept { from, path, side, widest: None }.meet(met, self.substep.dt, self.known)
     }
 }

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::narrow::mesh::{Known, rounding_margin};
 use crate::math::{Real, Vector};
-use crate::physics::model::{MeshModel, Model};
+use crate::physics::model::MeshModel;
 
 /// Particles that are far or not together.
 pub(super) const FEW: usize = 16;
@@ -22,14 +22,14 @@ const TAKEN_AS_NEAR: f64 = 8.0;
 /// How much nearer than it was found the surface may be for rounding, as a share of the way.
 const ROUNDING_SHARE: f64 = 1e-3;
 
-/// What is known of all particles and meshes.
+/// What is known of a body's particles and all meshes.
 #[derive(Clone, Debug)]
 pub(super) struct Far<R: Real> {
     /// By mesh.
     meshes: Vec<FarFromMesh<R>>,
 }
 
-/// What is known of all particles and one mesh.
+/// What is known of a body's particles and one mesh.
 #[derive(Clone, Debug)]
 struct FarFromMesh<R: Real> {
     /// Where particles were when they were looked at, m.
@@ -37,8 +37,8 @@ struct FarFromMesh<R: Real> {
     /// How far the mesh was from the nearest of a few then, m; nothing where that is not known; less than nothing by as many as
     /// the times are that they are taken to be near.
     distance: Vec<f64>,
-    /// Where the mesh was then, for every body.
-    place: Vec<Option<Place<R>>>,
+    /// Where the mesh was then.
+    place: Option<Place<R>>,
 }
 
 /// The middle and the axes of a mesh.
@@ -47,41 +47,37 @@ type Place<R> = (<R as Real>::Vec3, [<R as Real>::Vec3; 3]);
 /// A few particles of a body.
 #[derive(Clone, Debug)]
 pub(super) struct Few<'a, R: Real> {
-    pub(super) body: usize,
-    /// All of the body's, and these, by their numbers in the state.
-    pub(super) own: Range<usize>,
+    /// Their numbers in the body.
     pub(super) these: Range<usize>,
-    /// Of all bodies, m and m/s.
+    /// Of all of it, m and m/s.
     pub(super) position: &'a [R::Vec3],
     pub(super) velocity: &'a [R::Vec3],
     pub(super) secs: R,
 }
 
 impl<R: Real> Far<R> {
-    /// Room for a model.
-    pub(super) fn new(model: &Model<R>) -> Self {
-        let (particles, bodies) = (model.particle_count(), model.bodies.len());
+    /// Room for a body of so many particles among so many meshes.
+    pub(super) fn new(particles: usize, meshes: usize) -> Self {
         let of_mesh = FarFromMesh {
             at: vec![R::Vec3::ZERO; particles],
-            distance: vec![0.0; particles / FEW + bodies],
-            place: vec![None; bodies],
+            distance: vec![0.0; particles.div_ceil(FEW)],
+            place: None,
         };
-        Self { meshes: vec![of_mesh; model.mesh_count()] }
+        Self { meshes: vec![of_mesh; meshes] }
     }
 
     /// Whether none of a few particles comes within `reach` (m) of a mesh; looks again where that cannot be told from the
-    /// last time. `known` is what is known of every particle.
+    /// last time. `known` is what is known of
+    /// every particle of the body.
     pub(super) fn is_far(&mut self, few: &Few<'_, R>, mesh: &MeshModel<R>, reach: R, known: &[Known]) -> bool {
         let meshes = self.meshes.len();
         let FarFromMesh { at, distance, place } = &mut self.meshes[mesh.place];
-        // Those of every body begin a slot of their own.
-        let slot = |particle: usize| few.own.start / FEW + few.body + (particle - few.own.start) / FEW;
         let here = Some((mesh.center, mesh.axes));
-        if place[few.body] != here {
-            place[few.body] = here;
-            distance[slot(few.own.start)..=slot(few.own.end - 1)].fill(0.0);
+        if *place != here {
+            *place = here;
+            distance.fill(0.0);
         }
-        let (at, distance) = (&mut at[few.these.clone()], &mut distance[slot(few.these.start)]);
+        let (at, distance) = (&mut at[few.these.clone()], &mut distance[few.these.start / FEW]);
         if *distance < 0.0 {
             *distance += 1.0;
             return false;

@@ -38,6 +38,7 @@ mod way_out;
 pub(super) mod weighted;
 mod workspace;
 
+pub(super) use bodies::BYTES_A_POINT;
 pub use bodies::BodyContact;
 pub(super) use candidate::{respond, respond_to_paths};
 pub(super) use constraint::ContactConstraint;
@@ -52,4 +53,4 @@ pub(super) use surface::Surface;
 pub(super) use swept::Swept;
 pub use weighted::DEPTH_SHARE;
 pub(super) use weighted::{GENTLE_SHARE, STIFFNESS_OVER_MASS, pressed_at_end};
-pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace};
+pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace, MET_AT_ONCE};

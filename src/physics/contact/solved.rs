@@ -14,7 +14,7 @@ use super::candidate::{Candidate, Candidates};
 use super::constraint::ContactConstraint;
 use super::record::ContactRecord;
 use super::response;
-use super::workspace::ContactWorkspace;
+use super::workspace::{ContactWorkspace, ObstaclesWorkspace};
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
@@ -39,6 +39,7 @@ pub(in crate::physics) fn find<R: Real>(
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, state, dt, .. } = substep;
+    let meshes = model.mesh_count();
     workspace.constraints.clear();
     for (number, body) in model.bodies.iter().enumerate() {
         if state.bodies[number].asleep || substep.meets_on_mesh(number) {
@@ -46,20 +47,22 @@ pub(in crate::physics) fn find<R: Real>(
         }
         let touching = &workspace.touching[number * model.obstacles.len()..][..model.obstacles.len()];
         recorder.enter(Stage::BroadPhase);
-        workspace.near.find(substep, number, falling, R::ZERO, |obstacle| touching[obstacle]);
-        if workspace.near.obstacles.is_empty() {
+        let (own, of_body) = (&falling[body.particles.clone()], &mut workspace.of_bodies[number]);
+        of_body.near.find(substep, number, own, R::ZERO, |obstacle| touching[obstacle]);
+        if of_body.near.obstacles.is_empty() {
             continue;
         }
         recorder.enter(Stage::Contact);
-        workspace.near.find_particles(substep, number, falling, &workspace.known);
-        for local in workspace.near.particles.iter().cloned().flatten() {
+        of_body.near.find_particles(substep, number, own, &of_body.known);
+        let ObstaclesWorkspace { near, known, .. } = of_body;
+        for local in near.particles.iter().cloned().flatten() {
             let particle = body.particles.start + local;
             if body.is_pinned(local) {
                 continue;
             }
-            let mut candidate = Candidate::new(substep, number, particle, &mut workspace.known);
+            let mut candidate = Candidate::new(substep, number, particle, &mut known[local * meshes..][..meshes]);
             let size = body.size.to_f64();
-            for &near in &workspace.near.obstacles {
+            for &near in &near.obstacles {
                 let obstacle = near as usize;
                 let Some((surface, surface_velocity)) = candidate.surface(obstacle, falling[particle]) else {
                     continue;
@@ -94,7 +97,7 @@ pub(in crate::physics) fn find<R: Real>(
                 constraint.begin(velocity, falling[particle].to_dvec3());
                 workspace.constraints.push(constraint);
             }
-            candidate.count(&mut recorder.counters);
+            candidate.tests.count(&mut recorder.counters);
         }
     }
 }
@@ -118,7 +121,8 @@ pub(in crate::physics) fn finish<R: Real>(
                 continue;
             }
             let over_dt = R::ONE / dt;
-            let mut candidate = Candidate::new(substep, number, particle, &mut workspace.known);
+            let known = workspace.of_bodies[number].known(particle - body.particles.start, model.mesh_count());
+            let mut candidate = Candidate::new(substep, number, particle, known);
             let first = workspace.contacts.len();
             for obstacle in 0..model.obstacles.len() {
                 let record = match own.iter().find(|constraint| constraint.obstacle == obstacle) {
@@ -146,11 +150,11 @@ pub(in crate::physics) fn finish<R: Real>(
                 candidate.share_out(has, [solved, allowed], mass, &body.contacts, found);
                 velocity[particle] = allowed;
             }
-            candidate.count(&mut recorder.counters);
+            candidate.tests.count(&mut recorder.counters);
             recorder.counters.frictions += own.iter().filter(|constraint| constraint.limit() > 0.0).count() as u64;
         }
     }
-    Candidates { substep, workspace, recorder }.resolve_all(velocity, |_, _, _| ());
+    Candidates { substep, workspace, recorder }.resolve_all(velocity);
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! particle only within a threshold: faster than threshold/dt it falls through.
 
 use super::record::ContactRecord;
-use super::workspace::ContactWorkspace;
+use super::workspace::{ContactWorkspace, ObstaclesWorkspace};
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::model::{ContactModel, MeshModel, ObstacleModel, ObstacleShape, OrientedModel, PlaneModel};
@@ -37,12 +37,14 @@ pub(in crate::physics) fn add_forces<R: Real>(
         if plan.broad_phase {
             recorder.enter(Stage::BroadPhase);
         }
-        workspace.near.find(substep, place, &state.velocity, threshold * R::from_f64(1.0 + ROUNDING), |_| false);
+        let ObstaclesWorkspace { near, known, .. } = &mut workspace.of_bodies[place];
+        let own = &state.velocity[body.particles.clone()];
+        near.find(substep, place, own, threshold * R::from_f64(1.0 + ROUNDING), |_| false);
         recorder.enter(Stage::Contact);
         let tests_before = recorder.counters.narrow_tests;
-        workspace.near.find_particles(substep, place, &state.velocity, &workspace.known);
-        for particle in workspace.near.particles.iter().cloned().flatten().map(|local| body.particles.start + local) {
-            for number in workspace.near.obstacles.iter().map(|near| *near as usize) {
+        near.find_particles(substep, place, own, known);
+        for particle in near.particles.iter().cloned().flatten().map(|local| body.particles.start + local) {
+            for number in near.obstacles.iter().map(|near| *near as usize) {
                 let obstacle = obstacles.met(place, number);
                 recorder.counters.narrow_tests += 1;
                 let contact = &body.contacts[number];

@@ -8,10 +8,10 @@ use super::narrow::mesh::Known;
 use super::record::ContactRecord;
 use super::samples::SamplesWorkspace;
 use crate::math::{Real, Vector};
-use crate::physics::model::Model;
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
-use crate::physics::report::Recorder;
+use crate::physics::model::{BodyModel, Model};
+use crate::physics::report::{Counters, Recorder};
 use crate::physics::state::State;
 use crate::physics::state::sleep;
 
@@ -21,18 +21,72 @@ const CORNER: usize = 3;
 /// What is known of a particle and a mesh, bytes.
 pub(in crate::physics) const BYTES_A_PARTICLE_AND_MESH: usize = size_of::<Known>() + BYTES_FAR;
 
+/// What contact of one body's particles with obstacles works in: each has its own, so that threads look after bodies side by side.
+#[derive(Clone, Debug)]
+pub(super) struct ObstaclesWorkspace<R: Real> {
+    pub(super) near: Near<R>,
+    /// What is known of every particle and mesh, by particle.
+    pub(super) known: Vec<Known>,
+    /// What was found in the substep under way.
+    pub(super) found: Vec<ContactRecord<R>>,
+    pub(super) tests: Tests,
+}
+
+impl<R: Real> ObstaclesWorkspace<R> {
+    fn new(model: &Model<R>, body: &BodyModel<R>) -> Self {
+        let (particles, meshes) = (body.particles.len(), model.mesh_count());
+        let met = if model.obstacles.is_empty() { 0 } else { body.lattice.surface / MET_AT_ONCE };
+        Self {
+            near: Near::new(model, particles),
+            known: vec![Known::default(); particles * meshes],
+            found: Vec::with_capacity(met),
+            tests: Tests::default(),
+        }
+    }
+
+    /// What is known of a particle of the body and every mesh.
+    pub(super) fn known(&mut self, local: usize, meshes: usize) -> &mut [Known] {
+        &mut self.known[local * meshes..][..meshes]
+    }
+}
+
+/// One in so many particles of a surface is what an obstacle meets in a substep: what is beyond that makes room for itself once.
+pub(in crate::physics) const MET_AT_ONCE: usize = 2;
+
+/// What was tested.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tests {
+    pub(super) all: u64,
+    pub(super) of_spheres: u64,
+    pub(super) frictions: u64,
+}
+
+impl Tests {
+    /// Adds others.
+    pub(super) fn add(&mut self, Self { all, of_spheres, frictions }: Self) {
+        self.all += all;
+        self.of_spheres += of_spheres;
+        self.frictions += frictions;
+    }
+
+    /// Counts them.
+    pub(super) fn count(self, counters: &mut Counters) {
+        counters.narrow_tests += self.all;
+        counters.sphere_tests += self.of_spheres;
+        counters.frictions += self.frictions;
+    }
+}
+
 /// What contact works in, and what the last substep found.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactWorkspace<R: Real> {
-    /// What is near the body under work.
-    pub(super) near: Near<R>,
+    /// What each body works in.
+    pub(super) of_bodies: Vec<ObstaclesWorkspace<R>>,
     /// Particle–obstacle pairs that met in the last substep, by particle.
     pub contacts: Vec<ContactRecord<R>>,
     /// For every body and obstacle whether they are near without a look at boxes: planes of which a side is remembered,
     /// and all before the first substep.
     pub(super) touching: Vec<bool>,
-    /// What is known of every particle and mesh, by particle.
-    pub(super) known: Vec<Known>,
     /// What the implicit integrator solves for, by particle.
     pub(in crate::physics) constraints: Vec<ContactConstraint>,
     /// What contact between bodies works in, and what it found.
@@ -49,10 +103,9 @@ impl<R: Real> ContactWorkspace<R> {
         let pairs = surface * model.obstacles.len().min(CORNER);
         let solved_for = if plan.scheme == Scheme::Implicit { pairs } else { 0 };
         Self {
-            near: Near::new(model),
+            of_bodies: model.bodies.iter().map(|body| ObstaclesWorkspace::new(model, body)).collect(),
             contacts: Vec::with_capacity(pairs),
             touching: vec![true; model.bodies.len() * model.obstacles.len()],
-            known: vec![Known::default(); model.particle_count() * model.mesh_count()],
             constraints: Vec::with_capacity(solved_for),
             bodies: BodiesWorkspace::new(model, plan),
             samples: SamplesWorkspace::new(model, plan),

@@ -29,7 +29,7 @@ use crate::physics::team::{self, Halves};
 #[derive(Clone, Debug)]
 pub(super) struct ForceWorkspace<R: Real> {
     /// What recovery from inversion works in.
-    pub(super) recovery: recovery::RecoveryWorkspace<R>,
+    pub(super) recovery: Vec<recovery::RecoveryWorkspace<R>>,
     /// What links are worked out in where they must be exact.
     pub(super) exact: ExactLinks,
     /// How many threads work them out.
@@ -49,7 +49,7 @@ impl<R: Real> ForceWorkspace<R> {
     /// Room for a model under a plan.
     pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
         Self {
-            recovery: recovery::RecoveryWorkspace::new(model),
+            recovery: recovery::RecoveryWorkspace::of_each(model),
             exact: exact_links(model, plan),
             threads: plan.threads,
             shares: shares(model, plan.threads),
@@ -60,7 +60,7 @@ impl<R: Real> ForceWorkspace<R> {
     /// Goes on with a model of the same bodies with other constants. The shares of the threads keep their room where the links
     /// are still where they were `before`.
     pub(super) fn fit(&mut self, before: &Model<R>, model: &Model<R>, plan: &Plan) {
-        self.recovery = recovery::RecoveryWorkspace::new(model);
+        self.recovery = recovery::RecoveryWorkspace::of_each(model);
         self.exact = exact_links(model, plan);
         if plan.threads != self.threads || !are_laid_out_alike(before, model) {
             self.threads = plan.threads;

@@ -201,7 +201,7 @@ pub(super) fn substep<R: Real>(
     if plan.recovery && state.bodies.iter().any(BodyMemory::is_watched) {
         recorder.enter(Stage::Recovery);
         let StepWorkspace { velocity, scheme, forces, .. } = workspace;
-        recovery::settle(model, (part.scheme, dt), scheme.moving(velocity), state, &mut forces.recovery);
+        recovery::settle((model, plan), (part.scheme, dt), scheme.moving(velocity), state, &mut forces.recovery);
     }
     accept(model, plan, part, state, workspace);
     if plan.sleeping && part.is_last {

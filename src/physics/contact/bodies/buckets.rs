@@ -51,9 +51,13 @@ pub(super) struct Buckets {
 }
 
 impl Buckets {
-    /// Room for so many points.
+    /// Room for so many points, in as many buckets as they fill where they are on the outside of a body.
     pub(super) fn new(points: usize) -> Self {
-        Self { starts: Vec::with_capacity(MOST + 1), order: Vec::with_capacity(points), ..Self::default() }
+        Self {
+            starts: Vec::with_capacity((4 * points).min(MOST) + 1),
+            order: Vec::with_capacity(points),
+            ..Self::default()
+        }
     }
 
     /// Sorts points that are in a box into buckets as large as cells of `cell_size` (m), or larger where these were too many.

@@ -19,11 +19,11 @@ use glam::DVec3;
 
 use super::buckets::Seen;
 use super::cell::{Cell, Slabs, TOLERANCE, outside};
-use super::neighbours::{around, looked_at};
-use super::workspace::BodiesWorkspace;
+use super::neighbours::{Neighbours, around, looked_at};
+use super::points::PointsWorkspace;
+use super::workspace::Ahead;
 use crate::math::{Aabb, Real};
 use crate::physics::model::{BodyModel, Model};
-use crate::physics::report::Counters;
 
 /// A point that is outside a cell by no more than this is as good as in it, and looked for in no other.
 const NOTHING: f64 = 1e-9;
@@ -52,24 +52,24 @@ pub(super) struct Found {
 }
 
 /// Finds the points of one body of a pair that are inside the other: in the broad phase of those that are near
-/// ([`super::neighbours`]), else of all.
+/// ([`super::neighbours`]), else of all. Particles would be `ahead` at the end of the substep, m.
 pub(super) fn find<R: Real>(
     model: &Model<R>,
     of: [usize; 2],
-    is_broad: bool,
-    workspace: &mut BodiesWorkspace<R>,
-    counters: &mut Counters,
+    neighbours: Option<&Neighbours>,
+    ahead: &[DVec3],
+    workspace: &mut PointsWorkspace,
 ) {
     let [points, cells] = of.map(|number| &model.bodies[number]);
-    let BodiesWorkspace { ahead, neighbours, seen, buckets, .. } = workspace;
+    let PointsWorkspace { lists, seen, buckets, looks, .. } = workspace;
     let hull = points.hull();
     let own = &ahead[cells.particles.clone()];
     let cell_size = cells.lattice.grid.cell_size;
     let mut tests = 0;
     let see = |point: u32| Seen::of(point, ahead[points.particles.start + hull.points[point as usize] as usize]);
-    seen.clear();
-    if is_broad {
-        let list = neighbours.list(model, of, ahead, buckets);
+    if let Some(neighbours) = neighbours {
+        let list = lists.list(model, of, neighbours, seen, buckets);
+        seen.clear();
         seen.extend(list.points.iter().map(|point| see(*point)));
         for (number, places) in list.by_cell() {
             let mut cell = Candidate::new(cells, number, own, cell_size);
@@ -78,6 +78,7 @@ pub(super) fn find<R: Real>(
             }
         }
     } else {
+        seen.clear();
         seen.extend((0..).zip(&hull.points).map(|(point, _)| see(point)));
         let is_itself = of[0] == of[1];
         for number in looked_at(cells, is_itself) {
@@ -91,26 +92,28 @@ pub(super) fn find<R: Real>(
         }
     }
     let all_tests = (hull.points.len() * cells.lattice.cells.len()) as u64;
-    counters.points_looked_for += seen.len() as u64;
-    counters.narrow_tests += tests;
-    counters.narrow_tests_saved += all_tests - tests.min(all_tests);
+    looks.points += seen.len() as u64;
+    looks.tests += tests;
+    looks.tests_saved += all_tests - tests.min(all_tests);
 }
 
-/// The ways out of the points that were found, in their order; `boxes` are those around the bodies, m.
+/// The ways out of the points that were found, in their order, `inside` of them; `bodies` are as they would be at the end.
 pub(super) fn ways_out<R: Real>(
     model: &Model<R>,
     [of_points, of_cells]: [usize; 2],
     seen: &[Seen],
+    inside: usize,
     ahead: &[DVec3],
-    boxes: &[Aabb<f64>],
+    bodies: &[Ahead],
 ) -> impl Iterator<Item = Found> {
     let [points, cells] = [of_points, of_cells].map(|number| &model.bodies[number]);
-    let inside = seen.iter().filter(|seen| seen.is_inside()).count();
     let is_itself = of_points == of_cells;
     let is_in = !is_itself && inside as f64 > MOST * points.hull().points.len() as f64;
     // Of two in the same place the later one in the list leaves upwards.
     let upwards = if of_points > of_cells { DVec3::Y } else { DVec3::NEG_Y };
-    let away = is_in.then(|| (boxes[of_points].center() - boxes[of_cells].center()).try_normalize().unwrap_or(upwards));
+    let away = is_in.then(|| {
+        (bodies[of_points].bounds.center() - bodies[of_cells].bounds.center()).try_normalize().unwrap_or(upwards)
+    });
     seen.iter().filter(|seen| seen.is_inside()).filter_map(move |seen| {
         let carriers = cells.lattice.cells[seen.cell as usize];
         let cell = Cell(carriers.map(|corner| ahead[cells.particles.start + corner as usize]));

@@ -15,7 +15,7 @@ use glam::{DMat3, DVec3};
 
 use super::buckets::Seen;
 use super::cell::{Cell, outside};
-use super::workspace::BodiesWorkspace;
+use super::points::PointsWorkspace;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::BodyModel;
 
@@ -40,7 +40,7 @@ pub(super) fn look<R: Real>(
     body: &BodyModel<R>,
     position: &[R::Vec3],
     way: f64,
-    workspace: &mut BodiesWorkspace<R>,
+    workspace: &mut PointsWorkspace,
 ) -> (bool, f64) {
     let near = (MARGIN + way).clamp(NEAR, FURTHEST);
     let distance = match least_distance(body, position) {
@@ -79,9 +79,9 @@ fn least_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3]) -> Option<
 }
 
 /// The same, point by point and cell by cell, as far as it is no more than [`MEASURED`].
-fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspace: &mut BodiesWorkspace<R>) -> f64 {
+fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspace: &mut PointsWorkspace) -> f64 {
     let (hull, size) = (body.hull(), body.lattice.grid.cell_size);
-    let BodiesWorkspace { seen, buckets, sorted, .. } = workspace;
+    let PointsWorkspace { seen, buckets, sorted, .. } = workspace;
     let at = |particle: u32| position[particle as usize].to_dvec3();
     seen.clear();
     seen.extend((0..).zip(&hull.points).map(|(point, particle)| Seen::of(point, at(*particle))));

@@ -65,7 +65,7 @@ impl<R: Real> Meeting<'_, R> {
         modal: &mut impl ModalBodies,
         workspace: &mut BodiesWorkspace<R>,
     ) -> (Shares, f64) {
-        let BodiesWorkspace { movers, drifts, .. } = workspace;
+        let BodiesWorkspace { movers, bodies, .. } = workspace;
         let (known, mut leaving) = (movers.modal.shares(), 0.0_f64);
         let mut particles = [(0, 0.0); WEIGHED];
         let (mut count, mut of_point) = (0, 0);
@@ -74,7 +74,7 @@ impl<R: Real> Meeting<'_, R> {
         {
             if modal.moves(body) {
                 let speed = movers.modal.weigh(body, own, sign, modal);
-                leaving = leaving.max((speed - drifts[body]).dot(found.normal) * sign);
+                leaving = leaving.max((speed - bodies[body].drift).dot(found.normal) * sign);
                 continue;
             }
             let start = self.substep.model.bodies[body].particles.start;
@@ -89,7 +89,7 @@ impl<R: Real> Meeting<'_, R> {
         let of_modal = movers.modal.since(known);
         let shares = movers.weigh(particles[..count].iter().copied(), of_modal);
         let leave = movers.of(shares).enumerate().map(|(place, (mover, weight))| {
-            let drift = drifts[if place < of_point { self.of_point } else { self.of_cell }];
+            let drift = bodies[if place < of_point { self.of_point } else { self.of_cell }].drift;
             (mover.before - drift).dot(found.normal) * weight.signum()
         });
         (shares, leave.fold(leaving, f64::max))

@@ -10,6 +10,7 @@
 //!             about, on the cell, where the point is: momentum and angular momentum stay as they are; a spring with critical
 //!             damping taken implicitly and Coulomb friction, all contacts together, in a fixed order; how far each is pressed
 //!             is in the state
+//! points      that of one body, by itself, and what it works in
 //! meeting     what is found, as contacts: who has which share in each
 //! record      what met, to be drawn and counted
 //! ```
@@ -18,7 +19,8 @@
 //! moves by all of its modes ([`ModalBodies`]).
 //!
 //! It changes the velocities that forces predict, before obstacles do: they have the last word, and nobody is pushed through
-//! the ground. All is worked out in double precision and by one thread, so any number of them comes to the same.
+//! the ground. All is worked out in double precision. Threads look for each body's points side by side, which changes nothing of
+//! what is found; what it comes to together is solved for by one, in the order of bodies and points.
 //!
 //! Follows Fisher and Lin, *Deformed distance fields for simulation of non-penetrating flexible bodies* (2001). Differs: the
 //! distance at rest is exact for a body made of cubes and kept by cell, not by corner, as all corners of a slab of one cell
@@ -33,18 +35,20 @@ mod meeting;
 mod motion;
 mod near;
 mod neighbours;
+mod points;
 mod record;
 mod workspace;
 
 pub(in crate::physics) use law::pair_law;
 pub(in crate::physics) use near::parts;
+pub(in crate::physics) use points::BYTES_A_POINT;
 pub use record::BodyContact;
 pub(in crate::physics) use workspace::BodiesWorkspace;
 
 use glam::DVec3;
 
-use self::buckets::Seen;
 use self::meeting::Meeting;
+use self::points::PointsWorkspace;
 use super::weighted::{self, ModalBodies, Mover, PointConstraint, PointLaw};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::kernels::bounds;
@@ -52,6 +56,7 @@ use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
 use crate::physics::state::press::Press;
 use crate::physics::step::substep::Substep;
+use crate::physics::team::{self, FEWEST_THAT_MEET};
 
 /// Changes the predicted velocities of all particles of bodies that meet each other within this substep.
 pub(in crate::physics) fn meet<R: Real>(
@@ -69,19 +74,10 @@ pub(in crate::physics) fn meet<R: Real>(
     let kept = workspace.contacts.len();
     workspace.constraints.clear();
     workspace.movers.clear();
-    for second in 0..model.bodies.len() {
-        for first in 0..second {
-            let pair = [first, second];
-            let moves = pair.iter().any(|body| !state.bodies[*body].asleep || modal.moves(*body));
-            if moves && near::may_meet(model, state, pair) && overlap(workspace, plan.broad_phase, pair) {
-                meet_in(substep, [first, second], velocity, modal, workspace, recorder);
-                meet_in(substep, [second, first], velocity, modal, workspace, recorder);
-            }
-        }
-    }
-    for body in near::near_themselves(model, state) {
-        meet_in(substep, [body, body], velocity, modal, workspace, recorder);
-    }
+    find_pairs(substep, modal, workspace);
+    find_points(substep, workspace, recorder);
+    recorder.enter(Stage::Contact);
+    constrain(substep, velocity, modal, workspace);
     let BodiesWorkspace { constraints, movers, contacts, presses, moved, .. } = &mut *workspace;
     let (dt, mut deepest) = (substep.dt.to_f64(), 0.0_f64);
     recorder.counters.body_contacts += constraints.len() as u64;
@@ -132,30 +128,60 @@ pub(in crate::physics) fn count_parting<R: Real>(
     recorder.counters.parting_work_j += workspace.constraints.iter().map(work).sum::<f64>();
 }
 
-/// Finds which points of one body meet which cells of another, or of the same, and writes the contacts down.
-fn meet_in<R: Real>(
+/// Finds which bodies may meet each other or themselves.
+fn find_pairs<R: Real>(substep: Substep<'_, R>, modal: &impl ModalBodies, workspace: &mut BodiesWorkspace<R>) {
+    let Substep { model, state, plan, .. } = substep;
+    workspace.pairs.clear();
+    for second in 0..model.bodies.len() {
+        for first in 0..second {
+            let pair = [first, second];
+            let moves = pair.iter().any(|body| !state.bodies[*body].asleep || modal.moves(*body));
+            if moves && near::may_meet(model, state, pair) && overlap(workspace, plan.broad_phase, pair) {
+                workspace.pairs.extend([[first, second], [second, first]]);
+            }
+        }
+    }
+    workspace.pairs.extend(near::near_themselves(model, state).map(|body| [body, body]));
+    workspace.points.iter_mut().for_each(PointsWorkspace::clear);
+    for [points, cells] in &workspace.pairs {
+        workspace.points[*points].cells.push(*cells);
+    }
+}
+
+/// Finds which points of each body meet which cells of others, or of itself.
+fn find_points<R: Real>(substep: Substep<'_, R>, workspace: &mut BodiesWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let Substep { model, plan, .. } = substep;
+    let BodiesWorkspace { ahead, bodies, neighbours, pairs, points, .. } = workspace;
+    if plan.broad_phase {
+        neighbours.follow(plan, model, ahead);
+        neighbours.keep_up(model, pairs, ahead);
+    }
+    let neighbours = plan.broad_phase.then_some(&*neighbours);
+    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (&mut points[..], ()), |these, points, ()| {
+        for (number, points) in these.zip(points) {
+            points.find(model, number, neighbours, (ahead, bodies));
+        }
+    });
+    points.iter().for_each(|points| points.count(&mut recorder.counters));
+}
+
+/// Writes the contacts of what was found down, with what they may move.
+fn constrain<R: Real>(
     substep: Substep<'_, R>,
-    ordered: [usize; 2],
     velocity: &[R::Vec3],
     modal: &mut impl ModalBodies,
     workspace: &mut BodiesWorkspace<R>,
-    recorder: &mut Recorder<'_>,
 ) {
-    let Substep { model, plan, .. } = substep;
-    recorder.enter(Stage::BroadPhase);
-    find::find(model, ordered, plan.broad_phase, workspace, &mut recorder.counters);
-    recorder.enter(Stage::Contact);
-    let damping_ratio = damping_ratio(ordered, modal, &workspace.seen);
-    let law = PointLaw { damping_ratio, ..pair_law(model, ordered) };
     // Taken out, so that what is found may be written down beside it.
-    let (seen, ahead) = (std::mem::take(&mut workspace.seen), std::mem::take(&mut workspace.ahead));
-    let boxes = std::mem::take(&mut workspace.boxes);
-    let [of_point, of_cell] = ordered;
-    let meeting = Meeting { substep, of_point, of_cell, law, velocity };
-    for found in find::ways_out(model, ordered, &seen, &ahead, &boxes) {
-        meeting.add(&found, modal, workspace);
+    let (pairs, points) = (std::mem::take(&mut workspace.pairs), std::mem::take(&mut workspace.points));
+    for &[of_point, of_cell] in &pairs {
+        let (inside, found) = points[of_point].found(of_cell);
+        let damping_ratio = damping_ratio([of_point, of_cell], modal, inside);
+        let law = PointLaw { damping_ratio, ..pair_law(substep.model, [of_point, of_cell]) };
+        let meeting = Meeting { substep, of_point, of_cell, law, velocity };
+        found.iter().for_each(|found| meeting.add(found, modal, workspace));
     }
-    (workspace.seen, workspace.ahead, workspace.boxes) = (seen, ahead, boxes);
+    (workspace.pairs, workspace.points) = (pairs, points);
 }
 
 /// Bodies meet nobody within this substep but in their sleep.
@@ -169,14 +195,13 @@ pub(in crate::physics) fn keep_apart<R: Real>(
     recorder.note_depth_between_bodies(0.0);
 }
 
-/// Damping of the springs of one body's points in another over the critical one. Bodies that both move as wholes have no particle
-/// that a spring could stop for itself: together all of one's points in the other are damped as one is.
-fn damping_ratio(pair: [usize; 2], modal: &mut impl ModalBodies, seen: &[Seen]) -> f64 {
+/// Damping of the springs of one body's points in another over the critical one, where so many are inside. Bodies that both move as
+/// wholes have no particle that a spring could stop for itself: together all of one's points in the other are damped as one is.
+fn damping_ratio(pair: [usize; 2], modal: &mut impl ModalBodies, inside: usize) -> f64 {
     if !pair.iter().all(|body| modal.moves(*body)) {
         return 1.0;
     }
-    let met = seen.iter().filter(|seen| seen.is_inside()).count().max(1);
-    pair.map(|body| modal.damping_ratio(body)).into_iter().fold(1.0, f64::min) / (met as f64).sqrt()
+    pair.map(|body| modal.damping_ratio(body)).into_iter().fold(1.0, f64::min) / (inside.max(1) as f64).sqrt()
 }
 
 /// Finds where everything would be at the end of the substep.
@@ -188,33 +213,40 @@ fn look_ahead<R: Real>(
 ) {
     let Substep { model, state, plan, dt, .. } = substep;
     let dt = dt.to_f64();
-    workspace.boxes.clear();
-    workspace.drifts.clear();
-    for (number, body) in model.bodies.iter().enumerate() {
-        if modal.moves(number) {
-            workspace.boxes.push(modal.around(number));
-            workspace.drifts.push(modal.drift(number));
-            continue;
+    for (number, body) in workspace.bodies.iter_mut().enumerate() {
+        body.is_modal = modal.moves(number);
+    }
+    let to = (&mut workspace.bodies[..], &mut workspace.ahead[..]);
+    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, to, |these, bodies, ahead| {
+        let first = model.bodies[these.start].particles.start;
+        for (number, of_body) in these.zip(bodies) {
+            let body = &model.bodies[number];
+            // What moves by its modes says itself where it is.
+            if of_body.is_modal {
+                continue;
+            }
+            let mut sum = DVec3::ZERO;
+            let own = &mut ahead[body.particles.start - first..body.particles.end - first];
+            for (particle, to) in body.particles.clone().zip(&mut *own) {
+                let fast = if state.bodies[number].asleep { DVec3::ZERO } else { velocity[particle].to_dvec3() };
+                *to = state.position[particle].to_dvec3() + fast * dt;
+                sum += fast;
+            }
+            let drift = sum * (1.0 / body.particles.len() as f64);
+            (of_body.bounds, of_body.drift) = (bounds::<f64>(plan.simd, own), drift);
         }
-        let mut sum = DVec3::ZERO;
-        for particle in body.particles.clone() {
-            let at = state.position[particle].to_dvec3();
-            let fast = if state.bodies[number].asleep { DVec3::ZERO } else { velocity[particle].to_dvec3() };
-            workspace.ahead[particle] = at + fast * dt;
-            sum += fast;
-        }
-        workspace.boxes.push(bounds::<f64>(plan.simd, &workspace.ahead[body.particles.clone()]));
-        workspace.drifts.push(sum * (1.0 / body.particles.len() as f64));
+    });
+    for (number, body) in workspace.bodies.iter_mut().enumerate().filter(|(_, body)| body.is_modal) {
+        (body.bounds, body.drift) = (modal.around(number), modal.drift(number));
     }
     for (number, body) in model.bodies.iter().enumerate() {
-        if modal.moves(number) {
+        if workspace.bodies[number].is_modal {
             let region = region_of_others(substep, workspace, number);
             let BodiesWorkspace { modal_now, ahead, .. } = &mut *workspace;
             let own = body.particles.clone();
             modal.look_ahead(number, &region, [&mut modal_now[own.clone()], &mut ahead[own]]);
         }
     }
-    workspace.neighbours.follow(plan.simd, model, &workspace.ahead);
 }
 
 /// A box around all others that a body may meet; without a broad phase it may meet them anywhere.
@@ -225,11 +257,11 @@ fn region_of_others<R: Real>(substep: Substep<'_, R>, workspace: &BodiesWorkspac
     }
     let others = (0..model.bodies.len()).filter(|other| *other != body && near::may_meet(model, state, [body, *other]));
     let near = others.filter(|other| overlap(workspace, true, [body, *other]));
-    near.fold(Aabb::empty(), |region, other| region.joined(workspace.boxes[other]))
+    near.fold(Aabb::empty(), |region, other| region.joined(workspace.bodies[other].bounds))
 }
 
 fn overlap<R: Real>(workspace: &BodiesWorkspace<R>, is_broad: bool, pair: [usize; 2]) -> bool {
-    let [one, other] = pair.map(|body| &workspace.boxes[body]);
+    let [one, other] = pair.map(|body| &workspace.bodies[body].bounds);
     // What is not a number overlaps nothing, and the step is abandoned for it.
     let is_finite = |bounds: &Aabb<f64>| bounds.min.is_finite() && bounds.max.is_finite();
     is_finite(one) && is_finite(other) && (!is_broad || one.overlaps(other))

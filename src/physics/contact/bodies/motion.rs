@@ -18,6 +18,12 @@ pub(in crate::physics) struct Motion<R: Real> {
 }
 
 impl<R: Real> Motion<R> {
+    /// That of none.
+    pub(super) fn nowhere() -> Self {
+        let at_rest = Aabb { min: R::Vec3::ZERO, max: R::Vec3::ZERO };
+        Self { bounds: Aabb::empty(), velocity: at_rest }
+    }
+
     /// That of a body for so many seconds.
     pub(super) fn of(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize, secs: R) -> Self {
         if let Some(modal) = &model.bodies[body].modal {

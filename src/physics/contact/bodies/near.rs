@@ -7,12 +7,14 @@
 
 use super::itself;
 use super::motion::Motion;
+use super::points::PointsWorkspace;
 use super::workspace::BodiesWorkspace;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::Model;
 use crate::physics::model::plan::{BodyContactPlan, Plan};
 use crate::physics::state::State;
 use crate::physics::state::sleep;
+use crate::physics::team::{self, FEWEST_THAT_MEET};
 
 /// Points travel no further than this share of the smaller cell relative to what they may meet, in a part of a substep.
 const LONGEST_WAY: f64 = 0.5;
@@ -36,7 +38,7 @@ pub(in crate::physics) fn parts<R: Real>(
     if !state.bodies.iter().any(|memory| sleep::moves(model, plan, memory)) {
         return None;
     }
-    look_at_each(model, secs, state, workspace);
+    look_at_each(model, plan, secs, state, workspace);
     let (mut longest, mut are_near) = (0.0_f64, false);
     for number in near_themselves(model, state) {
         are_near = true;
@@ -48,7 +50,12 @@ pub(in crate::physics) fn parts<R: Real>(
     let motions = &mut workspace.motions;
     motions.clear();
     if model.bodies.len() > 1 {
-        motions.extend((0..model.bodies.len()).map(|body| Motion::of(model, plan, state, body, secs)));
+        motions.resize(model.bodies.len(), Motion::nowhere());
+        team::by_bodies(plan.threads, model, motions, |these, motions| {
+            for (body, motion) in these.zip(motions) {
+                *motion = Motion::of(model, plan, state, body, secs);
+            }
+        });
     }
     for second in 1..model.bodies.len() {
         for first in 0..second {
@@ -98,19 +105,31 @@ pub(super) fn near_themselves<R: Real>(model: &Model<R>, state: &State<R>) -> im
 
 /// Looks which bodies are near themselves: those whose particles may have moved past each other by as much as there was left
 /// at the last look, in the coming substep of so many seconds.
-fn look_at_each<R: Real>(model: &Model<R>, secs: f64, state: &mut State<R>, workspace: &mut BodiesWorkspace<R>) {
-    for (number, body) in model.bodies.iter().enumerate() {
-        let memory = &mut state.bodies[number];
-        if !body.meets_itself() || memory.asleep {
-            continue;
+fn look_at_each<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    secs: f64,
+    state: &mut State<R>,
+    workspace: &mut BodiesWorkspace<R>,
+) {
+    // Where there is no room for contact yet, a look makes its own.
+    workspace.points.resize_with(model.bodies.len(), PointsWorkspace::default);
+    let (spreads, position) = (&workspace.spreads, &state.position);
+    let of_bodies = (&mut state.bodies[..], &mut workspace.points[..]);
+    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (of_bodies, ()), |these, (memories, points), ()| {
+        for ((number, memory), points) in these.zip(memories).zip(points) {
+            let body = &model.bodies[number];
+            if !body.meets_itself() || memory.asleep {
+                continue;
+            }
+            let way = spreads[number] * secs / body.lattice.grid.cell_size;
+            memory.apart -= way;
+            if memory.apart.is_nan() || memory.apart <= 0.0 {
+                let position = &position[body.particles.clone()];
+                (memory.near_itself, memory.apart) = itself::look(body, position, way, points);
+            }
         }
-        let way = workspace.spreads[number] * secs / body.lattice.grid.cell_size;
-        memory.apart -= way;
-        if memory.apart.is_nan() || memory.apart <= 0.0 {
-            let position = &state.position[body.particles.clone()];
-            (memory.near_itself, memory.apart) = itself::look(body, position, way, workspace);
-        }
-    }
+    });
 }
 
 /// Wakes the one of two bodies that sleeps where the other moves.

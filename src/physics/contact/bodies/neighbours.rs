@@ -1,9 +1,10 @@
 //! Neighbour lists: which points of one body are so near which cells of another, or of the same, that they can be in them
 //! until bodies have moved past each other by more than a margin (Verlet, *Computer "experiments" on classical fluids*, 1967).
 //!
-//! Lists are made of where particles were at some time, from which every body has moved since by displacements within a box.
-//! A point is in the box around a cell only where it was in the one then, grown by as much as the two boxes of displacements
-//! lie apart. So what is found by them is what is found without, to the last bit, and they are no part of the state.
+//! Lists are made of where the particles of each body were at some time, from which it has moved since by displacements within
+//! a box. A point is in the box around a cell only where it was in the one then, grown by as much as the two boxes of
+//! displacements lie apart. So what is found by them is what is found without, to the last bit, and they are no part of the
+//! state. Where one body flies past another, it alone is written down anew: lists of those that lie together stay.
 
 use std::ops::Range;
 
@@ -12,8 +13,10 @@ use glam::DVec3;
 use super::buckets::{Buckets, Seen};
 use super::cell::TOLERANCE;
 use crate::math::{Aabb, Real};
-use crate::physics::kernels::{SimdLevel, bounds_of_ways};
+use crate::physics::kernels::bounds_of_ways;
+use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
+use crate::physics::team;
 
 /// How far bodies may move past each other until lists are made anew, in cells.
 const MARGIN: f64 = 0.15;
@@ -59,118 +62,197 @@ impl<'a> Listed<'a> {
     }
 }
 
-/// The list of one body's points and another's cells.
+/// Where bodies were when lists were made, and how far they have moved since.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Neighbours {
+    /// Where the particles of each body were, m.
+    then: Vec<DVec3>,
+    /// The box around the displacements of each body since, m.
+    moved: Vec<Aabb<f64>>,
+    /// How often that of each body was written anew.
+    times: Vec<u32>,
+}
+
+impl Neighbours {
+    /// Room for so many particles of so many bodies.
+    pub(super) fn new(particles: usize, bodies: usize) -> Self {
+        Self { then: Vec::with_capacity(particles), moved: Vec::with_capacity(bodies), times: vec![0; bodies] }
+    }
+
+    /// Bodies would be there (m) at the end of the substep.
+    pub(super) fn follow<R: Real>(&mut self, plan: &Plan, model: &Model<R>, ahead: &[DVec3]) {
+        if self.then.len() != ahead.len() {
+            self.then.clear();
+            self.then.extend_from_slice(ahead);
+            self.moved.clear();
+            self.moved.resize(model.bodies.len(), NOWHERE);
+            self.times.iter_mut().for_each(|times| *times = times.wrapping_add(1));
+            return;
+        }
+        let then = &self.then;
+        team::by_bodies(plan.threads, model, &mut self.moved, |part, moved| {
+            for (body, moved) in model.bodies[part].iter().zip(moved) {
+                let [then, now] = [then, ahead].map(|of| &of[body.particles.clone()]);
+                *moved = bounds_of_ways::<f64>(plan.simd, then, now);
+            }
+        });
+    }
+
+    /// Has lists of these pairs be made anew where the two have moved past each other by more than these hold for: all of the one
+    /// that has moved further, and of the other too where that is not enough.
+    pub(super) fn keep_up<R: Real>(&mut self, model: &Model<R>, pairs: &[[usize; 2]], ahead: &[DVec3]) {
+        loop {
+            let mut has_renewed = false;
+            for of in pairs {
+                let mut order = *of;
+                order.sort_by(|one, other| self.furthest(*other).total_cmp(&self.furthest(*one)));
+                for body in order {
+                    // What is not a number is no way either.
+                    let way = self.way(*of);
+                    if !way.is_nan() && way <= USED * margin(model, *of) {
+                        break;
+                    }
+                    let own = model.bodies[body].particles.clone();
+                    self.then[own.clone()].copy_from_slice(&ahead[own]);
+                    self.moved[body] = NOWHERE;
+                    self.times[body] = self.times[body].wrapping_add(1);
+                    has_renewed = true;
+                }
+            }
+            // One of two that moved alike has now moved past the other.
+            if !has_renewed {
+                return;
+            }
+        }
+    }
+
+    /// How far a body has moved along an axis at most, m.
+    fn furthest(&self, body: usize) -> f64 {
+        let Aabb { min, max } = self.moved[body];
+        max.max(-min).max_element()
+    }
+
+    /// How far the points of one body may have moved past the cells of another since both were written down, m.
+    fn way(&self, of: [usize; 2]) -> f64 {
+        let [points, cells] = of.map(|body| self.moved[body]);
+        (points.max - cells.min).max(cells.max - points.min).max_element()
+    }
+
+    /// Which times lists of a pair are of.
+    fn times(&self, of: [usize; 2]) -> [u32; 2] {
+        of.map(|body| self.times[body])
+    }
+}
+
+/// No displacement.
+const NOWHERE: Aabb<f64> = Aabb { min: DVec3::ZERO, max: DVec3::ZERO };
+
+/// How far a pair may move past each other until its list is made anew, m.
+fn margin<R: Real>(model: &Model<R>, [_, cells]: [usize; 2]) -> f64 {
+    MARGIN * model.bodies[cells].lattice.grid.cell_size
+}
+
+/// The list of one body's points and the cells of another.
 #[derive(Clone, Debug)]
 struct List {
-    of: [usize; 2],
+    /// The body whose cells they are.
+    cells: usize,
+    /// Which times of the two it is of.
+    times: [u32; 2],
     points: Range<usize>,
     pairs: Range<usize>,
 }
 
-/// All lists there are.
+/// All lists of one body's points.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Neighbours {
-    /// Where particles were when the lists were made, m.
-    then: Vec<DVec3>,
-    /// The box around the displacements of each body since, m.
-    moved: Vec<Aabb<f64>>,
+pub(super) struct Lists {
     lists: Vec<List>,
-    /// The points of all lists by their places on the hulls, ascending in each list.
+    /// The points of all lists by their places on the hull, ascending in each list.
     points: Vec<u32>,
     /// By cell in each list, ascending.
     pairs: Vec<Neighbour>,
-    /// The points of the list that is being made.
-    seen: Vec<Seen>,
-    /// 1 for each of them that has neighbours, and then its place in the list.
+    /// 1 for each point of the list that is being made that has neighbours, and then its place in the list.
     place_of: Vec<u32>,
 }
 
-impl Neighbours {
-    /// Room for bodies that have so many points on their outside, all and the one with the most, and so many particles.
-    pub(super) fn new(all: usize, most: usize, particles: usize, bodies: usize) -> Self {
+impl Lists {
+    /// Room for a body with so many points on its outside among so many bodies.
+    pub(super) fn new(points: usize, bodies: usize) -> Self {
         Self {
-            then: Vec::with_capacity(particles),
-            moved: Vec::with_capacity(bodies),
-            lists: Vec::with_capacity(bodies * bodies.min(8)),
-            points: Vec::with_capacity(2 * all),
-            pairs: Vec::with_capacity(8 * all),
-            seen: Vec::with_capacity(most),
-            place_of: Vec::with_capacity(most),
+            lists: Vec::with_capacity(bodies.min(8)),
+            points: Vec::with_capacity(2 * points),
+            pairs: Vec::with_capacity(8 * points),
+            place_of: Vec::with_capacity(points),
         }
     }
 
-    /// Bodies would be there (m) at the end of the substep.
-    pub(super) fn follow<R: Real>(&mut self, level: SimdLevel, model: &Model<R>, ahead: &[DVec3]) {
-        if self.then.len() != ahead.len() {
-            self.start(model, ahead);
-            return;
-        }
-        self.moved.clear();
-        self.moved.extend(model.bodies.iter().map(|body| {
-            let [then, now] = [&self.then, ahead].map(|of| &of[body.particles.clone()]);
-            bounds_of_ways::<f64>(level, then, now)
-        }));
-    }
-
-    /// Makes all lists anew, of these places.
-    fn start<R: Real>(&mut self, model: &Model<R>, ahead: &[DVec3]) {
-        self.lists.clear();
-        self.points.clear();
-        self.pairs.clear();
-        self.then.clear();
-        self.then.extend_from_slice(ahead);
-        self.moved.clear();
-        self.moved.resize(model.bodies.len(), Aabb { min: DVec3::ZERO, max: DVec3::ZERO });
-    }
-
-    /// The points of one body that may be in cells of another, and which these may be in.
+    /// The points of one body that may be in cells of another, and which these may be in; `seen` and `buckets` are what it is
+    /// worked out in.
     pub(super) fn list<R: Real>(
         &mut self,
         model: &Model<R>,
         of: [usize; 2],
-        ahead: &[DVec3],
+        neighbours: &Neighbours,
+        seen: &mut Vec<Seen>,
         buckets: &mut Buckets,
     ) -> Listed<'_> {
-        let margin = MARGIN * of.map(|number| model.bodies[number].lattice.grid.cell_size)[1];
-        let way = |moved: &[Aabb<f64>]| {
-            let [points, cells] = of.map(|number| moved[number]);
-            (points.max - cells.min).max(cells.max - points.min).max_element()
-        };
-        let gone = way(&self.moved);
-        // What is not a number is no way either.
-        if gone.is_nan() || gone > USED * margin {
-            self.start(model, ahead);
+        let times = neighbours.times(of);
+        if self.lists.iter().any(|list| list.times[0] != times[0]) {
+            self.lists.clear();
+            self.points.clear();
+            self.pairs.clear();
         }
-        let known = self.lists.iter().position(|list| list.of == of);
+        if let Some(old) = self.lists.iter().position(|list| list.cells == of[1] && list.times != times) {
+            self.forget(old);
+        }
+        let known = self.lists.iter().position(|list| list.cells == of[1]);
         let number = known.unwrap_or_else(|| {
-            self.make(model, of, margin, buckets);
+            self.make(model, of, neighbours, seen, buckets);
             self.lists.len() - 1
         });
         let List { points, pairs, .. } = &self.lists[number];
         #[expect(clippy::cast_possible_truncation, reason = "what is lost is allowed for")]
-        let way = (way(&self.moved) / USED) as f32 + (ROUNDING * margin) as f32;
+        let way = (neighbours.way(of) / USED) as f32 + (ROUNDING * margin(model, of)) as f32;
         Listed { points: &self.points[points.clone()], pairs: &self.pairs[pairs.clone()], way }
     }
 
+    /// Forgets a list.
+    fn forget(&mut self, number: usize) {
+        let List { points, pairs, .. } = self.lists.remove(number);
+        self.points.drain(points.clone());
+        self.pairs.drain(pairs.clone());
+        for list in &mut self.lists[number..] {
+            list.points = list.points.start - points.len()..list.points.end - points.len();
+            list.pairs = list.pairs.start - pairs.len()..list.pairs.end - pairs.len();
+        }
+    }
+
     /// Makes the list of a pair.
-    fn make<R: Real>(&mut self, model: &Model<R>, of: [usize; 2], margin: f64, buckets: &mut Buckets) {
-        let [points, cells] = of.map(|number| &model.bodies[number]);
-        let (hull, is_itself) = (points.hull(), of[0] == of[1]);
+    fn make<R: Real>(
+        &mut self,
+        model: &Model<R>,
+        of: [usize; 2],
+        neighbours: &Neighbours,
+        seen: &mut Vec<Seen>,
+        buckets: &mut Buckets,
+    ) {
+        let ([points, cells], then) = (of.map(|number| &model.bodies[number]), &neighbours.then);
+        let (hull, is_itself, margin) = (points.hull(), of[0] == of[1], margin(model, of));
         let cell_size = cells.lattice.grid.cell_size;
         let reach = TOLERANCE * cell_size + margin;
-        let own = &self.then[cells.particles.clone()];
+        let own = &then[cells.particles.clone()];
         let all = Aabb::<f64>::around(own.iter().copied()).grown(reach);
-        self.seen.clear();
-        self.seen.extend((0..).zip(&hull.points).filter_map(|(point, particle)| {
-            let then = self.then[points.particles.start + *particle as usize];
+        seen.clear();
+        seen.extend((0..).zip(&hull.points).filter_map(|(point, particle)| {
+            let then = then[points.particles.start + *particle as usize];
             all.holds(then).then_some(Seen::of(point, then))
         }));
         let first = (self.points.len(), self.pairs.len());
-        if !self.seen.is_empty() {
-            let bounds = Aabb::<f64>::around(self.seen.iter().map(|seen| seen.ahead));
-            buckets.sort(&self.seen, &bounds, cell_size);
+        if !seen.is_empty() {
+            let bounds = Aabb::<f64>::around(seen.iter().map(|seen| seen.ahead));
+            buckets.sort(seen, &bounds, cell_size);
             self.place_of.clear();
-            self.place_of.resize(self.seen.len(), 0);
+            self.place_of.resize(seen.len(), 0);
             for number in looked_at(cells, is_itself) {
                 let cell = around(cells, number, own).grown(TOLERANCE * cell_size);
                 let around = cell.grown(margin);
@@ -179,7 +261,7 @@ impl Neighbours {
                 }
                 let low = cells.lattice.low(number);
                 for place in buckets.near(&around) {
-                    let Seen { point, ahead, .. } = self.seen[place];
+                    let Seen { point, ahead, .. } = seen[place];
                     if around.holds(ahead) && !(is_itself && hull.surroundings[point as usize].touch(low)) {
                         self.place_of[place] = 1;
                         let beyond = (cell.min - ahead).max(ahead - cell.max).max_element();
@@ -192,7 +274,7 @@ impl Neighbours {
                 }
             }
             // Only those that have neighbours are in the list.
-            let has_any = self.seen.iter().zip(&mut self.place_of).filter(|(_, place)| **place > 0);
+            let has_any = seen.iter().zip(&mut self.place_of).filter(|(_, place)| **place > 0);
             for ((seen, place), count) in has_any.zip(0..) {
                 *place = count;
                 self.points.push(seen.point);
@@ -202,7 +284,7 @@ impl Neighbours {
             }
         }
         let (points, pairs) = (first.0..self.points.len(), first.1..self.pairs.len());
-        self.lists.push(List { of, points, pairs });
+        self.lists.push(List { cells: of[1], times: neighbours.times(of), points, pairs });
     }
 }
 
@@ -255,35 +337,56 @@ mod tests {
         places.map(|(particle, at)| *at + along(particle)).collect()
     }
 
-    /// How many points are in the boxes of cells, and how many of those are in the list of their bodies.
-    fn in_boxes(model: &Model<f64>, of: [usize; 2], ahead: &[DVec3], lists: &mut Neighbours) -> [usize; 2] {
-        let mut buckets = Buckets::new(1000);
-        lists.follow(SimdLevel::best(), model, ahead);
-        let list = lists.list(model, of, ahead, &mut buckets);
-        let near: Vec<(u32, Vec<u32>)> = list.by_cell().map(|(cell, places)| (cell, places.collect())).collect();
-        let [points, cells] = of.map(|number| &model.bodies[number]);
-        let own = &ahead[cells.particles.clone()];
-        let (mut all, mut listed) = (0, 0);
-        for (point, particle) in (0..).zip(&points.hull().points) {
-            let at = ahead[points.particles.start + *particle as usize];
-            for cell in looked_at(cells, false).filter(|cell| around(cells, *cell, own).holds(at)) {
-                all += 1;
-                let of_cell = near.iter().filter(|(of, _)| *of == cell).flat_map(|(_, places)| places);
-                listed += of_cell.filter(|place| list.points[**place as usize] == point).count();
+    /// What lists are made in.
+    struct Room {
+        neighbours: Neighbours,
+        lists: [Lists; 2],
+        seen: Vec<Seen>,
+        buckets: Buckets,
+    }
+
+    impl Room {
+        fn new(model: &Model<f64>) -> Self {
+            Self {
+                neighbours: Neighbours::new(model.particle_count(), model.bodies.len()),
+                lists: [Lists::default(), Lists::default()],
+                seen: Vec::new(),
+                buckets: Buckets::new(1000),
             }
         }
-        [all, listed]
+
+        /// How many points are in the boxes of cells, and how many of those are in the list of their bodies.
+        fn in_boxes(&mut self, simulation: &Simulation<f64>, of: [usize; 2], ahead: &[DVec3]) -> [usize; 2] {
+            let Self { neighbours, lists, seen, buckets } = self;
+            let model = simulation.model();
+            neighbours.follow(simulation.plan(), model, ahead);
+            neighbours.keep_up(model, &[of], ahead);
+            let list = lists[of[0]].list(model, of, neighbours, seen, buckets);
+            let near: Vec<(u32, Vec<u32>)> = list.by_cell().map(|(cell, places)| (cell, places.collect())).collect();
+            let [points, cells] = of.map(|number| &model.bodies[number]);
+            let own = &ahead[cells.particles.clone()];
+            let (mut all, mut listed) = (0, 0);
+            for (point, particle) in (0..).zip(&points.hull().points) {
+                let at = ahead[points.particles.start + *particle as usize];
+                for cell in looked_at(cells, false).filter(|cell| around(cells, *cell, own).holds(at)) {
+                    all += 1;
+                    let of_cell = near.iter().filter(|(of, _)| *of == cell).flat_map(|(_, places)| places);
+                    listed += of_cell.filter(|place| list.points[**place as usize] == point).count();
+                }
+            }
+            [all, listed]
+        }
     }
 
     #[test]
     fn every_point_in_the_box_of_a_cell_is_listed_once_as_long_as_lists_are_kept() {
         let (simulation, mut rng) = (two(), Rng::new(11));
-        let (model, mut lists) = (simulation.model(), Neighbours::default());
+        let mut room = Room::new(simulation.model());
         let mut most = 0;
         for round in 0..60 {
             let ahead = moved(&simulation, &mut rng, 0.003 * f64::from(round), 2e-3);
             for of in [[0, 1], [1, 0]] {
-                let [all, listed] = in_boxes(model, of, &ahead, &mut lists);
+                let [all, listed] = room.in_boxes(&simulation, of, &ahead);
                 assert_eq!(all, listed, "of {of:?} in round {round}");
                 most = most.max(all);
             }
@@ -294,14 +397,32 @@ mod tests {
     #[test]
     fn lists_are_kept_until_bodies_have_moved_past_each_other() {
         let (simulation, mut rng) = (two(), Rng::new(12));
-        let (model, mut lists) = (simulation.model(), Neighbours::default());
+        let mut room = Room::new(simulation.model());
         let mut made_of = |way: f64| {
             let ahead = moved(&simulation, &mut rng, way, 0.0);
-            in_boxes(model, [0, 1], &ahead, &mut lists);
-            lists.then.clone()
+            room.in_boxes(&simulation, [0, 1], &ahead);
+            room.neighbours.then.clone()
         };
         let first = made_of(0.0);
         assert_eq!(made_of(0.9 * MARGIN * 0.1), first, "within the margin");
-        assert_ne!(made_of(1.1 * MARGIN * 0.1), first, "beyond it");
+        let (then, second) = (made_of(1.1 * MARGIN * 0.1), simulation.model().bodies[1].particles.start);
+        assert_ne!(then[..second], first[..second], "beyond it");
+        assert_eq!(then[second..], first[second..], "the other, which stays");
+    }
+
+    #[test]
+    fn what_moved_along_with_a_body_that_is_written_down_anew_is_too() {
+        let (simulation, mut rng) = (two(), Rng::new(13));
+        let model = simulation.model();
+        let [start, then] = [0.0, 1.0]
+            .map(|by| moved(&simulation, &mut rng, 0.0, 0.0).iter().map(|at| *at + DVec3::Y * by).collect::<Vec<_>>());
+        let mut neighbours = Neighbours::new(model.particle_count(), 2);
+        neighbours.follow(simulation.plan(), model, &start);
+        neighbours.follow(simulation.plan(), model, &then);
+        neighbours.keep_up(model, &[[0, 1], [1, 0]], &then);
+        assert_eq!(neighbours.then, start, "they have not moved past each other");
+        neighbours.moved[0].max += DVec3::X;
+        neighbours.keep_up(model, &[[1, 0], [0, 1]], &then);
+        assert_eq!(neighbours.then, then);
     }
 }

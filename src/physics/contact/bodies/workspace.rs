@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 
-use super::buckets::{Buckets, Seen};
 use super::motion::Motion;
 use super::neighbours::Neighbours;
+use super::points::PointsWorkspace;
 use super::record::BodyContact;
 use crate::math::{Aabb, Real};
 use crate::physics::contact::weighted::{Movers, PointConstraint};
+use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
-use crate::physics::model::{Model, Surroundings};
 use crate::physics::state::State;
 use crate::physics::state::press::Press;
 use crate::physics::state::sleep;
@@ -29,15 +29,13 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(super) ahead: Vec<DVec3>,
     /// Where those of modal bodies are when it begins, m, which the state does not say; of no length where there are none.
     pub(super) modal_now: Vec<DVec3>,
-    /// The boxes around each body there, m; around a modal one over the whole substep.
-    pub(super) boxes: Vec<Aabb<f64>>,
-    /// The mean velocity of each body's particles, of a modal one that of its middle, m/s.
-    pub(super) drifts: Vec<DVec3>,
+    /// The bodies there.
+    pub(super) bodies: Vec<Ahead>,
     pub(super) neighbours: Neighbours,
-    pub(super) seen: Vec<Seen>,
-    pub(super) buckets: Buckets,
-    /// Points in the order of the buckets: where they are, m, and the cells that they do not meet.
-    pub(super) sorted: Vec<(DVec3, Surroundings)>,
+    /// The bodies that may meet, of points and of cells, in the order in which they are solved for.
+    pub(super) pairs: Vec<[usize; 2]>,
+    /// What each body's points work in, and what was found of them.
+    pub(super) points: Vec<PointsWorkspace>,
     pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
     /// The particles that contact between bodies has just given another velocity, and that velocity, m/s.
@@ -48,6 +46,24 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(in crate::physics) contacts: Vec<BodyContact>,
     /// Their springs as they are at its end, by particle and body.
     pub(in crate::physics) presses: Vec<Press>,
+}
+
+/// A body as it would be at the end of a substep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ahead {
+    /// Whether it moves by its modes in it.
+    pub(super) is_modal: bool,
+    /// The box around it, m; around a modal one over the whole substep.
+    pub(super) bounds: Aabb<f64>,
+    /// The mean velocity of its particles, of a modal one that of its middle, m/s.
+    pub(super) drift: DVec3,
+}
+
+impl Ahead {
+    /// One that is nowhere.
+    pub(super) fn nowhere() -> Self {
+        Self { is_modal: false, bounds: Aabb::empty(), drift: DVec3::ZERO }
+    }
 }
 
 impl<R: Real> BodiesWorkspace<R> {
@@ -69,19 +85,17 @@ impl<R: Real> BodiesWorkspace<R> {
             return;
         }
         let surfaces = || model.bodies.iter().map(|body| body.lattice.surface);
-        let (all, largest) = (surfaces().sum(), surfaces().max().unwrap_or(0));
+        let all: usize = surfaces().sum();
         *self = Self {
             spreads: std::mem::take(&mut self.spreads),
             folds: std::mem::take(&mut self.folds),
             motions: Vec::with_capacity(bodies),
             ahead: vec![DVec3::ZERO; count],
             modal_now: vec![DVec3::ZERO; if model.bodies.iter().any(|body| body.modal.is_some()) { count } else { 0 }],
-            boxes: Vec::with_capacity(bodies),
-            drifts: Vec::with_capacity(bodies),
-            neighbours: Neighbours::new(all, largest, count, bodies),
-            seen: Vec::with_capacity(largest),
-            buckets: Buckets::new(largest),
-            sorted: Vec::new(),
+            bodies: vec![Ahead::nowhere(); bodies],
+            neighbours: Neighbours::new(count, bodies),
+            pairs: Vec::with_capacity(2 * all.min(bodies * bodies)),
+            points: surfaces().map(|points| PointsWorkspace::new(points, bodies)).collect(),
             movers: Movers::new(count, WEIGHED * all),
             moved: Vec::with_capacity(count),
             met: Vec::with_capacity((bodies * bodies).min(all)),

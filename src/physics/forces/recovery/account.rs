@@ -20,31 +20,37 @@ use super::edges::{MeanEdges, Strength, mean_edges};
 use super::pull;
 use super::soft_links::{RecoveryWorkspace, for_each_soft_link};
 use crate::math::{Real, Vector};
+use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State};
+use crate::physics::team::{self, FEWEST_THAT_MEET};
 
 /// Settles what recovery took in a substep of a scheme, as long as that (s), before particles move by `path` (m/s).
 pub(in crate::physics) fn settle<R: Real>(
-    model: &Model<R>,
+    (model, plan): (&Model<R>, &Plan),
     (scheme, dt): (Scheme, R),
     path: &[R::Vec3],
     state: &mut State<R>,
-    workspace: &mut RecoveryWorkspace<R>,
+    workspaces: &mut [RecoveryWorkspace<R>],
 ) {
     let State { position, velocity, bodies, .. } = state;
-    for (body, memory) in model.bodies.iter().zip(bodies).filter(|(_, memory)| memory.is_watched()) {
-        let motion = Motion {
-            position: &position[body.particles.clone()],
-            velocity: &velocity[body.particles.clone()],
-            path: &path[body.particles.clone()],
-            scheme,
-            dt,
-        };
-        let taken = of_cells(body, memory, motion) + of_soft_links(body, memory, motion, workspace);
-        if taken.is_finite() {
-            memory.account.taken_j += taken;
+    let of_bodies = (&mut bodies[..], workspaces);
+    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (of_bodies, ()), |these, (memories, workspaces), ()| {
+        let all = model.bodies[these].iter().zip(memories).zip(workspaces);
+        for ((body, memory), workspace) in all.filter(|((_, memory), _)| memory.is_watched()) {
+            let motion = Motion {
+                position: &position[body.particles.clone()],
+                velocity: &velocity[body.particles.clone()],
+                path: &path[body.particles.clone()],
+                scheme,
+                dt,
+            };
+            let taken = of_cells(body, memory, motion) + of_soft_links(body, memory, motion, workspace);
+            if taken.is_finite() {
+                memory.account.taken_j += taken;
+            }
         }
-    }
+    });
 }
 
 /// Where the particles of a body are, what brought them there and what takes them on.

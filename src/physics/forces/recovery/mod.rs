@@ -55,7 +55,7 @@ use crate::physics::report::Recorder;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
 use crate::physics::stepping::looks;
-use crate::physics::team;
+use crate::physics::team::{self, FEWEST_THAT_MEET};
 
 /// The bodies whose cells are looked at before a substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,8 +92,8 @@ pub(in crate::physics) fn look<R: Real>(
     let cells = looked_at.filter(|(body, _)| recovers(body)).map(|(body, _)| body.lattice.cells.len() as u64);
     recorder.counters.cells_looked_at += cells.sum::<u64>();
     let (position, velocity) = (&*position, &*velocity);
-    team::by_bodies(plan.threads, model, bodies, |part, memories| {
-        for (body, memory) in model.bodies[part].iter().zip(memories).filter(|(_, memory)| is_due(memory)) {
+    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (&mut bodies[..], ()), |these, memories, ()| {
+        for (body, memory) in model.bodies[these].iter().zip(memories).filter(|(_, memory)| is_due(memory)) {
             let own = [position, velocity].map(|of| &of[body.particles.clone()]);
             look_at(body, plan, own, secs, memory);
         }
@@ -143,32 +143,55 @@ pub(in crate::physics) fn pushes<R: Real>(body: &BodyModel<R>, memory: &BodyMemo
 
 /// Adds the push of the cells on the lists of the bodies, N.
 pub(in crate::physics) fn add_forces<R: Real>(
-    Substep { model, state, scheme, dt, .. }: Substep<'_, R>,
+    substep: Substep<'_, R>,
     Configuration { position, velocity, .. }: Configuration<'_, R>,
     force: &mut [R::Vec3],
-    workspace: &mut RecoveryWorkspace<R>,
+    workspaces: &mut [RecoveryWorkspace<R>],
     recorder: &mut Recorder<'_>,
 ) {
+    let Substep { model, state, plan, scheme, .. } = substep;
     // Verlet predicts velocities from forces alone: what an obstacle crushes would be on its way back.
     let velocity = if scheme == Scheme::Verlet { &state.velocity } else { velocity };
-    for (body, memory) in model.bodies.iter().zip(&state.bodies).filter(|(_, memory)| !memory.asleep) {
-        let position = &position[body.particles.clone()];
-        let velocity = &velocity[body.particles.clone()];
-        let force = &mut force[body.particles.clone()];
-        recorder.counters.recovery_cells += memory.near_inversion.len() as u64;
-        soften(body, memory, [position, velocity], workspace, force);
-        let strength = |stiffness| Strength::of(body, stiffness, scheme, dt);
-        let pull = pull::stiffness(body, memory).map(strength);
-        let strength = strength(body.recovery.push);
-        for &cell in &memory.near_inversion {
-            let corners = &body.lattice.cells[cell as usize];
-            let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
-            let rates = mean_edges(velocity, corners, R::ONE);
-            let Some(push) = edges.push(&rates, strength) else { continue };
-            spread::<R>(&push, corners, force);
-            if let Some(pull) = pull.and_then(|pull| pull::cell_force(&edges, &rates, pull)) {
-                spread::<R>(&pull, corners, force);
-            }
+    let awake = state.bodies.iter().filter(|memory| !memory.asleep);
+    let cells: usize = awake.map(|memory| memory.near_inversion.len()).sum();
+    recorder.counters.recovery_cells += cells as u64;
+    if cells == 0 {
+        return;
+    }
+    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (workspaces, force), |these, workspaces, force| {
+        let first = model.bodies[these.start].particles.start;
+        for (number, workspace) in these.zip(workspaces) {
+            let own = model.bodies[number].particles.clone();
+            let force = &mut force[own.start - first..own.end - first];
+            push_cells(substep, number, [&position[own.clone()], &velocity[own]], workspace, force);
+        }
+    });
+}
+
+/// The same of one body, whose particles are at `position` (m) and move with `velocity` (m/s).
+fn push_cells<R: Real>(
+    Substep { model, state, scheme, dt, .. }: Substep<'_, R>,
+    number: usize,
+    [position, velocity]: [&[R::Vec3]; 2],
+    workspace: &mut RecoveryWorkspace<R>,
+    force: &mut [R::Vec3],
+) {
+    let (body, memory) = (&model.bodies[number], &state.bodies[number]);
+    if memory.asleep || memory.near_inversion.is_empty() {
+        return;
+    }
+    soften(body, memory, [position, velocity], workspace, force);
+    let strength = |stiffness| Strength::of(body, stiffness, scheme, dt);
+    let pull = pull::stiffness(body, memory).map(strength);
+    let strength = strength(body.recovery.push);
+    for &cell in &memory.near_inversion {
+        let corners = &body.lattice.cells[cell as usize];
+        let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
+        let rates = mean_edges(velocity, corners, R::ONE);
+        let Some(push) = edges.push(&rates, strength) else { continue };
+        spread::<R>(&push, corners, force);
+        if let Some(pull) = pull.and_then(|pull| pull::cell_force(&edges, &rates, pull)) {
+            spread::<R>(&pull, corners, force);
         }
     }
 }

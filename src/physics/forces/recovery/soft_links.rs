@@ -49,21 +49,21 @@ const TAUT: [f64; 2] = [0.5, 2.0];
 /// gained energy; at a ten thousandth, crumpled cubes stayed broken.
 const CALM: f64 = 1e-3;
 
-/// What links of crushed cells are softened with; empty where no body's links are.
+/// What links of crushed cells of a body are softened with; empty where they are not.
 #[derive(Clone, Debug)]
 pub(in crate::physics) struct RecoveryWorkspace<R: Real> {
-    /// For each particle of the body at hand the share of elastic force that its links lose.
+    /// For each particle the share of elastic force that its links lose.
     softness: Vec<R>,
     /// The particles for which that is not nothing, ascending.
     soft: Vec<u32>,
 }
 
 impl<R: Real> RecoveryWorkspace<R> {
-    /// Room for the largest body of a model whose links may be softened.
-    pub(in crate::physics) fn new(model: &Model<R>) -> Self {
-        let soft = model.bodies.iter().filter(|body| softest(body) > R::ZERO);
-        let particles = soft.map(|body| body.particles.len()).max().unwrap_or(0);
-        Self { softness: vec![R::ZERO; particles], soft: Vec::with_capacity(particles) }
+    /// Room for each body of a model.
+    pub(in crate::physics) fn of_each(model: &Model<R>) -> Vec<Self> {
+        let particles = |body: &BodyModel<R>| if softest(body) > R::ZERO { body.particles.len() } else { 0 };
+        let room = |count| Self { softness: vec![R::ZERO; count], soft: Vec::with_capacity(count) };
+        model.bodies.iter().map(particles).map(room).collect()
     }
 }
 
@@ -127,7 +127,6 @@ pub(super) fn for_each_soft_link<R: Real>(
         return;
     }
     let RecoveryWorkspace { softness, soft } = workspace;
-    let softness = &mut softness[..position.len()];
     softness.fill(R::ZERO);
     for (corners, share) in crushed {
         for &corner in corners {

@@ -1,0 +1,108 @@
+//! The points of one body, which of them are inside which others, and what that is found in: each body has its own, so that
+//! threads look after bodies side by side.
+
+use glam::DVec3;
+
+use super::buckets::{Buckets, Seen};
+use super::find::{self, Found};
+use super::neighbours::{Lists, Neighbours};
+use super::workspace::Ahead;
+use crate::math::Real;
+use crate::physics::model::{Model, Surroundings};
+use crate::physics::report::Counters;
+
+/// What a point on the outside of a body is looked for and found in, bytes: with four buckets and a place in their order.
+pub(in crate::physics) const BYTES_A_POINT: usize =
+    size_of::<Seen>() + size_of::<Found>() + 4 * size_of::<u32>() + size_of::<usize>();
+
+/// What contact of one body's points works in, and what it found.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PointsWorkspace {
+    /// The bodies in whose cells they may be, ascending; itself is the last.
+    pub(super) cells: Vec<usize>,
+    /// What was found of each of these.
+    pub(super) met: Vec<Met>,
+    /// The points in cells, body after body.
+    found: Vec<Found>,
+    pub(super) looks: Looks,
+    pub(super) lists: Lists,
+    pub(super) seen: Vec<Seen>,
+    pub(super) buckets: Buckets,
+    /// Points in the order of the buckets: where they are, m, and the cells that they do not meet.
+    pub(super) sorted: Vec<(DVec3, Surroundings)>,
+}
+
+/// The points of a body that are in cells of one other, or of itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Met {
+    /// How many are inside.
+    pub(super) inside: usize,
+    /// How many of all that were found are of this body or of those before it.
+    until: usize,
+}
+
+/// What was looked at.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Looks {
+    pub(super) points: u64,
+    pub(super) tests: u64,
+    pub(super) tests_saved: u64,
+}
+
+impl PointsWorkspace {
+    /// Room for a body with so many points on its outside among so many bodies.
+    pub(super) fn new(points: usize, bodies: usize) -> Self {
+        Self {
+            cells: Vec::with_capacity(bodies.min(points)),
+            met: Vec::with_capacity(bodies.min(points)),
+            found: Vec::with_capacity(points),
+            looks: Looks::default(),
+            lists: Lists::new(points, bodies),
+            seen: Vec::with_capacity(points),
+            buckets: Buckets::new(points),
+            sorted: Vec::new(),
+        }
+    }
+
+    /// Forgets what was found.
+    pub(super) fn clear(&mut self) {
+        self.cells.clear();
+        self.met.clear();
+        self.found.clear();
+        self.looks = Looks::default();
+    }
+
+    /// Finds which points of the body `number` are in the cells of all that it may meet. Particles and bodies would be `ahead` at
+    /// the end of the substep; without `neighbours` every point is looked for in every cell.
+    pub(super) fn find<R: Real>(
+        &mut self,
+        model: &Model<R>,
+        number: usize,
+        neighbours: Option<&Neighbours>,
+        (ahead, bodies): (&[DVec3], &[Ahead]),
+    ) {
+        for place in 0..self.cells.len() {
+            let of = [number, self.cells[place]];
+            find::find(model, of, neighbours, ahead, self);
+            let inside = self.seen.iter().filter(|seen| seen.is_inside()).count();
+            self.found.extend(find::ways_out(model, of, &self.seen, inside, ahead, bodies));
+            self.met.push(Met { inside, until: self.found.len() });
+        }
+    }
+
+    /// How many points are inside another body, or folds of this one, and those that were found of them.
+    pub(super) fn found(&self, cells: usize) -> (usize, &[Found]) {
+        let Some(place) = self.cells.iter().position(|other| *other == cells) else { return (0, &[]) };
+        let first = place.checked_sub(1).map_or(0, |before| self.met[before].until);
+        let Met { inside, until } = self.met[place];
+        (inside, &self.found[first..until])
+    }
+
+    /// Counts what was looked at.
+    pub(super) fn count(&self, counters: &mut Counters) {
+        let Looks { points, tests, tests_saved } = self.looks;
+        counters.points_looked_for += points;
+        counters.narrow_tests += tests;
+        counters.narrow_tests_saved += tests_saved;
+    }
+}
