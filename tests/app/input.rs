@@ -163,6 +163,18 @@ fn typing_into_a_field_does_not_drive_the_sandbox() {
 }
 
 #[test]
+fn a_button_that_has_the_keyboard_leaves_letters_and_digits_to_the_view() {
+    let button = Situation { keyboard: Keyboard::Widget, ..OVER_VIEW };
+    assert!(matches!(key(Key::Char('m'), button), Some(Action::TogglePanel(Panel::Stability))));
+    assert!(matches!(key(Key::Char('2'), button), Some(Action::ColorBy(ColorBy::Load))));
+    assert!(matches!(key(Key::Char('.'), button), Some(Action::Send(Command::StepOnce))));
+    assert!(matches!(key(Key::Delete, button), Some(Action::Chosen(ChosenAction::Delete))));
+    for own in [Key::Space, Key::Right, Key::Escape] {
+        assert!(key(own, button).is_none(), "{own:?} presses, steps or leaves it");
+    }
+}
+
+#[test]
 fn holding_a_key_repeats_steps_and_nothing_else() {
     let held = |key| Input::default().on_event(Event::Key { key, repeat: true }, OVER_VIEW);
     assert!(matches!(held(Key::Char('.')), Some(Action::Send(Command::StepOnce))));

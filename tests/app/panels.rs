@@ -117,6 +117,35 @@ fn the_list_of_scenes_shows_all_of_them() {
 }
 
 #[test]
+fn a_list_closes_when_an_entry_is_chosen_by_key() {
+    for (list, entry) in [("Scene", "incline-slide"), ("Speed", "0.5×"), ("Colour by", "strain, %")] {
+        let mut harness = show(stage());
+        click(&mut harness, list);
+        harness.get_by_label(entry).focus();
+        harness.run_steps(2);
+        harness.key_press(egui::Key::Enter);
+        harness.run_steps(3);
+        let chosen = std::mem::take(&mut harness.state_mut().commands);
+        assert_eq!(chosen.len(), 1, "{list}: {chosen:?}");
+        assert!(harness.query_by_label(entry).is_none(), "{list} is closed");
+    }
+}
+
+#[test]
+fn an_entry_of_a_menu_chosen_by_key_closes_it() {
+    let mut stage = stage();
+    stage.status.undo = "structural stiffness".into();
+    let mut harness = show(stage);
+    click(&mut harness, "Edit");
+    harness.get_by_label("Undo structural stiffness").focus();
+    harness.run_steps(2);
+    harness.key_press(egui::Key::Enter);
+    harness.run_steps(3);
+    assert!(matches!(harness.state().commands[..], [Command::Undo]), "{:?}", harness.state().commands);
+    assert!(harness.query_by_label("Undo structural stiffness").is_none(), "the menu is closed");
+}
+
+#[test]
 fn a_speed_is_chosen_from_the_list() {
     let mut harness = show(stage());
     click(&mut harness, "Speed");

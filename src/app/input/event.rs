@@ -77,7 +77,7 @@ pub enum Keyboard {
     /// Nothing of the interface: keys are for the view.
     #[default]
     View,
-    /// A button or a slider, which knows space, arrows and Escape.
+    /// A button or a slider, which knows space, arrows and Escape; other keys are for the view.
     Widget,
     /// A field with text, which has an undo of its own.
     Text,

@@ -21,8 +21,7 @@ pub(super) fn action(key: Key, repeat: bool, held: Modifiers, situation: Situati
     match key {
         Key::F1 => Some(Action::ToggleKeys),
         Key::F11 => Some(Action::ToggleFullScreen),
-        // Escape too: it takes the keyboard from a widget, and the next one is for the view.
-        _ if situation.keyboard != Keyboard::View => None,
+        _ if is_taken(key, situation.keyboard) => None,
         Key::Escape => Some(Action::Close),
         Key::Space if situation.playing => Some(Action::Send(Command::Pause)),
         Key::Space => Some(Action::Send(Command::Play)),
@@ -45,6 +44,16 @@ pub(super) fn action(key: Key, repeat: bool, held: Modifiers, situation: Situati
             let index = usize::try_from(digit.to_digit(10)?).ok()?.checked_sub(1)?;
             ColorBy::ALL.get(index).copied().map(Action::ColorBy)
         }
+    }
+}
+
+/// Whether a key is for what has the keyboard: every one for a text, and what a button or a slider knows for these.
+fn is_taken(key: Key, keyboard: Keyboard) -> bool {
+    match keyboard {
+        Keyboard::View => false,
+        // Escape takes the keyboard from it, and the next one is for the view.
+        Keyboard::Widget => matches!(key, Key::Space | Key::Right | Key::Escape),
+        Keyboard::Text => true,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use egui::{ComboBox, FontId, Mesh, Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Ui, WidgetInfo, vec2};
 
+use super::entry::entry_ui;
 use super::value::vector_ui;
 use super::{edits, theme};
 use crate::scene::edit::Edit;
@@ -42,7 +43,7 @@ pub(super) fn color_ui(
         let combo = ComboBox::from_id_salt("colour by").width(158.0).selected_text(words(view.color));
         let response = combo.show_ui(ui, |ui| {
             for (index, color) in ColorBy::ALL.into_iter().enumerate() {
-                let row = ui.selectable_label(color == view.color, words(color));
+                let row = entry_ui(ui, color == view.color, words(color));
                 if row.on_hover_text(format!("{}  ({})", help(color), index + 1)).clicked() && color != view.color {
                     commands.push(color_command(view, color));
                 }

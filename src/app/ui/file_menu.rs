@@ -1,8 +1,9 @@
 //! The File menu: scenes and models in, scenes out.
 
-use egui::{Button, Response, Ui, WidgetInfo};
+use egui::{Response, Ui};
 
 use super::UiState;
+use super::entry::menu_entry_ui;
 use super::files::{FileAction, Wish};
 
 /// The File menu with its button.
@@ -31,13 +32,11 @@ pub(super) fn file_menu_ui(ui: &mut Ui, state: &mut UiState) {
 }
 
 fn item_ui(ui: &mut Ui, state: &mut UiState, name: &str, key: &str, action: FileAction) -> Response {
-    let button = ui.add(Button::new(name).shortcut_text(key));
-    button.widget_info(|| WidgetInfo::labeled(egui::Role::Button, ui.is_enabled(), name));
-    if button.clicked() {
+    let entry = menu_entry_ui(ui, name, key, true);
+    if entry.clicked() {
         state.files.ask(action);
-        ui.close();
     }
-    button
+    entry
 }
 
 fn recent_ui(ui: &mut Ui, state: &mut UiState) {

@@ -1,8 +1,9 @@
 //! The menus beside File: what can be taken back and done with what is chosen, what is seen, and the keys.
 
 use egui::containers::menu::{MenuButton, MenuConfig, menu_style};
-use egui::{Button, PopupCloseBehavior, RichText, Ui, WidgetInfo};
+use egui::{PopupCloseBehavior, RichText, Ui};
 
+use super::entry::menu_entry_ui;
 use super::words::capitalised;
 use super::{Below, Framing, Running, Shown, UiState, actions, color, edits, file_menu, theme, things};
 use crate::app::input::ChosenAction;
@@ -38,7 +39,7 @@ pub(super) fn menus_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, comm
         });
         ui.menu_button("Help", |ui| {
             ui.set_min_width(WIDTH);
-            if item_ui(ui, "Keys", "F1", true) {
+            if menu_entry_ui(ui, "Keys", "F1", true).clicked() {
                 state.keys_open = true;
             }
             ui.separator();
@@ -52,7 +53,7 @@ fn history_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
         [("Undo", &status.undo, "Ctrl+Z", Command::Undo), ("Redo", &status.redo, "Ctrl+Shift+Z", Command::Redo)]
     {
         let text = if words.is_empty() { name.to_owned() } else { format!("{name} {words}") };
-        if item_ui(ui, &text, key, !words.is_empty()) {
+        if menu_entry_ui(ui, &text, key, !words.is_empty()).clicked() {
             commands.push(command);
         }
     }
@@ -68,7 +69,7 @@ fn chosen_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, com
         (if hidden { "Show" } else { "Hide" }, "H", ChosenAction::Hide),
         ("Delete", "X", ChosenAction::Delete),
     ] {
-        if item_ui(ui, &format!("{verb}{name}"), key, chosen.is_some())
+        if menu_entry_ui(ui, &format!("{verb}{name}"), key, chosen.is_some()).clicked()
             && let Some((running, target)) = chosen
         {
             actions::act(action, target, running, state, commands);
@@ -77,13 +78,11 @@ fn chosen_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, com
 }
 
 fn view_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, commands: &mut Vec<Command>) {
-    if item_ui(ui, "Show everything", "Home", running.is_some()) {
+    if menu_entry_ui(ui, "Show everything", "Home", running.is_some()).clicked() {
         state.frame = Some(Framing::Everything);
-        ui.close();
     }
-    if item_ui(ui, "Show what is chosen", "F", state.selection.is_some()) {
+    if menu_entry_ui(ui, "Show what is chosen", "F", state.selection.is_some()).clicked() {
         state.frame = Some(Framing::Chosen);
-        ui.close();
     }
     toggle_ui(ui, &mut state.follow_chosen, "Follow what is chosen", "Shift+F");
     ui.separator();
@@ -152,13 +151,6 @@ fn flags(overlays: &mut Overlays) -> [(&'static str, &'static str, &mut bool); 9
 
 fn toggle_ui(ui: &mut Ui, flag: &mut bool, name: &str, key: &str) {
     ui.checkbox(flag, name).on_hover_text(key);
-}
-
-/// An entry with its key; whether it was chosen.
-fn item_ui(ui: &mut Ui, name: &str, key: &str, enabled: bool) -> bool {
-    let button = ui.add_enabled(enabled, Button::new(name).shortcut_text(key));
-    button.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled, name));
-    button.clicked()
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ mod card;
 mod color;
 mod cost;
 mod edits;
+mod entry;
 mod error_panel;
 mod figure;
 mod file_menu;

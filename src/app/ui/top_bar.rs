@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Align, ComboBox, FontId, Layout, Response, RichText, Ui, WidgetInfo, vec2};
 
+use super::entry::entry_ui;
 use super::icon::{Icon, icon_button_ui};
 use super::meter;
 use super::{Framing, Shown, UiState, menu, theme};
@@ -105,7 +106,7 @@ fn presets_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<
     ui.spacing_mut().item_spacing.y = BETWEEN_PRESETS;
     for preset in state.presets {
         let chosen = preset.name == status.title;
-        let row = ui.selectable_label(chosen, preset_line(ui, preset));
+        let row = entry_ui(ui, chosen, preset_line(ui, preset));
         row.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, chosen, preset.name));
         if row.clicked() {
             commands.push(Command::Replace {
@@ -149,7 +150,7 @@ fn speed_ui(ui: &mut Ui, words: bool, status: &Status, commands: &mut Vec<Comman
         for speed in SPEEDS {
             #[expect(clippy::float_cmp, reason = "the status repeats the very number that was chosen")]
             let chosen = speed == status.speed;
-            if ui.selectable_label(chosen, speed_text(speed)).clicked() {
+            if entry_ui(ui, chosen, speed_text(speed)).clicked() {
                 commands.push(Command::SetSpeed(speed));
             }
         }

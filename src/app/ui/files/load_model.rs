@@ -8,6 +8,7 @@ use super::dialog::{buttons_ui, dialog_ui, main_button_ui};
 use super::path_field::PathUse;
 use super::{Running, UiState, Wish};
 use crate::app::hand::Target;
+use crate::app::ui::entry::entry_ui;
 use crate::app::ui::words::capitalised;
 use crate::app::ui::{adding, theme};
 use crate::machine::bytes_text;
@@ -123,7 +124,10 @@ fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
                 (OccupancyChoice::Surface, "Cells that the surface touches"),
                 (OccupancyChoice::Solid, "Cells that the surface touches, and all that they enclose"),
             ] {
-                ui.selectable_value(&mut shape.occupancy, choice, occupancy_word(choice)).on_hover_text(help);
+                let entry = entry_ui(ui, shape.occupancy == choice, occupancy_word(choice)).on_hover_text(help);
+                if entry.clicked() {
+                    shape.occupancy = choice;
+                }
             }
         });
         response.response.labelled_by(label.id);
@@ -132,7 +136,9 @@ fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
         let combo = ComboBox::from_id_salt("keep").width(140.0).selected_text(word(shape.keep));
         let response = combo.show_ui(ui, |ui| {
             for keep in [Keep::Largest, Keep::All] {
-                ui.selectable_value(&mut shape.keep, keep, word(keep));
+                if entry_ui(ui, shape.keep == keep, word(keep)).clicked() {
+                    shape.keep = keep;
+                }
             }
         });
         response.response.labelled_by(label.id);
@@ -141,7 +147,10 @@ fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
         let combo = ComboBox::from_id_salt("up axis").width(140.0).selected_text(up_axis_word(shape.up));
         let response = combo.show_ui(ui, |ui| {
             for up in UpAxis::ALL {
-                let choice = ui.selectable_value(&mut shape.up, up, up_axis_word(up));
+                let choice = entry_ui(ui, shape.up == up, up_axis_word(up));
+                if choice.clicked() {
+                    shape.up = up;
+                }
                 if up == UpAxis::Auto {
                     choice.on_hover_text("z where the model stands only that way, y otherwise");
                 }

@@ -3,6 +3,7 @@
 use egui::{Button, ComboBox, Ui};
 
 use super::settings::name_ui;
+use crate::app::ui::entry::entry_ui;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::{Brush, UiState, edits};
 use crate::scene::cell_brush::CellChange;
@@ -28,7 +29,7 @@ pub(super) fn brush_ui(ui: &mut Ui, id: BodyId, body: &Body, state: &mut UiState
         let combo = ComboBox::from_id_salt("brush").truncate().selected_text(words(now));
         let response = combo.show_ui(ui, |ui| {
             for change in [None, Some(CellChange::Attach), Some(CellChange::Erase)] {
-                if ui.selectable_label(change == now, words(change)).clicked() {
+                if entry_ui(ui, change == now, words(change)).clicked() {
                     state.brush = change.map(|change| Brush { body: id, change });
                     if change.is_some() && matches!(body.shape, Shape::Model(_)) && body.skin == Skin::Auto {
                         let drawn = Body { skin: Skin::Cells, ..body.clone() };

@@ -7,6 +7,7 @@ use super::own_weight::{self, length};
 use super::parts::parts_ui;
 use super::safe::Safe;
 use super::springs::springs_ui;
+use crate::app::ui::entry::entry_ui;
 use crate::app::ui::figure::figure;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{Interaction, LABEL_WIDTH, slider_ui};
@@ -83,7 +84,7 @@ fn choice_ui(ui: &mut Ui, now: &Material, gravity: [f64; 3]) -> Option<Choice> {
             ];
             for (place, (words, selected, help)) in own.into_iter().enumerate() {
                 let switches = (place == 1) != is_solid;
-                let row = ui.selectable_label(selected, words);
+                let row = entry_ui(ui, selected, words);
                 tip_ui(ui, &row, || help.to_owned());
                 if row.clicked() && switches {
                     chosen = Some(Choice::OtherForm);
@@ -98,7 +99,7 @@ fn choice_ui(ui: &mut Ui, now: &Material, gravity: [f64; 3]) -> Option<Choice> {
                     _ => String::new(),
                 };
                 let values = format!("{} Pa, {} kg/m³{stands}.", figure(young_modulus), figure(density));
-                let row = ui.selectable_label(selected, preset.name);
+                let row = entry_ui(ui, selected, preset.name);
                 tip_ui(ui, &row, || format!("{values}\n{}", preset.source));
                 if row.clicked() && !selected {
                     chosen = Some(Choice::Named(preset));

@@ -2,6 +2,7 @@
 
 use egui::{ComboBox, Ui};
 
+use crate::app::ui::entry::entry_ui;
 use crate::app::ui::value::{AXES, Interaction, field_ui, vector_ui};
 use crate::scene::obstacle::{Motion, Oscillate, Turn};
 
@@ -21,7 +22,7 @@ pub(super) fn motion_ui(ui: &mut Ui, path: impl Fn(&str) -> String, motion: &mut
         let response = combo.show_ui(ui, |ui| {
             let kinds = [None, Some(Motion::Turn(Turn::default())), Some(Motion::Oscillate(Oscillate::default()))];
             for (number, (word, kind)) in WORDS.into_iter().zip(kinds).enumerate() {
-                if ui.selectable_label(now == number, word).clicked() && now != number {
+                if entry_ui(ui, now == number, word).clicked() && now != number {
                     *motion = kind;
                     interaction.and(Interaction { changed: true, ended: true });
                 }

@@ -4,6 +4,7 @@ use egui::{ComboBox, RichText, Ui};
 
 use super::safe::Safe;
 use super::springs::{own_springs_ui, softer, springs_choice_ui, within_label_ui};
+use crate::app::ui::entry::entry_ui;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::{edits, theme};
 use crate::scene::body::{MAX_NAMED_PARTS, Part};
@@ -87,13 +88,13 @@ pub(super) fn solid_choice_ui(
         let label = within_label_ui(ui, name);
         let combo = ComboBox::from_id_salt(("part", name)).width(190.0).truncate().selected_text(text);
         let response = combo.show_ui(ui, |ui| {
-            if ui.selectable_label(now.is_none(), none).clicked() && now.is_some() {
+            if entry_ui(ui, now.is_none(), none).clicked() && now.is_some() {
                 chosen = Some(None);
             }
             ui.separator();
             for preset in presets() {
                 let is_now = now == Some(preset.material);
-                let row = ui.selectable_label(is_now, preset.name);
+                let row = entry_ui(ui, is_now, preset.name);
                 tip_ui(ui, &row, || preset.source.to_owned());
                 if row.clicked() && !is_now {
                     chosen = Some(Some(preset.material));

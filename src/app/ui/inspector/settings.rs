@@ -3,6 +3,7 @@
 use egui::{ComboBox, Label, Response, RichText, Ui, vec2};
 
 use super::section::section_ui;
+use crate::app::ui::entry::entry_ui;
 use crate::app::ui::meter::error_words;
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::value::{Interaction, LABEL_WIDTH, help, slider_ui, vector_ui};
@@ -107,7 +108,7 @@ pub(super) fn choice_ui<T: Copy + PartialEq>(
         let combo = ComboBox::from_id_salt(path).width(164.0).truncate().selected_text(shown);
         let response = combo.show_ui(ui, |ui| {
             for (value, words) in all {
-                if ui.selectable_label(*value == now, *words).clicked() && *value != now {
+                if entry_ui(ui, *value == now, *words).clicked() && *value != now {
                     chosen = Some(*value);
                 }
             }

@@ -3,6 +3,7 @@
 use egui::{CollapsingHeader, ComboBox, RichText, Ui};
 
 use super::safe::Safe;
+use crate::app::ui::entry::entry_ui;
 use crate::app::ui::theme;
 use crate::app::ui::value::{Bound, Interaction, LABEL_WIDTH, slider_ui};
 use crate::scene::{Family, Springs};
@@ -51,7 +52,7 @@ pub(super) fn springs_choice_ui(ui: &mut Ui, name: &str, now: bool, none: &'stat
         let combo = ComboBox::from_id_salt(("part", name)).width(190.0).truncate().selected_text(text);
         let response = combo.show_ui(ui, |ui| {
             for (is_own, words) in [(false, none), (true, OWN)] {
-                if ui.selectable_label(now == is_own, words).clicked() && now != is_own {
+                if entry_ui(ui, now == is_own, words).clicked() && now != is_own {
                     chosen = Some(is_own);
                 }
             }
