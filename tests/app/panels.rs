@@ -146,6 +146,24 @@ fn an_entry_of_a_menu_chosen_by_key_closes_it() {
 }
 
 #[test]
+fn all_of_the_list_of_keys_can_be_read_in_a_window_of_any_size() {
+    for size in [[760.0, 420.0], [900.0, 600.0], [1280.0, 800.0]] {
+        let mut stage = stage();
+        stage.ui.keys_open = true;
+        let mut harness = show_at(stage, size);
+        let window = egui::Rect::from_min_size(egui::Pos2::ZERO, size.into());
+        for words in
+            ["play, pause", "redo; also", "with a brush", "the model's own colours", "put back what", "this list"]
+        {
+            harness.get_by_label_contains(words).scroll_to_me();
+            harness.run_steps(30);
+            let place = harness.get_by_label_contains(words).rect();
+            assert!(window.contains_rect(place), "{words} at {place} in {size:?}");
+        }
+    }
+}
+
+#[test]
 fn a_speed_is_chosen_from_the_list() {
     let mut harness = show(stage());
     click(&mut harness, "Speed");

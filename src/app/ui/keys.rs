@@ -1,11 +1,14 @@
 //! The list of keys and moves of the hand.
 
-use egui::{Align2, Grid, RichText, ScrollArea, Ui, Window};
+use egui::{Align2, Grid, Label, RichText, ScrollArea, Ui, Window};
 
 use super::{UiState, theme};
 
-/// Below this width of the view (points) the list has one column instead of two.
-const TWO_COLUMNS_NEED: f32 = 780.0;
+/// Below this width of the window (points) the list has one column instead of two.
+const TWO_COLUMNS_NEED: f32 = 900.0;
+/// What is left free beside the list, and the widths in which no line of it is broken, in one column and in two, points.
+const BESIDE: f32 = 60.0;
+const WIDEST: [f32; 2] = [700.0, 1060.0];
 /// Width of the column of keys, points.
 const KEY_WIDTH: f32 = 108.0;
 
@@ -73,10 +76,12 @@ pub(super) fn keys_ui(ui: &Ui, state: &mut UiState) {
         .pivot(Align2::CENTER_CENTER)
         .fixed_pos(ui.ctx().content_rect().center())
         .show(ui.ctx(), |ui| {
+            let is_narrow = window.x < TWO_COLUMNS_NEED;
+            ui.set_width((window.x - BESIDE).min(if is_narrow { WIDEST[0] } else { WIDEST[1] }));
             ui.spacing_mut().interact_size.y = 20.0;
             let room = (window.y - 120.0).max(120.0);
             ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
-                if window.x < TWO_COLUMNS_NEED {
+                if is_narrow {
                     groups_ui(ui, &LEFT);
                     groups_ui(ui, &RIGHT);
                 } else {
@@ -99,7 +104,7 @@ fn groups_ui(ui: &mut Ui, groups: &[Group]) {
             |ui| {
                 for (key, meaning) in *rows {
                     ui.label(RichText::new(*key).color(theme::of(ui).strong));
-                    ui.label(*meaning);
+                    ui.add(Label::new(*meaning).wrap());
                     ui.end_row();
                 }
             },
