@@ -354,6 +354,22 @@ fn a_click_in_the_list_leaves_the_keyboard_to_the_field() {
 }
 
 #[test]
+fn a_path_that_cannot_be_used_leaves_the_keyboard_to_the_field() {
+    let (folder, file) = folder_with_a_scene();
+    std::fs::create_dir(folder.path().join("sub.ron")).expect("a folder");
+    let mut harness = show(Some(&file), false);
+    ask(&mut harness, FileAction::SaveAs);
+    for (name, why) in [("sub.ron", "sub.ron is a folder"), ("none/a.ron", "does not exist")] {
+        choose(&mut harness, PathUse::SaveScene, &folder.path().join(name));
+        harness.key_press(egui::Key::Enter);
+        harness.run_steps(3);
+        assert!(harness.query_by_label_contains(why).is_some(), "{why}");
+        assert!(harness.get_by_label("Path").is_focused(), "{name}: typing goes on");
+        assert!(harness.state().commands.is_empty(), "{name}: nothing is saved");
+    }
+}
+
+#[test]
 fn a_dialog_is_as_high_as_what_it_holds() {
     let heights = |heading: &str, last: &str, harness: &Harness<'_, Stage>| {
         let rects = places(harness, &[heading, last]);

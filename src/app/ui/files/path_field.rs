@@ -13,7 +13,7 @@ use crate::scene::body::MODEL_ENDINGS;
 use crate::session::document::is_scene_path;
 use crate::session::state_file;
 
-/// Entries of a folder that are listed; a name narrows them down.
+/// Entries of a folder that are listed; the name of what is to be opened narrows them down.
 const LISTED: usize = 200;
 /// The height kept for what there is to say about a path, so that nothing below it moves, points.
 const VERDICT_HEIGHT: f32 = 38.0;
@@ -108,7 +108,7 @@ impl PathField {
     /// say and to list.
     pub(super) fn ui(&mut self, ui: &mut Ui, label: &str, can_browse: bool, height: f32) -> PathResponse {
         let mut response = PathResponse::default();
-        ui.horizontal(|ui| {
+        let field = ui.horizontal(|ui| {
             let name = ui.label(RichText::new(label).color(theme::of(ui).weak));
             let width = (ui.available_width() - 92.0).max(120.0);
             let edit = TextEdit::singleline(&mut self.text).desired_width(width).hint_text("type a path");
@@ -122,7 +122,12 @@ impl PathField {
             let browse = ui.add_enabled(can_browse, Button::new("Browse…"));
             let browse = browse.on_hover_text("Choose in a window of the system").on_disabled_hover_text(NO_BROWSER);
             response.browse = browse.clicked();
+            field
         });
+        if response.entered && matches!(self.verdict(), Verdict::Unfinished | Verdict::Unusable(_)) {
+            // Typing goes on.
+            field.inner.request_focus();
+        }
         self.verdict();
         let below = vec2(ui.available_width(), VERDICT_HEIGHT + height);
         ui.allocate_ui(below, |ui| {
@@ -295,11 +300,13 @@ fn words(scene: &Scene) -> String {
     format!("A scene of {bodies} and {obstacles}")
 }
 
-/// What lies in the folder typed and fits: folders first, by name; narrowed down by what was typed after it.
+/// What lies in the folder typed and fits: folders first, by name; where one of them is to be opened, narrowed down by what was
+/// typed after it. A name to save under is a new one most of the time, and would leave nothing to be seen.
 fn entries(purpose: PathUse, text: &str) -> Vec<Entry> {
     let folder = folder_typed(text);
     let typed = expanded(text);
-    let narrowed = if text.trim().ends_with(['/', '\\']) || typed.is_file() {
+    let is_new = matches!(purpose, PathUse::SaveScene | PathUse::SaveState | PathUse::Collect);
+    let narrowed = if is_new || text.trim().ends_with(['/', '\\']) || typed.is_file() {
         String::new()
     } else {
         typed.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default()
@@ -385,6 +392,19 @@ mod tests {
         let text = format!("{}/", folder.path().display());
         let names = entries(PathUse::OpenState, &text).into_iter().map(|entry| entry.name);
         assert_eq!(names.collect::<Vec<_>>(), ["sub", "old.state"]);
+    }
+
+    #[test]
+    fn a_name_to_save_under_hides_nothing_of_the_list() {
+        let folder = folder();
+        let names = |purpose, typed: &str| {
+            let text = format!("{}/{typed}", folder.path().display());
+            entries(purpose, &text).into_iter().map(|entry| entry.name).collect::<Vec<_>>()
+        };
+        std::fs::write(folder.path().join("old.state"), "").expect("a file");
+        assert_eq!(names(PathUse::SaveScene, "cube-on-plane.ron"), ["sub", "a.ron", "bad.ron"]);
+        assert_eq!(names(PathUse::SaveState, "cube-on-plane.state"), ["sub", "old.state"]);
+        assert_eq!(names(PathUse::Collect, "cube-on-plane"), ["sub"]);
     }
 
     #[test]
