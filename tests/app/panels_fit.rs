@@ -171,6 +171,24 @@ fn values_fit_into_panels_of_every_width() {
 }
 
 #[test]
+fn a_name_too_long_for_its_column_takes_two_lines_and_is_read_whole() {
+    let mut window = Window::on(scene_of(1.0), "long", [1280.0, 1500.0], Theme::Dark);
+    window.click("Cow");
+    window.press("Contact");
+    let place = |name: &str| {
+        let mut nodes = window.harness.root().children_recursive();
+        let is_name = |node: &egui_kittest::Node<'_>| {
+            let inner = node.accesskit_node();
+            inner.role() == Role::Label && inner.value().as_deref() == Some(name)
+        };
+        nodes.find(is_name).unwrap_or_else(|| panic!("{name} is shown")).rect()
+    };
+    let [short, long] = ["Sliding", "Obstacles meet"].map(place);
+    assert!(long.height() > 1.8 * short.height(), "{long} beside {short}");
+    assert!(long.width() < 92.5, "it keeps to its column: {long}");
+}
+
+#[test]
 fn what_is_shown_short_is_the_value() {
     for value in VALUES.into_iter().filter(|value| *value >= 0.0) {
         let mut window = Window::on(scene_of(value), "long", [1280.0, 1500.0], Theme::Dark);

@@ -12,10 +12,10 @@ use crate::scene::param::Param;
 /// Width of a label, points.
 pub(in crate::app::ui) const LABEL_WIDTH: f32 = 92.0;
 
-/// A label that says what the parameter is when the pointer rests on it.
+/// A label that says what the parameter is when the pointer rests on it; a long one takes two lines.
 pub(in crate::app::ui) fn label_ui(ui: &mut Ui, label: &str, param: &Param) -> Response {
     let size = vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
-    let text = egui::Label::new(RichText::new(label).color(theme::of(ui).weak)).truncate();
+    let text = egui::Label::new(RichText::new(label).color(theme::of(ui).weak)).wrap();
     let label = |ui: &mut Ui| {
         ui.set_min_width(LABEL_WIDTH);
         ui.add(text)
