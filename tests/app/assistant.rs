@@ -8,7 +8,7 @@ use gelatin::app::ui::files::{Wish, Work};
 use gelatin::scene::Shape;
 use gelatin::scene::body::UpAxis;
 use gelatin::session::Command;
-use gelatin::session::jellify::jellify;
+use gelatin::session::jellify::{Wanted, jellify};
 use gelatin::session::progress::Progress;
 
 use crate::files::{Stage, click, is_open, places, show};
@@ -21,6 +21,15 @@ fn jellify_in_assistant(harness: &mut Harness<'_, Stage>, path: &Path) {
 
 /// Makes the body that the assistant's values stand for.
 fn jellify_wished(harness: &mut Harness<'_, Stage>) {
+    let work = match jellify(&wished(harness), &Progress::default()) {
+        Ok(body) => Work::Ready(Box::new(body)),
+        Err(error) => Work::Failed(error.to_string()),
+    };
+    answer(harness, work);
+}
+
+/// What the assistant asks for.
+fn wished(harness: &mut Harness<'_, Stage>) -> Box<Wanted> {
     // The values have to stand for a while before the work begins.
     harness.run_steps(60);
     let wishes = std::mem::take(&mut harness.state_mut().ui.files.wishes);
@@ -28,11 +37,10 @@ fn jellify_wished(harness: &mut Harness<'_, Stage>) {
         Wish::Jellify(wanted) => Some(wanted),
         _ => None,
     });
-    let wanted = asked.expect("the work is asked for");
-    let work = match jellify(&wanted, &Progress::default()) {
-        Ok(body) => Work::Ready(Box::new(body)),
-        Err(error) => Work::Failed(error.to_string()),
-    };
+    asked.expect("the work is asked for")
+}
+
+fn answer(harness: &mut Harness<'_, Stage>, work: Work) {
     harness.state_mut().ui.files.set_work(work);
     // The dialog grows around what will come of the model before it stands still.
     harness.run_steps(10);
@@ -74,6 +82,19 @@ fn a_model_is_looked_at_before_it_is_added() {
     assert_eq!(body.name, "slab");
     assert!(jelly.report.as_ref().is_some_and(|report| report.cells > 10), "filled already");
     assert!(!is_open(&harness, "Load model"), "the assistant is closed");
+}
+
+#[test]
+fn what_is_wrong_with_a_model_is_read_without_scrolling() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = show(None, false);
+    harness.state_mut().ui.files.load_model(&box_model(folder.path()));
+    let mut body = jellify(&wished(&mut harness), &Progress::default()).expect("a slab");
+    body.preview.warnings = ["the surface is open", "two parts are one"].map(str::to_owned).to_vec();
+    answer(&mut harness, Work::Ready(Box::new(body)));
+    let [first, second, figures] =
+        ["The surface is open", "Two parts are one", "Mesh"].map(|label| harness.get_by_label(label).rect());
+    assert!(first.bottom() <= second.top() && second.bottom() <= figures.top(), "{first}, {second}, {figures}");
 }
 
 #[test]

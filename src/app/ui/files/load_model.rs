@@ -188,6 +188,11 @@ fn work_ui(ui: &mut Ui, model: &LoadModel, height: f32, status: &Status, wishes:
 }
 
 fn preview_ui(ui: &mut Ui, preview: &Preview, status: &Status) {
+    // Before the figures, of which there are more than the dialog is high.
+    for warning in &preview.warnings {
+        let text = RichText::new(capitalised(warning)).color(theme::of(ui).warning);
+        ui.add(egui::Label::new(text).wrap());
+    }
     Grid::new("preview").num_columns(2).spacing([16.0, 5.0]).min_row_height(18.0).show(ui, |ui| {
         for (name, value) in rows(preview, status) {
             ui.label(RichText::new(name).color(theme::of(ui).weak));
@@ -195,10 +200,6 @@ fn preview_ui(ui: &mut Ui, preview: &Preview, status: &Status) {
             ui.end_row();
         }
     });
-    for warning in &preview.warnings {
-        let text = RichText::new(capitalised(warning)).color(theme::of(ui).warning);
-        ui.add(egui::Label::new(text).wrap());
-    }
 }
 
 fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
