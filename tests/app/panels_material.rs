@@ -140,9 +140,11 @@ fn a_material_too_soft_for_the_body_asks_and_the_size_it_offers_stands() {
         assert!(height(&window) > 0.8, "{name} keeps its height: {}", height(&window));
         let foot = window.harness.state().session.simulation().diagnostics().bounds.min.y;
         assert!(foot.abs() < 0.03 * size, "{name} stands where it stood: {foot} m above the ground");
-        window.harness.state_mut().session.handle(Command::Undo).expect("one step back");
+        window.harness.state_mut().ui.frame = None;
+        window.click("Undo");
         assert_eq!(*window.scene(), before, "{name}: one step of undo");
         assert_eq!(window.harness.state().session.simulation().hash(), motion, "with its motion");
+        assert_eq!(window.harness.state().ui.frame, Some(Framing::Chosen), "the camera goes back with it");
     }
 }
 

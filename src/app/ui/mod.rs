@@ -4,6 +4,7 @@
 pub mod actions;
 mod adding;
 mod card;
+mod chosen_size;
 mod color;
 mod cost;
 mod edits;
@@ -45,6 +46,7 @@ use super::theme;
 use crate::session::{Command, Status};
 use card::{beside_corner_card, over_view};
 
+pub use chosen_size::ChosenSize;
 pub use color::color_command;
 pub use finding::Finding;
 pub use marked_box::MarkedBox;
@@ -73,6 +75,10 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     below_panel_ui(ui, shown, state, commands);
     if let Some(running) = shown.running {
         state.follow(running.scene);
+        let a_hand_is_at_it = ui.input(|input| input.pointer.any_down());
+        if state.chosen_size.follow(chosen_size::of(running, state.selection), a_hand_is_at_it) {
+            state.frame = Some(Framing::Chosen);
+        }
         state.marked_box.begin();
         sides::side_panels_ui(ui, running, state, commands);
         let marked = state.marked_box.marked();

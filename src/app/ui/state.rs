@@ -2,6 +2,7 @@
 
 use egui::{Pos2, Rect};
 
+use super::chosen_size::ChosenSize;
 use super::files::FilesState;
 use super::finding::Finding;
 use super::marked_box::MarkedBox;
@@ -13,12 +14,12 @@ use super::work::Asked;
 use crate::app::hand::Target;
 use crate::app::preferences::Preferences;
 use crate::app::theme::Theme;
+use crate::scene::Scene;
 use crate::scene::cell_brush::CellChange;
 use crate::scene::edit::BodyId;
 use crate::scene::material::MaterialPreset;
 use crate::scene::placement::Look;
 use crate::scene::presets::Preset;
-use crate::scene::{Scene, Shape};
 use crate::session::Command;
 use crate::session::error_curve::ErrorCurve;
 use crate::session::stability_map::StabilityMap;
@@ -52,6 +53,8 @@ pub struct UiState {
     pub theme: Theme,
     /// What is chosen.
     pub selection: Option<Target>,
+    /// How large what is chosen is: the camera comes along.
+    pub chosen_size: ChosenSize,
     /// What will be chosen as soon as it is there: the sandbox answers a few frames later.
     pub awaited: Option<Target>,
     /// What will be chosen in a new scene that was asked for.
@@ -83,12 +86,10 @@ pub struct UiState {
 }
 
 /// A material that was chosen for a body that is too large for it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct TooHeavy {
     pub(super) body: BodyId,
     pub(super) preset: &'static MaterialPreset,
-    /// The size that was chosen, until the sandbox has made it.
-    pub(super) resized: Option<Shape>,
 }
 
 /// A brush over the cells of a body.
@@ -128,6 +129,7 @@ impl UiState {
             frame: None,
             theme: Theme::default(),
             selection: None,
+            chosen_size: ChosenSize::default(),
             awaited: None,
             comes_along: None,
             brush: None,
@@ -196,6 +198,7 @@ impl UiState {
     /// Another scene has taken the place of the old one: what came along with it is chosen.
     pub fn on_new_scene(&mut self) {
         (self.selection, self.awaited) = (None, self.comes_along.take());
+        self.chosen_size = ChosenSize::default();
         self.error_panel.forget();
         self.stability_panel.forget();
         self.modes_panel.forget();

@@ -7,7 +7,7 @@ use crate::app::hand::Target;
 use crate::app::ui::figure::{figure, rounded};
 use crate::app::ui::icon::{Icon, icon_button_ui};
 use crate::app::ui::words::capitalised;
-use crate::app::ui::{Framing, TooHeavy, UiState, edits, theme};
+use crate::app::ui::{TooHeavy, UiState, edits, theme};
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::material::MaterialPreset;
 use crate::scene::own_weight::Stature;
@@ -25,7 +25,7 @@ pub(super) fn choose(
 ) {
     let Some(body) = scene.bodies.get(id.0) else { return };
     if stature.size_to_stand(body, &preset.material, scene.settings.gravity).is_some() {
-        state.too_heavy = Some(TooHeavy { body: id, preset, resized: None });
+        state.too_heavy = Some(TooHeavy { body: id, preset });
     } else {
         commands.extend(take(id, preset, body));
     }
@@ -45,15 +45,8 @@ pub(super) fn own_weight_ui(
     state: &mut UiState,
     commands: &mut Vec<Command>,
 ) {
-    let Some(TooHeavy { preset, resized, .. }) = state.too_heavy.clone() else { return };
+    let Some(TooHeavy { preset, .. }) = state.too_heavy else { return };
     let Some(body) = scene.bodies.get(id.0) else { return };
-    if let Some(shape) = resized {
-        if body.shape == shape {
-            state.too_heavy = None;
-            state.frame = Some(Framing::Chosen);
-        }
-        return;
-    }
     let gravity = scene.settings.gravity;
     let Some(stands_m) = status.stature.size_to_stand(body, &preset.material, gravity) else {
         state.too_heavy = None;
@@ -81,7 +74,7 @@ pub(super) fn own_weight_ui(
         if ui.add(Button::new(format!("Make the body {then}")).wrap().min_size(width)).clicked() {
             let small = status.stature.set_down(body, stands_m, status.center, &scene.obstacles, gravity);
             let small = Body { material: Material::Solid(preset.material), ..small };
-            state.too_heavy = Some(TooHeavy { body: id, preset, resized: Some(small.shape.clone()) });
+            state.too_heavy = None;
             commands.extend(edits::alone(Edit::Body(id, Box::new(small))));
         }
         let keep = format!("Keep {now}: it will collapse under its own weight");
