@@ -301,13 +301,18 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
             }
             Order::Do(command) => {
                 self.publisher.note_change();
+                let follows = command.follows_others();
                 let outcome = self.sandbox.handle(command, &Arc::default());
-                self.answer(outcome.err().map(|error| sentence(&error)));
+                self.answers.count += 1;
+                if outcome.is_err() || !follows {
+                    self.answers.failure = outcome.err().map(|error| sentence(&error));
+                }
             }
             Order::Open(command, progress) => {
                 self.publisher.note_change();
                 let outcome = self.sandbox.handle(command, &progress);
-                self.answer(outcome.err().map(|error| sentence(&error)));
+                self.answers.count += 1;
+                self.answers.failure = outcome.err().map(|error| sentence(&error));
                 if self.answers.failure.is_none() {
                     self.answers.generation += 1;
                     self.sandbox.begin(self.stop, self.hold);
@@ -315,11 +320,6 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
                 self.opening.end(&progress);
             }
         }
-    }
-
-    fn answer(&mut self, failure: Option<String>) {
-        self.answers.count += 1;
-        self.answers.failure = failure;
     }
 }
 

@@ -186,6 +186,14 @@ impl Command {
         )
     }
 
+    /// Whether it follows others by itself, and what became of these is still to be told.
+    pub fn follows_others(&self) -> bool {
+        matches!(
+            self,
+            Self::EndEdit | Self::WatchCost(_) | Self::WatchStability(_) | Self::ShowModes(_) | Self::MarkBox(_)
+        )
+    }
+
     /// Whether another scene takes the place of this one, so that unsaved changes would be lost.
     pub fn replaces_scene(&self) -> bool {
         match self {

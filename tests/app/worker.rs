@@ -277,7 +277,9 @@ fn a_refused_command_is_told_until_the_next_one_succeeds() {
     let shape = gelatin::scene::Shape::Model(shape);
     bad.bodies.push(gelatin::scene::Body { shape, ..Default::default() });
     bench.worker.send(Command::Replace { scene: Box::new(bad), base_dir: path, title: "bad".into() });
-    let told = bench.wait_for(|snapshot| !snapshot.status.message.is_empty());
+    // Every value that is set sends this after it.
+    bench.worker.send(Command::EndEdit);
+    let told = bench.wait_for(|snapshot| snapshot.answers == 2);
     assert!(told.status.message.contains("missing.obj"), "{}", told.status.message);
     assert_eq!(told.generation, 0, "the camera stays where it is");
     bench.worker.send(Command::Play);

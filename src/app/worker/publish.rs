@@ -112,7 +112,7 @@ pub(super) struct Answers {
     pub(super) count: u64,
     /// Scenes there have been after the first.
     pub(super) generation: u64,
-    /// Why the last command was refused, if it was.
+    /// Why the last command that a person gave was refused, if it was.
     pub(super) failure: Option<String>,
 }
 
