@@ -237,6 +237,7 @@ impl Shell {
             self.follow();
             self.ask_for_snapshot(answered);
         }
+        self.ask_for_long_work();
         match self.worker.take_ended() {
             Some(ended @ Ended::NotStarted(_)) if self.snapshot.is_none() => Err(ShellError::Start(ended)),
             Some(ended) => {

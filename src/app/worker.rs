@@ -2,7 +2,7 @@
 //! (`publish`). The window never waits for a step, however expensive; a sandbox that is paused or at rest, and that
 //! nobody touches, publishes nothing. Knows nothing of windows: whoever starts a worker says how it is to be woken.
 
-mod opening;
+mod awaited;
 mod publish;
 
 use std::any::Any;
@@ -12,8 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-use opening::Opening;
-pub use opening::TOLD_AFTER;
+use awaited::Awaited;
 use publish::{Answers, Publisher, Slot, Time};
 pub use publish::{Ended, Observed, Snapshot};
 
@@ -27,8 +26,8 @@ use crate::session::{Command, Session, SessionError};
 
 /// What a worker runs: a [`Session`], or something simpler in a test.
 pub trait Sandbox: Observed {
-    /// Does what a person asked for. Where that opens a scene and takes long, it tells how far it is, and gives up when
-    /// nobody waits any more.
+    /// Does what a person asked for. Where that opens a scene or makes bodies and takes long, it tells how far it is, and gives
+    /// up when nobody waits any more.
     fn handle(&mut self, command: Command, progress: &Arc<Progress>) -> Result<(), SessionError>;
     /// Lets `wall` time pass and returns after about `budget`.
     fn advance(&mut self, wall: Duration, budget: Duration);
@@ -44,10 +43,10 @@ pub trait Sandbox: Observed {
 impl Sandbox for Session {
     fn handle(&mut self, command: Command, progress: &Arc<Progress>) -> Result<(), SessionError> {
         if !command.replaces_scene() {
-            return self.handle(command);
+            return self.handle_awaited(command, progress);
         }
         if let Some(opened) = Opened::by(command)? {
-            *self = opening::open(opened, progress)?;
+            *self = awaited::open(opened, progress)?;
         }
         Ok(())
     }
@@ -78,7 +77,8 @@ pub struct Worker {
     stop: Arc<AtomicBool>,
     hold: Arc<Hold>,
     slot: Arc<Slot>,
-    opening: Arc<Opening>,
+    opening: Arc<Awaited>,
+    making: Arc<Awaited>,
 }
 
 #[derive(Debug)]
@@ -121,9 +121,9 @@ impl Worker {
         let (orders, received) = channel();
         let (slot, stop, hold) =
             (Arc::new(Slot::default()), Arc::new(AtomicBool::new(false)), Arc::new(Hold::default()));
-        let opening = Arc::new(Opening::default());
+        let [opening, making] = [(); 2].map(|()| Arc::new(Awaited::default()));
         let (published, stopped, held) = (Arc::clone(&slot), Arc::clone(&stop), Arc::clone(&hold));
-        let (opens, first) = (Arc::clone(&opening), opening.begin());
+        let (opens, makes, first) = (Arc::clone(&opening), Arc::clone(&making), opening.begin());
         std::thread::spawn(move || {
             within_pool(move || {
                 let mut publisher = Publisher::new(published, wake);
@@ -131,7 +131,13 @@ impl Worker {
                     let made = make(&first);
                     opens.end(&first);
                     match made {
-                        Ok(sandbox) => Loop::new(sandbox, &received, &mut publisher, &stopped, &held, &opens).run(),
+                        Ok(mut sandbox) => {
+                            sandbox.begin(&stopped, &held);
+                            let (orders, publisher) = (&received, &mut publisher);
+                            let (stop, hold, opening, making) = (&stopped, &held, &*opens, &*makes);
+                            let (answers, last) = (Answers::default(), Instant::now());
+                            Loop { sandbox, orders, publisher, stop, hold, opening, making, answers, last }.run();
+                        }
                         Err(error) => publisher.end(Ended::NotStarted(error)),
                     }
                 }));
@@ -140,12 +146,15 @@ impl Worker {
                 }
             });
         });
-        Self { orders, stop, hold, slot, opening }
+        Self { orders, stop, hold, slot, opening, making }
     }
 
     /// Asks for something. A worker that has ended ignores it.
     pub fn send(&self, command: Command) {
         self.order(if command.replaces_scene() {
+            // What was to be opened or is being made is no longer wanted.
+            self.opening.cancel();
+            self.making.cancel();
             Order::Open(command, self.opening.begin())
         } else {
             Order::Do(command)
@@ -155,6 +164,16 @@ impl Worker {
     /// How far a scene is that takes long to open.
     pub fn opening(&self) -> Option<Arc<Progress>> {
         self.opening.told()
+    }
+
+    /// How far bodies are that take long to make.
+    pub fn making(&self) -> Option<Arc<Progress>> {
+        self.making.told()
+    }
+
+    /// When one of these two will be told of, if it takes so long.
+    pub fn told_at(&self) -> Option<Instant> {
+        [&self.opening, &self.making].into_iter().filter_map(|awaited| awaited.told_at()).min()
     }
 
     /// Says whether anyone can see the picture: an unseen sandbox keeps its time and publishes nothing.
@@ -209,6 +228,7 @@ impl Worker {
 impl Drop for Worker {
     fn drop(&mut self) {
         self.opening.cancel();
+        self.making.cancel();
         self.stop.store(true, Ordering::Relaxed);
     }
 }
@@ -220,25 +240,14 @@ struct Loop<'a, S, W> {
     publisher: &'a mut Publisher<W>,
     stop: &'a Arc<AtomicBool>,
     hold: &'a Arc<Hold>,
-    opening: &'a Opening,
+    opening: &'a Awaited,
+    making: &'a Awaited,
     answers: Answers,
     /// When time was last let pass; a frame later it is looked at again.
     last: Instant,
 }
 
-impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
-    fn new(
-        mut sandbox: S,
-        orders: &'a Receiver<Order>,
-        publisher: &'a mut Publisher<W>,
-        stop: &'a Arc<AtomicBool>,
-        hold: &'a Arc<Hold>,
-        opening: &'a Opening,
-    ) -> Self {
-        sandbox.begin(stop, hold);
-        Self { sandbox, orders, publisher, stop, hold, opening, answers: Answers::default(), last: Instant::now() }
-    }
-
+impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
     fn run(&mut self) {
         self.publisher.publish(&mut self.sandbox, &self.answers);
         loop {
@@ -292,6 +301,18 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
         if gone { Err(WindowGone) } else { Ok(()) }
     }
 
+    /// Does what was asked for, which is told of where it may take long.
+    fn make(&mut self, command: Command) -> Result<(), SessionError> {
+        if !command.makes_bodies() {
+            return self.sandbox.handle(command, &Arc::default());
+        }
+        let progress = self.making.begin();
+        self.publisher.wake();
+        let outcome = self.sandbox.handle(command, &progress);
+        self.making.end(&progress);
+        outcome
+    }
+
     fn follow(&mut self, order: Order) {
         match order {
             Order::Visible(visible) => self.publisher.set_visible(visible),
@@ -302,7 +323,7 @@ impl<'a, S: Sandbox, W: Fn()> Loop<'a, S, W> {
             Order::Do(command) => {
                 self.publisher.note_change();
                 let follows = command.follows_others();
-                let outcome = self.sandbox.handle(command, &Arc::default());
+                let outcome = self.make(command);
                 self.answers.count += 1;
                 if outcome.is_err() || !follows {
                     self.answers.failure = outcome.err().map(|error| sentence(&error));

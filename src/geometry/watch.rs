@@ -6,13 +6,25 @@ pub trait Watch: Sync {
     /// leave the processors to others.
     fn progress(&self, _fraction: f64) {}
 
+    /// Hears how many particles there will be.
+    fn expect_particles(&self, _count: usize) {}
+
     /// Whether the work should stop; it then returns its `Cancelled` error soon. It answers at once.
     fn cancelled(&self) -> bool {
         false
     }
+
+    /// Whether it may ever ask for that.
+    fn may_cancel(&self) -> bool {
+        true
+    }
 }
 
-impl Watch for () {}
+impl Watch for () {
+    fn may_cancel(&self) -> bool {
+        false
+    }
+}
 
 /// Watches over a part of longer work.
 #[derive(Clone, Copy)]
@@ -34,8 +46,16 @@ impl Watch for Portion<'_> {
         self.watch.progress(start + (end - start) * fraction);
     }
 
+    fn expect_particles(&self, count: usize) {
+        self.watch.expect_particles(count);
+    }
+
     fn cancelled(&self) -> bool {
         self.watch.cancelled()
+    }
+
+    fn may_cancel(&self) -> bool {
+        self.watch.may_cancel()
     }
 }
 
@@ -64,6 +84,10 @@ impl Watch for Rising<'_> {
     fn cancelled(&self) -> bool {
         self.watch.cancelled()
     }
+
+    fn may_cancel(&self) -> bool {
+        self.watch.may_cancel()
+    }
 }
 
 /// Hands on nothing but that nobody waits any more: for what runs beside work that tells how far it is.
@@ -72,6 +96,10 @@ pub(crate) struct CancelOnly<'a>(pub(crate) &'a dyn Watch);
 impl Watch for CancelOnly<'_> {
     fn cancelled(&self) -> bool {
         self.0.cancelled()
+    }
+
+    fn may_cancel(&self) -> bool {
+        self.0.may_cancel()
     }
 }
 

@@ -49,7 +49,10 @@ impl Bodies {
     /// memory than there is.
     pub(super) fn resolve(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Self, SessionError> {
         let outlines = outlines(scene, library, watch);
-        let checked = outlines.and_then(|outlines| needs::check(scene, &outlines));
+        let checked = outlines.and_then(|outlines| {
+            watch.expect_particles(outlines.iter().map(|outline| outline.counts.particles).sum());
+            needs::check(scene, &outlines)
+        });
         let resolved = checked.and_then(|()| Self::resolve_unchecked(scene, library, watch));
         library.forget_filled();
         resolved
@@ -57,7 +60,8 @@ impl Bodies {
 
     fn resolve_unchecked(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Self, SessionError> {
         let resolve_one = |(index, body): (usize, &Body)| {
-            library.get(&body.shape, watch).map_err(|source| SessionError::Shape { index, source })
+            let made = library.get(&body.shape, watch).map_err(|source| SessionError::Shape { index, source })?;
+            made.ok_or(SessionError::Stopped)
         };
         let jellies = scene.bodies.iter().enumerate().map(resolve_one).collect::<Result<_, _>>()?;
         let bodies = Self { jellies, ..Self::default() };

@@ -194,6 +194,21 @@ impl Command {
         )
     }
 
+    /// Whether bodies may have to be made for it in this scene, which takes long where they are large.
+    pub fn makes_bodies(&self) -> bool {
+        matches!(
+            self,
+            Self::Edit(_)
+                | Self::Drag(_)
+                | Self::CancelEdit
+                | Self::AddBody { .. }
+                | Self::Refill { .. }
+                | Self::Undo
+                | Self::Redo
+                | Self::Brush(_)
+        )
+    }
+
     /// Whether another scene takes the place of this one, so that unsaved changes would be lost.
     pub fn replaces_scene(&self) -> bool {
         match self {

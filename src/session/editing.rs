@@ -5,9 +5,12 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
+use super::beside::while_awaited;
 use super::history::{Change, Undone};
 use super::words::{value_at, words};
 use super::{Bodies, Session, SessionError};
+use crate::geometry::Watch;
+use crate::geometry::watch::Portion;
 use crate::math::rotation;
 use crate::physics::Simulation;
 use crate::physics::{Arrival, BodyMotion};
@@ -16,6 +19,10 @@ use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, body_impact};
 use crate::scene::param::Problem;
 use crate::scene::resolve::{Jelly, load_meshes};
 use crate::scene::{Body, MovesBy, Pose, Scene, Shape};
+
+/// The share of the work on a change that has been done once its bodies are made, and once they can be simulated.
+const MADE: f64 = 0.4;
+const COMPILED: f64 = 0.9;
 
 impl Session {
     /// Changes the scene and remembers how to take it back. Names that are given differ from those of others.
@@ -167,6 +174,7 @@ impl Session {
         let mut scene = Scene::clone(&self.scene);
         let applied = scene.apply(edit).map_err(|error| self.in_words(error))?;
         load_meshes(&mut scene, self.library.base_dir(), &())?;
+        let scene = Arc::new(scene);
         match applied.impact {
             Impact::Topology => self.rebuild(&scene, &kept_bodies)?,
             Impact::Parameters | Impact::Motion => {
@@ -186,7 +194,7 @@ impl Session {
             self.step_errors.forget();
             self.picture.touch();
         }
-        self.scene = Arc::new(scene);
+        self.scene = scene;
         self.end_old_swing();
         self.follow_modes();
         self.find_inversion();
@@ -207,8 +215,12 @@ impl Session {
 
     /// Compiles the scene anew; bodies whose shape stays keep their motion, and so do models that are filled with other
     /// cells.
-    fn rebuild(&mut self, scene: &Scene, kept: &[Option<usize>]) -> Result<(), SessionError> {
-        let bodies = Bodies::resolve(scene, &mut self.library, &()).map_err(|error| match error {
+    fn rebuild(&mut self, scene: &Arc<Scene>, kept: &[Option<usize>]) -> Result<(), SessionError> {
+        let progress = self.progress.clone();
+        let watch: &dyn Watch = progress.as_ref().map_or(&(), |progress| &**progress);
+        let making = Portion::new(watch, [0.0, MADE]);
+        let bodies = Bodies::resolve(scene, &mut self.library, &making).map_err(|error| match error {
+            _ if watch.cancelled() => SessionError::ChangeStopped,
             SessionError::Part(problem) => self.in_words(EditError::BadValue(problem)),
             error => error,
         })?;
@@ -222,7 +234,11 @@ impl Session {
         };
         let reshaped: Vec<_> = kept.iter().enumerate().filter_map(refilled).collect();
         let kept: Vec<_> = kept.iter().enumerate().map(same_shape).collect();
-        let mut simulation = Simulation::with_modes(scene, &bodies.lattices(), &self.known_modes(scene));
+        watch.progress(MADE);
+        let (compiled, lattices, modes) = (Arc::clone(scene), bodies.lattices(), self.known_modes(scene));
+        let compile = move || Simulation::with_modes(&compiled, &lattices, &modes);
+        let mut simulation = while_awaited(watch, compile).ok_or(SessionError::ChangeStopped)?;
+        watch.progress(COMPILED);
         simulation.carry_over(&self.simulation, &kept);
         for (body, old, refill) in reshaped {
             let (scale, shift) = match refill {
@@ -231,6 +247,9 @@ impl Session {
             };
             simulation.reshape_body(body, &self.simulation, old, scale, shift);
         }
+        // What is larger than before may be too large to be watched.
+        let particles = |simulation: &Simulation<f32>| simulation.model().particle_count();
+        self.may_be_too_slow |= particles(&simulation) > particles(&self.simulation);
         self.bodies = bodies.with_skins_of(&self.bodies);
         self.simulation = simulation;
         self.simulation.set_grab(None);

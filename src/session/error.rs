@@ -50,6 +50,9 @@ pub enum SessionError {
     /// Nobody waited for the scene any more.
     #[error("opening the scene was stopped; the one before goes on")]
     Stopped,
+    /// Nobody waited for a change any more.
+    #[error("the change was stopped; everything is as it was")]
+    ChangeStopped,
     /// More memory than there is.
     #[error(
         "the scene needs about {} of memory, and {} is free {whose}; use fewer or larger cells, or start with \

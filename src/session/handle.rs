@@ -1,17 +1,27 @@
 //! What each command does, or which part of the sandbox does it.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::collect::collect;
 use super::costs::Costs;
 use super::document::Opened;
 use super::error::SPEEDS;
+use super::progress::Progress;
 use super::stroke::Stroke;
 use super::{Command, Session, SessionError};
 use crate::physics::Arrival;
 use crate::scene::Scene;
 
 impl Session {
+    /// As [`Session::handle`]; what takes long tells how far it is, and is refused once nobody waits for it.
+    pub fn handle_awaited(&mut self, command: Command, progress: &Arc<Progress>) -> Result<(), SessionError> {
+        self.progress = Some(Arc::clone(progress));
+        let outcome = self.handle(command);
+        self.progress = None;
+        outcome
+    }
+
     /// Does what a person asked for; nothing has changed where it is refused.
     pub fn handle(&mut self, command: Command) -> Result<(), SessionError> {
         match command {

@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::beside::while_awaited;
 use crate::geometry::Watch;
 use crate::scene::body::ModelShape;
 use crate::scene::resolve::{Filled, Jelly, ModelPlaces, Outline, ResolveError, fill};
@@ -72,19 +73,20 @@ impl Library {
         self.filled.clear();
     }
 
-    /// The shape made ready, now or earlier.
-    pub(super) fn get(&mut self, shape: &Shape, watch: &dyn Watch) -> Result<Jelly, ResolveError> {
+    /// The shape made ready, now or earlier; none once nobody waits for it.
+    pub(super) fn get(&mut self, shape: &Shape, watch: &dyn Watch) -> Result<Option<Jelly>, ResolveError> {
         if let Some(place) = self.entries.iter().position(|(known, _)| known == shape) {
             let known = self.entries.remove(place);
             self.entries.push(known);
         } else {
-            let jelly = match self.filled.iter().position(|(known, _)| known == shape) {
-                Some(place) => self.filled.remove(place).1.build(),
-                None => self.fill(shape, watch)?.build(),
+            let filled = match self.filled.iter().position(|(known, _)| known == shape) {
+                Some(place) => self.filled.remove(place).1,
+                None => self.fill(shape, watch)?,
             };
+            let Some(jelly) = while_awaited(watch, || filled.build()) else { return Ok(None) };
             self.put(shape.clone(), jelly);
         }
-        Ok(self.entries[self.entries.len() - 1].1.clone())
+        Ok(self.entries.last().map(|(_, jelly)| jelly.clone()))
     }
 
     /// Fills a shape; a model is filled once, whatever is changed of its cells by hand.
@@ -135,9 +137,9 @@ mod tests {
         std::fs::write(&file, triangle).expect("a file");
         let shape = Shape::Model(ModelShape { path: "box.obj".into(), divisions: 3, ..ModelShape::default() });
         let mut library = Library::new(folder.path().to_owned());
-        let first = library.get(&shape, &()).expect("a flat model");
+        let first = library.get(&shape, &()).expect("a flat model").expect("it is waited for");
         std::fs::remove_file(&file).expect("the file is there");
-        let second = library.get(&shape, &()).expect("it is remembered");
+        let second = library.get(&shape, &()).expect("it is remembered").expect("it is waited for");
         assert!(Arc::ptr_eq(&first.lattice, &second.lattice), "the very same lattice");
     }
 

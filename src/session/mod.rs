@@ -3,6 +3,7 @@
 //! everything a person can do is a test.
 
 pub mod background;
+pub mod beside;
 mod bodies;
 mod brush;
 mod clock;
@@ -88,6 +89,7 @@ use hold::Hold;
 use library::Library;
 use modes::Swinging;
 use picture::Picture;
+use progress::Progress;
 use sample::Sample;
 use stability_map::StabilityShown;
 use step_error::StepErrors;
@@ -139,6 +141,8 @@ pub struct Session {
     /// Set by whoever wants a substep given up.
     stop: Arc<AtomicBool>,
     hold: Arc<Hold>,
+    /// Who waits for what is being done, where someone may leave.
+    progress: Option<Arc<Progress>>,
     /// The modes that are shown of a body, while someone looks.
     swinging: Option<Swinging>,
     /// The box of a body that is marked in the view.
@@ -209,6 +213,7 @@ impl Session {
             drawing: 0.0,
             stop: Arc::default(),
             hold: Arc::default(),
+            progress: None,
             swinging: None,
             marked_box: None,
             found_modes: Vec::new(),

@@ -76,8 +76,11 @@ mod tests {
 
     use super::*;
     use crate::physics::StepReport;
+    use crate::scene::body::CubeShape;
+    use crate::scene::edit::{BodyId, Edit};
     use crate::scene::settings::Integrator;
-    use crate::scene::{Scene, presets};
+    use crate::scene::{Body, Scene, Shape, presets};
+    use crate::session::Command;
 
     /// A stiff cube that falls on the ground: the implicit integrator has taken over.
     const STIFF: &str = "(version: 1, bodies: [(shape: cube(cells: 6), pose: (position: (0, 0.6, 0)), \
@@ -178,9 +181,24 @@ mod tests {
         stop.store(false, Ordering::Relaxed);
         slow.advance(Duration::from_millis(1), Duration::from_millis(1));
         assert!(!slow.is_playing() && slow.status().message.contains("slower than a thousandth"), "now it is");
-        slow.handle(crate::session::Command::Play).expect("always possible");
+        slow.handle(Command::Play).expect("always possible");
         slow.advance(Duration::from_millis(1), Duration::from_millis(1));
         assert!(slow.is_playing(), "as asked for");
+    }
+
+    #[test]
+    fn a_body_that_becomes_too_large_to_watch_waits_for_play() {
+        let mut session = session(&SLOW.replace("cells: 60", "cells: 2"));
+        let edit = |session: &mut Session, cells| {
+            let shape = Shape::Cube(CubeShape { cells, size: 1.0 });
+            let body = Body { shape, ..session.scene().bodies[0].clone() };
+            session.handle(Command::Edit(Edit::Body(BodyId(0), Box::new(body)))).expect("it can be made");
+            session.advance(Duration::from_millis(1), Duration::from_millis(1));
+            session.is_playing()
+        };
+        assert!(edit(&mut session, 3), "a little larger");
+        assert!(!edit(&mut session, 60), "much larger");
+        assert!(session.status().message.contains("slower than a thousandth"), "{}", session.status().message);
     }
 
     #[test]
@@ -189,7 +207,7 @@ mod tests {
         slow.hold_if_too_slow();
         let status = slow.status();
         assert!(!status.playing && status.message.contains("slower than a thousandth"), "{}", status.message);
-        slow.handle(crate::session::Command::Play).expect("always possible");
+        slow.handle(Command::Play).expect("always possible");
         assert!(slow.status().playing && !slow.status().message.contains("thousandth"), "as asked for");
         for preset in presets::presets() {
             let mut session = Session::new((preset.build)(), PathBuf::new(), String::new()).expect("it resolves");

@@ -6,9 +6,10 @@ use super::state_error::StateFileError;
 use super::*;
 use crate::math::FRAME;
 use crate::physics::{BodyMemory, LinkLoad, RecoveryAccount, Strain};
+use crate::scene::body::CubeShape;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::presets::preset;
-use crate::scene::{Body, Material};
+use crate::scene::{Body, Material, Shape};
 use crate::view::style::Tint;
 
 const PLENTY: Duration = Duration::MAX;
@@ -43,6 +44,28 @@ fn a_budget_of_nothing_takes_no_step_and_the_window_goes_on() {
     let mut session = session("cube-on-plane");
     session.advance(FRAME, Duration::ZERO);
     assert_eq!(session.simulation().state().steps, 0, "no time, no step");
+}
+
+#[test]
+fn a_change_that_nobody_waits_for_any_more_leaves_everything_as_it_was() {
+    let mut session = session("cube-on-plane");
+    assert!(session.step(), "it falls");
+    let seen = |session: &Session| (session.scene().clone(), session.simulation().hash());
+    let finer = edited_body(&session, |body| body.shape = Shape::Cube(CubeShape { cells: 12, size: 1.0 }));
+    let (before, left) = (seen(&session), Arc::new(Progress::default()));
+    left.cancel();
+    let stopped = session.handle_awaited(finer.clone(), &left);
+    assert!(matches!(stopped, Err(SessionError::ChangeStopped)), "{stopped:?}");
+    assert_eq!(left.particles(), 13 * 13 * 13, "how large it would have been is known");
+    assert!(seen(&session) == before && session.status().undo.is_empty(), "there is nothing to take back");
+    session.handle_awaited(finer, &Arc::default()).expect("it is waited for");
+    assert_eq!(session.simulation().model().particle_count(), 13 * 13 * 13);
+    let made = seen(&session);
+    let stopped = session.handle_awaited(Command::Undo, &left);
+    assert!(matches!(stopped, Err(SessionError::ChangeStopped)), "{stopped:?}");
+    assert!(seen(&session) == made && !session.status().undo.is_empty(), "it can still be taken back");
+    session.handle(Command::Undo).expect("one step back");
+    assert!(seen(&session) == before, "with its motion");
 }
 
 #[test]

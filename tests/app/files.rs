@@ -39,6 +39,7 @@ pub(crate) fn show(file: Option<&Path>, unsaved: bool) -> Harness<'static, Stage
                     failure: "",
                     value: "",
                     opening: None,
+                    making: None,
                     drawing: DrawingCost::default(),
                 },
                 &mut stage.ui,

@@ -194,7 +194,14 @@ fn frame(ui: &mut egui::Ui, live: &mut Live) {
         Running { status: &status, scene, color_key: Some((Colormap::default(), [0.0, 12.4])), is_painted: false };
     panels_ui(
         ui,
-        &Shown { running: Some(running), failure: "", value: "", opening: None, drawing: DrawingCost::default() },
+        &Shown {
+            running: Some(running),
+            failure: "",
+            value: "",
+            opening: None,
+            making: None,
+            drawing: DrawingCost::default(),
+        },
         &mut live.ui,
         &mut commands,
     );

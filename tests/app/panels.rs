@@ -5,6 +5,7 @@ use egui_kittest::kittest::Queryable;
 use gelatin::app::frame_meter::DrawingCost;
 use gelatin::app::theme;
 use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
+use gelatin::geometry::Watch;
 use gelatin::scene::edit::Edit;
 use gelatin::scene::{ColorBy, Scene, presets};
 use gelatin::session::progress::Progress;
@@ -17,6 +18,7 @@ struct Stage {
     scene: Scene,
     failure: String,
     opening: Option<Progress>,
+    making: Option<Progress>,
     ui: UiState,
     commands: Vec<Command>,
 }
@@ -38,7 +40,15 @@ fn stage() -> Stage {
         ..Status::default()
     };
     let ui = UiState::new(presets::presets());
-    Stage { status, scene: Scene::default(), failure: String::new(), opening: None, ui, commands: Vec::new() }
+    Stage {
+        status,
+        scene: Scene::default(),
+        failure: String::new(),
+        opening: None,
+        making: None,
+        ui,
+        commands: Vec::new(),
+    }
 }
 
 fn show(stage: Stage) -> Harness<'static, Stage> {
@@ -56,6 +66,7 @@ fn show_at(stage: Stage, size: [f32; 2]) -> Harness<'static, Stage> {
                 failure: &stage.failure,
                 value: "",
                 opening: stage.opening.as_ref(),
+                making: stage.making.as_ref(),
                 drawing: DrawingCost::default(),
             };
             panels_ui(ui, &shown, &mut stage.ui, &mut stage.commands);
@@ -83,6 +94,22 @@ fn a_scene_that_takes_long_to_open_can_be_stopped() {
     window.get_by_label("Stop").click();
     window.run_steps(2);
     assert!(window.state().opening.as_ref().is_some_and(Progress::is_cancelled), "it is no longer wanted");
+}
+
+#[test]
+fn bodies_that_take_long_to_make_are_told_of_and_can_be_stopped() {
+    let mut window = show(stage());
+    let progress = Progress::default();
+    window.state_mut().making = Some(Progress::default());
+    window.run_steps(3);
+    window.get_by_label("Changing the scene");
+    progress.expect_particles(8_000_000);
+    window.state_mut().making = Some(progress);
+    window.run_steps(3);
+    window.get_by_label("Making 8\u{2009}000\u{2009}000 particles");
+    window.get_by_label("Stop").click();
+    window.run_steps(2);
+    assert!(window.state().making.as_ref().is_some_and(Progress::is_cancelled), "it is no longer wanted");
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! How soon a sandbox on its thread does what a person asks for while a substep or opening a scene takes seconds.
 
 use std::path::PathBuf;
-use std::sync::PoisonError;
 use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
 use gelatin::app::worker::{Snapshot, Worker};
-use gelatin::scene::Scene;
+use gelatin::scene::body::CubeShape;
+use gelatin::scene::edit::{BodyId, Edit};
+use gelatin::scene::{Body, Scene, Shape};
 use gelatin::session::Command;
 use gelatin::session::document::Opened;
 
@@ -73,6 +75,33 @@ fn opening_a_large_model_is_told_of_and_stops_soon() {
     waited.sort();
     // Another program may have had the processors once.
     assert!(waited[3] < SOON, "{waited:?}");
+}
+
+#[test]
+fn a_body_that_takes_long_to_make_is_told_of_and_stops_soon() {
+    let (worker, wakes) = start("(version: 1, bodies: [()])");
+    let before = wait_for(&worker, &wakes, |_| true);
+    let shape = Shape::Cube(CubeShape { cells: 100, size: 1.0 });
+    let body = Body { shape, ..before.scene.bodies[0].clone() };
+    worker.send(Command::Edit(Edit::Body(BodyId(0), Box::new(body))));
+    worker.send(Command::EndEdit);
+    let asked = Instant::now();
+    let progress = loop {
+        if let Some(progress) = worker.making() {
+            break progress;
+        }
+        assert!(asked.elapsed() < PATIENCE, "nobody tells of it");
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    let begin = Instant::now();
+    progress.cancel();
+    let after = wait_for(&worker, &wakes, |snapshot| snapshot.answers == before.answers + 2);
+    // Counting the particles does not hear of it, and another program may have the processors.
+    assert!(begin.elapsed() < 5 * SOON, "after {:?}", begin.elapsed());
+    assert_eq!(progress.particles(), 101 * 101 * 101, "it is said of how many");
+    assert!(after.status.failed && after.status.message.contains("stopped"), "{:?}", after.status.message);
+    assert!(Arc::ptr_eq(&after.scene, &before.scene), "the scene is as it was");
+    assert!(worker.making().is_none(), "it is over");
 }
 
 #[test]

@@ -200,6 +200,7 @@ impl Shell {
             let paced = self.drawing.pace.due(Reason::Motion, now).max(again);
             self.drawing.panels_due.ask(paced, Reason::Motion);
         }
+        self.ask_for_long_work();
         output
     }
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::Shell;
 use crate::app::pace::Reason;
 use crate::app::ui::{self, Running};
-use crate::app::worker::{Snapshot, TOLD_AFTER};
+use crate::app::worker::Snapshot;
 use crate::extract;
 use crate::session::Command;
 use crate::view::DrawList;
@@ -19,9 +19,10 @@ impl Shell {
         let value = self.value_under_pointer();
         let drawing = self.drawing.cost();
         let Self { context, snapshot, ui, failure, worker, .. } = self;
-        let opening = worker.opening();
+        let (opening, making) = (worker.opening(), worker.making());
         let running = snapshot.as_ref().map(running);
-        let shown = ui::Shown { running, failure, value: &value, opening: opening.as_deref(), drawing };
+        let (opening, making) = (opening.as_deref(), making.as_deref());
+        let shown = ui::Shown { running, failure, value: &value, opening, making, drawing };
         let (mut commands, looks) = (Vec::new(), (ui.theme, ui.selection, ui.follow_chosen));
         let output = context.run_ui(raw_input, |root| ui::panels_ui(root, &shown, ui, &mut commands));
         for command in commands {
@@ -47,12 +48,17 @@ impl Shell {
         output
     }
 
-    /// Has the sandbox do something; one that opens a scene is told of when it takes long.
+    /// Has the sandbox do something.
     pub(super) fn send(&mut self, command: Command) {
-        if command.replaces_scene() {
-            self.drawing.panels_due.ask(Instant::now() + TOLD_AFTER, Reason::Input);
-        }
         self.worker.send(command);
+        self.ask_for_long_work();
+    }
+
+    /// Has the panels tell of what takes long as soon as it does.
+    pub(super) fn ask_for_long_work(&mut self) {
+        if let Some(at) = self.worker.told_at() {
+            self.drawing.panels_due.ask(at, Reason::Input);
+        }
     }
 }
 

@@ -1,25 +1,26 @@
 //! What a person should know, over the view: what went wrong, as a sentence until it is read or no longer true, and that a
-//! scene takes long to open.
+//! scene takes long to open or a change of it to make.
 
 use egui::{RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
-use super::words::capitalised;
-use super::{UiState, card, theme, work};
+use super::words::{capitalised, grouped};
+use super::{Shown, UiState, card, theme, work};
 use crate::session::Status;
-use crate::session::progress::Progress;
 
-/// Width of the bar that tells how far a scene is, points.
+/// Width of the bar that tells how far it is, points.
 const BAR: f32 = 300.0;
 
-/// That a scene takes long to open, and a button that stops it.
-pub(super) fn opening_ui(ui: &Ui, opening: Option<&Progress>, state: &mut UiState) {
-    let Some(progress) = opening else { return };
+/// That a scene takes long to open, or bodies to make, and a button that stops it.
+pub(super) fn long_work_ui(ui: &Ui, shown: &Shown<'_>, state: &mut UiState) {
+    let making = shown.making.map(|progress| (making_words(progress.particles()), progress));
+    let opening = shown.opening.map(|progress| ("Opening the scene".to_owned(), progress));
+    let Some((words, progress)) = opening.or(making) else { return };
     let mut free = state.free_rect;
-    card::card_over_view(ui, "opening", &mut free, |ui| {
+    card::card_over_view(ui, "long work", &mut free, |ui| {
         theme::float_frame(ui).show(ui, |ui| {
             ui.horizontal(|ui| {
-                ui.label(RichText::new("Opening the scene").color(theme::of(ui).strong));
+                ui.label(RichText::new(words).color(theme::of(ui).strong));
                 let stopped = progress.is_cancelled();
                 if ui.add_enabled(!stopped, egui::Button::new("Stop")).clicked() {
                     progress.cancel();
@@ -29,6 +30,11 @@ pub(super) fn opening_ui(ui: &Ui, opening: Option<&Progress>, state: &mut UiStat
         });
     });
     state.free_rect = free;
+}
+
+/// What a change of the scene takes long with.
+fn making_words(particles: usize) -> String {
+    if particles == 0 { "Changing the scene".to_owned() } else { format!("Making {} particles", grouped(particles)) }
 }
 
 /// What a person should know, if it was not put away: red where something went wrong. A `failure` of the program offers a new start.

@@ -106,7 +106,7 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
         None => (),
     }
     value_under_pointer_ui(ui, shown.value);
-    message::opening_ui(ui, shown.opening, state);
+    message::long_work_ui(ui, shown, state);
     finding::finding_ui(ui, status, &state.finding, &mut state.free_rect, commands);
     message::message_ui(ui, status, shown.failure, state);
     keys::keys_ui(ui, state);

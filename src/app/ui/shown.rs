@@ -17,6 +17,8 @@ pub struct Shown<'a> {
     pub value: &'a str,
     /// How far a scene is that takes long to open.
     pub opening: Option<&'a Progress>,
+    /// How far bodies are that take long to make.
+    pub making: Option<&'a Progress>,
     /// What drawing costs.
     pub drawing: DrawingCost,
 }

@@ -3,7 +3,7 @@
 use egui::{Align, Layout, RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
-use super::words::capitalised;
+use super::words::{capitalised, grouped};
 use super::{Below, Panels, theme};
 use crate::session::{Command, Status};
 
@@ -101,30 +101,9 @@ fn status_words(status: &Status) -> String {
     }
 }
 
-/// A count with thin spaces between thousands.
-fn grouped(count: usize) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push('\u{2009}');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn counts_are_grouped_by_thousands() {
-        assert_eq!(grouped(0), "0");
-        assert_eq!(grouped(999), "999");
-        assert_eq!(grouped(115_156), "115\u{2009}156");
-        assert_eq!(grouped(1_000_000), "1\u{2009}000\u{2009}000");
-    }
 
     #[test]
     fn the_words_say_what_limits_the_speed() {

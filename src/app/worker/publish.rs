@@ -204,6 +204,11 @@ impl<W: Fn()> Publisher<W> {
         }
     }
 
+    /// Something has begun that may take long.
+    pub(super) fn wake(&self) {
+        (self.wake)();
+    }
+
     /// Says why the worker stops.
     pub(super) fn end(&self, ended: Ended) {
         self.slot.newest().ended = Some(ended);
