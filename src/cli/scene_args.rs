@@ -262,11 +262,15 @@ pub(super) fn open(given: &OsStr) -> Result<Opened, Failure> {
         return Ok(Opened::without_file((preset.build)(), preset.name.to_owned(), PathBuf::from(".")));
     }
     if !path.exists() {
-        let names: Vec<&str> = presets::presets().iter().map(|preset| preset.name).collect();
-        let error = anyhow!("there is no file and no preset called {shown:?}; the presets are {}", names.join(", "));
         // A name with an ending or a folder was meant as a file: its absence is no slip of the command line.
-        let meant_as_file = path.extension().is_some() || path.components().count() > 1;
-        return Err(if meant_as_file { Failure::Work(error) } else { Failure::usage(error) });
+        if path.extension().is_some() || path.components().count() > 1 {
+            return Err(anyhow!("{shown} does not exist; give a preset's name, a .ron scene or a model file").into());
+        }
+        let names: Vec<&str> = presets::presets().iter().map(|preset| preset.name).collect();
+        let names = names.join(", ");
+        return Err(Failure::usage(anyhow!(
+            "there is no file and no preset called {shown:?}; the presets are {names}"
+        )));
     }
     if path.is_dir() {
         return Err(anyhow!("{shown} is a folder; give a preset's name, a .ron scene or a model file").into());

@@ -96,6 +96,20 @@ fn unknown_names_and_paths_are_refused_with_the_nearest() {
     refused(&folder, "--wobble", USAGE, &["--wobble"]);
 }
 
+/// A name with an ending or a folder was meant as a file, so that no preset is what was meant.
+#[test]
+fn a_file_that_is_not_there_is_said_to_be_missing() {
+    let folder = Folder::new();
+    for file in ["gone.obj", "gone.ron", "there/gone"] {
+        for line in ["", "run", "check", "render -o a.png", "report error --quick"] {
+            let line = format!("{line} {file}");
+            refused(&folder, &line, FAILED, &[&format!("error: {file} does not exist; give"), "a model file"]);
+            assert!(!folder.run(&line).notes.contains("cube-on-plane"), "{line} lists presets");
+        }
+    }
+    refused(&folder, "check gone", USAGE, &["no preset called \"gone\"", "cube-on-plane"]);
+}
+
 #[test]
 fn an_unknown_command_is_refused_with_the_commands_and_the_nearest() {
     let folder = Folder::new();
