@@ -53,6 +53,9 @@ const FORMS: [(&str, &[&str]); 4] = [
     ("obstacles.*.motion", &Motion::NAMES),
 ];
 
+/// The vector that a single number may stand for: its pull downwards.
+const GRAVITY: &str = "settings.gravity";
+
 /// Sets the value at a path. A path into a form that the body or obstacle does not have now switches to that form
 /// with its defaults. Vectors may be written `(0, -9.81, 0)`, `[0, -9.81, 0]` or `0, -9.81, 0`; a word may have
 /// hyphens for underscores. On an error nothing changes.
@@ -148,9 +151,11 @@ fn parse(param: &Param, path: &str, text: &str) -> Option<Value> {
             let inner = text.strip_prefix(['(', '[']).and_then(|rest| rest.strip_suffix([')', ']'])).unwrap_or(text);
             let entries: Vec<Value> =
                 inner.split(',').map(|entry| scalar(param, entry.trim())).collect::<Option<_>>()?;
-            match (entries.as_slice(), param.path) {
-                ([Value::Number(g)], "settings.gravity") => {
-                    Some(Value::from(vec![0.0, 0.0 - g.as_f64().unwrap_or(f64::NAN), 0.0]))
+            match entries.as_slice() {
+                // Outside its range it is refused as it was given, not as the vector that it would become.
+                [g @ Value::Number(number)] if param.path == GRAVITY => {
+                    let down = number.as_f64().filter(|_| param.check(g).is_none())?;
+                    Some(Value::from(vec![0.0, 0.0 - down, 0.0]))
                 }
                 _ => (entries.len() == param.len).then_some(Value::Array(entries)),
             }
@@ -181,12 +186,13 @@ fn unquoted(text: &str) -> String {
 }
 
 fn allowed(param: &Param, path: &str) -> String {
-    let of = if param.len > 1 && param::matches(param.path, path) {
-        format!("{} numbers, each ", param.len)
-    } else {
-        String::new()
-    };
-    format!("{of}{}", param.range_text())
+    let range = param.range_text();
+    match param.len {
+        1 => range,
+        _ if !param::matches(param.path, path) => range,
+        len if param.path == GRAVITY => format!("{len} numbers, or one that points down, each {range}"),
+        len => format!("{len} numbers, each {range}"),
+    }
 }
 
 /// The three paths nearest to one that does not exist, with the places in lists that it gave.
@@ -321,7 +327,13 @@ mod tests {
         assert!(refusal("settings.dt", "fast").ends_with("allowed: 1e-6 … 0.1 s"), "a word for a number");
         assert!(refusal("settings.dt", "nan").contains("not a finite number"), "NaN");
         assert!(refusal("settings.integrator", "magic").contains("semi_implicit"), "the words are listed");
-        assert!(refusal("settings.gravity", "1,2").contains("3 numbers"), "how many numbers");
+        let allowed = "allowed: 3 numbers, or one that points down, each -1000 … 1000 m/s²";
+        for text in ["abc", "1,2", "0, abc, 0", "5000", "nan"] {
+            assert_eq!(refusal("settings.gravity", text), format!("settings.gravity = {text} does not fit; {allowed}"));
+        }
+        assert!(refusal("settings.gravity.1", "abc").ends_with("allowed: -1000 … 1000 m/s²"), "one of them");
+        let velocity = refusal("bodies.0.velocity", "abc");
+        assert!(velocity.ends_with("allowed: 3 numbers, each -1000 … 1000 m/s"), "{velocity}");
         assert!(refusal("bodies.0.shape.cube.cells", "2.5").contains("1 … 199"), "a fraction of a cell");
         assert!(refusal("bodies.9.name", "x").contains("the scene has 3 in bodies"), "how many there are");
         assert!(refusal("bodies.0.shape.cube.sells", "3").contains("bodies.0.shape.cube.cells"), "the nearest path");
