@@ -260,4 +260,21 @@ fn a_model_is_drawn_with_its_pictures_wherever_it_is_taken() {
     let said = "warning: no picture from green leaf.png, plain colours instead: it does not exist";
     assert!(without.code == Some(0) && without.notes.contains(said), "{without:?}");
     assert!(!is_green(body_color(&folder, "render leaf.obj")), "in the plain colour");
+    let checked = folder.run("check leaf.obj");
+    assert!(checked.code == Some(0) && checked.notes.contains(said), "{checked:?}");
+}
+
+#[test]
+fn a_check_says_which_material_file_is_missing_whether_a_face_asks_for_it_or_not() {
+    let folder = folder();
+    folder
+        .write("asked.obj", format!("mtllib gone.mtl\nusemtl b\n{}", obj()))
+        .write("plain.obj", format!("mtllib gone.mtl\n{}", obj()));
+    for model in ["asked.obj", "plain.obj"] {
+        let said = "no colours from the materials in gone.mtl: there is no such file";
+        let checked = folder.run(&format!("check {model}"));
+        assert!(checked.code == Some(0) && checked.notes.contains(&format!("warning: {said}\n")), "{checked:?}");
+        let figures = folder.json(&format!("check {model} --json"));
+        assert!(figures["warnings"].as_array().is_some_and(|all| all.contains(&said.into())), "{figures}");
+    }
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::assembly::{MANY_CORNERS, small_faces_warning};
 use super::error::{ImportError, Place, Problem};
 use super::model_file::{Detail, Imported, ModelFile};
-use super::mtl::{self, Material};
+use super::mtl::{self, Material, Materials};
 use super::obj_coordinates::{Coordinates, CornerPlace};
 use super::obj_libraries::libraries;
 use super::obj_lines::{LeftOut, ObjLines, Stop};
@@ -72,8 +72,10 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     let parts = namer.finish(of_triangles);
     let none = Coordinates::default();
     let placed = Placed { coordinates: coordinates.as_ref().unwrap_or(&none), corners: &placed };
+    // Material files that are missing are told even where no face asks for a material: they would not be named for nothing.
+    let materials = mtl::read(file, lines.libraries(), &mut warnings);
     let (tints, texturing) = match &parts {
-        Some(parts) => of_materials(file, parts, lines.libraries(), placed, &mut warnings)?,
+        Some(parts) => of_materials(file, parts, &materials, placed, &mut warnings)?,
         None => (Vec::new(), None),
     };
     let paint = Paint::new(vertex_tints(&channels), tints, texturing);
@@ -99,14 +101,13 @@ fn vertex_tints(channels: &[[f64; 3]]) -> Vec<Tint> {
 fn of_materials(
     file: ModelFile<'_>,
     parts: &NamedParts,
-    libraries: &[String],
+    materials: &Materials,
     placed: Placed<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<Tint>, Option<Texturing>), ImportError> {
     if parts.places(NameOf::Material).all(|place| place.is_none()) {
         return Ok((Vec::new(), None));
     }
-    let materials = mtl::read(file, libraries, warnings);
     let of_name = |place: u32| materials.get(&parts.names()[place as usize]);
     let of_labels: Vec<Option<&Material>> =
         parts.places(NameOf::Material).map(|place| place.and_then(of_name)).collect();

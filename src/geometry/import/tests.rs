@@ -126,6 +126,9 @@ fn materials_beside_an_obj_file_colour_its_faces() {
         assert_eq!((found.paint, found.warnings), (None, vec![why.to_owned()]), "the model is read without");
     }
     assert_eq!(files_of(&folder.path().join("t.obj")).len(), 1, "what is not read does not belong to it");
+    write("plain.obj", &format!("mtllib gone.mtl\n{TETRAHEDRON}"));
+    let said = load(&folder.path().join("plain.obj"), Detail::Pictures).expect("a good file").warnings;
+    assert_eq!(said, ["no colours from the materials in gone.mtl: there is no such file"], "though no face has one");
     let unused = load(&folder.path().join("t.obj"), Detail::Pictures).expect("a good file");
     assert_eq!(unused.mesh.triangles.len(), 4);
 }
