@@ -56,7 +56,7 @@
 //! | module | names | its job |
 //! |---|---|---|
 //! | [`math`] | – | scalars, boxes, rotations, colours as light, pictures as texels, seeded random numbers, how long a frame is |
-//! | [`text`] | – | texts of strangers, fit for a message |
+//! | [`text`] | – | texts of strangers, fit for a message; how many there are of something |
 //! | [`disk`] | text | files read and written whole |
 //! | [`machine`] | – | what memory there is, threads that are awake when there is work |
 //! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells; which cells are of which part that the file names; the colours and pictures on its surface |

@@ -16,6 +16,7 @@ use crate::scene::param::Problem;
 use crate::session::predict::Prediction;
 use crate::session::step_words::limit_text;
 use crate::session::{BodyParts, Session, SessionError};
+use crate::text::counted;
 use crate::view::legend::three_digits;
 
 /// The scene to look at.
@@ -60,16 +61,16 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         _ => 1.0,
     };
     out::figures(&format!(
-        "{}: sound\n{} particles, {} links, {} kg, about {} of memory\nlargest safe step {}\n\
-         {} substeps in 1/60 s, limited by {}\nabout {} × real time on this machine with nothing drawn",
+        "{}: sound\n{}, {}, {} kg, about {} of memory\nlargest safe step {}\n\
+         {} in 1/60 s, limited by {}\nabout {} × real time on this machine with nothing drawn",
         session.title(),
-        prediction.particles,
-        prediction.links,
+        counted(prediction.particles, "particle", "particles"),
+        counted(prediction.links, "link", "links"),
         three_digits(prediction.mass_kg),
         bytes_text(prediction.memory_bytes),
         limit(prediction.dt_safe_secs),
-        prediction.substeps_per_frame,
-        prediction.limited_by.replace('_', " "),
+        counted(prediction.substeps_per_frame, "substep", "substeps"),
+        prediction.limited_by_words,
         three_digits(prediction.predicted_real_time_factor),
     ))?;
     if prediction.mesh_points > 0 {

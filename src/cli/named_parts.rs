@@ -2,6 +2,7 @@
 
 use super::out;
 use crate::geometry::part_cells::PartCount;
+use crate::text::counted;
 
 /// So many parts have a line each; the rest is counted.
 const LINES: usize = 24;
@@ -13,7 +14,7 @@ pub(super) fn print(of: &str, parts: &[PartCount]) -> anyhow::Result<()> {
     }
     out::figures(&format!("parts of {of}"))?;
     for PartCount { name, cells } in parts.iter().take(LINES) {
-        out::figures(&format!("  {name:<22} {cells} cells"))?;
+        out::figures(&format!("  {name:<22} {}", counted(*cells, "cell", "cells")))?;
     }
     if parts.len() > LINES {
         out::figures(&format!("  and {} more", parts.len() - LINES))?;

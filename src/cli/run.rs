@@ -13,6 +13,7 @@ use crate::session::predict::{crawl, speed_alone};
 use crate::session::run::{RunFigures, run as run_session};
 use crate::session::step_words::limit_text;
 use crate::session::threads::within_pool;
+use crate::text::counted;
 use crate::view::legend::three_digits;
 
 /// The scene and how long it runs.
@@ -91,11 +92,11 @@ fn table(figures: &RunFigures) -> String {
         (
             "steps",
             format!(
-                "{} whole, {} substeps, the shortest {} ms ({safe}, limited by {})",
+                "{} whole, {}, the shortest {} ms ({safe}, limited by {})",
                 figures.steps,
-                figures.substeps,
+                counted(figures.substeps, "substep", "substeps"),
                 three_digits(figures.dt_secs * 1e3),
-                figures.limited_by.replace('_', " ")
+                figures.limited_by_words
             ),
         ),
         (

@@ -20,7 +20,7 @@ use crate::geometry::voxel::{Cells, Keep, MAX_DIVISIONS, OccupancyChoice, VoxelR
 use crate::geometry::watch::{Portion, Rising};
 use crate::scene::MaterialValue;
 use crate::scene::resolve::{self, LENGTHS, READING};
-use crate::text::echo_path;
+use crate::text::{counted, echo_path};
 use crate::view::legend::three_digits;
 
 /// The model and how it is filled.
@@ -184,34 +184,34 @@ fn text(model: &str, report: &VoxelReport, up: UpAxis, length_m: f64, wall_secs:
     let closed = if report.closed { "closed" } else { "open" };
     let occupancy = format!("{:?}", report.occupancy).to_lowercase();
     format!(
-        "{model}: {} vertices, {} triangles, {closed} ({} boundary edges), {} parts, {} up\n\
+        "{model}: {}, {}, {closed} ({}), {}, {} up\n\
          {occupancy} occupancy: {}\n\
-         {} divisions of {} m, cells of {} m → {} cells, {} particles, {} links\n\
-         {} components, {} cells dropped, {} parts joined, {} parts thinner than a cell\n\
+         {} of {} m, cells of {} m → {}, {}, {}\n\
+         {}, {} dropped, {} joined, {} thinner than a cell\n\
          {wall_secs:.3} s",
-        report.vertices,
-        report.triangles,
-        report.boundary_edges,
-        report.parts,
+        counted(report.vertices, "vertex", "vertices"),
+        counted(report.triangles, "triangle", "triangles"),
+        counted(report.boundary_edges, "boundary edge", "boundary edges"),
+        counted(report.parts, "part", "parts"),
         up.name().replace('_', " "),
         report.why,
-        report.divisions,
+        counted(report.divisions, "division", "divisions"),
         three_digits(length_m),
         three_digits(report.cell_size_m),
-        report.cells,
-        report.particles,
-        report.links,
-        report.components,
-        report.dropped_cells,
-        report.joined_parts,
-        report.thin_parts,
+        counted(report.cells, "cell", "cells"),
+        counted(report.particles, "particle", "particles"),
+        counted(report.links, "link", "links"),
+        counted(report.components, "component", "components"),
+        counted(report.dropped_cells, "cell", "cells"),
+        counted(report.joined_parts, "part", "parts"),
+        counted(report.thin_parts, "part", "parts"),
     )
 }
 
 fn mass_text(report: &VoxelReport, density: f64, mass_kg: f64) -> String {
     let what = match report.samples {
         0 => "all cells are full".to_owned(),
-        samples => format!("{samples} samples, {} cells nearly empty", report.raised_cells),
+        samples => format!("{samples} samples, {} nearly empty", counted(report.raised_cells, "cell", "cells")),
     };
     let [volume, mass, density] = [report.volume_m3, mass_kg, density].map(three_digits);
     format!("{volume} m³ ({what}): {mass} kg at {density} kg/m³")

@@ -40,6 +40,9 @@ pub struct Prediction {
     pub dt_limit_secs: Option<f64>,
     pub dt_safe_secs: Option<f64>,
     pub limited_by: String,
+    /// The same for a person.
+    #[serde(skip)]
+    pub limited_by_words: String,
     pub integrator: &'static str,
     /// The schemes that were weighed against each other, the one that was asked for first.
     pub candidates: Vec<CandidateFigures>,
@@ -85,6 +88,7 @@ impl Prediction {
         let of_a_frame = libm::round(plan.most_work as f64 * FRAME_SECS / plan.substep_secs()) as u64;
         let most = (plan.scheme == Scheme::Implicit && plan.halvings > 0).then_some(of_a_frame);
         let first = (slowed > 0).then(|| slowed_words(slowed, MEASURE_SECS));
+        let limited_by = plan.limits_at_work().limited_by(plan.dt_secs);
         Self {
             ok: true,
             errors: [],
@@ -98,7 +102,8 @@ impl Prediction {
             memory_bytes: session.memory_bytes(),
             dt_limit_secs: plan.limits_at_work().dt_limit_secs,
             dt_safe_secs: plan.limits_at_work().dt_safe_secs,
-            limited_by: plan.limits_at_work().limited_by(plan.dt_secs).name(),
+            limited_by: limited_by.name(),
+            limited_by_words: limited_by.words(),
             integrator: Integrator::from(plan.scheme).name(),
             candidates: plan.scheme_costs.iter().map(candidate).collect(),
             limits,

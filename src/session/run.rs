@@ -35,6 +35,9 @@ pub struct RunFigures {
     pub dt_limit_secs: Option<f64>,
     pub dt_safe_secs: Option<f64>,
     pub limited_by: String,
+    /// The same for a person.
+    #[serde(skip)]
+    pub limited_by_words: String,
     pub integrator: &'static str,
     pub simd: &'static str,
     /// Threads that took the steps: of those that there are as many as the bodies are worth.
@@ -216,6 +219,7 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
     let simulation = &session.simulation;
     let plan = simulation.plan();
     let [structural, shear, bending] = simulation.model().link_counts();
+    let limited_by = plan.limits_at_work().limited_by(plan.dt_secs);
     RunFigures {
         scene: session.title().to_owned(),
         simulated_secs: outcome.simulated_secs,
@@ -227,7 +231,8 @@ fn figures(session: &Session, outcome: &Outcome) -> RunFigures {
         dt_secs: report.counters.shortest_secs.unwrap_or_else(|| plan.substep_secs()),
         dt_limit_secs: plan.limits_at_work().dt_limit_secs,
         dt_safe_secs: plan.limits_at_work().dt_safe_secs,
-        limited_by: plan.limits_at_work().limited_by(plan.dt_secs).name(),
+        limited_by: limited_by.name(),
+        limited_by_words: limited_by.words(),
         integrator: Integrator::from(plan.scheme).name(),
         simd: plan.simd.name(),
         threads: plan.threads,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::physics::BodyModel;
 use crate::physics::Simulation;
 use crate::scene::{Body, Scene};
+use crate::text::counted;
 
 /// What a state says of the scene that it was saved from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,13 +42,9 @@ impl Origin {
     /// The first thing in which a state of this scene does not fit into `here`; none where it fits. Names, places and
     /// materials may differ: a state is carried on under other values too.
     pub(super) fn difference(&self, here: &Self) -> Option<String> {
-        let of = |count: usize, one: &str, many: &str| match count {
-            1 => format!("1 {one}"),
-            count => format!("{count} {many}"),
-        };
         let (saved, present) = (self.bodies.len(), here.bodies.len());
         if saved != present {
-            return Some(format!("it has {}, this scene has {present}", of(saved, "body", "bodies")));
+            return Some(format!("it has {}, this scene has {present}", counted(saved, "body", "bodies")));
         }
         let pairs = self.bodies.iter().zip(&here.bodies);
         if let Some((saved, present)) = { pairs }.find(|(saved, present)| saved.particles != present.particles) {
@@ -57,7 +54,7 @@ impl Origin {
             ));
         }
         (self.planes != here.planes)
-            .then(|| format!("it has {}, this scene has {}", of(self.planes, "plane", "planes"), here.planes))
+            .then(|| format!("it has {}, this scene has {}", counted(self.planes, "plane", "planes"), here.planes))
     }
 }
 

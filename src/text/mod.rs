@@ -1,7 +1,8 @@
 //! Texts of strangers, fit for a message: what files, arguments and other programs say reaches a terminal short and
 //! without control characters, which could move its cursor, change its title or hide what was said. And how far a word
-//! is from the one that may have been meant.
+//! is from the one that may have been meant, and how many of something there are.
 
+use std::fmt::Display;
 use std::path::Path;
 
 /// The most characters of somebody else's text in a message.
@@ -42,6 +43,12 @@ fn printable(letter: char) -> char {
     if letter.is_control() || steers { char::REPLACEMENT_CHARACTER } else { letter }
 }
 
+/// How many of something there are: "1 part", "3 parts".
+pub fn counted<N: Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
+    let word = if count == N::from(1) { one } else { many };
+    format!("{count} {word}")
+}
+
 /// The number of letters to insert, remove or exchange (Levenshtein).
 pub fn distance(from: &str, to: &str) -> usize {
     let to: Vec<char> = to.chars().collect();
@@ -72,5 +79,10 @@ mod tests {
         let shown = echo_path(Path::new(&deep));
         assert!(shown.starts_with("…aaa") && shown.ends_with("/cow.obj") && shown.chars().count() == 201, "{shown}");
         assert_eq!(printable_lines("two\nlines\t\u{7}"), "two\nlines\u{fffd}\u{fffd}", "lines stay");
+    }
+
+    #[test]
+    fn one_of_something_is_no_plural() {
+        assert_eq!([0_usize, 1, 2].map(|count| counted(count, "body", "bodies")), ["0 bodies", "1 body", "2 bodies"]);
     }
 }

@@ -64,6 +64,26 @@ fn voxelize_and_check_print_the_parts_of_a_model() {
     refused(&folder, "check halves.ron --set bodies.1.parts.0.solid.density=-1", USAGE, &["0.01 … 1e5 kg/m³"]);
 }
 
+#[test]
+fn what_is_printed_for_a_person_is_plain_english() {
+    let folder = Folder::new();
+    folder.write("flat.obj", square(2.0, 1.0));
+    let filled = folder.run("voxelize flat.obj --divisions 4").figures;
+    assert!(
+        filled.starts_with("flat.obj: 4 vertices, 2 triangles, open (4 boundary edges), 1 part, y up\n"),
+        "{filled}"
+    );
+    let joined = "\n1 component, 0 cells dropped, 0 parts joined, 1 part thinner than a cell\n";
+    assert!(filled.contains(joined), "one is no plural: {filled}");
+    for (line, limit) in [("--dt 1e-5", "the step asked for"), ("", "shear damping")] {
+        let checked = folder.run(&format!("check cube-on-plane {line}")).figures;
+        assert!(checked.contains(&format!(" substeps in 1/60 s, limited by {limit}\n")), "{checked}");
+        let ran = folder.run(&format!("run cube-on-plane --seconds 1e-3 {line}")).figures;
+        assert!(ran.contains(&format!(", limited by {limit})\n")), "{ran}");
+    }
+    assert_eq!(folder.json("check cube-on-plane --dt 1e-5 --json")["limited_by"], "user", "as scripts know it");
+}
+
 /// A tent that lies on its side where y is up.
 const LYING: &str = "v 0 0 0\nv 4 0 0\nv 4 2 0\nv 0 2 0\nv 2 1 3\nf 1 2 3 4\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n";
 

@@ -18,6 +18,7 @@ use crate::session::jellify::{Preview, occupancy_word, up_axis_word};
 use crate::session::predict::speed_in_window;
 use crate::session::step_words::limit_text;
 use crate::session::{Command, Status};
+use crate::text::counted;
 use crate::view::legend::three_digits;
 
 /// The heights of the list of files and of what the model becomes, and what the rest of the dialog needs beside them,
@@ -204,7 +205,8 @@ fn preview_ui(ui: &mut Ui, preview: &Preview, status: &Status) {
 
 fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
     let Preview { triangles, parts, joined_parts, thin_parts, components, dropped_cells, .. } = preview;
-    let parts_word = if *parts == 1 { "1 part".to_owned() } else { format!("{parts} parts") };
+    let (triangles, parts) = (counted(*triangles, "triangle", "triangles"), counted(*parts, "part", "parts"));
+    let dropped = counted(*dropped_cells, "cell", "cells");
     let closed = if preview.closed { "closed" } else { "open" };
     let [occupancy, why] = &preview.occupancy;
     let [x, y, z] = preview.size_m.map(three_digits);
@@ -217,11 +219,11 @@ fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
         word => word.to_owned(),
     };
     vec![
-        ("Mesh", format!("{triangles} triangles, {closed}, {parts_word} ({joined_parts} joined, {thin_parts} thin)")),
+        ("Mesh", format!("{triangles}, {closed}, {parts} ({joined_parts} joined, {thin_parts} thin)")),
         ("Up axis", up),
         ("Filled", format!("{occupancy}: {why}")),
         ("Cells", format!("{} of {} m", preview.cells, three_digits(preview.cell_size_m))),
-        ("Components", format!("{components} ({dropped_cells} cells dropped)")),
+        ("Components", format!("{components} ({dropped} dropped)")),
         ("Particles", preview.particles.to_string()),
         ("Links", preview.links.to_string()),
         ("Mass", format!("{} kg", three_digits(preview.mass_kg))),

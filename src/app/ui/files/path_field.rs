@@ -12,6 +12,7 @@ use crate::scene::Scene;
 use crate::scene::body::MODEL_ENDINGS;
 use crate::session::document::is_scene_path;
 use crate::session::state_file;
+use crate::text::counted;
 
 /// Entries of a folder that are listed; the name of what is to be opened narrows them down.
 const LISTED: usize = 200;
@@ -291,12 +292,8 @@ fn is_model_path(path: &Path) -> bool {
 }
 
 fn words(scene: &Scene) -> String {
-    let count = |count: usize, one: &str, many: &str| match count {
-        1 => format!("1 {one}"),
-        _ => format!("{count} {many}"),
-    };
-    let bodies = count(scene.bodies.len(), "body", "bodies");
-    let obstacles = count(scene.obstacles.len(), "obstacle", "obstacles");
+    let bodies = counted(scene.bodies.len(), "body", "bodies");
+    let obstacles = counted(scene.obstacles.len(), "obstacle", "obstacles");
     format!("A scene of {bodies} and {obstacles}")
 }
 
