@@ -168,12 +168,17 @@ fn the_words_are_those_of_the_scheme() {
     let mut implicit = scene();
     (implicit.settings.integrator, implicit.settings.stepping) = (Integrator::Implicit, Stepping::Manual);
     assert!(says(&open(implicit, [1280.0, 800.0], Theme::Dark), "stable at any step"), "no border");
-    let mut explicit = scene();
-    (explicit.settings.integrator, explicit.settings.stepping) = (Integrator::Explicit, Stepping::Manual);
-    assert!(
-        says(&open(explicit, [1280.0, 800.0], Theme::Dark), "grow with explicit Euler at any step"),
-        "no stable step"
-    );
+    for integrator in [Integrator::Explicit, Integrator::Rk2] {
+        let mut growing = scene();
+        (growing.settings.integrator, growing.settings.stepping) = (integrator, Stepping::Manual);
+        let window = open(growing, [1280.0, 800.0], Theme::Dark);
+        let scheme = integrator.words();
+        assert!(says(&window, &format!("Undamped vibrations grow with {scheme} at any step")), "no stable step");
+        // The panel and the top bar agree.
+        assert!(says(&window, &format!("with {scheme}, 1.00 ms: no step is safe")), "the panel");
+        let bar = format!("and no step is safe: undamped vibrations grow with {scheme} at any step");
+        assert!(says(&window, &bar), "the top bar");
+    }
     let mut empty = scene();
     empty.bodies.clear();
     assert!(says(&open(empty, [1280.0, 800.0], Theme::Dark), "There is no body"), "nothing to look at");

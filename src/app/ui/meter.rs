@@ -21,7 +21,7 @@ pub(super) fn is_unsafe(status: &Status) -> bool {
         || !is_implicit(status) && status.dt_safe_secs > 0.0 && status.dt_secs > status.dt_safe_secs * (1.0 + TOLERANCE)
 }
 
-/// Whether the scheme at work gives vibrations energy at any step.
+/// Whether the scheme at work gives undamped vibrations energy at any step.
 pub(super) fn has_no_safe_step(status: &Status) -> bool {
     !status.integrator.has_stable_step()
 }
@@ -137,7 +137,7 @@ fn words(status: &Status) -> String {
     let step = step_text(status.dt_secs);
     if has_no_safe_step(status) {
         let scheme = status.integrator.words();
-        return format!("a step of {step}, and none is safe: {scheme} makes vibrations grow at any step");
+        return format!("a step of {step}, and no step is safe: undamped vibrations grow with {scheme} at any step");
     }
     if is_implicit(status) && status.dt_safe_secs.is_finite() {
         let (explicit, whose) = (limit_text(status.dt_safe_secs), &status.dt_limited_by);
@@ -189,7 +189,7 @@ mod tests {
         let explicit = Status { integrator: Integrator::Explicit, ..status(1e-5, 0.001) };
         assert!(is_unsafe(&explicit) && share(&explicit) >= 1.0, "a full red bar");
         let words = words(&explicit);
-        assert!(words.contains("none is safe") && words.contains("explicit Euler"), "{words}");
+        assert!(words.contains("no step is safe: undamped vibrations grow with explicit Euler"), "{words}");
     }
 
     #[test]

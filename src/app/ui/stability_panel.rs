@@ -68,14 +68,16 @@ fn words_ui(ui: &mut Ui, running: Running<'_>, shown: Option<(&PlaneShown, &Body
     };
     let is_manual = running.scene.settings.stepping == Stepping::Manual;
     let zone = shown.zone(shown.now);
-    let color = if zone == Zone::Unstable && is_manual { colors.warning } else { colors.text };
+    let has_stable_step = shown.step().integrator.has_stable_step();
+    let may_explode = zone == Zone::Unstable && is_manual;
+    let color = if may_explode || !has_stable_step { colors.warning } else { colors.text };
     say(ui, &now_words(shown, body, zone, is_manual), color);
     let name = things::name(running.scene, Target::Body(shown.body));
     say(ui, &whose_words(&name, shown.family(), shown.limiting_family()), colors.weak);
     if body.moves_by == MovesBy::Modes {
         say(ui, BY_CELLS, colors.warning);
     }
-    if !shown.step().integrator.has_stable_step() {
+    if !has_stable_step {
         let scheme = shown.step().integrator.words();
         let text = format!("Undamped vibrations grow with {scheme} at any step; beyond the border all do, at once.");
         say(ui, &text, colors.weak);

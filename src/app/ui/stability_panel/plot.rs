@@ -4,7 +4,7 @@
 use egui::epaint::{Mesh, Vertex};
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
-use super::words::values_words;
+use super::words::{predicted_words, values_words};
 use crate::app::ui::figure::rounded_figure;
 use crate::app::ui::log_axes::{LogAxes, Written, power_of_ten};
 use crate::app::ui::theme;
@@ -40,7 +40,7 @@ pub(super) fn plot_ui(ui: &mut Ui, shown: &PlaneShown, body: &Body, measured: Op
     let dot = inside(inner, axes.place(shown.now.damping, shown.now.stiffness));
     dot_ui(ui, dot);
     if names > 0.0 {
-        explain(ui, pos2(inner.right() + 16.0, inner.top() + 8.0), measured.is_some());
+        explain(ui, pos2(inner.right() + 16.0, inner.top() + 8.0), shown, measured.is_some());
     }
     let now = format!("Map of stability: the body has {}", values_words(body, shown.family()));
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &now));
@@ -66,11 +66,7 @@ fn inside(inner: Rect, at: Pos2) -> Pos2 {
 /// What a place is worth.
 fn words(shown: &PlaneShown, body: &Body, measured: Option<&StabilityMap>, at: Place) -> String {
     let values = values_words(&shown.moved(body, at), shown.family());
-    let predicted = match shown.zone(at) {
-        Zone::Safe => "stable, with margin",
-        Zone::Stable => "stable at rest",
-        Zone::Unstable => "not stable",
-    };
+    let predicted = predicted_words(shown.zone(at), shown.step().integrator.has_stable_step());
     let survived = measured.and_then(|map| Some((map, survived(map, at)?)));
     let measured = survived.map_or_else(String::new, |(map, survived)| {
         if survived < map.watched {
@@ -103,10 +99,11 @@ fn zones(ui: &Ui, axes: &LogAxes, shown: &PlaneShown) {
     }
     let heights = |of: &[Place]| of.iter().map(|at| inside(axes.inner, axes.place(at.damping, at.stiffness))).collect();
     let (border, safe): (Vec<Pos2>, Vec<Pos2>) = (heights(&shown.border), heights(&shown.safe));
+    let best = if shown.step().integrator.has_stable_step() { colors.good } else { colors.warning };
     for index in 1..border.len() {
         let across = [border[index - 1].x, border[index].x];
         let [limit, margin] = [&border, &safe].map(|of| [of[index - 1].y, of[index].y]);
-        band(ui, across, [margin, [bottom; 2]], colors.good);
+        band(ui, across, [margin, [bottom; 2]], best);
         band(ui, across, [limit, margin], colors.warning);
         band(ui, across, [[top; 2], limit], colors.error);
     }
@@ -157,7 +154,9 @@ fn borders(ui: &Ui, axes: &LogAxes, shown: &PlaneShown, measured: Option<&Stabil
         of.iter().map(|at| below_edge(axes, axes.place(at.damping, at.stiffness))).collect()
     };
     let predicted = predicted_stroke(ui);
-    painter.extend(Shape::dashed_line(&line(&shown.safe), Stroke::new(1.0, predicted.color), 4.0, 3.0));
+    if shown.step().integrator.has_stable_step() {
+        painter.extend(Shape::dashed_line(&line(&shown.safe), Stroke::new(1.0, predicted.color), 4.0, 3.0));
+    }
     painter.add(Shape::line(line(&shown.border), predicted));
     if let Some(map) = measured {
         let points: Vec<Pos2> = map.border.iter().map(|at| axes.place(at.damping, at.stiffness)).collect();
@@ -189,8 +188,9 @@ fn dot_ui(ui: &Ui, at: Pos2) {
 }
 
 /// What the lines and colours are.
-fn explain(ui: &Ui, first: Pos2, is_measured: bool) {
+fn explain(ui: &Ui, first: Pos2, shown: &PlaneShown, is_measured: bool) {
     let (painter, colors) = (ui.painter(), theme::of(ui));
+    let has_stable_step = shown.step().integrator.has_stable_step();
     let mut at = first;
     let mut row = |text: &str, draw: &dyn Fn(Pos2)| {
         draw(at);
@@ -209,18 +209,22 @@ fn explain(ui: &Ui, first: Pos2, is_measured: bool) {
     };
     row("now", &|at| dot_ui(ui, at));
     row("border, predicted", &line(predicted_stroke(ui)));
-    row("margin of automatic steps", &|at| {
-        let ends = [at - vec2(7.0, 0.0), at + vec2(9.0, 0.0)];
-        painter.extend(Shape::dashed_line(&ends, Stroke::new(1.0, predicted_stroke(ui).color), 4.0, 2.0));
-    });
+    if has_stable_step {
+        row("margin of automatic steps", &|at| {
+            let ends = [at - vec2(7.0, 0.0), at + vec2(9.0, 0.0)];
+            painter.extend(Shape::dashed_line(&ends, Stroke::new(1.0, predicted_stroke(ui).color), 4.0, 2.0));
+        });
+    }
     if is_measured {
         row("border, measured", &line(measured_stroke(ui)));
         row("stays", &square(color_of(ui, 100, 100)));
         row("blows up slowly", &square(color_of(ui, 90, 100)));
         row("blows up at once", &square(color_of(ui, 1, 100)));
     } else {
-        row("stable", &square(colors.good.gamma_multiply(2.0 * ZONE)));
-        row("stable at rest", &square(colors.warning.gamma_multiply(2.0 * ZONE)));
-        row("not stable", &square(colors.error.gamma_multiply(2.0 * ZONE)));
+        let zones = [(Zone::Safe, colors.good), (Zone::Stable, colors.warning), (Zone::Unstable, colors.error)];
+        // Without a stable step the first two are one.
+        for (zone, color) in zones.into_iter().skip(usize::from(!has_stable_step)) {
+            row(predicted_words(zone, has_stable_step), &square(color.gamma_multiply(2.0 * ZONE)));
+        }
     }
 }

@@ -24,6 +24,8 @@ pub(super) fn now_words(shown: &PlaneShown, body: &Body, zone: Zone, is_manual: 
     let asked = shown.step();
     let step = format!("{}, {}", asked.integrator.words(), step_text(asked.dt_secs));
     let becomes = match (zone, is_manual) {
+        (Zone::Safe | Zone::Stable, _) if !asked.integrator.has_stable_step() => "no step is safe",
+        (Zone::Unstable, _) if !asked.integrator.has_stable_step() => "no step is safe, and this one may explode",
         (Zone::Safe, _) if shown.border.is_empty() => "stable at any step",
         (Zone::Safe, _) => "stable, with the margin that automatic stepping keeps",
         (Zone::Stable, true) => "stable at rest, with less margin than automatic stepping keeps",
@@ -32,6 +34,17 @@ pub(super) fn now_words(shown: &PlaneShown, body: &Body, zone: Zone, is_manual: 
         (Zone::Unstable, false) => "not stable with whole steps: automatic stepping divides them",
     };
     format!("Now {} with {step}: {becomes}.", values_words(body, shown.family()))
+}
+
+/// What becomes of a body at a place of the map.
+pub(super) fn predicted_words(zone: Zone, has_stable_step: bool) -> &'static str {
+    match (zone, has_stable_step) {
+        (Zone::Safe, true) => "stable, with margin",
+        (Zone::Stable, true) => "stable at rest",
+        (Zone::Unstable, true) => "not stable",
+        (Zone::Safe | Zone::Stable, false) => "grows unless damped",
+        (Zone::Unstable, false) => "grows at once",
+    }
 }
 
 /// The values on the axes.
