@@ -31,6 +31,8 @@ const REPEATS: usize = 3;
 const ENOUGH: Duration = Duration::from_millis(100);
 const MOST_RUNGS: u32 = 7;
 const FINER: f64 = 0.125;
+/// Steps that differ by a smaller share are the same.
+const SAME: f64 = 1e-9;
 
 /// A scheme and a step, as the settings of a scene choose them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,7 +128,15 @@ pub fn error_curve(
 }
 
 fn effort(seconds: f64) -> Effort {
-    Effort { seconds, repeats: REPEATS, enough: ENOUGH, most_rungs: MOST_RUNGS, finer: FINER, side_by_side: false }
+    Effort {
+        seconds,
+        repeats: REPEATS,
+        enough: ENOUGH,
+        most_rungs: MOST_RUNGS,
+        finer: FINER,
+        side_by_side: false,
+        around_limits: true,
+    }
 }
 
 impl Span {
@@ -191,12 +201,11 @@ impl ErrorCurve {
     }
 
     /// What is known of a choice, measured or between two that were: its wall time for a simulated second, s, and its
-    /// error, m. None where it diverges or was not measured.
+    /// error, m. None where it diverges or was not measured: [`Self::unknown_words`] says which.
     pub fn place(&self, choice: StepChoice) -> Option<[f64; 2]> {
         let of_scheme = self.points.iter().filter(|point| point.choice.integrator == choice.integrator);
         let known: Vec<_> = of_scheme.filter_map(|point| Some((point, point.error_m?))).collect();
-        let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9;
-        if let Some((same, error_m)) = known.iter().find(|(point, _)| close(point.choice.dt_secs, choice.dt_secs)) {
+        if let Some((same, error_m)) = known.iter().find(|(point, _)| point.is_step(choice)) {
             return Some([same.wall_secs, *error_m]);
         }
         let pair = known.windows(2).find(|pair| {
@@ -208,6 +217,35 @@ impl ErrorCurve {
             (choice.dt_secs / smaller.choice.dt_secs).ln() / (larger.choice.dt_secs / smaller.choice.dt_secs).ln();
         let between = |from: f64, to: f64| from * (to / from).powf(share);
         Some([between(smaller.wall_secs, larger.wall_secs), between(smaller_m, larger_m)])
+    }
+}
+
+impl ErrorCurve {
+    /// Why nothing is known of a choice that has no place, without a full stop.
+    pub fn unknown_words(&self, choice: StepChoice) -> String {
+        let of_scheme = || self.points.iter().filter(|point| point.choice.integrator == choice.integrator);
+        let steps = |point: &CurvePoint| step_text(point.choice.dt_secs);
+        let is_above = |point: &&CurvePoint| point.choice.dt_secs > choice.dt_secs * (1.0 + SAME);
+        // The largest step stands first.
+        let above = of_scheme().take_while(is_above).last();
+        let below = of_scheme().find(|point| !is_above(point));
+        match (above, below) {
+            (_, Some(below)) if below.error_m.is_none() && below.is_step(choice) => "it diverges".to_owned(),
+            (_, Some(below)) if below.error_m.is_none() => format!("a step of {} diverges already", steps(below)),
+            (Some(above), Some(below)) => {
+                format!("it was not measured: a step of {} stays whole, one of {} diverges", steps(below), steps(above))
+            }
+            (None, Some(below)) => format!("it was not measured: the largest step that was is {}", steps(below)),
+            (Some(above), None) => format!("it was not measured: the smallest step that was is {}", steps(above)),
+            (None, None) => "it was not measured".to_owned(),
+        }
+    }
+}
+
+impl CurvePoint {
+    /// Whether it is of the step of a choice.
+    fn is_step(&self, choice: StepChoice) -> bool {
+        (self.choice.dt_secs / choice.dt_secs - 1.0).abs() < SAME
     }
 }
 
@@ -227,9 +265,9 @@ fn without_choice(scene: &Scene) -> Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Shape;
     use crate::scene::body::CubeShape;
     use crate::scene::presets;
+    use crate::scene::{Material, Shape, Springs};
 
     const SPAN: Span = Span { simulated_secs: 0.6, first_contact_secs: None, cut_short: false };
 
@@ -271,6 +309,32 @@ mod tests {
         assert!((error_m - 2e-4).abs() < 1e-9 && (wall_secs - 0.08_f64.sqrt()).abs() < 1e-9, "{wall_secs}, {error_m}");
         assert_eq!([place(4e-3), place(3e-3), place(1e-4)], [None; 3], "it diverges or was not measured");
         assert_eq!(curve.place(StepChoice { integrator: None, dt_secs: 1e-3 }), None, "another scheme");
+        let why = |dt_secs: f64| curve.unknown_words(StepChoice { integrator: Some(Integrator::Verlet), dt_secs });
+        assert_eq!(why(4e-3), "it diverges");
+        assert_eq!(why(5e-3), "a step of 4.00 ms diverges already");
+        assert_eq!(why(3e-3), "it was not measured: a step of 2.00 ms stays whole, one of 4.00 ms diverges");
+        assert_eq!(why(1e-4), "it was not measured: the smallest step that was is 1.00 ms");
+        let other = curve.unknown_words(StepChoice { integrator: None, dt_secs: 1e-3 });
+        assert_eq!(other, "it was not measured");
+    }
+
+    #[test]
+    fn the_largest_safe_step_of_every_scheme_that_has_one_is_known() {
+        let mut scene = small();
+        scene.bodies[0].shape = Shape::Cube(CubeShape { cells: 5, size: 1.0 });
+        scene.bodies[0].material = Material::Springs(Springs { particle_mass: 0.0033, ..Springs::default() });
+        let curve = error_curve(&scene, Path::new(""), &Progress::default(), &|| ()).expect("a curve");
+        for integrator in Integrator::LIMITED {
+            let choice = |dt_secs: f64| StepChoice { integrator: Some(integrator), dt_secs };
+            let by_hand = Scene { settings: choice(1e-3).applied(&scene.settings), ..scene.clone() };
+            let session = crate::session::Session::new(by_hand, "".into(), String::new()).expect("a cube");
+            let safe_secs = crate::session::step_words::rounded_down(session.status().dt_safe_secs);
+            let found = curve.place(choice(safe_secs));
+            assert!(found.is_some_and(|[_, error_m]| error_m < 0.1), "{integrator:?}, {safe_secs} s: {found:?}");
+        }
+        // Of the steps halved again and again the next larger one diverges: it is no neighbour to go by.
+        let one_ms = StepChoice { integrator: Some(Integrator::SemiImplicit), dt_secs: 1e-3 };
+        assert_eq!(curve.unknown_words(one_ms), "it diverges");
     }
 
     #[test]

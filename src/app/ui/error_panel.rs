@@ -78,6 +78,6 @@ fn present_words(curve: &ErrorCurve, present: StepChoice) -> String {
             length(error_m),
             duration(wall_secs)
         ),
-        None => format!("Now {choice}: it diverges or was not measured."),
+        None => format!("Now {choice}: {}.", curve.unknown_words(present)),
     }
 }

@@ -7,6 +7,7 @@
 
 pub mod cells;
 pub(super) mod follow;
+mod ladder;
 pub(super) mod measured;
 pub(super) mod reference;
 pub mod scenes;
@@ -24,17 +25,12 @@ use crate::scene::Scene;
 use crate::scene::settings::{Integrator, Stepping};
 pub use follow::LOOK_SECS;
 use follow::{follow, size, whole};
+use ladder::{RUNGS, rungs, with_neighbours};
 use measured::{Measured, front};
 use reference::{FINER, Reference};
 
 /// The scheme of the reference: of second order at one evaluation of the forces a step.
 pub const REFERENCE: Integrator = Integrator::Verlet;
-/// The largest step measured, s. The others are it halved again and again.
-const LARGEST_SECS: f64 = 0.008;
-/// Steps measured at least and at most.
-const RUNGS: [u32; 2] = [6, 12];
-/// The smallest step measured over the largest stable one, where that makes more rungs.
-const BELOW_LIMIT: f64 = 0.25;
 /// Runs of each.
 pub const REPEATS: usize = 5;
 /// How long a step of the reference takes over one of a measured run: its numbers are in double precision.
@@ -170,13 +166,16 @@ pub struct Effort {
     pub finer: f64,
     /// The reference and its check run beside each other.
     pub side_by_side: bool,
+    /// The largest safe step of every scheme that has one lies between two that are measured.
+    pub around_limits: bool,
 }
 
 impl Effort {
     /// All that a report takes.
     pub fn full(seconds: f64) -> Self {
         let enough = Duration::MAX;
-        Self { seconds, repeats: REPEATS, enough, most_rungs: RUNGS[1], finer: FINER, side_by_side: true }
+        let most_rungs = RUNGS[1];
+        Self { seconds, repeats: REPEATS, enough, most_rungs, finer: FINER, side_by_side: true, around_limits: false }
     }
 }
 
@@ -194,18 +193,33 @@ pub fn measure(
 /// How often the forces of a scene are evaluated while it is measured, for every second of simulated time and one run of
 /// each, about.
 pub fn evaluations_per_second(scene: &Scene, lattices: &[Arc<Lattice>], effort: Effort) -> f64 {
-    let steps = steps(probe(scene, lattices).plan().limits.dt_safe_secs, effort.most_rungs);
-    Work::new(&steps, finest(&steps, effort), 1).whole
+    let (measured, finest) = measured_steps(scene, lattices, effort);
+    Work::new(&measured, finest, 1).whole
 }
 
 /// The scene as the default integrator would take it: for its size and what limits its steps.
 fn probe(scene: &Scene, lattices: &[Arc<Lattice>]) -> Simulation<f32> {
-    Simulation::new(&Way::Manual(Integrator::SemiImplicit).applied(scene, 1e-3), lattices)
+    probe_of(Integrator::SemiImplicit, scene, lattices)
 }
 
-/// The step of the reference, s.
-fn finest(steps: &[f64], effort: Effort) -> f64 {
-    steps.last().copied().unwrap_or(LARGEST_SECS) * effort.finer
+fn probe_of(integrator: Integrator, scene: &Scene, lattices: &[Arc<Lattice>]) -> Simulation<f32> {
+    Simulation::new(&Way::Manual(integrator).applied(scene, 1e-3), lattices)
+}
+
+/// Every way with every step that is measured, s, of which those of a way stand together and fall; the step of the reference,
+/// s.
+fn measured_steps(scene: &Scene, lattices: &[Arc<Lattice>], effort: Effort) -> (Vec<(Way, f64)>, f64) {
+    let rungs = rungs(probe(scene, lattices).plan().limits.dt_safe_secs, effort.most_rungs);
+    let finest = rungs.last().copied().unwrap_or(f64::INFINITY) * effort.finer;
+    let steps = |way: Way| match way {
+        Way::Manual(integrator) if effort.around_limits && Integrator::LIMITED.contains(&integrator) => {
+            let safe_secs = probe_of(integrator, scene, lattices).plan().limits_at_work().dt_safe_secs;
+            with_neighbours(rungs.clone(), safe_secs, finest)
+        }
+        _ => rungs.clone(),
+    };
+    let measured = Way::all().flat_map(|way| steps(way).into_iter().map(move |dt| (way, dt))).collect();
+    (measured, finest)
 }
 
 /// As [`measure`], of the first scene against the reference of another one with the same bodies.
@@ -218,15 +232,13 @@ fn compare(
 ) -> Option<ErrorFigures> {
     let looks = whole(effort.seconds / LOOK_SECS).max(1);
     let probe = probe(scene, lattices);
-    let steps = steps(probe.plan().limits.dt_safe_secs, effort.most_rungs);
-    let finest = finest(&steps, effort);
-    let work = Work::new(&steps, finest, effort.repeats);
+    let (measured, finest) = measured_steps(scene, lattices, effort);
+    let work = Work::new(&measured, finest, effort.repeats);
     let both = [finest, 2.0 * finest].map(|dt| Way::Manual(REFERENCE).applied(truth, dt));
     let reference = Reference::of(both.each_ref(), lattices, looks, effort.side_by_side, work.of_reference, watch)?;
     let truth = &reference.looks;
     let size_m = size(truth);
-    let mut rows: Vec<Setting> =
-        Way::all().flat_map(|way| steps.iter().map(move |&dt| Setting::new(way, dt))).collect();
+    let mut rows: Vec<Setting> = measured.into_iter().map(|(way, dt)| Setting::new(way, dt)).collect();
     let [_, mut done] = work.of_reference;
     for _ in 0..effort.repeats {
         for row in &mut rows {
@@ -257,19 +269,6 @@ fn compare(
     })
 }
 
-/// The steps that are measured, falling; `safe_secs` is the largest stable one.
-fn steps(safe_secs: Option<f64>, most: u32) -> Vec<f64> {
-    let [least, _] = RUNGS;
-    let smallest = safe_secs.map_or(LARGEST_SECS, |safe| BELOW_LIMIT * safe);
-    let rung = |index: u32| LARGEST_SECS / f64::from(1_u32 << index);
-    (0..most)
-        .map(rung)
-        .enumerate()
-        .take_while(|(index, dt)| *index < least as usize || 2.0 * dt > smallest)
-        .map(|(_, dt)| dt)
-        .collect()
-}
-
 /// What shares of the work the runs are, as far as that is known before them.
 struct Work {
     /// Where the reference and its check end, 0 to 1.
@@ -279,10 +278,9 @@ struct Work {
 }
 
 impl Work {
-    fn new(steps: &[f64], finest: f64, repeats: usize) -> Self {
+    fn new(measured: &[(Way, f64)], finest: f64, repeats: usize) -> Self {
         let reference = REFERENCE_COST * Way::Manual(REFERENCE).cost() / finest;
-        let of_step = |dt: &f64| Way::all().map(|way| way.cost() / dt).sum::<f64>();
-        let rows = repeats as f64 * steps.iter().map(of_step).sum::<f64>();
+        let rows = repeats as f64 * measured.iter().map(|(way, dt)| way.cost() / dt).sum::<f64>();
         let whole = 1.5 * reference + rows;
         Self { of_reference: [reference / whole, 1.5 * reference / whole], whole }
     }

@@ -1,0 +1,75 @@
+//! The steps that are measured: one halved again and again, and where it is asked for two around the largest safe step of a
+//! scheme, which the rungs of the ladder miss by up to a half.
+//!
+//! ```text
+//! 8 ms ─ 4 ─ 2 ─ 1 ──┬──┬─ 0.5 ─ 0.25 ─ …
+//!                    └──┴─ around the largest safe step
+//! ```
+
+use super::follow::{LOOK_SECS, whole};
+
+/// The largest step measured, s. The others are it halved again and again.
+const LARGEST_SECS: f64 = 0.008;
+/// Steps measured at least and at most.
+pub(super) const RUNGS: [u32; 2] = [6, 12];
+/// The smallest step measured over the largest stable one, where that makes more rungs.
+const BELOW_LIMIT: f64 = 0.25;
+/// What a person reads of a safe step is rounded down by less than this share of it.
+const ROUNDED: f64 = 0.01;
+
+/// Steps that are halved again and again; `safe_secs` is the largest stable one.
+pub(super) fn rungs(safe_secs: Option<f64>, most: u32) -> Vec<f64> {
+    let [least, _] = RUNGS;
+    let smallest = safe_secs.map_or(LARGEST_SECS, |safe| BELOW_LIMIT * safe);
+    let rung = |index: u32| LARGEST_SECS / f64::from(1_u32 << index);
+    (0..most)
+        .map(rung)
+        .enumerate()
+        .take_while(|(index, dt)| *index < least as usize || 2.0 * dt > smallest)
+        .map(|(_, dt)| dt)
+        .collect()
+}
+
+/// The same with those steps beside a safe one of which a whole number lies between two looks: the next above it and the next
+/// below what is read of it. None is above the largest rung, nor hardly longer than that of the reference, `finest`.
+pub(super) fn with_neighbours(mut rungs: Vec<f64>, safe_secs: Option<f64>, finest: f64) -> Vec<f64> {
+    let Some(safe) = safe_secs else { return rungs };
+    let [above, below] = [(LOOK_SECS / safe).floor(), (LOOK_SECS / ((1.0 - ROUNDED) * safe)).ceil()];
+    for count in [above, below].into_iter().filter(|count| *count >= 1.0) {
+        let dt = LOOK_SECS / count;
+        let is_new = rungs.iter().all(|rung| whole(LOOK_SECS / rung) != whole(count));
+        if is_new && dt < LARGEST_SECS && dt > 2.0 * finest {
+            rungs.push(dt);
+        }
+    }
+    rungs.sort_by(|a, b| b.total_cmp(a));
+    rungs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_safe_step_lies_between_two_that_are_measured() {
+        // Of 0.5457 ms a person reads 0.545 ms.
+        for (safe_ms, read_ms) in [(0.5457, 0.545), (0.893_6, 0.893), (4.522_9, 4.52), (0.054_06, 0.054), (1.0, 1.0)] {
+            let safe = Some(1e-3 * safe_ms);
+            let steps = with_neighbours(rungs(safe, 7), safe, 1e-6);
+            assert!(steps.is_sorted_by(|a, b| a > b), "{steps:?}");
+            let read = 1e-3 * read_ms;
+            let is_near = |least: f64, most: f64| steps.iter().any(|dt| (least..=most).contains(&(dt / read)));
+            assert!(is_near(1.0 - 1e-9, 1.3), "one above {read} s: {steps:?}");
+            assert!(is_near(0.7, 1.0 + 1e-9), "one below {read} s: {steps:?}");
+            let is_whole = |dt: &f64| (LOOK_SECS / dt - (LOOK_SECS / dt).round()).abs() < 1e-6;
+            assert!(steps.iter().all(is_whole), "positions are compared at the ends of steps: {steps:?}");
+        }
+    }
+
+    #[test]
+    fn without_a_limit_and_beyond_the_ladder_there_is_nothing_more() {
+        for safe in [None, Some(0.05), Some(1e-5)] {
+            assert_eq!(with_neighbours(rungs(None, 7), safe, 1e-5), rungs(None, 7), "{safe:?}");
+        }
+    }
+}
