@@ -9,7 +9,7 @@ use crate::physics::model::plan::{SOLVE_WORK, Stage};
 pub struct StepReport {
     /// Sums over the substeps.
     pub counters: Counters,
-    /// What held at the end of the last one.
+    /// What held at the end of the last one that was taken.
     pub last: LastSubstep,
     /// Whether the substep was given up, state untouched, because nobody waits for it any more.
     pub stopped: bool,

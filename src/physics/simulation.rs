@@ -220,7 +220,11 @@ impl<R: Real> Simulation<R> {
         }
         self.diverged = report.diverged;
         self.is_placed = false;
-        if !self.diverged && self.state.end_part() {
+        if self.diverged {
+            // What it would have met is not where the bodies still are.
+            report.last = self.last;
+            report.counters.peak_penetration_m = self.last.max_penetration_m;
+        } else if self.state.end_part() {
             self.state.held_steps = 0;
             self.state.substep += 1;
             if self.state.substep >= self.plan.substeps {

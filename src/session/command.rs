@@ -15,7 +15,7 @@ use crate::scene::{Body, Scene};
 /// One thing a person does.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// Let time run.
+    /// Let time run; from the beginning where the simulation was stopped because it exploded.
     Play,
     /// Stop time.
     Pause,

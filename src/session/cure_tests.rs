@@ -122,6 +122,36 @@ fn what_is_looked_for_in_slices_is_what_is_found_at_once() {
     assert_eq!(session.status().trouble.expect("it exploded").cures, explode(&scene).cures);
 }
 
+/// A cube in the air, torn apart by steps of explicit Euler.
+fn torn_in_the_air() -> (Session, usize) {
+    let mut scene = (preset("cube-on-plane").expect("a preset").build)();
+    let settings = &mut scene.settings;
+    (settings.integrator, settings.stepping, settings.dt) = (Integrator::Explicit, Stepping::Manual, 5e-3);
+    let mut session = open(scene);
+    let steps = (0..1000).take_while(|_| session.step()).count();
+    (session, steps)
+}
+
+#[test]
+fn an_explosion_without_a_stable_step_marks_links_and_tells_of_the_state_that_stands() {
+    let (session, steps) = torn_in_the_air();
+    let status = session.status();
+    assert!((2..1000).contains(&steps) && (status.time_secs - 5e-3 * steps as f64).abs() < 1e-9, "{steps} steps stand");
+    assert!(!status.trouble.expect("it exploded").guilty_links.is_empty(), "the links that tear it apart are marked");
+    assert_eq!((status.contacts, session.report.last.max_penetration_m), (0, 0.0), "it is in the air");
+    let figures = run::run(&mut open(session.scene().clone()), 1.0, &());
+    assert_eq!((figures.contacts, figures.body_contacts, figures.finite), (0, 0, false), "as a script reads it");
+}
+
+#[test]
+fn to_play_what_exploded_is_to_start_again() {
+    let (mut session, _) = torn_in_the_air();
+    assert!(session.status().trouble.is_some_and(|trouble| trouble.stopped), "only a new start lets time run");
+    session.handle(Command::Play).expect("always possible");
+    let status = session.status();
+    assert_eq!((status.playing, status.time_secs, status.trouble), (true, 0.0, None), "from the beginning");
+}
+
 /// Words that belong in a file and not on a screen.
 fn is_jargon(words: &str) -> bool {
     let path = ["settings.", "bodies.", "obstacles.", "Obstacles.", "Bodies."].iter().any(|path| words.contains(path));

@@ -43,6 +43,7 @@ impl Session {
         Trouble {
             title: title.to_owned(),
             words,
+            stopped: self.simulation.has_diverged(),
             cures: self.trials.as_ref().map(|trials| trials.holds().to_vec()).unwrap_or_default(),
             looking: self.trials.as_ref().is_some_and(|trials| !trials.are_over()),
             guilty_links: Arc::default(),
@@ -129,7 +130,9 @@ impl Session {
             "{STOPPED}: {scheme} has no stable step. It gives every vibration energy, less in smaller steps but always \
              some."
         );
-        self.told(EXPLODED, words)
+        // Whichever grows fastest has ended it: no family is more to blame than another.
+        let guilty_links = extract::guilty::guilty_links(&self.simulation, self.fastest_body(), &Family::ALL);
+        Trouble { guilty_links: Arc::new(guilty_links), ..self.told(EXPLODED, words) }
     }
 
     /// The body with the fastest particle: the one that broke.

@@ -27,7 +27,11 @@ impl Session {
         match command {
             Command::Play => {
                 self.too_slow.clear();
-                self.playing = !self.simulation.has_diverged();
+                // What exploded cannot go on.
+                if self.simulation.has_diverged() {
+                    self.restart();
+                }
+                self.playing = true;
                 self.clock.forgive();
             }
             Command::Pause => {

@@ -5,12 +5,14 @@ use std::sync::Arc;
 use super::{Command, Cure};
 
 /// A simulation that broke, explained.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trouble {
     /// What happened, in two or three words.
     pub title: String,
     /// What happened and why, a few sentences.
     pub words: String,
+    /// Whether time was stopped for it, and begins anew with the scene when it is to run.
+    pub stopped: bool,
     /// What helps, best first, as far as it is known: each was tried.
     pub cures: Vec<Cure>,
     /// Whether more is being tried.

@@ -86,6 +86,9 @@ fn status_words(status: &Status) -> String {
     if status.title.is_empty() {
         return String::new();
     }
+    if !status.playing && status.trouble.as_ref().is_some_and(|trouble| trouble.stopped) {
+        return "Stopped at the last good state. Space starts again from the beginning.".to_owned();
+    }
     if !status.playing {
         return "Paused. Space plays, a full stop takes one step.".to_owned();
     }
@@ -104,6 +107,7 @@ fn status_words(status: &Status) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::session::Trouble;
 
     #[test]
     fn the_words_say_what_limits_the_speed() {
@@ -115,6 +119,11 @@ mod tests {
         assert_eq!(status_words(&slow), "3 times slower than real time: limited by shear stiffness");
         let rested = Status { at_rest: true, ..slow.clone() };
         assert!(status_words(&rested).starts_with("At rest"), "nothing is slow that does not move");
+        let trouble = |stopped| Some(Trouble { stopped, ..Trouble::default() });
+        let stopped = Status { playing: false, trouble: trouble(true), ..slow.clone() };
+        assert!(status_words(&stopped).ends_with("Space starts again from the beginning."), "it cannot go on");
+        let broken = Status { playing: false, trouble: trouble(false), ..slow.clone() };
+        assert!(status_words(&broken).starts_with("Paused."), "what broke can");
         let paused = Status { playing: false, ..slow };
         assert!(status_words(&paused).starts_with("Paused"), "a paused session is not slow");
     }

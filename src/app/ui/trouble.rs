@@ -24,7 +24,7 @@ pub(super) fn trouble_ui(ui: &Ui, status: &Status, state: &mut UiState, commands
                         commands.extend(cure.commands());
                     }
                 }
-                if ui.button("Start again").clicked() {
+                if ui.button("Start again").on_hover_text("From the beginning  (Space)").clicked() {
                     commands.extend(Trouble::start_again());
                 }
             });
