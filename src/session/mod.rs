@@ -115,6 +115,8 @@ pub struct Session {
     stroke: Stroke,
     clock: Clock,
     playing: bool,
+    /// The simulated time from which on nothing has moved, s; none while something moves.
+    rest_since_secs: Option<f64>,
     speed: f64,
     report: StepReport,
     /// Why the simulation was stopped, if it was.
@@ -199,6 +201,7 @@ impl Session {
             stroke: Stroke::default(),
             clock: Clock::default(),
             playing: true,
+            rest_since_secs: None,
             speed: 1.0,
             report: StepReport::default(),
             trouble: None,
@@ -241,6 +244,7 @@ impl Session {
     fn restart(&mut self) {
         let modes = self.known_modes(&self.scene);
         self.simulation = Simulation::with_modes(&self.scene, &self.bodies.lattices(), &modes);
+        self.rest_since_secs = None;
         self.report = StepReport::default();
         self.step_errors.forget();
         self.clock.forgive();
@@ -327,6 +331,7 @@ impl Session {
 
     fn substep(&mut self) -> bool {
         let asleep = self.simulation.is_asleep();
+        self.rest_since_secs = asleep.then(|| self.rest_since_secs());
         let timer = match &mut self.costs {
             None => self.sample.next(),
             Some(costs) => Some(costs.timer()),
@@ -405,8 +410,14 @@ impl Session {
 
     fn replace_state(&mut self, state: State<f32>) {
         self.simulation.set_state(state);
+        self.rest_since_secs = None;
         self.step_errors.forget();
         self.picture.touch();
+    }
+
+    /// The simulated time from which on nothing has moved, s: the present one while something moves.
+    fn rest_since_secs(&self) -> f64 {
+        self.rest_since_secs.unwrap_or_else(|| self.simulation.state().time_secs)
     }
 }
 

@@ -38,6 +38,8 @@ pub struct Status {
     pub at_rest: bool,
     /// Simulated time, s.
     pub time_secs: f64,
+    /// The simulated time from which on nothing has moved, s, where all bodies have come to rest.
+    pub rest_since_secs: f64,
     /// Speed asked for: simulated seconds a wall second.
     pub speed: f64,
     /// Speed reached over the last second; 1 is real time.

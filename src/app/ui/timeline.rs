@@ -40,7 +40,7 @@ pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, panels: &mut Panels, com
             commands.push(Command::StepOnce);
         }
         ui.add_space(4.0);
-        theme::figures_ui(ui, &format!("{:.3} s", status.time_secs), "000.000 s", theme::of(ui).strong)
+        theme::figures_ui(ui, &format!("{:.3} s", clock_secs(status)), "000.000 s", theme::of(ui).strong)
             .on_hover_text("Simulated time");
         ui.add_space(8.0);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -81,6 +81,12 @@ fn counts_ui(ui: &mut Ui, status: &Status) {
     }
 }
 
+/// The time that is shown, s. A picture of what rests is not drawn anew: time that went on unseen would leap with the next
+/// one that is.
+fn clock_secs(status: &Status) -> f64 {
+    if status.playing && status.at_rest { status.rest_since_secs } else { status.time_secs }
+}
+
 /// How the simulation goes, as a sentence.
 fn status_words(status: &Status) -> String {
     if status.title.is_empty() {
@@ -93,7 +99,8 @@ fn status_words(status: &Status) -> String {
         return "Paused. Space plays, a full stop takes one step.".to_owned();
     }
     if status.at_rest {
-        return "At rest since then: nothing moves until something is touched.".to_owned();
+        let since = status.rest_since_secs;
+        return format!("At rest since {since:.3} s: nothing moves until something is touched.");
     }
     if !status.limited_by.is_empty() {
         return capitalised(&status.limited_by);
@@ -117,8 +124,10 @@ mod tests {
         assert_eq!(status_words(&divided), "Running. Steps are divided by 4: limited by shear stiffness.");
         let slow = Status { limited_by: "3 times slower than real time: limited by shear stiffness".into(), ..divided };
         assert_eq!(status_words(&slow), "3 times slower than real time: limited by shear stiffness");
-        let rested = Status { at_rest: true, ..slow.clone() };
-        assert!(status_words(&rested).starts_with("At rest"), "nothing is slow that does not move");
+        let rested = Status { at_rest: true, rest_since_secs: 2.5, time_secs: 9.0, ..slow.clone() };
+        assert!(status_words(&rested).starts_with("At rest since 2.500 s"), "nothing is slow that does not move");
+        assert!((clock_secs(&rested) - 2.5).abs() < 1e-12, "the clock shows what the words say");
+        assert!((clock_secs(&Status { playing: false, ..rested }) - 9.0).abs() < 1e-12, "time stands where it is");
         let trouble = |stopped| Some(Trouble { stopped, ..Trouble::default() });
         let stopped = Status { playing: false, trouble: trouble(true), ..slow.clone() };
         assert!(status_words(&stopped).ends_with("Space starts again from the beginning."), "it cannot go on");
