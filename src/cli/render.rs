@@ -11,12 +11,15 @@ use super::out::{self, Progress};
 use super::pictures::{self, draw, numbered, size};
 use super::run::seconds;
 use super::scene_args::{self, SceneArgs};
+use crate::extract;
 use crate::geometry::Watch;
 use crate::math::whole_steps;
 use crate::render::{Gpu, Quality, offscreen};
-use crate::scene::ColorBy;
-use crate::session::Session;
+use crate::scene::edit::Edit;
+use crate::scene::{ColorBy, ViewSettings};
 use crate::session::threads::within_pool;
+use crate::session::{Command, Session};
+use crate::view::SafeArea;
 
 /// The scene and its picture.
 #[derive(Debug, Args)]
@@ -75,7 +78,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(color) = args.color {
         opened.scene.view.color = color;
     }
+    let is_file = opened.file.is_some();
     let mut session = scene_args::session(opened)?;
+    if is_file && session.scene().view.camera.is_unchosen() {
+        look_at_bodies(&mut session, args.size)?;
+    }
     if args.color == Some(ColorBy::Model) && !session.draw_list().skins.iter().any(|body| body.skin.is_painted()) {
         out::note("warning: no model of this scene has colours in its file; bodies are drawn in their own");
     }
@@ -110,6 +117,15 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         outputs.iter().try_for_each(|path| out::figures(&path.display().to_string()))?;
     }
     Ok(())
+}
+
+/// Puts the camera where the window puts it first.
+fn look_at_bodies(session: &mut Session, [width, height]: [u32; 2]) -> anyhow::Result<()> {
+    let area = SafeArea::whole(width as f32 / height as f32);
+    let picture = session.draw_list();
+    let orbit = extract::view::first_orbit(&session.scene().view.camera, &picture, area);
+    let view = ViewSettings { camera: extract::view::camera_settings(&orbit), ..session.scene().view.clone() };
+    Ok(session.handle(Command::Edit(Edit::View(view)))?)
 }
 
 fn simulate(session: &mut Session, until: u64, last: u64, watch: &dyn Watch) -> anyhow::Result<()> {

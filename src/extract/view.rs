@@ -3,10 +3,12 @@
 use glam::{DVec3, Vec3};
 
 use crate::scene::view_settings::{CameraSettings, ColorBy, LightSettings};
-use crate::view::{Legend, Light, Orbit};
+use crate::view::{DrawList, Legend, Light, Orbit, SafeArea};
 
 /// Round values beside a colour bar.
 const LEGEND_TICKS: usize = 4;
+/// A floor is where bodies will be soon if they are no more than this many times their size above it.
+const HIGHEST_FALL: f32 = 10.0;
 
 /// The orbit of a scene's camera.
 #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
@@ -19,6 +21,21 @@ pub fn orbit(camera: &CameraSettings) -> Orbit {
         fov_rad: camera.fov_deg.to_radians() as f32,
     }
     .clamped()
+}
+
+/// The orbit from which the scene of a file is seen first, in the free part of the picture: that of its camera, or where the
+/// file says nothing of that one from which its bodies are seen whole, with what is near them and where they fall.
+pub fn first_orbit(camera: &CameraSettings, picture: &DrawList, area: SafeArea) -> Orbit {
+    let mut orbit = orbit(camera);
+    if camera.is_unchosen() {
+        let (mut bounds, bodies, floor) = (picture.bounds(), picture.body_bounds(), picture.floor());
+        let is_soon_there = |floor: &f32| bodies.min.y - floor <= HIGHEST_FALL * bodies.size().max_element();
+        if let Some(floor) = floor.filter(is_soon_there) {
+            bounds.min.y = bounds.min.y.min(floor);
+        }
+        orbit.frame_above(floor, bounds, area);
+    }
+    orbit
 }
 
 /// The settings that an orbit corresponds to: what is saved with a scene.
@@ -45,7 +62,36 @@ pub fn legend(color: ColorBy, range: [f32; 2]) -> Option<Legend> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::math::Aabb;
+    use crate::view::Solid;
+
+    /// A body of some metres at a height above a floor of twenty.
+    fn picture(size: f32, height: f32) -> DrawList {
+        let particles = Arc::new(vec![[0.0, height, 0.0], [size, height + size, size]]);
+        let floor = Solid::Plane { center: Vec3::ZERO, axes: [Vec3::Z, Vec3::X], half_extents: [10.0; 2] };
+        DrawList { particles, solids: vec![floor], ..DrawList::default() }
+    }
+
+    #[test]
+    fn a_file_without_a_camera_is_seen_by_its_bodies_and_one_with_a_camera_as_it_says() {
+        let area = SafeArea::whole(1.6);
+        for size in [0.02, 1.0, 10.0] {
+            for (height, most) in [(0.0, 4.0), (5.0 * size, 15.0), (40.0 * size, 4.0)] {
+                let picture = picture(size, height);
+                let orbit = first_orbit(&CameraSettings::default(), &picture, area);
+                assert!(orbit.shows(picture.body_bounds(), area), "{size} m at {height} m is seen whole");
+                assert!(orbit.distance < most * size, "{size} m at {height} m fills the picture: {} m", orbit.distance);
+                let below = Aabb::around([Vec3::new(0.5 * size, 0.01 * size, 0.5 * size)]);
+                let is_seen = orbit.shows(below, area);
+                assert_eq!(is_seen, height < 10.0 * size, "where it lands is seen where that is near: {height} m");
+            }
+        }
+        let chosen = CameraSettings { distance: 5.1, ..CameraSettings::default() };
+        assert_eq!(first_orbit(&chosen, &picture(0.02, 0.0), area), orbit(&chosen), "as it was left");
+    }
 
     #[test]
     fn a_camera_survives_the_way_to_an_orbit_and_back() {

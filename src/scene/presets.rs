@@ -145,7 +145,8 @@ fn cube_on_sphere() -> Scene {
         pose: Pose { position: [0.22, 1.65, 0.06], rotation_deg: [0.0, 20.0, 0.0] },
         ..Body::default()
     };
-    looking_at([0.2, 0.9, 0.0], 6.0, scene(cube, vec![ball([0.0, 0.45, 0.0], 0.45)]))
+    // It rolls for six metres along x: seen from behind, all of that is in the picture.
+    turned(-55.0, 18.0, looking_at([2.65, 0.6, 0.05], 9.0, scene(cube, vec![ball([0.0, 0.45, 0.0], 0.45)])))
 }
 
 /// Held with μ = 0.6: tan 20° = 0.36.

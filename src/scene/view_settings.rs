@@ -60,6 +60,13 @@ pub struct CameraSettings {
     pub fov_deg: f64,
 }
 
+impl CameraSettings {
+    /// Whether it is where nobody has put it: a file that says nothing of it has it there.
+    pub fn is_unchosen(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 impl Default for CameraSettings {
     fn default() -> Self {
         Self { target: [0.0, 0.6, 0.0], yaw_deg: 30.0, pitch_deg: 18.0, distance: 5.0, fov_deg: 40.0 }

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use super::state_error::StateFileError;
 use super::*;
+use crate::extract;
 use crate::math::FRAME;
 use crate::physics::{BodyMemory, LinkLoad, RecoveryAccount, Strain};
 use crate::scene::body::CubeShape;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::presets::preset;
 use crate::scene::{Body, Material, Shape};
+use crate::view::SafeArea;
 use crate::view::style::Tint;
 
 const PLENTY: Duration = Duration::MAX;
@@ -187,6 +189,19 @@ fn what_sleeps_is_not_copied_for_a_picture_and_looking_at_it_does_not_wake_it() 
     assert!(session.step() && !session.status().bodies[0].asleep, "a hand does");
     let status = session.status();
     assert_eq!(status.rest_since_secs.to_bits(), status.time_secs.to_bits(), "it rests no more");
+}
+
+#[test]
+fn the_cube_that_rolls_off_its_ball_stays_in_the_picture() {
+    let mut session = session("cube-on-sphere");
+    let orbit = extract::view::orbit(&session.scene().view.camera);
+    // As wide as the view between the panels.
+    let area = SafeArea::whole(1.1);
+    while session.status().time_secs < 5.0 {
+        session.advance(FRAME, PLENTY);
+        let bodies = session.draw_list().body_bounds();
+        assert!(orbit.shows(bodies, area), "after {:.2} s: {bodies:?}", session.status().time_secs);
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::Shell;
 use crate::app::hand::{self, Target};
 use crate::app::input::{self, CameraMove};
 use crate::app::ui::Framing;
+use crate::extract;
 use crate::scene::placement::Look;
 
 /// How much farther away the eye may go for something new to be seen beside what was seen; what lies beyond is shown
@@ -38,8 +39,11 @@ impl Shell {
         match (framing, chosen) {
             (Framing::Everything, _) | (Framing::Chosen, None) => self.orbit.frame_above(floor, picture.bounds(), area),
             (Framing::Chosen, Some(chosen)) => self.orbit.frame_above(floor, chosen, area),
-            // The camera of a file is as someone left it.
             (Framing::Opened, _) if snapshot.status.file.is_none() => self.orbit.pull_back(picture.bounds(), area),
+            // The camera of a file is as someone left it, if someone did.
+            (Framing::Opened, _) => {
+                self.orbit = extract::view::first_orbit(&snapshot.scene.view.camera, picture, area);
+            }
             (Framing::Arrived, Some(chosen)) => {
                 self.orbit.pull_back(chosen, area);
                 if self.orbit.distance > FARTHEST * before.distance {
@@ -47,7 +51,7 @@ impl Shell {
                     self.orbit.frame_above(floor, chosen, area);
                 }
             }
-            (Framing::Opened, _) | (Framing::Arrived, None) => (),
+            (Framing::Arrived, None) => (),
         }
         self.changed = true;
     }
