@@ -234,8 +234,8 @@ mod tests {
         let flat: Vec<_> = simulation.state().position.iter().map(|x| *x * glam::DVec3::new(1.0, 0.01, 1.0)).collect();
         let still = vec![glam::DVec3::ZERO; flat.len()];
         let mut soft = Vec::new();
-        let mut workspace = RecoveryWorkspace::new(simulation.model());
-        for_each_soft_link(body, &memory, [&flat, &still], &mut workspace, |ends, link| {
+        let mut workspaces = RecoveryWorkspace::of_each(simulation.model());
+        for_each_soft_link(body, &memory, [&flat, &still], &mut workspaces[0], |ends, link| {
             soft.push((ends, link.stiffness));
         });
         let own = body.links.iter().flat_map(|family| {
