@@ -22,7 +22,16 @@ pub enum BackgroundError {
     Modal(ModalError),
     /// The bodies cannot be made.
     #[error(transparent)]
-    Session(#[from] SessionError),
+    Session(SessionError),
+}
+
+impl From<SessionError> for BackgroundError {
+    fn from(error: SessionError) -> Self {
+        match error {
+            SessionError::Stopped => Self::Cancelled,
+            error => Self::Session(error),
+        }
+    }
 }
 
 /// Tells how far the work is, with a pause between two pieces of it.
