@@ -157,15 +157,17 @@ pub fn add_face(overlay: &mut Overlay, corners: [Vec3; 4]) {
     overlay.lines.push(placed(edges, Tint::Accent, 0.5));
 }
 
-/// Where particles touch obstacles or other bodies, or points of meshes touch obstacles, and the force on each as an arrow; its length is proportional to the
-/// force, see [`newtons_per_metre`], up to the body's size.
+/// Where particles or points of meshes touch obstacles or other bodies, and the force on each as an arrow; its length is
+/// proportional to the force, see [`newtons_per_metre`], up to the body's size.
 fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>) {
     let model = simulation.model();
     let (mut places, mut arrows) = (Vec::new(), Vec::new());
     let state = simulation.state();
     let of = |particle: usize, force: Vec3| (model.body_of(particle), state.position[particle], force);
     let with_obstacles = simulation.contacts().iter().map(|contact| of(contact.particle, contact.force));
-    let with_bodies = simulation.body_contacts().iter().map(|contact| of(contact.particle, contact.force.as_vec3()));
+    let with_bodies = simulation.body_contacts().iter();
+    let with_bodies = with_bodies
+        .map(|contact| (Some(contact.bodies[0]), contact.own.place(state).as_vec3(), contact.force.as_vec3()));
     let on_meshes = simulation.sample_contacts().iter();
     let on_meshes =
         on_meshes.map(|contact| (Some(contact.body), contact.place(state).as_vec3(), contact.force.as_vec3()));

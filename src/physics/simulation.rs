@@ -79,7 +79,7 @@ impl<R: Real> Simulation<R> {
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
         self.state.fit_scheme(&plan);
         self.state.fit_sleep(&plan);
-        self.state.fit_presses(&plan);
+        self.state.fit_presses(&model, &plan);
         let stays = |obstacle| arrive::stays(&old, &placed, kept, &self.state, obstacle);
         let stays: Vec<bool> = (0..model.obstacles.len()).map(stays).collect();
         self.state.keep_touches(kept, |obstacle| stays.get(obstacle) == Some(&true));

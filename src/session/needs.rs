@@ -18,6 +18,10 @@ use crate::view::SkinVertex;
 const PROGRAM: u64 = 10 << 20;
 /// Of a vertex of a skin: itself, its triangles, their edges and folds, its place in double precision, bytes.
 const OF_A_SKIN: u64 = size_of::<SkinVertex>() as u64 + 2 * 12 + 3 * 8 + 3 * 16 + 24;
+/// Of a vertex of a mesh that bodies meet: its place and normal, two triangles with what is beyond their edges and the boxes about
+/// them, bytes; and of the grid of distances to all of it.
+const OF_A_MET_MESH: u64 = 49 + 2 * (2 * 12 + 24 + 28);
+const DISTANCES: u64 = 1 << 20;
 /// What obstacles make of the cost of a large body is not that of a small one: which scheme is cheaper is known to this
 /// factor only.
 const ABOUT_AS_CHEAP: f64 = 1.3;
@@ -36,6 +40,8 @@ pub(super) fn needed(scene: &Scene, outlines: &[Outline], scheme: Option<Scheme>
         .iter()
         .zip(outlines)
         .filter(|(body, outline)| body.contact_on == ContactOn::Mesh && outline.mesh_vertices > 0);
+    let met = with_mesh.clone().filter(|(body, _)| body.collides && scene.bodies.len() > 1);
+    let met: u64 = met.map(|(_, outline)| outline.mesh_vertices as u64 * OF_A_MET_MESH + DISTANCES).sum();
     let on_mesh = with_mesh.map(|(_, outline)| outline.counts.surface).sum();
     let size = Size { obstacles: scene.obstacles.len(), planes, meshes, on_mesh, scheme };
     let counts: Vec<_> = outlines.iter().map(|outline| outline.counts).collect();
@@ -46,7 +52,7 @@ pub(super) fn needed(scene: &Scene, outlines: &[Outline], scheme: Option<Scheme>
     let surfaces = surfaces(scene);
     let lasting: u64 = surfaces.iter().map(|surface| surface.bytes()).sum();
     let while_made = surfaces.iter().map(|surface| surface.bytes_while_made()).max().unwrap_or(0);
-    PROGRAM + lasting + while_made.max(of_bodies)
+    PROGRAM + lasting + met + while_made.max(of_bodies)
 }
 
 /// What the modes of bodies take that are to move by them, with how each point of their outside moves by them that others

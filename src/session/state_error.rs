@@ -7,15 +7,18 @@ use thiserror::Error;
 use crate::disk::ReadError;
 
 /// What a state begins with: magic and version.
-pub(super) const MAGIC: &str = "gelatin-state 15\n";
+pub(super) const MAGIC: &str = "gelatin-state 16\n";
 
-/// The same of the version before, which knew not what the links of strained bodies add.
+/// The same of the version before, in which bodies met each other with their cells alone.
+pub(super) const ON_CELLS: &str = "gelatin-state 15\n";
+
+/// The same of the version before that, which knew not what the links of strained bodies add.
 pub(super) const WITHOUT_LOADS: &str = "gelatin-state 14\n";
 
-/// The same of the version before that, which knew no modal bodies that nothing holds.
+/// The same of version 13, which knew no modal bodies that nothing holds.
 pub(super) const WITHOUT_FREE_MODES: &str = "gelatin-state 13\n";
 
-/// The same of the version before that one, which knew no modal bodies.
+/// The same of version 12, which knew no modal bodies.
 pub(super) const WITHOUT_MODES: &str = "gelatin-state 12\n";
 
 /// The same of the first version that is read, which knew no points of meshes.

@@ -1,7 +1,7 @@
 //! A simulation's state as bytes, exactly: what the window and `gelatin run --save-state` write and go on from.
 //!
 //! ```text
-//! "gelatin-state 15\n"                                      magic and version; of versions 11 to 14 what they have is read
+//! "gelatin-state 16\n"                                      magic and version; of versions 11 to 15 what they have is read
 //! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
@@ -27,7 +27,8 @@
 //!         its place                                        one u64
 //!         middle, turn as a quaternion, time left          eight f64
 //! springs between bodies: a count u64, and of each
-//!         the particle, its body, the body it is in        three u64
+//!         the particle, or 2^63 + the point of its body's
+//!         mesh, its body, the body it is in                three u64
 //!         how far it is pressed                            one f64
 //! points of meshes and of free modal bodies that touch obstacles: a count u64, and of each
 //!         its body, its number, the obstacle, its side + 1        four u64
@@ -49,7 +50,7 @@ use glam::Vec3;
 use serde_json::json;
 
 use super::state_error::{
-    MAGIC, StateError, StateFileError, WITHOUT_FREE_MODES, WITHOUT_LOADS, WITHOUT_MODES, WITHOUT_TOUCHES,
+    MAGIC, ON_CELLS, StateError, StateFileError, WITHOUT_FREE_MODES, WITHOUT_LOADS, WITHOUT_MODES, WITHOUT_TOUCHES,
 };
 use super::state_origin::Origin;
 use super::state_reader::{Reader, Tells};
@@ -58,15 +59,18 @@ use crate::disk::{self, fnv1a};
 use crate::physics::Approach;
 use crate::physics::BodyMemory;
 use crate::physics::LinkLoad;
-use crate::physics::Press;
 use crate::physics::RigidState;
 use crate::physics::SampleTouch;
 use crate::physics::Sweep;
+use crate::physics::{BodyPoint, Press};
 use crate::physics::{RecoveryAccount, Strain};
 use crate::text::echo;
 
 /// A larger file is no state: more particles than a body may have.
 const MAX_BYTES: u64 = 4 << 30;
+
+/// Marks the number of a point that is of a mesh and not a particle.
+pub(super) const OF_MESH: u64 = 1 << 63;
 
 /// What a state says of itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,10 +90,10 @@ pub fn summary(path: &Path) -> Result<StateSummary, StateError> {
 
 /// The scene that bytes belong to, and what follows it but for the checksum, which is right.
 fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
-    let versions = [MAGIC, WITHOUT_LOADS, WITHOUT_FREE_MODES, WITHOUT_MODES, WITHOUT_TOUCHES];
+    let versions = [MAGIC, ON_CELLS, WITHOUT_LOADS, WITHOUT_FREE_MODES, WITHOUT_MODES, WITHOUT_TOUCHES];
     let known = versions.map(|magic| bytes.strip_prefix(magic.as_bytes()));
     let is_from = |version: usize| known[..=version].iter().any(Option::is_some);
-    let tells = Tells { free_modes: is_from(1), modes: is_from(2), touches: is_from(3) };
+    let tells = Tells { meshes_meet: is_from(0), free_modes: is_from(2), modes: is_from(3), touches: is_from(4) };
     let Some(contents) = known.into_iter().flatten().next() else {
         let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
         return Err(match line.strip_prefix(b"gelatin-state ") {
@@ -188,8 +192,12 @@ impl Session {
             bytes.extend(numbers.flat_map(f64::to_le_bytes));
         }
         bytes.extend((state.presses.len() as u64).to_le_bytes());
-        for Press { bodies: [own, other], particle, depth_m } in &state.presses {
-            bytes.extend([*particle as u64, *own as u64, *other as u64].iter().flat_map(|word| word.to_le_bytes()));
+        for Press { bodies: [own, other], point, depth_m } in &state.presses {
+            let point = match *point {
+                BodyPoint::Particle(particle) => particle as u64,
+                BodyPoint::OfMesh(number) => number as u64 | OF_MESH,
+            };
+            bytes.extend([point, *own as u64, *other as u64].iter().flat_map(|word| word.to_le_bytes()));
             bytes.extend(depth_m.to_le_bytes());
         }
         bytes.extend((state.touches.len() as u64).to_le_bytes());

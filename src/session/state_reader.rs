@@ -5,17 +5,18 @@ use std::fmt::Display;
 use glam::{DQuat, DVec3, Vec3};
 
 use super::state_error::StateFileError;
+use super::state_file::OF_MESH;
 use crate::modal::COUNTS;
 use crate::physics::Approach;
 use crate::physics::BodyMemory;
 use crate::physics::LinkLoad;
 use crate::physics::MOST_HALVINGS;
 use crate::physics::ModalState;
-use crate::physics::Press;
 use crate::physics::RigidState;
 use crate::physics::SampleTouch;
 use crate::physics::Sweep;
 use crate::physics::{BodyModel, Model};
+use crate::physics::{BodyPoint, Press};
 use crate::physics::{RecoveryAccount, Strain};
 use crate::physics::{Simulation, State};
 
@@ -35,6 +36,8 @@ pub(super) struct Reader<'a> {
 /// What a version of the file tells of.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tells {
+    /// Points of meshes that meet other bodies.
+    pub(super) meshes_meet: bool,
     /// Points of meshes that touch obstacles.
     pub(super) touches: bool,
     /// Modal bodies.
@@ -328,23 +331,36 @@ impl<'a> Reader<'a> {
         let field = "the springs between bodies";
         let mut presses: Vec<Press> = Vec::new();
         for _ in 0..self.u64(field)? {
-            let particle = place((self.u64(field)?, model.particle_count()))?;
+            let point = self.u64(field)?;
+            let point = if point & OF_MESH == 0 {
+                BodyPoint::Particle(place((point, model.particle_count()))?)
+            } else {
+                BodyPoint::OfMesh(place((point & !OF_MESH, model.sample_count()))?)
+            };
             let bodies =
                 [place((self.u64(field)?, model.bodies.len()))?, place((self.u64(field)?, model.bodies.len()))?];
-            // A body that meets itself is both.
-            let is_own = model.bodies[bodies[0]].particles.contains(&particle);
-            need(
-                is_own,
-                field,
-                format!("one of particle {particle} and bodies {bodies:?}"),
-                "a particle of the first",
-            )?;
             let depth_m = self.f64(field)?;
+            let press = Press { bodies, point, depth_m };
+            // A body that meets itself is both.
+            let (said, right) = match point {
+                BodyPoint::Particle(particle) => {
+                    (format!("one of particle {particle} and bodies {bodies:?}"), "a particle of the first")
+                }
+                BodyPoint::OfMesh(number) => (
+                    format!("one of point {number} of a mesh and bodies {bodies:?}"),
+                    "a point of the first one's mesh",
+                ),
+            };
+            if !self.tells.meshes_meet && !press.fits(model) {
+                continue;
+            }
+            need(press.fits(model), field, said, right)?;
             let is_depth = (0.0..f64::INFINITY).contains(&depth_m);
             need(is_depth, "how far a spring between bodies is pressed", depth_m, "a length of 0 m or more")?;
-            let ascends = presses.last().is_none_or(|last| (last.particle, last.bodies[1]) < (particle, bodies[1]));
-            need(ascends, field, "out of order", "every particle in a body once, in their order")?;
-            presses.push(Press { bodies, particle, depth_m });
+            let order = |press: &Press| (press.bodies[0], press.point, press.bodies[1]);
+            let ascends = presses.last().is_none_or(|last| order(last) < order(&press));
+            need(ascends, field, "out of order", "every point in a body once, in their order")?;
+            presses.push(press);
         }
         Ok(presses)
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::state_error::StateFileError;
 use super::{Command, Session};
 use crate::disk::fnv1a;
-use crate::physics::{Press, SampleTouch};
+use crate::physics::{BodyPoint, Press, SampleTouch};
 use crate::scene::edit::{BodyId, Edit, ObstacleId};
 use crate::scene::settings::Settings;
 use crate::scene::{ContactOn, ObstacleShape, Shape, presets};
@@ -225,8 +225,8 @@ fn springs_between_bodies_are_checked() {
         let mut session = stacked();
         let mut state = session.simulation().state().clone();
         state.presses = vec![
-            Press { bodies: [0, 1], particle: 5, depth_m: 0.01 },
-            Press { bodies: [1, 0], particle: 1005, depth_m: 0.02 },
+            Press { bodies: [0, 1], point: BodyPoint::Particle(5), depth_m: 0.01 },
+            Press { bodies: [1, 0], point: BodyPoint::Particle(1005), depth_m: 0.02 },
         ];
         change(&mut state.presses);
         session.replace_state(state);
@@ -305,7 +305,7 @@ fn touching_points_are_checked_and_states_of_versions_before_are_read() {
     // What a version did not know of is up to two empty lists at the end.
     for (version, unknown) in [(13, 0), (12, 8), (11, 16)] {
         let contents =
-            written[..written.len() - unknown - 8].strip_prefix(b"gelatin-state 15\n").expect("this version");
+            written[..written.len() - unknown - 8].strip_prefix(b"gelatin-state 16\n").expect("this version");
         let mut before = [format!("gelatin-state {version}\n").as_bytes(), contents].concat();
         let checksum = fnv1a(&before);
         before.extend(checksum.to_le_bytes());

@@ -183,7 +183,7 @@ fn a_name_too_long_for_its_column_takes_two_lines_and_is_read_whole() {
         };
         nodes.find(is_name).unwrap_or_else(|| panic!("{name} is shown")).rect()
     };
-    let [short, long] = ["Sliding", "Obstacles meet"].map(place);
+    let [short, long] = ["Sliding", "Meets others with"].map(place);
     assert!(long.height() > 1.8 * short.height(), "{long} beside {short}");
     assert!(long.width() < 92.5, "it keeps to its column: {long}");
 }

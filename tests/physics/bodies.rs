@@ -56,7 +56,7 @@ fn askew() -> Scene {
 }
 
 /// Momentum (kg·m/s) and angular momentum about the origin (kg·m²/s) of a body.
-fn momenta<R: Real>(simulation: &Simulation<R>, body: usize) -> [DVec3; 2] {
+pub(crate) fn momenta<R: Real>(simulation: &Simulation<R>, body: usize) -> [DVec3; 2] {
     let (model, state) = (&simulation.model().bodies[body], simulation.state());
     model.particles.clone().enumerate().fold([DVec3::ZERO; 2], |[sum, moment], (local, particle)| {
         let at = state.position[particle].to_dvec3() + state.position_residual[particle].to_dvec3();

@@ -18,6 +18,7 @@ mod golden;
 mod integrators;
 mod mesh_contact;
 mod mesh_obstacles;
+mod meshes_meet;
 mod mixed_springs;
 mod modal;
 mod modal_bodies;

@@ -80,7 +80,7 @@ impl Made {
 }
 
 /// A ball of the diameter 1 m with so many strips from pole to pole.
-fn ball_obj(strips: u32) -> String {
+pub(crate) fn ball_obj(strips: u32) -> String {
     let mut text = String::new();
     let around = 2 * strips;
     let angle = |of: u32| std::f64::consts::PI * f64::from(of) / f64::from(strips);
@@ -101,7 +101,7 @@ fn ball_obj(strips: u32) -> String {
 }
 
 /// A box of 1 m × 0.6 m × 0.8 m, six squares.
-fn box_obj() -> String {
+pub(crate) fn box_obj() -> String {
     let mut text = String::new();
     for corner in 0..8 {
         let end = |axis: usize, half: f64| if corner >> axis & 1 == 1 { half } else { -half };

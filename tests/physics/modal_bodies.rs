@@ -278,7 +278,7 @@ fn all_come_to_rest_together_and_one_that_is_pushed_wakes_the_other() {
     let target = rests.state().position[particle] + Vec3::new(0.3, 0.1, 0.0);
     rests.set_grab(Some(Grab { body: 0, weights: vec![(particle, 1.0)], target, stiffness: 500.0 }));
     rests.step();
-    let met: Vec<_> = rests.body_contacts().iter().map(|met| (met.particle, met.bodies)).collect();
+    let met: Vec<_> = rests.body_contacts().iter().map(|met| (met.point, met.bodies)).collect();
     assert!(met.windows(2).all(|pair| pair[0] != pair[1]) && !met.is_empty(), "each is met once: {met:?}");
     rests.run_for(0.2);
     assert!(!rests.is_body_asleep(0) && !rests.is_body_asleep(1), "the one wakes the other");

@@ -403,7 +403,7 @@ const SLACK: f64 = 1e-9;
 
 impl NearestPoint {
     /// Whether a point with this one nearest to it is inside a closed surface.
-    fn is_within(&self, at: DVec3) -> bool {
+    pub fn is_within(&self, at: DVec3) -> bool {
         (at - self.point).dot(self.normal) < 0.0
     }
 }

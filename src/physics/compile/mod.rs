@@ -217,13 +217,15 @@ fn compile_body<R: Real>(
     );
     let boxed_links = layout.map(|layout| BoxedLinks::new(layout, lattice, &links));
     let load = heaviest_load(lattice) * heaviest * gravity;
+    let meets_others = scene.settings.body_contact && body.collides && scene.bodies.len() > 1;
     let is_on_mesh = body.contact_on == ContactOn::Mesh;
     let samples_known = known.and_then(|body| body.samples.as_ref().map(Arc::clone));
-    let samples = if is_on_mesh { samples_known.or_else(|| Samples::new(lattice).map(Arc::new)) } else { None };
+    let samples_known = samples_known.filter(|samples| samples.meet_bodies || !meets_others);
+    let new_samples = || Samples::new(lattice, meets_others).map(Arc::new);
+    let samples = if is_on_mesh { samples_known.or_else(new_samples) } else { None };
     // A body may stand on one point of its mesh, at a quarter of the depth that it may have.
     let weight = particle_mass * rest.len() as f64 * gravity;
     let on_one = if samples.is_some() { load.max(4.0 * weight) } else { load };
-    let meets_others = scene.settings.body_contact && body.collides && scene.bodies.len() > 1;
     let hull = known.map_or_else(Arc::default, |body| Arc::clone(&body.among_bodies.hull));
     BodyModel {
         particles: first..first + rest.len(),
@@ -252,7 +254,7 @@ fn compile_body<R: Real>(
             hull,
             friction: [body.friction_static, body.friction_dynamic],
             heaviest,
-            load,
+            load: on_one,
         },
         modal: None,
         samples,

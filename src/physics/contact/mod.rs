@@ -39,7 +39,7 @@ pub(super) mod weighted;
 mod workspace;
 
 pub(super) use bodies::BYTES_A_POINT;
-pub use bodies::BodyContact;
+pub use bodies::{BodyContact, WeightedParticles};
 pub(super) use candidate::{respond, respond_to_paths};
 pub(super) use constraint::ContactConstraint;
 pub(super) use held::limit_depths;

@@ -14,9 +14,11 @@ mod obstacle;
 pub(in crate::physics) mod plan;
 mod samples;
 mod scheme;
+mod skin;
 
 pub(in crate::physics) use samples::{SampledCell, Samples};
 pub use scheme::Scheme;
+pub(in crate::physics) use skin::{Skin, WayThrough};
 
 pub(in crate::physics) use cell_kind::CellKind;
 pub(in crate::physics) use composition::{Composition, LatticeConstants};
@@ -235,6 +237,12 @@ impl<R: Real> BodyModel<R> {
     /// How many points of its mesh are to meet obstacles in place of its particles.
     pub fn sample_count(&self) -> usize {
         self.samples.as_ref().map_or(0, |samples| samples.count())
+    }
+
+    /// The points of its mesh that meet other bodies; none where the body meets them with its cells. One that moves by its modes
+    /// shows its particles.
+    pub(in crate::physics) fn samples_among_bodies(&self) -> Option<&Samples> {
+        self.samples.as_deref().filter(|_| self.modal.is_none())
     }
 
     /// What it shows to others and itself.

@@ -1,12 +1,19 @@
-//! Points on the mesh that a body's cells were made of, which meet obstacles in place of its particles (C8).
+//! Points on the mesh that a body's cells were made of, which meet obstacles and other bodies in place of its particles (C8),
+//! and the mesh itself, at which the points of others are let out.
 //!
 //! They follow from the lattice alone, and are constant: each is a mean of the eight particles of one cell, at most eight to a
 //! cell ([`crate::geometry::sampling`]).
 
 use std::ops::Range;
 
+use glam::DVec3;
+
+use super::skin::Skin;
 use crate::geometry::Lattice;
-use crate::geometry::sampling::surface_samples;
+use crate::geometry::sampling::{SurfaceSample, surface_samples};
+
+/// A weight of a point that is in its cell is no less than this: rounding.
+const LEAST_WEIGHT: f64 = -1e-3;
 
 /// The points of a body's mesh, by cell. Numbers of particles are local to the body.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +24,12 @@ pub(in crate::physics) struct Samples {
     pub(in crate::physics) weights: Vec<[f64; 8]>,
     /// The place among `cells` of the one that carries each point.
     pub(in crate::physics) cell_of: Vec<u32>,
+    /// Whether other bodies may meet them.
+    pub(in crate::physics) meet_bodies: bool,
+    /// The mesh, where they may and it has an inside.
+    pub(in crate::physics) skin: Option<Skin>,
+    /// The normal of that mesh at every point, of a body at rest; of no length where it has no inside.
+    normals: Vec<DVec3>,
 }
 
 /// A cell that carries points.
@@ -32,8 +45,9 @@ pub(in crate::physics) struct SampledCell {
 }
 
 impl Samples {
-    /// Those of a lattice; none where it was made of no mesh, or nothing of that is near a cell.
-    pub(in crate::physics) fn new(lattice: &Lattice) -> Option<Self> {
+    /// Those of a lattice, with what bodies meet of the mesh if they may; none where it was made of no mesh, or nothing of that is
+    /// near a cell.
+    pub(in crate::physics) fn new(lattice: &Lattice, meet_bodies: bool) -> Option<Self> {
         let samples = surface_samples(lattice.mesh.as_ref()?, lattice);
         let (mut cells, mut cell_of, mut first) = (Vec::<SampledCell>::new(), Vec::with_capacity(samples.len()), 0);
         for of_cell in samples.chunk_by(|one, next| one.cell == next.cell) {
@@ -45,8 +59,27 @@ impl Samples {
             cell_of.extend(of_cell.iter().map(|_| u32::try_from(cells.len()).unwrap_or(u32::MAX)));
             cells.push(SampledCell { carriers, points, reach });
         }
+        let skin = if meet_bodies { Skin::of(lattice) } else { None };
+        let normal = |(skin, sample): (&Skin, &SurfaceSample)| {
+            let corners = lattice.cells[sample.cell as usize].map(|p| lattice.grid.corner(lattice.corners[p as usize]));
+            let weighed = corners.iter().zip(sample.weights);
+            skin.normal(weighed.fold(DVec3::ZERO, |sum, (corner, weight)| sum + *corner * weight))
+        };
+        let normals =
+            skin.iter().flat_map(|skin| samples.iter().map(move |sample| (skin, sample))).map(normal).collect();
         let weights = samples.iter().map(|sample| sample.weights).collect();
-        (!cells.is_empty()).then_some(Self { cells, weights, cell_of })
+        (!cells.is_empty()).then_some(Self { cells, weights, cell_of, meet_bodies, skin, normals })
+    }
+
+    /// Whether a point is in the cell that carries it, and so between the cell's particles however these move: what sticks out of
+    /// all cells meets no other body.
+    pub(in crate::physics) fn is_in_its_cell(&self, number: usize) -> bool {
+        self.weights[number].iter().all(|weight| *weight >= LEAST_WEIGHT)
+    }
+
+    /// The normal of the mesh at a point, of a body at rest; none where the mesh has no inside.
+    pub(in crate::physics) fn normal(&self, number: usize) -> Option<DVec3> {
+        self.normals.get(number).copied()
     }
 
     /// How many points there are.

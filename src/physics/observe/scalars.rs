@@ -69,8 +69,10 @@ impl<R: Real> Simulation<R> {
             }
         }
         for contact in self.body_contacts() {
-            force[contact.particle] += R::Vec3::from_dvec3(contact.force);
-            for (carrier, weight) in contact.carriers.into_iter().zip(contact.weights) {
+            for (carrier, weight) in contact.own.iter() {
+                force[carrier] += R::Vec3::from_dvec3(contact.force * weight);
+            }
+            for (carrier, weight) in contact.cell.iter() {
                 force[carrier] -= R::Vec3::from_dvec3(contact.force * weight);
             }
         }

@@ -10,7 +10,7 @@ use crate::physics::forces::particles::hold_pinned;
 use crate::physics::limits::LinkLoad;
 use crate::physics::model::BodyModel;
 use crate::physics::state::moving::Approach;
-use crate::physics::state::press::Press;
+use crate::physics::state::press::{BodyPoint, Press};
 use crate::physics::state::touch::SampleTouch;
 use crate::physics::state::{BodyMemory, ModalState, RigidState};
 
@@ -222,13 +222,18 @@ impl<R: Real> Simulation<R> {
             let [one, other] = press.bodies.map(body_now);
             let bodies = [one?, other?];
             let are_the_same = same(press.bodies[0], bodies[0]) && same(press.bodies[1], bodies[1]);
-            let particle = press.particle - first(before, press.bodies[0]) + first(self, bodies[0]);
-            are_the_same.then_some(Press { bodies, particle, ..*press })
+            let point = match press.point {
+                BodyPoint::Particle(particle) => {
+                    BodyPoint::Particle(particle - first(before, press.bodies[0]) + first(self, bodies[0]))
+                }
+                of_mesh @ BodyPoint::OfMesh(_) => of_mesh,
+            };
+            are_the_same.then_some(Press { bodies, point, ..*press })
         });
         let mut presses: Vec<Press> = presses.collect();
         presses.sort_unstable_by_key(Press::place);
         self.state.presses = presses;
-        self.state.fit_presses(&self.plan);
+        self.state.fit_presses(&self.model, &self.plan);
     }
 
     /// Obstacles that a body was put into come to it gently.

@@ -255,11 +255,12 @@ impl<R: Real> State<R> {
         }
     }
 
-    /// Forgets springs between bodies where none meet.
-    pub(super) fn fit_presses(&mut self, plan: &Plan) {
+    /// Forgets springs between bodies where none meet, and those of points of a mesh that meets others no more, or does from now on.
+    pub(super) fn fit_presses(&mut self, model: &Model<R>, plan: &Plan) {
         if plan.between_bodies.is_none() {
             self.presses.clear();
         }
+        self.presses.retain(|press| press.fits(model));
     }
 
     /// Goes on with other obstacles: `kept` names, for each of them, the one it was. Where points touch one that does not stay

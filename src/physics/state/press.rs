@@ -1,20 +1,44 @@
 //! How far bodies have pressed each other's contact springs, as the state has it.
 
-/// A spring between a particle and another body. It is pressed by what moves the two together while it is there, not by
+use crate::math::Real;
+use crate::physics::model::Model;
+
+/// A point of a body that meets others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum BodyPoint {
+    /// A particle, in the state's arrays.
+    Particle(usize),
+    /// A point of its mesh, by its number among those of the body.
+    OfMesh(usize),
+}
+
+/// A spring between a point of a body and another body. It is pressed by what moves the two together while it is there, not by
 /// where they are: what finds itself deep inside another body has not pressed anything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Press {
-    /// The body of the particle, and the one that it is in.
+    /// The body of the point, and the one that it is in.
     pub bodies: [usize; 2],
-    /// The particle, in the state's arrays.
-    pub particle: usize,
+    /// The point.
+    pub point: BodyPoint,
     /// How far it is pressed together, m; no less than nothing.
     pub depth_m: f64,
 }
 
 impl Press {
+    /// Whether there may be one like it: of a particle where its body meets others with its cells, or itself; else of a point that
+    /// its mesh has. Its bodies are there.
+    pub fn fits<R: Real>(&self, model: &Model<R>) -> bool {
+        let [own, other] = self.bodies;
+        let body = &model.bodies[own];
+        match (self.point, body.samples_among_bodies().filter(|_| own != other)) {
+            (BodyPoint::Particle(particle), None) => body.particles.contains(&particle),
+            (BodyPoint::OfMesh(number), Some(samples)) => number < samples.count(),
+            _ => false,
+        }
+    }
+
     /// They are in this order.
-    pub(in crate::physics) fn place(&self) -> (usize, usize) {
-        (self.particle, self.bodies[1])
+    pub(in crate::physics) fn place(&self) -> (usize, BodyPoint, usize) {
+        (self.bodies[0], self.point, self.bodies[1])
     }
 }

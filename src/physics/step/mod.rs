@@ -293,7 +293,8 @@ fn is_sound<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &
     if prediction == (Prediction::Made { is_finite: true }) && begun.grab.is_none() {
         // Contact alone has changed any of them since.
         let between_bodies = contact.bodies.contacts.iter();
-        let between_bodies = between_bodies.flat_map(|met| met.carriers.into_iter().chain([met.particle]));
+        let between_bodies = between_bodies.flat_map(|met| met.cell.iter().chain(met.own.iter()));
+        let between_bodies = between_bodies.map(|(particle, _)| particle);
         let on_mesh = contact.samples.contacts.iter().flat_map(|met| met.carriers);
         let mut met = contact.contacts.iter().map(|contact| contact.particle).chain(between_bodies).chain(on_mesh);
         return met.all(|p| (begun.state.position[p] + velocity[p] * begun.dt).is_finite());

@@ -293,8 +293,9 @@ fn pushes_on_plate(simulation: &Simulation<f64>) -> Vec<(f64, f64)> {
 
 /// The same of those that push at the other ball, of both.
 fn pushes_on_like(simulation: &Simulation<f64>) -> Vec<(f64, f64)> {
-    let all = simulation.body_contacts().iter().map(|contact| (contact.particle, contact.force.y.abs()));
-    all.filter(|(_, force)| *force > 0.0).map(|(particle, force)| (from_axis(simulation, particle), force)).collect()
+    let all =
+        simulation.body_contacts().iter().map(|contact| (contact.own.place(simulation.state()), contact.force.y.abs()));
+    all.filter(|(_, force)| *force > 0.0).map(|(at, force)| (at.x * at.x + at.z * at.z, force)).collect()
 }
 
 fn from_axis(simulation: &Simulation<f64>, particle: usize) -> f64 {

@@ -87,7 +87,7 @@ pub const PARAMS: &[Param] = &[
     flag("bodies.*.self_collides", "Whether parts of the body that are apart at rest meet each other."),
     number("bodies.*.friction_static", "", 0.0, 10.0, "Coulomb coefficient between touching bodies below which they do not slide; of two bodies the geometric mean counts."),
     number("bodies.*.friction_dynamic", "", 0.0, 10.0, "Coulomb coefficient between bodies that slide past each other; of two bodies the geometric mean counts."),
-    words("bodies.*.contact_on", &["cells", "mesh"], "What of a model meets obstacles: the particles of its cells, or points on its own surface, up to eight a cell, whose forces go to the particles of the cell by their weights."),
+    words("bodies.*.contact_on", &["cells", "mesh"], "With what a model meets obstacles and other bodies: the particles of its cells, or points on its own surface, up to eight a cell, whose forces go to the particles of the cell by their weights. Others meet its surface too where that is closed, else its cells."),
     words("bodies.*.moves_by", &["cells", "modes"], "What the motion is worked out from: all cells, or the lowest modes, at a cost that no cell adds to. A body that nothing holds moves and turns as a whole beside them. Modes are linear: right for a small swing; where a part turns far against the rest it looks wrong, it grows."),
     integer("bodies.*.mode_count", 1, 60, "How many of the lowest modes a body moves by that moves by modes; more follow a push more closely."),
     words("bodies.*.skin", &["auto", "cells"], "Which surface is drawn: the model's own where there is one, or the cells'."),

@@ -171,7 +171,7 @@ fn skin_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
 
 fn meets_with_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
     let (path, shown) = (format!("bodies.{}.contact_on", id.0), words_of(body.contact_on, &CONTACT_ON));
-    if let Some(contact_on) = choice_ui(ui, &path, "Obstacles meet", body.contact_on, shown, &CONTACT_ON) {
+    if let Some(contact_on) = choice_ui(ui, &path, "Meets others with", body.contact_on, shown, &CONTACT_ON) {
         commands.extend(edits::alone(Edit::Body(id, Box::new(Body { contact_on, ..body.clone() }))));
     }
 }

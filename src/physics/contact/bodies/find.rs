@@ -4,7 +4,8 @@
 //! bodies      the boxes of two bodies overlap, where they would be at the end
 //! neighbours  those of the one's outside that are near cells of the other: kept until bodies have moved
 //! cells       is the point in the box around the cell, in slabs that lean as it does, in the cell itself
-//! way out     along the six axes of the cell, of those that lead against the point's own outside the shortest
+//! way out     along the six axes of the cell, of those that lead against the point's own outside the shortest; of a body that
+//!             meets others with its mesh the way to that, and outside it there is none
 //! ```
 //!
 //! Of a body and itself only the cells near its outside are looked at, and no cell that touches one around the point
@@ -13,17 +14,19 @@
 //! A point has an outside of its own: away from the middle of the cells around it. It is pushed out only against that, so
 //! that a slab of one cell is not pushed on through another that it is more than half way into, and the edge of a cube on
 //! a cube is not pushed off sideways. Of a body that is for the most part inside another that would be every way at once: its
-//! points all leave the same way, by which its middle is away from that of the other.
+//! points all leave the same way, by which its middle is away from that of the other. Where the way to the nearest place of a
+//! mesh leads on through, the point is let out straight back.
 
 use glam::DVec3;
 
+use super::ahead::Ahead;
 use super::buckets::Seen;
 use super::cell::{Cell, Slabs, TOLERANCE, outside};
 use super::neighbours::{Neighbours, around, looked_at};
-use super::points::PointsWorkspace;
-use super::workspace::Ahead;
+use super::outside::Outside;
+use super::points::{Found, Met, PointsWorkspace};
 use crate::math::{Aabb, Real};
-use crate::physics::model::{BodyModel, Model};
+use crate::physics::model::{BodyModel, Model, Skin, WayThrough};
 
 /// A point that is outside a cell by no more than this is as good as in it, and looked for in no other.
 const NOTHING: f64 = 1e-9;
@@ -34,41 +37,40 @@ const AGAINST: f64 = -0.2;
 /// A body is for the most part inside another where this share of its points is.
 const MOST: f64 = 0.5;
 
-/// A point of a body in a cell of another.
+/// What points are looked for in: everything as it would be at the end of the substep.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
-    /// The point: a local number.
-    pub(super) point: u32,
-    /// The cell's particles: local numbers.
-    pub(super) carriers: [u32; 8],
-    /// The place in the cell.
-    pub(super) at: DVec3,
-    /// Unit normal out of the cell's body.
-    pub(super) normal: DVec3,
-    /// How deep the point is inside along the normal, m.
-    pub(super) depth: f64,
-    /// How far it is to a nearer side that it does not leave by, m.
-    pub(super) nearer: Option<f64>,
+pub(super) struct Look<'a, R: Real> {
+    pub(super) model: &'a Model<R>,
+    /// Particles, m.
+    pub(super) ahead: &'a [DVec3],
+    pub(super) bodies: &'a [Ahead],
+    /// Which points are near which cells; without, every point is looked for in every cell.
+    pub(super) neighbours: Option<&'a Neighbours>,
 }
 
-/// Finds the points of one body of a pair that are inside the other: in the broad phase of those that are near
-/// ([`super::neighbours`]), else of all. Particles would be `ahead` at the end of the substep, m.
-pub(super) fn find<R: Real>(
-    model: &Model<R>,
-    of: [usize; 2],
-    neighbours: Option<&Neighbours>,
-    ahead: &[DVec3],
-    workspace: &mut PointsWorkspace,
-) {
+/// Finds which points of the body `number` are inside which of all bodies whose cells they may be in.
+pub(super) fn find_points<R: Real>(look: Look<'_, R>, number: usize, workspace: &mut PointsWorkspace) {
+    for place in 0..workspace.cells.len() {
+        let of = [number, workspace.cells[place]];
+        find(look, of, workspace);
+        let inside = workspace.seen.iter().filter(|seen| seen.is_inside()).count();
+        workspace.found.extend(ways_out(look, of, &workspace.seen, inside));
+        workspace.met.push(Met { inside, until: workspace.found.len() });
+    }
+}
+
+/// Finds the points of one body of a pair that are in cells of the other.
+fn find<R: Real>(look: Look<'_, R>, of: [usize; 2], workspace: &mut PointsWorkspace) {
+    let Look { model, ahead, neighbours, .. } = look;
     let [points, cells] = of.map(|number| &model.bodies[number]);
     let PointsWorkspace { lists, seen, buckets, looks, .. } = workspace;
-    let hull = points.hull();
-    let own = &ahead[cells.particles.clone()];
+    let outside = Outside::of(model, of);
+    let [own_points, own] = [points, cells].map(|body| &ahead[body.particles.clone()]);
     let cell_size = cells.lattice.grid.cell_size;
     let mut tests = 0;
-    let see = |point: u32| Seen::of(point, ahead[points.particles.start + hull.points[point as usize] as usize]);
+    let see = |point: u32| Seen::of(point, outside.place(point, own_points));
     if let Some(neighbours) = neighbours {
-        let list = lists.list(model, of, neighbours, seen, buckets);
+        let list = lists.list(model, (of, outside), neighbours, seen, buckets);
         seen.clear();
         seen.extend(list.points.iter().map(|point| see(*point)));
         for (number, places) in list.by_cell() {
@@ -79,55 +81,90 @@ pub(super) fn find<R: Real>(
         }
     } else {
         seen.clear();
-        seen.extend((0..).zip(&hull.points).map(|(point, _)| see(point)));
+        seen.extend(outside.numbers().map(see));
         let is_itself = of[0] == of[1];
         for number in looked_at(cells, is_itself) {
             let mut cell = Candidate::new(cells, number, own, cell_size);
             let low = cells.lattice.low(number);
             for seen in &mut *seen {
-                if !(is_itself && hull.surroundings[seen.point as usize].touch(low)) {
+                if !(is_itself && outside.touch(seen.point, low)) {
                     tests += u64::from(cell.look(seen));
                 }
             }
         }
     }
-    let all_tests = (hull.points.len() * cells.lattice.cells.len()) as u64;
+    let all_tests = (outside.count() * cells.lattice.cells.len()) as u64;
     looks.points += seen.len() as u64;
     looks.tests += tests;
     looks.tests_saved += all_tests - tests.min(all_tests);
 }
 
-/// The ways out of the points that were found, in their order, `inside` of them; `bodies` are as they would be at the end.
-pub(super) fn ways_out<R: Real>(
-    model: &Model<R>,
+/// The ways out of the points that were found, in their order, `inside` of them.
+fn ways_out<R: Real>(
+    look: Look<'_, R>,
     [of_points, of_cells]: [usize; 2],
     seen: &[Seen],
     inside: usize,
-    ahead: &[DVec3],
-    bodies: &[Ahead],
 ) -> impl Iterator<Item = Found> {
+    let Look { model, ahead, bodies, .. } = look;
     let [points, cells] = [of_points, of_cells].map(|number| &model.bodies[number]);
+    let outside = Outside::of(model, [of_points, of_cells]);
     let is_itself = of_points == of_cells;
-    let is_in = !is_itself && inside as f64 > MOST * points.hull().points.len() as f64;
+    let is_in = !is_itself && inside as f64 > MOST * outside.count() as f64;
     // Of two in the same place the later one in the list leaves upwards.
     let upwards = if of_points > of_cells { DVec3::Y } else { DVec3::NEG_Y };
-    let away = is_in.then(|| {
-        (bodies[of_points].bounds.center() - bodies[of_cells].bounds.center()).try_normalize().unwrap_or(upwards)
-    });
+    let apart = || bodies[of_points].bounds.center() - bodies[of_cells].bounds.center();
+    let away = is_in.then(|| apart().try_normalize().unwrap_or(upwards));
+    let skin = cells.samples_among_bodies().filter(|_| !is_itself).and_then(|samples| samples.skin.as_ref());
     seen.iter().filter(|seen| seen.is_inside()).filter_map(move |seen| {
         let carriers = cells.lattice.cells[seen.cell as usize];
         let cell = Cell(carriers.map(|corner| ahead[cells.particles.start + corner as usize]));
-        let (hull, ways) = (points.hull(), &cells.hull().ways[seen.cell as usize]);
-        let own = || outward(points, hull.around(seen.point as usize), seen.ahead, &ahead[points.particles.clone()]);
-        let sides = sides(&cell, seen.at, ways);
-        let (normal, depth) = match away {
-            Some(away) => way_along(sides, away),
-            None => way_out(sides, own())?,
+        let outward = || outside.outward(points, seen.point, seen.ahead, &ahead[points.particles.clone()]);
+        let (normal, depth, nearer) = if let Some(skin) = skin {
+            let (normal, depth) = through_skin(skin, cells, seen, &cell, away.ok_or_else(outward))?;
+            (normal, depth, None)
+        } else {
+            let sides = sides(&cell, seen.at, &cells.hull().ways[seen.cell as usize]);
+            let (normal, depth) = match away {
+                Some(away) => way_along(sides, away),
+                None => way_out(sides, outward())?,
+            };
+            let nearer = sides.map(|(_, depth)| depth).into_iter().filter(|other| *other < depth).reduce(f64::min);
+            (normal, depth, nearer)
         };
-        let point = hull.points[seen.point as usize];
-        let nearer = sides.map(|(_, depth)| depth).into_iter().filter(|other| *other < depth).reduce(f64::min);
-        Some(Found { point, carriers, at: seen.at, normal, depth, nearer })
+        Some(Found { point: seen.point, carriers, at: seen.at, normal, depth, nearer })
     })
+}
+
+/// The normal of the mesh of a body where a point in one of its cells may leave by it, and how deep the point is inside along
+/// that, m: along a way that is given, else the shortest that leads against the point's own outside, else straight back from
+/// that. None where the point is outside of the mesh.
+fn through_skin<R: Real>(
+    skin: &Skin,
+    body: &BodyModel<R>,
+    seen: &Seen,
+    cell: &Cell,
+    away: Result<DVec3, DVec3>,
+) -> Option<(DVec3, f64)> {
+    let grid = &body.lattice.grid;
+    let at_rest = grid.corner(body.lattice.low(seen.cell)) + seen.at * grid.cell_size;
+    let shortest = skin.way_out(at_rest)?;
+    let slopes = cell.slopes(seen.at);
+    // A way of the body at rest is carried along, and so are its layers, which are thinner where the cell is.
+    let (back, layers) = (slopes.inverse(), slopes.inverse().transpose() * grid.cell_size);
+    let carried = |WayThrough { normal, depth }| {
+        let across = layers * normal;
+        let per_metre = across.length();
+        (across * (1.0 / per_metre), depth / per_metre)
+    };
+    let along = |way: DVec3| skin.way_along(at_rest, (back * way).try_normalize()?).map(carried);
+    match away {
+        Ok(away) => along(away).or_else(|| Some(carried(shortest))),
+        Err(outward) => {
+            let (normal, depth) = carried(shortest);
+            if leads_out(normal, outward) { Some((normal, depth)) } else { along(-outward) }
+        }
+    }
 }
 
 /// A cell that points may be in.
@@ -169,19 +206,16 @@ impl Candidate {
     }
 }
 
-/// The direction from the middle of the cells around a point to it; nothing where they are all around it.
-fn outward<R: Real>(body: &BodyModel<R>, around: &[u32], point: DVec3, ahead: &[DVec3]) -> DVec3 {
-    let corners = around.iter().flat_map(|cell| body.lattice.cells[*cell as usize]);
-    let sum = corners.fold(DVec3::ZERO, |sum, corner| sum + ahead[corner as usize]);
-    (point - sum / (8.0 * around.len() as f64)).normalize_or_zero()
+/// Whether a way out leads against the outside of a point.
+fn leads_out(normal: DVec3, outward: DVec3) -> bool {
+    outward == DVec3::ZERO || outward.dot(normal) < AGAINST
 }
 
 /// The normal of the nearest side of a body that a point may leave it by, and how deep it is there, m.
 fn way_out(sides: [(DVec3, f64); 6], outward: DVec3) -> Option<(DVec3, f64)> {
-    let leads_out = |normal: DVec3| outward == DVec3::ZERO || outward.dot(normal) < AGAINST;
     let mut best: Option<(DVec3, f64)> = None;
     for (normal, depth) in sides {
-        if leads_out(normal) && best.is_none_or(|(_, least)| depth < least) {
+        if leads_out(normal, outward) && best.is_none_or(|(_, least)| depth < least) {
             best = Some((normal, depth));
         }
     }

@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::cell::Cell;
-use super::find::Found;
-use super::record::BodyContact;
+use super::outside::Outside;
+use super::points::Found;
+use super::record::{BodyContact, WeightedParticles};
 use super::workspace::{BodiesWorkspace, WEIGHED};
 use crate::math::{Real, Vector};
 use crate::physics::contact::weighted::{ModalBodies, PointConstraint, PointLaw, Shares, SpringBefore, Where};
@@ -26,7 +27,8 @@ impl<R: Real> Meeting<'_, R> {
     pub(super) fn add(&self, found: &Found, modal: &mut impl ModalBodies, workspace: &mut BodiesWorkspace<R>) {
         let &Self { substep: Substep { model, state, dt, .. }, of_point, of_cell, .. } = self;
         let [points, cells] = [of_point, of_cell].map(|number| &model.bodies[number]);
-        let particle = points.particles.start + found.point as usize;
+        let outside = Outside::of(model, [of_point, of_cell]);
+        let (point, own) = outside.carried(found.point, points.particles.start);
         let carriers = found.carriers.map(|corner| cells.particles.start + corner as usize);
         // The weights that make the point of the cell's particles where they are now: with them no moment is left over.
         let is_modal = [of_point, of_cell].map(|body| modal.moves(body));
@@ -34,18 +36,18 @@ impl<R: Real> Meeting<'_, R> {
             if is_modal { workspace.modal_now[particle] } else { state.position[particle].to_dvec3() }
         };
         let cell = Cell(carriers.map(|carrier| now(carrier, is_modal[1])));
-        let place = cell.locate(now(particle, is_modal[0]), found.at, cells.lattice.grid.cell_size);
+        let at = own.mean(|particle| now(particle, is_modal[0]));
+        let place = cell.locate(at, found.at, cells.lattice.grid.cell_size);
         if place.is_none() && of_point == of_cell {
             // A body that turned itself by what it does to itself would not come to rest.
             return;
         }
-        let weights = Cell::weights(place.unwrap_or(found.at));
-        let corners = std::array::from_fn::<_, 8, _>(|corner| (found.carriers[corner] as usize, weights[corner]));
-        let (shares, leaving) = self.weigh(found, &corners, modal, workspace);
+        let cell = WeightedParticles::of_cell(carriers, Cell::weights(place.unwrap_or(found.at)));
+        let (shares, leaving) = self.weigh(found, [&own, &cell], modal, workspace);
         let movers = &workspace.movers;
         let dt = dt.to_f64();
         let depth = found.depth + dt * movers.before(shares).dot(found.normal);
-        let known = state.presses.binary_search_by_key(&(particle, of_cell), Press::place);
+        let known = state.presses.binary_search_by_key(&(of_point, point, of_cell), Press::place);
         let pressed = depth.min(known.map_or(0.0, |place| state.presses[place].depth_m));
         let (spring, gap) = (SpringBefore { depth, pressed, leaving }, -depth);
         let at = Where { normal: found.normal, carried: DVec3::ZERO };
@@ -53,7 +55,7 @@ impl<R: Real> Meeting<'_, R> {
         workspace.constraints.push(constraint);
         let (normal, nearer, force) = (found.normal, found.nearer, DVec3::ZERO);
         let bodies = [of_point, of_cell];
-        workspace.contacts.push(BodyContact { bodies, particle, carriers, weights, normal, gap, nearer, force });
+        workspace.contacts.push(BodyContact { bodies, point, own, cell, normal, gap, nearer, force });
     }
 
     /// Has a contact weigh its point and take off the corners of the cell that it is in, and tells how fast the first of them leaves
@@ -61,7 +63,7 @@ impl<R: Real> Meeting<'_, R> {
     fn weigh(
         &self,
         found: &Found,
-        corners: &[(usize, f64); 8],
+        [point, cell]: [&WeightedParticles; 2],
         modal: &mut impl ModalBodies,
         workspace: &mut BodiesWorkspace<R>,
     ) -> (Shares, f64) {
@@ -69,17 +71,19 @@ impl<R: Real> Meeting<'_, R> {
         let (known, mut leaving) = (movers.modal.shares(), 0.0_f64);
         let mut particles = [(0, 0.0); WEIGHED];
         let (mut count, mut of_point) = (0, 0);
-        for (body, own, sign) in
-            [(self.of_point, &[(found.point as usize, 1.0)][..], 1.0), (self.of_cell, &corners[..], -1.0)]
-        {
+        for (body, own, sign) in [(self.of_point, point, 1.0), (self.of_cell, cell, -1.0)] {
+            let start = self.substep.model.bodies[body].particles.start;
             if modal.moves(body) {
-                let speed = movers.modal.weigh(body, own, sign, modal);
+                let mut local = [(0, 0.0); 8];
+                let weighed =
+                    own.iter().zip(&mut local).map(|((particle, weight), to)| *to = (particle - start, weight));
+                let weighed = weighed.count();
+                let speed = movers.modal.weigh(body, &local[..weighed], sign, modal);
                 leaving = leaving.max((speed - bodies[body].drift).dot(found.normal) * sign);
                 continue;
             }
-            let start = self.substep.model.bodies[body].particles.start;
-            for &(local, weight) in own {
-                particles[count] = (movers.place(self.substep, body, start + local, self.velocity), sign * weight);
+            for (particle, weight) in own.iter() {
+                particles[count] = (movers.place(self.substep, body, particle, self.velocity), sign * weight);
                 count += 1;
             }
             if sign > 0.0 {

@@ -6,7 +6,8 @@
 //! itself      which come near themselves: what belongs together at rest is left out
 //! find        which points would be inside which cells at its end, and the way out: a distance field of the body at rest
 //!             ([`crate::physics::model::Hull`]), carried along by the cell (cell); which are near is kept for a while (neighbours, buckets)
-//! (weighted)  each is a contact of nine weighted particles with one effective mass: the same force on the point as, turned
+//! outside     what meets: particles of the outside or points of the mesh
+//! (weighted)  each is a contact of nine or sixteen weighted particles with one effective mass: the same force on the point as, turned
 //!             about, on the cell, where the point is: momentum and angular momentum stay as they are; a spring with critical
 //!             damping taken implicitly and Coulomb friction, all contacts together, in a fixed order; how far each is pressed
 //!             is in the state
@@ -26,6 +27,7 @@
 //! distance at rest is exact for a body made of cubes and kept by cell, not by corner, as all corners of a slab of one cell
 //! are on its outside; points are found where they would be at the end, so that what comes is stopped before it is inside.
 
+mod ahead;
 mod buckets;
 mod cell;
 mod find;
@@ -35,6 +37,7 @@ mod meeting;
 mod motion;
 mod near;
 mod neighbours;
+mod outside;
 mod points;
 mod record;
 mod workspace;
@@ -42,11 +45,12 @@ mod workspace;
 pub(in crate::physics) use law::pair_law;
 pub(in crate::physics) use near::parts;
 pub(in crate::physics) use points::BYTES_A_POINT;
-pub use record::BodyContact;
+pub use record::{BodyContact, WeightedParticles};
 pub(in crate::physics) use workspace::BodiesWorkspace;
 
 use glam::DVec3;
 
+use self::find::Look;
 use self::meeting::Meeting;
 use self::points::PointsWorkspace;
 use super::weighted::{self, ModalBodies, Mover, PointConstraint, PointLaw};
@@ -86,8 +90,8 @@ pub(in crate::physics) fn meet<R: Real>(
         contact.force = constraint.impulse() / dt;
         let along = -(contact.gap + dt * constraint.past(movers).dot(contact.normal));
         deepest = deepest.max(contact.nearer.map_or(along, |nearer| along.min(nearer)));
-        let BodyContact { bodies, particle, .. } = *contact;
-        presses.push(Press { bodies, particle, depth_m: constraint.pressed_at_end(movers, dt) });
+        let BodyContact { bodies, point, .. } = *contact;
+        presses.push(Press { bodies, point, depth_m: constraint.pressed_at_end(movers, dt) });
     }
     presses.sort_unstable_by_key(Press::place);
     recorder.note_depth_between_bodies(deepest);
@@ -157,9 +161,10 @@ fn find_points<R: Real>(substep: Substep<'_, R>, workspace: &mut BodiesWorkspace
         neighbours.keep_up(model, pairs, ahead);
     }
     let neighbours = plan.broad_phase.then_some(&*neighbours);
+    let look = Look { model, ahead, bodies, neighbours };
     team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (&mut points[..], ()), |these, points, ()| {
         for (number, points) in these.zip(points) {
-            points.find(model, number, neighbours, (ahead, bodies));
+            find::find_points(look, number, points);
         }
     });
     points.iter().for_each(|points| points.count(&mut recorder.counters));

@@ -12,6 +12,7 @@ use glam::DVec3;
 
 use super::buckets::{Buckets, Seen};
 use super::cell::TOLERANCE;
+use super::outside::Outside;
 use crate::math::{Aabb, Real};
 use crate::physics::kernels::bounds_of_ways;
 use crate::physics::model::plan::Plan;
@@ -186,12 +187,12 @@ impl Lists {
         }
     }
 
-    /// The points of one body that may be in cells of another, and which these may be in; `seen` and `buckets` are what it is
-    /// worked out in.
+    /// The points on the outside of one body that may be in cells of another, and which these may be in; `seen` and `buckets` are
+    /// what it is worked out in.
     pub(super) fn list<R: Real>(
         &mut self,
         model: &Model<R>,
-        of: [usize; 2],
+        (of, outside): ([usize; 2], Outside<'_>),
         neighbours: &Neighbours,
         seen: &mut Vec<Seen>,
         buckets: &mut Buckets,
@@ -207,7 +208,7 @@ impl Lists {
         }
         let known = self.lists.iter().position(|list| list.cells == of[1]);
         let number = known.unwrap_or_else(|| {
-            self.make(model, of, neighbours, seen, buckets);
+            self.make(model, (of, outside), neighbours, seen, buckets);
             self.lists.len() - 1
         });
         let List { points, pairs, .. } = &self.lists[number];
@@ -231,20 +232,21 @@ impl Lists {
     fn make<R: Real>(
         &mut self,
         model: &Model<R>,
-        of: [usize; 2],
+        (of, outside): ([usize; 2], Outside<'_>),
         neighbours: &Neighbours,
         seen: &mut Vec<Seen>,
         buckets: &mut Buckets,
     ) {
         let ([points, cells], then) = (of.map(|number| &model.bodies[number]), &neighbours.then);
-        let (hull, is_itself, margin) = (points.hull(), of[0] == of[1], margin(model, of));
+        let (is_itself, margin) = (of[0] == of[1], margin(model, of));
         let cell_size = cells.lattice.grid.cell_size;
         let reach = TOLERANCE * cell_size + margin;
         let own = &then[cells.particles.clone()];
         let all = Aabb::<f64>::around(own.iter().copied()).grown(reach);
         seen.clear();
-        seen.extend((0..).zip(&hull.points).filter_map(|(point, particle)| {
-            let then = then[points.particles.start + *particle as usize];
+        let own_points = &then[points.particles.clone()];
+        seen.extend(outside.numbers().filter_map(|point| {
+            let then = outside.place(point, own_points);
             all.holds(then).then_some(Seen::of(point, then))
         }));
         let first = (self.points.len(), self.pairs.len());
@@ -262,7 +264,7 @@ impl Lists {
                 let low = cells.lattice.low(number);
                 for place in buckets.near(&around) {
                     let Seen { point, ahead, .. } = seen[place];
-                    if around.holds(ahead) && !(is_itself && hull.surroundings[point as usize].touch(low)) {
+                    if around.holds(ahead) && !(is_itself && outside.touch(point, low)) {
                         self.place_of[place] = 1;
                         let beyond = (cell.min - ahead).max(ahead - cell.max).max_element();
                         #[expect(
@@ -361,7 +363,7 @@ mod tests {
             let model = simulation.model();
             neighbours.follow(simulation.plan(), model, ahead);
             neighbours.keep_up(model, &[of], ahead);
-            let list = lists[of[0]].list(model, of, neighbours, seen, buckets);
+            let list = lists[of[0]].list(model, (of, Outside::of(model, of)), neighbours, seen, buckets);
             let near: Vec<(u32, Vec<u32>)> = list.by_cell().map(|(cell, places)| (cell, places.collect())).collect();
             let [points, cells] = of.map(|number| &model.bodies[number]);
             let own = &ahead[cells.particles.clone()];

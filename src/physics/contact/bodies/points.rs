@@ -4,11 +4,8 @@
 use glam::DVec3;
 
 use super::buckets::{Buckets, Seen};
-use super::find::{self, Found};
-use super::neighbours::{Lists, Neighbours};
-use super::workspace::Ahead;
-use crate::math::Real;
-use crate::physics::model::{Model, Surroundings};
+use super::neighbours::Lists;
+use crate::physics::model::Surroundings;
 use crate::physics::report::Counters;
 
 /// What a point on the outside of a body is looked for and found in, bytes: with four buckets and a place in their order.
@@ -23,7 +20,7 @@ pub(super) struct PointsWorkspace {
     /// What was found of each of these.
     pub(super) met: Vec<Met>,
     /// The points in cells, body after body.
-    found: Vec<Found>,
+    pub(super) found: Vec<Found>,
     pub(super) looks: Looks,
     pub(super) lists: Lists,
     pub(super) seen: Vec<Seen>,
@@ -32,13 +29,30 @@ pub(super) struct PointsWorkspace {
     pub(super) sorted: Vec<(DVec3, Surroundings)>,
 }
 
+/// A point of a body in a cell of another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// The point, by its number on the outside of its body.
+    pub(super) point: u32,
+    /// The cell's particles: local numbers.
+    pub(super) carriers: [u32; 8],
+    /// The place in the cell.
+    pub(super) at: DVec3,
+    /// Unit normal out of the cell's body.
+    pub(super) normal: DVec3,
+    /// How deep the point is inside along the normal, m.
+    pub(super) depth: f64,
+    /// How far it is to a nearer side that it does not leave by, m.
+    pub(super) nearer: Option<f64>,
+}
+
 /// The points of a body that are in cells of one other, or of itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Met {
     /// How many are inside.
     pub(super) inside: usize,
     /// How many of all that were found are of this body or of those before it.
-    until: usize,
+    pub(super) until: usize,
 }
 
 /// What was looked at.
@@ -70,24 +84,6 @@ impl PointsWorkspace {
         self.met.clear();
         self.found.clear();
         self.looks = Looks::default();
-    }
-
-    /// Finds which points of the body `number` are in the cells of all that it may meet. Particles and bodies would be `ahead` at
-    /// the end of the substep; without `neighbours` every point is looked for in every cell.
-    pub(super) fn find<R: Real>(
-        &mut self,
-        model: &Model<R>,
-        number: usize,
-        neighbours: Option<&Neighbours>,
-        (ahead, bodies): (&[DVec3], &[Ahead]),
-    ) {
-        for place in 0..self.cells.len() {
-            let of = [number, self.cells[place]];
-            find::find(model, of, neighbours, ahead, self);
-            let inside = self.seen.iter().filter(|seen| seen.is_inside()).count();
-            self.found.extend(find::ways_out(model, of, &self.seen, inside, ahead, bodies));
-            self.met.push(Met { inside, until: self.found.len() });
-        }
     }
 
     /// How many points are inside another body, or folds of this one, and those that were found of them.

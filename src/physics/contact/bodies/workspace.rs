@@ -2,11 +2,12 @@
 
 use glam::DVec3;
 
+use super::ahead::Ahead;
 use super::motion::Motion;
 use super::neighbours::Neighbours;
 use super::points::PointsWorkspace;
 use super::record::BodyContact;
-use crate::math::{Aabb, Real};
+use crate::math::Real;
 use crate::physics::contact::weighted::{Movers, PointConstraint};
 use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
@@ -14,8 +15,11 @@ use crate::physics::state::State;
 use crate::physics::state::press::Press;
 use crate::physics::state::sleep;
 
-/// Particles that a contact weighs.
-pub(super) const WEIGHED: usize = 9;
+/// Particles that a contact weighs at most: those that carry its point, and those of the cell.
+pub(super) const WEIGHED: usize = 16;
+
+/// The same where the point is a particle.
+const OF_PARTICLE: usize = 9;
 
 /// What contact between bodies works in; of no length where there is none, nor for one body before it comes near itself.
 #[derive(Clone, Debug, Default)]
@@ -48,24 +52,6 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(in crate::physics) presses: Vec<Press>,
 }
 
-/// A body as it would be at the end of a substep.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ahead {
-    /// Whether it moves by its modes in it.
-    pub(super) is_modal: bool,
-    /// The box around it, m; around a modal one over the whole substep.
-    pub(super) bounds: Aabb<f64>,
-    /// The mean velocity of its particles, of a modal one that of its middle, m/s.
-    pub(super) drift: DVec3,
-}
-
-impl Ahead {
-    /// One that is nowhere.
-    pub(super) fn nowhere() -> Self {
-        Self { is_modal: false, bounds: Aabb::empty(), drift: DVec3::ZERO }
-    }
-}
-
 impl<R: Real> BodiesWorkspace<R> {
     /// Room for a model.
     pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
@@ -84,6 +70,7 @@ impl<R: Real> BodiesWorkspace<R> {
         if self.ahead.len() == count {
             return;
         }
+        // Points of meshes are more, and make room for themselves once where that many meet.
         let surfaces = || model.bodies.iter().map(|body| body.lattice.surface);
         let all: usize = surfaces().sum();
         *self = Self {
@@ -96,7 +83,7 @@ impl<R: Real> BodiesWorkspace<R> {
             neighbours: Neighbours::new(count, bodies),
             pairs: Vec::with_capacity(2 * all.min(bodies * bodies)),
             points: surfaces().map(|points| PointsWorkspace::new(points, bodies)).collect(),
-            movers: Movers::new(count, WEIGHED * all),
+            movers: Movers::new(count, OF_PARTICLE * all),
             moved: Vec::with_capacity(count),
             met: Vec::with_capacity((bodies * bodies).min(all)),
             constraints: Vec::with_capacity(all),

@@ -1,0 +1,23 @@
+//! Where a body as a whole would be at the end of a substep.
+
+use glam::DVec3;
+
+use crate::math::Aabb;
+
+/// A body as it would be at the end of a substep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ahead {
+    /// Whether it moves by its modes in it.
+    pub(super) is_modal: bool,
+    /// The box around it, m; around a modal one over the whole substep.
+    pub(super) bounds: Aabb<f64>,
+    /// The mean velocity of its particles, of a modal one that of its middle, m/s.
+    pub(super) drift: DVec3,
+}
+
+impl Ahead {
+    /// One that is nowhere.
+    pub(super) fn nowhere() -> Self {
+        Self { is_modal: false, bounds: Aabb::empty(), drift: DVec3::ZERO }
+    }
+}

@@ -1,0 +1,136 @@
+//! The closed mesh that a body's cells were made of, of the body at rest: a distance field by which points of others find out
+//! of it (Fisher and Lin, *Deformed distance fields for simulation of non-penetrating flexible bodies*, 2001).
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::geometry::{Lattice, Surface};
+
+/// A line of this length leads out of any surface, in its own length.
+const BEYOND: f64 = 2.0;
+
+/// Nearer to the surface than this, in its own length, the way there is told by the surface and not by the way.
+const AT_SURFACE: f64 = 1e-9;
+
+/// A closed mesh in the coordinates of its lattice's grid.
+#[derive(Clone, Debug)]
+pub(in crate::physics) struct Skin {
+    surface: Arc<Surface>,
+    /// The middle of its box, m.
+    center: DVec3,
+}
+
+/// A way out of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::physics) struct WayThrough {
+    /// Unit normal of where it leads out.
+    pub(in crate::physics) normal: DVec3,
+    /// How far that is along the normal, m.
+    pub(in crate::physics) depth: f64,
+}
+
+impl PartialEq for Skin {
+    fn eq(&self, other: &Self) -> bool {
+        let alike = |one: &Surface, other: &Surface| {
+            one.positions() == other.positions() && one.triangles() == other.triangles()
+        };
+        self.center == other.center
+            && (Arc::ptr_eq(&self.surface, &other.surface) || alike(&self.surface, &other.surface))
+    }
+}
+
+impl Skin {
+    /// That of a lattice; none where it was made of no mesh, or of one that has no inside.
+    pub(super) fn of(lattice: &Lattice) -> Option<Self> {
+        let mesh = lattice.mesh.as_ref()?;
+        let surface = Surface::new(mesh).ok().filter(Surface::is_closed)?;
+        Some(Self { surface: Arc::new(surface), center: mesh.bounds().center() })
+    }
+
+    /// The normal of the surface where it is nearest to a point (m).
+    pub(super) fn normal(&self, at: DVec3) -> DVec3 {
+        self.surface.nearest(self.own(at)).normal
+    }
+
+    /// The shortest way out for a point (m); none where it is outside.
+    pub(in crate::physics) fn way_out(&self, at: DVec3) -> Option<WayThrough> {
+        let own = self.own(at);
+        if self.surface.is_beyond(own, 0.0) {
+            return None;
+        }
+        let nearest = self.surface.nearest(own);
+        if !nearest.is_within(own) {
+            return None;
+        }
+        let way = nearest.point - own;
+        let normal = if nearest.distance > AT_SURFACE { way * (1.0 / nearest.distance) } else { nearest.normal };
+        Some(WayThrough { normal, depth: nearest.distance * self.length() })
+    }
+
+    /// The way out along a direction of length 1, for a point inside (m).
+    pub(in crate::physics) fn way_along(&self, at: DVec3, along: DVec3) -> Option<WayThrough> {
+        let pierced = self.surface.pierced(self.own(at), along * BEYOND, false)?;
+        let leads_out = pierced.normal.dot(along);
+        (leads_out > 0.0)
+            .then(|| WayThrough { normal: pierced.normal, depth: pierced.t * BEYOND * leads_out * self.length() })
+    }
+
+    fn length(&self) -> f64 {
+        self.surface.own_length()
+    }
+
+    fn own(&self, at: DVec3) -> DVec3 {
+        (at - self.center) / self.length()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::TriMesh;
+    use crate::geometry::voxel::Cells;
+
+    /// A box of 0.4 × 1 × 1 m, its lowest corner at (1, 2, 3) m.
+    fn slab() -> Skin {
+        let low = DVec3::new(1.0, 2.0, 3.0);
+        let corner = |place: u32| {
+            let [x, y, z] = [place & 1, place >> 1 & 1, place >> 2].map(f64::from);
+            low + DVec3::new(0.4 * x, y, z)
+        };
+        let positions = (0..8).map(corner).collect();
+        let triangles = [
+            [0, 2, 1],
+            [1, 2, 3],
+            [4, 5, 6],
+            [5, 7, 6],
+            [0, 1, 4],
+            [1, 5, 4],
+            [2, 6, 3],
+            [3, 6, 7],
+            [0, 4, 2],
+            [2, 4, 6],
+            [1, 3, 5],
+            [3, 7, 5],
+        ];
+        let mut lattice = Lattice::new(&Cells::cube(1, 1.0).expect("a cube"));
+        lattice.mesh = Some(Arc::new(TriMesh { positions, triangles: triangles.to_vec(), ..TriMesh::default() }));
+        Skin::of(&lattice).expect("it is closed")
+    }
+
+    #[test]
+    fn the_way_out_of_a_slab_is_to_its_nearest_side_and_along_a_direction_to_the_one_there() {
+        let skin = slab();
+        let inside = DVec3::new(1.3, 2.5, 3.5);
+        let out = skin.way_out(inside).expect("it is inside");
+        assert!((out.depth - 0.1).abs() < 1e-12 && (out.normal - DVec3::X).length() < 1e-9, "{out:?}");
+        let back = skin.way_along(inside, DVec3::NEG_X).expect("it is inside");
+        assert!((back.depth - 0.3).abs() < 1e-12 && (back.normal + DVec3::X).length() < 1e-9, "{back:?}");
+        let leaning = skin.way_along(inside, DVec3::new(-0.6, 0.0, 0.8)).expect("it is inside");
+        assert!((leaning.depth - 0.3).abs() < 1e-12 && (leaning.normal + DVec3::X).length() < 1e-9, "{leaning:?}");
+        for outside in [DVec3::new(1.41, 2.5, 3.5), DVec3::new(5.0, 2.5, 3.5), DVec3::new(1.2, 1.99, 3.5)] {
+            assert_eq!(skin.way_out(outside), None, "{outside}");
+        }
+        assert!((skin.normal(DVec3::new(1.1, 3.0, 3.5)) - DVec3::Y).length() < 1e-9);
+    }
+}
