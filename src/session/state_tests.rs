@@ -283,6 +283,49 @@ fn a_state_saved_while_a_mesh_touches_goes_on_bit_for_bit() {
     assert_ne!(first.simulation().hash(), forgetful.simulation().hash(), "what is pressed is part of it");
 }
 
+/// Two of Spot meet with their meshes, the upper one upside down.
+fn meshes_meet() -> Session {
+    let mut scene = Scene::clone(on_its_mesh().scene());
+    scene.bodies[0].pose.position[1] = 0.5;
+    let mut other = scene.bodies[0].clone();
+    (other.pose.position[1], other.pose.rotation_deg) = (1.3, [0.0, 0.0, 180.0]);
+    scene.bodies.push(other);
+    Session::new(scene, PathBuf::new(), "two".to_owned()).expect("it resolves")
+}
+
+#[test]
+fn a_state_saved_while_meshes_press_each_other_goes_on_bit_for_bit() {
+    let mut first = meshes_meet();
+    let presses = |session: &Session| {
+        let mut all = session.simulation().state().presses.iter();
+        all.any(|press| matches!(press.point, BodyPoint::OfMesh(_)) && press.depth_m > 0.0)
+    };
+    let alone = (0..5000).take_while(|_| first.step() && !presses(&first)).count();
+    assert!(alone < 5000, "they meet");
+    (0..5).for_each(|_| assert!(first.step(), "they press each other"));
+    let [mut second, mut forgetful] = [meshes_meet(), meshes_meet()];
+    second.set_state_bytes(&first.state_bytes()).expect("a state of the same scene");
+    let mut state = first.simulation().state().clone();
+    state.presses.clear();
+    forgetful.replace_state(state);
+    for session in [&mut first, &mut second, &mut forgetful] {
+        (0..40).for_each(|_| assert!(session.step(), "it goes on"));
+    }
+    assert_eq!(first.simulation().state(), second.simulation().state(), "the same motion");
+    assert_ne!(first.simulation().hash(), forgetful.simulation().hash(), "what is pressed is part of it");
+    let said = |point| {
+        let mut session = meshes_meet();
+        let mut state = session.simulation().state().clone();
+        state.presses = vec![Press { bodies: [0, 1], point, depth_m: 0.01 }];
+        session.replace_state(state);
+        let bytes = session.state_bytes();
+        meshes_meet().set_state_bytes(&bytes).err().map_or("nothing".to_owned(), |error| error.to_string())
+    };
+    assert_eq!(said(BodyPoint::OfMesh(3)), "nothing", "it may be");
+    assert!(said(BodyPoint::Particle(3)).contains("one of particle 3"), "its particles meet nobody");
+    assert!(said(BodyPoint::OfMesh(100_000)).contains("100000"), "there are not as many");
+}
+
 #[test]
 fn touching_points_are_checked_and_states_of_versions_before_are_read() {
     let said = |change: &dyn Fn(&mut Vec<SampleTouch>)| {

@@ -84,6 +84,19 @@ fn balls_meet_where_their_surfaces_are_and_not_where_their_cells_end() {
 }
 
 #[test]
+fn equal_balls_head_on_exchange_their_speeds_within_two_percent() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let ball = |at: f64, speed: f64| model(folder.path(), &ball_obj(24), 16, [at, 0.0, 0.0], [speed, 0.0, 0.0]);
+    let mut simulation = simulate::<f32>(&meeting(vec![ball(-0.55, 1.0), ball(0.55, 0.0)]));
+    let first = |simulation: &Simulation<f32>| simulation.diagnostics_of(0).momentum.x;
+    let before = first(&simulation);
+    run(&mut simulation, 0.7);
+    assert!(!pushes(&simulation) && apart(&simulation) > 1.05, "they have met and gone");
+    let kept = first(&simulation) / before;
+    assert!((0.0..0.02).contains(&kept), "the first keeps {kept} of its momentum");
+}
+
+#[test]
 fn momentum_and_angular_momentum_are_kept_and_no_energy_is_made() {
     let mut scene = balls(8, ContactOn::Mesh);
     scene.bodies.iter_mut().for_each(|body| (body.friction_static, body.friction_dynamic) = (0.6, 0.4));

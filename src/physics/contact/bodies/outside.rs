@@ -28,12 +28,8 @@ impl<'a> Outside<'a> {
 
     /// The numbers of its points.
     pub(super) fn numbers(self) -> impl Iterator<Item = u32> + use<'a> {
-        let count = match self {
-            Self::Particles(hull) => hull.points.len(),
-            Self::Mesh(samples) => samples.count(),
-        };
         #[expect(clippy::cast_possible_truncation, reason = "points are counted in 32 bits")]
-        let all = 0..count as u32;
+        let all = 0..self.count() as u32;
         all.filter(move |number| match self {
             Self::Particles(_) => true,
             Self::Mesh(samples) => samples.is_in_its_cell(*number as usize),
