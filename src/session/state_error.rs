@@ -24,6 +24,9 @@ pub(super) const WITHOUT_MODES: &str = "gelatin-state 12\n";
 /// The same of the first version that is read, which knew no points of meshes.
 pub(super) const WITHOUT_TOUCHES: &str = "gelatin-state 11\n";
 
+/// Marks the number of a point that is of a mesh and not a particle.
+pub(super) const OF_MESH: u64 = 1 << 63;
+
 /// Why a state cannot be used.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum StateFileError {

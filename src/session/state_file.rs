@@ -50,7 +50,8 @@ use glam::Vec3;
 use serde_json::json;
 
 use super::state_error::{
-    MAGIC, ON_CELLS, StateError, StateFileError, WITHOUT_FREE_MODES, WITHOUT_LOADS, WITHOUT_MODES, WITHOUT_TOUCHES,
+    MAGIC, OF_MESH, ON_CELLS, StateError, StateFileError, WITHOUT_FREE_MODES, WITHOUT_LOADS, WITHOUT_MODES,
+    WITHOUT_TOUCHES,
 };
 use super::state_origin::Origin;
 use super::state_reader::{Reader, Tells};
@@ -68,9 +69,6 @@ use crate::text::echo;
 
 /// A larger file is no state: more particles than a body may have.
 const MAX_BYTES: u64 = 4 << 30;
-
-/// Marks the number of a point that is of a mesh and not a particle.
-pub(super) const OF_MESH: u64 = 1 << 63;
 
 /// What a state says of itself.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,8 +4,7 @@ use std::fmt::Display;
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::state_error::StateFileError;
-use super::state_file::OF_MESH;
+use super::state_error::{OF_MESH, StateFileError};
 use crate::modal::COUNTS;
 use crate::physics::Approach;
 use crate::physics::BodyMemory;

@@ -43,13 +43,12 @@ fn simulate<R: Real>(scene: &Scene) -> Simulation<R> {
 }
 
 /// Two balls of 1 m that come at each other along the diagonal, where cells stick out, at 1 m/s and a little aside.
-fn balls(divisions: u32, contact_on: ContactOn) -> Scene {
-    let folder = tempfile::tempdir().expect("a folder");
+fn balls(folder: &Path, divisions: u32, contact_on: ContactOn) -> Scene {
     let half = 0.5 * 1.3 / 3.0_f64.sqrt();
     let ball = |sign: f64| {
         let at = [sign * half, sign * half + 0.1 * sign, sign * half];
         let speed = -sign * 0.5 / 3.0_f64.sqrt();
-        Body { contact_on, ..model(folder.path(), &ball_obj(24), divisions, at, [speed; 3]) }
+        Body { contact_on, ..model(folder, &ball_obj(24), divisions, at, [speed; 3]) }
     };
     meeting(vec![ball(-1.0), ball(1.0)])
 }
@@ -65,7 +64,8 @@ fn pushes<R: Real>(simulation: &Simulation<R>) -> bool {
 #[test]
 fn balls_meet_where_their_surfaces_are_and_not_where_their_cells_end() {
     let first_contact = |divisions, contact_on| {
-        let mut simulation = simulate::<f64>(&balls(divisions, contact_on));
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut simulation = simulate::<f64>(&balls(folder.path(), divisions, contact_on));
         (0..2000).find(|_| {
             simulation.step();
             pushes(&simulation)
@@ -98,7 +98,8 @@ fn equal_balls_head_on_exchange_their_speeds_within_two_percent() {
 
 #[test]
 fn momentum_and_angular_momentum_are_kept_and_no_energy_is_made() {
-    let mut scene = balls(8, ContactOn::Mesh);
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut scene = balls(folder.path(), 8, ContactOn::Mesh);
     scene.bodies.iter_mut().for_each(|body| (body.friction_static, body.friction_dynamic) = (0.6, 0.4));
     let mut simulation = simulate::<f64>(&scene);
     let before = [0, 1].map(|body| momenta(&simulation, body));
@@ -162,7 +163,8 @@ fn what_has_no_inside_is_met_at_its_cells() {
 
 #[test]
 fn threads_levels_and_the_broad_phase_come_to_the_same() {
-    let scene = balls(8, ContactOn::Mesh);
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = balls(folder.path(), 8, ContactOn::Mesh);
     let hash = |threads: usize, level: SimdLevel, broad_phase: bool| {
         let mut simulation = simulate::<f32>(&scene);
         (simulation.plan_mut().simd, simulation.plan_mut().broad_phase) = (level, broad_phase);
@@ -183,7 +185,8 @@ fn threads_levels_and_the_broad_phase_come_to_the_same() {
 
 #[test]
 fn what_bodies_meet_with_may_change_while_they_touch() {
-    let scene = balls(8, ContactOn::Mesh);
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = balls(folder.path(), 8, ContactOn::Mesh);
     let mut simulation = simulate::<f32>(&scene);
     (0..2000).find(|_| simulation.step().last.body_contacts > 0).expect("they meet");
     let presses = |simulation: &Simulation<f32>, of_mesh: bool| {
