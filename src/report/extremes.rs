@@ -32,10 +32,10 @@ const MASS_RATIO: f64 = 1000.0;
 /// The carried models that scenes are made of. A model more would make another scene of every seed.
 const MODELS: [&str; 5] = ["bowl.obj", "comb.obj", "coupler.obj", "spot.obj", "tree.obj"];
 
-/// How long a random scene is watched. Most take a tenth of the links' forces at which one is cut short, and those that
-/// take more would take most of the time.
+/// How long a random scene is watched. Most take a hundredth of the links' forces at which one is cut short: of 150 scenes 6 take
+/// more, which took half of the time that all of them took. At a tenth of these, 21 were cut short.
 pub fn patience(quick: bool) -> Patience {
-    let (seconds, most_link_forces) = if quick { (0.5, 1_000_000) } else { (2.0, 20_000_000) };
+    let (seconds, most_link_forces) = if quick { (0.5, 1_000_000) } else { (2.0, 200_000_000) };
     Patience { seconds, most_link_forces }
 }
 
