@@ -34,6 +34,7 @@ pub(super) struct Reader<'a> {
 
 /// What a version of the file tells of.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is what a version was the first to tell of")]
 pub(super) struct Tells {
     /// Points of meshes that meet other bodies.
     pub(super) meshes_meet: bool,

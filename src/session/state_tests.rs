@@ -8,7 +8,7 @@ use crate::disk::fnv1a;
 use crate::physics::{BodyPoint, Press, SampleTouch};
 use crate::scene::edit::{BodyId, Edit, ObstacleId};
 use crate::scene::settings::Settings;
-use crate::scene::{ContactOn, ObstacleShape, Shape, presets};
+use crate::scene::{ContactOn, ObstacleShape, Scene, Shape, presets};
 
 /// Where the numbers of a state of the cube on a plane stand, after its lines of text.
 const STEPS: usize = 16;

@@ -44,7 +44,7 @@ fn printable(letter: char) -> char {
 }
 
 /// How many of something there are: "1 part", "3 parts".
-pub fn counted<N: Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
+pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
     let word = if count == N::from(1) { one } else { many };
     format!("{count} {word}")
 }

@@ -114,7 +114,7 @@ mod tests {
             [3, 7, 5],
         ];
         let mut lattice = Lattice::new(&Cells::cube(1, 1.0).expect("a cube"));
-        lattice.mesh = Some(Arc::new(TriMesh { positions, triangles: triangles.to_vec(), ..TriMesh::default() }));
+        lattice.mesh = Some(Arc::new(TriMesh { positions, triangles: triangles.to_vec() }));
         Skin::of(&lattice).expect("it is closed")
     }
 

@@ -167,7 +167,9 @@ fn find_points<R: Real>(substep: Substep<'_, R>, workspace: &mut BodiesWorkspace
             find::find_points(look, number, points);
         }
     });
-    points.iter().for_each(|points| points.count(&mut recorder.counters));
+    for points in &*points {
+        points.count(&mut recorder.counters);
+    }
 }
 
 /// Writes the contacts of what was found down, with what they may move.
@@ -184,7 +186,9 @@ fn constrain<R: Real>(
         let damping_ratio = damping_ratio([of_point, of_cell], modal, inside);
         let law = PointLaw { damping_ratio, ..pair_law(substep.model, [of_point, of_cell]) };
         let meeting = Meeting { substep, of_point, of_cell, law, velocity };
-        found.iter().for_each(|found| meeting.add(found, modal, workspace));
+        for found in found {
+            meeting.add(found, modal, workspace);
+        }
     }
     (workspace.pairs, workspace.points) = (pairs, points);
 }

@@ -167,7 +167,7 @@ struct List {
 /// All lists of one body's points.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lists {
-    lists: Vec<List>,
+    made: Vec<List>,
     /// The points of all lists by their places on the hull, ascending in each list.
     points: Vec<u32>,
     /// By cell in each list, ascending.
@@ -180,7 +180,7 @@ impl Lists {
     /// Room for a body with so many points on its outside among so many bodies.
     pub(super) fn new(points: usize, bodies: usize) -> Self {
         Self {
-            lists: Vec::with_capacity(bodies.min(8)),
+            made: Vec::with_capacity(bodies.min(8)),
             points: Vec::with_capacity(2 * points),
             pairs: Vec::with_capacity(8 * points),
             place_of: Vec::with_capacity(points),
@@ -198,20 +198,20 @@ impl Lists {
         buckets: &mut Buckets,
     ) -> Listed<'_> {
         let times = neighbours.times(of);
-        if self.lists.iter().any(|list| list.times[0] != times[0]) {
-            self.lists.clear();
+        if self.made.iter().any(|list| list.times[0] != times[0]) {
+            self.made.clear();
             self.points.clear();
             self.pairs.clear();
         }
-        if let Some(old) = self.lists.iter().position(|list| list.cells == of[1] && list.times != times) {
+        if let Some(old) = self.made.iter().position(|list| list.cells == of[1] && list.times != times) {
             self.forget(old);
         }
-        let known = self.lists.iter().position(|list| list.cells == of[1]);
+        let known = self.made.iter().position(|list| list.cells == of[1]);
         let number = known.unwrap_or_else(|| {
             self.make(model, (of, outside), neighbours, seen, buckets);
-            self.lists.len() - 1
+            self.made.len() - 1
         });
-        let List { points, pairs, .. } = &self.lists[number];
+        let List { points, pairs, .. } = &self.made[number];
         #[expect(clippy::cast_possible_truncation, reason = "what is lost is allowed for")]
         let way = (neighbours.way(of) / USED) as f32 + (ROUNDING * margin(model, of)) as f32;
         Listed { points: &self.points[points.clone()], pairs: &self.pairs[pairs.clone()], way }
@@ -219,10 +219,10 @@ impl Lists {
 
     /// Forgets a list.
     fn forget(&mut self, number: usize) {
-        let List { points, pairs, .. } = self.lists.remove(number);
+        let List { points, pairs, .. } = self.made.remove(number);
         self.points.drain(points.clone());
         self.pairs.drain(pairs.clone());
-        for list in &mut self.lists[number..] {
+        for list in &mut self.made[number..] {
             list.points = list.points.start - points.len()..list.points.end - points.len();
             list.pairs = list.pairs.start - pairs.len()..list.pairs.end - pairs.len();
         }
@@ -286,7 +286,7 @@ impl Lists {
             }
         }
         let (points, pairs) = (first.0..self.points.len(), first.1..self.pairs.len());
-        self.lists.push(List { cells: of[1], times: neighbours.times(of), points, pairs });
+        self.made.push(List { cells: of[1], times: neighbours.times(of), points, pairs });
     }
 }
 
