@@ -147,6 +147,28 @@ fn a_ball_lies_on_a_box_and_not_on_its_cells() {
 }
 
 #[test]
+fn a_plate_of_a_fifth_of_a_cell_is_not_passed_at_sixty_metres_a_second() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plate = box_obj().replace("0.3 ", "0.01 ");
+    let mut plate = model(folder.path(), &plate, 10, [0.0; 3], [0.0; 3]);
+    plate.material = Material::Solid(Solid { young_modulus: 1e6, damping_ratio: 0.3, ..Solid::default() });
+    let ball = Body {
+        material: plate.material.clone(),
+        ..model(folder.path(), &ball_obj(24), 8, [0.0, 0.7, 0.0], [0.0, -60.0, 0.0])
+    };
+    let mut simulation = simulate::<f32>(&meeting(vec![plate, ball]));
+    let places = |simulation: &Simulation<f32>| [0, 1].map(|body| simulation.diagnostics_of(body).center.y);
+    let mut met = false;
+    for _ in 0..60 {
+        simulation.step();
+        met |= pushes(&simulation);
+        let [plate, ball] = places(&simulation);
+        assert!(ball > plate, "the ball is still above: {ball} m over {plate} m");
+    }
+    assert!(met, "they meet");
+}
+
+#[test]
 fn what_has_no_inside_is_met_at_its_cells() {
     let folder = tempfile::tempdir().expect("a folder");
     let sheet = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 2 3 4\n";

@@ -76,6 +76,11 @@ impl Skin {
             .then(|| WayThrough { normal: pierced.normal, depth: pierced.t * BEYOND * leads_out * self.length() })
     }
 
+    /// How thick it is where it is thinnest but for sharp edges, m.
+    pub(in crate::physics) fn thickness(&self) -> f64 {
+        2.0 * self.surface.half_thickness() * self.length()
+    }
+
     fn length(&self) -> f64 {
         self.surface.own_length()
     }
@@ -132,5 +137,6 @@ mod tests {
             assert_eq!(skin.way_out(outside), None, "{outside}");
         }
         assert!((skin.normal(DVec3::new(1.1, 3.0, 3.5)) - DVec3::Y).length() < 1e-9);
+        assert!((skin.thickness() - 0.4).abs() < 0.01, "{} m thick", skin.thickness());
     }
 }

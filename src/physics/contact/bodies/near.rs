@@ -10,14 +10,18 @@ use super::motion::Motion;
 use super::points::PointsWorkspace;
 use super::workspace::BodiesWorkspace;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::model::Model;
 use crate::physics::model::plan::{BodyContactPlan, Plan};
+use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
 use crate::physics::state::sleep;
 use crate::physics::team::{self, FEWEST_THAT_MEET};
 
-/// Points travel no further than this share of the smaller cell relative to what they may meet, in a part of a substep.
+/// Points travel no further than this share of the smaller cell relative to what they may meet, or of how thick a mesh is, in a part
+/// of a substep.
 const LONGEST_WAY: f64 = 0.5;
+
+/// No part of a mesh is taken to be thinner than this, in cells.
+const THINNEST: f64 = 0.1;
 
 /// Boxes are grown by this share of the smaller cell: what forces add to the motion within a substep.
 const MARGIN: f64 = 0.25;
@@ -72,9 +76,10 @@ pub(in crate::physics) fn parts<R: Real>(
             }
             are_near = true;
             wake(model, plan, state, pair);
+            let thickness = pair.map(|body| thickness(&model.bodies[body]));
             let apart = |a: &Aabb<R>, b: &Aabb<R>| (a.max - b.min).max(R::Vec3::ZERO);
             let way = apart(&one.velocity, &other.velocity).max(apart(&other.velocity, &one.velocity)).length() * secs;
-            longest = longest.max(way.to_f64() / (LONGEST_WAY * cell));
+            longest = longest.max(way.to_f64() / (LONGEST_WAY * thickness[0].min(thickness[1])));
         }
     }
     if !are_near {
@@ -86,6 +91,13 @@ pub(in crate::physics) fn parts<R: Real>(
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
     let by_way = (libm::ceil(longest) as u32).min(MOST_PARTS);
     Some(parts.max(by_way))
+}
+
+/// How thick what others may pass through is at least, m: a cell, or a mesh that is thinner.
+fn thickness<R: Real>(body: &BodyModel<R>) -> f64 {
+    let cell = body.lattice.grid.cell_size;
+    let skin = body.samples_among_bodies().and_then(|samples| samples.skin.as_ref());
+    skin.map_or(cell, |skin| skin.thickness().clamp(THINNEST * cell, cell))
 }
 
 /// Whether two bodies meet at all: neither has fallen out of the scene, and both are to.
