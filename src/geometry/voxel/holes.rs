@@ -82,6 +82,12 @@ impl Patched {
     }
 }
 
+/// A mesh with its small holes closed; none where a piece of it stays open.
+pub fn patched(mesh: &TriMesh) -> Option<TriMesh> {
+    let Patched { whole, closed, .. } = Patched::of(mesh)?;
+    closed.is_none().then_some(whole)
+}
+
 /// An edge with a triangle on one side, which it runs around as the triangle does.
 struct RimEdge {
     piece: u32,

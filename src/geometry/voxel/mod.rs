@@ -27,6 +27,7 @@ use components::Components;
 use contents::contents;
 pub use contents::{Contents, LEAST_SHARE, SHEET_SHARE};
 pub use grid::{Cells, CellsError, Grid, lowest};
+pub use holes::patched;
 pub use lost_detail::{Lost, LostDetail};
 pub use options::{Keep, MAX_DIVISIONS, OccupancyChoice, VoxelizeError, VoxelizeOptions};
 use quantized_mesh::QuantizedMesh;
