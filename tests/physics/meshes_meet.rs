@@ -71,7 +71,8 @@ fn balls_meet_where_their_surfaces_are_and_not_where_their_cells_end() {
     // With a hole too: one face is missing of the northern, and one of the southern half.
     let whole = ball_obj(24);
     let is_kept = |(number, _): &(usize, &str)| ![1500, 2000].contains(number);
-    let holed: String = whole.lines().enumerate().filter(is_kept).map(|(_, line)| format!("{line}\n")).collect();
+    let kept: Vec<&str> = whole.lines().enumerate().filter(is_kept).map(|(_, line)| line).collect();
+    let holed = kept.join("\n");
     assert_eq!(holed.matches('f').count() + 2, whole.matches('f').count());
     let first_contact = |obj: &str, divisions, contact_on| {
         let folder = tempfile::tempdir().expect("a folder");
