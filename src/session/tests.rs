@@ -215,7 +215,7 @@ fn damaged_and_foreign_states_are_refused() {
     }
     assert_eq!(refused(&bytes[..bytes.len() / 2]), StateFileError::Damaged, "half a file");
     assert_eq!(refused(b"hello"), StateFileError::NotAState, "something else");
-    assert!(matches!(refused(b"gelatin-state 16\n"), StateFileError::OtherVersion { .. }), "a later version");
+    assert!(matches!(refused(b"gelatin-state 17\n"), StateFileError::OtherVersion { .. }), "a later version");
     let other = session("cube-on-sphere").state_bytes();
     let words = session("coupler-7").set_state_bytes(&other).expect_err("another scene's").to_string();
     assert!(
