@@ -15,7 +15,7 @@ use crate::scene::material::{Material, Solid, Spring, Springs};
 use crate::scene::obstacle::{Capsule, ContactStiffness, Cuboid, Cylinder, Plane, Sphere};
 use crate::scene::resolve::{ResolveError, resolve};
 use crate::scene::settings::{EARTH_GRAVITY, Integrator};
-use crate::scene::{Obstacle, ObstacleShape, Scene, Shape, builtin};
+use crate::scene::{ContactOn, Obstacle, ObstacleShape, Scene, Shape, builtin};
 
 /// The share of scenes with one body whose body is of two solids, and of those with springs first that are of two.
 const INLAID: f64 = 0.15;
@@ -25,6 +25,9 @@ const HELD: f64 = 0.2;
 
 /// The share of scenes whose bodies meet each other; in the others they pass through each other.
 const MEETING: f64 = 0.8;
+
+/// The share of scenes whose models meet others with their mesh.
+const ON_MESH: f64 = 0.5;
 
 /// How much heavier than the first a second body is, or the first than it, and one solid of a body than the other.
 const MASS_RATIO: f64 = 1000.0;
@@ -48,6 +51,8 @@ pub enum Edition {
     Second,
     /// The same among the same; some bodies of springs are of two.
     Third,
+    /// The same; some models meet others with their mesh.
+    Fourth,
 }
 
 /// A random scene, number `number` of those that follow from `seed`, in automatic stepping.
@@ -57,7 +62,7 @@ pub fn extreme_scene(seed: u64, number: u64) -> Scene {
 
 /// A random scene and what happens to it while time runs.
 pub fn extreme(seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
-    extreme_of(Edition::Third, seed, number)
+    extreme_of(Edition::Fourth, seed, number)
 }
 
 /// The same of an edition.
@@ -93,8 +98,12 @@ pub fn extreme_of(edition: Edition, seed: u64, number: u64) -> (Scene, Vec<Distu
     if edition != Edition::First {
         Draw(Rng::new(seeds.next_u64())).closed_forms(&mut scene, size);
     }
-    if edition == Edition::Third {
+    if matches!(edition, Edition::Third | Edition::Fourth) {
         Draw(Rng::new(seeds.next_u64())).other_springs(&mut scene, cell_size, size);
+    }
+    if edition == Edition::Fourth && Draw(Rng::new(seeds.next_u64())).chance(ON_MESH) {
+        let models = scene.bodies.iter_mut().filter(|body| matches!(body.shape, Shape::Model(_)));
+        models.for_each(|body| body.contact_on = ContactOn::Mesh);
     }
     let disturbances = disturb::disturbances(&mut more, &scene, size);
     (scene, disturbances)
@@ -334,6 +343,15 @@ mod tests {
     }
 
     #[test]
+    fn the_fourth_edition_differs_by_what_models_meet_with_alone() {
+        for number in 0..200 {
+            let [third, mut fourth] = [Edition::Third, Edition::Fourth].map(|edition| extreme_of(edition, 3, number).0);
+            fourth.bodies.iter_mut().for_each(|body| body.contact_on = ContactOn::Cells);
+            assert_eq!(third, fourth, "scene {number}");
+        }
+    }
+
+    #[test]
     fn there_is_some_of_everything() {
         let scenes: Vec<Scene> = (0..500).map(|number| extreme_scene(3, number)).collect();
         let some = |what: &str, is: &dyn Fn(&Scene) -> bool| {
@@ -341,6 +359,7 @@ mod tests {
             assert!(count > 25, "{what}: {count} of 500");
         };
         some("models", &|scene| matches!(scene.bodies[0].shape, Shape::Model(_)));
+        some("models that meet with their mesh", &|scene| scene.bodies[0].contact_on == ContactOn::Mesh);
         some("cells", &|scene| matches!(scene.bodies[0].shape, Shape::Cells(_)));
         some("heights of a kilometre", &|scene| scene.bodies[0].pose.position[1] > 999.0);
         some("a kilometre a second", &|scene| {
