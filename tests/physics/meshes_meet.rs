@@ -206,7 +206,7 @@ fn threads_levels_and_the_broad_phase_come_to_the_same() {
         let mut simulation = simulate::<f32>(&scene);
         (simulation.plan_mut().simd, simulation.plan_mut().broad_phase) = (level, broad_phase);
         simulation.set_threads(threads);
-        within(threads, || run(&mut simulation, 0.35));
+        within(threads, || run(&mut simulation, 0.5));
         assert!(pushes(&simulation), "they are in contact");
         simulation.hash()
     };
