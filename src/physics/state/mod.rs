@@ -53,7 +53,7 @@ pub struct State<R: Real> {
     pub approaches: Vec<Approach>,
     /// Obstacles that were moved while time runs and sweep to their places in the model.
     pub sweeps: Vec<Sweep>,
-    /// The springs of contact between bodies that touch each other, by particle and body.
+    /// The springs of contact between bodies that touch each other, by body, point and the other body.
     pub presses: Vec<Press>,
     /// Where points of bodies' meshes and of free modal bodies touch obstacles, by body, point and obstacle.
     pub touches: Vec<SampleTouch>,

@@ -12,7 +12,7 @@ pub(super) const NONE: u32 = u32::MAX;
 /// A point of one body that may be inside another, and the cell of that which holds it best so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen {
-    /// The point's place on the hull of its body.
+    /// The point, by its number on the outside of its body.
     pub(super) point: u32,
     /// Where it would be at the end of the substep, m.
     pub(super) ahead: DVec3,

@@ -42,7 +42,7 @@ pub(super) struct Neighbour {
 /// The list of a pair, as it is looked through.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Listed<'a> {
-    /// The points that may be in cells, by their places on the hull.
+    /// The points that may be in cells, by their numbers on the outside of their body.
     pub(super) points: &'a [u32],
     /// By cell, ascending.
     pairs: &'a [Neighbour],
@@ -168,7 +168,7 @@ struct List {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lists {
     made: Vec<List>,
-    /// The points of all lists by their places on the hull, ascending in each list.
+    /// The points of all lists by their numbers on the outside, ascending in each list.
     points: Vec<u32>,
     /// By cell in each list, ascending.
     pairs: Vec<Neighbour>,

@@ -48,7 +48,7 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(in crate::physics) met: Vec<[usize; 2]>,
     /// What met in the last substep, in the order of bodies and points.
     pub(in crate::physics) contacts: Vec<BodyContact>,
-    /// Their springs as they are at its end, by particle and body.
+    /// Their springs as they are at its end, by body, point and the other body.
     pub(in crate::physics) presses: Vec<Press>,
 }
 
